@@ -1,0 +1,41 @@
+# Flags in two groups. Those that change what inline code compiles to are PUBLIC on the core library, so that every translation
+# unit of one program, a consumer's too, compiles the shared templates alike (one definition). Warnings are ours alone.
+
+include(CheckCXXCompilerFlag)
+
+function(momentree_shared_flags target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  # No errno from sqrt: else the compiler keeps a call behind every square root.
+  target_compile_options(${target} PUBLIC -fno-math-errno)
+  if(MOMENTREE_NATIVE)
+    check_cxx_compiler_flag(-march=native MOMENTREE_HAS_MARCH_NATIVE)
+    if(MOMENTREE_HAS_MARCH_NATIVE)
+      target_compile_options(${target} PUBLIC -march=native)
+    endif()
+  endif()
+  if(MOMENTREE_DETERMINISTIC)
+    target_compile_options(${target} PUBLIC -ffp-contract=off)
+  else()
+    target_compile_options(${target} PUBLIC -ffp-contract=fast)
+  endif()
+  if(MOMENTREE_SANITIZE)
+    target_compile_options(${target} PUBLIC -fsanitize=${MOMENTREE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(${target} PUBLIC -fsanitize=${MOMENTREE_SANITIZE})
+  endif()
+endfunction()
+
+function(momentree_flags target)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
+  if(MOMENTREE_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+endfunction()
+
+# -O3 in CMake's Release; the assertions of the standard library in Debug.
+add_compile_definitions($<$<CONFIG:Debug>:_GLIBCXX_ASSERTIONS>)
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+endif()

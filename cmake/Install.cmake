@@ -1,0 +1,21 @@
+# cmake --install: headers, libraries, the program, and what find_package(momentree) reads.
+include(CMakePackageConfigHelpers)
+
+set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/momentree")
+set(library_targets momentree)
+if(TARGET momentree_io)
+  list(APPEND library_targets momentree_io)
+endif()
+install(TARGETS ${library_targets} EXPORT momentreeTargets
+  ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+if(TARGET momentree-cli)
+  install(TARGETS momentree-cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+endif()
+install(DIRECTORY momentree "${PROJECT_BINARY_DIR}/generated/momentree" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "*.ipp")
+install(EXPORT momentreeTargets NAMESPACE momentree:: DESTINATION "${package_dir}")
+configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/momentreeConfig.cmake.in" "${PROJECT_BINARY_DIR}/momentreeConfig.cmake"
+  INSTALL_DESTINATION "${package_dir}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/momentreeConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/momentreeConfig.cmake" "${PROJECT_BINARY_DIR}/momentreeConfigVersion.cmake"
+  DESTINATION "${package_dir}")
