@@ -1,0 +1,182 @@
+#include <tests/oracle/random_model.hpp>
+
+#include <array>
+#include <string>
+
+namespace momentree::oracle {
+namespace {
+
+constexpr std::array all{Kind::revolute,  Kind::prismatic, Kind::helical, Kind::cylindrical, Kind::universal,
+                         Kind::ball,      Kind::planar,    Kind::free,    Kind::weld};
+
+int coordinates_of(Kind kind) {
+  switch (kind) {
+    case Kind::weld: return 0;
+    case Kind::cylindrical:
+    case Kind::universal: return 2;
+    case Kind::planar: return 3;
+    case Kind::ball: return 4;
+    case Kind::free: return 7;
+    default: return 1;
+  }
+}
+
+int freedoms_of(Kind kind) {
+  const int nq = coordinates_of(kind);
+  return nq == 4 ? 3 : nq == 7 ? 6 : nq;
+}
+
+Values positive_values(Prng& random, int count, double low, double high) {
+  Values values;
+  for (int i = 0; i < count; ++i) {
+    const double value = random.log_uniform(low, high);
+    values.push_back(value);
+  }
+  return values;
+}
+
+/// A moment of inertia that a cloud of mass points can have: from positive second moments along random axes.
+Sym3 random_inertia(Prng& random, double mass) {
+  const double size = random.log_uniform(0.05, 0.5);
+  const double a = random.uniform(0.1, 1) * mass * size * size;
+  const double b = random.uniform(0.1, 1) * mass * size * size;
+  const double c = random.uniform(0.1, 1) * mass * size * size;
+  const Quat axes = random.rotation();
+  return rotate(rotation_matrix(axes), diagonal(b + c, a + c, a + b));
+}
+
+Pose random_pose(Prng& random, double size) {
+  const Vec3 position = random.vector(size);
+  const Quat rotation = random.rotation();
+  return {position, rotation};
+}
+
+void draw_parameters(Prng& random, JointSpec& joint, const RandomTreeOptions& options) {
+  const int nv = freedoms_of(joint.kind);
+  if (nv == 0) return;
+  JointParameters& p = joint.parameters;
+  if (random.chance(0.3)) p.armature = positive_values(random, nv, 1e-3, 1);
+  const bool rotates_freely = joint.kind == Kind::ball || joint.kind == Kind::free;
+  if (random.chance(0.3)) {
+    p.stiffness = positive_values(random, nv, 0.1, 10);
+    if (options.conservative && rotates_freely)  // −k·log is the gradient of a potential only if the three are equal
+      for (int i = nv - 2; i < nv; ++i) p.stiffness[i] = p.stiffness[nv - 3];
+    if (random.chance(0.5)) p.rest = random_coordinates(random, joint.kind);
+  }
+  if (options.conservative) return;
+  if (random.chance(0.3)) p.damping = positive_values(random, random.chance(0.5) ? 1 : nv, 1e-2, 1);
+  if (random.chance(0.3)) p.effort = random_velocities(random, joint.kind);
+}
+
+int draw_parent(Prng& random, Shape shape, int k) {
+  if (k == 0) return -1;
+  switch (shape) {
+    case Shape::chain: return k - 1;
+    case Shape::bushy: {
+      const double u = random.unit();
+      return static_cast<int>(k * u * u);
+    }
+    case Shape::mixed: return random.integer(k < 3 ? 0 : k - 3, k - 1);
+  }
+  return k - 1;
+}
+
+Kind draw_root_kind(Prng& random, Root root) {
+  if (root == Root::welded) return Kind::weld;
+  if (root == Root::free) return Kind::free;
+  return all[static_cast<std::size_t>(random.integer(0, 6))];  // the last two are free and weld
+}
+
+}  // namespace
+
+JointSpec random_joint(Prng& random, Kind kind, const RandomTreeOptions& options) {
+  JointSpec joint;
+  joint.kind = kind;
+  joint.axis = random.direction();
+  if (kind == Kind::universal) {
+    joint.axis2 = random.direction();
+    while (std::abs(dot(joint.axis, joint.axis2)) > 0.8) joint.axis2 = random.direction();
+  }
+  if (kind == Kind::helical) {
+    joint.pitch = random.uniform(0.05, 0.5);
+    if (random.chance(0.5)) joint.pitch = -joint.pitch;
+  }
+  if (kind == Kind::planar || kind == Kind::ball || kind == Kind::free || kind == Kind::weld) joint.axis = {0, 0, 1};
+  if (options.parameters) draw_parameters(random, joint, options);
+  return joint;
+}
+
+Values random_coordinates(Prng& random, Kind kind) {
+  Values q;
+  const int nq = coordinates_of(kind);
+  const int plain = nq == 4 ? 0 : nq == 7 ? 3 : nq;
+  for (int i = 0; i < plain; ++i) {
+    const bool length = kind == Kind::prismatic || kind == Kind::free || (kind == Kind::cylindrical && i == 1) ||
+                        (kind == Kind::planar && i < 2);
+    const double value = length ? random.uniform(-0.5, 0.5) : random.uniform(-3, 3);
+    q.push_back(value);
+  }
+  if (nq >= 4) {
+    const Quat rotation = random.rotation();
+    for (double component : {rotation.w, rotation.x, rotation.y, rotation.z}) q.push_back(component);
+  }
+  return q;
+}
+
+Values random_velocities(Prng& random, Kind kind) {
+  Values v;
+  for (int i = 0; i < freedoms_of(kind); ++i) {
+    const double value = random.uniform(-1, 1);
+    v.push_back(value);
+  }
+  return v;
+}
+
+RandomTree random_tree(std::uint64_t seed, const RandomTreeOptions& options) {
+  Prng random(seed);
+  RandomTree tree;
+  tree.shape = static_cast<Shape>(seed % 3);
+  tree.root = options.all_free ? Root::free : static_cast<Root>(seed / 3 % 3);
+  if (options.gravity) tree.model.set_gravity(random.vector(10));
+  else tree.model.set_gravity({0, 0, 0});
+  const int bodies = random.integer(options.min_bodies, options.max_bodies);
+  const bool several = options.several_mechanisms && random.chance(0.2);
+
+  int first = 0;  // first body of the present mechanism
+  int mechanism = 0;
+  for (int k = 0; k < bodies; ++k) {
+    if (several && k > first && random.chance(3.0 / bodies)) {
+      first = k;
+      ++mechanism;
+    }
+    const int parent = draw_parent(random, tree.shape, k - first);
+    Root root = tree.root;
+    if (mechanism > 0 && !options.all_free) root = static_cast<Root>(random.integer(0, 2));
+    Kind kind = draw_root_kind(random, root);
+    if (parent >= 0 && options.kinds.empty()) kind = all[static_cast<std::size_t>(random.integer(0, 8))];
+    if (parent >= 0 && !options.kinds.empty())
+      kind = options.kinds[static_cast<std::size_t>(random.integer(0, static_cast<int>(options.kinds.size()) - 1))];
+
+    BodySpec body;
+    body.name = "m" + std::to_string(mechanism) + "/b" + std::to_string(k);
+    body.mass = random.log_uniform(1e-2, 1e2);
+    body.com = random.vector(0.3);
+    body.inertia = random_inertia(random, body.mass);
+    body.parent = parent < 0 ? ground : Body{first + parent};
+    body.at = random_pose(random, 0.5);
+    if (random.chance(0.5)) body.child_at = random_pose(random, 0.2);
+    body.joint = random_joint(random, kind, options);
+    body.q = random_coordinates(random, kind);
+    body.v = random_velocities(random, kind);
+    tree.model.add(body);
+  }
+  return tree;
+}
+
+int freedoms(const Model& model) {
+  int count = 0;
+  for (const BodySpec& body : model.bodies()) count += freedoms_of(body.joint.kind);
+  return count;
+}
+
+}  // namespace momentree::oracle

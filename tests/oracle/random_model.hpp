@@ -1,0 +1,45 @@
+#pragma once
+// Deterministic random worlds for the law tests: trees over all nine kinds of joint with every parameter drawn.
+#include <cstdint>
+
+#include <vector>
+
+#include <momentree/tree/model.hpp>
+#include <tests/oracle/prng.hpp>
+
+namespace momentree::oracle {
+
+enum class Shape { chain, bushy, mixed };
+enum class Root { welded, free, jointed };  ///< jointed: grounded by a joint other than a weld
+
+struct RandomTree {
+  Model model;
+  Shape shape = Shape::chain;
+  Root root = Root::welded;
+};
+
+struct RandomTreeOptions {
+  int min_bodies = 1, max_bodies = 100;
+  bool several_mechanisms = true;
+  bool all_free = false;       ///< every root is free, whatever the seed says
+  bool gravity = true;
+  bool parameters = true;      ///< damping, springs, armature, efforts on some joints
+  bool conservative = false;   ///< of these only springs with a potential, and rotors
+  std::vector<Kind> kinds{};   ///< drawn from for the joints that are not roots; empty: all nine
+};
+
+/// Tree number `seed`: a third pure chains, a third bushy; of each a third welded to the ground, free, or grounded by another joint.
+/// Masses from 0.01 to 100 kg; q at random, v within ±1.
+RandomTree random_tree(std::uint64_t seed, const RandomTreeOptions& options = {});
+
+/// A joint of `kind` with random geometry; `parameters` as in the options.
+JointSpec random_joint(Prng& random, Kind kind, const RandomTreeOptions& options);
+
+/// Coordinates of a kind, quaternions of unit length.
+Values random_coordinates(Prng& random, Kind kind);
+Values random_velocities(Prng& random, Kind kind);
+
+/// Number of momenta of the model.
+int freedoms(const Model& model);
+
+}  // namespace momentree::oracle
