@@ -23,7 +23,8 @@ int main() {
   sim.at(1.8).then(break_joint("chain/41"));
   if (sim.run_until(3.0) != Status::ok) return std::fprintf(stderr, "%s\n", sim.message().c_str()), 1;
 
-  for (const Event& e : sim.events()) std::printf("%g s: %s, %zu mechanisms\n", e.time, e.actions[0].c_str(), e.mechanisms_after.size());
-  const Vec3 tip = sim.world().motions()[99].pose.r;
+  for (const Event& e : sim.events())
+    std::printf("%g s: %s, %zu mechanisms\n", e.time, e.actions[0].c_str(), e.mechanisms_after.size());
+  const Vec3 tip = sim.world().motions()[99].pose.position;
   std::printf("%g s: chain/100 is at (%.3f, %.3f) m\n", sim.time(), tip.x, tip.y);
 }

@@ -1,0 +1,53 @@
+// One evaluation (q, p) → (q̇, ṗ). Every coordinate is moved before each, so that nothing can be remembered from the last; the
+// velocities of the last are turned back into momenta before the time is believed.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <vector>
+
+#include "models.hpp"
+
+namespace momentree::bench {
+namespace {
+
+// Largest error of the momenta that the velocities just found belong to, relative to the largest momentum.
+double momentum_error(const Tree& tree, const std::vector<double>& q, const std::vector<double>& p, const Work<double>& work) {
+  std::vector<double> again(p.size());
+  project_momentum(tree, q.data(), work.v.get(), again.data());
+  double error = 0, largest = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    error = std::max(error, std::abs(again[i] - p[i]));
+    largest = std::max(largest, std::abs(p[i]));
+  }
+  return error / largest;
+}
+
+void evaluate(benchmark::State& run, Model (*make)(int)) {
+  const int bodies = static_cast<int>(run.range(0));
+  const Model model = make(bodies);
+  const Tree tree = compile(model);
+  const State start = start_state(model, tree);
+  Work<double> work(tree);
+  std::vector<double> q(start.q().begin(), start.q().end()), p(start.p().begin(), start.p().end()), move(q.size());
+  for (std::size_t i = 0; i < q.size(); ++i) move[i] = 1e-4 * static_cast<double>(i % 7 + 1);
+
+  for (auto _ : run) {
+    for (std::size_t i = 0; i < q.size(); ++i) q[i] += move[i], move[i] = -move[i];
+    evaluate_rates(tree, q.data(), p.data(), work);
+    benchmark::DoNotOptimize(work.pdot.get());
+    benchmark::ClobberMemory();
+  }
+  const double error = momentum_error(tree, q, p, work);
+  if (!(error < 1e-9)) run.SkipWithError("the velocities do not belong to the momenta");
+  run.counters["per_body"] =
+      benchmark::Counter(bodies, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+BENCHMARK_CAPTURE(evaluate, planar_chain, planar_chain)->Arg(10)->Arg(100)->Arg(1000);
+BENCHMARK_CAPTURE(evaluate, spatial_chain, spatial_chain)->Arg(10)->Arg(100)->Arg(1000);
+BENCHMARK_CAPTURE(evaluate, bushy_tree, bushy_tree)->Arg(10)->Arg(100)->Arg(1000);
+
+}  // namespace
+}  // namespace momentree::bench

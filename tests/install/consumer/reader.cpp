@@ -1,0 +1,24 @@
+// A program outside the project's tree reads a scenario, and is told what is wrong with another.
+#include <momentree/io/scenario.hpp>
+#include <momentree/momentree.hpp>
+
+#include <cstdio>
+
+int main() {
+  using namespace momentree;
+  const char* text =
+      "format = 1\n"
+      "[[mechanism]]\nname = \"m\"\n"
+      "[[mechanism.body]]\nname = \"rod\"\nmass = 1\ncom = [0.5, 0, 0]\ninertia = [0, 0.1, 0.1]\n"
+      "[mechanism.body.joint]\nkind = \"revolute\"\naxis = [0, 1, 0]\n";
+  const io::ReadResult good = io::read_scenario_text(text, "rod.toml");
+  for (const io::Diagnostic& d : good.diagnostics) std::puts(d.message().c_str());
+  if (!good.scenario || good.scenario->model.size() != 1) return 1;
+  Simulation simulation(good.scenario->model, good.scenario->integration);
+  if (simulation.run_until(0.1) != Status::ok) return 1;
+
+  const io::ReadResult bad = io::read_scenario_text("format = 1\nmechanisms = 2\n", "bad.toml");
+  if (bad.scenario || bad.diagnostics.empty()) return 1;
+  std::puts(bad.diagnostics[0].message().c_str());
+  return bad.diagnostics[0].line == 2 ? 0 : 1;
+}
