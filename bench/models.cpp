@@ -64,7 +64,7 @@ Model planar_chain(int bodies) {
                       .com = {0.025, 0, 0},
                       .inertia = diagonal(2.083e-6),
                       .parent = link,
-                      .at = {{k == 1 ? 0.0 : 0.05, 0, 0}},
+                      .at = {k == 1 ? 0.0 : 0.05, 0, 0},
                       .joint = Revolute{.axis = z_axis, .damping = 1e-5},
                       .q = 0.001 * k,
                       .v = 0.1});

@@ -15,7 +15,7 @@ int main() {
                       .com = {0.025, 0, 0},
                       .inertia = diagonal(2.083e-6),
                       .parent = link,
-                      .at = {{k == 1 ? 0.0 : 0.05, 0, 0}},
+                      .at = {k == 1 ? 0.0 : 0.05, 0, 0},
                       .joint = Revolute{.axis = z_axis, .damping = 1e-5},
                       .q = 0.001 * k});
 
