@@ -1,0 +1,63 @@
+#include <momentree/base/error.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+namespace momentree {
+
+std::string Error::message() const {
+  std::string text = where.empty() ? "error: " : where + ": error: ";
+  text += what;
+  if (!hint.empty()) text += "; " + hint;
+  return text;
+}
+
+void fail(Error error) {
+#if defined(__cpp_exceptions)
+  throw Error(std::move(error));
+#else
+  (void)error;
+  std::abort();
+#endif
+}
+
+namespace {
+
+// Damerau–Levenshtein distance (optimal string alignment): a swap of neighbours counts as one slip.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  const std::size_t width = b.size() + 1;
+  std::vector<std::size_t> before(width), last(width), row(width);
+  for (std::size_t j = 0; j < width; ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j < width; ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0u : 1u)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    std::swap(before, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+}  // namespace
+
+std::string nearest(std::string_view word, const std::vector<std::string>& known) {
+  if (word.size() > 200) return {};
+  std::string best;
+  std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+  for (const std::string& candidate : known) {
+    if (candidate.size() > 200) continue;
+    const std::size_t distance = edit_distance(word, candidate);
+    if (distance < best_distance && distance < word.size()) best = candidate, best_distance = distance;
+  }
+  return best;
+}
+
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& known) {
+  const std::string best = nearest(word, known);
+  return best.empty() ? std::string{} : "did you mean '" + best + "'?";
+}
+
+}  // namespace momentree

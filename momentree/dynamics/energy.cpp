@@ -1,0 +1,45 @@
+#include <momentree/dynamics/energy.hpp>
+
+#include <momentree/dynamics/forward.hpp>
+
+namespace momentree {
+
+Totals totals(const Tree& tree, const State& state, Work<double>& work) noexcept {
+  locate_bodies(tree, state, work);
+  Totals sum;
+  const Vec3& g = tree.gravity();
+  for (int b = 0; b < tree.bodies(); ++b) {
+    const Kinematics<double>& body = work.bodies[static_cast<std::size_t>(b)];
+    const RigidMass& mass = tree.link(b).body;
+    const Force<double> P = momentum(mass, body.velocity);  // (4)
+    const Vec3 l = body.R * P.l;
+    sum.kinetic += 0.5 * dot(body.velocity, P);  // (11)
+    sum.potential -= mass.m * dot(g, body.r) + dot(g, body.R * mass.mc);
+    sum.linear += l;
+    sum.angular += body.R * P.h + cross(body.r, l);
+  }
+  for (int i = 0; i < tree.nv(); ++i)
+    sum.kinetic += 0.5 * tree.armature()[i] * work.v[static_cast<std::size_t>(i)] * work.v[static_cast<std::size_t>(i)];
+  double force[6];
+  for (int b : tree.spring_joints()) sum.potential += joint_spring(tree, state.q().data(), b, force);
+  return sum;
+}
+
+double joint_energy(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+  MT_REQUIRE(work.evaluated == state.stamp(), "the work was evaluated on this state");
+  double energy = 0, force[6];
+  const JointParameters* p = tree.parameters(b);
+  if (p != nullptr && p->stiffness.any()) energy += joint_spring(tree, state.q().data(), b, force);
+  const int at = tree.first_p(b);
+  for (int i = at; i < at + info(tree.joint(b).kind).nv; ++i)
+    energy += 0.5 * tree.armature()[i] * work.v[static_cast<std::size_t>(i)] * work.v[static_cast<std::size_t>(i)];
+  return energy;
+}
+
+Pose user_pose(const Tree& tree, const Kinematics<double>& body, int b) noexcept {
+  const KernelFrame& f = tree.frame(b);
+  const Mat3 R = body.R * transpose(f.R);
+  return {body.r - R * f.r, quaternion_of(R)};
+}
+
+}  // namespace momentree

@@ -1,0 +1,17 @@
+#pragma once
+#include <momentree/dynamics/totals.hpp>
+#include <momentree/dynamics/work.hpp>
+
+namespace momentree {
+
+/// Energies and momenta of the whole world, from the bodies (never as p·u/2). Locates the bodies where needed.
+Totals totals(const Tree& tree, const State& state, Work<double>& work) noexcept;
+
+/// Potential energy of the spring and kinetic energy of the rotor of b's joint (J): what leaves with its freedoms.
+/// The work must be of this state.
+double joint_energy(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+
+/// Pose and velocity of the user's frame of body b, world axes, from its kernel frame.
+Pose user_pose(const Tree& tree, const Kinematics<double>& body, int b) noexcept;
+
+}  // namespace momentree

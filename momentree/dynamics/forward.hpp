@@ -1,0 +1,30 @@
+#pragma once
+// (q, p) → (q̇, ṗ) in two recursions, O(n): the backward one (22)–(26), the forward one (27), (17), (21), (20).
+#include <momentree/dynamics/work.hpp>
+
+namespace momentree {
+
+/// One evaluation at packed arrays q (nq) and p (nv): writes work.v, work.qdot, work.pdot and the records. Neither allocates nor
+/// throws. Marks the work as of no state: use `forward_dynamics` for what a change or a reader needs.
+template <class T>
+void evaluate_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept;
+
+/// The same for a state: work then carries the state's stamp. A work that carries it already is left as it is.
+void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) noexcept;
+
+/// Joint forces of dampers, springs and efforts, added to pdot; their power is work.power.
+void add_joint_forces(const Tree& tree, const double* q, Work<double>& work) noexcept;
+
+/// The spring of body b's joint: writes its generalised force (nv numbers) and returns its energy (J). The joint must have one.
+double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept;
+
+/// World poses and velocities of all bodies (kernel frames) into work.bodies; evaluates first where needed.
+void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noexcept;
+
+/// One joint outward: from the pose and velocity of the parent to those of b. The work must be of this state.
+Kinematics<double> across_joint(const Tree& tree, const State& state, const Work<double>& work, int b,
+                                const Kinematics<double>& outer) noexcept;
+
+extern template void evaluate_rates<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;
+
+}  // namespace momentree

@@ -1,0 +1,5 @@
+#include <momentree/dynamics/forward.ipp>
+
+namespace momentree {
+template void evaluate_rates<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;
+}

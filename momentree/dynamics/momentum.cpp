@@ -1,0 +1,150 @@
+#include <momentree/dynamics/momentum.hpp>
+
+#include <vector>
+
+#include <momentree/joint/dispatch.hpp>
+#include <momentree/math/sincos.hpp>
+
+namespace momentree {
+
+namespace {
+
+JointState<double> joint_state(const Tree& tree, const State& state, const Work<double>& work, int b) {
+  return {state.q().data() + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
+}
+
+template <class F>
+decltype(auto) with_kernels(const Tree& tree, int b, F&& f) {
+  return dispatch_kernels(tree.joint(b).kind, tree.has_armature(b), std::forward<F>(f));
+}
+
+// Velocity that b's parent brings to b, before b's own rate, in b's kernel frame. Walks up the path: each ancestor's own rate is
+// carried outward by the pose gathered so far.
+Motion<double> velocity_from_parent(const Tree& tree, const State& state, const Work<double>& work, int b) {
+  Motion<double> sum{};
+  DenseCrossing<double> gathered{};  // pose of b in the frame of the body at hand
+  for (int a = b; a >= 0; a = tree.parent(a)) {
+    with_kernels(tree, a, [&](auto tag) {
+      using K = typename decltype(tag)::type;
+      const JointState<double> joint = joint_state(tree, state, work, a);
+      const auto x = dense_crossing<K, double>(tree.link(a), joint);
+      if (a == b) {
+        gathered = x;
+        return;
+      }
+      const Motion<double> none{};
+      Motion<double> rate = K::template spatial_velocity<double>(tree.link(a), joint, none, work.v.get() + tree.first_p(a));
+      gathered.outboard(rate);
+      sum = sum + rate;
+      gathered.r = x.r + x.R * gathered.r;
+      gathered.R = x.R * gathered.R;
+    });
+  }
+  return sum;
+}
+
+}  // namespace
+
+void project_momentum(const Tree& tree, const double* q, const double* v, double* p) {
+  const auto n = static_cast<std::size_t>(tree.bodies());
+  std::vector<Motion<double>> velocity(n);
+  std::vector<Force<double>> momenta(n);
+  std::vector<DenseCrossing<double>> crossings(n);
+  const auto with_joint = [&](int b, auto f) {
+    with_kernels(tree, b, [&](auto tag) {
+      using K = typename decltype(tag)::type;
+      double c[2], s[2];
+      const auto angles = K::angles;
+      for (std::size_t i = 0; i < angles.size(); ++i)
+        sincos(q[tree.first_q(b) + angles[i]] + (K::turns_about_z ? tree.link(b).angle_0 : 0.0), s[i], c[i]);
+      f(tag, JointState<double>{q + tree.first_q(b), c, s});
+    });
+  };
+  for (int b : tree.order()) {
+    const auto i = static_cast<std::size_t>(b);
+    with_joint(b, [&](auto tag, const JointState<double>& joint) {
+      using K = typename decltype(tag)::type;
+      crossings[i] = dense_crossing<K, double>(tree.link(b), joint);
+      Motion<double> m{};
+      if (tree.parent(b) >= 0) m = velocity[static_cast<std::size_t>(tree.parent(b))];
+      crossings[i].outboard(m);
+      velocity[i] = K::template spatial_velocity<double>(tree.link(b), joint, m, v + tree.first_p(b));
+      momenta[i] = momentum(tree.link(b).body, velocity[i]);  // (4)
+    });
+  }
+  const auto order = tree.order();
+  for (std::size_t k = n; k-- > 0;) {
+    const int b = order[k];
+    const auto i = static_cast<std::size_t>(b);
+    with_joint(b, [&](auto tag, const JointState<double>& joint) {
+      using K = typename decltype(tag)::type;
+      const auto E = K::template columns<double>(tree.link(b), joint);
+      const int at = tree.first_p(b);
+      for (std::size_t c = 0; c < E.size(); ++c)
+        p[at + static_cast<int>(c)] =
+            dot(E[c], momenta[i]) + tree.armature()[at + static_cast<int>(c)] * v[at + static_cast<int>(c)];
+    });
+    if (tree.parent(b) >= 0) {
+      crossings[i].inboard(momenta[i]);
+      momenta[static_cast<std::size_t>(tree.parent(b))] += momenta[i];  // (14)
+    }
+  }
+}
+
+State start_state(const Model& model, const Tree& tree) {
+  State state(tree);
+  std::vector<double> v(static_cast<std::size_t>(tree.nv()));
+  const auto edit = state.edit();
+  for (int b = 0; b < tree.bodies(); ++b) {
+    const BodySpec& s = model.bodies()[static_cast<std::size_t>(b)];
+    for (int i = 0; i < s.q.size(); ++i) edit.q[static_cast<std::size_t>(tree.first_q(b) + i)] = s.q[i];
+    for (int i = 0; i < s.v.size(); ++i) v[static_cast<std::size_t>(tree.first_p(b) + i)] = s.v[i];
+  }
+  project_momentum(tree, state.q().data(), v.data(), edit.p.data());
+  return state;
+}
+
+Force<double> articulated_momentum(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+  MT_REQUIRE(work.evaluated == state.stamp(), "the work was evaluated on this state");
+  const Motion<double> in = velocity_from_parent(tree, state, work, b);
+  return with_kernels(tree, b, [&](auto tag) {
+    using K = typename decltype(tag)::type;
+    return K::articulated_momentum(work.record<K>(tree, b), state.p().data() + tree.first_p(b), in);
+  });
+}
+
+Kinematics<double> locate_body(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+  MT_REQUIRE(work.evaluated == state.stamp(), "the work was evaluated on this state");
+  if (work.located == state.stamp()) return work.bodies[static_cast<std::size_t>(b)];
+  Kinematics<double> own{identity3<double>(), {}, velocity_from_parent(tree, state, work, b)};
+  for (int a = b; a >= 0; a = tree.parent(a)) {
+    with_kernels(tree, a, [&](auto tag) {
+      using K = typename decltype(tag)::type;
+      const JointState<double> joint = joint_state(tree, state, work, a);
+      if (a == b)
+        own.velocity = K::template spatial_velocity<double>(tree.link(b), joint, own.velocity, work.v.get() + tree.first_p(b));
+      const auto x = dense_crossing<K, double>(tree.link(a), joint);
+      own.r = x.r + x.R * own.r;
+      own.R = x.R * own.R;
+    });
+  }
+  return own;
+}
+
+void shed_momentum(const Tree& tree, const State& state, const Work<double>& work, int b, Force<double> W, double sign,
+                   double* p) noexcept {
+  for (int a = b; tree.parent(a) >= 0; a = tree.parent(a)) {
+    with_kernels(tree, a, [&](auto tag) {
+      using K = typename decltype(tag)::type;
+      dense_crossing<K, double>(tree.link(a), joint_state(tree, state, work, a)).inboard(W);
+    });
+    const int outer = tree.parent(a);
+    with_kernels(tree, outer, [&](auto tag) {
+      using K = typename decltype(tag)::type;
+      const auto E = K::template columns<double>(tree.link(outer), joint_state(tree, state, work, outer));
+      for (std::size_t i = 0; i < E.size(); ++i) p[tree.first_p(outer) + static_cast<int>(i)] += sign * dot(E[i], W);
+    });
+  }
+}
+
+}  // namespace momentree

@@ -1,0 +1,10 @@
+#pragma once
+#include <momentree/math/vec.hpp>
+namespace momentree {
+/// Energies (J) and momenta of a whole world, world axes, angular momentum about the world's origin.
+struct Totals {
+  double kinetic = 0;    ///< rotors included
+  double potential = 0;  ///< gravity (zero at the world's origin) and springs
+  Vec3 linear{}, angular{};
+};
+}  // namespace momentree

@@ -1,0 +1,68 @@
+#pragma once
+// What the recursions need per body; allocated once, reused by every evaluation.
+#include <memory>
+#include <span>
+
+#include <momentree/base/check.hpp>
+#include <momentree/joint/link.hpp>
+#include <momentree/tree/state.hpp>
+
+namespace momentree {
+
+/// Power at an instant (W): what dampers take, what efforts give.
+struct Power {
+  double dissipated = 0, work = 0;
+};
+
+/// Pose and motion of a body's kernel frame. `R`: body axes to world axes.
+template <class T>
+struct Kinematics {
+  Matrix3<T> R;
+  Vector3<T> r;
+  Motion<T> velocity;
+};
+
+/// Scratch of the sweeps for one tree. Arrays are as long as any later topology needs; untouched pages cost nothing.
+template <class T>
+class Work {
+ public:
+  Work() = default;
+  explicit Work(const Tree& tree)
+      : cos(make(tree.angle_capacity())),
+        sin(make(tree.angle_capacity())),
+        angle(make(tree.angle_capacity())),
+        v(make(6 * tree.bodies())),
+        qdot(make(7 * tree.bodies())),
+        pdot(make(6 * tree.bodies())),
+        records(make(static_cast<long>(tree.record_capacity()))),
+        inlets(std::make_unique_for_overwrite<Inboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        outlets(std::make_unique_for_overwrite<Outboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        bodies(std::make_unique_for_overwrite<Kinematics<T>[]>(static_cast<std::size_t>(tree.bodies()))) {}
+
+  /// The record of body b, whose joint has kernels K.
+  template <class K>
+  typename K::template Record<T>& record(const Tree& tree, int b) const {
+    using Record = typename K::template Record<T>;
+    static_assert(sizeof(Record) % sizeof(T) == 0 && alignof(Record) <= alignof(T) && std::is_trivially_copyable_v<Record>);
+    return *reinterpret_cast<Record*>(records.get() + tree.record(b));
+  }
+
+  /// Of which state and topology the records, v, qdot, pdot are; nothing after a stage of an integrator.
+  Stamp evaluated;
+  /// Of which the poses and velocities in `bodies` are.
+  Stamp located;
+
+  using Array = std::unique_ptr<T[]>;
+  Array cos, sin, angle;
+  Array v, qdot, pdot;  ///< packed as p, q, p
+  Array records;
+  Power power;
+  std::unique_ptr<Inboard<T>[]> inlets;    ///< by junction, on the way in
+  std::unique_ptr<Outboard<T>[]> outlets;  ///< by junction, on the way out
+  std::unique_ptr<Kinematics<T>[]> bodies;
+
+ private:
+  static Array make(long n) { return std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(n > 0 ? n : 1)); }
+};
+
+}  // namespace momentree

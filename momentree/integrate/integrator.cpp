@@ -1,0 +1,66 @@
+#include <momentree/integrate/integrator.hpp>
+
+#include <chrono>
+
+#include <momentree/integrate/method_list.hpp>
+#include <momentree/integrate/methods.hpp>
+#include <momentree/joint/dispatch.hpp>
+
+namespace momentree {
+
+namespace {
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
+  ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_;
+};
+}  // namespace
+
+void Evaluator::operator()(const double* q, const double* p) noexcept {
+  const Stopwatch watch(seconds);
+  ++count;
+  evaluate_rates<double>(*tree_, q, p, *work_);
+  add_joint_forces(*tree_, q, *work_);
+}
+
+void Evaluator::operator()(const State& state) noexcept {
+  if (work_->evaluated == state.stamp()) return;
+  const Stopwatch watch(seconds);
+  ++count;
+  forward_dynamics(*tree_, state, *work_);
+}
+
+std::unique_ptr<Integrator> make_integrator(std::string_view method, const Tree& tree) {
+#define MOMENTREE_METHOD(name, Type) \
+  if (method == #name) return std::make_unique<Type>(tree);
+  MOMENTREE_METHODS(MOMENTREE_METHOD)
+#undef MOMENTREE_METHOD
+  return nullptr;
+}
+
+std::vector<std::string> integration_methods() {
+  return {
+#define MOMENTREE_METHOD(name, Type) #name,
+      MOMENTREE_METHODS(MOMENTREE_METHOD)
+#undef MOMENTREE_METHOD
+  };
+}
+
+void normalise(const Tree& tree, double* q) noexcept {
+  for (int b : tree.quaternion_joints())
+    dispatch(tree.joint(b).kind, [&](auto tag) { decltype(tag)::type::Kernels::normalise(q + tree.first_q(b)); });
+}
+
+bool all_finite(const double* x, int n) noexcept {
+  double sum = 0;  // 0·x is NaN for what is not finite
+  for (int i = 0; i < n; ++i) sum += 0.0 * x[i];
+  return sum == 0;
+}
+
+}  // namespace momentree

@@ -1,0 +1,70 @@
+#pragma once
+// The classical Runge–Kutta method of order 4, as in the paper: fixed steps, four evaluations, reproducible.
+#include <algorithm>
+
+#include <momentree/integrate/integrator.hpp>
+
+namespace momentree {
+
+namespace detail {
+inline std::unique_ptr<double[]> scratch(int n) {
+  return std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(std::max(n, 1)));
+}
+
+// sum += weight·rate, stage = start + h·rate
+inline void advance(int n, const double* start, const double* rate, double weight, double h, double* sum, double* stage) {
+  for (int i = 0; i < n; ++i) {
+    sum[i] += weight * rate[i];
+    stage[i] = start[i] + h * rate[i];
+  }
+}
+}  // namespace detail
+
+class Rk4 final : public Integrator {
+ public:
+  explicit Rk4(const Tree& tree);
+  bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept override;
+
+ private:
+  std::unique_ptr<double[]> q_, p_;          // stage, then result
+  std::unique_ptr<double[]> q_sum_, p_sum_;  // weighted rates
+};
+
+inline Rk4::Rk4(const Tree& tree)
+    : q_(detail::scratch(7 * tree.bodies())),
+      p_(detail::scratch(6 * tree.bodies())),
+      q_sum_(detail::scratch(7 * tree.bodies())),
+      p_sum_(detail::scratch(6 * tree.bodies())) {}
+
+inline bool Rk4::step(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
+  const Work<double>& work = evaluate.work();
+  MT_REQUIRE(work.evaluated == state.stamp(), "the first stage was evaluated on this state");
+  const int nq = evaluate.tree().nq(), nv = evaluate.tree().nv();
+  const double *q = state.q().data(), *p = state.p().data();
+  std::fill_n(q_sum_.get(), nq, 0.0);
+  std::fill_n(p_sum_.get(), nv, 0.0);
+  Power sum{};
+  constexpr double weights[4] = {1, 2, 2, 1}, nodes[4] = {0.5, 0.5, 1, 0};
+  for (int stage = 0; stage < 4; ++stage) {
+    if (stage > 0) evaluate(q_.get(), p_.get());
+    const double w = weights[stage], to_next = nodes[stage] * h;
+    detail::advance(nq, q, work.qdot.get(), w, to_next, q_sum_.get(), q_.get());
+    detail::advance(nv, p, work.pdot.get(), w, to_next, p_sum_.get(), p_.get());
+    sum.dissipated += w * work.power.dissipated;
+    sum.work += w * work.power.work;
+  }
+  const double h6 = h / 6;
+  for (int i = 0; i < nq; ++i) q_[static_cast<std::size_t>(i)] = q[i] + h6 * q_sum_[static_cast<std::size_t>(i)];
+  for (int i = 0; i < nv; ++i) p_[static_cast<std::size_t>(i)] = p[i] + h6 * p_sum_[static_cast<std::size_t>(i)];
+  normalise(evaluate.tree(), q_.get());
+  if (!all_finite(q_.get(), nq) || !all_finite(p_.get(), nv)) return false;
+  const State::Edit edit = state.edit();
+  std::copy_n(q_.get(), nq, edit.q.begin());
+  std::copy_n(p_.get(), nv, edit.p.begin());
+  edit.time += h;
+  books.dissipated += h6 * sum.dissipated;
+  books.work += h6 * sum.work;
+  return true;
+}
+
+}  // namespace momentree

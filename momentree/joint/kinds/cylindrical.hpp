@@ -1,0 +1,30 @@
+#pragma once
+// Cylindrical: an angle about z and a displacement along z. E = (0 e_z; e_z 0), constant.
+#include <momentree/joint/joint.hpp>
+#include <momentree/joint/screw_kernels.hpp>
+
+namespace momentree {
+
+struct CylindricalKernels : ScrewKernels<CylindricalKernels, 2, 2> {
+  static constexpr std::array<int, 1> angles{0};
+  template <class T>
+  MOMENTREE_INLINE static Screw<T> screw(const Link&, const JointState<T>& j) {
+    return {j.c[0], j.s[0], j.q[1]};
+  }
+  template <class T>
+  MOMENTREE_INLINE static Columns<T, 2> columns(const Link&, const JointState<T>&) {
+    return {{{{T(0), T(0), T(0)}, {T(0), T(0), T(1)}}, {{T(0), T(0), T(1)}, {T(0), T(0), T(0)}}}};
+  }
+};
+
+/// Turns about `axis` and moves along it, independently: q = (angle, displacement).
+struct Cylindrical {
+  static constexpr Kind kind = Kind::cylindrical;
+  static constexpr KindInfo info{Kind::cylindrical, "cylindrical", 2, 2, true, false, false, "rm", "rm"};
+  using Kernels = CylindricalKernels;
+
+  Vec3 axis{0, 0, 1};
+  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+};
+
+}  // namespace momentree

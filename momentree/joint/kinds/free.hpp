@@ -1,0 +1,108 @@
+#pragma once
+// Free (six freedoms): position in parent-side axes and a unit quaternion; u = (v; ω) relative to the parent, in child axes. E =
+// I. p = Pb, the whole articulated momentum. Nothing passes inboard but p: M̂ = 0 exactly, which the generic subtraction would
+// leave at round-off, coupling bodies that must be uncoupled.
+#include <momentree/joint/joint.hpp>
+#include <momentree/joint/kernels.hpp>
+#include <momentree/joint/quaternion_spring.hpp>
+
+namespace momentree {
+
+template <class K>
+struct SixFreedoms : GenericKernels<K, 7, 6> {
+  static constexpr std::array<int, 0> angles{};
+
+  template <class T>
+  MOMENTREE_INLINE static void pose(const Link&, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+    R = rotation_matrix(Quaternion<T>{j.q[3], j.q[4], j.q[5], j.q[6]});
+    r = {j.q[0], j.q[1], j.q[2]};
+  }
+  template <class T>
+  MOMENTREE_INLINE static Columns<T, 6> columns(const Link&, const JointState<T>&) {
+    const Vector3<T> o{T(0), T(0), T(0)}, x{T(1), T(0), T(0)}, y{T(0), T(1), T(0)}, z{T(0), T(0), T(1)};
+    return {{{x, o}, {y, o}, {z, o}, {o, x}, {o, y}, {o, z}}};
+  }
+  template <class T>
+  MOMENTREE_INLINE static void coordinate_rate(const T* q, const T* u, T* qdot) {
+    const Quaternion<T> Q{q[3], q[4], q[5], q[6]};
+    const Vector3<T> r = rotation_matrix(Q) * Vector3<T>{u[0], u[1], u[2]};
+    const Quaternion<T> d = quaternion_rate(Q, Vector3<T>{u[3], u[4], u[5]});
+    qdot[0] = r.x, qdot[1] = r.y, qdot[2] = r.z;
+    qdot[3] = d.w, qdot[4] = d.x, qdot[5] = d.y, qdot[6] = d.z;
+  }
+  static void normalise(double* q) {
+    const Quat n = normalized(Quat{q[3], q[4], q[5], q[6]});
+    q[3] = n.w, q[4] = n.x, q[5] = n.y, q[6] = n.z;
+  }
+  static void zero(double* q) {
+    for (int i = 0; i < 7; ++i) q[i] = i == 3 ? 1 : 0;
+  }
+  /// Translational springs along the parent-side axes, ½ Σ kᵢ (rᵢ − r0ᵢ)²; rotational as for a ball.
+  static double spring(const double* q, const double* q0, const double* stiffness, double* force) {
+    const Vec3 x{q[0] - q0[0], q[1] - q0[1], q[2] - q0[2]};
+    const Vec3 f{-stiffness[0] * x.x, -stiffness[1] * x.y, -stiffness[2] * x.z};
+    const Vec3 child = transpose_times(rotation_matrix(Quat{q[3], q[4], q[5], q[6]}), f);
+    force[0] = child.x, force[1] = child.y, force[2] = child.z;
+    return -0.5 * dot(f, x) + rotational_spring(q + 3, q0 + 3, stiffness + 3, force + 3);
+  }
+};
+
+struct FreeWithRotor : SixFreedoms<FreeWithRotor> {};
+
+template <class T>
+struct FreeRecord {
+  std::array<T, 6> u0;
+  JointMass<T, 6> Mj;
+  Vector3<T> mc;
+  DenseCrossing<T> x;
+};
+
+struct FreeKernels : SixFreedoms<FreeKernels> {
+  template <class T>
+  using Record = FreeRecord<T>;
+
+  /// (24)–(26) with E = I: Mj = Mb, G = I, M̂ = 0, D̂ = p.
+  template <class T>
+  MOMENTREE_INLINE static void reduce(const Link&, const JointState<T>&, const T* p, const double*, SpatialMass<T>& M,
+                                      Force<T>& D, Record<T>& w) {
+    auto& m = w.Mj;
+    m(0, 0) = M.A.xx, m(1, 0) = M.A.xy, m(1, 1) = M.A.yy, m(2, 0) = M.A.xz, m(2, 1) = M.A.yz, m(2, 2) = M.A.zz;
+    m(3, 0) = M.B.xx, m(3, 1) = M.B.yx, m(3, 2) = M.B.zx, m(4, 0) = M.B.xy, m(4, 1) = M.B.yy, m(4, 2) = M.B.zy;
+    m(5, 0) = M.B.xz, m(5, 1) = M.B.yz, m(5, 2) = M.B.zz;
+    m(3, 3) = M.J.xx, m(4, 3) = M.J.xy, m(4, 4) = M.J.yy, m(5, 3) = M.J.xz, m(5, 4) = M.J.yz, m(5, 5) = M.J.zz;
+    m.factorise();
+    w.u0 = {p[0] - D.l.x, p[1] - D.l.y, p[2] - D.l.z, p[3] - D.h.x, p[4] - D.h.y, p[5] - D.h.z};
+    m.solve(w.u0);
+    M = {};
+    D = {{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
+  }
+  /// (27)
+  template <class T>
+  MOMENTREE_INLINE static void joint_velocity(const Record<T>& w, const Motion<T>& in, T* u) {
+    u[0] = w.u0[0] - in.v.x, u[1] = w.u0[1] - in.v.y, u[2] = w.u0[2] - in.v.z;
+    u[3] = w.u0[3] - in.w.x, u[4] = w.u0[4] - in.w.y, u[5] = w.u0[5] - in.w.z;
+  }
+  /// (21)
+  template <class T>
+  MOMENTREE_INLINE static Force<T> articulated_momentum(const Record<T>&, const T* p, const Motion<T>&) {
+    return {{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
+  }
+  /// (17)
+  template <class T>
+  MOMENTREE_INLINE static Motion<T> spatial_velocity(const Link&, const JointState<T>&, const Motion<T>& in, const T* u) {
+    return {{in.v.x + u[0], in.v.y + u[1], in.v.z + u[2]}, {in.w.x + u[3], in.w.y + u[4], in.w.z + u[5]}};
+  }
+};
+
+/// No constraint: q = position of the child-side origin in the parent-side frame and unit quaternion (w, x, y, z); v = linear
+/// velocity of that origin and angular velocity relative to the parent, both in child-side axes.
+struct Free {
+  static constexpr Kind kind = Kind::free;
+  static constexpr KindInfo info{Kind::free, "free", 7, 6, false, false, false, "mmmnnnn", "mmmrrr"};
+  using Kernels = FreeKernels;
+  using ArmatureKernels = FreeWithRotor;
+
+  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+};
+
+}  // namespace momentree

@@ -1,0 +1,37 @@
+#pragma once
+// Helical (screw): an angle about z, with a displacement of `pitch` per turn. E = (h e_z; e_z), constant, h metres per radian.
+#include <numbers>
+
+#include <momentree/joint/joint.hpp>
+#include <momentree/joint/screw_kernels.hpp>
+
+namespace momentree {
+
+struct HelicalKernels : ScrewKernels<HelicalKernels, 1, 1> {
+  static constexpr std::array<int, 1> angles{0};
+  static Mat3 frame(const JointSpec& joint, double* geometry) {
+    geometry[0] = joint.pitch / (2 * std::numbers::pi);
+    return frame_with_z(joint.axis);
+  }
+  template <class T>
+  MOMENTREE_INLINE static Screw<T> screw(const Link& k, const JointState<T>& j) {
+    return {j.c[0], j.s[0], k.geometry[0] * j.q[0]};
+  }
+  template <class T>
+  MOMENTREE_INLINE static Columns<T, 1> columns(const Link& k, const JointState<T>&) {
+    return {{{{T(0), T(0), T(k.geometry[0])}, {T(0), T(0), T(1)}}}};
+  }
+};
+
+/// A screw: turns about `axis` and moves along it by `pitch` metres per turn.
+struct Helical {
+  static constexpr Kind kind = Kind::helical;
+  static constexpr KindInfo info{Kind::helical, "helical", 1, 1, true, false, true, "r", "r"};
+  using Kernels = HelicalKernels;
+
+  Vec3 axis{0, 0, 1};
+  double pitch = 0;
+  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+};
+
+}  // namespace momentree

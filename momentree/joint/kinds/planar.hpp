@@ -1,0 +1,38 @@
+#pragma once
+// Planar: x, y in the parent-side axes, then an angle about z. E = [Rᵀe_x, Rᵀe_y; e_z], Ė = [−ω × Rᵀe_x, −ω × Rᵀe_y; 0].
+#include <momentree/joint/joint.hpp>
+#include <momentree/joint/kernels.hpp>
+
+namespace momentree {
+
+struct PlanarKernels : GenericKernels<PlanarKernels, 3, 3> {
+  static constexpr std::array<int, 1> angles{2};
+
+  template <class T>
+  MOMENTREE_INLINE static void pose(const Link&, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+    R = {j.c[0], -j.s[0], T(0), j.s[0], j.c[0], T(0), T(0), T(0), T(1)};
+    r = {j.q[0], j.q[1], T(0)};
+  }
+  template <class T>
+  MOMENTREE_INLINE static Columns<T, 3> columns(const Link&, const JointState<T>& j) {
+    const Vector3<T> o{T(0), T(0), T(0)};
+    return {{{{j.c[0], -j.s[0], T(0)}, o}, {{j.s[0], j.c[0], T(0)}, o}, {o, {T(0), T(0), T(1)}}}};
+  }
+  template <class T>
+  MOMENTREE_INLINE static Columns<T, 3> columns_rate(const Link&, const JointState<T>& j, const T* u) {
+    const Vector3<T> o{T(0), T(0), T(0)};
+    const T w = u[2];
+    return {{{{-(w * j.s[0]), -(w * j.c[0]), T(0)}, o}, {{w * j.c[0], -(w * j.s[0]), T(0)}, o}, {o, o}}};
+  }
+};
+
+/// Moves in the x-y plane of the joint's frame and turns about its z.
+struct Planar {
+  static constexpr Kind kind = Kind::planar;
+  static constexpr KindInfo info{Kind::planar, "planar", 3, 3, false, false, false, "mmr", "mmr"};
+  using Kernels = PlanarKernels;
+
+  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+};
+
+}  // namespace momentree

@@ -1,0 +1,51 @@
+#pragma once
+// Universal (Hooke, Cardan): R = R(n1, a) R(n2, b). The frame is chosen so that n2 = z and n1 lies in the x-z plane.
+// E = [R2ᵀ n1, n2] in its angular part; Ė = [−(ḃ n2) × R2ᵀ n1, 0].
+#include <momentree/joint/joint.hpp>
+#include <momentree/joint/kernels.hpp>
+
+namespace momentree {
+
+struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
+  static constexpr std::array<int, 2> angles{0, 1};
+  /// z = n2, x = the part of n1 across it.
+  static Mat3 frame(const JointSpec& joint, double* geometry) {
+    const Vec3 z = joint.axis2, y = normalized(cross(z, joint.axis)), x = cross(y, z);
+    geometry[0] = dot(joint.axis, x);
+    geometry[1] = dot(joint.axis, z);
+    return {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
+  }
+
+  template <class T>
+  MOMENTREE_INLINE static void pose(const Link& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+    const double x = k.geometry[0], z = k.geometry[1];
+    const T c = j.c[0], s = j.s[0], o = T(1) - c;
+    const Matrix3<T> R1{c + o * (x * x), -(s * z), o * (x * z), s * z, c, -(s * x), o * (x * z), s * x, c + o * (z * z)};
+    const Matrix3<T> R2{j.c[1], -j.s[1], T(0), j.s[1], j.c[1], T(0), T(0), T(0), T(1)};
+    R = R1 * R2;
+    r = {T(0), T(0), T(0)};
+  }
+  template <class T>
+  MOMENTREE_INLINE static Columns<T, 2> columns(const Link& k, const JointState<T>& j) {
+    const Vector3<T> n1{j.c[1] * k.geometry[0], -(j.s[1] * k.geometry[0]), T(k.geometry[1])};
+    const Vector3<T> o{T(0), T(0), T(0)};
+    return {{{o, n1}, {o, {T(0), T(0), T(1)}}}};
+  }
+  template <class T>
+  MOMENTREE_INLINE static Columns<T, 2> columns_rate(const Link& k, const JointState<T>& j, const T* u) {
+    const Vector3<T> o{T(0), T(0), T(0)};
+    return {{{o, {-(u[1] * (j.s[1] * k.geometry[0])), -(u[1] * (j.c[1] * k.geometry[0])), T(0)}}, {o, o}}};
+  }
+};
+
+/// Two axes that meet: turns about `axis`, then about `axis2`, which the first turn carries along.
+struct Universal {
+  static constexpr Kind kind = Kind::universal;
+  static constexpr KindInfo info{Kind::universal, "universal", 2, 2, true, true, false, "rr", "rr"};
+  using Kernels = UniversalKernels;
+
+  Vec3 axis{1, 0, 0}, axis2{0, 1, 0};
+  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+};
+
+}  // namespace momentree

@@ -1,0 +1,45 @@
+#pragma once
+// Weld: no freedom. E has no columns, M̂ = Mb, D̂ = Db.
+#include <momentree/joint/joint.hpp>
+#include <momentree/joint/screw_kernels.hpp>
+
+namespace momentree {
+
+template <class T>
+struct WeldRecord {
+  SpatialMass<T> M;
+  Force<T> D;
+  Vector3<T> mc;
+};
+
+struct WeldKernels : ScrewKernels<WeldKernels, 0, 0> {
+  static constexpr std::array<int, 0> angles{};
+  static Mat3 frame(const JointSpec&, double*) { return identity3<double>(); }
+  template <class T>
+  using Record = WeldRecord<T>;
+  template <class T>
+  MOMENTREE_INLINE static Screw<T> screw(const Link& k, const JointState<T>&) {
+    return {T(k.cos_0), T(k.sin_0), T(0)};
+  }
+  template <class T>
+  MOMENTREE_INLINE static Columns<T, 0> columns(const Link&, const JointState<T>&) {
+    return {};
+  }
+  template <class T>
+  MOMENTREE_INLINE static void reduce(const Link&, const JointState<T>&, const T*, const double*, SpatialMass<T>& M, Force<T>& D,
+                                      Record<T>& w) {
+    w.M = M;
+    w.D = D;
+  }
+  template <class T>
+  MOMENTREE_INLINE static void joint_velocity(const Record<T>&, const Motion<T>&, T*) {}
+};
+
+/// Rigid: the child stays where it is placed.
+struct Weld {
+  static constexpr Kind kind = Kind::weld;
+  static constexpr KindInfo info{Kind::weld, "weld", 0, 0, false, false, false, "", ""};
+  using Kernels = WeldKernels;
+};
+
+}  // namespace momentree

@@ -1,0 +1,143 @@
+#pragma once
+// The constants of a body's inboard link, in the frames that the kernels use, and the two ways across it.
+//
+// The kernels' frame of a body stands at its joint, child side, with z along the joint's axis where the kind has one. The frame
+// is fixed in the body; `Tree` keeps where the user's frame of the body stands in it.
+#include <momentree/base/inline.hpp>
+#include <momentree/math/spatial.hpp>
+
+namespace momentree {
+
+/// Placement of the joint in the parent's frame: R = Rz(β) Rx(α) Rz(θ0), origin at r; mass properties in the body's own frame.
+/// Rotations about one axis at a time cost half of a general one, and β = 0 where the parent's x axis could be chosen for it.
+struct Link {
+  double cos_a = 1, sin_a = 0, cos_b = 1, sin_b = 0, cos_0 = 1, sin_0 = 0;
+  Vec3 r{};
+  RigidMass body{};
+  double subtree_mass = 0;      ///< of the body and all outboard bodies
+  double angle_0 = 0;           ///< θ0
+  double geometry[2] = {0, 0};  ///< helical: metres per radian; universal: x and z components of the first axis
+};
+/// Rz(β) Rx(α) Rz(θ0).
+Mat3 placement_rotation(const Link& link);
+/// Rz(β) Rx(α): for kinds that add θ0 to their own angle.
+Mat3 tilt_rotation(const Link& link);
+
+/// What one child contributes to its parent: reduced mass and remainder momentum (25)(26), first moment of the subtree for
+/// gravity.
+template <class T>
+struct Inboard {
+  SpatialMass<T> M;
+  Force<T> D;
+  Vector3<T> mc;
+};
+template <class T>
+MOMENTREE_INLINE void operator+=(Inboard<T>& a, const Inboard<T>& b) {
+  a.M += b.M;
+  a.D += b.D;
+  a.mc += b.mc;
+}
+/// What a child needs of its parent: velocity, and gravity in the parent's axes.
+template <class T>
+struct Outboard {
+  Motion<T> velocity;
+  Vector3<T> gravity;
+};
+
+/// Across the placement after the child's joint: turn about x by α, about z by β unless the frames are aligned, shift by r.
+template <bool Aligned, class T>
+MOMENTREE_INLINE void placement_inboard(const Link& k, Force<T>& P) {
+  turn_x(P.l, k.cos_a, k.sin_a);
+  turn_x(P.h, k.cos_a, k.sin_a);
+  if constexpr (!Aligned) {
+    turn_z(P.l, k.cos_b, k.sin_b);
+    turn_z(P.h, k.cos_b, k.sin_b);
+  }
+  shift(P, k.r);
+}
+template <bool Aligned, class T>
+MOMENTREE_INLINE void placement_inboard(const Link& k, Vector3<T>& mc) {
+  turn_x(mc, k.cos_a, k.sin_a);
+  if constexpr (!Aligned) turn_z(mc, k.cos_b, k.sin_b);
+  mc += Vector3<T>{T(k.subtree_mass * k.r.x), T(k.subtree_mass * k.r.y), T(k.subtree_mass * k.r.z)};
+}
+template <bool Aligned, class T>
+MOMENTREE_INLINE void placement_inboard(const Link& k, SpatialMass<T>& M) {
+  turn_x(M, k.cos_a, k.sin_a);
+  if constexpr (!Aligned) turn_z(M, k.cos_b, k.sin_b);
+  shift(M, k.r);
+}
+/// The way back for a direction: components in the parent's axes to components before the joint's own motion.
+template <bool Aligned, class T>
+MOMENTREE_INLINE void placement_outboard(const Link& k, Vector3<T>& a) {
+  if constexpr (!Aligned) turn_z(a, k.cos_b, -k.sin_b);
+  turn_x(a, k.cos_a, -k.sin_a);
+}
+template <bool Aligned, class T>
+MOMENTREE_INLINE void placement_outboard(const Link& k, Motion<T>& a) {
+  shift_outboard(a, k.r);
+  placement_outboard<Aligned>(k, a.v);
+  placement_outboard<Aligned>(k, a.w);
+}
+
+/// Crossing a joint that turns about z and slides along z (revolute, prismatic, helical, cylindrical): c, s of the angle with θ0,
+/// d the displacement. (16), (17).
+template <class T, bool Aligned>
+struct ScrewCrossing {
+  const Link& link;
+  T c, s, d;
+
+  MOMENTREE_INLINE void inboard(Force<T>& P) const {
+    turn_z(P.l, c, s);
+    turn_z(P.h, c, s);
+    P.h.x = P.h.x - d * P.l.y;
+    P.h.y = P.h.y + d * P.l.x;
+    placement_inboard<Aligned>(link, P);
+  }
+  MOMENTREE_INLINE void inboard(Vector3<T>& mc) const {
+    turn_z(mc, c, s);
+    mc.z = mc.z + d * T(link.subtree_mass);
+    placement_inboard<Aligned>(link, mc);
+  }
+  MOMENTREE_INLINE void inboard(SpatialMass<T>& M) const {
+    turn_z(M, c, s);
+    shift(M, Vector3<T>{T(0), T(0), d});
+    placement_inboard<Aligned>(link, M);
+  }
+  MOMENTREE_INLINE void outboard(Vector3<T>& a) const {
+    placement_outboard<Aligned>(link, a);
+    turn_z(a, c, -s);
+  }
+  MOMENTREE_INLINE void outboard(Motion<T>& a) const {
+    placement_outboard<Aligned>(link, a);
+    a.v.x = a.v.x + d * a.w.y;
+    a.v.y = a.v.y - d * a.w.x;
+    turn_z(a.v, c, -s);
+    turn_z(a.w, c, -s);
+  }
+};
+
+/// Crossing any joint, from its pose: R child axes to parent axes, r the child's origin, both with the placement.
+template <class T>
+struct DenseCrossing {
+  Matrix3<T> R;
+  Vector3<T> r;
+  T subtree_mass;
+
+  MOMENTREE_INLINE void inboard(Force<T>& P) const {
+    P = {R * P.l, R * P.h};
+    shift(P, r);
+  }
+  MOMENTREE_INLINE void inboard(Vector3<T>& mc) const { mc = R * mc + subtree_mass * r; }
+  MOMENTREE_INLINE void inboard(SpatialMass<T>& M) const {
+    rotate(M, R);
+    shift(M, r);
+  }
+  MOMENTREE_INLINE void outboard(Vector3<T>& a) const { a = transpose_times(R, a); }
+  MOMENTREE_INLINE void outboard(Motion<T>& a) const {
+    shift_outboard(a, r);
+    a = {transpose_times(R, a.v), transpose_times(R, a.w)};
+  }
+};
+
+}  // namespace momentree

@@ -1,0 +1,60 @@
+#pragma once
+// Shared by the kinds that turn about z and slide along z: revolute, prismatic, helical, cylindrical. Their frames are chosen so
+// that z is the joint's axis; the placement's last turn θ0 is added to the angle, so that one rotation does for both.
+#include <momentree/joint/kernels.hpp>
+
+namespace momentree {
+
+/// The generic record without the dense pose: a screw is crossed again from (c, s, d) at no cost.
+template <class T, int N>
+struct ScrewRecord {
+  SpatialMass<T> M;
+  Force<T> D;
+  std::array<Force<T>, static_cast<std::size_t>(N)> G;
+  std::array<T, static_cast<std::size_t>(N)> u0;
+  JointMass<T, N> Mj;
+  Vector3<T> mc;
+};
+
+template <class T>
+struct Screw {
+  T c, s, d;
+};
+
+/// A right-handed frame whose z axis is `axis` (of length one): the shortest rotation from z, exact where axis is ±x, ±y, ±z.
+inline Mat3 frame_with_z(const Vec3& axis) {
+  const double sign = axis.z < 0 ? -1.0 : 1.0;
+  const double a = -1.0 / (sign + axis.z), b = axis.x * axis.y * a;
+  return {
+      1 + sign * axis.x * axis.x * a, b, axis.x, sign * b, sign + axis.y * axis.y * a, axis.y, -sign * axis.x, -axis.y, axis.z};
+}
+
+/// K gives `screw(link, joint state)`, with θ0 in c and s, and `columns`.
+template <class K, int NQ, int NV>
+struct ScrewKernels : GenericKernels<K, NQ, NV> {
+  template <class T>
+  using Record = ScrewRecord<T, NV>;
+  static constexpr bool turns_about_z = true;
+  static Mat3 frame(const JointSpec& joint, double*) { return frame_with_z(joint.axis); }
+
+  template <class T>
+  MOMENTREE_INLINE static void pose(const Link& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+    const Screw<T> m = K::template screw<T>(k, j);
+    R = {m.c, -m.s, T(0), m.s, m.c, T(0), T(0), T(0), T(1)};
+    r = {T(0), T(0), m.d};
+  }
+  template <bool Aligned, class T>
+  MOMENTREE_INLINE static auto crossing(const Link& k, const JointState<T>& j, const auto&) {
+    const Screw<T> m = K::template screw<T>(k, j);
+    return typename K::template Crossing<T, Aligned>{{k, m.c, m.s, m.d}};
+  }
+  template <bool Aligned, class T>
+  MOMENTREE_INLINE static auto crossing_again(const Link& k, const JointState<T>& j, const auto& w) {
+    return crossing<Aligned>(k, j, w);
+  }
+  /// How the kind crosses itself; a kind whose reduced mass has zeros gives its own.
+  template <class T, bool Aligned>
+  struct Crossing : ScrewCrossing<T, Aligned> {};
+};
+
+}  // namespace momentree

@@ -1,0 +1,49 @@
+#pragma once
+// Joint-space mass (24), at most 6 x 6, symmetric positive definite: LDLᵀ in place, no pivoting, no branches.
+#include <array>
+
+#include <momentree/base/inline.hpp>
+
+namespace momentree {
+
+/// Symmetric N x N matrix, later its factors: the strict lower triangle holds L, `inverse` holds 1/D.
+template <class T, int N>
+struct JointMass {
+  std::array<T, N * N> m{};
+  std::array<T, N> inverse{};
+
+  constexpr T& operator()(int i, int j) { return m[static_cast<std::size_t>(i * N + j)]; }
+  constexpr const T& operator()(int i, int j) const { return m[static_cast<std::size_t>(i * N + j)]; }
+
+  /// Factorises; reads the lower triangle. A pivot that is not positive shows in `inverse` as not positive or not finite.
+  MOMENTREE_INLINE constexpr void factorise() {
+    for (int j = 0; j < N; ++j) {
+      T d = (*this)(j, j);
+      std::array<T, N> w{};
+      for (int k = 0; k < j; ++k) {
+        w[static_cast<std::size_t>(k)] = (*this)(j, k) * (*this)(k, k);  // L D
+        d = d - (*this)(j, k) * w[static_cast<std::size_t>(k)];
+      }
+      (*this)(j, j) = d;
+      const T inv = T(1) / d;
+      inverse[static_cast<std::size_t>(j)] = inv;
+      for (int i = j + 1; i < N; ++i) {
+        T a = (*this)(i, j);
+        for (int k = 0; k < j; ++k) a = a - (*this)(i, k) * w[static_cast<std::size_t>(k)];
+        (*this)(i, j) = a * inv;
+      }
+    }
+  }
+  /// x ← M⁻¹ x
+  template <class Vector>
+  MOMENTREE_INLINE constexpr void solve(Vector& x) const {
+    for (int i = 0; i < N; ++i)
+      for (int k = 0; k < i; ++k) x[i] = x[i] - (*this)(i, k) * x[k];
+    for (int i = N - 1; i >= 0; --i) {
+      x[i] = x[i] * inverse[static_cast<std::size_t>(i)];
+      for (int k = i + 1; k < N; ++k) x[i] = x[i] - (*this)(k, i) * x[k];
+    }
+  }
+};
+
+}  // namespace momentree

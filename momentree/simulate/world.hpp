@@ -1,0 +1,84 @@
+#pragma once
+// One world at one instant: model (names), tree (topology), state, and what the recursions found at this state.
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <momentree/dynamics/totals.hpp>
+#include <momentree/dynamics/work.hpp>
+#include <momentree/tree/model.hpp>
+#include <momentree/tree/state.hpp>
+#include <momentree/tree/tree.hpp>
+
+namespace momentree {
+
+/// A body's frame: pose in the world, velocity of its origin and angular velocity, world axes.
+struct BodyMotion {
+  Pose pose;
+  Vec3 linear, angular;
+};
+
+/// A joint as its user sees it. Spans point into the world; valid until it next changes.
+struct JointView {
+  std::string_view name;
+  Kind kind = Kind::weld;
+  Body child, parent;  ///< parent.index −1: the ground
+  Pose at, child_at;
+  Vec3 axis, axis2;
+  double pitch = 0;
+  const JointParameters* parameters = nullptr;
+  std::span<const double> q, v, p, pdot;  ///< nq, nv, nv, nv numbers
+};
+
+struct Mechanism {
+  std::string_view name;
+  Body root;
+  bool grounded = true;
+  std::vector<Body> bodies;  ///< root first, in evaluation order
+};
+
+/// What a state document says of one joint: empty lists keep the start value. Where p is given it is used, and v is not.
+struct JointStart {
+  Body child;
+  Values q, v, p;
+};
+
+class World {
+ public:
+  /// Compiles the model. Throws Error where a joint-space mass is singular.
+  explicit World(const Model& model);
+
+  const Model& model() const { return model_; }
+  const Tree& tree() const { return tree_; }
+  const State& state() const { return state_; }
+  double time() const { return state_.time(); }
+
+  /// These evaluate the state first where that has not been done.
+  const std::vector<BodyMotion>& motions() const;  ///< by body number
+  JointView joint(Body child) const;
+  Totals totals() const;
+  /// Present mechanisms, in the order of their root's body number.
+  std::vector<Mechanism> mechanisms() const;
+  std::vector<std::string> mechanism_names() const;
+  /// Name of the inboard joint of `child`: as declared; that of the body once the joint broke.
+  std::string_view joint_name(Body child) const;
+  std::string_view mechanism_name(Body root) const;
+
+  /// The model at `time`, with the joints of `broken` broken and start values replaced: what a state document restores.
+  void restore(double time, std::span<const Body> broken, std::span<const JointStart> joints);
+
+ private:
+  friend class Simulation;
+  void evaluate() const;
+
+  Model model_;
+  std::vector<std::string> mechanism_names_;  // by body number: of roots at the start, else empty
+  Tree tree_;
+  State state_;
+  mutable Work<double> work_;
+  mutable std::vector<BodyMotion> motions_;
+  mutable Stamp motions_of_;
+};
+
+}  // namespace momentree

@@ -1,0 +1,34 @@
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/topology/change.hpp>
+
+namespace momentree {
+
+bool can_break(const Tree& tree, Body body) noexcept {
+  return tree.parent(body.index) >= 0 || tree.joint(body.index).kind != Kind::free;
+}
+
+Released apply(const Break& change, Tree& tree, State& state, const Work<double>& work) noexcept {
+  const int b = change.body.index;
+  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  MT_REQUIRE(b >= 0 && b < tree.bodies() && can_break(tree, change.body), "the joint is there to be broken");
+
+  const Force<double> Pb = articulated_momentum(tree, state, work, b);
+  const Pose pose = user_pose(tree, locate_body(tree, state, work, b), b);
+  const Released released{joint_energy(tree, state, work, b)};
+  const KernelFrame frame = tree.frame(b);
+  const int first_q = tree.first_q(b), first_p = tree.first_p(b);
+  const KindInfo& old = info(tree.joint(b).kind);
+  shed_momentum(tree, state, work, b, Pb, -1, state.edit().p.data());
+
+  tree.detach(b);  // user frame and kernel frame of b are one now
+  Force<double> P{frame.R * Pb.l, frame.R * Pb.h};
+  shift(P, frame.r);
+  const double q[7] = {pose.position.x, pose.position.y, pose.position.z, pose.rotation.w,
+                       pose.rotation.x, pose.rotation.y, pose.rotation.z};
+  const double p[6] = {P.l.x, P.l.y, P.l.z, P.h.x, P.h.y, P.h.z};
+  state.replace(first_q, old.nq, q, first_p, old.nv, p, tree.revision());
+  return released;
+}
+
+}  // namespace momentree

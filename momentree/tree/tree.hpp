@@ -1,0 +1,133 @@
+#pragma once
+// The compiled topology: one forest of flat arrays. Body numbers never change; a change relinks order and offsets.
+// A mechanism that falls off is a body whose parent became the ground.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <momentree/joint/joint.hpp>
+#include <momentree/joint/link.hpp>
+#include <momentree/tree/model.hpp>
+
+namespace momentree {
+
+/// Where the kernels' frame of a body stands in the user's frame of that body.
+struct KernelFrame {
+  Mat3 R = identity3<double>();
+  Vec3 r{};
+};
+
+/// A joint as declared (or as a change made it). Parameters stay apart: most joints of a large world share few.
+struct Joint {
+  Kind kind = Kind::weld;
+  int parameters = -1;  ///< index for Tree::parameters, −1: none
+  Pose at{}, child_at{};
+  Vec3 axis{0, 0, 1}, axis2{};
+  double pitch = 0;
+};
+
+/// A maximal path of single children whose joints share their kernels: the sweeps run along it with accumulators in locals.
+/// Bodies order[begin] (inboard) … order[end − 1].
+struct Segment {
+  enum class Deposit : unsigned char { none, assign, add };
+  int begin = 0, end = 0;
+  int parent = -1;    ///< junction of the parent segment, −1: the ground
+  int junction = -1;  ///< where the children of the last body meet, −1: it has none
+  Kind kind = Kind::weld;
+  bool armature = false, aligned = false;
+  Deposit deposit = Deposit::none;  ///< first child to reach the junction assigns, later ones add
+};
+
+class Tree {
+ public:
+  Tree() = default;
+  /// Compiles a model. Storage for every later topology is reserved: no change allocates.
+  explicit Tree(const Model& model);
+
+  int bodies() const { return static_cast<int>(parent_.size()); }
+  int nq() const { return nq_; }
+  int nv() const { return nv_; }
+  const Vec3& gravity() const { return gravity_; }
+  /// Number of topology changes so far; part of the stamp that State and Work carry.
+  std::uint64_t revision() const { return revision_; }
+
+  int parent(int b) const { return parent_[at(b)]; }
+  int first_child(int b) const { return first_child_[at(b)]; }
+  int next_sibling(int b) const { return next_sibling_[at(b)]; }
+  int first_root() const { return first_root_; }
+  int first_q(int b) const { return first_q_[at(b)]; }
+  int first_p(int b) const { return first_p_[at(b)]; }
+  int first_angle(int b) const { return first_angle_[at(b)]; }
+  /// Offset of the body's record in Work, in scalars.
+  std::size_t record(int b) const { return record_[at(b)]; }
+  const Link& link(int b) const { return links_[at(b)]; }
+  const Joint& joint(int b) const { return joints_[at(b)]; }
+  const KernelFrame& frame(int b) const { return frames_[at(b)]; }
+  bool has_armature(int b) const { return armature_flag_[at(b)] != 0; }
+  /// Parameters of the joint, or null.
+  const JointParameters* parameters(int b) const {
+    const int i = joint(b).parameters;
+    return i < 0 ? nullptr : &parameters_[at(i)];
+  }
+  /// True for a body whose root joint was made by a change: named after the body.
+  bool detached(int b) const { return detached_[at(b)] != 0; }
+
+  std::span<const int> order() const { return order_; }
+  std::span<const Segment> segments() const { return segments_; }
+  int junctions() const { return junctions_; }
+  std::size_t record_scalars() const { return record_scalars_; }
+  /// Angles of all joints: index into q, and the offset θ0 that is added to it.
+  std::span<const int> angle_coordinates() const { return angle_q_; }
+  std::span<const double> angle_offsets() const { return angle_offset_; }
+  /// Rotor inertia per freedom, in the order of p.
+  const double* armature() const { return armature_.data(); }
+  /// Damping and constant effort per freedom, in the order of p; zeros where there is none.
+  const double* damping() const { return damping_.data(); }
+  const double* effort() const { return effort_.data(); }
+  bool has_forces() const { return has_forces_; }
+  /// Bodies whose joint's coordinates hold a quaternion.
+  std::span<const int> quaternion_joints() const { return quaternion_joints_; }
+  /// Bodies whose joint has a spring.
+  std::span<const int> spring_joints() const { return spring_joints_; }
+
+  /// Largest sizes that any topology of these bodies needs.
+  std::size_t record_capacity() const { return record_capacity_; }
+  int angle_capacity() const { return 2 * bodies(); }
+
+  /// The inboard joint of b becomes a free joint to the ground, at the identity, without parameters: b's user frame is its
+  /// joint's frame. Relinks; does not touch any state (topology/change.hpp does).
+  void detach(int b);
+
+ private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  void make_frame(int b);
+  void make_link(int b);
+  void relink();
+
+  Vec3 gravity_{};
+  int nq_ = 0, nv_ = 0, junctions_ = 0, first_root_ = -1;
+  std::size_t record_scalars_ = 0, record_capacity_ = 0;
+  std::uint64_t revision_ = 0;
+  std::vector<int> parent_, first_child_, next_sibling_, first_q_, first_p_, first_angle_, order_, segment_of_;
+  std::vector<std::size_t> record_;
+  std::vector<unsigned char> armature_flag_, detached_;
+  std::vector<Link> links_;
+  std::vector<Joint> joints_;
+  std::vector<KernelFrame> frames_;
+  struct MassProperties {
+    double mass;
+    Vec3 com;
+    Sym3 inertia;
+  };
+  std::vector<MassProperties> masses_;
+  std::vector<JointParameters> parameters_;
+  std::vector<Segment> segments_;
+  std::vector<int> angle_q_, spring_joints_, quaternion_joints_;
+  std::vector<double> angle_offset_, armature_, damping_, effort_;
+  bool has_forces_ = false;
+};
+
+/// Compiles a model: `Tree tree = compile(model)`.
+inline Tree compile(const Model& model) { return Tree(model); }
+
+}  // namespace momentree
