@@ -1,0 +1,139 @@
+// What can be wrong with one body and its joint.
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+
+#include <momentree/tree/model.hpp>
+
+namespace momentree {
+
+namespace {
+
+bool finite(double a) { return std::isfinite(a); }
+bool finite(const Vec3& a) { return finite(a.x) && finite(a.y) && finite(a.z); }
+bool finite(const Values& values) {
+  return std::all_of(values.begin(), values.end(), [](double a) { return finite(a); });
+}
+
+// An axis may have any length, but one of nearly none has no direction that was meant.
+bool too_short(const Vec3& axis) { return std::max({std::fabs(axis.x), std::fabs(axis.y), std::fabs(axis.z)}) < 1e-9; }
+
+bool parallel(const Vec3& a, const Vec3& b) {
+  const auto unit = [](const Vec3& v) {
+    return normalized((1 / std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)})) * v);
+  };
+  return norm(cross(unit(a), unit(b))) < 1e-6;
+}
+
+std::string counted(int n, const char* what) { return std::to_string(n) + " " + what + (n == 1 ? "" : "s"); }
+
+struct QuaternionCheck {
+  const char *what, *hint;
+};
+QuaternionCheck check_quaternion(double w, double x, double y, double z) {
+  const double length = std::hypot(std::hypot(w, x), std::hypot(y, z));
+  if (length == 0) return {"a quaternion of zeros is no rotation", "no rotation is [1, 0, 0, 0]"};
+  if (!(std::fabs(length - 1) <= 1e-6)) return {"the quaternion is not of length 1", "scale it: w² + x² + y² + z² = 1"};
+  return {};
+}
+
+// The quaternion among coordinates, where the kind has one and there are as many as it takes.
+QuaternionCheck check_quaternion(const Values& q, const KindInfo& kind) {
+  for (int i = 0; i + 3 < q.size(); ++i)
+    if (kind.q_units[i] == 'n') return check_quaternion(q[i], q[i + 1], q[i + 2], q[i + 3]);
+  return {};
+}
+
+template <class Problem>
+class Checks {
+ public:
+  void add(const char* field, std::string what, std::string hint = {}) {
+    problems.push_back({field, std::move(what), std::move(hint)});
+  }
+  void coordinates(const char* field, const Values& q, const KindInfo& kind) {
+    if (q.empty()) return;
+    if (!finite(q)) return add(field, "must be finite");
+    if (q.size() != kind.nq)
+      return add(field, "a " + std::string(kind.name) + " joint has " + counted(kind.nq, "coordinate") + ", not " +
+                            std::to_string(q.size()));
+    if (const QuaternionCheck bad = check_quaternion(q, kind); bad.what) add(field, bad.what, bad.hint);
+  }
+  void axis(const char* field, const Vec3& axis) {
+    if (!finite(axis)) return add(field, "must be finite");
+    if (too_short(axis)) add(field, "an axis of length zero has no direction", "for example [0, 0, 1]");
+  }
+  void placement(const char* field, const Pose& pose) {
+    const Quat& r = pose.rotation;
+    if (!finite(pose.position) || !finite(r.w) || !finite(r.x) || !finite(r.y) || !finite(r.z))
+      return add(field, "must be finite");
+    if (const QuaternionCheck bad = check_quaternion(r.w, r.x, r.y, r.z); bad.what) add(field, bad.what, bad.hint);
+  }
+  // One value for every freedom, or one per freedom.
+  void per_freedom(const char* field, const Values& values, const KindInfo& kind, bool negative_allowed) {
+    if (!finite(values)) return add(field, "must be finite");
+    if (values.size() > 1 && values.size() != kind.nv)
+      add(field,
+          "a " + std::string(kind.name) + " joint has " + counted(kind.nv, "freedom") + ", not " + std::to_string(values.size()),
+          kind.nv ? "give one number, or one per freedom" : "");
+    if (!negative_allowed && std::any_of(values.begin(), values.end(), [](double a) { return a < 0; }))
+      add(field, "must not be negative");
+  }
+
+  std::vector<Problem> problems;
+};
+
+}  // namespace
+
+std::vector<JointProblem> check_joint(const JointSpec& joint) {
+  Checks<JointProblem> checks;
+  const KindInfo& kind = info(joint.kind);
+  if (kind.axis) checks.axis("axis", joint.axis);
+  if (kind.axis2) checks.axis("axis2", joint.axis2);
+  if (kind.axis2 && checks.problems.empty() && parallel(joint.axis, joint.axis2))
+    checks.add("axis2", "is parallel to 'axis': that would be one freedom twice", "for example perpendicular to it");
+  if (kind.pitch && !finite(joint.pitch)) checks.add("pitch", "must be finite");
+  if (kind.pitch && joint.pitch == 0) checks.add("pitch", "a pitch of zero does not move along the axis", "use a revolute joint");
+
+  const JointParameters& p = joint.parameters;
+  checks.per_freedom("damping", p.damping, kind, false);
+  checks.per_freedom("stiffness", p.stiffness, kind, false);
+  checks.per_freedom("armature", p.armature, kind, false);
+  checks.per_freedom("drive", p.effort, kind, true);
+  if (p.effort.size() == 1 && kind.nv > 1)
+    checks.add("drive", "one effort for " + counted(kind.nv, "freedom") + " could mean anything",
+               "give a list, one effort per freedom");
+  checks.coordinates("rest", p.rest, kind);
+  return checks.problems;
+}
+
+std::vector<BodyProblem> check_body(const BodySpec& spec) {
+  Checks<BodyProblem> checks;
+  const KindInfo& kind = info(spec.joint.kind);
+  const auto check_name = [&](const char* field, const std::string& name) {
+    if (name.size() > 500) checks.add(field, "is longer than 500 characters");
+    // Columns of CSV, targets of events, terminals: none of them should have to quote a name.
+    if (std::any_of(name.begin(), name.end(),
+                    [](unsigned char c) { return c < 0x20 || c == 0x7f || c == ',' || c == '"' || c == '*'; }))
+      checks.add(field, "must not contain a comma, a quotation mark, an asterisk or a control character");
+  };
+  if (spec.name.empty()) checks.add("name", "a body needs a name", "for example \"arm/1\"");
+  check_name("name", spec.name);
+  check_name("joint_name", spec.joint_name);
+  if (!finite(spec.mass)) checks.add("mass", "must be finite");
+  if (spec.mass < 0) checks.add("mass", "must not be negative");
+  const Sym3& i = spec.inertia;
+  if (!finite(Vec3{i.xx, i.yy, i.zz}) || !finite(Vec3{i.xy, i.xz, i.yz})) checks.add("inertia", "must be finite");
+  if (!finite(spec.com)) checks.add("com", "must be finite");
+  checks.placement("at", spec.at);
+  checks.placement("child_at", spec.child_at);
+  checks.coordinates("q", spec.q, kind);
+  if (!finite(spec.v)) checks.add("v", "must be finite");
+  if (!spec.v.empty() && spec.v.size() != kind.nv)
+    checks.add("v", "a " + std::string(kind.name) + " joint has " + std::to_string(kind.nv) +
+                        (kind.nv == 1 ? " velocity" : " velocities") + ", not " + std::to_string(spec.v.size()));
+  for (JointProblem& problem : check_joint(spec.joint))
+    checks.add(problem.field.c_str(), std::move(problem.what), std::move(problem.hint));
+  return std::move(checks.problems);
+}
+
+}  // namespace momentree

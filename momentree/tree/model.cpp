@@ -1,0 +1,103 @@
+#include <momentree/tree/model.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace momentree {
+
+namespace {
+
+// Only for what check_body() has found to be near a unit vector or a unit quaternion.
+Vec3 unit_axis(const Vec3& a) {
+  const double largest = std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)});
+  return largest == 0 ? a : normalized((1 / largest) * a);
+}
+
+void normalise_quaternion(Values& q, const char* units) {
+  for (int i = 0; i < q.size(); ++i)
+    if (units[i] == 'n') {
+      const Quat u = normalized(Quat{q[i], q[i + 1], q[i + 2], q[i + 3]});
+      q[i] = u.w, q[i + 1] = u.x, q[i + 2] = u.y, q[i + 3] = u.z;
+      return;
+    }
+}
+
+// Zero displacements and no rotation.
+Values zero_coordinates(const KindInfo& kind) {
+  Values q;
+  bool scalar_part = true;
+  for (int i = 0; i < kind.nq; ++i) {
+    const bool quaternion = kind.q_units[i] == 'n';
+    q.push_back(quaternion && scalar_part ? 1 : 0);
+    if (quaternion) scalar_part = false;
+  }
+  return q;
+}
+
+void complete(BodySpec& spec) {
+  const KindInfo& kind = info(spec.joint.kind);
+  if (spec.joint_name.empty()) spec.joint_name = spec.name;
+  if (kind.axis) spec.joint.axis = unit_axis(spec.joint.axis);
+  if (kind.axis2) spec.joint.axis2 = unit_axis(spec.joint.axis2);
+  spec.at.rotation = normalized(spec.at.rotation);
+  spec.child_at.rotation = normalized(spec.child_at.rotation);
+  if (spec.q.empty()) spec.q = zero_coordinates(kind);
+  while (spec.v.size() < kind.nv) spec.v.push_back(0);
+  normalise_quaternion(spec.q, kind.q_units);
+  normalise_quaternion(spec.joint.parameters.rest, kind.q_units);
+}
+
+std::string prefix(const std::string& name) { return name.substr(0, name.find('/')); }
+
+std::vector<std::string> names(const std::unordered_map<std::string, int>& by_name) {
+  std::vector<std::string> all;
+  all.reserve(by_name.size());
+  for (const auto& [name, index] : by_name) all.push_back(name);
+  std::sort(all.begin(), all.end());  // the suggestion must not depend on the order of a hash table
+  return all;
+}
+
+Body look_up(const std::unordered_map<std::string, int>& by_name, std::string_view name, const char* what) {
+  const auto found = by_name.find(std::string(name));
+  if (found == by_name.end())
+    fail({"there is no " + std::string(what) + " '" + std::string(name) + "'", "", did_you_mean(name, names(by_name))});
+  return {found->second};
+}
+
+}  // namespace
+
+Body Model::add(BodySpec spec) {
+  const MassProblem problem = check_mass(spec.mass, spec.inertia);
+  if (!problem.what.empty() && !problem.warning) fail({problem.what, spec.name, problem.hint});
+  return add_unjudged(std::move(spec));
+}
+
+Body Model::add_unjudged(BodySpec spec) {
+  for (const BodyProblem& problem : check_body(spec)) fail({problem.field + ": " + problem.what, spec.name, problem.hint});
+  if (spec.parent.index < -1 || spec.parent.index >= size())
+    fail({"the parent is not a body of this model", spec.name, "add the parent first, and give what add() returned for it"});
+  complete(spec);
+  if (by_body_.contains(spec.name))
+    fail({"there is a body of that name already", spec.name, "names of bodies are unique in a model"});
+  if (by_joint_.contains(spec.joint_name))
+    fail({"there is a joint '" + spec.joint_name + "' already", spec.name, "names of joints are unique in a model"});
+
+  const int index = size();
+  by_body_.emplace(spec.name, index);
+  by_joint_.emplace(spec.joint_name, index);
+  if (spec.parent == ground) by_mechanism_.emplace(prefix(spec.name), index);
+  bodies_.push_back(std::move(spec));
+  return {index};
+}
+
+Body Model::body(std::string_view name) const { return look_up(by_body_, name, "body"); }
+Body Model::joint(std::string_view name) const { return look_up(by_joint_, name, "joint"); }
+
+std::string Model::mechanism_name(Body root) const {
+  const std::string& name = (*this)[root].name;
+  std::string mechanism = prefix(name);
+  const auto first = by_mechanism_.find(mechanism);
+  return first == by_mechanism_.end() || first->second == root.index ? mechanism : name;
+}
+
+}  // namespace momentree

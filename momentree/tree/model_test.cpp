@@ -1,0 +1,125 @@
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds.hpp>
+#include <momentree/tree/model.hpp>
+
+using namespace momentree;
+
+namespace {
+
+const double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+BodySpec link(std::string name, Body parent = ground) {
+  return {.name = std::move(name), .mass = 1, .inertia = diagonal(1), .parent = parent, .joint = Revolute{.axis = {0, 0, 2}}};
+}
+
+// The message of what add() throws; "accepted" if it throws nothing.
+std::string refusal(BodySpec spec, Model model = Model{}) {
+  try {
+    model.add(std::move(spec));
+  } catch (const Error& error) {
+    return error.message();
+  }
+  return "accepted";
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("a model completes what is left out and normalises") {
+  Model model;
+  const Body a = model.add(link("arm/1"));
+  BodySpec spec = link("arm/2", a);
+  spec.joint = Free{};
+  spec.at.rotation = {1 + 4e-7, 0, 0, 0};
+  spec.joint_name = "arm/wrist";
+  const Body b = model.add(spec);
+  CHECK(model[a].joint.axis == Vec3{0, 0, 1});
+  CHECK(model[a].joint_name == "arm/1");
+  CHECK(model[a].q == Values{0});
+  CHECK(model[b].q == Values{0, 0, 0, 1, 0, 0, 0});
+  CHECK(model[b].v == Values{0, 0, 0, 0, 0, 0});
+  CHECK(model[b].at.rotation.w == 1);
+  CHECK(model.joint("arm/wrist") == b);
+  CHECK(model.body("arm/2") == b);
+  CHECK(!model.has_joint("arm/2"));
+}
+
+TEST_CASE("an axis of any length is taken, however large") {
+  Model model;
+  BodySpec spec = link("a");
+  spec.joint.axis = {0, 3e200, 4e200};
+  const Body a = model.add(spec);
+  CHECK(norm(model[a].joint.axis) == doctest::Approx(1));
+  CHECK(model[a].joint.axis.y == doctest::Approx(0.6));
+}
+
+TEST_CASE("a model refuses what is wrong with one body, and names it") {
+  const auto changed = [](auto change) {
+    BodySpec spec = link("b");
+    change(spec);
+    return refusal(spec);
+  };
+  CHECK(changed([](BodySpec&) {}) == "accepted");
+  CHECK(changed([](BodySpec& s) { s.mass = 0, s.inertia = {}; }) == "accepted");  // singular or not shows in the whole
+  CHECK(contains(changed([](BodySpec& s) { s.name = ""; }), "needs a name"));
+  CHECK(contains(changed([](BodySpec& s) { s.name = "a,b"; }), "comma"));
+  CHECK(contains(changed([](BodySpec& s) { s.mass = -1; }), "b: error: mass: must not be negative"));
+  CHECK(contains(changed([](BodySpec& s) { s.mass = not_a_number; }), "mass: must be finite"));
+  CHECK(contains(changed([](BodySpec& s) { s.mass = 0; }), "without mass"));
+  CHECK(contains(changed([](BodySpec& s) { s.com.y = not_a_number; }), "com: must be finite"));
+  CHECK(contains(changed([](BodySpec& s) { s.inertia = diagonal(1, 1, -1); }), "negative principal moment"));
+  CHECK(contains(changed([](BodySpec& s) { s.inertia = diagonal(1, 1, 3); }), "more than the sum"));
+  CHECK(contains(changed([](BodySpec& s) { s.joint.axis = {}; }), "axis: an axis of length zero"));
+  CHECK(contains(changed([](BodySpec& s) {
+                   s.joint = Universal{.axis = {0, 0, 1}, .axis2 = {0, 0, -2}};
+                 }),
+                 "axis2: is parallel"));
+  CHECK(contains(changed([](BodySpec& s) { s.joint = Helical{.axis = {0, 0, 1}, .pitch = 0}; }), "pitch"));
+  CHECK(contains(changed([](BodySpec& s) { s.joint.parameters.damping = -1; }), "damping: must not be negative"));
+  CHECK(contains(changed([](BodySpec& s) { s.joint.parameters.damping = {1, 2}; }), "1 freedom, not 2"));
+  CHECK(contains(changed([](BodySpec& s) { s.joint = Ball{.effort = 1.0}; }), "one effort for 3 freedoms"));
+  CHECK(contains(changed([](BodySpec& s) { s.q = {1, 2}; }), "q: a revolute joint has 1 coordinate, not 2"));
+  CHECK(contains(changed([](BodySpec& s) { s.v = {1, 2}; }), "v: a revolute joint has 1 velocity, not 2"));
+  CHECK(contains(changed([](BodySpec& s) { s.joint = Ball{}, s.q = {0, 0, 0, 0}; }), "quaternion of zeros"));
+  CHECK(contains(changed([](BodySpec& s) { s.at.rotation = {1.1, 0, 0, 0}; }), "at: the quaternion is not of length 1"));
+  CHECK(contains(changed([](BodySpec& s) { s.parent = {0}; }), "not a body of this model"));
+  CHECK(contains(changed([](BodySpec& s) { s.parent = {-2}; }), "not a body of this model"));
+}
+
+TEST_CASE("names of bodies and of joints are unique") {
+  Model model;
+  BodySpec first = link("m/a");
+  first.joint_name = "m/hinge";
+  model.add(first);
+  CHECK(contains(refusal(link("m/a"), model), "body of that name"));
+  BodySpec second = link("m/b");
+  second.joint_name = "m/hinge";
+  CHECK(contains(refusal(second, model), "joint 'm/hinge' already"));
+}
+
+TEST_CASE("an unknown name is answered with the nearest one") {
+  Model model;
+  model.add(link("arm/elbow"));
+  CHECK_THROWS_AS(model.body("arm/ebow"), Error);
+  try {
+    model.joint("arm/ebow");
+  } catch (const Error& error) {
+    CHECK(error.hint == "did you mean 'arm/elbow'?");
+  }
+}
+
+TEST_CASE("a mechanism is named by what stands before the slash, if no earlier one is") {
+  Model model;
+  const Body a = model.add(link("m/a"));
+  const Body b = model.add(link("m/b"));
+  const Body c = model.add(link("alone"));
+  CHECK(model.mechanism_name(a) == "m");
+  CHECK(model.mechanism_name(b) == "m/b");
+  CHECK(model.mechanism_name(c) == "alone");
+}
