@@ -64,31 +64,33 @@ MOMENTREE_INLINE void subtract_outer(SpatialMass<T>& M, const Force<T>& g, const
 template <class T, int N, class Record>
 MOMENTREE_INLINE void reduce_generic(const Columns<T, N>& E, const T* p, const double* armature, SpatialMass<T>& M, Force<T>& D,
                                      Record& w) {
-  constexpr auto n = static_cast<std::size_t>(N);
-  std::array<Force<T>, n> ME;
-  for (std::size_t i = 0; i < n; ++i) ME[i] = M * E[i];
-  w.Mj = joint_space_mass<T, N>(E, ME, armature);
-  w.Mj.factorise();
-  for (std::size_t i = 0; i < n; ++i) w.u0[i] = p[i] - dot(E[i], D);
-  // G = Mb E Mj⁻¹: solve for each of the six rows of ME.
-  w.G = ME;
-  const auto solve_row = [&w](auto component) {
-    std::array<T, n> row;
-    for (std::size_t i = 0; i < n; ++i) row[i] = component(w.G[i]);
-    w.Mj.solve(row);
-    for (std::size_t i = 0; i < n; ++i) component(w.G[i]) = row[i];
-  };
-  solve_row([](Force<T>& f) -> T& { return f.l.x; });
-  solve_row([](Force<T>& f) -> T& { return f.l.y; });
-  solve_row([](Force<T>& f) -> T& { return f.l.z; });
-  solve_row([](Force<T>& f) -> T& { return f.h.x; });
-  solve_row([](Force<T>& f) -> T& { return f.h.y; });
-  solve_row([](Force<T>& f) -> T& { return f.h.z; });
-  for (std::size_t i = 0; i < n; ++i) {
-    subtract_outer(M, w.G[i], ME[i]);  // (25)
-    D += w.u0[i] * w.G[i];             // (26)
+  if constexpr (N > 0) {
+    constexpr auto n = static_cast<std::size_t>(N);
+    std::array<Force<T>, n> ME;
+    for (std::size_t i = 0; i < n; ++i) ME[i] = M * E[i];
+    w.Mj = joint_space_mass<T, N>(E, ME, armature);
+    w.Mj.factorise();
+    for (std::size_t i = 0; i < n; ++i) w.u0[i] = p[i] - dot(E[i], D);
+    // G = Mb E Mj⁻¹: solve for each of the six rows of ME.
+    w.G = ME;
+    const auto solve_row = [&w](auto component) {
+      std::array<T, n> row;
+      for (std::size_t i = 0; i < n; ++i) row[i] = component(w.G[i]);
+      w.Mj.solve(row);
+      for (std::size_t i = 0; i < n; ++i) component(w.G[i]) = row[i];
+    };
+    solve_row([](Force<T>& f) -> T& { return f.l.x; });
+    solve_row([](Force<T>& f) -> T& { return f.l.y; });
+    solve_row([](Force<T>& f) -> T& { return f.l.z; });
+    solve_row([](Force<T>& f) -> T& { return f.h.x; });
+    solve_row([](Force<T>& f) -> T& { return f.h.y; });
+    solve_row([](Force<T>& f) -> T& { return f.h.z; });
+    for (std::size_t i = 0; i < n; ++i) {
+      subtract_outer(M, w.G[i], ME[i]);  // (25)
+      D += w.u0[i] * w.G[i];             // (26)
+    }
+    w.Mj.solve(w.u0);
   }
-  w.Mj.solve(w.u0);
   w.M = M;
   w.D = D;
 }

@@ -1,0 +1,325 @@
+// The laws that every joint kind obeys, alone and with a rotor. A new kind is under them by being a file in kinds/.
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/dispatch.hpp>
+
+using namespace momentree;
+
+namespace {
+
+// One draw per statement: compilers order arguments differently.
+struct Draw {
+  unsigned long long state = 88172645463325252ULL;
+  double operator()() {  // (−1, 1)
+    state ^= state << 13;
+    state ^= state >> 7;
+    state ^= state << 17;
+    return static_cast<double>(state >> 11) * (2.0 / 9007199254740992.0) - 1;
+  }
+  Vec3 vector() {
+    const double x = (*this)();
+    const double y = (*this)();
+    const double z = (*this)();
+    return {x, y, z};
+  }
+};
+
+Link random_link(Draw& draw, bool aligned) {
+  Link k;
+  const double a = 3 * draw();
+  const double b = aligned ? 0 : 3 * draw();
+  k.angle_0 = 3 * draw();
+  k.cos_a = std::cos(a), k.sin_a = std::sin(a), k.cos_b = std::cos(b), k.sin_b = std::sin(b);
+  k.cos_0 = std::cos(k.angle_0), k.sin_0 = std::sin(k.angle_0);
+  k.r = draw.vector();
+  k.subtree_mass = 2 + draw();
+  return k;
+}
+
+SpatialMass<double> random_mass(Draw& draw) {  // of three bodies: a full articulated mass
+  SpatialMass<double> M{};
+  for (int i = 0; i < 3; ++i) {
+    RigidMass body;
+    body.m = 1.5 + draw();
+    const Vec3 c = draw.vector();
+    body.mc = body.m * c;
+    const double cc = dot(c, c);
+    body.J = Sym3{body.m * (cc - c.x * c.x) + 0.3,
+                  body.m * (cc - c.y * c.y) + 0.4,
+                  body.m * (cc - c.z * c.z) + 0.5,
+                  -body.m * c.x * c.y,
+                  -body.m * c.x * c.z,
+                  -body.m * c.y * c.z};
+    add_rigid_mass(M, body);
+    // An articulated mass is not that of a rigid body: reduce along an arbitrary direction.
+    const Motion<double> e{draw.vector(), draw.vector()};
+    const Force<double> Me = M * e;
+    subtract_outer(M, (0.5 / dot(e, Me)) * Me, Me);
+  }
+  return M;
+}
+
+std::array<double, 6> flat(const Force<double>& f) { return {f.l.x, f.l.y, f.l.z, f.h.x, f.h.y, f.h.z}; }
+std::array<double, 6> flat(const Motion<double>& m) { return {m.v.x, m.v.y, m.v.z, m.w.x, m.w.y, m.w.z}; }
+std::vector<double> flat(const SpatialMass<double>& M) {
+  return {M.A.xx, M.A.yy, M.A.zz, M.A.xy, M.A.xz, M.A.yz, M.B.xx, M.B.xy, M.B.xz, M.B.yx, M.B.yy,
+          M.B.yz, M.B.zx, M.B.zy, M.B.zz, M.J.xx, M.J.yy, M.J.zz, M.J.xy, M.J.xz, M.J.yz};
+}
+template <class A, class B>
+double distance(const A& a, const B& b) {
+  double worst = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) worst = std::fmax(worst, std::fabs(a[i] - b[i]));
+  return worst;
+}
+
+// A joint at one state: coordinates, trigonometry, rates.
+template <class K>
+struct Sample {
+  static constexpr int nq = K::info.nq, nv = K::info.nv;
+  std::array<double, 8> q{}, u{}, p{}, armature{};
+  std::array<double, 2> c{}, s{};
+  Link link;
+
+  Sample(Draw& draw, bool aligned, bool rotor) : link(random_link(draw, aligned)) {
+    JointSpec spec;
+    spec.axis = normalized(draw.vector());
+    spec.axis2 = normalized(draw.vector());
+    spec.pitch = draw();
+    K::Kernels::frame(spec, link.geometry);
+    for (int i = 0; i < nq; ++i) q[static_cast<std::size_t>(i)] = 2 * draw();
+    K::Kernels::normalise(q.data());
+    for (int i = 0; i < nv; ++i) {
+      u[static_cast<std::size_t>(i)] = draw();
+      p[static_cast<std::size_t>(i)] = draw();
+      armature[static_cast<std::size_t>(i)] = rotor ? 1 + 0.5 * draw() : 0;
+    }
+    turn();
+  }
+  void turn() {
+    for (std::size_t i = 0; i < K::Kernels::angles.size(); ++i) {
+      const double angle = q[static_cast<std::size_t>(K::Kernels::angles[i])] + (K::Kernels::turns_about_z ? link.angle_0 : 0.0);
+      c[i] = std::cos(angle), s[i] = std::sin(angle);
+    }
+  }
+  JointState<double> joint() const { return {q.data(), c.data(), s.data()}; }
+};
+
+// Calls law(tag of the kind, tag of its kernels, rotor, aligned) for every kind.
+template <class Law>
+void for_every_kind(Law law) {
+  for (const KindInfo& kind : all_kinds())
+    dispatch(kind.kind, [&](auto tag) {
+      using K = typename decltype(tag)::type;
+      for (bool aligned : {false, true}) {
+        INFO(std::string(K::info.name), aligned ? ", aligned" : "");
+        law(tag, std::type_identity<KernelsOf<K, false>>{}, false, aligned);
+        law(tag, std::type_identity<KernelsOf<K, true>>{}, true, aligned);
+      }
+    });
+}
+
+template <bool Aligned, class K, class L>
+auto cross_in(const Link& link, const JointState<double>& joint, L& record) {
+  return K::template crossing<Aligned, double>(link, joint, record);
+}
+
+}  // namespace
+
+TEST_CASE("every kind says how many coordinates and freedoms it has") {
+  CHECK(all_kinds().size() >= 9);
+  for (const KindInfo& k : all_kinds()) {
+    CHECK(find_kind(k.name)->kind == k.kind);
+    CHECK(std::string(k.q_units).size() == static_cast<std::size_t>(k.nq));
+    CHECK(std::string(k.v_units).size() == static_cast<std::size_t>(k.nv));
+  }
+  CHECK(find_kind("revolut") == nullptr);
+}
+
+TEST_CASE("(6) E is the derivative of the pose, and Edot that of E") {
+  Draw draw;
+  for_every_kind([&](auto kind, auto kernels, bool, bool) {
+    using K = typename decltype(kind)::type;
+    using L = typename decltype(kernels)::type;
+    for (int trial = 0; trial < 20; ++trial) {
+      const Sample<K> at(draw, false, false);
+      // Along the joint's own motion: q̇ = N(q) u.
+      std::array<double, 8> qdot{};
+      L::template coordinate_rate<double>(at.q.data(), at.u.data(), qdot.data());
+      const double h = 1e-5;
+      const auto moved = [&](double t) {
+        Sample<K> m = at;
+        for (std::size_t i = 0; i < 8; ++i) m.q[i] += t * qdot[i];
+        m.turn();
+        return m;
+      };
+      const Sample<K> ahead = moved(h), behind = moved(-h);
+      const auto x0 = dense_crossing<L, double>(at.link, at.joint());
+      const auto x1 = dense_crossing<L, double>(at.link, ahead.joint()), x2 = dense_crossing<L, double>(at.link, behind.joint());
+      const auto over = [&](double a, double b) { return (a - b) / (2 * h); };
+      const Vec3 rdot{over(x1.r.x, x2.r.x), over(x1.r.y, x2.r.y), over(x1.r.z, x2.r.z)};
+      const Mat3 Rdot{over(x1.R.xx, x2.R.xx), over(x1.R.xy, x2.R.xy), over(x1.R.xz, x2.R.xz),
+                      over(x1.R.yx, x2.R.yx), over(x1.R.yy, x2.R.yy), over(x1.R.yz, x2.R.yz),
+                      over(x1.R.zx, x2.R.zx), over(x1.R.zy, x2.R.zy), over(x1.R.zz, x2.R.zz)};
+      const Mat3 W = transpose(x0.R) * Rdot;
+      const Motion<double> measured{transpose_times(x0.R, rdot), {W.zy, W.xz, W.yx}};
+      const auto E = L::template columns<double>(at.link, at.joint());
+      Motion<double> expected{};
+      for (std::size_t i = 0; i < E.size(); ++i) expected = expected + Motion<double>{at.u[i] * E[i].v, at.u[i] * E[i].w};
+      CHECK(distance(flat(measured), flat(expected)) < 1e-8);
+      CHECK(distance(flat(L::template spatial_velocity<double>(at.link, at.joint(), {}, at.u.data())), flat(expected)) < 1e-14);
+      const auto E1 = L::template columns<double>(at.link, ahead.joint()),
+                 E2 = L::template columns<double>(at.link, behind.joint());
+      for (std::size_t i = 0; i < E.size(); ++i) {
+        const auto a = flat(E1[i]), b = flat(E2[i]);
+        std::array<double, 6> rate{}, claimed{};
+        for (std::size_t k = 0; k < 6; ++k) rate[k] = over(a[k], b[k]);
+        if constexpr (requires { L::template columns_rate<double>(at.link, at.joint(), at.u.data()); })
+          claimed = flat(L::template columns_rate<double>(at.link, at.joint(), at.u.data())[i]);
+        CHECK(distance(rate, claimed) < 1e-8);
+      }
+    }
+  });
+}
+
+TEST_CASE("(16) (17) (18) the crossing of a kind is that of its pose, in both directions") {
+  Draw draw;
+  for_every_kind([&](auto kind, auto kernels, bool rotor, bool aligned) {
+    using K = typename decltype(kind)::type;
+    using L = typename decltype(kernels)::type;
+    const auto law = [&](auto is_aligned) {
+      constexpr bool A = decltype(is_aligned)::value;
+      for (int trial = 0; trial < 20; ++trial) {
+        const Sample<K> at(draw, A, rotor);
+        typename L::template Record<double> record{};
+        SpatialMass<double> M = random_mass(draw);
+        Force<double> D{draw.vector(), draw.vector()};
+        L::template reduce<double>(at.link, at.joint(), at.p.data(), at.armature.data(), M, D, record);
+        const auto dense = dense_crossing<L, double>(at.link, at.joint());
+        SpatialMass<double> M1 = M, M2 = M;
+        Force<double> D1 = D, D2 = D;
+        Vec3 c1 = draw.vector(), c2 = c1;
+        const auto& own = L::template crossing<A, double>(at.link, at.joint(), record);
+        own.inboard(M1), own.inboard(D1), own.inboard(c1);
+        dense.inboard(M2), dense.inboard(D2), dense.inboard(c2);
+        CHECK(distance(flat(M1), flat(M2)) < 1e-12);
+        CHECK(distance(flat(D1), flat(D2)) < 1e-13);
+        CHECK(norm(c1 - c2) < 1e-13);
+        const auto& again = L::template crossing_again<A, double>(at.link, at.joint(), record);
+        const Motion<double> m{draw.vector(), draw.vector()};
+        const Force<double> f{draw.vector(), draw.vector()};
+        Motion<double> m1 = m, m2 = m;
+        again.outboard(m1), dense.outboard(m2);
+        CHECK(distance(flat(m1), flat(m2)) < 1e-13);
+        Force<double> f1 = f;
+        own.inboard(f1);
+        CHECK(dot(m1, f) == doctest::Approx(dot(m, f1)).epsilon(1e-12));  // (18): transposes of each other
+        const Motion<double> e{draw.vector(), draw.vector()};
+        Motion<double> x = e;
+        dense.outboard(x);
+        CHECK(dot(e, M1 * e) == doctest::Approx(dot(x, M * x)).epsilon(1e-11));  // X^T M X
+      }
+    };
+    if (L::turns_about_z && aligned) {
+      law(std::true_type{});
+    } else {
+      law(std::false_type{});
+    }
+  });
+}
+
+TEST_CASE("(24) (25) (26) (27) (21) (20) override equals generic") {
+  Draw draw;
+  for_every_kind([&](auto kind, auto kernels, bool rotor, bool) {
+    using K = typename decltype(kind)::type;
+    using L = typename decltype(kernels)::type;
+    constexpr int N = K::info.nv;
+    for (int trial = 0; trial < 20; ++trial) {
+      const Sample<K> at(draw, false, rotor);
+      const SpatialMass<double> Mb = random_mass(draw);
+      const Force<double> Db{draw.vector(), draw.vector()};
+      const auto E = L::template columns<double>(at.link, at.joint());
+      SpatialMass<double> M1 = Mb, M2 = Mb;
+      Force<double> D1 = Db, D2 = Db;
+      typename L::template Record<double> own{};
+      GenericRecord<double, N> generic{};
+      L::template reduce<double>(at.link, at.joint(), at.p.data(), at.armature.data(), M1, D1, own);
+      reduce_generic<double, N>(E, at.p.data(), at.armature.data(), M2, D2, generic);
+      CHECK(distance(flat(M1), flat(M2)) < 1e-12);
+      CHECK(distance(flat(D1), flat(D2)) < 1e-12);
+      const Motion<double> in{draw.vector(), draw.vector()};
+      std::array<double, 8> u1{}, u2{};
+      L::joint_velocity(own, in, u1.data());
+      for (int i = 0; i < N; ++i)
+        u2[static_cast<std::size_t>(i)] =
+            generic.u0[static_cast<std::size_t>(i)] - dot(in, generic.G[static_cast<std::size_t>(i)]);
+      CHECK(distance(u1, u2) < 1e-11);
+      const Force<double> P1 = L::articulated_momentum(own, at.p.data(), in);
+      const Motion<double> out = L::template spatial_velocity<double>(at.link, at.joint(), in, u1.data());
+      CHECK(distance(flat(P1), flat(Mb * out + Db)) < 1e-11);  // (21) as it is defined
+      for (int i = 0; i < N; ++i) {                            // (19): p = E^T Pb + rotor
+        const auto k = static_cast<std::size_t>(i);
+        CHECK(at.p[k] == doctest::Approx(dot(E[k], P1) + at.armature[k] * u1[k]).epsilon(1e-11));
+      }
+      const Force<double> wrench{draw.vector(), draw.vector()};
+      std::array<double, 8> rate{};
+      L::template momentum_rate<double>(at.link, at.joint(), at.u.data(), P1, wrench, rate.data());
+      for (int i = 0; i < N; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        double expected = dot(E[k], wrench);
+        if constexpr (requires { L::template columns_rate<double>(at.link, at.joint(), at.u.data()); })
+          expected += dot(L::template columns_rate<double>(at.link, at.joint(), at.u.data())[k], P1);
+        CHECK(rate[k] == doctest::Approx(expected).epsilon(1e-12));
+      }
+    }
+  });
+}
+
+TEST_CASE("a spring's force is the gradient of its energy along the joint's motion") {
+  Draw draw;
+  for_every_kind([&](auto kind, auto kernels, bool, bool) {
+    using K = typename decltype(kind)::type;
+    using L = typename decltype(kernels)::type;
+    for (int trial = 0; trial < 20; ++trial) {
+      const Sample<K> at(draw, false, false);
+      const Sample<K> rest(draw, false, false);
+      std::array<double, 6> k{}, force{}, ignore{};
+      for (double& x : k) x = 1.5 + draw();
+      L::spring(at.q.data(), rest.q.data(), k.data(), force.data());
+      std::array<double, 8> qdot{}, q1 = at.q, q2 = at.q;
+      L::template coordinate_rate<double>(at.q.data(), at.u.data(), qdot.data());
+      const double h = 1e-6;
+      for (std::size_t i = 0; i < 8; ++i) q1[i] += h * qdot[i], q2[i] -= h * qdot[i];
+      L::normalise(q1.data()), L::normalise(q2.data());
+      const double V1 = L::spring(q1.data(), rest.q.data(), k.data(), ignore.data());
+      const double V2 = L::spring(q2.data(), rest.q.data(), k.data(), ignore.data());
+      double power = 0;
+      for (int i = 0; i < K::info.nv; ++i) power += force[static_cast<std::size_t>(i)] * at.u[static_cast<std::size_t>(i)];
+      CHECK(power == doctest::Approx(-(V1 - V2) / (2 * h)).epsilon(1e-6));
+    }
+  });
+}
+
+TEST_CASE("zero is no motion; normalising keeps what is normal") {
+  Draw draw;
+  for_every_kind([&](auto kind, auto kernels, bool, bool) {
+    using K = typename decltype(kind)::type;
+    using L = typename decltype(kernels)::type;
+    Sample<K> at(draw, false, false);
+    L::zero(at.q.data());
+    at.turn();
+    const auto x = dense_crossing<L, double>(at.link, at.joint());
+    const Mat3 R = placement_rotation(at.link);
+    CHECK(norm(x.r - at.link.r) < 1e-15);
+    const Vec3 v = draw.vector();
+    CHECK(norm(x.R * v - R * v) < 1e-14);
+    Sample<K> other(draw, false, false);
+    const auto q = other.q;
+    L::normalise(other.q.data());
+    CHECK(distance(q, other.q) < 1e-15);
+  });
+}
