@@ -161,7 +161,7 @@ struct Simulation::Impl {
         break;
       }
       happen();
-      if (!look(false)) status = Status::interrupted;
+      if (!look(false) || (watcher && !watcher(world.time()))) status = Status::interrupted;
     }
     if (status != Status::interrupted && !look(true)) status = Status::interrupted;
     evaluate_state();
@@ -184,6 +184,7 @@ struct Simulation::Impl {
   double every = 0, next_look = 0, observed_at = 0;
   bool observed = false;
   std::function<bool(const World&)> observer;
+  std::function<bool(double)> watcher;
   Clock::time_point lap = Clock::now();
 };
 
@@ -226,6 +227,8 @@ void Simulation::observe(double every, std::function<bool(const World&)> observe
   impl_->every = every;
   impl_->observed = false;
 }
+
+void Simulation::watch(std::function<bool(double)> watcher) { impl_->watcher = std::move(watcher); }
 
 void Simulation::restore(double time, std::span<const Body> broken, std::span<const JointStart> joints) {
   impl_->world.restore(time, broken, joints);

@@ -70,6 +70,10 @@ class Simulation {
   /// read. Return false to interrupt: run_until then returns Status::interrupted.
   void observe(double every, std::function<bool(const World&)> observer);
 
+  /// Called after each step with the time, however rarely rows are observed: for a progress bar, or to interrupt by returning
+  /// false.
+  void watch(std::function<bool(double)> watcher);
+
   /// Starts from a state document instead (World::restore); books and events begin anew.
   void restore(double time, std::span<const Body> broken, std::span<const JointStart> joints);
 

@@ -1,0 +1,50 @@
+#pragma once
+// A JSON text as a tree of nodes that know where they stand in it. (The parser itself stays in one .cpp file.)
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <momentree/base/error.hpp>
+
+namespace momentree::io {
+
+struct JsonNode {
+  enum class Type { null, boolean, number, string, array, object };
+  Type type = Type::null;
+  double number = 0;                                      ///< of a number; 1 for `true`
+  std::string text;                                       ///< of a string
+  std::vector<JsonNode> items;                            ///< of an array
+  std::vector<std::pair<std::string, JsonNode>> members;  ///< of an object, in the order of the text; keys are unique
+  int line = 1, column = 1;                               ///< of a member: of its key
+
+  bool is(Type t) const { return type == t; }
+  /// The member of that name, or null.
+  const JsonNode* find(std::string_view key) const;
+};
+
+/// A JSON text with the name of its file, for messages.
+struct JsonDocument {
+  std::string file;
+  JsonNode root;
+
+  /// `file:line:col` of a node.
+  std::string where(const JsonNode& node) const;
+  /// Throws Error at that node.
+  [[noreturn]] void fail_at(const JsonNode& node, std::string what, std::string hint = "") const;
+
+  /// The node as what it should be; throws Error otherwise. `what` names it: "`time`".
+  double number(const JsonNode& node, std::string_view what) const;
+  const std::string& string(const JsonNode& node, std::string_view what) const;
+  const JsonNode& object(const JsonNode& node, std::string_view what) const;
+  const JsonNode& array(const JsonNode& node, std::string_view what) const;
+  std::vector<double> numbers(const JsonNode& node, std::string_view what) const;
+  /// Throws Error for a member whose key is none of `known`, with a suggestion.
+  void require_known(const JsonNode& object, std::initializer_list<const char*> known) const;
+};
+
+/// Throws Error at the first mistake: syntax, numbers too large for a double, a key given twice, nesting deeper than 64.
+JsonDocument parse_json(std::string_view text, std::string file);
+
+}  // namespace momentree::io

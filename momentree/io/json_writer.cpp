@@ -1,0 +1,120 @@
+#include <momentree/io/json_writer.hpp>
+
+#include <cmath>
+
+#include <momentree/io/number_text.hpp>
+
+namespace momentree::io {
+
+void JsonWriter::line() {
+  text_ += '\n';
+  text_.append(static_cast<std::size_t>(2 * level_), ' ');
+}
+
+void JsonWriter::before_item() {
+  if (after_key_) {
+    after_key_ = false;
+    return;
+  }
+  if (!first_) text_ += level_ <= depth_ ? "," : ", ";
+  first_ = false;
+  if (level_ > 0 && level_ <= depth_) line();
+}
+
+JsonWriter& JsonWriter::begin(char bracket) {
+  before_item();
+  text_ += bracket;
+  ++level_;
+  first_ = true;
+  return *this;
+}
+
+JsonWriter& JsonWriter::end(char bracket) {
+  const bool split = level_ <= depth_ && !first_;
+  --level_;
+  if (split) line();
+  text_ += bracket;
+  first_ = false;
+  return *this;
+}
+
+JsonWriter& JsonWriter::key(std::string_view name) {
+  value(name);
+  text_ += ": ";
+  after_key_ = true;
+  return *this;
+}
+
+JsonWriter& JsonWriter::value(double number) {
+  if (!std::isfinite(number)) return null();
+  before_item();
+  append_number(text_, number);
+  return *this;
+}
+
+JsonWriter& JsonWriter::value(long number) {
+  before_item();
+  append_number(text_, number);
+  return *this;
+}
+
+JsonWriter& JsonWriter::value(bool truth) {
+  before_item();
+  text_ += truth ? "true" : "false";
+  return *this;
+}
+
+JsonWriter& JsonWriter::null() {
+  before_item();
+  text_ += "null";
+  return *this;
+}
+
+JsonWriter& JsonWriter::value(std::string_view words) {
+  before_item();
+  text_ += '"';
+  for (const char c : words) {
+    if (c == '"' || c == '\\') {
+      text_ += '\\';
+      text_ += c;
+    } else if (static_cast<unsigned char>(c) < 0x20) {
+      static constexpr char digits[] = "0123456789abcdef";
+      text_ += "\\u00";
+      text_ += digits[(c >> 4) & 15];
+      text_ += digits[c & 15];
+    } else {
+      text_ += c;
+    }
+  }
+  text_ += '"';
+  return *this;
+}
+
+JsonWriter& JsonWriter::value(std::span<const double> numbers) {
+  before_item();
+  text_ += '[';
+  bool first = true;
+  for (const double x : numbers) {
+    if (!first) text_ += ", ";
+    first = false;
+    if (std::isfinite(x))
+      append_number(text_, x);
+    else
+      text_ += "null";
+  }
+  text_ += ']';
+  return *this;
+}
+
+JsonWriter& JsonWriter::value(const Vec3& v) {
+  const double numbers[] = {v.x, v.y, v.z};
+  return value(std::span<const double>(numbers));
+}
+
+JsonWriter& JsonWriter::value(const Quat& quaternion) {
+  const Quat q = with_positive_w(quaternion);
+  const double numbers[] = {q.w, q.x, q.y, q.z};
+  return value(std::span<const double>(numbers));
+}
+
+}  // namespace momentree::io

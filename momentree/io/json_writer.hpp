@@ -1,0 +1,54 @@
+#pragma once
+// JSON written straight into a string: objects in the order given, numbers that read back to the same bits.
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <momentree/math/vec.hpp>
+
+namespace momentree::io {
+
+/// Objects and arrays of objects stand on lines of their own down to `depth` levels, what is deeper on one line (0: all on one).
+class JsonWriter {
+ public:
+  explicit JsonWriter(std::string& text, int depth = 0) : text_(text), depth_(depth) {}
+
+  JsonWriter& begin_object() { return begin('{'); }
+  JsonWriter& end_object() { return end('}'); }
+  JsonWriter& begin_array() { return begin('['); }
+  JsonWriter& end_array() { return end(']'); }
+  JsonWriter& key(std::string_view name);
+
+  JsonWriter& value(double number);  ///< null where it is not finite: JSON has no word for it
+  JsonWriter& value(long number);
+  JsonWriter& value(int number) { return value(static_cast<long>(number)); }
+  JsonWriter& value(bool truth);
+  JsonWriter& value(std::string_view words);
+  JsonWriter& value(const char* words) { return value(std::string_view(words)); }
+  JsonWriter& value(const std::string& words) { return value(std::string_view(words)); }
+  JsonWriter& value(const Vec3& v);
+  JsonWriter& value(const Quat& q);  ///< [w, x, y, z], with the sign that makes w >= 0
+  JsonWriter& value(std::span<const double> numbers);
+  JsonWriter& null();
+
+  template <class Value>
+  JsonWriter& member(std::string_view name, const Value& v) {
+    key(name);
+    return value(v);
+  }
+
+ private:
+  JsonWriter& begin(char bracket);
+  JsonWriter& end(char bracket);
+  void before_item();
+  void line();
+
+  std::string& text_;
+  int depth_, level_ = 0;
+  bool first_ = true, after_key_ = false;
+};
+
+/// The same rotation with w >= 0.
+constexpr Quat with_positive_w(const Quat& q) { return q.w < 0 ? Quat{-q.w, -q.x, -q.y, -q.z} : q; }
+
+}  // namespace momentree::io

@@ -1,0 +1,112 @@
+// Writes the state document.
+#include <algorithm>
+#include <string_view>
+
+#include <momentree/io/json_writer.hpp>
+#include <momentree/io/state_document.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+void write_pose(JsonWriter& json, const char* key, const Pose& pose) {
+  json.key(key).begin_object().member("xyz", pose.position).member("quat", pose.rotation).end_object();
+}
+
+void write_values(JsonWriter& json, const char* key, const Values& values) {
+  if (values.empty()) return;
+  json.key(key);
+  if (values.size() == 1)
+    json.value(values[0]);
+  else
+    json.value(std::span<const double>(values.begin(), values.end()));
+}
+
+void write_coordinates(JsonWriter& json, const JointView& joint) {
+  double q[Values::capacity];
+  std::copy(joint.q.begin(), joint.q.end(), q);
+  const std::size_t w = std::string_view(info(joint.kind).q_units).find('n');
+  if (w != std::string_view::npos && q[w] < 0)
+    for (std::size_t i = w; i < w + 4; ++i) q[i] = -q[i];
+  json.member("q", std::span<const double>(q, joint.q.size()));
+}
+
+void write_joint(JsonWriter& json, const Model& model, const JointView& joint) {
+  const KindInfo& kind = info(joint.kind);
+  json.key(joint.name).begin_object().member("kind", kind.name);
+  json.key("parent");
+  if (joint.parent == ground)
+    json.null();
+  else
+    json.value(model[joint.parent].name);
+  json.member("child", model[joint.child].name);
+  write_pose(json, "at", joint.at);
+  write_pose(json, "child_at", joint.child_at);
+  if (kind.axis) json.member("axis", joint.axis);
+  if (kind.axis2) json.member("axis2", joint.axis2);
+  if (kind.pitch) json.member("pitch", joint.pitch);
+  json.member("locked", false).member("reversed", false);
+  json.key("parameters").begin_object();
+  if (const JointParameters* p = joint.parameters) {
+    write_values(json, "damping", p->damping);
+    write_values(json, "stiffness", p->stiffness);
+    write_values(json, "rest", p->rest);
+    write_values(json, "armature", p->armature);
+    write_values(json, "effort", p->effort);
+  }
+  json.end_object();
+  write_coordinates(json, joint);
+  json.member("v", joint.v).member("p", joint.p).member("pdot", joint.pdot);
+  json.key("a").null().key("reaction").null();
+  json.end_object();
+}
+
+void write_body(JsonWriter& json, const std::string& name, const BodyMotion& motion) {
+  json.key(name).begin_object();
+  json.member("position", motion.pose.position).member("quaternion", motion.pose.rotation);
+  json.member("linear", motion.linear).member("angular", motion.angular);
+  json.key("linear_acceleration").null().key("angular_acceleration").null();
+  json.end_object();
+}
+
+}  // namespace
+
+std::string state_json(const World& world, const Armed& armed) {
+  const Model& model = world.model();
+  std::string text;
+  text.reserve(700 * model.bodies().size() + 500);
+  JsonWriter json(text, 2);
+  json.begin_object().member("time", world.time());
+
+  json.key("mechanisms").begin_array();
+  for (const Mechanism& mechanism : world.mechanisms()) {
+    json.begin_object().member("name", mechanism.name).member("root", model[mechanism.root].name);
+    json.key("bodies").begin_array();
+    for (const Body body : mechanism.bodies) json.value(model[body].name);
+    json.end_array().end_object();
+  }
+  json.end_array();
+
+  json.key("joints").begin_object();
+  for (int b = 0; b < model.size(); ++b) write_joint(json, model, world.joint({b}));
+  json.end_object();
+
+  const std::vector<BodyMotion>& motions = world.motions();
+  json.key("bodies").begin_object();
+  for (std::size_t b = 0; b < motions.size(); ++b) write_body(json, model.bodies()[b].name, motions[b]);
+  json.end_object();
+
+  json.key("armed").begin_object();
+  for (const auto& [name, fired] : armed) json.key(name).begin_object().member("fired", fired).end_object();
+  json.end_object();
+
+  const Totals totals = world.totals();
+  json.key("totals").begin_object();
+  json.member("kinetic", totals.kinetic).member("potential", totals.potential);
+  json.member("linear", totals.linear).member("angular", totals.angular);
+  json.end_object().end_object();
+  text += '\n';
+  return text;
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,93 @@
+// summary.json and the lines of events.jsonl.
+#include <momentree/io/json_writer.hpp>
+#include <momentree/io/results.hpp>
+
+#ifndef MOMENTREE_VERSION
+#error "MOMENTREE_VERSION is set by the build"
+#endif
+
+namespace momentree::io {
+
+namespace {
+
+void write_totals(JsonWriter& json, const Totals& totals) {
+  json.begin_object();
+  json.member("kinetic", totals.kinetic).member("potential", totals.potential);
+  json.member("linear", totals.linear).member("angular", totals.angular);
+  json.end_object();
+}
+
+void write_split(JsonWriter& json, const char* name, double before, double after) {
+  json.key(name).begin_object().member("before", before).member("after", after).end_object();
+}
+
+}  // namespace
+
+std::string event_json(const Event& event) {
+  std::string text;
+  JsonWriter json(text);
+  json.begin_object();
+  json.member("time", event.time).member("event", event.name);
+  json.key("actions").begin_array();
+  for (const std::string& action : event.actions) json.value(action);
+  json.end_array();
+  json.key("mechanisms").begin_object();
+  json.key("before").begin_array();
+  for (const std::string& name : event.mechanisms_before) json.value(name);
+  json.end_array().key("after").begin_array();
+  for (const std::string& name : event.mechanisms_after) json.value(name);
+  json.end_array().end_object();
+  json.key("before");
+  write_totals(json, event.before);
+  json.key("after");
+  write_totals(json, event.after);
+  json.member("released", event.released);
+  json.key("impulse").begin_object();
+  for (const auto& [joint, impulse] : event.impulse) json.member(joint, std::span<const double>(impulse));
+  json.end_object();
+  json.member("ground_impulse", std::span<const double>(event.ground_impulse));
+  json.member("duration_ns", event.duration_ns);
+  json.end_object();
+  return text;
+}
+
+std::string summary_json(const RunOrigin& origin, const std::string& status, const Simulation& simulation) {
+  const RunStatistics& run = simulation.statistics();
+  const EnergyBalance energy = simulation.energy();
+  const double wall = run.total_seconds[0] + run.total_seconds[1];
+
+  std::string text;
+  JsonWriter json(text, 2);
+  json.begin_object();
+  json.member("status", status).member("version", MOMENTREE_VERSION);
+  json.key("scenario").begin_object();
+  json.member("name", origin.name).member("title", origin.title).member("file", origin.file).member("hash", origin.hash);
+  json.key("overrides").begin_array();
+  for (const std::string& set : origin.overrides) json.value(set);
+  json.end_array().end_object();
+  json.member("method", origin.integration.method).member("step", origin.integration.step);
+  json.member("start", origin.start).member("until", origin.until).member("time", simulation.time());
+  json.member("steps", run.steps).member("evaluations", run.evaluations[0] + run.evaluations[1]);
+  json.member("topology_changes", run.changes).member("events", static_cast<long>(simulation.events().size()));
+  json.key("wall_clock").begin_object();
+  write_split(json, "evaluations", run.evaluation_seconds[0], run.evaluation_seconds[1]);
+  write_split(json, "topology", 0, run.topology_seconds);  // part of the total after the first change
+  write_split(json, "total", run.total_seconds[0], run.total_seconds[1]);
+  json.end_object();
+  json.key("real_time_factor");
+  if (wall > 0)
+    json.value((simulation.time() - origin.start) / wall);
+  else
+    json.null();
+  json.member("worst_step", run.worst_step_seconds);
+  json.key("energy").begin_object();
+  json.member("initial", energy.initial).member("final", energy.final);
+  json.member("dissipated", energy.dissipated).member("work", energy.work);
+  json.member("lost_in_impacts", energy.lost_in_impacts).member("released", energy.released);
+  json.member("error", energy.error);
+  json.end_object().end_object();
+  text += '\n';
+  return text;
+}
+
+}  // namespace momentree::io
