@@ -10,31 +10,52 @@ Real value(const Values& values, int i) {
 }
 
 /// Rotation vector of rest⁻¹ q, of length at most π.
-V3<Real> rotation_from(const Real rest[4], const double* q) {
-  const Real w = rest[0] * q[0] + rest[1] * q[1] + rest[2] * q[2] + rest[3] * q[3];
-  const Real x = rest[0] * q[1] - rest[1] * q[0] - rest[2] * q[3] + rest[3] * q[2];
-  const Real y = rest[0] * q[2] + rest[1] * q[3] - rest[2] * q[0] - rest[3] * q[1];
-  const Real z = rest[0] * q[3] - rest[1] * q[2] + rest[2] * q[1] - rest[3] * q[0];
-  const Real s = std::sqrt(x * x + y * y + z * z);
-  if (s == 0) return {};
-  const Real half = std::atan2(s, std::fabs(w));
-  const Real factor = (w < 0 ? -2 : 2) * half / s;
+V3<Dual> rotation_from(const Real rest[4], const Dual q[4]) {
+  const Dual w = rest[0] * q[0] + rest[1] * q[1] + rest[2] * q[2] + rest[3] * q[3];
+  const Dual x = rest[0] * q[1] - rest[1] * q[0] - rest[2] * q[3] + rest[3] * q[2];
+  const Dual y = rest[0] * q[2] + rest[1] * q[3] - rest[2] * q[0] - rest[3] * q[1];
+  const Dual z = rest[0] * q[3] - rest[1] * q[2] + rest[2] * q[1] - rest[3] * q[0];
+  const Dual s = sqrt(x * x + y * y + z * z);
+  const Real sign = w.r < 0 ? -1 : 1;
+  const Dual factor = s.r == 0 ? Dual(2 * sign / w.r) : (2 * sign) * atan2(s, sign * w) / s;
   return {{factor * x, factor * y, factor * z}};
 }
 
-/// Extension of each spring, and where it pulls (for a free joint's position in parent-side axes).
-std::vector<Real> extensions(const JointSpec& joint, const double* q) {
+/// Extension of each spring, with freedom `freedom` moved by ε; for a free joint's position along the parent-side axes.
+std::vector<Dual> extensions(const JointSpec& joint, const double* q, int freedom) {
   const Values& rest = joint.parameters.rest;
   const bool ball = joint.kind == Kind::ball, free = joint.kind == Kind::free;
-  std::vector<Real> x;
-  const int plain = ball ? 0 : free ? 3 : coordinates(joint.kind);
-  for (int i = 0; i < plain; ++i) x.push_back(q[i] - (rest.empty() ? 0 : static_cast<Real>(rest[i])));
+  const auto at_rest = [&](int i) { return rest.empty() ? Real(0) : Real(rest[i]); };
+  std::vector<Dual> x;
+  if (!ball && !free)
+    for (int i = 0; i < coordinates(joint.kind); ++i) x.push_back({q[i] - at_rest(i), freedom == i ? Real(1) : Real(0)});
+  const int plain = free ? 3 : 0;
+  const double* Q = q + plain;
+  if (free) {
+    const M3<Real> R = matrix_of(Q[0], Q[1], Q[2], Q[3]);
+    for (int i = 0; i < 3; ++i) x.push_back({q[i] - at_rest(i), freedom >= 0 && freedom < 3 ? R[static_cast<unsigned>(3 * i + freedom)] : 0});
+  }
   if (ball || free) {
     Real r[4] = {1, 0, 0, 0};
     for (int i = 0; i < 4 && !rest.empty(); ++i) r[i] = rest[plain + i];
-    for (const Real phi : rotation_from(r, q + plain)) x.push_back(phi);
+    Real d[3] = {0, 0, 0};  // half a turn of ε about the child's axis: q (1, ½ ε e)
+    if (freedom >= plain) d[freedom - plain] = 0.5L;
+    const Dual moved[4] = {{Q[0], -Q[1] * d[0] - Q[2] * d[1] - Q[3] * d[2]},
+                           {Q[1], Q[0] * d[0] + Q[2] * d[2] - Q[3] * d[1]},
+                           {Q[2], Q[0] * d[1] + Q[3] * d[0] - Q[1] * d[2]},
+                           {Q[3], Q[0] * d[2] + Q[1] * d[1] - Q[2] * d[0]}};
+    for (const Dual& phi : rotation_from(r, moved)) x.push_back(phi);
   }
   return x;
+}
+
+/// Energy of the joint's springs: ½ Σ k x².
+Dual spring_energy(const JointSpec& joint, const double* q, int freedom) {
+  Dual energy = 0;
+  if (joint.parameters.stiffness.empty()) return energy;
+  const std::vector<Dual> x = extensions(joint, q, freedom);
+  for (std::size_t i = 0; i < x.size(); ++i) energy = energy + (value(joint.parameters.stiffness, static_cast<int>(i)) / 2) * (x[i] * x[i]);
+  return energy;
 }
 
 }  // namespace
@@ -47,15 +68,8 @@ std::vector<Real> joint_forces(const System& system, const std::vector<double>& 
     const double* qk = q.data() + system.first_q[k];
     const Real* vk = v.data() + system.first_v[k];
     Real* fk = force.data() + system.first_v[k];
-    const std::vector<Real> x = extensions(joint, qk);
-    std::vector<Real> spring(x.size(), 0);
-    for (std::size_t i = 0; i < x.size(); ++i) spring[i] = -value(p.stiffness, static_cast<int>(i)) * x[i];
-    if (joint.kind == Kind::free) {  // δr = R δs with s in child-side axes
-      const V3<Real> pull = transposed(matrix_of(qk[3], qk[4], qk[5], qk[6])) * V3<Real>{{spring[0], spring[1], spring[2]}};
-      for (unsigned i = 0; i < 3; ++i) spring[i] = pull[i];
-    }
     for (int i = 0; i < freedoms(joint.kind); ++i)
-      fk[i] = value(p.effort, i) - value(p.damping, i) * vk[i] + spring[static_cast<std::size_t>(i)];
+      fk[i] = value(p.effort, i) - value(p.damping, i) * vk[i] - spring_energy(joint, qk, i).e;
   }
   return force;
 }
@@ -71,8 +85,7 @@ Real potential(const System& system, const std::vector<double>& q) {
     frame[k] = body_frame(link, mount[k], parent, qk, {});
     const V3<Dual> com = frame[k].position + frame[k].rotation * mount[k].com;
     energy -= link.mass * (system.gravity[0] * com[0].r + system.gravity[1] * com[1].r + system.gravity[2] * com[2].r);
-    const std::vector<Real> x = extensions(link.joint, qk);
-    for (std::size_t i = 0; i < x.size(); ++i) energy += value(link.joint.parameters.stiffness, static_cast<int>(i)) * x[i] * x[i] / 2;
+    energy += spring_energy(link.joint, qk, -1).r;
   }
   return energy;
 }

@@ -19,6 +19,14 @@ inline Dual operator+(const Dual& a, const Dual& b) { return {a.r + b.r, a.e + b
 inline Dual operator-(const Dual& a, const Dual& b) { return {a.r - b.r, a.e - b.e}; }
 inline Dual operator*(const Dual& a, const Dual& b) { return {a.r * b.r, a.r * b.e + a.e * b.r}; }
 inline Dual operator*(Real a, const Dual& b) { return {a * b.r, a * b.e}; }
+inline Dual operator/(const Dual& a, const Dual& b) { return {a.r / b.r, (a.e - a.r / b.r * b.e) / b.r}; }
+inline Dual sqrt(const Dual& a) {
+  const Real s = std::sqrt(a.r);
+  return {s, s == 0 ? 0 : a.e / (2 * s)};
+}
+inline Dual atan2(const Dual& y, const Dual& x) {
+  return {std::atan2(y.r, x.r), (x.r * y.e - y.r * x.e) / (x.r * x.r + y.r * y.r)};
+}
 inline Dual sin(const Dual& a) { return {std::sin(a.r), std::cos(a.r) * a.e}; }
 inline Dual cos(const Dual& a) { return {std::cos(a.r), -std::sin(a.r) * a.e}; }
 

@@ -97,6 +97,25 @@ TEST_CASE("oracle: Euler's equations of a free body and of a ball") {
   }
 }
 
+TEST_CASE("oracle: the torque of a ball's spring is −k·log(rest⁻¹ q)") {
+  Model model({.gravity = {0, 0, 0}});
+  JointSpec ball = joint(Kind::ball);
+  // Turned by 1.1 rad about n from a rest that is itself turned by 0.4 rad about z.
+  const Vec3 n{2.0 / 3, -1.0 / 3, 2.0 / 3};
+  const Quat rest{std::cos(0.2), 0, 0, std::sin(0.2)};
+  const Quat turn{std::cos(0.55), std::sin(0.55) * n.x, std::sin(0.55) * n.y, std::sin(0.55) * n.z};
+  const Quat q = rest * turn;
+  ball.parameters.stiffness = 3;
+  ball.parameters.rest = {rest.w, rest.x, rest.y, rest.z};
+  model.add({.name = "b", .mass = 1, .inertia = diagonal(1), .joint = ball, .q = {q.w, q.x, q.y, q.z}});
+  const Problem s = problem(model);
+  const std::vector<Real> force = joint_forces(s.system, s.q, s.v);
+  CHECK(force[0] == doctest::Approx(-3 * 1.1 * n.x).epsilon(1e-14));
+  CHECK(force[1] == doctest::Approx(-3 * 1.1 * n.y).epsilon(1e-14));
+  CHECK(force[2] == doctest::Approx(-3 * 1.1 * n.z).epsilon(1e-14));
+  CHECK(potential(s.system, s.q) == doctest::Approx(1.5 * 1.1 * 1.1).epsilon(1e-14));
+}
+
 TEST_CASE("oracle: Lagrange with Hamel's terms is d'Alembert without") {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     CAPTURE(seed);

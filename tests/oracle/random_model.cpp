@@ -56,11 +56,8 @@ void draw_parameters(Prng& random, JointSpec& joint, const RandomTreeOptions& op
   if (nv == 0) return;
   JointParameters& p = joint.parameters;
   if (random.chance(0.3)) p.armature = positive_values(random, nv, 1e-3, 1);
-  const bool rotates_freely = joint.kind == Kind::ball || joint.kind == Kind::free;
   if (random.chance(0.3)) {
     p.stiffness = positive_values(random, nv, 0.1, 10);
-    if (options.conservative && rotates_freely)  // −k·log is the gradient of a potential only if the three are equal
-      for (int i = nv - 2; i < nv; ++i) p.stiffness[i] = p.stiffness[nv - 3];
     if (random.chance(0.5)) p.rest = random_coordinates(random, joint.kind);
   }
   if (options.conservative) return;
