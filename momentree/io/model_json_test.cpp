@@ -1,0 +1,68 @@
+#include <momentree/io/model_json.hpp>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds/free.hpp>
+#include <momentree/joint/kinds/helical.hpp>
+#include <momentree/joint/kinds/revolute.hpp>
+
+namespace momentree::io {
+namespace {
+
+Model arm() {
+  Model model({.gravity = {0, 0, -1}});
+  const Body base = model.add({.name = "arm/base", .mass = 2, .com = {0, 0, 0.1}, .inertia = diagonal(1), .joint = Free{}});
+  const Body link = model.add({.name = "arm/<link>",
+                               .mass = 1,
+                               .com = {0.25, 0, 0},
+                               .inertia = {3, 4, 5, 0.1, 0.2, 0.3},
+                               .parent = base,
+                               .at = {0, 0, 0.5},
+                               .joint = Revolute{.axis = {0, 1, 0}},
+                               .joint_name = "arm/hinge"});
+  model.add({.name = "arm/nut",
+             .mass = 1,
+             .inertia = diagonal(1),
+             .parent = link,
+             .at = {1, 0, 0},
+             .joint = Helical{.axis = {1, 0, 0}, .pitch = 0.25}});
+  return model;
+}
+
+bool mentions(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("a body without shape is drawn to its children, a tip through its centre of mass") {
+  const Model model = arm();
+  const auto base = drawn_extent(model, Body{0}), link = drawn_extent(model, Body{1});
+  REQUIRE(base.size() == 1);
+  CHECK(base[0].second == Vec3{0, 0, 0.5});
+  REQUIRE(link.size() == 1);
+  CHECK(link[0].second == Vec3{1, 0, 0});
+  CHECK(drawn_extent(model, Body{2}).empty());  // its mass lies at its joint
+
+  Model rod;
+  rod.add({.name = "rod", .mass = 1, .com = {0.5, 0, 0}, .inertia = diagonal(1), .joint = Revolute{}, .child_at = {0.1, 0, 0}});
+  REQUIRE(drawn_extent(rod, Body{0}).size() == 1);
+  CHECK(drawn_extent(rod, Body{0})[0].first == Vec3{0.1, 0, 0});
+  CHECK(drawn_extent(rod, Body{0})[0].second.x == doctest::Approx(0.9));
+}
+
+TEST_CASE("the document names what there is, in the order of the model") {
+  Shape box;
+  box.kind = Shape::Kind::box;
+  box.size = {1, 2, 3};
+  box.colour = "#ff8800";
+  const std::string text = model_json(arm(), "An \"arm\"", {box});
+  CHECK(mentions(text, R"("title": "An \"arm\"")"));
+  CHECK(mentions(text, R"("gravity": [0, 0, -1])"));
+  CHECK(mentions(text, R"("root": "arm/base")"));
+  CHECK(mentions(text, R"("inertia": [3, 4, 5, 0.1, 0.2, 0.3])"));
+  CHECK(mentions(text, R"("kind": "box", "size": [1, 2, 3])"));
+  CHECK(mentions(text, R"("arm/hinge": { "kind": "revolute", "parent": "arm/base", "child": "arm/<link>")"));
+  CHECK(mentions(text, R"("pitch": 0.25)"));
+  CHECK(text.find(R"("arm/base": {)") < text.find(R"("arm/nut": {)"));
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,122 @@
+#include <momentree/io/picture/frame_svg.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <momentree/io/picture/svg_text.hpp>
+
+namespace momentree::io {
+namespace {
+
+using Kind = Primitive::Kind;
+
+std::string colour_of(const Primitive& p) {
+  return safe_colour(p.colour, mechanism_colour(static_cast<std::size_t>(p.mechanism)));
+}
+
+/// Lines of one colour that follow one another become one path: a chain of 100 links is one element.
+class PathWriter {
+ public:
+  PathWriter(std::string& svg, double width) : svg_(svg), width_(width) {}
+  ~PathWriter() { close(); }
+  PathWriter(const PathWriter&) = delete;
+  PathWriter& operator=(const PathWriter&) = delete;
+
+  void add(const Primitive& p, const Placement& place) {
+    const std::string colour = colour_of(p);
+    if (colour != colour_ || p.kind != kind_) close();
+    colour_ = colour, kind_ = p.kind;
+    const std::string from = pixels(place(p.points.front())), to = pixels(place(p.points.back()));
+    if (data_.empty() || from != end_)
+      data_ += "M" + from + "L" + to;
+    else
+      data_ += " " + to;
+    end_ = to;
+  }
+
+  void close() {
+    if (data_.empty()) return;
+    const bool slide = kind_ == Kind::slide;
+    svg_ += "<path d=\"" + data_ + "\" stroke=\"" + colour_ + "\" stroke-width=\"" + pixels(slide ? 1 : width_) + "\"" +
+            (slide ? " stroke-dasharray=\"3 3\"" : "") + "/>\n";
+    data_.clear();
+  }
+
+ private:
+  std::string& svg_;
+  double width_;
+  std::string data_, end_, colour_;
+  Kind kind_ = Kind::line;
+};
+
+void append_circle(std::string& svg, const Point2& at, double radius, const std::string& attributes) {
+  svg += "<circle cx=\"" + pixels(at.x) + "\" cy=\"" + pixels(at.y) + "\" r=\"" + pixels(radius) + "\" " + attributes + "/>\n";
+}
+
+void append_area(std::string& svg, const Primitive& p, const Placement& place) {
+  std::vector<Point2> points;
+  for (const Point2& at : p.points) points.push_back(place(at));
+  points = convex_hull(std::move(points));
+  const std::string colour = colour_of(p);
+  const double radius = p.radius * place.scale;
+  if (points.size() == 1) {
+    append_circle(svg, points.front(), std::max(radius, 2.0), "fill=\"" + colour + "\" stroke=\"#fff\"");
+    return;
+  }
+  svg += "<path d=\"";
+  for (std::size_t i = 0; i < points.size(); ++i) svg += (i == 0 ? "M" : i == 1 ? "L" : " ") + pixels(points[i]);
+  if (points.size() > 2) svg += "Z";
+  svg += radius > 0 ? "\" fill=\"" + colour + "\" stroke=\"" + colour + "\" stroke-width=\"" + pixels(2 * radius) + "\"/>\n"
+                    : "\" fill=\"" + colour + "\" stroke=\"#fff\"/>\n";
+}
+
+}  // namespace
+
+double link_width(const Scene& scene, double scale) { return std::clamp(0.04 * scene.typical_length * scale, 2.2, 6.0); }
+
+void append_frame(std::string& svg, const SceneFrame& frame, const Placement& placement, double width, double opacity) {
+  svg += "<g opacity=\"" + plain_number(std::round(opacity * 100) / 100) + "\">\n";
+  {
+    PathWriter path(svg, width);
+    for (const Primitive& p : frame.primitives) {
+      if (p.kind == Kind::line || p.kind == Kind::slide) {
+        path.add(p, placement);
+        continue;
+      }
+      path.close();
+      if (p.kind == Kind::area)
+        append_area(svg, p, placement);
+      else
+        append_circle(svg, placement(p.points.front()), 0.8 * width + 1, "fill=\"" + colour_of(p) + "\"");
+    }
+  }
+  if (width >= 4)  // of thin links the joints would be lost
+    for (const Point2& joint : frame.joints) append_circle(svg, placement(joint), 0.3 * width, "fill=\"#fff\"");
+  svg += "</g>\n";
+}
+
+std::vector<Point2> convex_hull(std::vector<Point2> points) {
+  std::sort(points.begin(), points.end(), [](const Point2& a, const Point2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  points.erase(std::unique(points.begin(), points.end(),
+                           [](const Point2& a, const Point2& b) { return std::hypot(a.x - b.x, a.y - b.y) < 1e-9; }),
+               points.end());
+  if (points.size() < 3) return points;
+  std::vector<Point2> hull;
+  const auto walk = [&](auto begin, auto end) {  // Andrew's monotone chain: the lower half, then the upper one
+    const std::size_t start = hull.size();
+    for (auto p = begin; p != end; ++p) {
+      while (hull.size() >= start + 2) {
+        const Point2 &a = hull[hull.size() - 2], &b = hull.back();
+        if ((b.x - a.x) * (p->y - a.y) - (b.y - a.y) * (p->x - a.x) > 0) break;
+        hull.pop_back();
+      }
+      hull.push_back(*p);
+    }
+    hull.pop_back();
+  };
+  walk(points.begin(), points.end());
+  walk(points.rbegin(), points.rend());
+  return hull;
+}
+
+}  // namespace momentree::io

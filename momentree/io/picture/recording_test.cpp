@@ -1,0 +1,218 @@
+#include <momentree/io/picture/recording.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/picture/body_table.hpp>
+#include <momentree/io/picture/frame_svg.hpp>
+#include <momentree/io/picture/labels.hpp>
+#include <momentree/io/svg.hpp>
+
+namespace momentree::io {
+namespace {
+
+/// A result directory that goes when the test ends.
+class Directory {
+ public:
+  Directory() {
+    std::random_device random;  // tests may run beside each other
+    path_ = std::filesystem::temp_directory_path() /
+            ("momentree-picture-" + std::to_string(random()) + "-" + std::to_string(random()));
+    std::filesystem::create_directories(path_);
+  }
+  ~Directory() { std::filesystem::remove_all(path_); }
+  Directory(const Directory&) = delete;
+  Directory& operator=(const Directory&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(path_ / name, std::ios::binary) << text; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+const std::string header_of_two =
+    "time,a/1.x,a/1.y,a/1.z,a/1.qw,a/1.qx,a/1.qy,a/1.qz,a/2.x,a/2.y,a/2.z,a/2.qw,a/2.qx,a/2.qy,a/2.qz\n";
+
+std::string row(double time, double x) { return std::to_string(time) + ",0,0,0,1,0,0,0," + std::to_string(x) + ",0,0,1,0,0,0\n"; }
+
+const std::string joints_of_two =
+    R"({"a/1":{"kind":"revolute","parent":null,"child":"a/1","at":{"xyz":[0,0,0],"quat":[1,0,0,0]},"child_at":{"xyz":[0,0,0],"quat":[1,0,0,0]}},)"
+    R"("a/pin":{"kind":"revolute","parent":"a/1","child":"a/2","at":{"xyz":[1,0,0],"quat":[1,0,0,0]},"child_at":{"xyz":[0,0,0],"quat":[1,0,0,0]}}})";
+
+std::string model_of_two(const std::string& title) {
+  return R"({"format":1,"title":")" + title +
+         R"(","gravity":[0,-9.81,0],"mechanisms":[{"name":"a","root":"a/1","bodies":["a/1","a/2"]}],)" +
+         R"("bodies":{"a/1":{"extent":[[[0,0,0],[1,0,0]]],"shape":null},"a/2":{"extent":[[[0,0,0],[1,0,0]]],"shape":null}},"joints":)" +
+         joints_of_two + "}";
+}
+
+/// The message of the Error that reading the directory throws; empty if it throws none.
+std::string complaint(const Directory& directory) {
+  try {
+    read_recording(directory.path());
+  } catch (const Error& error) {
+    return error.message();
+  }
+  return {};
+}
+
+bool mentions(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("a break gives the part that comes off a mechanism of its own, from the event on") {
+  Directory directory;
+  std::string table = header_of_two;
+  for (int k = 0; k <= 10; ++k)
+    table += row(0.1 * k, 1 + 0.1 * k) + (k == 5 ? row(0.5, 7) : "");  // two rows at the event: before and after
+  directory.write("bodies.csv", table);
+  directory.write("model.json", model_of_two("Two"));
+  directory.write("events.jsonl",
+                  R"({"time":0.5,"event":"#1","actions":["break a/pin"],"mechanisms":{"before":["a"],"after":["a","a/2"]}})"
+                  "\n"
+                  R"({"time":0.8,"event":"#2","actions":["break a/pin skipped: it is gone"]})"
+                  "\n");
+  const Recording run = read_recording(directory.path(), 0.1);
+  REQUIRE(run.frames.size() == 11);
+  CHECK(run.frames[5].poses[1].position.x == 7);  // the row after the event
+  CHECK(run.mechanisms == std::vector<std::string>{"a", "a/2"});
+  CHECK(run.phase_at(0.4).mechanism == std::vector<int>{0, 0});
+  CHECK(run.phase_at(0.5).mechanism == std::vector<int>{0, 1});
+  CHECK(run.phase_at(0.9).mechanism == std::vector<int>{0, 1});
+  CHECK(run.events[0].broken == std::vector<int>{1});
+  CHECK(run.events[1].broken.empty());
+
+  const std::string svg = draw_svg(run);
+  CHECK(mentions(svg, "a/2, from 0.5 s"));
+  CHECK(mentions(svg, "0.5 s: break a/pin"));
+  CHECK(!mentions(svg, "script"));
+}
+
+TEST_CASE("a mechanism whose root joint breaks keeps its name") {
+  Directory directory;
+  directory.write("bodies.csv", header_of_two + row(0, 1) + row(1, 2));
+  directory.write("model.json", model_of_two("Two"));
+  directory.write("events.jsonl", R"({"time":0.5,"event":"#1","actions":["break a/1"]})"
+                                  "\n");
+  const Recording run = read_recording(directory.path());
+  CHECK(run.mechanisms == std::vector<std::string>{"a"});
+  CHECK(run.events[0].broken == std::vector<int>{0});
+}
+
+TEST_CASE("the final state has the last word on who belongs together") {
+  Directory directory;
+  directory.write("bodies.csv", header_of_two + row(0, 1) + row(1, 2));
+  directory.write("model.json", model_of_two("Two"));
+  directory.write("events.jsonl", R"({"time":0.5,"event":"#1","actions":["something new"]})"
+                                  "\n");
+  directory.write("final.json",
+                  R"({"mechanisms":[{"name":"a","bodies":["a/1"]},{"name":"other","bodies":["a/2"]}],"joints":{}})");
+  const Recording run = read_recording(directory.path());
+  CHECK(run.phases.front().mechanism == std::vector<int>{0, 0});
+  CHECK(run.phases.back().mechanism == std::vector<int>{0, 1});
+  CHECK(run.mechanisms.back() == "other");
+}
+
+TEST_CASE("poses alone are enough for a picture") {
+  Directory directory;
+  directory.write("bodies.csv", header_of_two + row(0, 1) + row(0.2, 2) + "0.4,0,0");  // an interrupted run: the last row is cut
+  const Recording run = read_recording(directory.path());
+  CHECK(run.frames.size() == 2);
+  CHECK(run.mechanisms == std::vector<std::string>{"a"});
+  CHECK(run.title == directory.path().filename().string());
+  CHECK(mentions(draw_svg(run), "<circle"));
+  directory.write("final.json", R"({"mechanisms":[{"name":"a","bodies":["a/1","a/2"]}],"joints":)" + joints_of_two + "}");
+  CHECK(read_recording(directory.path()).bodies[0].extent.size() == 1);
+}
+
+TEST_CASE("a title cannot break the picture") {
+  Directory directory;
+  directory.write("bodies.csv", header_of_two + row(0, 1));
+  directory.write("model.json", model_of_two("<script>alert('1')</script>"));
+  const std::string svg = draw_svg(read_recording(directory.path()));
+  CHECK(mentions(svg, "<title>&lt;script&gt;alert(&apos;1&apos;)&lt;/script&gt;</title>"));
+  CHECK(!mentions(svg, "<script"));
+}
+
+TEST_CASE("what is wrong with the files is told with its place") {
+  Directory directory;
+  CHECK(mentions(complaint(directory), "bodies.csv"));
+  directory.write("bodies.csv", "");
+  CHECK(mentions(complaint(directory), "the file is empty"));
+  directory.write("bodies.csv", "t,a.x\n");
+  CHECK(mentions(complaint(directory), "not 'time'"));
+  directory.write("bodies.csv", "time,a.x,a.y,a.z,a.qw,a.qx,a.qy\n0,0,0,0,1,0,0\n");
+  CHECK(mentions(complaint(directory), "bodies.csv:1: error: the column 'a.qz' is missing"));
+  directory.write("bodies.csv", "time,a.x,a.x\n");
+  CHECK(mentions(complaint(directory), "twice"));
+  directory.write("bodies.csv", "time,a.mass\n");
+  CHECK(mentions(complaint(directory), "no part of a pose"));
+  directory.write("bodies.csv", header_of_two);
+  CHECK(mentions(complaint(directory), "no complete row"));
+  directory.write("bodies.csv", header_of_two + row(0, 1) + "1,2,3\n" + row(2, 1));
+  CHECK(mentions(complaint(directory), "bodies.csv:3: error: the row has 3 of 15 columns"));
+  directory.write("bodies.csv", header_of_two + row(0, 1) + row(1, NAN));
+  CHECK(mentions(complaint(directory), "bodies.csv:3: error: column 'a/2.x' is nan, not a finite number"));
+  directory.write("bodies.csv", header_of_two + "0,zero,0,0,1,0,0,0,0,0,0,1,0,0,0\n");
+  CHECK(mentions(complaint(directory), "column 'a/1.x': 'zero' is not a number"));
+  directory.write("bodies.csv", header_of_two + row(1, 1) + row(0, 1));
+  CHECK(mentions(complaint(directory), "time runs backwards"));
+  directory.write("bodies.csv", header_of_two + row(0, 1));
+  directory.write("events.jsonl", "{\"time\": 1\n{}\n");
+  CHECK(mentions(complaint(directory), "events.jsonl:1: error: the line is not JSON"));
+  directory.write("events.jsonl", "{\"time\": \"soon\"}\n");
+  CHECK(mentions(complaint(directory), "events.jsonl:1"));
+  directory.write("events.jsonl", "");
+  directory.write("model.json", "{");
+  CHECK(mentions(complaint(directory), "model.json: error: it is not JSON"));
+  directory.write("model.json", "{}");
+  CHECK(mentions(complaint(directory), "model.json: error: it does not hold what was expected"));
+}
+
+TEST_CASE("fields of CSV may be quoted") {
+  CHECK(split_csv("a,\"b,c\",\"d \"\"e\"\"\",") == std::vector<std::string>{"a", "b,c", "d \"e\"", ""});
+}
+
+TEST_CASE("without a wish there is a frame every 0.2 s, unless these are too few or too many") {
+  Directory directory;
+  const auto frames = [&](double until, double output) {
+    std::string table = header_of_two;
+    for (int k = 0; k * output <= until * (1 + 1e-12); ++k) table += row(k * output, 1);
+    directory.write("bodies.csv", table);
+    return read_recording(directory.path());
+  };
+  CHECK(frames(3, 0.02).frames.size() == 16);
+  CHECK(frames(3, 0.02).every == 0.2);
+  CHECK(frames(0.1, 0.001).every == 0.005);
+  CHECK(frames(100, 0.5).every == 5);
+  CHECK(frames(0, 1).frames.size() == 1);
+  CHECK_THROWS_AS(read_recording(directory.path(), -1), Error);
+}
+
+TEST_CASE("labels cover neither each other nor leave the picture") {
+  LabelPlacer placer({0, 0, 200, 100});
+  std::vector<Rect> taken;
+  for (int k = 0; k < 60; ++k)
+    if (const auto box = placer.place({100, 50}, {1, 0}, 30, 14)) {
+      for (const Rect& other : taken) CHECK(!box->meets(other));
+      CHECK(box->x >= 0);
+      CHECK(box->y + box->height <= 100);
+      taken.push_back(*box);
+    }
+  CHECK(taken.size() > 3);
+  CHECK(taken.size() < 60);
+  CHECK(taken.front().x > 100);  // on the side that was asked for
+}
+
+TEST_CASE("the convex hull keeps the corners alone") {
+  CHECK(convex_hull({{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0.5, 0.5}, {0.5, 0}, {0, 0}}).size() == 4);
+  CHECK(convex_hull({{1, 1}, {1, 1}}).size() == 1);
+}
+
+}  // namespace momentree::io

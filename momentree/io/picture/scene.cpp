@@ -1,0 +1,167 @@
+#include <momentree/io/picture/scene.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace momentree::io {
+namespace {
+
+bool slides(const std::string& kind) {
+  return kind == "prismatic" || kind == "helical" || kind == "cylindrical" || kind == "planar";
+}
+
+/// Corners of a shape in its own axes: their hull, `radius` wider, is its outline in any view.
+std::vector<Vec3> corners(const Shape& shape, double& radius) {
+  std::vector<Vec3> points;
+  radius = 0;
+  if (shape.kind == Shape::Kind::box) {
+    for (const double x : {-0.5, 0.5})
+      for (const double y : {-0.5, 0.5})
+        for (const double z : {-0.5, 0.5}) points.push_back({x * shape.size.x, y * shape.size.y, z * shape.size.z});
+  } else if (shape.kind == Shape::Kind::sphere) {
+    radius = shape.radius;
+    points = {{0, 0, 0}};
+  } else if (shape.kind == Shape::Kind::capsule) {
+    radius = shape.radius;
+    points = {{0, 0, -0.5 * shape.length}, {0, 0, 0.5 * shape.length}};
+  } else if (shape.kind == Shape::Kind::cylinder) {
+    constexpr int around = 24;
+    for (int k = 0; k < around; ++k) {
+      const double a = 2 * std::numbers::pi * k / around, x = shape.radius * std::cos(a), y = shape.radius * std::sin(a);
+      points.push_back({x, y, -0.5 * shape.length});
+      points.push_back({x, y, 0.5 * shape.length});
+    }
+  }
+  return points;
+}
+
+double distance(const Point2& a, const Point2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+/// Draws one instant.
+class FrameBuilder {
+ public:
+  FrameBuilder(const Recording& run, const RecordedFrame& frame, const View& view)
+      : run_(run), frame_(frame), view_(view), phase_(run.phase_at(frame.time)) {
+    out_.time = frame.time;
+  }
+
+  SceneFrame build() {
+    for (std::size_t b = 0; b < run_.bodies.size(); ++b) add_body(b);
+    for (std::size_t m = 0; m < run_.mechanisms.size(); ++m) add_end(static_cast<int>(m));
+    if (has_area_)
+      std::stable_sort(out_.primitives.begin(), out_.primitives.end(),
+                       [](const Primitive& a, const Primitive& b) { return a.depth > b.depth; });
+    return std::move(out_);
+  }
+
+ private:
+  void add(Primitive::Kind kind, std::size_t b, const std::vector<Vec3>& points, double radius = 0,
+           const std::string& colour = {}) {
+    Primitive primitive{kind, {}, radius, phase_.mechanism[b], 0, colour};
+    for (const Vec3& p : points) {
+      primitive.points.push_back(view_(p));
+      primitive.depth += view_.depth(p) / static_cast<double>(points.size());
+    }
+    has_area_ = has_area_ || kind == Primitive::Kind::area;
+    out_.primitives.push_back(std::move(primitive));
+  }
+
+  void add_body(std::size_t b) {
+    const RecordedBody& body = run_.bodies[b];
+    const Pose& pose = frame_.poses[b];
+    double radius = 0;
+    std::vector<Vec3> outline = corners(body.shape, radius);
+    for (Vec3& p : outline) p = pose * (body.shape.at * p);
+    const bool shaped = !outline.empty();
+    if (shaped) add(Primitive::Kind::area, b, outline, radius, body.shape.colour);
+    for (const auto& [from, to] : body.extent) add(Primitive::Kind::line, b, {pose * from, pose * to});
+    if (body.extent.empty() && !shaped) add(Primitive::Kind::dot, b, {pose * body.child_at});
+    if (!phase_.joined[b]) return;
+    const Vec3 here = pose * body.child_at;
+    const Vec3 there = body.parent < 0 ? body.at : frame_.poses[static_cast<std::size_t>(body.parent)] * body.at;
+    if (slides(body.kind) && norm(here - there) > 1e-9) add(Primitive::Kind::slide, b, {there, here});
+    if (body.parent >= 0 && body.kind != "weld" && body.kind != "free") out_.joints.push_back(view_(here));
+  }
+
+  /// Ends of what is drawn of a mechanism, for its label.
+  void add_end(int mechanism) {
+    const auto member = std::find(phase_.mechanism.begin(), phase_.mechanism.end(), mechanism);
+    if (member == phase_.mechanism.end()) return;
+    const auto first = static_cast<std::size_t>(member - phase_.mechanism.begin());
+    const Point2 root = view_(frame_.poses[first] * run_.bodies[first].child_at);
+    Point2 end = root;
+    for (const Primitive& p : out_.primitives)
+      if (p.mechanism == mechanism)
+        for (const Point2& at : p.points)
+          if (distance(at, root) > distance(end, root)) end = at;
+    out_.roots.push_back(root);
+    out_.ends.push_back(end);
+  }
+
+  const Recording& run_;
+  const RecordedFrame& frame_;
+  const View& view_;
+  const Phase& phase_;
+  SceneFrame out_;
+  bool has_area_ = false;
+};
+
+/// Middle of the lengths of all lines of the first frame: it says how thick links may be drawn.
+double median_length(const SceneFrame& frame) {
+  std::vector<double> lengths;
+  for (const Primitive& p : frame.primitives)
+    if (p.kind == Primitive::Kind::line) lengths.push_back(distance(p.points.front(), p.points.back()));
+  if (lengths.empty()) return 0;
+  std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
+  return lengths[lengths.size() / 2];
+}
+
+}  // namespace
+
+void Box2::add(const Point2& p, double radius) {
+  low = {std::min(low.x, p.x - radius), std::min(low.y, p.y - radius)};
+  high = {std::max(high.x, p.x + radius), std::max(high.y, p.y + radius)};
+}
+
+std::vector<Vec3> drawn_points(const Recording& run) {
+  std::vector<Vec3> points;
+  for (const RecordedFrame& frame : run.frames)
+    for (std::size_t b = 0; b < run.bodies.size(); ++b) {
+      points.push_back(frame.poses[b].position);
+      for (const auto& [from, to] : run.bodies[b].extent) points.push_back(frame.poses[b] * to);
+      double radius = 0;
+      for (const Vec3& p : corners(run.bodies[b].shape, radius)) points.push_back(frame.poses[b] * (run.bodies[b].shape.at * p));
+    }
+  return points;
+}
+
+Scene build_scene(const Recording& run, const View& view) {
+  Scene scene;
+  scene.view = view;
+  for (const RecordedFrame& frame : run.frames) scene.frames.push_back(FrameBuilder(run, frame, view).build());
+  for (const SceneFrame& frame : scene.frames)
+    for (const Primitive& p : frame.primitives)
+      for (const Point2& at : p.points) scene.bounds.add(at, p.radius);
+  for (std::size_t b = 0; b < run.bodies.size(); ++b) {
+    const RecordedBody& body = run.bodies[b];
+    if (body.parent >= 0 || body.kind == "free" || body.kind.empty()) continue;
+    scene.anchors.push_back(view(body.at));
+    scene.bounds.add(scene.anchors.back());
+  }
+  for (const RecordedEvent& event : run.events) {
+    SceneEvent shown{event.time, {}, {}};
+    for (const std::string& action : event.actions) shown.text += (shown.text.empty() ? "" : ", ") + action;
+    for (const int b : event.broken) {
+      if (event.frame.poses.empty()) break;
+      shown.places.push_back(
+          view(event.frame.poses[static_cast<std::size_t>(b)] * run.bodies[static_cast<std::size_t>(b)].child_at));
+      scene.bounds.add(shown.places.back());
+    }
+    scene.events.push_back(std::move(shown));
+  }
+  if (!scene.frames.empty()) scene.typical_length = median_length(scene.frames.front());
+  return scene;
+}
+
+}  // namespace momentree::io

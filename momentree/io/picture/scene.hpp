@@ -1,0 +1,58 @@
+#pragma once
+// The picture in metres: what is drawn of each frame, in the plane of the view. No SVG yet.
+#include <string>
+#include <vector>
+
+#include <momentree/io/picture/projection.hpp>
+#include <momentree/io/picture/recording.hpp>
+
+namespace momentree::io {
+
+/// One thing to draw. A line joins the points, a dot stands on one; an area is the convex hull of them, `radius` (m) wider all
+/// round.
+struct Primitive {
+  enum class Kind { line, slide, area, dot };  ///< slide: the way that a sliding joint has gone
+  Kind kind = Kind::line;
+  std::vector<Point2> points;
+  double radius = 0;
+  int mechanism = 0;
+  double depth = 0;    ///< the farthest are drawn first
+  std::string colour;  ///< of the shape's own; empty: the mechanism's
+};
+
+struct SceneFrame {
+  double time = 0;
+  std::vector<Primitive> primitives;
+  std::vector<Point2> joints;  ///< where bodies are joined
+  std::vector<Point2> ends;    ///< of each present mechanism the point farthest from its root: a place for a label
+  std::vector<Point2> roots;   ///< the roots that belong to `ends`
+};
+
+struct SceneEvent {
+  double time = 0;
+  std::string text;
+  std::vector<Point2> places;  ///< of the broken joints
+};
+
+struct Box2 {
+  Point2 low{1e300, 1e300}, high{-1e300, -1e300};
+  void add(const Point2& p, double radius = 0);
+  double width() const { return high.x - low.x; }
+  double height() const { return high.y - low.y; }
+};
+
+struct Scene {
+  View view;
+  std::vector<SceneFrame> frames;
+  std::vector<Point2> anchors;  ///< where a mechanism is joined to the ground
+  std::vector<SceneEvent> events;
+  Box2 bounds;
+  double typical_length = 0;  ///< median of the lines' lengths in the picture (m)
+};
+
+/// Every point in space that will be drawn, for choose_view.
+std::vector<Vec3> drawn_points(const Recording& run);
+
+Scene build_scene(const Recording& run, const View& view);
+
+}  // namespace momentree::io
