@@ -1,0 +1,184 @@
+// The recursions by their own equations, on small trees that show each of them. (Random trees of all kinds against an independent
+// oracle: tests/oracle.)
+#include <momentree/dynamics/forward.hpp>
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/joint/kinds.hpp>
+
+using namespace momentree;
+
+namespace {
+
+// A body of every kind of joint on a trunk, two of them on a fork, one mechanism on a free root.
+Model all_kinds_model() {
+  Model model({.gravity = {0.5, -2, -9}});
+  const auto body = [&](const char* name, Body parent, JointSpec joint, Values q, Values v) {
+    return model.add({.name = name,
+                      .mass = 1.25,
+                      .com = {0.1, -0.05, 0.2},
+                      .inertia = {0.05, 0.06, 0.07, 0.004, -0.003, 0.002},
+                      .parent = parent,
+                      .at = Pose{{0.3, 0.1, -0.2}, normalized(Quat{0.9, 0.1, -0.3, 0.2})},
+                      .joint = joint,
+                      .q = q,
+                      .v = v,
+                      .child_at = Pose{{0.02, -0.03, 0.01}, normalized(Quat{0.8, -0.2, 0.1, 0.4})}});
+  };
+  const Quat r = normalized(Quat{0.7, 0.3, -0.5, 0.4});
+  const Body trunk = body("a/trunk", ground, Revolute{.axis = {1, 2, 2}, .armature = 0.3}, 0.4, 1.2);
+  const Body slide = body("a/slide", trunk, Prismatic{.axis = {0, 1, 1}}, 0.2, -0.7);
+  const Body screw = body("a/screw", slide, Helical{.axis = {1, 0, 0}, .pitch = 0.5}, -0.6, 0.9);
+  body("a/tip", screw, Ball{.armature = {0.1, 0.2, 0.3}}, {r.w, r.x, r.y, r.z}, {0.3, -0.8, 0.5});
+  const Body hooke = body("a/hooke", slide, Universal{.axis = {1, 0.2, 0}, .axis2 = {0, 1, 0.5}}, {0.3, -0.9}, {1, -0.4});
+  body("a/rod", hooke, Cylindrical{}, {0.5, 0.3}, {-0.6, 0.8});
+  const Body base = body("b/base", ground, Free{}, {1, 2, 3, r.w, r.x, r.y, r.z}, {0.1, 0.2, 0.3, -0.4, 0.5, -0.6});
+  const Body plate = body("b/plate", base, Planar{}, {0.1, -0.2, 0.7}, {0.9, 0.1, -0.5});
+  body("b/knob", plate, Weld{}, {}, {});
+  return model;
+}
+
+struct Fixture {
+  Model model = all_kinds_model();
+  Tree tree = compile(model);
+  State state = start_state(model, tree);
+  Work<double> work{tree};
+  Fixture() { forward_dynamics(tree, state, work); }
+
+  // Pb by its definition: the momenta of all outboard bodies, brought to b's frame through the world.
+  Force<double> summed_momentum(int b) {
+    locate_bodies(tree, state, work);
+    const Kinematics<double>& frame = work.bodies[static_cast<std::size_t>(b)];
+    Force<double> sum{};
+    for (int k = 0; k < tree.bodies(); ++k) {
+      int a = k;
+      while (a >= 0 && a != b) a = tree.parent(a);
+      if (a != b) continue;
+      const Kinematics<double>& body = work.bodies[static_cast<std::size_t>(k)];
+      const Force<double> P = momentum(tree.link(k).body, body.velocity);
+      const Vec3 l = body.R * P.l;
+      sum.l += l;
+      sum.h += body.R * P.h + cross(body.r - frame.r, l);
+    }
+    return {transpose_times(frame.R, sum.l), transpose_times(frame.R, sum.h)};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("(12) (19) velocities to momenta and back, for every kind and with rotors") {
+  Fixture f;
+  for (int b = 0; b < f.tree.bodies(); ++b) {
+    const Values& v = f.model[{b}].v;
+    for (int i = 0; i < v.size(); ++i)
+      CHECK(f.work.v[static_cast<std::size_t>(f.tree.first_p(b) + i)] == doctest::Approx(v[i]).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("(14) (21) (22) (23) the articulated momentum is the sum over all outboard bodies") {
+  Fixture f;
+  for (int b = 0; b < f.tree.bodies(); ++b) {
+    const Force<double> Pb = articulated_momentum(f.tree, f.state, f.work, b), sum = f.summed_momentum(b);
+    CHECK(norm(Pb.l - sum.l) < 1e-12);
+    CHECK(norm(Pb.h - sum.h) < 1e-12);
+  }
+}
+
+TEST_CASE("the path to one body finds the place and motion that the pass over all bodies finds") {
+  Fixture f;
+  Work<double> other(f.tree);
+  forward_dynamics(f.tree, f.state, other);
+  locate_bodies(f.tree, f.state, f.work);
+  for (int b = 0; b < f.tree.bodies(); ++b) {
+    const Kinematics<double> path = locate_body(f.tree, f.state, other, b);
+    const Kinematics<double>& all = f.work.bodies[static_cast<std::size_t>(b)];
+    CHECK(norm(path.r - all.r) < 1e-14);
+    CHECK(norm(path.velocity.v - all.velocity.v) < 1e-13);
+    CHECK(norm(path.velocity.w - all.velocity.w) < 1e-13);
+    CHECK(norm(path.R * Vec3{1, 2, 3} - all.R * Vec3{1, 2, 3}) < 1e-14);
+  }
+}
+
+TEST_CASE("(11) kinetic energy is half of p.v, for a world that rests on fixed ground") {
+  Fixture f;
+  double pv = 0;
+  for (int i = 0; i < f.tree.nv(); ++i) pv += f.state.p()[static_cast<std::size_t>(i)] * f.work.v[static_cast<std::size_t>(i)];
+  CHECK(totals(f.tree, f.state, f.work).kinetic == doctest::Approx(pv / 2).epsilon(1e-13));
+}
+
+TEST_CASE("(15) (20) energy is conserved along the rates: gravity does the work that the potential gives") {
+  // d(T + V)/dt by differences along (qdot, pdot), which (20) and the accumulated weight (15) must make zero.
+  Fixture f;
+  const auto energy_at = [&](double h) {
+    State moved = f.state;
+    const State::Edit edit = moved.edit();
+    for (int i = 0; i < f.tree.nq(); ++i) edit.q[static_cast<std::size_t>(i)] += h * f.work.qdot[static_cast<std::size_t>(i)];
+    for (int i = 0; i < f.tree.nv(); ++i) edit.p[static_cast<std::size_t>(i)] += h * f.work.pdot[static_cast<std::size_t>(i)];
+    Work<double> work(f.tree);
+    const Totals t = totals(f.tree, moved, work);
+    return t.kinetic + t.potential;
+  };
+  const double h = 1e-5;
+  CHECK(std::fabs(energy_at(h) - energy_at(-h)) / (2 * h) < 1e-6);
+}
+
+TEST_CASE("a free root's rate of momentum is its weight, in its own turning axes") {
+  Fixture f;
+  const int base = f.model.body("b/base").index, at = f.tree.first_p(base);
+  locate_bodies(f.tree, f.state, f.work);
+  const Kinematics<double>& k = f.work.bodies[static_cast<std::size_t>(base)];
+  const Vec3 l{f.state.p()[static_cast<std::size_t>(at)], f.state.p()[static_cast<std::size_t>(at + 1)],
+               f.state.p()[static_cast<std::size_t>(at + 2)]};
+  const Vec3 weight = f.tree.link(base).subtree_mass * transpose_times(k.R, f.tree.gravity());
+  const Vec3 rate{f.work.pdot[static_cast<std::size_t>(at)], f.work.pdot[static_cast<std::size_t>(at + 1)],
+                  f.work.pdot[static_cast<std::size_t>(at + 2)]};
+  CHECK(norm(rate - (weight - cross(k.velocity.w, l))) < 1e-12);
+}
+
+TEST_CASE("damping, springs and efforts: forces and power") {
+  Model model({.gravity = {}});
+  const Body a = model.add({.name = "m/a",
+                            .mass = 2,
+                            .inertia = diagonal(0.5),
+                            .joint = Revolute{.damping = 0.3, .stiffness = 4, .rest = 0.25, .effort = 0.7},
+                            .q = 1.0,
+                            .v = 2.0});
+  model.add({.name = "m/b",
+             .mass = 1,
+             .inertia = diagonal(0.1),
+             .parent = a,
+             .at = {1, 0, 0},
+             .joint = Cylindrical{.damping = {0.1, 0.2}, .effort = {0.0, 3.0}},
+             .q = {0.0, 0.0},
+             .v = {0.0, -1.5}});
+  const Tree tree = compile(model);
+  State state = start_state(model, tree);
+  Work<double> work(tree);
+  forward_dynamics(tree, state, work);
+  CHECK(work.power.dissipated == doctest::Approx(0.3 * 4 + 0.2 * 2.25).epsilon(1e-14));
+  CHECK(work.power.work == doctest::Approx(0.7 * 2 - 3 * 1.5).epsilon(1e-14));
+  CHECK(work.pdot[0] == doctest::Approx(0.7 - 0.3 * 2 - 4 * 0.75).epsilon(1e-13));
+  double force[6];
+  CHECK(joint_spring(tree, state.q().data(), 0, force) == doctest::Approx(0.5 * 4 * 0.75 * 0.75).epsilon(1e-14));
+  CHECK(joint_energy(tree, state, work, 0) == doctest::Approx(0.5 * 4 * 0.75 * 0.75).epsilon(1e-14));
+}
+
+TEST_CASE("stamps: what was evaluated on one state is not taken for another's") {
+  Fixture f;
+  CHECK(f.work.evaluated == f.state.stamp());
+  State copy = f.state;
+  CHECK(f.work.evaluated != copy.stamp());
+  f.state.edit();
+  CHECK(f.work.evaluated != f.state.stamp());
+  forward_dynamics(f.tree, f.state, f.work);
+  CHECK(f.work.evaluated == f.state.stamp());
+  evaluate_rates(f.tree, f.state.q().data(), f.state.p().data(), f.work);  // a stage, of no state
+  CHECK(f.work.evaluated != f.state.stamp());
+}

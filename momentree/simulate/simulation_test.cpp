@@ -1,0 +1,196 @@
+#include <momentree/simulate/simulation.hpp>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/base/error.hpp>
+#include <momentree/joint/kinds.hpp>
+
+using namespace momentree;
+
+namespace {
+
+Model chain(int links, double damping = 0) {
+  Model model({.gravity = {0, -9.81, 0}});
+  Body last = ground;
+  for (int k = 1; k <= links; ++k)
+    last = model.add({.name = "chain/" + std::to_string(k),
+                      .mass = 0.1,
+                      .com = {0.05, 0, 0},
+                      .inertia = diagonal(8.3e-5),
+                      .parent = last,
+                      .at = {k == 1 ? 0.0 : 0.1, 0, 0},
+                      .joint = Revolute{.damping = damping},
+                      .q = 0.1});
+  return model;
+}
+
+}  // namespace
+
+TEST_CASE("a run lands exactly on events and on its end, and tells what happened") {
+  Simulation sim(chain(4), {.method = "rk4", .step = 1e-3});
+  sim.at(0.10005).then(break_joint("chain/3")).named("snap");
+  CHECK(sim.run_until(0.2) == Status::ok);
+  CHECK(sim.time() == 0.2);
+  REQUIRE(sim.events().size() == 1);
+  const Event& e = sim.events()[0];
+  CHECK(e.time == 0.10005);
+  CHECK(e.name == "snap");
+  CHECK(e.actions == std::vector<std::string>{"break chain/3"});
+  CHECK(e.mechanisms_before == std::vector<std::string>{"chain"});
+  CHECK(e.mechanisms_after == std::vector<std::string>{"chain", "chain/3"});
+  CHECK(e.after.kinetic == doctest::Approx(e.before.kinetic).epsilon(1e-13));
+  CHECK(sim.statistics().steps == 201);
+  CHECK(sim.statistics().changes == 1);
+  const EnergyBalance energy = sim.energy();
+  CHECK(std::fabs(energy.error) < 1e-6);
+  CHECK(energy.error == doctest::Approx(energy.final - energy.initial).epsilon(1e-9));
+}
+
+TEST_CASE("events of one instant happen in their order; an action on what is gone is skipped and told") {
+  Simulation sim(chain(3), {.step = 1e-2});
+  sim.at(0.05).then(break_joint("chain/2"));
+  sim.at(0.0).then(break_joint("chain/3"));
+  sim.at(0.05).then(break_joint("chain/2")).then(break_joint("chain/1"));
+  sim.run_until(0.05);
+  REQUIRE(sim.events().size() == 3);
+  CHECK(sim.events()[0].time == 0);
+  CHECK(sim.events()[0].name == "#2");
+  CHECK(sim.events()[1].actions[0] == "break chain/2");
+  CHECK(sim.events()[2].actions[0].find("skipped") != std::string::npos);
+  CHECK(sim.events()[2].actions[1] == "break chain/1");
+  CHECK(sim.events()[2].mechanisms_after.size() == 3);
+  CHECK(sim.events()[2].mechanisms_after[0] == "chain");  // a mechanism whose root joint breaks keeps its name
+}
+
+TEST_CASE("a loop of one's own sees the same motion as one run") {
+  Simulation one(chain(5), {.step = 1e-3}), other(chain(5), {.step = 1e-3});
+  one.at(0.25).then(break_joint("chain/2"));
+  other.at(0.25).then(break_joint("chain/2"));
+  one.run_until(0.5);
+  for (int k = 0; k < 50; ++k) REQUIRE(other.step(0.01) == Status::ok);
+  CHECK(other.time() == doctest::Approx(0.5).epsilon(1e-15));
+  for (std::size_t b = 0; b < 5; ++b)
+    CHECK(norm(one.world().motions()[b].pose.position - other.world().motions()[b].pose.position) < 1e-9);
+}
+
+TEST_CASE("dissipation and work are in the books: the balance closes with the order of the method") {
+  const auto error = [](double step) {
+    Model model;
+    const Body arm = model.add({.name = "a",
+                                .mass = 1,
+                                .com = {0.5, 0, 0},
+                                .inertia = diagonal(0.1),
+                                .joint = Revolute{.axis = y_axis, .damping = 0.2, .effort = 1.5}});
+    model.add({.name = "b",
+               .mass = 0.5,
+               .com = {0.3, 0, 0.1},
+               .inertia = diagonal(0.05),
+               .parent = arm,
+               .at = {1, 0, 0},
+               .joint = Ball{.damping = 0.1, .stiffness = 2.0},
+               .v = {1, 2, 3}});
+    Simulation sim(model, {.step = step});
+    sim.run_until(1);
+    const EnergyBalance e = sim.energy();
+    CHECK(e.dissipated > 0.1);
+    CHECK(std::fabs(e.work) > 0.1);
+    return std::fabs(e.error);
+  };
+  const double coarse = error(0.004), fine = error(0.002);
+  CHECK(std::log2(coarse / fine) > 3.7);
+  CHECK(fine < 1e-8);
+}
+
+TEST_CASE("observers: every step, at multiples, after events, never twice; an observer can stop the run") {
+  std::vector<double> times;
+  std::size_t mechanisms = 0;
+  Simulation sim(chain(2), {.step = 3e-3});
+  sim.at(0.02).then(break_joint("chain/2"));
+  sim.observe(0.01, [&](const World& world) {
+    times.push_back(world.time());
+    if (world.time() == 0.02) mechanisms = world.mechanisms().size();
+    return true;
+  });
+  sim.run_until(0.025);
+  sim.run_until(0.04);
+  REQUIRE(times.size() == 6);
+  CHECK(times[1] == 0.01);
+  CHECK(times[2] == 0.02);
+  CHECK(times[3] == 0.025);
+  CHECK(times[5] == 0.04);
+  CHECK(mechanisms == 2);
+
+  Simulation stopped(chain(2), {.step = 1e-2});
+  int calls = 0;
+  stopped.observe(0, [&](const World&) { return ++calls < 4; });
+  CHECK(stopped.run_until(1) == Status::interrupted);
+  CHECK(calls == 4);
+  CHECK(stopped.time() == doctest::Approx(0.03));
+}
+
+TEST_CASE("a run that diverges stops at its last good state and says which joint, when, and what to do") {
+  Model model = chain(30);
+  Simulation sim(model, {.step = 0.05});
+  CHECK(sim.run_until(1000) == Status::diverged);
+  CHECK(sim.time() < 1000);
+  CHECK(sim.message().find("joint 'chain/") != std::string::npos);
+  CHECK(sim.message().find("t = ") != std::string::npos);
+  CHECK(sim.message().find("smaller step") != std::string::npos);
+  for (double q : sim.world().state().q()) CHECK(std::isfinite(q));
+  CHECK(sim.run_until(2000) == Status::diverged);
+}
+
+TEST_CASE("mistakes are errors that say what is wrong") {
+  const Model model = chain(2);
+  CHECK_THROWS_AS(Simulation(model, {.method = "rk5"}), Error);
+  CHECK_THROWS_AS(Simulation(model, {.step = 0}), Error);
+  CHECK_THROWS_AS(Simulation(model, {.step = std::nan("")}), Error);
+  Simulation sim(model, {});
+  CHECK_THROWS_AS(sim.at(-1), Error);
+  CHECK_THROWS_AS(sim.at(1).then(break_joint("chain/3")), Error);
+  CHECK_THROWS_AS(sim.at(1).then(Action{"brake", {"chain/1"}}), Error);
+  try {
+    Simulation(model, {.method = "rk5"});
+  } catch (const Error& e) {
+    CHECK(e.message().find("did you mean 'rk4'") != std::string::npos);
+  }
+  Model point;
+  point.add({.name = "p", .mass = 1, .joint = Revolute{}, .joint_name = "pin"});
+  try {
+    Simulation bad(point, {});
+    FAIL("a singular joint-space mass was accepted");
+  } catch (const Error& e) {
+    CHECK(e.where.find("pin") != std::string::npos);
+    CHECK(e.hint.find("armature") != std::string::npos);
+  }
+}
+
+TEST_CASE("a world restored from what it told goes on to the same bits") {
+  Simulation whole(chain(6, 0.01), {.step = 1e-3});
+  whole.at(0.1).then(break_joint("chain/4"));
+  whole.run_until(0.2);
+  std::vector<JointStart> joints;
+  std::vector<Body> broken;
+  const World& world = whole.world();
+  for (int b = 0; b < 6; ++b) {
+    const JointView j = world.joint({b});
+    JointStart start{{b}, {}, {}, {}};
+    for (double x : j.q) start.q.push_back(x);
+    for (double x : j.p) start.p.push_back(x);
+    joints.push_back(start);
+    if (world.tree().detached(b)) broken.push_back({b});
+  }
+  Simulation branch(chain(6, 0.01), {.step = 1e-3});
+  branch.restore(world.time(), broken, joints);
+  CHECK(branch.time() == 0.2);
+  whole.run_until(0.3);
+  branch.run_until(0.3);
+  for (std::size_t i = 0; i < whole.world().state().q().size(); ++i)
+    CHECK(whole.world().state().q()[i] == branch.world().state().q()[i]);
+  for (std::size_t i = 0; i < whole.world().state().p().size(); ++i)
+    CHECK(whole.world().state().p()[i] == branch.world().state().p()[i]);
+}

@@ -1,0 +1,124 @@
+#include <momentree/tree/tree.hpp>
+
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds.hpp>
+#include <momentree/tree/state.hpp>
+
+using namespace momentree;
+
+namespace {
+Body link(Model& model, const char* name, Body parent, JointSpec joint = Revolute{}) {
+  return model.add({.name = name, .mass = 1, .inertia = diagonal(1), .parent = parent, .at = {0.5, 0, 0}, .joint = joint});
+}
+}  // namespace
+
+TEST_CASE("runs of single children with one kind are one segment; forks meet at junctions") {
+  Model model;
+  const Body a = link(model, "a", ground), b = link(model, "b", a), c = link(model, "c", b);
+  const Body d = link(model, "d", c, Ball{}), e = link(model, "e", c);
+  link(model, "f", d), link(model, "g", e), link(model, "h", ground);
+  const Tree tree(model);
+  // a b c | d | f | e g | h
+  REQUIRE(tree.segments().size() == 5);
+  CHECK(tree.segments()[0].end == 3);
+  CHECK(tree.segments()[0].junction == 0);
+  CHECK(tree.segments()[1].parent == 0);
+  CHECK(tree.segments()[1].deposit == Segment::Deposit::add);
+  CHECK(tree.segments()[2].parent == 1);
+  CHECK(tree.segments()[2].deposit == Segment::Deposit::assign);
+  CHECK(tree.segments()[3].deposit == Segment::Deposit::assign);  // the last child reaches the junction first
+  CHECK(tree.segments()[3].end - tree.segments()[3].begin == 2);
+  CHECK(tree.segments()[4].parent == -1);
+  CHECK(tree.nq() == 7 + 4);
+  CHECK(tree.nv() == 7 + 3);
+  CHECK(tree.link(0).subtree_mass == 7);
+  CHECK(tree.link(7).subtree_mass == 1);
+}
+
+TEST_CASE("every body comes after its parent in the order, for bushy trees and after breaks") {
+  Model model;
+  std::vector<Body> bodies{ground};
+  for (int k = 0; k < 60; ++k) {
+    const std::string name = "m/" + std::to_string(k);
+    bodies.push_back(link(model, name.c_str(), bodies[static_cast<std::size_t>((k * 7) % (k + 1))]));
+  }
+  Tree tree(model);
+  const auto check = [&] {
+    std::vector<int> place(60, -1);
+    for (int i = 0; i < 60; ++i) place[static_cast<std::size_t>(tree.order()[static_cast<std::size_t>(i)])] = i;
+    for (int b = 0; b < 60; ++b) {
+      CHECK(place[static_cast<std::size_t>(b)] >= 0);
+      if (tree.parent(b) >= 0) CHECK(place[static_cast<std::size_t>(tree.parent(b))] < place[static_cast<std::size_t>(b)]);
+    }
+    int covered = 0;
+    for (const Segment& s : tree.segments()) {
+      CHECK(s.begin == covered);
+      covered = s.end;
+    }
+    CHECK(covered == 60);
+  };
+  check();
+  for (int b : {13, 2, 44, 0, 59}) {
+    tree.detach(b);
+    check();
+  }
+}
+
+TEST_CASE("chains of pins are aligned: no link needs a turn about its parent's z") {
+  Model model;
+  Body last = ground;
+  for (int k = 0; k < 20; ++k)
+    last = model.add({.name = "c/" + std::to_string(k),
+                      .mass = 1,
+                      .inertia = diagonal(1),
+                      .parent = last,
+                      .at = Pose{{0.1 * k, 0.2, 0.3}, normalized(Quat{1, 0.1 * k, -0.2, 0.3})},
+                      .joint = Revolute{.axis = {1, 0.1 * k, -0.5}}});
+  const Tree tree(model);
+  CHECK(tree.segments().size() <= 2);  // the first body hangs on the ground, whose axes are given
+  CHECK(tree.segments().back().aligned);
+}
+
+TEST_CASE("state: numbers of a body make room for others without moving the storage") {
+  Model model;
+  link(model, "a", ground), link(model, "b", {0}, Ball{}), link(model, "c", {1});
+  const Tree tree(model);
+  State state(tree);
+  const State::Edit edit = state.edit();
+  for (std::size_t i = 0; i < edit.q.size(); ++i) edit.q[i] = 10 + static_cast<double>(i);
+  const double* storage = state.q().data();
+  const double q[7] = {1, 2, 3, 4, 5, 6, 7}, p[6] = {1, 2, 3, 4, 5, 6};
+  state.replace(1, 4, q, 1, 3, p, 1);  // grows
+  REQUIRE(state.q().size() == 9);
+  CHECK(state.q()[0] == 10);
+  CHECK(state.q()[7] == 7);
+  CHECK(state.q()[8] == 15);
+  CHECK(state.p().size() == 8);
+  state.replace(1, 7, {}, 1, 6, {}, 2);  // shrinks
+  REQUIRE(state.q().size() == 2);
+  CHECK(state.q()[0] == 10);
+  CHECK(state.q()[1] == 15);
+  CHECK(state.q().data() == storage);
+  CHECK(state.topology() == 2);
+}
+
+TEST_CASE("joints that move no mass are found, and named") {
+  Model model;
+  const Body a = link(model, "a", ground);
+  CHECK(singular_joints(model).empty());
+  model.add({.name = "point", .mass = 1, .parent = a, .joint = Revolute{}, .joint_name = "pin"});
+  REQUIRE(singular_joints(model).size() == 1);
+  CHECK(singular_joints(model)[0].body.index == 1);
+  CHECK(singular_joints(model)[0].what.find("revolute") != std::string::npos);
+  model.add({.name = "massless", .parent = a, .joint = Weld{}});
+  CHECK(singular_joints(model).size() == 1);
+  Model rotor;
+  rotor.add({.name = "point", .mass = 1, .joint = Revolute{.armature = 0.1}});
+  CHECK(singular_joints(rotor).empty());
+  Model pendulum;
+  pendulum.add({.name = "bob", .mass = 1, .com = {0, 0, -1}, .joint = Ball{}});  // a point turns about itself
+  CHECK(singular_joints(pendulum).size() == 1);
+}
