@@ -67,7 +67,9 @@ struct Simulation::Impl {
   bool step_towards(double end) {
     const double left = end - world.time();
     const bool last = left <= integration.step * (1 + 1e-9);
-    const double h = last ? left : integration.step;
+    // What the clock advances, which is rounded, is what the state advances: else they part by up to an ulp of the time per step,
+    // always to the same side.
+    const double h = last ? left : (world.time() + integration.step) - world.time();
     const auto start = Clock::now();
     evaluate_state();
     if (!method->step(evaluate, world.state_, books, h)) {
