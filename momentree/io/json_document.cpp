@@ -170,6 +170,11 @@ void JsonDocument::require_known(const JsonNode& object, std::initializer_list<c
 JsonDocument parse_json(std::string_view text, std::string file) {
   JsonDocument document{std::move(file), {}};
   Builder builder{text, document, text.data()};
+  if (const std::size_t nul = text.find('\0'); nul != std::string_view::npos) {  // the parser would take it for the end
+    builder.reached = text.data() + nul;
+    builder.place(document.root, 0);
+    document.fail_at(document.root, "this is not JSON: there is a NUL character in it");
+  }
   // Exceptions of `fail` go through the parser, which keeps nothing but locals.
   nlohmann::json::sax_parse(Cursor(text.data(), &builder.reached), Cursor(text.data() + text.size(), nullptr), &builder);
   return document;

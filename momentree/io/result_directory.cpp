@@ -54,8 +54,10 @@ ResultDirectory::ResultDirectory(const std::string& destination) {
   require_replaceable(destination_);
   require_replaceable(working_);
   std::error_code error;
-  fs::remove_all(working_, error);
-  require_ok(error, "cannot remove what an earlier run left", working_);
+  if (fs::exists(fs::symlink_status(working_, error))) {
+    fs::remove_all(working_, error);
+    require_ok(error, "cannot remove what an earlier run left", working_);
+  }
   fs::create_directories(working_, error);
   require_ok(error, "cannot make the result folder", working_);
   if (access(working_.c_str(), W_OK | X_OK) != 0) fail({"cannot write into the result folder", working_.string(), ""});

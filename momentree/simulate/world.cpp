@@ -3,7 +3,6 @@
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
-#include <momentree/integrate/integrator.hpp>
 
 namespace momentree {
 
@@ -43,7 +42,6 @@ void World::restore(double time, std::span<const Body> broken, std::span<const J
     put(j.q, tree_.first_q(j.child.index), edit.q);
     put(j.v, tree_.first_p(j.child.index), v);
   }
-  normalise(tree_, edit.q.data());
   project_momentum(tree_, state.q().data(), v.data(), edit.p.data());
   for (const JointStart& j : joints) put(j.p, tree_.first_p(j.child.index), edit.p);
   state_ = state;

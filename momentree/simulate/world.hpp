@@ -66,6 +66,7 @@ class World {
   std::string_view mechanism_name(Body root) const;
 
   /// The model at `time`, with the joints of `broken` broken and start values replaced: what a state document restores.
+  /// Quaternions are taken bit for bit: of length one, but for rounding.
   void restore(double time, std::span<const Body> broken, std::span<const JointStart> joints);
 
  private:

@@ -1,0 +1,42 @@
+#pragma once
+// The commands, one function each; main.cpp turns the command line into their options. All return an exit code, print messages to
+// standard error and results to standard output, and throw Error for bad input.
+#include <string>
+#include <vector>
+
+#include <cli/exit_codes.hpp>
+
+namespace momentree::cli {
+
+struct RunOptions {
+  std::string scenario;
+  std::string out;                     ///< empty: results/<scenario's name>
+  std::vector<std::string> overrides;  ///< KEY=VALUE
+  std::string until, format = "csv", checkpoint;
+  bool report = false, reactions = false, resume = false, quiet = false, json = false;
+};
+int run(const RunOptions& options);
+
+int check(const std::vector<std::string>& files);
+
+struct EvaluateOptions {
+  std::string scenario, state;
+  std::vector<std::string> overrides;
+  bool json = false;
+};
+int evaluate(const EvaluateOptions& options);
+
+struct ExplainOptions {
+  std::string scenario;
+  std::vector<std::string> overrides;
+};
+int explain(const ExplainOptions& options);
+
+struct ViewOptions {
+  std::string source, svg;
+  double every = 0;
+  std::string look;
+};
+int view(const ViewOptions& options);
+
+}  // namespace momentree::cli

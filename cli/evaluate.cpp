@@ -1,0 +1,52 @@
+#include <cstdio>
+#include <optional>
+#include <span>
+
+#include <cli/commands.hpp>
+#include <cli/session.hpp>
+#include <cli/text.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+std::string numbers(std::span<const double> values) {
+  std::string text;
+  for (const double x : values) text += (text.empty() ? "" : " ") + format("%.9g", x);
+  return text;
+}
+
+std::string vector_text(const Vec3& v) { return format("%.9g %.9g %.9g", v.x, v.y, v.z); }
+
+std::string evaluation_text(const World& world, const Style& style) {
+  const Totals totals = world.totals();
+  Table sums;
+  sums.row({"time", format("%.9g s", world.time())});
+  sums.row({"kinetic energy", format("%.9g J", totals.kinetic)});
+  sums.row({"potential energy", format("%.9g J", totals.potential)});
+  sums.row({"linear momentum (N s)", vector_text(totals.linear)});
+  sums.row({"angular momentum (N m s)", vector_text(totals.angular)});
+  Table joints;
+  joints.row({"joint", "kind", "q", "v", "p", "dp/dt"});
+  for (int b = 0; b < world.model().size(); ++b) {
+    const JointView joint = world.joint({b});
+    joints.row({std::string(joint.name), info(joint.kind).name, numbers(joint.q), numbers(joint.v), numbers(joint.p),
+                numbers(joint.pdot)});
+  }
+  return style.heading("World") + '\n' + sums.text("  ") + '\n' + style.heading("Joints") + " (m, rad, s, kg)\n" +
+         joints.text("  ");
+}
+
+}  // namespace
+
+int evaluate(const EvaluateOptions& options) {
+  const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides);
+  if (!scenario) return bad_input;
+  const Session session(*scenario, options.state);
+  const World& world = session.simulation().world();
+  std::fputs((options.json ? io::state_json(world, session.armed()) : evaluation_text(world, Style::of_output())).c_str(),
+             stdout);
+  return done;
+}
+
+}  // namespace momentree::cli

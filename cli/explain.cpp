@@ -1,0 +1,174 @@
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <vector>
+
+#include <cli/commands.hpp>
+#include <cli/session.hpp>
+#include <cli/text.hpp>
+#include <momentree/base/value.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+std::string axis_text(const Vec3& a) {
+  const char* names[] = {"x", "y", "z"};
+  const double along[] = {a.x, a.y, a.z};
+  for (int i = 0; i < 3; ++i)
+    if (std::fabs(along[i]) == 1) return std::string(along[i] < 0 ? "−" : "") + names[i];
+  return format("(%.3g, %.3g, %.3g)", a.x, a.y, a.z);
+}
+
+std::string mass_text(double kg) {
+  if (kg == 0) return "no mass";
+  return std::fabs(kg) < 1 ? format("%.4g g", kg * 1e3) : format("%.6g kg", kg);
+}
+
+std::string kind_text(const JointView& joint) {
+  const KindInfo& kind = info(joint.kind);
+  std::string text = kind.name;
+  if (kind.axis) text += " about " + axis_text(joint.axis);
+  if (joint.kind == Kind::prismatic) text = std::string(kind.name) + " along " + axis_text(joint.axis);
+  if (kind.axis2) text += " and " + axis_text(joint.axis2);
+  if (kind.pitch) text += format(", %.4g mm a turn", joint.pitch * 1e3);
+  return text;
+}
+
+bool same(const Vec3& a, const Vec3& b) { return a == b; }
+
+/// The tree as lines of text: one per body, or per run of equal links.
+class Drawing {
+ public:
+  explicit Drawing(const World& world) : world_(world), tree_(world.tree()) {}
+
+  std::string of(Body root) {
+    lines_.clear();
+    std::vector<Open> open{{root.index, "", true}};
+    while (!open.empty()) {
+      const Open top = open.back();
+      open.pop_back();
+      const int last = end_of_run(top.body);
+      add_line(top, last);
+      std::vector<int> children;
+      for (int c = tree_.first_child(last); c >= 0; c = tree_.next_sibling(c)) children.push_back(c);
+      std::string indent = top.indent;
+      if (width(indent) < widest_indent) indent += top.last ? "   " : "│  ";
+      for (std::size_t i = children.size(); i-- > 0;) open.push_back({children[i], indent, i + 1 == children.size()});
+    }
+    std::size_t names = 0;
+    for (const Line& line : lines_) names = std::max(names, width(line.name));
+    std::string text = "  ground\n";
+    for (const Line& line : lines_) text += "  " + padded(line.name, static_cast<int>(names)) + "   " + line.what + '\n';
+    return text;
+  }
+
+ private:
+  struct Open {
+    int body;
+    std::string indent;
+    bool last;
+  };
+  struct Line {
+    std::string name, what;
+  };
+  static constexpr std::size_t widest_indent = 60;
+  static constexpr int shortest_run = 5;
+
+  const BodySpec& spec(int b) const { return world_.model()[{b}]; }
+
+  bool only_child(int b) const { return tree_.first_child(tree_.parent(b)) == b && tree_.next_sibling(b) < 0; }
+
+  bool alike(int a, int b) const {
+    const BodySpec &s = spec(a), &t = spec(b);
+    const JointView j = world_.joint({a}), k = world_.joint({b});
+    return s.mass == t.mass && same(s.com, t.com) && j.kind == k.kind && same(j.axis, k.axis) && same(j.axis2, k.axis2) &&
+           j.pitch == k.pitch && same(j.at.position, k.at.position);
+  }
+
+  /// The last body of the run of links like `b` that begins with it; `b` where that run is short.
+  int end_of_run(int b) const {
+    int last = b, count = 1;
+    for (int c = tree_.first_child(b); c >= 0 && only_child(c) && alike(b, c); c = tree_.first_child(c)) last = c, ++count;
+    return count >= shortest_run ? last : b;
+  }
+
+  void add_line(const Open& open, int last) {
+    const JointView joint = world_.joint({open.body});
+    std::string name = open.indent + (open.last ? "└─ " : "├─ ") + spec(open.body).name;
+    std::string what = kind_text(joint);
+    if (last != open.body) {
+      int count = 1;
+      for (int c = open.body; c != last; c = tree_.first_child(c)) ++count;
+      name += " … " + spec(last).name;
+      what = format("%d × ", count) + what + ", " + mass_text(spec(open.body).mass) + " each";
+    } else {
+      if (joint.name != spec(open.body).name) what = "'" + std::string(joint.name) + "', " + what;
+      what += ", " + mass_text(spec(open.body).mass);
+    }
+    lines_.push_back({std::move(name), std::move(what)});
+  }
+
+  const World& world_;
+  const Tree& tree_;
+  std::vector<Line> lines_;
+};
+
+std::string joints_by_kind(const World& world) {
+  std::vector<long> count(all_kinds().size(), 0);
+  for (int b = 0; b < world.model().size(); ++b) ++count[static_cast<std::size_t>(world.tree().joint(b).kind)];
+  std::string text;
+  for (const KindInfo& kind : all_kinds())
+    if (const long n = count[static_cast<std::size_t>(kind.kind)]; n > 0)
+      text += (text.empty() ? "" : ", ") + format("%ld %s", n, kind.name);
+  return text;
+}
+
+std::string totals_text(const World& world) {
+  double mass = 0;
+  for (const BodySpec& body : world.model().bodies()) mass += body.mass;
+  Table table;
+  const auto row = [&table](const char* name, const std::string& value) { table.row({name, value}); };
+  row("mechanisms", format("%zu", world.mechanisms().size()));
+  row("bodies", format("%d", world.model().size()));
+  row("joints", joints_by_kind(world));
+  row("degrees of freedom", format("%d", world.tree().nv()));
+  row("mass", mass_text(mass));
+  const Vec3 g = world.model().gravity();
+  row("gravity", format("%g %g %g m/s²", g.x, g.y, g.z));
+  return table.text("  ");
+}
+
+}  // namespace
+
+int explain(const ExplainOptions& options) {
+  const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides);
+  if (!scenario) return bad_input;
+  const Session session(*scenario);
+  const World& world = session.simulation().world();
+  const Style style = Style::of_output();
+
+  std::string text = style.heading(scenario->title.empty() ? scenario->name : scenario->title) + '\n' + totals_text(world);
+  Drawing drawing(world);
+  for (const Mechanism& mechanism : world.mechanisms()) {
+    int freedoms = 0;
+    double mass = 0;
+    for (const Body body : mechanism.bodies) {
+      freedoms += info(world.tree().joint(body.index).kind).nv;
+      mass += world.model()[body].mass;
+    }
+    text += '\n' + style.heading(mechanism.name) + ": " + (mechanism.grounded ? "grounded, " : "free, ") +
+            count_text(static_cast<long>(mechanism.bodies.size()), "body", "bodies") + ", " +
+            count_text(freedoms, "degree of freedom", "degrees of freedom") + ", " + mass_text(mass) + '\n' +
+            drawing.of(mechanism.root);
+  }
+  if (!scenario->events.empty()) text += '\n' + style.heading("Events") + '\n';
+  for (const io::ScenarioEvent& event : scenario->events)
+    for (const Action& action : event.actions)
+      for (const std::string& target : action.targets)
+        text += format("  at %g s: %s %s\n", event.time, action.key.c_str(), target.c_str());
+  std::fputs(text.c_str(), stdout);
+  return done;
+}
+
+}  // namespace momentree::cli

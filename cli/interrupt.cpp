@@ -1,0 +1,30 @@
+#include <cli/interrupt.hpp>
+
+#include <csignal>
+
+namespace momentree::cli {
+
+namespace {
+// The one thing that a signal handler may write to.
+volatile std::sig_atomic_t signalled = 0;
+
+extern "C" void note_signal(int signal) {
+  signalled = 1;
+  std::signal(signal, SIG_DFL);
+}
+}  // namespace
+
+InterruptGuard::InterruptGuard() {
+  signalled = 0;
+  std::signal(SIGINT, note_signal);
+  std::signal(SIGTERM, note_signal);
+}
+
+InterruptGuard::~InterruptGuard() {
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+}
+
+bool InterruptGuard::interrupted() { return signalled != 0; }
+
+}  // namespace momentree::cli

@@ -1,0 +1,179 @@
+// The command line: turns arguments into options, and errors into messages and exit codes. No physics.
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <cli/commands.hpp>
+#include <momentree/base/error.hpp>
+
+namespace {
+
+using momentree::Error;
+using namespace momentree::cli;
+
+constexpr const char* closing =
+    "Exit codes: 0 done, 1 the simulation failed, 2 bad input or usage, 3 interrupted (what was computed is kept).";
+
+struct CommandLine {
+  CommandLine();
+  CLI::App* command(const char* name, const char* does, std::function<int()> action);
+  void overrides(CLI::App* command, std::vector<std::string>& values);
+  void not_yet(const char* name, const char* does);
+  /// Throws Error for arguments that no option takes.
+  void require_known_arguments() const;
+
+  CLI::App app{"momentree: dynamics of mechanisms whose topology changes while they move", "momentree"};
+  RunOptions run_options;
+  EvaluateOptions evaluate_options;
+  ExplainOptions explain_options;
+  ViewOptions view_options;
+  std::vector<std::string> files;
+  std::vector<std::pair<CLI::App*, std::function<int()>>> commands;
+};
+
+CLI::App* CommandLine::command(const char* name, const char* does, std::function<int()> action) {
+  CLI::App* sub = app.add_subcommand(name, does);
+  sub->footer(closing);
+  sub->allow_extras();  // require_known_arguments has better words for them
+  commands.emplace_back(sub, std::move(action));
+  return sub;
+}
+
+void CommandLine::overrides(CLI::App* sub, std::vector<std::string>& values) {
+  sub->add_option("--set", values, "Replace a value of the scenario: a dotted path = a TOML value, as in integrate.step=1e-4")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all();
+}
+
+// Commands of the interface that have no code yet are named, so that nobody looks for a slip of the pen.
+void CommandLine::not_yet(const char* name, const char* does) {
+  command(name, (std::string(does) + " (not supported yet)").c_str(), [name]() -> int {
+    throw Error{"`momentree " + std::string(name) + "` is not supported yet", "", ""};
+  });
+}
+
+CommandLine::CommandLine() {
+  app.set_version_flag("--version", "momentree " MOMENTREE_VERSION);
+  app.footer(closing);
+  app.require_subcommand(0, 1);
+  app.allow_extras();
+
+  CLI::App* run_command = command("run", "Run a scenario and write its results", [this] { return run(run_options); });
+  run_command->add_option("scenario", run_options.scenario, "A scenario file (.toml)")->required()->type_name("SCENARIO");
+  run_command->add_option("--out", run_options.out, "Where the results go; default results/ and the scenario's name")
+      ->type_name("DIR");
+  overrides(run_command, run_options.overrides);
+  run_command->add_option("--until", run_options.until, "End the run at this time instead")->type_name("T");
+  run_command->add_option("--format", run_options.format, "csv, or hdf5 (not supported yet)")->type_name("csv|hdf5");
+  run_command->add_flag("--report", run_options.report, "Write report.html (not supported yet)");
+  run_command->add_flag("--reactions", run_options.reactions, "Record the reactions of the joints (not supported yet)");
+  run_command->add_option("--checkpoint", run_options.checkpoint, "Save the run now and then (not supported yet)")
+      ->type_name("EVERY");
+  run_command->add_flag("--resume", run_options.resume, "Go on from a checkpoint (not supported yet)");
+  run_command->add_flag("--quiet", run_options.quiet, "Print nothing but warnings and errors");
+  run_command->add_flag("--json", run_options.json, "Print summary.json and nothing else");
+
+  CLI::App* check_command =
+      command("check", "Say what is wrong with scenario files, as file:line:col", [this] { return check(files); });
+  check_command->add_option("files", files, "Scenario files (.toml)")->required()->type_name("FILE");
+
+  CLI::App* evaluate_command =
+      command("evaluate", "Evaluate a scenario once, at its start or at a state", [this] { return evaluate(evaluate_options); });
+  evaluate_command->add_option("scenario", evaluate_options.scenario, "A scenario file (.toml)")
+      ->required()
+      ->type_name("SCENARIO");
+  evaluate_command->add_option("--state", evaluate_options.state, "A state document, such as the final.json of a run")
+      ->type_name("STATE.json");
+  overrides(evaluate_command, evaluate_options.overrides);
+  evaluate_command->add_flag("--json", evaluate_options.json, "Print the state document and nothing else");
+
+  CLI::App* explain_command = command("explain", "Draw the tree in the terminal, with masses and degrees of freedom",
+                                      [this] { return explain(explain_options); });
+  explain_command->add_option("scenario", explain_options.scenario, "A scenario file (.toml)")->required()->type_name("SCENARIO");
+  overrides(explain_command, explain_options.overrides);
+
+  CLI::App* view_command = command("view", "Draw a run as a picture", [this] { return view(view_options); });
+  view_command->add_option("source", view_options.source, "A result directory of `momentree run`, or a scenario")
+      ->required()
+      ->type_name("DIR|SCENARIO");
+  view_command->add_option("--svg", view_options.svg, "Write the picture to this file")->type_name("FILE");
+  view_command->add_option("--every", view_options.every, "Time between frames in seconds; default 0.2, or what suits the run")
+      ->type_name("T")
+      ->check(CLI::PositiveNumber);
+  view_command
+      ->add_option("--look", view_options.look, "Direction in which the viewer looks, as in 0,0,-1; default: what shows most")
+      ->type_name("X,Y,Z");
+
+  not_yet("convert", "Turn a model file into another format");
+  not_yet("compile", "Write code that is specialised for one topology");
+  not_yet("sweep", "Run many worlds");
+  not_yet("bench", "Measure this machine on the tables of the paper");
+}
+
+void CommandLine::require_known_arguments() const {
+  std::vector<std::string> names, options = {"--help", "--version"};
+  for (const auto& [sub, action] : commands) names.push_back(sub->get_name());
+  const CLI::App* parsed = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
+  const std::string help = "see `momentree " + (parsed == &app ? "" : parsed->get_name() + " ") + "--help`";
+  const auto suggestion = [&help](const std::string& word, const std::vector<std::string>& known) {
+    const std::string guess = momentree::did_you_mean(word, known);
+    return guess.empty() ? help : guess;
+  };
+  const std::vector<std::string> extras = parsed->remaining();
+  if (!extras.empty()) {
+    std::string word = *std::find_if(extras.begin(), extras.end() - 1, [](const std::string& e) { return e.starts_with('-'); });
+    word = word.substr(0, word.find('='));
+    if (word.starts_with('-')) {
+      for (const CLI::Option* option : parsed->get_options())
+        for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+      throw Error{"unknown option '" + word + "'", "", suggestion(word, options)};
+    }
+    if (parsed == &app) throw Error{"unknown command '" + word + "'", "", suggestion(word, names)};
+    throw Error{"one argument too many: '" + word + "'", "", help};
+  }
+  if (parsed == &app) throw Error{"no command is given", "", help};
+}
+
+int call(int argc, char** argv) {
+  CommandLine line;
+  try {
+    line.app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& e) {
+    return line.app.exit(e) == 0 ? done : bad_input;
+  } catch (const CLI::CallForVersion& e) {
+    return line.app.exit(e) == 0 ? done : bad_input;
+  } catch (const CLI::ParseError& e) {
+    line.require_known_arguments();  // a slip in an option's name may be why another is missing
+    const auto parsed = line.app.get_subcommands();
+    throw Error{e.what(), "", "see `momentree " + (parsed.empty() ? "" : parsed.front()->get_name() + " ") + "--help`"};
+  }
+  line.require_known_arguments();
+  for (const auto& [sub, action] : line.commands)
+    if (sub->parsed()) return action();
+  return bad_input;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int code = failed;
+  try {
+    code = call(argc, argv);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.where.empty() ? ("momentree: " + error.message()).c_str() : error.message().c_str());
+    code = bad_input;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "momentree: error: %s\n", error.what());
+    code = failed;
+  }
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    std::fputs("momentree: error: cannot write to standard output\n", stderr);
+    if (code == done) code = failed;
+  }
+  return code;
+}

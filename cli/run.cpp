@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+
+#include <cli/commands.hpp>
+#include <cli/interrupt.hpp>
+#include <cli/progress.hpp>
+#include <cli/run_report.hpp>
+#include <cli/session.hpp>
+#include <momentree/io/model_json.hpp>
+#include <momentree/io/results.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+void refuse_unsupported(const RunOptions& options) {
+  const auto refuse = [](bool given, const char* option) {
+    if (given) fail({"`" + std::string(option) + "` is not supported yet", "", ""});
+  };
+  refuse(options.report, "--report");
+  refuse(options.reactions, "--reactions");
+  refuse(!options.checkpoint.empty(), "--checkpoint");
+  refuse(options.resume, "--resume");
+  refuse(options.format == "hdf5", "--format hdf5");
+  if (options.format != "csv") fail({"unknown format '" + options.format + "'", "", "there are csv and, later, hdf5"});
+}
+
+std::string status_text(Status status, const Simulation& simulation) {
+  if (status == Status::ok) return "done";
+  if (status == Status::interrupted) return format("interrupted at t = %.9g s", simulation.time());
+  return simulation.message();
+}
+
+}  // namespace
+
+int run(const RunOptions& options) {
+  refuse_unsupported(options);
+  std::vector<std::string> overrides = options.overrides;
+  if (!options.until.empty()) overrides.push_back("integrate.until=" + options.until);
+  const std::optional<io::Scenario> scenario = load(options.scenario, overrides);
+  if (!scenario) return bad_input;
+
+  Session session(*scenario);
+  session.schedule();
+  Simulation& simulation = session.simulation();
+  const double start = simulation.time();
+  io::Recorder recorder(scenario->model, session.breakable(), scenario->output_every,
+                        options.out.empty() ? "results/" + scenario->name : options.out);
+
+  Progress progress(start, scenario->until, !options.quiet && errors_on_terminal());
+  const InterruptGuard guard;
+  double largest_kinetic = 0;
+  simulation.observe(scenario->output_every, [&](const World& world) {
+    largest_kinetic = std::max(largest_kinetic, world.totals().kinetic);
+    return recorder.observe(world);
+  });
+  simulation.watch([&progress](double time) {
+    progress.at(time);
+    return !InterruptGuard::interrupted();
+  });
+  const Status ended = simulation.run_until(scenario->until);
+  progress.clear();
+
+  const io::RunOrigin origin{scenario->name, scenario->title, scenario->path,  scenario->hash,
+                             overrides,      start,           scenario->until, scenario->integration};
+  const std::optional<Error> unwritten = recorder.error();
+  std::string status = unwritten ? "failed: " + unwritten->message() : status_text(ended, simulation);
+  std::optional<Error> trouble = unwritten;
+  try {
+    recorder.finish(origin, status, simulation, session.armed(),
+                    io::model_json(scenario->model, scenario->title, scenario->shapes));
+  } catch (const Error& error) {
+    if (!trouble) trouble = error;
+    if (!unwritten) status = "failed: " + error.message();
+  }
+
+  if (options.json)
+    std::fputs(io::summary_json(origin, status, simulation).c_str(), stdout);
+  else if (!options.quiet)
+    std::printf(
+        "%s\nResults: %s\n",
+        report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, largest_kinetic},
+                    simulation, Style::of_output())
+            .c_str(),
+        recorder.directory().c_str());
+
+  if (trouble) std::fprintf(stderr, "%s\n", trouble->message().c_str());
+  if (ended == Status::ok && !trouble) return done;
+  if (!trouble)
+    std::fprintf(stderr, "%s: %s\n", scenario->path.c_str(), (ended == Status::diverged ? "error: " + status : status).c_str());
+  std::fprintf(stderr, "what was computed is kept in %s\n", recorder.directory().c_str());
+  return trouble || ended == Status::diverged ? failed : interrupted;
+}
+
+}  // namespace momentree::cli

@@ -1,0 +1,109 @@
+#include <cli/run_report.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace momentree::cli {
+
+namespace {
+
+std::string joined(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 6;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text += (i > 0 ? ", " : "") + names[i];
+  if (names.size() > most) text += format(", … (%zu)", names.size());
+  return text;
+}
+
+// "1.2e-16 relative", where there is something to be relative to.
+std::string relative(double change, double size) {
+  if (change == 0) return "0";
+  return size > 0 ? format("%.1e", change / size) : "—";
+}
+
+std::string clock_table(const Simulation& simulation, const Style& style) {
+  const RunStatistics& s = simulation.statistics();
+  const double after = s.total_seconds[1] - s.topology_seconds;
+  const auto row = [](std::string name, double evaluations, long count, double total) {
+    return std::vector<std::string>{std::move(name), duration_text(evaluations), format("%ld", count),
+                                    count > 0 ? duration_text(evaluations / static_cast<double>(count)) : "",
+                                    duration_text(total)};
+  };
+  Table table;
+  table.row({"", "function evaluations", "number", "each", "total simulation"});
+  if (s.changes > 0) {
+    table.row(row("simulation before the change", s.evaluation_seconds[0], s.evaluations[0], s.total_seconds[0]));
+    table.row({s.changes == 1 ? "topology change" : format("topology changes (%ld)", s.changes),
+               duration_text(s.topology_seconds), format("%ld", s.changes),
+               duration_text(s.topology_seconds / static_cast<double>(s.changes)), duration_text(s.topology_seconds)});
+    table.row(row("simulation after it", s.evaluation_seconds[1], s.evaluations[1], after));
+  }
+  const double evaluations = s.evaluation_seconds[0] + s.evaluation_seconds[1];
+  table.row(row("whole simulation", evaluations, s.evaluations[0] + s.evaluations[1], s.total_seconds[0] + s.total_seconds[1]));
+  return style.heading("Processing times") + '\n' + table.text("  ");
+}
+
+void add_conserved(Table& table, const char* what, const char* unit, const Vec3& before, const Vec3& after) {
+  const double size = std::max(norm(before), norm(after)), change = norm(after - before);
+  table.row({what, format("%.9g %s", norm(before), unit), format("%.9g %s", norm(after), unit), format("%.1e %s", change, unit),
+             relative(change, size)});
+}
+
+std::string event_text(const Event& event, const Style& style) {
+  std::string text = "  " + style.heading(format("%.9g s  %s", event.time, event.name.c_str())) + "  ";
+  for (std::size_t i = 0; i < event.actions.size(); ++i) text += (i > 0 ? "; " : "") + event.actions[i];
+  if (event.duration_ns > 0) text += "  " + style.dim("in " + duration_text(event.duration_ns * 1e-9));
+  if (event.mechanisms_before != event.mechanisms_after)
+    text += "\n    mechanisms: " + joined(event.mechanisms_before) + "  →  " + joined(event.mechanisms_after);
+  const Totals &a = event.before, &b = event.after;
+  const double before = a.kinetic + a.potential, after = b.kinetic + b.potential;
+  Table table;
+  table.row({"", "before", "after", "difference", "relative"});
+  table.row({"energy", format("%.9g J", before), format("%.9g J", after), format("%.1e J", after - before),
+             relative(std::fabs(after - before), std::max(std::fabs(before), a.kinetic))});
+  add_conserved(table, "linear momentum", "N s", a.linear, b.linear);
+  add_conserved(table, "angular momentum", "N m s", a.angular, b.angular);
+  text += '\n' + table.text("    ");
+  if (event.released != 0) text += format("    released with the freedom: %.9g J\n", event.released);
+  return text;
+}
+
+std::string energy_text(const EnergyBalance& e, double largest_kinetic, const Style& style) {
+  Table table;
+  const auto row = [&table](const char* name, double joules) { table.row({name, format("%.9g J", joules)}); };
+  row("at the start", e.initial);
+  row("at the end", e.final);
+  row("dissipated by dampers", e.dissipated);
+  row("work of efforts", e.work);
+  if (e.lost_in_impacts != 0) row("lost in impacts", e.lost_in_impacts);
+  if (e.released != 0) row("released by topology changes", e.released);
+  std::string text = style.heading("Energy balance") + '\n' + table.text("  ");
+  text += format("  error of the integration: %.2e J", e.error);
+  if (largest_kinetic > 0)
+    text += format(", %.1e of the largest kinetic energy (%.4g J)", std::fabs(e.error) / largest_kinetic, largest_kinetic);
+  return text + '\n';
+}
+
+}  // namespace
+
+std::string report_text(const RunReport& report, const Simulation& simulation, const Style& style) {
+  const World& world = simulation.world();
+  const RunStatistics& s = simulation.statistics();
+  const double wall = s.total_seconds[0] + s.total_seconds[1], simulated = simulation.time() - report.start;
+  std::string text = style.heading(report.title) + ": " + count_text(world.model().size(), "body", "bodies") + ", " +
+                     count_text(world.tree().nv(), "degree of freedom", "degrees of freedom") + ", " + report.integration.method +
+                     format(" with steps of %s", duration_text(report.integration.step).c_str()) + '\n';
+  text += format("%.9g s simulated in %s", simulated, duration_text(wall).c_str());
+  if (wall > 0 && simulated > 0) text += format(", %.3g times real time", simulated / wall);
+  text += format("; %ld steps, the slowest %s\n\n", s.steps, duration_text(s.worst_step_seconds).c_str());
+  text += clock_table(simulation, style);
+
+  const std::vector<Event>& events = simulation.events();
+  if (!events.empty()) text += '\n' + style.heading("Events") + '\n';
+  constexpr std::size_t most = 20;
+  for (std::size_t i = 0; i < std::min(events.size(), most); ++i) text += event_text(events[i], style);
+  if (events.size() > most) text += format("  … and %zu more, in events.jsonl\n", events.size() - most);
+  return text + '\n' + energy_text(simulation.energy(), report.largest_kinetic, style);
+}
+
+}  // namespace momentree::cli

@@ -1,0 +1,20 @@
+#pragma once
+// What `momentree run` prints at its end.
+#include <string>
+
+#include <cli/text.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+namespace momentree::cli {
+
+struct RunReport {
+  std::string title;  ///< of the scenario, or its name
+  Integration integration;
+  double start = 0;            ///< s
+  double largest_kinetic = 0;  ///< largest kinetic energy that a row of the result has seen (J)
+};
+
+/// The clock as in the paper's Table 2, the events with what they conserved, the energy balance.
+std::string report_text(const RunReport& report, const Simulation& simulation, const Style& style);
+
+}  // namespace momentree::cli

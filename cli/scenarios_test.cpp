@@ -1,0 +1,203 @@
+// Every file in scenarios/ is a test too: run by the program as a user would, and held to its physics.
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <random>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <momentree/math/vec.hpp>
+
+namespace momentree {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A scenario's results, from files alone. The folder goes when the test ends.
+class Run {
+ public:
+  explicit Run(const std::string& scenario) {
+    std::random_device random;  // tests may run beside each other
+    folder_ = std::filesystem::temp_directory_path() / ("momentree-" + scenario + "-" + std::to_string(random()));
+    const std::string file = MOMENTREE_SOURCE_DIR "/scenarios/" + scenario + ".toml";
+    REQUIRE(command("run '" + file + "' --quiet --out '" + folder_.string() + "' >/dev/null") == 0);
+    summary = Json::parse(text("summary.json"));
+    final_state = Json::parse(text("final.json"));
+    model = Json::parse(text("model.json"));
+    std::istringstream lines(text("events.jsonl"));
+    for (std::string line; std::getline(lines, line);) events.push_back(Json::parse(line));
+    CHECK(summary.at("status") == "done");
+  }
+  ~Run() { std::filesystem::remove_all(folder_); }
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+
+  int command(const std::string& arguments) const { return std::system(("'" MOMENTREE_PROGRAM "' " + arguments).c_str()); }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string text(const std::string& name) const {
+    std::ifstream in(folder_ / name, std::ios::binary);
+    REQUIRE_MESSAGE(in.good(), name);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  /// The columns of a table by name; empty fields are NaN.
+  std::map<std::string, std::vector<double>> table(const std::string& name) const {
+    std::istringstream lines(text(name));
+    std::string line, field;
+    std::getline(lines, line);
+    std::vector<std::string> names;
+    for (std::istringstream head(line); std::getline(head, field, ',');) names.push_back(field);
+    std::map<std::string, std::vector<double>> columns;
+    while (std::getline(lines, line)) {
+      std::istringstream row(line);
+      for (const std::string& column : names) {
+        const bool there = static_cast<bool>(std::getline(row, field, ',')) && !field.empty();
+        columns[column].push_back(there ? std::stod(field) : NAN);
+      }
+    }
+    return columns;
+  }
+  double energy(const char* key) const { return summary.at("energy").at(key).get<double>(); }
+
+  Json summary, final_state, model;
+  std::vector<Json> events;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+Vec3 vec(const Json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
+
+/// Where the outer end of the breaking chain is, from row `k` of its table.
+Vec3 tip(const std::map<std::string, std::vector<double>>& bodies, std::size_t k) {
+  const auto at = [&](const char* column) { return bodies.at(std::string("chain/100.") + column).at(k); };
+  return Pose{{at("x"), at("y"), at("z")}, {at("qw"), at("qx"), at("qy"), at("qz")}} * Vec3{0.05, 0, 0};
+}
+
+void check_break_of_the_chain(const Run& run) {
+  REQUIRE(run.events.size() == 1);
+  const Json& event = run.events[0];
+  CHECK(event.at("time") == 1.8);
+  CHECK(event.at("mechanisms").at("before") == Json{"chain"});
+  CHECK(event.at("mechanisms").at("after") == Json{"chain", "chain/41"});
+  const Json &before = event.at("before"), &after = event.at("after");
+  for (const char* energy : {"kinetic", "potential"})
+    CHECK(after.at(energy).get<double>() == doctest::Approx(before.at(energy).get<double>()).epsilon(1e-12));
+  CHECK(norm(vec(after.at("linear")) - vec(before.at("linear"))) < 1e-12 * norm(vec(before.at("linear"))));
+  CHECK(norm(vec(after.at("angular")) - vec(before.at("angular"))) < 1e-12 * norm(vec(before.at("angular"))));
+  const Json& mechanisms = run.final_state.at("mechanisms");
+  REQUIRE(mechanisms.size() == 2);
+  CHECK(mechanisms[0].at("bodies").size() == 40);
+  CHECK(mechanisms[1].at("bodies").size() == 60);
+}
+
+constexpr Vec3 tip_at_break{-3.78754545, 1.29043554, 0}, tip_at_end{-6.12448612, -4.14854984, 0};  // known to all digits
+
+}  // namespace
+
+TEST_CASE("breaking_chain: 40 links stay, 60 fly off; the paper's step costs about a joule") {
+  const Run run("breaking_chain");
+  check_break_of_the_chain(run);
+  const auto bodies = run.table("bodies.csv");
+  REQUIRE(bodies.at("time").size() == 151);
+  CHECK(norm(tip(bodies, 90) - tip_at_break) < 5e-3);
+  CHECK(norm(tip(bodies, 150) - tip_at_end) < 0.5);
+  CHECK(std::abs(run.energy("error")) > 0.1);  // it is said, not hidden
+  CHECK(std::abs(run.energy("error")) < 2);
+
+  REQUIRE(run.command("view '" + run.path("") + "' --svg '" + run.path("chain.svg") + "' >/dev/null") == 0);
+  const std::string svg = run.text("chain.svg");
+  std::size_t frames = 0;
+  for (std::size_t at = svg.find("<g opacity"); at != std::string::npos; at = svg.find("<g opacity", at + 1)) ++frames;
+  CHECK(frames == 16);
+  CHECK(svg.find("chain/41, from 1.8 s") != std::string::npos);
+  CHECK(svg.size() < 100'000);
+}
+
+TEST_CASE("breaking_chain_accurate: the tip is where it should be, the energy balance closes") {
+  const Run run("breaking_chain_accurate");
+  check_break_of_the_chain(run);
+  const auto bodies = run.table("bodies.csv");
+  CHECK(norm(tip(bodies, 90) - tip_at_break) < 1e-6);
+  CHECK(norm(tip(bodies, 150) - tip_at_end) < 5e-5);
+  CHECK(std::abs(run.energy("error")) < 2e-4);
+  CHECK(run.energy("dissipated") > 0.01);
+}
+
+TEST_CASE("pendulum: it swings for as long as the elliptic integral says") {
+  const Run run("pendulum");
+  CHECK(std::abs(run.energy("error")) < 1e-9);
+  const auto joints = run.table("joints.csv");
+  const auto &time = joints.at("time"), &angle = joints.at("pendulum/pin.q0");
+  CHECK(angle.front() == doctest::Approx(2 * std::numbers::pi / 3).epsilon(1e-15));
+  std::vector<double> crossings;
+  for (std::size_t k = 1; k < time.size(); ++k)
+    if (angle[k - 1] * angle[k] < 0)
+      crossings.push_back(time[k - 1] + (time[k] - time[k - 1]) * angle[k - 1] / (angle[k - 1] - angle[k]));
+  REQUIRE(crossings.size() == 2);
+  CHECK(crossings[1] - crossings[0] == doctest::Approx(0.5 * 2.248704928854736).epsilon(1e-5));
+}
+
+TEST_CASE("spinning_top: its spin and its angular momentum about the vertical stay; it goes round") {
+  const Run run("spinning_top");
+  CHECK(std::abs(run.energy("error")) < 1e-8);
+  const auto joints = run.table("joints.csv");
+  for (const double spin : joints.at("top/tip.v2")) CHECK(spin == doctest::Approx(150).epsilon(1e-9));
+  const double vertical = 4e-4 * 150 * std::sqrt(3.0) / 2;
+  CHECK(vec(run.final_state.at("totals").at("angular")).z == doctest::Approx(vertical).epsilon(1e-9));
+
+  const auto bodies = run.table("bodies.csv");
+  double turned = 0, last = 0;
+  for (std::size_t k = 0; k < bodies.at("time").size(); ++k) {
+    const auto at = [&](const char* column) { return bodies.at(std::string("top/disk.") + column)[k]; };
+    const Vec3 axis = rotation_matrix(Quat{at("qw"), at("qx"), at("qy"), at("qz")}) * Vec3{0, 0, 1};
+    const double heading = std::atan2(axis.y, axis.x);
+    if (k > 0) turned += std::remainder(heading - last, 2 * std::numbers::pi);
+    last = heading;
+    CHECK(std::acos(axis.z) > 29.9 * std::numbers::pi / 180);  // it never rises above its start
+  }
+  CHECK(turned > 8);  // m g l/(I spin) is 4.9 rad/s
+  CHECK(turned < 13);
+}
+
+TEST_CASE("free_robot: without a force from outside there is no momentum, and the base turns nevertheless") {
+  const Run run("free_robot");
+  CHECK(std::abs(run.energy("error")) < 1e-8);
+  CHECK(run.energy("work") > 0);
+  CHECK(norm(vec(run.final_state.at("totals").at("linear"))) < 1e-10);
+  CHECK(norm(vec(run.final_state.at("totals").at("angular"))) < 1e-10);
+  const auto bodies = run.table("bodies.csv");
+  Vec3 first{}, end{};  // mass times centre of mass
+  for (const auto& [name, body] : run.model.at("bodies").items()) {
+    const auto& column = bodies;
+    const auto place = [&, prefix = name + "."](std::size_t k) {
+      const auto at = [&](const char* c) { return bodies.at(prefix + c).at(k); };
+      return Pose{{at("x"), at("y"), at("z")}, {at("qw"), at("qx"), at("qy"), at("qz")}};
+    };
+    first += body.at("mass").get<double>() * (place(0) * vec(body.at("com")));
+    end += body.at("mass").get<double>() * (place(bodies.at("time").size() - 1) * vec(body.at("com")));
+  }
+  CHECK(norm(end - first) < 1e-8);
+  CHECK(std::abs(bodies.at("robot/base.qw").back()) < std::cos(5 * std::numbers::pi / 180));  // by more than 10 degrees
+  CHECK(std::abs(run.table("joints.csv").at("robot/shoulder.v0").back()) < 0.05);             // the arm has come to rest
+}
+
+TEST_CASE("tree_of_joints: all nine kinds, and the energy balance closes") {
+  const Run run("tree_of_joints");
+  CHECK(std::abs(run.energy("error")) < 1e-7);
+  CHECK(run.energy("dissipated") > 1);
+  std::set<std::string> kinds;
+  for (const auto& [name, joint] : run.final_state.at("joints").items()) kinds.insert(joint.at("kind").get<std::string>());
+  CHECK(kinds ==
+        std::set<std::string>{"revolute", "prismatic", "helical", "cylindrical", "universal", "ball", "planar", "free", "weld"});
+  REQUIRE(run.command("view '" + run.path("") + "' --svg '" + run.path("tree.svg") + "' --look 1,1,-1 >/dev/null") == 0);
+}
+
+}  // namespace momentree

@@ -1,0 +1,39 @@
+#pragma once
+// From a scenario file to a simulation that is ready to run: what `run`, `check`, `evaluate` and `explain` have in common.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <momentree/io/scenario.hpp>
+#include <momentree/io/state_document.hpp>
+
+namespace momentree::cli {
+
+/// Reads a scenario; its warnings go to standard error. Where it has errors, they go there too and the result is empty.
+/// Throws Error for model files of other formats, which are not supported yet.
+std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides);
+
+/// A scenario at its start: model compiled, state documents restored.
+class Session {
+ public:
+  /// `state`: a state document that replaces those of the scenario; empty: none. Throws Error for what is wrong with a document.
+  explicit Session(const io::Scenario& scenario, const std::string& state = "");
+
+  Simulation& simulation() { return simulation_; }
+  const Simulation& simulation() const { return simulation_; }
+  /// Schedules the events that have not happened yet, and says which are too late.
+  void schedule();
+  /// How often each event has happened: before the start, by the state document, and since.
+  io::Armed armed() const;
+  /// Bodies whose joint an event may break, or has broken.
+  std::vector<Body> breakable() const;
+
+ private:
+  void read(const std::string& file, const std::string& mechanism, std::vector<io::RestoredState>& documents) const;
+
+  const io::Scenario& scenario_;
+  Simulation simulation_;
+  io::Armed armed_at_start_;
+};
+
+}  // namespace momentree::cli

@@ -1,0 +1,136 @@
+#include <momentree/io/results.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include <momentree/io/json_document.hpp>
+#include <momentree/io/test_support.hpp>
+
+namespace momentree::io {
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+Rows table(const std::string& path) {
+  std::istringstream text(read_text_file(path));
+  Rows rows;
+  for (std::string line; std::getline(text, line);) {
+    rows.emplace_back();
+    std::istringstream cells(line + ',');
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  return rows;
+}
+
+std::size_t column(const Rows& rows, const std::string& name) {
+  for (std::size_t c = 0; c < rows[0].size(); ++c)
+    if (rows[0][c] == name) return c;
+  return rows[0].size();
+}
+
+// The whole run of two_mechanisms with a break at 0.105 s, rows every `every`.
+Rows run(const std::string& out, double every, const char* file, double until = 0.5) {
+  const Model model = test::two_mechanisms();
+  Simulation simulation(model, {.step = 0.01});
+  simulation.at(0.105).then(break_joint("arm/shoulder"));
+  Recorder recorder(model, {model.joint("arm/shoulder")}, every, out);
+  simulation.observe(every, [&](const World& world) { return recorder.observe(world); });
+  REQUIRE(simulation.run_until(until) == Status::ok);
+  RunOrigin origin;
+  origin.name = "arm";
+  recorder.finish(origin, "done", simulation, {{"#1", 1}}, "{}");
+  CHECK(recorder.directory() == out);
+  return table(out + '/' + file);
+}
+
+TEST_CASE("rows at the multiples of `every` and at the end, none at events between") {
+  const test::TemporaryFolder folder;
+  const Rows rows = run(folder / "r", 0.1, "bodies.csv", 0.45);
+  CHECK(rows[0][0] == "time");
+  CHECK(rows[0][1] == "arm/base.x");
+  CHECK(rows[0][7] == "arm/base.qz");
+  REQUIRE(rows.size() == 7);
+  for (std::size_t k = 0; k < 5; ++k) CHECK(std::stod(rows[k + 1][0]) == doctest::Approx(0.1 * static_cast<double>(k)));
+  CHECK(rows[6][0] == "0.45");
+}
+
+TEST_CASE("without `every` a row for each step, one at the event, too") {
+  const test::TemporaryFolder folder;
+  const Rows rows = run(folder / "r", 0, "bodies.csv", 0.2);
+  int at_event = 0;
+  for (const auto& row : rows) at_event += row[0] == "0.105" ? 1 : 0;
+  CHECK(at_event == 1);
+  CHECK(rows.size() == 1 + 1 + 11 + 10);  // the head, the start, to 0.105 s, to 0.2 s
+}
+
+TEST_CASE("columns for every joint that can be, as wide as its widest kind") {
+  const test::TemporaryFolder folder;
+  const Rows rows = run(folder / "r", 0.1, "joints.csv");
+  const std::size_t count = rows[0].size();
+  for (const auto& row : rows) REQUIRE(row.size() == count);
+  CHECK(count == 1 + (7 + 12) + (4 + 6) + (7 + 12) + 3 + 3);
+  const std::size_t before = column(rows, "arm/shoulder.q3"), after = column(rows, "arm/link.p5");
+  REQUIRE(before < count);
+  REQUIRE(after < count);
+  CHECK(rows[2][before] != "");  // 0.1 s
+  CHECK(rows[2][after] == "");
+  CHECK(rows[3][before] == "");  // 0.2 s
+  CHECK(rows[3][after] != "");
+  CHECK(rows[1][column(rows, "arm/wrist.q0")] == "0.7");
+}
+
+TEST_CASE("quaternions are continuous in sign") {
+  const test::TemporaryFolder folder;
+  for (const auto& [file, name] : {std::pair{"bodies.csv", "arm/base.qw"}, std::pair{"joints.csv", "arm/base.q3"}}) {
+    const Rows rows = run(folder / "r", 0, file, 3.0);
+    const std::size_t w = column(rows, name);
+    double lowest = 1;
+    for (std::size_t r = 2; r < rows.size(); ++r) {
+      double along = 0;
+      for (std::size_t c = w; c < w + 4; ++c) along += std::stod(rows[r][c]) * std::stod(rows[r - 1][c]);
+      CHECK(along > 0.9);
+      lowest = std::min(lowest, std::stod(rows[r][w]));
+    }
+    CHECK(lowest < -0.25);  // it turns far enough for the test to mean something
+  }
+}
+
+TEST_CASE("the JSON files") {
+  const test::TemporaryFolder folder;
+  run(folder / "r", 0.1, "bodies.csv");
+  const JsonDocument event = parse_json(read_text_file(folder / "r/events.jsonl"), "events.jsonl");
+  for (const char* key :
+       {"time", "event", "actions", "mechanisms", "before", "after", "released", "impulse", "ground_impulse", "duration_ns"})
+    CHECK(event.root.find(key) != nullptr);
+  CHECK(event.root.find("time")->number == 0.105);
+  CHECK(event.root.find("mechanisms")->find("after")->items.size() == 3);
+  const JsonDocument summary = parse_json(read_text_file(folder / "r/summary.json"), "summary.json");
+  for (const char* key : {"status", "version", "scenario", "method", "steps", "evaluations", "wall_clock", "real_time_factor",
+                          "worst_step", "energy"})
+    CHECK(summary.root.find(key) != nullptr);
+  CHECK(summary.root.find("status")->text == "done");
+  CHECK(summary.root.find("steps")->number == 51);
+  const JsonDocument final_state = parse_json(read_text_file(folder / "r/final.json"), "final.json");
+  CHECK(final_state.root.find("time")->number == 0.5);
+  CHECK(read_text_file(folder / "r/model.json") == "{}");
+}
+
+TEST_CASE("a run that is not done stays beside its place") {
+  const test::TemporaryFolder folder;
+  const Model model = test::two_mechanisms();
+  Simulation simulation(model, {.step = 0.01});
+  Recorder recorder(model, {}, 0, folder / "r");
+  simulation.observe(0, [&](const World& world) { return recorder.observe(world) && world.time() < 0.095; });
+  CHECK(simulation.run_until(1) == Status::interrupted);
+  recorder.finish({}, "interrupted at t = 0.1 s", simulation, {}, "{}");
+  CHECK_FALSE(std::filesystem::exists(folder / "r"));
+  CHECK(recorder.directory() == folder / "r.partial");
+  CHECK(table(folder / "r.partial/bodies.csv").size() == 12);
+  CHECK(read_text_file(folder / "r.partial/events.jsonl") == "");
+  CHECK(read_text_file(folder / "r.partial/summary.json").find("interrupted at t = 0.1 s") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace momentree::io
