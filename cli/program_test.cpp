@@ -255,6 +255,9 @@ TEST_CASE("check, explain, evaluate, view") {
   CHECK(here.call("view r --svg r.svg --every 0.1 --look 0,0,-1").code == 0);
   CHECK(here.text("r.svg").find("<svg") != std::string::npos);
   CHECK(here.call("view r --svg r.svg --look 0,0").code == 2);
+  CHECK(here.call("view s.toml --svg s.svg --every 0.1 --look 0,0,-1").code == 0);
+  CHECK(here.text("s.svg") == here.text("r.svg"));
+  CHECK_FALSE(here.has("results"));
 }
 
 TEST_CASE("a full standard output is noticed") {

@@ -104,6 +104,7 @@ std::string report_text(const RunReport& report, const Simulation& simulation, c
   constexpr std::size_t most = 20;
   for (std::size_t i = 0; i < std::min(events.size(), most); ++i) text += event_text(events[i], style);
   if (events.size() > most) text += format("  … and %zu more, in events.jsonl\n", events.size() - most);
+  if (!simulation.message().empty()) return text;  // diverged: the last energies say nothing
   return text + '\n' + energy_text(simulation.energy(), report.largest_kinetic, style);
 }
 
