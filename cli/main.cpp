@@ -105,11 +105,14 @@ CommandLine::CommandLine() {
       ->type_name("DIR|SCENARIO");
   view_command->add_option("--svg", view_options.svg, "Write the picture to this file")->type_name("FILE");
   view_command->add_option("--every", view_options.every, "Time between frames in seconds; default 0.2, or what suits the run")
-      ->type_name("T")
-      ->check(CLI::PositiveNumber);
+      ->type_name("T");
   view_command
       ->add_option("--look", view_options.look, "Direction in which the viewer looks, as in 0,0,-1; default: what shows most")
       ->type_name("X,Y,Z");
+  view_command
+      ->add_option("--layout", view_options.layout,
+                   "overlay: all frames in one picture; multiples: one beside the other; default overlay")
+      ->type_name("LAYOUT");
 
   not_yet("convert", "Turn a model file into another format");
   not_yet("compile", "Write code that is specialised for one topology");

@@ -73,6 +73,10 @@ int view(const ViewOptions& options) {
   io::PictureOptions picture;
   picture.every = options.every;
   if (!options.look.empty()) picture.look = io::parse_direction(options.look);
+  if (options.layout == "multiples")
+    picture.layout = io::PictureOptions::Layout::multiples;
+  else if (options.layout != "overlay")
+    fail({"there is no layout '" + options.layout + "'", "--layout", "one of: overlay, multiples"});
   if (fs::is_directory(options.source)) {
     io::write_svg(options.source, options.svg, picture);
   } else {
