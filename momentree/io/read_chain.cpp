@@ -39,7 +39,8 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
   if (const Value* links = fields.require("links", "how many bodies")) {
     const std::int64_t* n = links->integer();
     if (!n)
-      out.error(links->place, std::string("links: expected a whole number, found ") + links->type_name());
+      out.error(links->place,
+                std::string("links: expected a whole number, found ") + (links->real() ? "a fraction" : links->type_name()));
     else if (*n < 1 || *n > most)
       out.error(links->place, "links: must be from 1 to " + std::to_string(most) +
                                   (most < 1'000'000 ? ": a scenario has at most 1000000 bodies" : ""));

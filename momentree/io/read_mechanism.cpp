@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <momentree/base/error.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
@@ -87,7 +89,28 @@ void apply_state(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>&
       out.error(value->place, "state: there is no joint " + in_quotes(name) + " in this mechanism", reading.suggest(name, known));
 }
 
-// Checks all bodies; adds them to the model where nothing in the mechanism is wrong.
+void check_bodies(const std::vector<BodyEntry>& bodies, Diagnostics& out) {
+  for (const BodyEntry& body : bodies) {
+    if (body.spec.name.empty()) continue;  // has no name, or an impossible one: said already, and check_body() would say it again
+    for (const BodyProblem& problem : check_body(body.spec))
+      out.error(place_of(body, problem.field), problem.field + ": " + problem.what, problem.hint);
+  }
+}
+
+// Where the tree is unknown, so are the rigid groups: a body that may belong to one is not judged.
+void check_single_inertias(const std::vector<BodyEntry>& bodies, Diagnostics& out) {
+  std::unordered_set<std::string_view> carriers;
+  for (const BodyEntry& body : bodies)
+    if (body.joint && body.spec.joint.kind == Kind::weld)
+      carriers.insert(std::string_view(body.parent).substr(body.parent.rfind('/') + 1));
+  for (const BodyEntry& body : bodies) {
+    if (body.spec.joint.kind == Kind::weld || carriers.contains(body.bare_name)) continue;
+    for (const auto& [index, problem] : check_masses({&body.spec, 1}))
+      if (!problem.warning) out.error(place_of(body, "inertia"), problem.what, problem.hint);
+  }
+}
+
+// Judges inertias; adds the bodies to the model where nothing in the mechanism is wrong.
 void add_bodies(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& order, std::size_t errors, Reading& reading) {
   Diagnostics& out = reading.out;
   const int first = reading.scenario.model.size();
@@ -102,8 +125,6 @@ void add_bodies(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& 
       body.spec.parent = {by_name.at(std::string_view(body.parent).substr(slash == std::string::npos ? 0 : slash + 1))};
     }
     by_name.emplace(body.bare_name, static_cast<int>(specs.size()));
-    for (const BodyProblem& problem : check_body(body.spec))
-      out.error(place_of(body, problem.field), problem.field + ": " + problem.what, problem.hint);
     specs.push_back(std::move(body.spec));
   }
   for (const auto& [body, problem] : check_masses(specs)) {
@@ -138,10 +159,10 @@ void read_bodies(const Value& list, const std::string& mechanism, Held held, con
   for (BodyEntry& body : bodies)
     if (body.rooted) hold_root(body, held, pose, root_place, reading.out);
   const std::vector<std::size_t> order = order_of(bodies, mechanism, place, reading);
+  check_bodies(bodies, reading.out);
   // Where names are missing or stand for two bodies, who is whose parent can't be told: what follows would be guesses.
-  for (const BodyEntry& body : bodies)
-    if (!body.named) return;
-  if (order.empty()) return;
+  const bool named = std::all_of(bodies.begin(), bodies.end(), [](const BodyEntry& body) { return body.named; });
+  if (order.empty() || !named) return check_single_inertias(bodies, reading.out);
   apply_state(bodies, order, state, reading);
   add_bodies(bodies, order, errors, reading);
 }
@@ -181,7 +202,8 @@ void read_mechanism(const Value& table, Reading& reading) {
   const Value* chain = fields.find("chain");
   const Value* bodies = fields.find("body");
   const Value* given_state = fields.find("state");
-  if (fields.later({"model", "limits"}) && fields.has("model")) {
+  fields.later({"limits"});
+  if (fields.later({"model"}, "describe the bodies in [[mechanism.body]] tables")) {
     reading.opaque.insert(name);
   } else {
     if (given_state) state = read_state(*given_state, name, reading);

@@ -104,10 +104,23 @@ std::string_view line_of(std::string_view text, int line) {
   return text;
 }
 
-std::string syntax_hint(std::string_view what, std::string_view line, int column) {
+std::string explain_syntax(std::string& what, std::string_view line, int column) {
+  const auto says = [&](std::string_view part) { return what.find(part) != std::string::npos; };
   const auto at = [&](std::size_t i) { return i < line.size() ? line[i] : '\0'; };
+  for (const std::string_view end : {"'\\n'", "'\\r'"})
+    if (const std::size_t i = what.find(end); i != std::string::npos) what.replace(i, end.size(), "the end of the line");
+  if (says("redefine")) return "it is given twice";
+  if (says("string") && says("unescaped control") && static_cast<std::size_t>(column) > line.size()) {
+    what = "cannot read this string: it does not end on its line";
+    return "a closing quotation mark is missing";
+  }
+  if (says("end-of-file"))
+    return says("array") ? "a closing ] is missing" : says("string") ? "closing quotation marks are missing" : "";
+  if (says("could not be interpreted as a value")) {
+    what = "cannot read this number: it is outside the range of numbers";
+    return {};
+  }
   const std::size_t equals = line.find('=');
-  if (what.find("redefine") != std::string_view::npos) return "it is given twice";
   if (equals == std::string_view::npos) return {};
   const std::size_t first = line.find_first_not_of(" \t", equals + 1);
   if (first == std::string_view::npos) return "a value is missing after '='";
@@ -117,8 +130,11 @@ std::string syntax_hint(std::string_view what, std::string_view line, int column
     while (is_digit(at(end)) || at(end) == '.' || at(end) == '_') ++end;
     if (at(end) == ',' && is_digit(at(end + 1))) return "the decimal sign is a point";
     const std::size_t unit = line.find_first_not_of(' ', end);
-    if (unit != std::string_view::npos && is_letter(at(unit)))
-      return "a number with a unit is a string: \"" + std::string(line.substr(first, end - first)) + " …\"";
+    if (unit != std::string_view::npos && is_letter(at(unit))) {
+      const std::string_view rest = line.substr(unit, line.find('#', unit) - unit);
+      return "a number with a unit is a string: \"" + std::string(line.substr(first, end - first)) + " " +
+             std::string(rest.substr(0, rest.find_last_not_of(" \t,]}") + 1)) + "\"";
+    }
   }
   if (is_letter(at(first)) && static_cast<std::size_t>(column) >= first + 1) return "a word is a string: write it in quotes";
   return {};
