@@ -42,7 +42,12 @@ TEST_CASE("what is no text is refused") {
       {"format = 1\n# \xf4\x90\x80\x80", "s.toml:2:3" + not_utf8},  // beyond Unicode
       {"format = 1\n# \xf0\x8f\xbf\xbf", "s.toml:2:3" + not_utf8},  // too long
       {"\xff\xfe" + "f\0"s, "s.toml:1:1" + not_utf8},               // UTF-16
-      {"format = 1\nä\0"s, "s.toml:2:2: error: a zero byte: this is no text"},
+      {"format = 1\n# ä\0"s, "s.toml:2:4: error: a zero byte: this is no text"},
+      {"format = 1\ntitle = “x”\n",
+       "s.toml:2:9: error: the character '“' stands outside of a string; quotation marks are straight: \""},
+      {"format = 1\nmasse = [1, Т]\n",
+       "s.toml:2:13: error: the character 'Т' stands outside of a string; keys and values have plain letters; others stand in "
+       "strings"},
   });
 }
 

@@ -8,7 +8,8 @@
 
 namespace momentree::io {
 
-/// Invalid UTF-8, a zero byte, or nesting that no scenario has (tables by dotted keys: the parser does not bound them).
+/// Invalid UTF-8, a zero byte, nesting that no scenario has (tables by dotted keys: the parser does not bound them), or
+/// characters beyond ASCII outside of strings and comments (the parser is not sound there).
 std::optional<SyntaxError> check_toml_text(std::string_view text);
 
 /// The line-th line, from 1, without its end.
