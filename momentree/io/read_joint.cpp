@@ -191,13 +191,20 @@ void read_joint(const Value& table, BodyEntry& body, Reading& reading) {
   fields.finish();
 }
 
-void read_joint_state(const Value& value, const KindInfo& kind, std::string_view label, Values& q, Values& v, Diagnostics& out) {
+void read_joint_state(const Value& value, std::string_view joint, BodySpec& spec, Diagnostics& out) {
+  const KindInfo& kind = info(spec.joint.kind);
   if (value.table()) {
-    Fields fields(value, std::string(label), out);
-    read_start(fields, kind, q, v, out);
+    Fields fields(value, in_quotes(joint), out);
+    read_start(fields, kind, spec.q, spec.v, out);
     fields.finish();
   } else {
-    q = read_values(value, Quantity::q, kind.q_units, false, label, out);
+    spec.q = read_values(value, Quantity::q, kind.q_units, false, joint, out);
+  }
+  for (const BodyProblem& problem : check_body(spec)) {
+    Values& wrong = problem.field == "q" ? spec.q : spec.v;
+    if (problem.field != "q" && problem.field != "v") continue;
+    out.error(value.place, std::string(joint) + ": " + problem.what, problem.hint);
+    wrong = {};
   }
 }
 

@@ -81,8 +81,7 @@ void apply_state(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>&
   for (BodyEntry& body : bodies) {
     known.emplace(body.bare_joint, body.name_place);
     const auto found = state.joints.find(body.bare_joint);
-    if (found != state.joints.end())
-      read_joint_state(*found->second, info(body.spec.joint.kind), found->first, body.spec.q, body.spec.v, out);
+    if (found != state.joints.end()) read_joint_state(*found->second, found->first, body.spec, out);
   }
   for (const auto& [name, value] : state.joints)
     if (!known.contains(name))
@@ -159,11 +158,11 @@ void read_bodies(const Value& list, const std::string& mechanism, Held held, con
   for (BodyEntry& body : bodies)
     if (body.rooted) hold_root(body, held, pose, root_place, reading.out);
   const std::vector<std::size_t> order = order_of(bodies, mechanism, place, reading);
-  check_bodies(bodies, reading.out);
   // Where names are missing or stand for two bodies, who is whose parent can't be told: what follows would be guesses.
   const bool named = std::all_of(bodies.begin(), bodies.end(), [](const BodyEntry& body) { return body.named; });
+  if (!order.empty() && named) apply_state(bodies, order, state, reading);
+  check_bodies(bodies, reading.out);
   if (order.empty() || !named) return check_single_inertias(bodies, reading.out);
-  apply_state(bodies, order, state, reading);
   add_bodies(bodies, order, errors, reading);
 }
 
@@ -216,7 +215,7 @@ void read_mechanism(const Value& table, Reading& reading) {
       out.error(fields.place_of("root"), "root: a chain has a pin to the ground",
                 "leave out 'root'; \"free\" leaves out the pin");
     if (chain)
-      read_chain(*chain, name, held == Held::free, pose, state, reading);
+      read_chain(*chain, name, held == Held::free, pose, state, errors, reading);
     else if (bodies)
       read_bodies(*bodies, name, held, pose, fields.place_of("root"), fields.place(), state, errors, reading);
   }

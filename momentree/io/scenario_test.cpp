@@ -278,6 +278,29 @@ parent = "aa"
         "s.toml:23:10: error: unknown parent 'aa'; did you mean 'a'?");
 }
 
+TEST_CASE("what a state gives is checked as a joint's own start is") {
+  const auto start = [](const std::string& state, const std::string& bodies) {
+    return said(read_scenario_text(head + "state = " + state + "\n" + bodies, "s.toml"));
+  };
+  const std::string ball = one_body.substr(head.size()) + "[mechanism.body.joint]\nkind = \"ball\"\n";
+  CHECK(start("{ joints = { a = [1, 1, 0, 0] } }", ball) ==
+        "s.toml:4:26: error: a: the quaternion is not of length 1; scale it: w² + x² + y² + z² = 1");
+  CHECK(start("{ joints = { a = { v = [1, 2] } } }", ball) ==
+        "s.toml:4:32: error: v: expected 3 numbers, found a list of 2; one per freedom or coordinate, in the order of the kind");
+  const std::string links = chain.substr(head.size()) + "inertia = 1\n";
+  CHECK(start("{ joints = { 1 = [0, 0, 0, 0, 0, 0, 0] } }\nroot = \"free\"", links) ==
+        "s.toml:4:26: error: 1: a quaternion of zeros is no rotation; no rotation is [1, 0, 0, 0]");
+  CHECK(said(read_scenario_text(chain + "inertia = 1\nangle = 1e308\nangle_growth = true\n", "s.toml")) ==
+        "s.toml:9:9: error: q: must be finite");
+}
+
+TEST_CASE("mechanisms without names are refused, and nothing of them is kept") {
+  const std::string nameless = "[[mechanism]]\n" + chain.substr(head.size()) + "inertia = 1\n";
+  CHECK(said(read_scenario_text("format = 1\n" + nameless + nameless, "s.toml")) ==
+        "s.toml:2:1: error: [[mechanism]] has no 'name'; for example name = \"arm\"\n"
+        "s.toml:8:1: error: [[mechanism]] has no 'name'; for example name = \"arm\"");
+}
+
 TEST_CASE("files that are none") {
   const auto first = [](const std::string& path) {
     const ReadResult result = read_scenario(path);
