@@ -109,6 +109,8 @@ TEST_CASE("mechanisms that are no trees are refused") {
               "1\n[mechanism.body.joint]\nkind = \"revolute\"\n",
        "s.toml:4:22: error: velocity: the root body is not free: its joint gives its velocity; write root = \"free\", or the "
        "joint's start 'v'"},
+      {pinned + "parent = 3\n", "s.toml:10:10: error: parent: expected a string, found a number"},
+      {pinned + "parent = \"\"\n", "s.toml:10:10: error: parent: expected the name of a body"},
   });
 }
 

@@ -46,6 +46,7 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
 
   std::vector<std::size_t> parent(bodies.size(), none);
   std::size_t root = none;
+  bool sound = true;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const BodyEntry& body = bodies[b];
     if (body.rooted) {
@@ -67,8 +68,11 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
       for (const BodyEntry& each : bodies) names.emplace(each.bare_name, each.name_place);
     std::string hint = reading.suggest(body.parent, names);
     if (body.parent.find('/') != std::string::npos) hint = "a parent is a body of the same mechanism";
-    if (!body.parent.empty()) out.error(body.parent_place, "unknown parent " + in_quotes(body.parent), std::move(hint));
-    if (body.parent.empty() && errors == out.errors()) out.error(body.parent_place, "parent: expected the name of a body");
+    if (!body.parent.empty())
+      out.error(body.parent_place, "unknown parent " + in_quotes(body.parent), std::move(hint));
+    else if (body.joint->find("parent")->value.string())
+      out.error(body.parent_place, "parent: expected the name of a body");
+    sound = false;
   }
 
   // Children in the order of the file; a body's state is 1 once it is known to hang on a root or on an unknown parent.
@@ -85,10 +89,10 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
     }
     const bool circle = at != none && walking[at] && !placed[at] && !reported[at];
     if (circle) report_circle(bodies, parent, at, reported, out);
-    const bool sound = at == none || placed[at];
+    const bool hangs = at == none || placed[at];
     for (auto i = path.rbegin(); i != path.rend(); ++i) {
       walking[*i] = 0;
-      if (sound) {
+      if (hangs) {
         placed[*i] = 1;
         order.push_back(*i);
       } else {
@@ -96,10 +100,10 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
       }
     }
   }
-  if (root == none && errors == out.errors())
+  if (root == none && sound && errors == out.errors())
     out.error(place, "mechanism " + in_quotes(mechanism) + " has no root",
               "one body is joined to the ground: its joint names no parent");
-  if (errors != out.errors()) return {};
+  if (!sound || errors != out.errors()) return {};
   return order;
 }
 
