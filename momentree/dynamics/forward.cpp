@@ -21,7 +21,9 @@ void add_joint_forces(const Tree& tree, const double* q, Work<double>& work) noe
   for (int b : tree.spring_joints()) {
     double force[6];
     joint_spring(tree, q, b, force);
-    for (int i = 0; i < info(tree.joint(b).kind).nv; ++i) work.pdot[static_cast<std::size_t>(tree.first_p(b) + i)] += force[i];
+    const unsigned locked = tree.joint(b).locked;
+    for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
+      if ((locked >> i & 1u) == 0) work.pdot[static_cast<std::size_t>(tree.first_p(b) + i)] += force[i];
   }
 }
 
@@ -60,8 +62,8 @@ void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noe
 
 Kinematics<double> across_joint(const Tree& tree, const State& state, const Work<double>& work, int b,
                                 const Kinematics<double>& outer) noexcept {
-  return dispatch(tree.joint(b).kind, [&](auto tag) {
-    using K = typename decltype(tag)::type::Kernels;
+  return dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+    using K = typename decltype(tag)::type;
     const JointState<double> joint{state.q().data() + tree.first_q(b), work.cos.get() + tree.first_angle(b),
                                    work.sin.get() + tree.first_angle(b)};
     const DenseCrossing<double> x = dense_crossing<K, double>(tree.link(b), joint);

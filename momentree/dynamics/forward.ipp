@@ -88,7 +88,7 @@ void evaluate_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noe
   const auto segments = tree.segments();
   for (std::size_t i = segments.size(); i-- > 0;) {
     const Segment& s = segments[i];
-    dispatch_kernels(s.kind, s.armature, [&](auto tag) {
+    dispatch_kernels(s.kind, s.variant, [&](auto tag) {
       using K = typename decltype(tag)::type;
       if constexpr (K::turns_about_z) {
         if (s.aligned) return sweep.template inboard<K, true>(s);
@@ -97,7 +97,7 @@ void evaluate_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noe
     });
   }
   for (const Segment& s : segments) {
-    dispatch_kernels(s.kind, s.armature, [&](auto tag) {
+    dispatch_kernels(s.kind, s.variant, [&](auto tag) {
       using K = typename decltype(tag)::type;
       if constexpr (K::turns_about_z) {
         if (s.aligned) return sweep.template outboard<K, true>(s);

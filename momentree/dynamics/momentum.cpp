@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include <momentree/dynamics/forward.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/sincos.hpp>
 
@@ -9,13 +10,9 @@ namespace momentree {
 
 namespace {
 
-JointState<double> joint_state(const Tree& tree, const State& state, const Work<double>& work, int b) {
-  return {state.q().data() + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
-}
-
 template <class F>
 decltype(auto) with_kernels(const Tree& tree, int b, F&& f) {
-  return dispatch_kernels(tree.joint(b).kind, tree.has_armature(b), std::forward<F>(f));
+  return dispatch_kernels(tree.joint(b).kind, tree.variant(b), std::forward<F>(f));
 }
 
 // Velocity that b's parent brings to b, before b's own rate, in b's kernel frame. Walks up the path: each ancestor's own rate is
@@ -134,17 +131,54 @@ Kinematics<double> locate_body(const Tree& tree, const State& state, const Work<
 void shed_momentum(const Tree& tree, const State& state, const Work<double>& work, int b, Force<double> W, double sign,
                    double* p) noexcept {
   for (int a = b; tree.parent(a) >= 0; a = tree.parent(a)) {
-    with_kernels(tree, a, [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      dense_crossing<K, double>(tree.link(a), joint_state(tree, state, work, a)).inboard(W);
-    });
+    joint_crossing(tree, state, work, a).inboard(W);
     const int outer = tree.parent(a);
-    with_kernels(tree, outer, [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      const auto E = K::template columns<double>(tree.link(outer), joint_state(tree, state, work, outer));
-      for (std::size_t i = 0; i < E.size(); ++i) p[tree.first_p(outer) + static_cast<int>(i)] += sign * dot(E[i], W);
-    });
+    double change[6];
+    project(tree, outer, joint_state(tree, state, work, outer), W, change);
+    for (int i = 0; i < info(tree.joint(outer).kind).nv; ++i)
+      if ((tree.joint(outer).locked >> i & 1u) == 0) p[tree.first_p(outer) + i] += sign * change[i];
   }
+}
+
+DenseCrossing<double> joint_crossing(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+  return with_kernels(tree, b, [&](auto tag) {
+    using K = typename decltype(tag)::type;
+    return dense_crossing<K, double>(tree.link(b), joint_state(tree, state, work, b));
+  });
+}
+
+void project(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double* p) noexcept {
+  with_kernels(tree, b, [&](auto tag) {
+    using K = typename decltype(tag)::type;
+    const auto E = K::template columns<double>(tree.link(b), joint);
+    for (std::size_t i = 0; i < E.size(); ++i) p[i] = dot(E[i], W);
+  });
+}
+
+void articulated_momenta(const Tree& tree, const State& state, Work<double>& work, Force<double>* Pb) noexcept {
+  locate_bodies(tree, state, work);
+  const auto order = tree.order();
+  for (int b : order) {
+    const auto i = static_cast<std::size_t>(b);
+    Pb[i] = momentum(tree.link(b).body, work.bodies[i].velocity);
+  }
+  for (std::size_t k = order.size(); k-- > 0;) {
+    const int b = order[k];
+    if (tree.parent(b) < 0) continue;
+    Force<double> P = Pb[static_cast<std::size_t>(b)];
+    joint_crossing(tree, state, work, b).inboard(P);
+    Pb[static_cast<std::size_t>(tree.parent(b))] += P;  // (14)
+  }
+}
+
+Force<double> to_user_frame(const KernelFrame& frame, const Force<double>& P) noexcept {
+  Force<double> W{frame.R * P.l, frame.R * P.h};
+  shift(W, frame.r);
+  return W;
+}
+
+Force<double> to_kernel_frame(const KernelFrame& frame, const Force<double>& P) noexcept {
+  return {transpose_times(frame.R, P.l), transpose_times(frame.R, P.h - cross(frame.r, P.l))};
 }
 
 }  // namespace momentree

@@ -27,4 +27,20 @@ Kinematics<double> locate_body(const Tree& tree, const State& state, const Work<
 void shed_momentum(const Tree& tree, const State& state, const Work<double>& work, int b, Force<double> W, double sign,
                    double* p) noexcept;
 
+/// Coordinates and trigonometry of b's joint, as the last evaluation left them in the work.
+inline JointState<double> joint_state(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+  return {state.q().data() + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
+}
+/// The crossing of b's joint, with its placement.
+DenseCrossing<double> joint_crossing(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+/// Writes Eᵀ W of b's joint (nv numbers), W in the kernel frame of b.
+void project(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double* p) noexcept;
+/// The sum of all bodies' momenta over each joint: Pb of every body, by body number, kernel frames. One inward pass; locates
+/// first.
+void articulated_momenta(const Tree& tree, const State& state, Work<double>& work, Force<double>* Pb) noexcept;
+
+/// Momentum or wrench of body b: from its kernel frame to the user's frame of the body, and back.
+Force<double> to_user_frame(const KernelFrame& frame, const Force<double>& P) noexcept;
+Force<double> to_kernel_frame(const KernelFrame& frame, const Force<double>& P) noexcept;
+
 }  // namespace momentree

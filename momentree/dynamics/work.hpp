@@ -37,6 +37,7 @@ class Work {
         records(make(static_cast<long>(tree.record_capacity()))),
         inlets(std::make_unique_for_overwrite<Inboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         outlets(std::make_unique_for_overwrite<Outboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        path(std::make_unique_for_overwrite<int[]>(static_cast<std::size_t>(tree.bodies()))),
         bodies(std::make_unique_for_overwrite<Kinematics<T>[]>(static_cast<std::size_t>(tree.bodies()))) {}
 
   /// The record of body b, whose joint has kernels K.
@@ -59,6 +60,7 @@ class Work {
   Power power;
   std::unique_ptr<Inboard<T>[]> inlets;    ///< by junction, on the way in
   std::unique_ptr<Outboard<T>[]> outlets;  ///< by junction, on the way out
+  std::unique_ptr<int[]> path;             ///< scratch of changes that walk from a root to a body
   std::unique_ptr<Kinematics<T>[]> bodies;
 
  private:

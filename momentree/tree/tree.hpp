@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <momentree/joint/joint.hpp>
-#include <momentree/joint/link.hpp>
+#include <momentree/joint/kernels.hpp>
 #include <momentree/tree/model.hpp>
 
 namespace momentree {
@@ -24,6 +24,8 @@ struct Joint {
   Pose at{}, child_at{};
   Vec3 axis{0, 0, 1}, axis2{};
   double pitch = 0;
+  unsigned locked = 0;  ///< a bit per freedom that is frozen, in the order of v
+  bool made = false;    ///< a free root joint that a change made: its place in a mechanism is that of no declared joint
 };
 
 /// A maximal path of single children whose joints share their kernels: the sweeps run along it with accumulators in locals.
@@ -34,7 +36,8 @@ struct Segment {
   int parent = -1;    ///< junction of the parent segment, −1: the ground
   int junction = -1;  ///< where the children of the last body meet, −1: it has none
   Kind kind = Kind::weld;
-  bool armature = false, aligned = false;
+  Variant variant = Variant::plain;
+  bool aligned = false;
   Deposit deposit = Deposit::none;  ///< first child to reach the junction assigns, later ones add
 };
 
@@ -61,16 +64,21 @@ class Tree {
   /// Offset of the body's record in Work, in scalars.
   std::size_t record(int b) const { return record_[at(b)]; }
   const Link& link(int b) const { return links_[at(b)]; }
-  const Joint& joint(int b) const { return joints_[at(b)]; }
+  /// The inboard joint of body b. Joints have numbers of their own: at the start that of their child; re-rooting makes a body
+  /// carry another joint, against its declared direction.
+  const Joint& joint(int b) const { return joints_[at(joint_of_[at(b)])]; }
+  int joint_of(int b) const { return joint_of_[at(b)]; }
+  int carrier(int joint) const { return carrier_[at(joint)]; }
+  bool reversed(int b) const { return reversed_[at(b)] != 0; }
+  Variant variant(int b) const { return variant_[at(b)]; }
   const KernelFrame& frame(int b) const { return frames_[at(b)]; }
-  bool has_armature(int b) const { return armature_flag_[at(b)] != 0; }
   /// Parameters of the joint, or null.
   const JointParameters* parameters(int b) const {
     const int i = joint(b).parameters;
     return i < 0 ? nullptr : &parameters_[at(i)];
   }
   /// True for a body whose root joint was made by a change: named after the body.
-  bool detached(int b) const { return detached_[at(b)] != 0; }
+  bool detached(int b) const { return joint(b).made; }
 
   std::span<const int> order() const { return order_; }
   std::span<const Segment> segments() const { return segments_; }
@@ -94,14 +102,27 @@ class Tree {
   std::size_t record_capacity() const { return record_capacity_; }
   int angle_capacity() const { return 2 * bodies(); }
 
+  // The edits that changes are made of. Each relinks and counts a revision; none touches a state (topology/ does) or allocates.
+
   /// The inboard joint of b becomes a free joint to the ground, at the identity, without parameters: b's user frame is its
-  /// joint's frame. Relinks; does not touch any state (topology/change.hpp does).
+  /// joint's frame.
   void detach(int b);
+  /// Root b, on a made free joint, becomes a child of `parent` by that joint, at the identity: q is then its pose in the parent.
+  void regraft(int b, int parent);
+  /// b becomes the root of its tree, whose root must hang on a free joint. The joints between turn over; the free joint is b's.
+  void reroot(int b);
+  /// Replaces the inboard joint of b; declared direction and parameters (if the index says so) are the caller's.
+  void set_joint(int b, const Joint& joint);
+  /// Parameters of b's joint alone.
+  void set_parameters(int b, const JointParameters& parameters);
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   void make_frame(int b);
   void make_link(int b);
+  void make_links_around(int b);
+  void unlink(int b);
+  void hang(int b, int parent);
   void relink();
 
   Vec3 gravity_{};
@@ -110,7 +131,9 @@ class Tree {
   std::uint64_t revision_ = 0;
   std::vector<int> parent_, first_child_, next_sibling_, first_q_, first_p_, first_angle_, order_, segment_of_;
   std::vector<std::size_t> record_;
-  std::vector<unsigned char> armature_flag_, detached_;
+  std::vector<int> joint_of_, carrier_;
+  std::vector<unsigned char> reversed_;
+  std::vector<Variant> variant_;
   std::vector<Link> links_;
   std::vector<Joint> joints_;
   std::vector<KernelFrame> frames_;
@@ -120,7 +143,8 @@ class Tree {
     Sym3 inertia;
   };
   std::vector<MassProperties> masses_;
-  std::vector<JointParameters> parameters_;
+  std::vector<JointParameters> parameters_;  // those of the model, shared, then those that changes gave to one joint
+  int shared_parameters_ = 0;
   std::vector<Segment> segments_;
   std::vector<int> angle_q_, spring_joints_, quaternion_joints_;
   std::vector<double> angle_offset_, armature_, damping_, effort_;
