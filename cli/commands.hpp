@@ -36,6 +36,7 @@ struct ViewOptions {
   std::string source, svg;
   double every = 0;
   std::string look;
+  std::string layout = "overlay";  ///< or "multiples"
 };
 int view(const ViewOptions& options);
 

@@ -6,7 +6,6 @@
 #include <cli/commands.hpp>
 #include <cli/session.hpp>
 #include <cli/text.hpp>
-#include <momentree/base/value.hpp>
 
 namespace momentree::cli {
 
@@ -34,8 +33,6 @@ std::string kind_text(const JointView& joint) {
   if (kind.pitch) text += format(", %.4g mm a turn", joint.pitch * 1e3);
   return text;
 }
-
-bool same(const Vec3& a, const Vec3& b) { return a == b; }
 
 /// The tree as lines of text: one per body, or per run of equal links.
 class Drawing {
@@ -82,8 +79,8 @@ class Drawing {
   bool alike(int a, int b) const {
     const BodySpec &s = spec(a), &t = spec(b);
     const JointView j = world_.joint({a}), k = world_.joint({b});
-    return s.mass == t.mass && same(s.com, t.com) && j.kind == k.kind && same(j.axis, k.axis) && same(j.axis2, k.axis2) &&
-           j.pitch == k.pitch && same(j.at.position, k.at.position);
+    return s.mass == t.mass && s.com == t.com && j.kind == k.kind && j.axis == k.axis && j.axis2 == k.axis2 &&
+           j.pitch == k.pitch && j.at.position == k.at.position;
   }
 
   /// The last body of the run of links like `b` that begins with it; `b` where that run is short.
@@ -127,7 +124,7 @@ std::string joints_by_kind(const World& world) {
 std::string totals_text(const World& world) {
   double mass = 0;
   for (const BodySpec& body : world.model().bodies()) mass += body.mass;
-  Table table;
+  Table table(Table::Values::left);
   const auto row = [&table](const char* name, const std::string& value) { table.row({name, value}); };
   row("mechanisms", format("%zu", world.mechanisms().size()));
   row("bodies", format("%d", world.model().size()));

@@ -33,6 +33,7 @@ struct CommandLine {
   ViewOptions view_options;
   std::vector<std::string> files;
   std::vector<std::pair<CLI::App*, std::function<int()>>> commands;
+  std::vector<const CLI::App*> without_code;  ///< they take any arguments
 };
 
 CLI::App* CommandLine::command(const char* name, const char* does, std::function<int()> action) {
@@ -52,9 +53,10 @@ void CommandLine::overrides(CLI::App* sub, std::vector<std::string>& values) {
 
 // Commands of the interface that have no code yet are named, so that nobody looks for a slip of the pen.
 void CommandLine::not_yet(const char* name, const char* does) {
-  command(name, (std::string(does) + " (not supported yet)").c_str(), [name]() -> int {
+  CLI::App* sub = command(name, (std::string(does) + " (not supported yet)").c_str(), [name]() -> int {
     throw Error{"`momentree " + std::string(name) + "` is not supported yet", "", ""};
   });
+  without_code.push_back(sub);
 }
 
 CommandLine::CommandLine() {
@@ -103,11 +105,14 @@ CommandLine::CommandLine() {
       ->type_name("DIR|SCENARIO");
   view_command->add_option("--svg", view_options.svg, "Write the picture to this file")->type_name("FILE");
   view_command->add_option("--every", view_options.every, "Time between frames in seconds; default 0.2, or what suits the run")
-      ->type_name("T")
-      ->check(CLI::PositiveNumber);
+      ->type_name("T");
   view_command
       ->add_option("--look", view_options.look, "Direction in which the viewer looks, as in 0,0,-1; default: what shows most")
       ->type_name("X,Y,Z");
+  view_command
+      ->add_option("--layout", view_options.layout,
+                   "overlay: all frames in one picture; multiples: one beside the other; default overlay")
+      ->type_name("LAYOUT");
 
   not_yet("convert", "Turn a model file into another format");
   not_yet("compile", "Write code that is specialised for one topology");
@@ -124,9 +129,12 @@ void CommandLine::require_known_arguments() const {
     const std::string guess = momentree::did_you_mean(word, known);
     return guess.empty() ? help : guess;
   };
+  if (std::ranges::count(without_code, parsed) > 0) return;
   const std::vector<std::string> extras = parsed->remaining();
   if (!extras.empty()) {
-    std::string word = *std::find_if(extras.begin(), extras.end() - 1, [](const std::string& e) { return e.starts_with('-'); });
+    const auto option_like = std::ranges::find_if(extras, [](const std::string& e) { return e.starts_with('-'); });
+    const bool about_command = parsed == &app && !extras.front().starts_with('-');
+    std::string word = option_like == extras.end() || about_command ? extras.front() : *option_like;
     word = word.substr(0, word.find('='));
     if (word.starts_with('-')) {
       for (const CLI::Option* option : parsed->get_options())

@@ -45,6 +45,7 @@ int run(const RunOptions& options) {
   session.schedule();
   Simulation& simulation = session.simulation();
   const double start = simulation.time();
+  const int freedoms = simulation.world().tree().nv();
   io::Recorder recorder(scenario->model, session.breakable(), scenario->output_every,
                         options.out.empty() ? "results/" + scenario->name : options.out);
 
@@ -78,12 +79,12 @@ int run(const RunOptions& options) {
   if (options.json)
     std::fputs(io::summary_json(origin, status, simulation).c_str(), stdout);
   else if (!options.quiet)
-    std::printf(
-        "%s\nResults: %s\n",
-        report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, largest_kinetic},
-                    simulation, Style::of_output())
-            .c_str(),
-        recorder.directory().c_str());
+    std::printf("%s\nResults: %s\n",
+                report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, freedoms,
+                             largest_kinetic},
+                            simulation, Style::of_output())
+                    .c_str(),
+                recorder.directory().c_str());
 
   if (trouble) std::fprintf(stderr, "%s\n", trouble->message().c_str());
   if (ended == Status::ok && !trouble) return done;

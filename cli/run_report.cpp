@@ -45,8 +45,8 @@ std::string clock_table(const Simulation& simulation, const Style& style) {
 
 void add_conserved(Table& table, const char* what, const char* unit, const Vec3& before, const Vec3& after) {
   const double size = std::max(norm(before), norm(after)), change = norm(after - before);
-  table.row({what, format("%.9g %s", norm(before), unit), format("%.9g %s", norm(after), unit), format("%.1e %s", change, unit),
-             relative(change, size)});
+  table.row({what, format("%.9g %s", norm(before), unit), format("%.9g %s", norm(after), unit),
+             change == 0 ? "0" : format("%.1e %s", change, unit), relative(change, size)});
 }
 
 std::string event_text(const Event& event, const Style& style) {
@@ -59,7 +59,8 @@ std::string event_text(const Event& event, const Style& style) {
   const double before = a.kinetic + a.potential, after = b.kinetic + b.potential;
   Table table;
   table.row({"", "before", "after", "difference", "relative"});
-  table.row({"energy", format("%.9g J", before), format("%.9g J", after), format("%.1e J", after - before),
+  table.row({"energy", format("%.9g J", before), format("%.9g J", after),
+             after == before ? "0" : format("%.1e J", after - before),
              relative(std::fabs(after - before), std::max(std::fabs(before), a.kinetic))});
   add_conserved(table, "linear momentum", "N s", a.linear, b.linear);
   add_conserved(table, "angular momentum", "N m s", a.angular, b.angular);
@@ -91,7 +92,7 @@ std::string report_text(const RunReport& report, const Simulation& simulation, c
   const RunStatistics& s = simulation.statistics();
   const double wall = s.total_seconds[0] + s.total_seconds[1], simulated = simulation.time() - report.start;
   std::string text = style.heading(report.title) + ": " + count_text(world.model().size(), "body", "bodies") + ", " +
-                     count_text(world.tree().nv(), "degree of freedom", "degrees of freedom") + ", " + report.integration.method +
+                     count_text(report.freedoms, "degree of freedom", "degrees of freedom") + ", " + report.integration.method +
                      format(" with steps of %s", duration_text(report.integration.step).c_str()) + '\n';
   text += format("%.9g s simulated in %s", simulated, duration_text(wall).c_str());
   if (wall > 0 && simulated > 0) text += format(", %.3g times real time", simulated / wall);
@@ -103,6 +104,7 @@ std::string report_text(const RunReport& report, const Simulation& simulation, c
   constexpr std::size_t most = 20;
   for (std::size_t i = 0; i < std::min(events.size(), most); ++i) text += event_text(events[i], style);
   if (events.size() > most) text += format("  … and %zu more, in events.jsonl\n", events.size() - most);
+  if (!simulation.message().empty()) return text;  // diverged: the last energies say nothing
   return text + '\n' + energy_text(simulation.energy(), report.largest_kinetic, style);
 }
 

@@ -11,6 +11,7 @@ struct RunReport {
   std::string title;  ///< of the scenario, or its name
   Integration integration;
   double start = 0;            ///< s
+  int freedoms = 0;            ///< at the start
   double largest_kinetic = 0;  ///< largest kinetic energy that a row of the result has seen (J)
 };
 

@@ -176,7 +176,6 @@ TEST_CASE("free_robot: without a force from outside there is no momentum, and th
   const auto bodies = run.table("bodies.csv");
   Vec3 first{}, end{};  // mass times centre of mass
   for (const auto& [name, body] : run.model.at("bodies").items()) {
-    const auto& column = bodies;
     const auto place = [&, prefix = name + "."](std::size_t k) {
       const auto at = [&](const char* c) { return bodies.at(prefix + c).at(k); };
       return Pose{{at("x"), at("y"), at("z")}, {at("qw"), at("qx"), at("qy"), at("qz")}};

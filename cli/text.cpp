@@ -56,7 +56,7 @@ std::string Table::text(std::string_view indent) const {
     std::string line(indent);
     for (std::size_t c = 0; c < row.size(); ++c) {
       const int columns = static_cast<int>(widths[c]);
-      line += c == 0 ? padded(row[c], columns) : "   " + padded(row[c], -columns);
+      line += c == 0 ? padded(row[c], columns) : "   " + padded(row[c], values_ == Values::right ? -columns : columns);
     }
     line.erase(line.find_last_not_of(' ') + 1);
     text += line + '\n';

@@ -19,14 +19,17 @@ std::string duration_text(double seconds);
 /// A count with a word: "1 body", "3 bodies".
 std::string count_text(long count, const char* one, const char* many);
 
-/// Rows of cells, as wide as they need; the first column is aligned to the left, the others to the right.
+/// Rows of cells, as wide as they need; the first column is aligned to the left, the others as asked for.
 class Table {
  public:
+  enum class Values { right, left };
+  explicit Table(Values values = Values::right) : values_(values) {}
   void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
   /// Each row on a line that begins with `indent`.
   std::string text(std::string_view indent) const;
 
  private:
+  Values values_;
   std::vector<std::vector<std::string>> rows_;
 };
 

@@ -1,17 +1,17 @@
 #include <momentree/io/model_json.hpp>
 
-#include <algorithm>
+#include <utility>
 
 #include <momentree/io/json_writer.hpp>
 
 namespace momentree::io {
 namespace {
 
-using Extents = std::vector<std::vector<std::pair<Vec3, Vec3>>>;
+using Edge3 = std::pair<Vec3, Vec3>;
 
-/// For all bodies at once: one pass over the children.
-Extents drawn_extents(const Model& model) {
-  Extents extents(static_cast<std::size_t>(model.size()));
+/// By body.
+std::vector<std::vector<Edge3>> drawn_extents(const Model& model, const std::vector<Shape>& shapes) {
+  std::vector<std::vector<Edge3>> extents(static_cast<std::size_t>(model.size()));
   for (const BodySpec& child : model.bodies()) {
     if (child.parent == ground) continue;
     const Vec3 from = model[child.parent].child_at.position;
@@ -22,7 +22,9 @@ Extents drawn_extents(const Model& model) {
     const BodySpec& body = model[Body{b}];
     const Vec3 from = body.child_at.position;
     auto& extent = extents[static_cast<std::size_t>(b)];
-    if (extent.empty() && norm(body.com - from) > 0) extent.emplace_back(from, from + 2.0 * (body.com - from));
+    const bool shaped =
+        static_cast<std::size_t>(b) < shapes.size() && shapes[static_cast<std::size_t>(b)].kind != Shape::Kind::none;
+    if (extent.empty() && norm(body.com - from) > 0) extent.emplace_back(from, from + (shaped ? 1.0 : 2.0) * (body.com - from));
   }
   return extents;
 }
@@ -92,16 +94,12 @@ void write_mechanisms(JsonWriter& json, const Model& model) {
 
 }  // namespace
 
-std::vector<std::pair<Vec3, Vec3>> drawn_extent(const Model& model, Body body) {
-  return drawn_extents(model)[static_cast<std::size_t>(body.index)];
-}
-
 std::string model_json(const Model& model, const std::string& title, const std::vector<Shape>& shapes) {
   std::string text;
   JsonWriter json(text, 2);
   json.begin_object().member("format", 1).member("title", title).member("gravity", model.gravity());
   write_mechanisms(json, model);
-  const Extents extents = drawn_extents(model);
+  const auto extents = drawn_extents(model, shapes);
   json.key("bodies").begin_object();
   for (int b = 0; b < model.size(); ++b) {
     const auto n = static_cast<std::size_t>(b);

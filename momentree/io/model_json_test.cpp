@@ -33,20 +33,18 @@ bool mentions(const std::string& text, const std::string& part) { return text.fi
 
 }  // namespace
 
-TEST_CASE("a body without shape is drawn to its children, a tip through its centre of mass") {
-  const Model model = arm();
-  const auto base = drawn_extent(model, Body{0}), link = drawn_extent(model, Body{1});
-  REQUIRE(base.size() == 1);
-  CHECK(base[0].second == Vec3{0, 0, 0.5});
-  REQUIRE(link.size() == 1);
-  CHECK(link[0].second == Vec3{1, 0, 0});
-  CHECK(drawn_extent(model, Body{2}).empty());  // its mass lies at its joint
+TEST_CASE("a body is drawn to its children, a tip through its centre of mass") {
+  const std::string text = model_json(arm(), "");
+  CHECK(mentions(text, R"("extent": [[[0, 0, 0], [0, 0, 0.5]]])"));  // the base
+  CHECK(mentions(text, R"("extent": [[[0, 0, 0], [1, 0, 0]]])"));    // the link
+  CHECK(mentions(text, R"("extent": [])"));                          // the nut: its mass lies at its joint
 
   Model rod;
-  rod.add({.name = "rod", .mass = 1, .com = {0.5, 0, 0}, .inertia = diagonal(1), .joint = Revolute{}, .child_at = {0.1, 0, 0}});
-  REQUIRE(drawn_extent(rod, Body{0}).size() == 1);
-  CHECK(drawn_extent(rod, Body{0})[0].first == Vec3{0.1, 0, 0});
-  CHECK(drawn_extent(rod, Body{0})[0].second.x == doctest::Approx(0.9));
+  rod.add({.name = "rod", .mass = 1, .com = {0.5, 0, 0}, .inertia = diagonal(1), .joint = Revolute{}, .child_at = {0.25, 0, 0}});
+  CHECK(mentions(model_json(rod, ""), R"("extent": [[[0.25, 0, 0], [0.75, 0, 0]]])"));
+  Shape ball;
+  ball.kind = Shape::Kind::sphere;
+  CHECK(mentions(model_json(rod, "", {ball}), R"("extent": [[[0.25, 0, 0], [0.5, 0, 0]]])"));
 }
 
 TEST_CASE("the document names what there is, in the order of the model") {
@@ -60,7 +58,7 @@ TEST_CASE("the document names what there is, in the order of the model") {
   CHECK(mentions(text, R"("root": "arm/base")"));
   CHECK(mentions(text, R"("inertia": [3, 4, 5, 0.1, 0.2, 0.3])"));
   CHECK(mentions(text, R"("kind": "box", "size": [1, 2, 3])"));
-  CHECK(mentions(text, R"("arm/hinge": { "kind": "revolute", "parent": "arm/base", "child": "arm/<link>")"));
+  CHECK(mentions(text, R"("arm/hinge": {"kind": "revolute", "parent": "arm/base", "child": "arm/<link>")"));
   CHECK(mentions(text, R"("pitch": 0.25)"));
   CHECK(text.find(R"("arm/base": {)") < text.find(R"("arm/nut": {)"));
 }

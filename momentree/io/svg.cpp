@@ -15,9 +15,11 @@ namespace {
 
 constexpr double width = 960, margin = 32, tallest = 680, around = 30;  // px; `around`: room for labels about the motion
 
-/// Early frames are pale, the last one is full.
-double opacity(std::size_t k, std::size_t frames) {
-  return frames < 2 ? 1 : 0.25 + 0.75 * static_cast<double>(k) / static_cast<double>(frames - 1);
+/// Early frames are pale, the last one is full; where shapes cover one another, the early ones are hardly more than a trace.
+double opacity(const Scene& scene, std::size_t k) {
+  if (scene.frames.size() < 2) return 1;
+  const double t = static_cast<double>(k) / static_cast<double>(scene.frames.size() - 1);
+  return scene.has_areas ? 0.12 + 0.88 * t * t : 0.25 + 0.75 * t;
 }
 
 /// Metres to pixels so that `bounds` fills `room` as far as it can, in the middle; a motion without extent gets a scale too.
@@ -46,13 +48,18 @@ void append_time_labels(std::string& svg, const Scene& scene, double every, cons
     for (const Primitive& p : frame.primitives)
       for (std::size_t i = 0; i + 1 < p.points.size(); ++i) placer.add_line(place(p.points[i]), place(p.points[i + 1]));
   for (const Point2& anchor : scene.anchors) placer.add_box({place(anchor).x - 7, place(anchor).y - 7, 14, 14});
+  std::vector<Point2> labelled;
   for (std::size_t k = scene.frames.size(); k-- > 0;) {  // the last ones first: they are the ones that one looks for
     const SceneFrame& frame = scene.frames[k];
     const std::string text = frame_time(frame.time, every) + (k + 1 == scene.frames.size() ? " s" : "");
     for (std::size_t m = 0; m < frame.ends.size() && m < 4; ++m) {
       const Point2 end = place(frame.ends[m]), root = place(frame.roots[m]);
+      const auto near = [&](const Point2& p) { return std::hypot(p.x - end.x, p.y - end.y) < 16; };
+      if (std::any_of(labelled.begin(), labelled.end(), near)) continue;  // it hardly moves: one label is enough
       const auto box = placer.place(end, {end.x - root.x, end.y - root.y}, text_width(text, 12), 14);
-      if (box) append_label(svg, text, *box, end);
+      if (!box) continue;
+      append_label(svg, text, *box, end);
+      labelled.push_back(end);
     }
   }
 }
@@ -72,8 +79,7 @@ double append_overlay(std::string& svg, const Scene& scene, double every, double
   const double height = std::clamp(ratio * room, 160.0, tallest) + 2 * around;
   place = fit(scene.bounds, {margin + around, top + around, room, height - 2 * around});
   const double thick = link_width(scene, place.scale);
-  for (std::size_t k = 0; k < scene.frames.size(); ++k)
-    append_frame(svg, scene.frames[k], place, thick, opacity(k, scene.frames.size()));
+  for (std::size_t k = 0; k < scene.frames.size(); ++k) append_frame(svg, scene.frames[k], place, thick, opacity(scene, k));
   append_marks(svg, scene, place);
   append_time_labels(svg, scene, every, place, {margin, top, width - 2 * margin, height});
   return height;
@@ -95,7 +101,7 @@ double append_multiples(std::string& svg, const Scene& scene, double every, doub
       svg += "<circle cx=\"" + pixels(place(anchor).x) + "\" cy=\"" + pixels(place(anchor).y) + "\" r=\"3\" fill=\"#1b2430\"/>\n";
     svg += svg_words(frame_time(scene.frames[k].time, every) + " s", {box.x + 10, box.y + 18}, {.size = 12});
   }
-  return tall * ((static_cast<int>(scene.frames.size()) + columns - 1) / columns);
+  return tall * ((static_cast<int>(scene.frames.size()) + columns - 1) / columns) + 12;
 }
 
 }  // namespace
@@ -103,10 +109,10 @@ double append_multiples(std::string& svg, const Scene& scene, double every, doub
 std::string draw_svg(const Recording& run, const PictureOptions& options) {
   const View view = options.look ? view_along(*options.look, run.gravity) : choose_view(drawn_points(run), run.gravity);
   const Scene scene = build_scene(run, view);
-  std::string body;
-  const double top = append_header(body, run, scene, {width, margin}) + 8;
-  Placement place;
   const bool overlay = options.layout == PictureOptions::Layout::overlay;
+  std::string body;
+  const double top = append_header(body, run, scene, overlay, {width, margin}) + 8;
+  Placement place;
   const double bottom =
       top + (overlay ? append_overlay(body, scene, run.every, top, place) : append_multiples(body, scene, run.every, top, place));
   append_axes(body, view, {margin + 28, bottom + 34});

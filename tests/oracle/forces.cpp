@@ -33,7 +33,8 @@ std::vector<Dual> extensions(const JointSpec& joint, const double* q, int freedo
   const double* Q = q + plain;
   if (free) {
     const M3<Real> R = matrix_of(Q[0], Q[1], Q[2], Q[3]);
-    for (int i = 0; i < 3; ++i) x.push_back({q[i] - at_rest(i), freedom >= 0 && freedom < 3 ? R[static_cast<unsigned>(3 * i + freedom)] : 0});
+    for (int i = 0; i < 3; ++i)
+      x.push_back({q[i] - at_rest(i), freedom >= 0 && freedom < 3 ? R[static_cast<unsigned>(3 * i + freedom)] : 0});
   }
   if (ball || free) {
     Real r[4] = {1, 0, 0, 0};
@@ -54,7 +55,8 @@ Dual spring_energy(const JointSpec& joint, const double* q, int freedom) {
   Dual energy = 0;
   if (joint.parameters.stiffness.empty()) return energy;
   const std::vector<Dual> x = extensions(joint, q, freedom);
-  for (std::size_t i = 0; i < x.size(); ++i) energy = energy + (value(joint.parameters.stiffness, static_cast<int>(i)) / 2) * (x[i] * x[i]);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    energy = energy + (value(joint.parameters.stiffness, static_cast<int>(i)) / 2) * (x[i] * x[i]);
   return energy;
 }
 

@@ -98,9 +98,7 @@ M3<T> skew(const V3<T>& a) {
   return {{T(0), T(0) - a[2], a[1], a[2], T(0), T(0) - a[0], T(0) - a[1], a[0], T(0)}};
 }
 /// Axial part of a matrix that is skew but for round-off.
-inline V3<Real> axial(const M3<Real>& m) {
-  return {{(m[7] - m[5]) / 2, (m[2] - m[6]) / 2, (m[3] - m[1]) / 2}};
-}
+inline V3<Real> axial(const M3<Real>& m) { return {{(m[7] - m[5]) / 2, (m[2] - m[6]) / 2, (m[3] - m[1]) / 2}}; }
 
 /// Place of a frame: x_outer = position + rotation·x_inner.
 template <class T>

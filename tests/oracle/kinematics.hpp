@@ -22,9 +22,9 @@ M3<T> constant(const M3<Real>& m) {
 /// Of a quaternion of any length.
 inline M3<Real> matrix_of(Real w, Real x, Real y, Real z) {
   const Real n = w * w + x * x + y * y + z * z;
-  return {{(w * w + x * x - y * y - z * z) / n, 2 * (x * y - w * z) / n, 2 * (x * z + w * y) / n,
-           2 * (x * y + w * z) / n, (w * w - x * x + y * y - z * z) / n, 2 * (y * z - w * x) / n,
-           2 * (x * z - w * y) / n, 2 * (y * z + w * x) / n, (w * w - x * x - y * y + z * z) / n}};
+  return {{(w * w + x * x - y * y - z * z) / n, 2 * (x * y - w * z) / n, 2 * (x * z + w * y) / n, 2 * (x * y + w * z) / n,
+           (w * w - x * x + y * y - z * z) / n, 2 * (y * z - w * x) / n, 2 * (x * z - w * y) / n, 2 * (y * z + w * x) / n,
+           (w * w - x * x - y * y + z * z) / n}};
 }
 inline V3<Real> real(const Vec3& a) { return {{a.x, a.y, a.z}}; }
 inline Frame<Real> frame_of(const Pose& pose) {

@@ -15,22 +15,25 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon() / 2;  // unit 
 
 std::vector<Real> wide(const double* a, int n) { return {a, a + n}; }
 double narrow(Real x) { return static_cast<double>(x); }
+/// Error in terms of a size; of nothing, nothing may be wrong.
+double relative(Real error, Real size) { return error == 0 ? 0 : narrow(error / size); }
 Real length(const V3<Real>& a) { return std::sqrt(dot(a, a)); }
 
 /// p against EᵀPb + rotor with the oracle's columns; the largest over all freedoms. In terms of its summands: |E||Pb| and, as
 /// Pb is the sum of what all outboard bodies carry and each of them moves by the velocities of all its ancestors, |M||v|.
 /// The second measure is stricter: in terms of |E||Pb| alone, what is left after the summands of Pb have cancelled; it
 /// can only hold to the condition of the mass.
-void measure_projection(const System& system, const std::vector<double>& q, const MassMatrix& mass, double condition, const Tree& tree,
-                        const State& state, const Work<double>& work, std::vector<Measure>& laws) {
+void measure_projection(const System& system, const std::vector<double>& q, const MassMatrix& mass, double condition,
+                        const Tree& tree, const State& state, const Work<double>& work, std::vector<Measure>& laws) {
   double worst = 0, worst_left = 0;
   for (int b = 0; b < tree.bodies(); ++b) {
     const auto columns = joint_columns(system, q, b);
     if (columns.empty()) continue;
     const Force<double> Pb = articulated_momentum(tree, state, work, b);
     const KernelFrame& frame = tree.frame(b);  // of the kernels, in the user's frame
-    const Frame<Real> at{{{frame.R.xx, frame.R.xy, frame.R.xz, frame.R.yx, frame.R.yy, frame.R.yz, frame.R.zx, frame.R.zy, frame.R.zz}},
-                         real(frame.r)};
+    const Frame<Real> at{
+        {{frame.R.xx, frame.R.xy, frame.R.xz, frame.R.yx, frame.R.yy, frame.R.yz, frame.R.zx, frame.R.zy, frame.R.zz}},
+        real(frame.r)};
     const V3<Real> l = at.rotation * real(Pb.l), h = at.rotation * real(Pb.h);
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const auto& e = columns[i];
@@ -111,9 +114,11 @@ void measure_bodies(const System& system, const std::vector<double>& q, const Tr
   laws.push_back({"body velocities", narrow(speed), narrow(1e-13L * (fast + whirl * reach))});
   laws.push_back({"body angular velocities", narrow(spin), narrow(1e-13L * whirl)});
   laws.push_back({"kinetic energy", narrow(std::fabs(sum.kinetic - e.kinetic)), narrow(1e-12L * e.kinetic)});
-  laws.push_back({"potential energy", narrow(std::fabs(sum.potential - e.potential)), narrow(1e-13L * (weight + std::fabs(e.potential)))});
+  laws.push_back(
+      {"potential energy", narrow(std::fabs(sum.potential - e.potential)), narrow(1e-13L * (weight + std::fabs(e.potential)))});
   laws.push_back({"linear momentum", narrow(length(minus(sum.linear, e.linear))), narrow(1e-13L * all * (fast + whirl))});
-  laws.push_back({"angular momentum", narrow(length(minus(sum.angular, e.angular))), narrow(1e-13L * all * (fast + whirl) * reach)});
+  laws.push_back(
+      {"angular momentum", narrow(length(minus(sum.angular, e.angular))), narrow(1e-13L * all * (fast + whirl) * reach)});
 }
 
 }  // namespace
@@ -130,8 +135,7 @@ Real distance(const std::vector<Real>& a, const std::vector<Real>& b) {
   return norm(d);
 }
 
-StateMeasures measure_state(const Model& model, const Tree& tree, const State& state, Work<double>& work) {
-  const System system = system_of(model);
+StateMeasures measure_state(const System& system, const Tree& tree, const State& state, Work<double>& work) {
   const std::vector<double> q(state.q().begin(), state.q().end());
   const int nv = tree.nv();
   forward_dynamics(tree, state, work);
@@ -146,10 +150,10 @@ StateMeasures measure_state(const Model& model, const Tree& tree, const State& s
     const Real most = out.range.largest;
     laws.push_back({"M v = p", narrow(distance(mass.times(v), p)), narrow(1e-13L * (most * norm(v) + norm(p)))});
     const std::vector<Real> exact = solve(mass, p);
-    laws.push_back({"v", narrow(distance(v, exact) / norm(exact)), 10 * epsilon * condition});
+    laws.push_back({"v", relative(distance(v, exact), norm(exact)), 10 * epsilon * condition});
     const Evaluation e = evaluate(system, q, exact);
-    laws.push_back({"dp/dt", narrow(distance(rates, e.pdot) / norm(e.pdot)), std::max(1e-9, 10 * epsilon * condition)});
-    laws.push_back({"Lagrange = d'Alembert", narrow(distance(e.pdot, e.pdot_alembert) / norm(e.pdot)), 1e-13});
+    laws.push_back({"dp/dt", relative(distance(rates, e.pdot), norm(e.pdot)), std::max(1e-9, 10 * epsilon * condition)});
+    laws.push_back({"Lagrange = d'Alembert", relative(distance(e.pdot, e.pdot_alembert), norm(e.pdot)), 1e-13});
   }
   measure_projection(system, q, mass, condition, tree, state, work, laws);
   laws.push_back(coordinate_rates(system, q, work));
@@ -157,17 +161,18 @@ StateMeasures measure_state(const Model& model, const Tree& tree, const State& s
   return out;
 }
 
-std::vector<Measure> measure_round_trip(const Model& model, const Tree& tree, const State& start, Work<double>& work) {
+std::vector<Measure> measure_round_trip(const System& system, const std::vector<double>& given, const Tree& tree,
+                                        const State& start, Work<double>& work) {
   const int nv = tree.nv();
   if (nv == 0) return {};
-  const System system = system_of(model);
-  const std::vector<double> q(start.q().begin(), start.q().end()), given = start_v(model);
+  const std::vector<double> q(start.q().begin(), start.q().end());
   const std::vector<Real> v = wide(given.data(), nv);
   const MassMatrix mass = mass_matrix(system, q);
   const Spectrum range = spectrum(mass);
   forward_dynamics(tree, start, work);
-  return {{"p = M v", narrow(distance(wide(start.p().data(), nv), mass.times(v))), narrow(1e-14L * static_cast<Real>(range.largest) * norm(v))},
-          {"v to p to v", narrow(distance(wide(work.v.get(), nv), v) / norm(v)), 10 * epsilon * range.condition()}};
+  return {{"p = M v", narrow(distance(wide(start.p().data(), nv), mass.times(v))),
+           narrow(1e-14L * static_cast<Real>(range.largest) * norm(v))},
+          {"v to p to v", relative(distance(wide(work.v.get(), nv), v), norm(v)), 10 * epsilon * range.condition()}};
 }
 
 }  // namespace momentree::oracle

@@ -22,11 +22,12 @@ struct StateMeasures {
   Spectrum range;
 };
 
-/// All laws at one state of a tree that a model compiled to. The work is evaluated here.
-StateMeasures measure_state(const Model& model, const Tree& tree, const State& state, Work<double>& work);
+/// All laws at one state of a tree that stands for `system`. The work is evaluated here.
+StateMeasures measure_state(const System& system, const Tree& tree, const State& state, Work<double>& work);
 
-/// Laws of p from v: p = M v, and back again.
-std::vector<Measure> measure_round_trip(const Model& model, const Tree& tree, const State& start, Work<double>& work);
+/// Laws of p from velocities `given`: p = M v, and back again. `start` was made from them.
+std::vector<Measure> measure_round_trip(const System& system, const std::vector<double>& given, const Tree& tree,
+                                        const State& start, Work<double>& work);
 
 /// Euclidean norms, in long double.
 Real norm(const std::vector<Real>& a);

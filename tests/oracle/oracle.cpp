@@ -15,7 +15,8 @@ Out part(const In& in, Part which) {
 
 /// Frames of all bodies, nothing perturbed by ε.
 template <class T>
-std::vector<Frame<T>> all_frames(const System& system, const std::vector<Mount>& mount, const std::vector<double>& q, const Real* v) {
+std::vector<Frame<T>> all_frames(const System& system, const std::vector<Mount>& mount, const std::vector<double>& q,
+                                 const Real* v) {
   std::vector<Frame<T>> frame(system.links.size());
   for (std::size_t k = 0; k < frame.size(); ++k) {
     const Link& link = system.links[k];
@@ -28,15 +29,18 @@ std::vector<Frame<T>> all_frames(const System& system, const std::vector<Mount>&
 
 /// Calls visit(k, frame) for `link` and all its descendants, with freedom `freedom` of its joint moved by ε.
 template <class T, class Visit>
-void moved(const System& system, const std::vector<Mount>& mount, const std::vector<Frame<T>>& still, const std::vector<double>& q,
-           const Real* v, std::size_t link, int freedom, bool epsilon_first, std::vector<Frame<T>>& frame, Visit visit) {
+void moved(const System& system, const std::vector<Mount>& mount, const std::vector<Frame<T>>& still,
+           const std::vector<double>& q, const Real* v, std::size_t link, int freedom, bool epsilon_first,
+           std::vector<Frame<T>>& frame, Visit visit) {
   std::vector<char> inside(system.links.size(), 0);
   for (std::size_t k = link; k < frame.size(); ++k) {
     const int parent = system.links[k].parent;
     if (k != link && (parent < 0 || !inside[static_cast<std::size_t>(parent)])) continue;
     inside[k] = 1;
     const Perturbation by{v ? v + system.first_v[k] : nullptr, k == link ? freedom : -1, epsilon_first};
-    const Frame<T> origin = parent < 0 ? Frame<T>{} : k == link ? still[static_cast<std::size_t>(parent)] : frame[static_cast<std::size_t>(parent)];
+    const Frame<T> origin = parent < 0  ? Frame<T>{}
+                            : k == link ? still[static_cast<std::size_t>(parent)]
+                                        : frame[static_cast<std::size_t>(parent)];
     frame[k] = body_frame(system.links[k], mount[k], origin, q.data() + system.first_q[k], by);
     visit(k, frame[k]);
   }

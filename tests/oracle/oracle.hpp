@@ -44,6 +44,9 @@ std::vector<double> start_v(const Model& model);
 /// The system that a world is at present: topology, placements and joints from what it publishes.
 System system_of(const World& world);
 
+/// The system after the inboard joint of `body` broke: a free joint to the ground at the body's own frame, without parameters.
+System broken(System system, int body);
+
 /// Number of coordinates and of freedoms of a kind, by the contract.
 int coordinates(Kind kind);
 int freedoms(Kind kind);
@@ -80,7 +83,7 @@ struct Evaluation {
   Real kinetic = 0, potential = 0;
   V3<Real> linear{}, angular{};
   struct Motion {
-    Frame<Real> frame;            ///< of the body
+    Frame<Real> frame;  ///< of the body
     V3<Real> com{}, com_velocity{};
     V3<Real> velocity{}, angular{};  ///< of the frame's origin; world axes
   };
@@ -94,11 +97,12 @@ std::vector<Real> joint_forces(const System& system, const std::vector<double>& 
 /// Energy of gravity and springs.
 Real potential(const System& system, const std::vector<double>& q);
 
-/// Generalized velocity directions seen from the body's own frame: column i is the motion (linear; angular, body axes at the origin
-/// of the body's frame) that freedom i of the joint of `link` gives its child. For the law p = Eᵀ P.
+/// Generalized velocity directions seen from the body's own frame: column i is the motion (linear; angular, body axes at the
+/// origin of the body's frame) that freedom i of the joint of `link` gives its child. For the law p = Eᵀ P.
 std::vector<std::array<Real, 6>> joint_columns(const System& system, const std::vector<double>& q, int link);
 
-/// `q` moved along velocities `v` for `h` seconds, to second order at least (exact where v is constant). For checks by differences.
+/// `q` moved along velocities `v` for `h` seconds, to second order at least (exact where v is constant). For checks by
+/// differences.
 std::vector<double> displaced(const System& system, const std::vector<double>& q, const std::vector<Real>& v, Real h);
 
 }  // namespace momentree::oracle

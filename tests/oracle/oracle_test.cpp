@@ -44,7 +44,8 @@ TEST_CASE("oracle: a pendulum") {
   const double m = 2, l = 0.7, inertia = 0.05, angle = 0.6, speed = 1.3, rotor = 0.25;
   JointSpec pin = joint(Kind::revolute, {0, 1, 0});
   pin.parameters = {.damping = 0.3, .stiffness = 4, .rest = 0.1, .armature = rotor, .effort = 0.7};
-  model.add({.name = "p", .mass = m, .com = {l, 0, 0}, .inertia = diagonal(0.01, inertia, 0.04), .joint = pin, .q = angle, .v = speed});
+  model.add(
+      {.name = "p", .mass = m, .com = {l, 0, 0}, .inertia = diagonal(0.01, inertia, 0.04), .joint = pin, .q = angle, .v = speed});
   const Problem s = problem(model);
   const MassMatrix mass = mass_matrix(s.system, s.q);
   CHECK(mass(0, 0) == doctest::Approx(m * l * l + inertia + rotor).epsilon(1e-15));
@@ -62,7 +63,14 @@ TEST_CASE("oracle: a double pendulum of point masses in absolute angles") {
   Model model({.gravity = {0, -9.81, 0}});
   const double a = 0.4, b = 1.1, w1 = 0.8, w2 = -1.7;  // absolute angles from +x and their rates; lengths and masses 1
   const Body first = model.add({.name = "1", .mass = 1, .com = {1, 0, 0}, .joint = joint(Kind::revolute), .q = a, .v = w1});
-  model.add({.name = "2", .mass = 1, .com = {1, 0, 0}, .parent = first, .at = {1, 0, 0}, .joint = joint(Kind::revolute), .q = b - a, .v = w2 - w1});
+  model.add({.name = "2",
+             .mass = 1,
+             .com = {1, 0, 0},
+             .parent = first,
+             .at = {1, 0, 0},
+             .joint = joint(Kind::revolute),
+             .q = b - a,
+             .v = w2 - w1});
   const Problem s = problem(model);
   const MassMatrix mass = mass_matrix(s.system, s.q);
   const double c = std::cos(b - a);
@@ -144,7 +152,8 @@ TEST_CASE("oracle: the mass matrix gives the kinetic energy, and solving undoes 
 TEST_CASE("oracle: rates of energy and momenta along the motion, by differences") {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     CAPTURE(seed);
-    const Problem s = problem(random_tree(seed, {.max_bodies = 8, .several_mechanisms = false, .all_free = true, .conservative = true}).model);
+    const Problem s =
+        problem(random_tree(seed, {.max_bodies = 8, .several_mechanisms = false, .all_free = true, .conservative = true}).model);
     const std::vector<Real> p = mass_matrix(s.system, s.q).times(s.v);
     const Evaluation now = evaluate(s.system, s.q, s.v);
     const Real h = 1e-6L;

@@ -79,7 +79,11 @@ TEST_CASE("the spherical pendulum, from one extreme to the next") {
     const double v0 = row["v0"];
     CAPTURE(v0);
     Model model;
-    model.add({.name = "p", .mass = 1, .com = {0, 0, -1}, .joint = joint_of(Kind::universal, x_axis, y_axis), .q = {0, 60 * degree},
+    model.add({.name = "p",
+               .mass = 1,
+               .com = {0, 0, -1},
+               .joint = joint_of(Kind::universal, x_axis, y_axis),
+               .q = {0, 60 * degree},
                .v = {v0 / 0.5, 0}});
     Simulation run(model, {.step = 5e-5});
     const double half = row["half_period"];

@@ -6,8 +6,8 @@
 namespace momentree::oracle {
 namespace {
 
-constexpr std::array all{Kind::revolute,  Kind::prismatic, Kind::helical, Kind::cylindrical, Kind::universal,
-                         Kind::ball,      Kind::planar,    Kind::free,    Kind::weld};
+constexpr std::array all{Kind::revolute, Kind::prismatic, Kind::helical, Kind::cylindrical, Kind::universal,
+                         Kind::ball,     Kind::planar,    Kind::free,    Kind::weld};
 
 int coordinates_of(Kind kind) {
   switch (kind) {
@@ -108,8 +108,8 @@ Values random_coordinates(Prng& random, Kind kind) {
   const int nq = coordinates_of(kind);
   const int plain = nq == 4 ? 0 : nq == 7 ? 3 : nq;
   for (int i = 0; i < plain; ++i) {
-    const bool length = kind == Kind::prismatic || kind == Kind::free || (kind == Kind::cylindrical && i == 1) ||
-                        (kind == Kind::planar && i < 2);
+    const bool length =
+        kind == Kind::prismatic || kind == Kind::free || (kind == Kind::cylindrical && i == 1) || (kind == Kind::planar && i < 2);
     const double value = length ? random.uniform(-0.5, 0.5) : random.uniform(-3, 3);
     q.push_back(value);
   }
@@ -134,8 +134,10 @@ RandomTree random_tree(std::uint64_t seed, const RandomTreeOptions& options) {
   RandomTree tree;
   tree.shape = static_cast<Shape>(seed % 3);
   tree.root = options.all_free ? Root::free : static_cast<Root>(seed / 3 % 3);
-  if (options.gravity) tree.model.set_gravity(random.vector(10));
-  else tree.model.set_gravity({0, 0, 0});
+  if (options.gravity)
+    tree.model.set_gravity(random.vector(10));
+  else
+    tree.model.set_gravity({0, 0, 0});
   const int bodies = random.integer(options.min_bodies, options.max_bodies);
   const bool several = options.several_mechanisms && random.chance(0.2);
 

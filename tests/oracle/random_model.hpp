@@ -21,15 +21,15 @@ struct RandomTree {
 struct RandomTreeOptions {
   int min_bodies = 1, max_bodies = 100;
   bool several_mechanisms = true;
-  bool all_free = false;       ///< every root is free, whatever the seed says
+  bool all_free = false;  ///< every root is free, whatever the seed says
   bool gravity = true;
-  bool parameters = true;      ///< damping, springs, armature, efforts on some joints
-  bool conservative = false;   ///< of these only springs with a potential, and rotors
-  std::vector<Kind> kinds{};   ///< drawn from for the joints that are not roots; empty: all nine
+  bool parameters = true;     ///< damping, springs, armature, efforts on some joints
+  bool conservative = false;  ///< of these only springs with a potential, and rotors
+  std::vector<Kind> kinds{};  ///< drawn from for the joints that are not roots; empty: all nine
 };
 
-/// Tree number `seed`: a third pure chains, a third bushy; of each a third welded to the ground, free, or grounded by another joint.
-/// Masses from 0.01 to 100 kg; q at random, v within ±1.
+/// Tree number `seed`: a third pure chains, a third bushy; of each a third welded to the ground, free, or grounded by another
+/// joint. Masses from 0.01 to 100 kg; q at random, v within ±1.
 RandomTree random_tree(std::uint64_t seed, const RandomTreeOptions& options = {});
 
 /// A joint of `kind` with random geometry; `parameters` as in the options.

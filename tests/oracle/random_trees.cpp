@@ -1,5 +1,5 @@
-// Usage: random_trees FIRST COUNT. Measures the laws on random trees FIRST … FIRST + COUNT − 1, each at a state drawn by velocities and at
-// one drawn by momenta; prints the worst measure of every law, and exits 1 if one is broken.
+// Usage: random_trees FIRST COUNT. Measures the laws on random trees FIRST … FIRST + COUNT − 1, each at a state drawn by
+// velocities and at one drawn by momenta; prints the worst measure of every law, and exits 1 if one is broken.
 #include <cstdio>
 #include <cstdlib>
 
@@ -31,9 +31,13 @@ struct Book {
       if (m.holds()) continue;
       if (++broken <= 40)
         std::printf("BROKEN %s: seed %lu (%s, %s root, %d bodies, cond %.1e, drawn by %s): %.3e > %.3e\n", m.law, seed,
-                    tree.shape == Shape::chain ? "chain" : tree.shape == Shape::bushy ? "bushy" : "mixed",
-                    tree.root == Root::welded ? "welded" : tree.root == Root::free ? "free" : "jointed", tree.model.size(), condition,
-                    drawn, m.error, m.bound);
+                    tree.shape == Shape::chain   ? "chain"
+                    : tree.shape == Shape::bushy ? "bushy"
+                                                 : "mixed",
+                    tree.root == Root::welded ? "welded"
+                    : tree.root == Root::free ? "free"
+                                              : "jointed",
+                    tree.model.size(), condition, drawn, m.error, m.bound);
     }
   }
 };
@@ -49,16 +53,17 @@ int main(int argc, char** argv) {
   Book book;
   for (unsigned long seed = first; seed < first + count; ++seed) {
     const RandomTree random = random_tree(seed);
+    const System system = system_of(random.model);
     const Tree tree(random.model);
     Work<double> work(tree);
     State state = start_state(random.model, tree);
-    const StateMeasures by_v = measure_state(random.model, tree, state, work);
+    const StateMeasures by_v = measure_state(system, tree, state, work);
     book.enter(by_v.laws, random, seed, "v", by_v.range.condition());
-    book.enter(measure_round_trip(random.model, tree, state, work), random, seed, "v", by_v.range.condition());
+    book.enter(measure_round_trip(system, start_v(random.model), tree, state, work), random, seed, "v", by_v.range.condition());
 
     Prng draw(seed + 1000000);
     for (double& p : state.edit().p) p = draw.uniform(-1, 1);
-    const StateMeasures by_p = measure_state(random.model, tree, state, work);
+    const StateMeasures by_p = measure_state(system, tree, state, work);
     book.enter(by_p.laws, random, seed, "p", by_p.range.condition());
   }
   for (const auto& [law, w] : book.worst)

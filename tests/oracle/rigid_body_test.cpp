@@ -27,8 +27,13 @@ Vec3 spin(const Simulation& run, Kind kind) {
 /// The top of the reference, its axis tilted about x.
 Model top(double tilt, Vec3 w) {
   Model model;
-  model.add({.name = "top", .mass = 1, .com = {0, 0, 0.1}, .inertia = diagonal(0.002, 0.002, 0.004), .joint = joint_of(Kind::ball),
-             .q = {std::cos(tilt / 2), std::sin(tilt / 2), 0, 0}, .v = {w.x, w.y, w.z}});
+  model.add({.name = "top",
+             .mass = 1,
+             .com = {0, 0, 0.1},
+             .inertia = diagonal(0.002, 0.002, 0.004),
+             .joint = joint_of(Kind::ball),
+             .q = {std::cos(tilt / 2), std::sin(tilt / 2), 0, 0},
+             .v = {w.x, w.y, w.z}});
   return model;
 }
 Vec3 axis_of(const Simulation& run) { return rotation_matrix(run.world().motions()[0].pose.rotation) * Vec3{0, 0, 1}; }
@@ -108,8 +113,13 @@ TEST_CASE("a floating robot without momentum turns as its arm does") {
   Model model({.gravity = {0, 0, 0}});
   // Planar motion about z: the hinge 1 m from the centre of the base, the arm's centre 0.8 m beyond it.
   const Body base = model.add({.name = "base", .mass = 50, .inertia = diagonal(10), .joint = joint_of(Kind::free)});
-  const Body arm =
-      model.add({.name = "arm", .mass = 10, .com = {0.8, 0, 0}, .inertia = diagonal(2), .parent = base, .at = {1, 0, 0}, .joint = joint_of(Kind::revolute)});
+  const Body arm = model.add({.name = "arm",
+                              .mass = 10,
+                              .com = {0.8, 0, 0},
+                              .inertia = diagonal(2),
+                              .parent = base,
+                              .at = {1, 0, 0},
+                              .joint = joint_of(Kind::revolute)});
   Simulation run(model, {.step = 1e-3});
   const JointStart starts[] = {{base, {}, {}, {0, 0, 0, 0, 0, 0}}, {arm, {}, {}, {2.0}}};
   run.restore(0, {}, starts);

@@ -7,9 +7,7 @@
 
 namespace momentree::oracle {
 
-double Spectrum::condition() const {
-  return smallest > 0 ? largest / smallest : std::numeric_limits<double>::infinity();
-}
+double Spectrum::condition() const { return smallest > 0 ? largest / smallest : std::numeric_limits<double>::infinity(); }
 
 Spectrum spectrum(const MassMatrix& mass) {
   const int n = mass.size();

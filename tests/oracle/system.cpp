@@ -38,6 +38,18 @@ System system_of(const Model& model) {
   return system;
 }
 
+System broken(System system, int body) {
+  Link& link = system.links[static_cast<std::size_t>(body)];
+  link.parent = -1;
+  link.at = link.child_at = {};
+  link.joint = {};
+  link.joint.kind = Kind::free;
+  system.first_q.clear();
+  system.first_v.clear();
+  number(system);
+  return system;
+}
+
 std::vector<double> start_q(const Model& model) {
   std::vector<double> q;
   for (const BodySpec& body : model.bodies()) q.insert(q.end(), body.q.begin(), body.q.end());
@@ -54,7 +66,9 @@ std::vector<Mount> mounts(const System& system) {
   std::vector<Mount> all;
   for (const Link& link : system.links) {
     const Sym3& j = link.inertia;
-    all.push_back({frame_of(link.at), inverse_of(frame_of(link.child_at)), real(link.com),
+    all.push_back({frame_of(link.at),
+                   inverse_of(frame_of(link.child_at)),
+                   real(link.com),
                    {{j.xx, j.xy, j.xz, j.xy, j.yy, j.yz, j.xz, j.yz, j.zz}}});
   }
   return all;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <momentree/io/picture/svg_text.hpp>
 
@@ -53,26 +54,39 @@ void append_circle(std::string& svg, const Point2& at, double radius, const std:
   svg += "<circle cx=\"" + pixels(at.x) + "\" cy=\"" + pixels(at.y) + "\" r=\"" + pixels(radius) + "\" " + attributes + "/>\n";
 }
 
+/// Points on circles about the points: their hull is the outline of a capsule.
+std::vector<Point2> widened(const std::vector<Point2>& points, double radius) {
+  constexpr int around = 32;
+  std::vector<Point2> rim;
+  for (const Point2& p : points)
+    for (int k = 0; k < around; ++k) {
+      const double a = 2 * std::numbers::pi * k / around;
+      rim.push_back({p.x + radius * std::cos(a), p.y + radius * std::sin(a)});
+    }
+  return rim;
+}
+
+/// Shapes are filled with a light tint of their colour: where many frames lie over one another it does not get darker.
 void append_area(std::string& svg, const Primitive& p, const Placement& place) {
   std::vector<Point2> points;
   for (const Point2& at : p.points) points.push_back(place(at));
   points = convex_hull(std::move(points));
   const std::string colour = colour_of(p);
+  const std::string glass =
+      "fill=\"" + tint(colour, p.colour.empty() ? 0.22 : 0.6) + "\" fill-opacity=\"0.85\" stroke=\"" + colour + "\"";
   const double radius = p.radius * place.scale;
-  if (points.size() == 1) {
-    append_circle(svg, points.front(), std::max(radius, 2.0), "fill=\"" + colour + "\" stroke=\"#fff\"");
-    return;
-  }
+  if (points.size() == 1) return append_circle(svg, points.front(), std::max(radius, 2.0), glass);
+  if (radius > 0) points = convex_hull(widened(points, radius));
   svg += "<path d=\"";
   for (std::size_t i = 0; i < points.size(); ++i) svg += (i == 0 ? "M" : i == 1 ? "L" : " ") + pixels(points[i]);
-  if (points.size() > 2) svg += "Z";
-  svg += radius > 0 ? "\" fill=\"" + colour + "\" stroke=\"" + colour + "\" stroke-width=\"" + pixels(2 * radius) + "\"/>\n"
-                    : "\" fill=\"" + colour + "\" stroke=\"#fff\"/>\n";
+  svg += "Z\" " + glass + "/>\n";
 }
 
 }  // namespace
 
-double link_width(const Scene& scene, double scale) { return std::clamp(0.04 * scene.typical_length * scale, 2.2, 6.0); }
+double link_width(const Scene& scene, double scale) {
+  return std::clamp(0.04 * scene.typical_length * scale, 2.2, scene.has_areas ? 4.0 : 6.0);
+}
 
 void append_frame(std::string& svg, const SceneFrame& frame, const Placement& placement, double width, double opacity) {
   svg += "<g opacity=\"" + plain_number(std::round(opacity * 100) / 100) + "\">\n";

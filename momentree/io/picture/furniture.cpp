@@ -100,12 +100,14 @@ std::string description(const Recording& run) {
   text += run.frames.size() == 1 ? "1 frame" : std::to_string(run.frames.size()) + " frames";
   if (run.frames.size() > 1)
     text += " " + plain_number(run.every) + " s apart, until " + plain_number(run.frames.back().time) + " s";
-  return text + (run.frames.size() > 1 ? "; later ones are stronger" : "");
+  return text;
 }
 
-double append_header(std::string& svg, const Recording& run, const Scene& scene, const Page& page) {
+double append_header(std::string& svg, const Recording& run, const Scene& scene, bool faded, const Page& page) {
   svg += svg_words(shortened(run.title, 80), {page.margin, 42}, {.size = 20, .colour = strong, .bold = true});
-  svg += svg_words(description(run) + "; seen along " + shown_numbers(scene.view.look), {page.margin, 65}, {.colour = pale});
+  const char* fading = faded && run.frames.size() > 1 ? "; later ones are stronger" : "";
+  svg += svg_words(description(run) + fading + "; seen along " + shown_numbers(scene.view.look), {page.margin, 65},
+                   {.colour = pale});
   Row mechanisms(page, 92);
   append_mechanisms(svg, run, mechanisms);
   if (scene.events.empty()) return mechanisms.bottom();

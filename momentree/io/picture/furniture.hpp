@@ -28,8 +28,8 @@ struct Page {
   double width, margin;
 };
 
-/// Title, what is shown, colours of the mechanisms, events. Returns where it ends.
-double append_header(std::string& svg, const Recording& run, const Scene& scene, const Page& page);
+/// Title, what is shown, colours of the mechanisms, events. `faded`: early frames are paler. Returns where it ends.
+double append_header(std::string& svg, const Recording& run, const Scene& scene, bool faded, const Page& page);
 
 /// The world's axes as the view shows them, about `at`.
 void append_axes(std::string& svg, const View& view, const Point2& at);

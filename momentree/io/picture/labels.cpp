@@ -39,7 +39,7 @@ std::optional<Rect> LabelPlacer::place(const Point2& anchor, const Point2& away,
   const double towards = std::atan2(away.y, away.x);
   std::optional<Rect> best;
   double best_cost = 1e9;
-  for (const double gap : {4.0, 9.0, 16.0, 26.0, 40.0}) {
+  for (const double gap : {4.0, 9.0, 16.0, 26.0}) {
     for (int k = 0; k < directions; ++k) {
       const double turn = std::numbers::pi * (k % 2 == 0 ? k / 2 : -(k + 1) / 2) / (directions / 2);
       const double ux = std::cos(towards + turn), uy = std::sin(towards + turn);
@@ -49,7 +49,9 @@ std::optional<Rect> LabelPlacer::place(const Point2& anchor, const Point2& away,
       const bool inside = box.x >= picture_.x && box.y >= picture_.y && box.x + width <= picture_.x + picture_.width &&
                           box.y + height <= picture_.y + picture_.height;
       if (!inside || std::any_of(boxes_.begin(), boxes_.end(), [&](const Rect& r) { return r.meets(box); })) continue;
-      const double cost = 6.0 * ink(box) + gap + 4 * std::abs(turn);
+      const double crossed = ink(box);
+      if (crossed * cell_ * cell_ > 0.5 * width * height) continue;  // no one could read it
+      const double cost = 6.0 * crossed + gap + 4 * std::abs(turn);
       if (cost < best_cost) best_cost = cost, best = box;
     }
   }

@@ -41,14 +41,18 @@ const std::string header_of_two =
 
 std::string row(double time, double x) { return std::to_string(time) + ",0,0,0,1,0,0,0," + std::to_string(x) + ",0,0,1,0,0,0\n"; }
 
-const std::string joints_of_two =
-    R"({"a/1":{"kind":"revolute","parent":null,"child":"a/1","at":{"xyz":[0,0,0],"quat":[1,0,0,0]},"child_at":{"xyz":[0,0,0],"quat":[1,0,0,0]}},)"
-    R"("a/pin":{"kind":"revolute","parent":"a/1","child":"a/2","at":{"xyz":[1,0,0],"quat":[1,0,0,0]},"child_at":{"xyz":[0,0,0],"quat":[1,0,0,0]}}})";
+const std::string joints_of_two = R"({
+  "a/1": {"kind": "revolute", "parent": null, "child": "a/1",
+    "at": {"xyz": [0, 0, 0], "quat": [1, 0, 0, 0]}, "child_at": {"xyz": [0, 0, 0], "quat": [1, 0, 0, 0]}},
+  "a/pin": {"kind": "revolute", "parent": "a/1", "child": "a/2",
+    "at": {"xyz": [1, 0, 0], "quat": [1, 0, 0, 0]}, "child_at": {"xyz": [0, 0, 0], "quat": [1, 0, 0, 0]}}})";
 
 std::string model_of_two(const std::string& title) {
-  return R"({"format":1,"title":")" + title +
-         R"(","gravity":[0,-9.81,0],"mechanisms":[{"name":"a","root":"a/1","bodies":["a/1","a/2"]}],)" +
-         R"("bodies":{"a/1":{"extent":[[[0,0,0],[1,0,0]]],"shape":null},"a/2":{"extent":[[[0,0,0],[1,0,0]]],"shape":null}},"joints":)" +
+  return R"({"format": 1, "title": ")" + title + R"(", "gravity": [0, -9.81, 0],
+    "mechanisms": [{"name": "a", "root": "a/1", "bodies": ["a/1", "a/2"]}],
+    "bodies": {"a/1": {"extent": [[[0, 0, 0], [1, 0, 0]]], "shape": null},
+               "a/2": {"extent": [[[0, 0, 0], [1, 0, 0]]], "shape": null}},
+    "joints": )" +
          joints_of_two + "}";
 }
 

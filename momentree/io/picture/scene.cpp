@@ -11,29 +11,48 @@ bool slides(const std::string& kind) {
   return kind == "prismatic" || kind == "helical" || kind == "cylindrical" || kind == "planar";
 }
 
-/// Corners of a shape in its own axes: their hull, `radius` wider, is its outline in any view.
-std::vector<Vec3> corners(const Shape& shape, double& radius) {
+/// A part of a shape's outline: the hull of the points, `radius` wider. Flat parts have a normal, and are seen from outside
+/// alone.
+struct Patch {
   std::vector<Vec3> points;
-  radius = 0;
-  if (shape.kind == Shape::Kind::box) {
-    for (const double x : {-0.5, 0.5})
-      for (const double y : {-0.5, 0.5})
-        for (const double z : {-0.5, 0.5}) points.push_back({x * shape.size.x, y * shape.size.y, z * shape.size.z});
-  } else if (shape.kind == Shape::Kind::sphere) {
-    radius = shape.radius;
-    points = {{0, 0, 0}};
-  } else if (shape.kind == Shape::Kind::capsule) {
-    radius = shape.radius;
-    points = {{0, 0, -0.5 * shape.length}, {0, 0, 0.5 * shape.length}};
-  } else if (shape.kind == Shape::Kind::cylinder) {
-    constexpr int around = 24;
-    for (int k = 0; k < around; ++k) {
-      const double a = 2 * std::numbers::pi * k / around, x = shape.radius * std::cos(a), y = shape.radius * std::sin(a);
-      points.push_back({x, y, -0.5 * shape.length});
-      points.push_back({x, y, 0.5 * shape.length});
+  double radius = 0;
+  Vec3 normal{};
+};
+
+void add_box(const Vec3& size, std::vector<Patch>& patches) {
+  const Vec3 half = 0.5 * size;
+  const Vec3 axes[3] = {{half.x, 0, 0}, {0, half.y, 0}, {0, 0, half.z}};
+  for (std::size_t k = 0; k < 3; ++k)
+    for (const double side : {-1.0, 1.0}) {
+      const Vec3 centre = side * axes[k], &u = axes[(k + 1) % 3], &v = axes[(k + 2) % 3];
+      patches.push_back({{centre - u - v, centre + u - v, centre + u + v, centre - u + v}, 0, centre});
     }
+}
+
+void add_cylinder(double radius, double length, std::vector<Patch>& patches) {
+  constexpr int around = 32;
+  Patch side, caps[2];
+  for (const int end : {0, 1}) {
+    const double z = (end - 0.5) * length;
+    caps[end].normal = {0, 0, z};
+    for (int k = 0; k < around; ++k) {
+      const double a = 2 * std::numbers::pi * k / around;
+      caps[end].points.push_back({radius * std::cos(a), radius * std::sin(a), z});
+    }
+    side.points.insert(side.points.end(), caps[end].points.begin(), caps[end].points.end());
   }
-  return points;
+  patches.insert(patches.end(), {side, caps[0], caps[1]});
+}
+
+/// The parts of a shape, in its own axes. None for a mesh: that is not drawn.
+std::vector<Patch> patches_of(const Shape& shape) {
+  std::vector<Patch> patches;
+  const double half = 0.5 * shape.length;
+  if (shape.kind == Shape::Kind::box) add_box(shape.size, patches);
+  if (shape.kind == Shape::Kind::sphere) patches.push_back({{{0, 0, 0}}, shape.radius});
+  if (shape.kind == Shape::Kind::capsule) patches.push_back({{{0, 0, -half}, {0, 0, half}}, shape.radius});
+  if (shape.kind == Shape::Kind::cylinder) add_cylinder(shape.radius, shape.length, patches);
+  return patches;
 }
 
 double distance(const Point2& a, const Point2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
@@ -70,11 +89,15 @@ class FrameBuilder {
   void add_body(std::size_t b) {
     const RecordedBody& body = run_.bodies[b];
     const Pose& pose = frame_.poses[b];
-    double radius = 0;
-    std::vector<Vec3> outline = corners(body.shape, radius);
-    for (Vec3& p : outline) p = pose * (body.shape.at * p);
-    const bool shaped = !outline.empty();
-    if (shaped) add(Primitive::Kind::area, b, outline, radius, body.shape.colour);
+    const std::vector<Patch> patches = patches_of(body.shape);
+    const Pose placed = pose * body.shape.at;
+    for (Patch patch : patches) {
+      const Vec3 normal = placed * patch.normal - placed.position;
+      if (dot(normal, view_.look) > 0) continue;  // on the far side
+      for (Vec3& p : patch.points) p = placed * p;
+      add(Primitive::Kind::area, b, patch.points, patch.radius, body.shape.colour);
+    }
+    const bool shaped = !patches.empty();
     for (const auto& [from, to] : body.extent) add(Primitive::Kind::line, b, {pose * from, pose * to});
     if (body.extent.empty() && !shaped) add(Primitive::Kind::dot, b, {pose * body.child_at});
     if (!phase_.joined[b]) return;
@@ -130,8 +153,8 @@ std::vector<Vec3> drawn_points(const Recording& run) {
     for (std::size_t b = 0; b < run.bodies.size(); ++b) {
       points.push_back(frame.poses[b].position);
       for (const auto& [from, to] : run.bodies[b].extent) points.push_back(frame.poses[b] * to);
-      double radius = 0;
-      for (const Vec3& p : corners(run.bodies[b].shape, radius)) points.push_back(frame.poses[b] * (run.bodies[b].shape.at * p));
+      for (const Patch& patch : patches_of(run.bodies[b].shape))
+        for (const Vec3& p : patch.points) points.push_back(frame.poses[b] * (run.bodies[b].shape.at * p));
     }
   return points;
 }
@@ -141,8 +164,10 @@ Scene build_scene(const Recording& run, const View& view) {
   scene.view = view;
   for (const RecordedFrame& frame : run.frames) scene.frames.push_back(FrameBuilder(run, frame, view).build());
   for (const SceneFrame& frame : scene.frames)
-    for (const Primitive& p : frame.primitives)
+    for (const Primitive& p : frame.primitives) {
       for (const Point2& at : p.points) scene.bounds.add(at, p.radius);
+      scene.has_areas = scene.has_areas || p.kind == Primitive::Kind::area;
+    }
   for (std::size_t b = 0; b < run.bodies.size(); ++b) {
     const RecordedBody& body = run.bodies[b];
     if (body.parent >= 0 || body.kind == "free" || body.kind.empty()) continue;

@@ -90,6 +90,20 @@ std::string mechanism_colour(std::size_t n) {
   return colours[n % colours.size()];
 }
 
+std::string tint(const std::string& colour, double strength) {
+  if (colour.size() != 7 || colour[0] != '#') return colour;
+  std::string mixed = "#";
+  for (std::size_t k = 1; k < 7; k += 2) {
+    unsigned part = 0;
+    const auto [stop, error] = std::from_chars(colour.data() + k, colour.data() + k + 2, part, 16);
+    if (error != std::errc{} || stop != colour.data() + k + 2) return colour;
+    const auto value = static_cast<unsigned>(std::lround(255 - strength * (255 - part)));
+    mixed += "0123456789abcdef"[value / 16];
+    mixed += "0123456789abcdef"[value % 16];
+  }
+  return mixed;
+}
+
 std::string safe_colour(const std::string& colour, const std::string& otherwise) {
   const auto good = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '#'; };
   return !colour.empty() && colour.size() <= 32 && std::all_of(colour.begin(), colour.end(), good) ? colour : otherwise;

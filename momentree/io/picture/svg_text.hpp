@@ -29,6 +29,9 @@ double text_width(std::string_view text, double font_size);
 /// Colour of the n-th mechanism: told apart also by the colour-blind; they repeat after eight.
 std::string mechanism_colour(std::size_t n);
 
+/// "#rrggbb" mixed with white; 1: the colour itself. Colours in words are left as they are.
+std::string tint(const std::string& colour, double strength);
+
 /// The colour if it is one that SVG may be given ("#rrggbb", a name), else the other.
 std::string safe_colour(const std::string& colour, const std::string& otherwise);
 

@@ -49,6 +49,14 @@ TEST_CASE("eight mechanisms have eight colours") {
   CHECK(mechanism_colour(8) == mechanism_colour(0));
 }
 
+TEST_CASE("a tint lies between white and the colour") {
+  CHECK(tint("#204060", 1) == "#204060");
+  CHECK(tint("#204060", 0) == "#ffffff");
+  CHECK(tint("#000000", 0.5) == "#808080");
+  CHECK(tint("red", 0.5) == "red");
+  CHECK(tint("#zzzzzz", 0.5) == "#zzzzzz");
+}
+
 TEST_CASE("a colour that could break out of its attribute is not used") {
   CHECK(safe_colour("#ff8800", "red") == "#ff8800");
   CHECK(safe_colour("orange", "red") == "orange");

@@ -1,0 +1,270 @@
+// Calls the built program as a user would: exit codes, files, messages.
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include <momentree/io/json_document.hpp>
+#include <momentree/io/test_support.hpp>
+#include <momentree/io/text_file.hpp>
+
+namespace momentree {
+namespace {
+
+namespace fs = std::filesystem;
+using io::test::TemporaryFolder;
+
+struct Outcome {
+  int code = -1;
+  std::string output, errors;
+  bool says(const char* words) const { return (output + errors).find(words) != std::string::npos; }
+};
+
+const char* const chain = R"(format = 1
+title = "Short chain"
+[world]
+gravity = [0, -9.81, 0]
+[[mechanism]]
+name = "chain"
+[mechanism.chain]
+links = 8
+length = "5 cm"
+mass = "10 g"
+inertia = "20.83 g cm^2"
+axis = [0, 0, 1]
+damping = "1e-5 N m s"
+angle = "0.2 rad"
+[[event]]
+name = "snap"
+at = "0.1 s"
+break = "chain/4"
+[integrate]
+step = "1 ms"
+until = "0.3 s"
+[output]
+every = "20 ms"
+)";
+
+/// A folder with a scenario in it, and the program called there.
+class Workplace {
+ public:
+  explicit Workplace(const std::string& scenario = chain) { io::write_text_file(folder_ / "s.toml", scenario); }
+
+  Outcome call(const std::string& arguments) const {
+    const std::string out = folder_ / "stdout", err = folder_ / "stderr";
+    const std::string line =
+        "cd '" + (folder_ / "") + "' && '" MOMENTREE_PROGRAM "' " + arguments + " >'" + out + "' 2>'" + err + "'";
+    const int status = std::system(line.c_str());
+    Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, io::read_text_file(out), io::read_text_file(err)};
+    fs::remove(out);
+    fs::remove(err);
+    return outcome;
+  }
+  std::string path(const char* name) const { return folder_ / name; }
+  std::string text(const char* name) const { return io::read_text_file(folder_ / name); }
+  bool has(const char* name) const { return fs::exists(folder_ / name); }
+  std::size_t files() const { return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_ / ""), {})); }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  const std::size_t at = text.find(what);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, what.size(), with);
+}
+
+long lines(const std::string& text) { return std::ranges::count(text, '\n'); }
+
+TEST_CASE("run writes its files and reports") {
+  const Workplace here;
+  const Outcome run = here.call("run s.toml");
+  CHECK(run.code == 0);
+  CHECK(run.errors == "");
+  for (const char* words : {"Short chain", "simulation before the change", "topology change", "0.1 s  snap", "break chain/4",
+                            "chain  →  chain, chain/4", "Energy balance", "results/s"})
+    CHECK_MESSAGE(run.says(words), words);
+  for (const char* file : {"bodies.csv", "joints.csv", "events.jsonl", "final.json", "summary.json", "model.json"})
+    CHECK_MESSAGE(here.has((std::string("results/s/") + file).c_str()), file);
+  CHECK_FALSE(here.has("results/s.partial"));
+  CHECK(lines(here.text("results/s/bodies.csv")) == 17);
+  CHECK(lines(here.text("results/s/joints.csv")) == 17);
+  CHECK(lines(here.text("results/s/events.jsonl")) == 1);
+  const io::JsonDocument summary = io::parse_json(here.text("results/s/summary.json"), "summary.json");
+  CHECK(summary.root.find("status")->text == "done");
+  CHECK(summary.root.find("steps")->number == 300);
+  CHECK(here.text("results/s/joints.csv").find("chain/4.q6") != std::string::npos);
+}
+
+TEST_CASE("run --quiet and --json, --out, --set and --until") {
+  const Workplace here;
+  const Outcome quiet = here.call("run s.toml --out a/b --quiet");
+  CHECK(quiet.code == 0);
+  CHECK(quiet.output + quiet.errors == "");
+  CHECK(here.has("a/b/final.json"));
+  const Outcome json = here.call("run s.toml --json --until 0.2 --set integrate.step=2e-3 --set mechanism.chain.chain.links=9");
+  CHECK(json.code == 0);
+  CHECK(json.errors == "");
+  CHECK(json.output == here.text("results/s/summary.json"));
+  const io::JsonDocument summary = io::parse_json(json.output, "stdout");
+  CHECK(summary.root.find("steps")->number == 100);
+  CHECK(summary.root.find("scenario")->find("overrides")->items.size() == 3);
+  CHECK(here.text("results/s/bodies.csv").find("chain/9.x") != std::string::npos);
+}
+
+TEST_CASE("final.json comes back through evaluate --state, bit for bit") {
+  const Workplace here;
+  REQUIRE(here.call("run s.toml --out r").code == 0);
+  const Outcome again = here.call("evaluate s.toml --state r/final.json --json");
+  CHECK(again.code == 0);
+  CHECK(again.output == here.text("r/final.json"));
+}
+
+TEST_CASE("a run that starts from a state ends where the whole run ends") {
+  const Workplace here;
+  REQUIRE(here.call("run s.toml --out half --until 0.16").code == 0);
+  REQUIRE(here.call("run s.toml --out whole").code == 0);
+  io::write_text_file(here.path("t.toml"), replaced(chain, "format = 1", "format = 1\nstate = \"half/final.json\""));
+  const Outcome rest = here.call("run t.toml --out rest");
+  CHECK(rest.code == 0);
+  CHECK(here.text("rest/final.json") == here.text("whole/final.json"));
+  CHECK(here.text("rest/events.jsonl") == "");
+}
+
+TEST_CASE("a run that diverges is kept, and says which joint and when") {
+  const Workplace here;
+  const Outcome run = here.call("run s.toml --set integrate.step=0.02 --set mechanism.chain.chain.damping=1");
+  CHECK(run.code == 1);
+  CHECK(run.errors.find("s.toml: error: diverged at t = ") != std::string::npos);
+  CHECK(run.errors.find("joint 'chain/") != std::string::npos);
+  CHECK(run.errors.find("results/s.partial") != std::string::npos);
+  CHECK_FALSE(here.has("results/s"));
+  CHECK(here.text("results/s.partial/summary.json").find("\"status\": \"diverged at t = ") != std::string::npos);
+  CHECK(lines(here.text("results/s.partial/bodies.csv")) >= 2);
+  io::parse_json(here.text("results/s.partial/final.json"), "final.json");
+}
+
+TEST_CASE("an interrupted run is kept") {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Workplace here;
+    const std::string scenario = here.path("s.toml"), out = here.path("r");
+    const pid_t child = fork();
+    if (child == 0) {
+      if (std::freopen("/dev/null", "w", stderr) == nullptr) _exit(126);
+      execl(MOMENTREE_PROGRAM, "momentree", "run", scenario.c_str(), "--out", out.c_str(), "--quiet", "--until", "1e6", nullptr);
+      _exit(127);
+    }
+    // It listens from before the first row on: rows are written out once there are many.
+    for (int i = 0; i < 1000 && !(here.has("r.partial/bodies.csv") && fs::file_size(here.path("r.partial/bodies.csv")) > 100000);
+         ++i)
+      usleep(10000);
+    kill(child, signal);
+    int status = 0;
+    waitpid(child, &status, 0);
+    CHECK(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == 3);
+    CHECK_FALSE(here.has("r"));
+    CHECK(here.text("r.partial/summary.json").find("\"status\": \"interrupted at t = ") != std::string::npos);
+    const std::string rows = here.text("r.partial/bodies.csv");
+    CHECK(rows.ends_with('\n'));
+    const std::string last = rows.substr(rows.rfind('\n', rows.size() - 2) + 1);
+    CHECK(std::ranges::count(last, ',') == 56);
+  }
+}
+
+TEST_CASE("bad input: exit 2, the line, nothing written") {
+  const std::array<std::pair<const char*, const char*>, 4> mistakes = {{{"until = \"0.3 s\"", "until = \"0.3 m\""},
+                                                                        {"break = \"chain/4\"", "break = \"chain/44\""},
+                                                                        {"links = 8", "lnks = 8"},
+                                                                        {"step = \"1 ms\"", "step = 0"}}};
+  for (const auto& [good, bad] : mistakes) {
+    const Workplace here(replaced(chain, good, bad));
+    const std::string before = std::string(chain).substr(0, std::string(chain).find(good));
+    const std::string place = "s.toml:" + std::to_string(lines(before) + 1) + ":";
+    for (const char* command : {"run", "check", "evaluate", "explain"}) {
+      const Outcome outcome = here.call(command + std::string(" s.toml"));
+      CHECK(outcome.code == 2);
+      CHECK_MESSAGE(outcome.says(place.c_str()), (outcome.output + outcome.errors));
+    }
+    CHECK(here.files() == 1);
+  }
+}
+
+TEST_CASE("results that can't be written: exit 2 before the run") {
+  const Workplace here;
+  fs::create_directory(here.path("mine"));
+  io::write_text_file(here.path("mine/notes.txt"), "x");
+  CHECK(here.call("run s.toml --out mine").code == 2);
+  CHECK(here.call("run s.toml --out s.toml").code == 2);
+  CHECK(here.call("run s.toml --out s.toml/below").code == 2);
+  CHECK(here.text("mine/notes.txt") == "x");
+  CHECK(here.files() == 2);
+}
+
+TEST_CASE("usage") {
+  const Workplace here;
+  CHECK(here.call("--version").output.starts_with("momentree "));
+  CHECK(here.call("--version").code == 0);
+  CHECK(here.call("--help").code == 0);
+  CHECK(here.call("run --help").says("--until"));
+  const auto refused = [&](const char* arguments, const char* words) {
+    const Outcome outcome = here.call(arguments);
+    CHECK_MESSAGE(outcome.code == 2, arguments);
+    CHECK_MESSAGE(outcome.errors.find(words) != std::string::npos, outcome.errors);
+    CHECK(outcome.output == "");
+  };
+  refused("", "no command");
+  refused("rn s.toml", "did you mean 'run'?");
+  refused("run s.toml --untl 1", "did you mean '--until'?");
+  refused("run --untl 1 s.toml", "did you mean '--until'?");
+  refused("run", "required");
+  refused("run none.toml", "none.toml");
+  refused("run robot.urdf", "not supported yet");
+  refused("run s.toml --report", "--report");
+  refused("run s.toml --format hdf5", "not supported yet");
+  refused("run s.toml --format cvs", "unknown format");
+  refused("view s.toml", "--svg");
+  for (const char* later : {"convert a.urdf -o b.toml", "compile a.urdf -o k.cpp", "sweep s.toml --jobs 3", "bench --json"})
+    refused(later, "not supported yet");
+  CHECK(here.files() == 1);
+}
+
+TEST_CASE("check, explain, evaluate, view") {
+  const Workplace here;
+  const Outcome check = here.call("check s.toml none.toml");
+  CHECK(check.code == 2);
+  CHECK(check.says("s.toml: ok: 1 mechanism, 8 bodies, 8 degrees of freedom, 1 event"));
+  CHECK(check.says("none.toml"));
+  CHECK(here.call("check s.toml").code == 0);
+  const Outcome explain = here.call("explain s.toml");
+  CHECK(explain.code == 0);
+  CHECK(explain.says("└─ chain/2 … chain/8"));
+  CHECK(explain.says("7 × revolute about z, 10 g each"));
+  CHECK(explain.says("at 0.1 s: break chain/4"));
+  const Outcome evaluate = here.call("evaluate s.toml");
+  CHECK(evaluate.code == 0);
+  CHECK(evaluate.says("chain/8"));
+  REQUIRE(here.call("run s.toml --out r").code == 0);
+  CHECK(here.call("view r --svg r.svg --every 0.1 --look 0,0,-1").code == 0);
+  CHECK(here.text("r.svg").find("<svg") != std::string::npos);
+  CHECK(here.call("view r --svg r.svg --look 0,0").code == 2);
+  CHECK(here.call("view s.toml --svg s.svg --every 0.1 --look 0,0,-1").code == 0);
+  CHECK(here.text("s.svg") == here.text("r.svg"));
+  CHECK_FALSE(here.has("results"));
+}
+
+TEST_CASE("a full standard output is noticed") {
+  if (!fs::exists("/dev/full")) return;
+  const Workplace here;
+  CHECK(std::system(("'" MOMENTREE_PROGRAM "' explain '" + here.path("s.toml") + "' >/dev/full 2>/dev/null").c_str()) != 0);
+}
+
+}  // namespace
+}  // namespace momentree

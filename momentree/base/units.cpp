@@ -1,0 +1,303 @@
+#include <momentree/base/units.hpp>
+
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include <momentree/base/error.hpp>
+
+namespace momentree {
+
+namespace {
+
+using namespace dimension;
+
+// factor · 10^decade: powers of ten are kept apart, so that they are applied once and exactly rounded.
+struct Unit {
+  const char* name;
+  Dimension dimension;
+  double factor;
+  int decade;
+};
+
+constexpr double pi = 3.14159265358979323846;
+constexpr Unit units[] = {
+    {"m", length, 1, 0},
+    {"km", length, 1, 3},
+    {"cm", length, 1, -2},
+    {"mm", length, 1, -3},
+    {"dm", length, 1, -1},
+    {"um", length, 1, -6},
+    {"µm", length, 1, -6},
+    {"nm", length, 1, -9},
+    {"in", length, 254, -4},
+    {"ft", length, 3048, -4},
+    {"kg", mass, 1, 0},
+    {"g", mass, 1, -3},
+    {"mg", mass, 1, -6},
+    {"t", mass, 1, 3},
+    {"lb", mass, 45359237, -8},
+    {"s", time, 1, 0},
+    {"ms", time, 1, -3},
+    {"us", time, 1, -6},
+    {"µs", time, 1, -6},
+    {"ns", time, 1, -9},
+    {"min", time, 60, 0},
+    {"h", time, 3600, 0},
+    {"rad", angle, 1, 0},
+    {"mrad", angle, 1, -3},
+    {"deg", angle, pi / 180, 0},
+    {"rev", angle, 2 * pi, 0},
+    {"N", force, 1, 0},
+    {"mN", force, 1, -3},
+    {"uN", force, 1, -6},
+    {"kN", force, 1, 3},
+    {"MN", force, 1, 6},
+    {"J", torque, 1, 0},
+    {"mJ", torque, 1, -3},
+    {"kJ", torque, 1, 3},
+    {"W", torque / time, 1, 0},
+    {"kW", torque / time, 1, 3},
+    {"Pa", force / (length * length), 1, 0},
+    {"rpm", angular_speed, 2 * pi / 60, 0},
+};
+
+// What people write for a unit, and no slip of the finger would explain.
+struct Habit {
+  const char *written, *meant;
+};
+constexpr Habit habits[] = {
+    {"°", "deg"},     {"degree", "deg"},  {"degrees", "deg"},
+    {"º", "deg"},     {"radian", "rad"},  {"radians", "rad"},
+    {"meter", "m"},   {"meters", "m"},    {"metre", "m"},
+    {"metres", "m"},  {"M", "m"},         {"second", "s"},
+    {"seconds", "s"}, {"sec", "s"},       {"S", "s"},
+    {"gram", "g"},    {"grams", "g"},     {"G", "g"},
+    {"gr", "g"},      {"kilogram", "kg"}, {"kilograms", "kg"},
+    {"KG", "kg"},     {"Kg", "kg"},       {"newton", "N"},
+    {"n", "N"},       {"Newton", "N"},    {"Nm", "N m"},
+    {"Nms", "N m s"}, {"Nmm", "N mm"},    {"mNm", "mN m"},
+    {"kgm", "kg m"},  {"kgm2", "kg m^2"}, {"gcm2", "g cm^2"},
+    {"hr", "h"},      {"hours", "h"},     {"minutes", "min"},
+    {"inch", "in"},   {"inches", "in"},   {"Hz", "rad/s or rpm"},
+    {"turn", "rev"},  {"turns", "rev"},   {"lbs", "lb"},
+    {"m2", "m^2"},    {"cm2", "cm^2"},    {"mm2", "mm^2"},
+    {"s2", "s^2"},    {"m²", "m^2"},      {"s²", "s^2"},
+};
+
+const Unit* find_unit(std::string_view name) {
+  for (const Unit& unit : units)
+    if (name == unit.name) return &unit;
+  return nullptr;
+}
+
+std::string suggestion(std::string_view name) {
+  for (const Habit& habit : habits)
+    if (name == habit.written) return "write " + std::string(habit.meant);
+  const std::size_t digit = name.find_first_of("0123456789");
+  if (digit != std::string_view::npos && digit > 0 && find_unit(name.substr(0, digit)))
+    return "powers are written with ^: " + std::string(name.substr(0, digit)) + "^" + std::string(name.substr(digit));
+  std::vector<std::string> known;
+  for (const Unit& unit : units) known.emplace_back(unit.name);
+  // Of a name of one or two letters everything is near.
+  const std::string best = name.size() > 2 ? nearest(name, known) : std::string{};
+  return best.empty() ? "units are SI and its multiples: m, cm, mm, kg, g, s, ms, rad, deg, N, J …"
+                      : "did you mean '" + best + "'?";
+}
+
+class Parser {
+ public:
+  explicit Parser(std::string_view text) : rest_(text) { skip_space(); }
+
+  bool number(double& value, QuantityProblem& problem);
+  bool unit_product(Dimension& dimension, double& factor, int& decade, bool& any, QuantityProblem& problem);
+
+ private:
+  void skip_space() {
+    while (!rest_.empty() && (rest_.front() == ' ' || rest_.front() == '\t')) rest_.remove_prefix(1);
+  }
+  static bool ends_unit(char c) { return c == ' ' || c == '\t' || c == '*' || c == '/' || c == '^'; }
+  bool power(int& n, QuantityProblem& problem);
+
+  std::string_view rest_;
+};
+
+bool Parser::number(double& value, QuantityProblem& problem) {
+  const std::string_view all = rest_;
+  const bool plus = !rest_.empty() && rest_.front() == '+';
+  if (plus) rest_.remove_prefix(1);
+  const std::size_t first = !rest_.empty() && rest_.front() == '-' && !plus ? 1 : 0;
+  const bool digits = rest_.size() > first && ((rest_[first] >= '0' && rest_[first] <= '9') || rest_[first] == '.');
+  std::from_chars_result read{};
+  if (digits) read = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);  // reads the same in every locale
+  if (!digits || read.ec == std::errc::invalid_argument) {
+    problem = {"'" + std::string(all) + "' does not begin with a number", "for example \"1.5 kg\""};
+    return false;
+  }
+  if (read.ec == std::errc::result_out_of_range) {
+    problem = {"'" + std::string(all) + "' is outside the range of numbers", ""};
+    return false;
+  }
+  rest_.remove_prefix(static_cast<std::size_t>(read.ptr - rest_.data()));
+  if (rest_.empty() || rest_.front() == ' ' || rest_.front() == '\t') {
+    skip_space();
+    return true;
+  }
+  const std::string written(all.substr(0, all.size() - rest_.size()));
+  if (rest_.front() == ',')
+    problem = {"'" + std::string(all) + "' has a comma in its number", "the decimal sign is a point"};
+  else
+    problem = {"'" + std::string(all) + "' runs number and unit together",
+               "write \"" + written + " " + std::string(rest_) + "\""};
+  return false;
+}
+
+bool Parser::power(int& n, QuantityProblem& problem) {
+  n = 1;
+  if (rest_.empty() || rest_.front() != '^') return true;
+  rest_.remove_prefix(1);
+  const auto read = std::from_chars(rest_.data(), rest_.data() + rest_.size(), n);
+  const std::size_t length_read = static_cast<std::size_t>(read.ptr - rest_.data());
+  if (read.ec != std::errc{} || n == 0 || n < -9 || n > 9 || (length_read < rest_.size() && !ends_unit(rest_[length_read]))) {
+    problem = {"a power is a whole number from -9 to 9", "for example \"cm^2\""};
+    return false;
+  }
+  rest_.remove_prefix(length_read);
+  return true;
+}
+
+bool Parser::unit_product(Dimension& dimension, double& factor, int& decade, bool& any, QuantityProblem& problem) {
+  int side = 1;
+  bool expects_unit = false;
+  while (true) {
+    skip_space();
+    if (rest_.empty()) break;
+    if (rest_.front() == '*' || rest_.front() == '/') {
+      if (rest_.front() == '/' && side < 0) {
+        problem = {"more than one '/' in a unit", "one '/': all that follows it divides, as in \"kg/m s^2\""};
+        return false;
+      }
+      if (expects_unit || (rest_.front() == '*' && !any)) break;
+      if (rest_.front() == '/') side = -1;
+      rest_.remove_prefix(1);
+      expects_unit = true;
+      continue;
+    }
+    std::size_t end = 0;
+    while (end < rest_.size() && !ends_unit(rest_[end])) ++end;
+    const std::string_view name = rest_.substr(0, end);
+    if (name.empty()) break;
+    rest_.remove_prefix(end);
+    int n = 1;
+    if (!power(n, problem)) return false;
+    if (name == "1" && !any && side > 0) continue;  // "1/s"
+    const Unit* unit = find_unit(name);
+    if (!unit) {
+      problem = {"unknown unit '" + std::string(name) + "'", suggestion(name)};
+      return false;
+    }
+    n *= side;
+    for (int i = 0; i < std::abs(n); ++i) dimension = n > 0 ? dimension * unit->dimension : dimension / unit->dimension;
+    factor *= std::pow(unit->factor, n);
+    decade += n * unit->decade;
+    any = true;
+    expects_unit = false;
+    if (std::abs(decade) > 200 || std::abs(dimension.m) + std::abs(dimension.kg) + std::abs(dimension.s) > 90) {
+      problem = {"the unit is beyond reason", ""};
+      return false;
+    }
+  }
+  if (rest_.empty() && !expects_unit) return true;
+  problem = {"a unit is missing", "units are joined by a space, '*' or one '/', as in \"N m s\" or \"m/s^2\""};
+  return false;
+}
+
+// x · 10^n with one rounding wherever 10^|n| is exact.
+double scaled(double x, int n) {
+  constexpr int exact = 22;
+  for (; n > exact; n -= exact) x *= 1e22;
+  for (; n < -exact; n += exact) x /= 1e22;
+  static constexpr double powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                      1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+  return n < 0 ? x / powers[-n] : x * powers[n];
+}
+
+bool agrees(const Dimension& given, const Dimension& expected) {
+  if (given == expected) return true;
+  Dimension without_radians = expected;
+  without_radians.rad = 0;
+  return expected.kg != 0 && given == without_radians;
+}
+
+void append_power(std::string& text, const char* unit, int n) {
+  if (n == 0) return;
+  if (!text.empty()) text += ' ';
+  text += unit;
+  if (n != 1) text += "^" + std::to_string(n);
+}
+
+}  // namespace
+
+std::string name_of(const Dimension& d) {
+  struct Named {
+    Dimension dimension;
+    const char* name;
+  };
+  static constexpr Named named[] = {
+      {number, "a number without unit"},
+      {length, "a length (m)"},
+      {mass, "a mass (kg)"},
+      {time, "a time (s)"},
+      {angle, "an angle (rad)"},
+      {speed, "a speed (m/s)"},
+      {angular_speed, "an angular speed (rad/s)"},
+      {acceleration, "an acceleration (m/s^2)"},
+      {inertia, "a moment of inertia (kg m^2)"},
+      {force, "a force (N)"},
+      {torque, "a torque (N m)"},
+      {torque / angular_speed, "a rotational damping (N m s/rad)"},
+      {force / speed, "a damping (N s/m)"},
+      {torque / angle, "a rotational stiffness (N m/rad)"},
+      {force / length, "a stiffness (N/m)"},
+      {torque * time, "an angular momentum (N m s)"},
+      {force * time, "a momentum (N s)"},
+      {length * length, "an area (m^2)"},
+  };
+  for (const Named& n : named)
+    if (n.dimension == d) return n.name;
+  std::string text;
+  append_power(text, "kg", d.kg);
+  append_power(text, "m", d.m);
+  append_power(text, "s", d.s);
+  append_power(text, "rad", d.rad);
+  return "a quantity in " + text;
+}
+
+std::optional<double> parse_quantity(std::string_view text, const Dimension& expected, QuantityProblem& problem) {
+  if (text.size() > 200) {
+    problem = {"a number with a unit has at most 200 characters", ""};
+    return {};
+  }
+  Parser parser(text);
+  Dimension dimension;
+  double value = 0, factor = 1;
+  int decade = 0;
+  bool any = false;
+  if (!parser.number(value, problem) || !parser.unit_product(dimension, factor, decade, any, problem)) return {};
+  if (!any) {
+    problem = {"'" + std::string(text) + "' has no unit", "without quotes it is in SI; expected " + name_of(expected)};
+    return {};
+  }
+  if (!agrees(dimension, expected)) {
+    problem = {"'" + std::string(text) + "' is " + name_of(dimension) + ", not " + name_of(expected), ""};
+    return {};
+  }
+  value = scaled(value * factor, decade);
+  if (!std::isfinite(value)) {
+    problem = {"'" + std::string(text) + "' is outside the range of numbers", ""};
+    return {};
+  }
+  return value;
+}
+
+}  // namespace momentree

@@ -1,0 +1,116 @@
+#include <clocale>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <momentree/base/units.hpp>
+
+using namespace momentree;
+
+namespace {
+
+double value(std::string_view text, const Dimension& expected) {
+  QuantityProblem problem;
+  const auto read = parse_quantity(text, expected, problem);
+  INFO(problem.what, "; ", problem.hint);
+  REQUIRE(read);
+  return *read;
+}
+
+std::string refusal(std::string_view text, const Dimension& expected) {
+  QuantityProblem problem;
+  if (const auto read = parse_quantity(text, expected, problem)) return "accepted as " + std::to_string(*read);
+  return problem.what + "; " + problem.hint;
+}
+
+}  // namespace
+
+TEST_CASE("decimal units give the double nearest to the decimal value") {
+  CHECK(value("5 cm", dimension::length) == 0.05);
+  CHECK(value("10 g", dimension::mass) == 0.01);
+  CHECK(value("1 ms", dimension::time) == 0.001);
+  CHECK(value("0.1 ms", dimension::time) == 0.0001);
+  CHECK(value("1.8 s", dimension::time) == 1.8);
+  CHECK(value("20.83 g cm^2", dimension::inertia) == 20.83e-7);
+  CHECK(value("0.83 g cm^2", dimension::inertia) == 0.83e-7);
+  CHECK(value("-9.81 m/s^2", dimension::acceleration) == -9.81);
+  CHECK(value("1e-5 N m s", dimension::torque / dimension::angular_speed) == 1e-5);
+  CHECK(value("12 in", dimension::length) == value("1 ft", dimension::length));
+}
+
+TEST_CASE("units multiply by space or star, divide by one slash, and take powers") {
+  CHECK(value("2 N*m*s/rad", dimension::torque / dimension::angular_speed) == 2);
+  CHECK(value("  3\tkg  m^2 ", dimension::inertia) == 3);
+  CHECK(value("3 kg m^2 s^-2", dimension::torque) == 3);
+  CHECK(value("6 J", dimension::torque) == 6);
+  CHECK(value("4 1/s^2 * m", dimension::number / dimension::time / dimension::time / dimension::length) == 4);
+  CHECK(value("5 /s^2", Dimension{.s = -2}) == 5);
+  CHECK(value("+7 mN/mm", dimension::force / dimension::length) == 7);
+  CHECK(value("180 deg", dimension::angle) == doctest::Approx(3.14159265358979));
+  CHECK(value("60 rpm", dimension::angular_speed) == value("1 rev/s", dimension::angular_speed));
+  CHECK(value("2 µm", dimension::length) == 2e-6);
+}
+
+TEST_CASE("radians may be left out beside a mass, and only there") {
+  CHECK(value("3 N m", dimension::torque / dimension::angle) == 3);
+  CHECK(value("3 N m/rad", dimension::torque / dimension::angle) == 3);
+  CHECK(refusal("3 N m/rad", dimension::torque).find("not a torque") != std::string::npos);
+  CHECK(refusal("3 1/s", dimension::angular_speed).find("not an angular speed (rad/s)") != std::string::npos);
+  CHECK(refusal("3 rad", dimension::number).find("is an angle (rad), not a number without unit") != std::string::npos);
+}
+
+TEST_CASE("what is not a number with the right unit is refused, with what to write") {
+  struct Case {
+    const char* text;
+    Dimension expected;
+    const char* refusal;
+  };
+  const Case cases[] = {
+      {"3 m", dimension::mass, "'3 m' is a length (m), not a mass (kg); "},
+      {"3 m^5", dimension::mass, "'3 m^5' is a quantity in m^5, not a mass (kg); "},
+      {"3", dimension::mass, "'3' has no unit; without quotes it is in SI; expected a mass (kg)"},
+      {"", dimension::mass, "'' does not begin with a number; for example \"1.5 kg\""},
+      {"kg", dimension::mass, "'kg' does not begin with a number; for example \"1.5 kg\""},
+      {"nan kg", dimension::mass, "'nan kg' does not begin with a number; for example \"1.5 kg\""},
+      {"-inf kg", dimension::mass, "'-inf kg' does not begin with a number; for example \"1.5 kg\""},
+      {"+-1 kg", dimension::mass, "'+-1 kg' does not begin with a number; for example \"1.5 kg\""},
+      {"- 1 kg", dimension::mass, "'- 1 kg' does not begin with a number; for example \"1.5 kg\""},
+      {"1,5 kg", dimension::mass, "'1,5 kg' has a comma in its number; the decimal sign is a point"},
+      {"1.0kg", dimension::mass, "'1.0kg' runs number and unit together; write \"1.0 kg\""},
+      {"1e999 kg", dimension::mass, "'1e999 kg' is outside the range of numbers; "},
+      {"1e308 km", dimension::length, "'1e308 km' is outside the range of numbers; "},
+      {"0x10 kg", dimension::mass, "'0x10 kg' runs number and unit together; write \"0 x10 kg\""},
+      {"3 Nm", dimension::torque, "unknown unit 'Nm'; write N m"},
+      {"3 degrees", dimension::angle, "unknown unit 'degrees'; write deg"},
+      {"3 cm2", dimension::length, "unknown unit 'cm2'; write cm^2"},
+      {"3 um3", dimension::length, "unknown unit 'um3'; powers are written with ^: um^3"},
+      {"3 mradd", dimension::angle, "unknown unit 'mradd'; did you mean 'mrad'?"},
+      {"3 m/s/s", dimension::acceleration,
+       "more than one '/' in a unit; one '/': all that follows it divides, as in \"kg/m s^2\""},
+      {"3 m/", dimension::speed, "a unit is missing; units are joined by a space, '*' or one '/', as in \"N m s\" or \"m/s^2\""},
+      {"3 m**s", dimension::speed,
+       "a unit is missing; units are joined by a space, '*' or one '/', as in \"N m s\" or \"m/s^2\""},
+      {"3 ^2", dimension::length, "a unit is missing; units are joined by a space, '*' or one '/', as in \"N m s\" or \"m/s^2\""},
+      {"3 m^x", dimension::length, "a power is a whole number from -9 to 9; for example \"cm^2\""},
+      {"3 m^99", dimension::length, "a power is a whole number from -9 to 9; for example \"cm^2\""},
+      {"3 m^2.5", dimension::length, "a power is a whole number from -9 to 9; for example \"cm^2\""},
+  };
+  for (const Case& c : cases) {
+    CAPTURE(c.text);
+    CHECK(refusal(c.text, c.expected) == c.refusal);
+  }
+  std::string endless = "1";
+  for (int i = 0; i < 60; ++i) endless += " m";
+  CHECK(refusal(endless, dimension::length).find("not a length") != std::string::npos);
+  CHECK(refusal("1" + std::string(100'000, ' ') + "m", dimension::length).find("at most 200") != std::string::npos);
+}
+
+TEST_CASE("numbers read the same in a locale with a decimal comma") {
+  const char* before = std::setlocale(LC_ALL, nullptr);
+  const std::string keep = before ? before : "C";
+  for (const char* name : {"de_DE.UTF-8", "fr_FR.UTF-8", "C"}) {
+    if (!std::setlocale(LC_ALL, name)) continue;  // not installed everywhere
+    CHECK(value("1.5 kg", dimension::mass) == 1.5);
+  }
+  std::setlocale(LC_ALL, keep.c_str());
+}

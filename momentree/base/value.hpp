@@ -1,0 +1,79 @@
+#pragma once
+// A document as a tree of values that know where they stand: what readers of scenarios see, whatever the syntax of the file.
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace momentree {
+
+/// Where a value stands: line and column from 1 (columns count characters, not bytes) in the file, or, where `option` > 0,
+/// in the option-th override of the command line.
+struct Place {
+  int line = 0, column = 0, option = 0;
+  friend bool operator==(const Place&, const Place&) = default;
+};
+
+class Value {
+ public:
+  struct Entry;
+  using Array = std::vector<Value>;
+  using Table = std::vector<Entry>;  ///< in the order of the file
+  struct Time {};                    ///< a date or a time of day: nothing here takes one
+
+  Value() = default;
+  template <class T>
+  Value(T data, Place place_) : place(place_), data_(std::move(data)) {}
+
+  Place place;
+
+  const bool* boolean() const { return std::get_if<bool>(&data_); }
+  const std::int64_t* integer() const { return std::get_if<std::int64_t>(&data_); }
+  const double* real() const { return std::get_if<double>(&data_); }
+  const std::string* string() const { return std::get_if<std::string>(&data_); }
+  const Array* array() const { return std::get_if<Array>(&data_); }
+  const Table* table() const { return std::get_if<Table>(&data_); }
+  Array* array() { return std::get_if<Array>(&data_); }
+  Table* table() { return std::get_if<Table>(&data_); }
+  /// An array with at least one entry, all of them tables.
+  bool is_array_of_tables() const;
+  /// The entry of a table; null where there is none, or where this is no table.
+  const Entry* find(std::string_view key) const;
+  Entry* find(std::string_view key) { return const_cast<Entry*>(std::as_const(*this).find(key)); }
+  /// For messages: "a number", "a string", "a list" …
+  const char* type_name() const;
+
+ private:
+  std::variant<bool, std::int64_t, double, std::string, Array, Table, Time> data_{Table{}};
+};
+
+struct Value::Entry {
+  std::string key;
+  Place place;  ///< of the key; the value has its own
+  Value value;
+};
+
+inline const Value::Entry* Value::find(std::string_view key) const {
+  if (const Table* entries = table())
+    for (const Entry& entry : *entries)
+      if (entry.key == key) return &entry;
+  return nullptr;
+}
+
+inline bool Value::is_array_of_tables() const {
+  const Array* entries = array();
+  if (!entries || entries->empty()) return false;
+  for (const Value& entry : *entries)
+    if (!entry.table()) return false;
+  return true;
+}
+
+inline const char* Value::type_name() const {
+  static constexpr const char* names[] = {"true or false", "a number", "a number",      "a string",
+                                          "a list",        "a table",  "a date or time"};
+  return names[data_.index()];
+}
+
+}  // namespace momentree

@@ -1,0 +1,133 @@
+#include <momentree/io/diagnostic.hpp>
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace momentree::io {
+
+namespace {
+
+// What a terminal could take for a command becomes a question mark; tabs stay.
+std::string printable(std::string_view text) {
+  std::string safe(text);
+  for (char& c : safe) {
+    const auto u = static_cast<unsigned char>(c);
+    if ((u < 0x20 && c != '\t') || u == 0x7f) c = '?';
+  }
+  return safe;
+}
+
+bool continues_character(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
+
+// At most `most` characters, not cut within one.
+std::string_view shortened(std::string_view text, std::size_t most) {
+  std::size_t characters = 0, i = 0;
+  for (; i < text.size(); ++i)
+    if (!continues_character(text[i]) && ++characters > most) break;
+  return text.substr(0, i);
+}
+
+constexpr std::size_t source_width = 120;
+
+}  // namespace
+
+std::string Diagnostic::message() const {
+  std::string text = printable(file);
+  if (line > 0) text += ":" + std::to_string(line);
+  if (line > 0 && column > 0) text += ":" + std::to_string(column);
+  text += severity == Severity::error ? ": error: " : ": warning: ";
+  text += printable(what);
+  if (!hint.empty()) text += "; " + printable(hint);
+  return text;
+}
+
+std::string Diagnostic::rendered() const {
+  std::string text = message() + "\n";
+  if (source.empty() || line == 0) return text;
+  const std::string_view shown = shortened(source, source_width);
+  const std::string number = std::to_string(line), margin(std::max<std::size_t>(number.size(), 4) + 1, ' ');
+  text += std::string(margin.size() - number.size(), ' ') + number + " | " + printable(shown);
+  if (shown.size() < source.size()) text += " …";
+  text += "\n";
+  if (column < 1 || static_cast<std::size_t>(column) > source_width + 1) return text;
+  text += margin + " | ";
+  int at = 1;
+  for (std::size_t i = 0; i < shown.size() && at < column; ++i)
+    if (i + 1 == shown.size() || !continues_character(shown[i + 1])) text += shown[i] == '\t' ? '\t' : ' ', ++at;
+  return text + "^\n";
+}
+
+bool has_errors(const std::vector<Diagnostic>& diagnostics) {
+  return std::any_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.severity == Severity::error; });
+}
+
+std::string rendered(const std::vector<Diagnostic>& diagnostics) {
+  std::string text;
+  for (const Diagnostic& d : diagnostics) text += d.rendered();
+  return text;
+}
+
+Diagnostics::Diagnostics(std::string file, std::string_view text, std::vector<std::string> options)
+    : file_(std::move(file)), text_(text), options_(std::move(options)) {}
+
+std::string_view Diagnostics::line_text(int line) {
+  if (line < 1) return {};
+  if (line_starts_.empty()) {  // found once, where there is something to report
+    line_starts_.push_back(0);
+    for (std::size_t i = 0; i < text_.size(); ++i)
+      if (text_[i] == '\n') line_starts_.push_back(i + 1);
+  }
+  const auto index = static_cast<std::size_t>(line) - 1;
+  if (index >= line_starts_.size()) return {};
+  std::string_view rest = text_.substr(line_starts_[index]);
+  if (index == 0 && rest.substr(0, 3) == "\xEF\xBB\xBF") rest.remove_prefix(3);  // columns do not count a byte order mark
+  rest = rest.substr(0, rest.find('\n'));
+  if (!rest.empty() && rest.back() == '\r') rest.remove_suffix(1);
+  return rest;
+}
+
+void Diagnostics::add(Severity severity, Place place, std::string what, std::string hint) {
+  if (severity == Severity::error && errors_++ >= most) return;
+  if (severity == Severity::warning && warnings_++ >= most) return;
+  Diagnostic d{severity, file_, place.line, place.column, std::move(what), std::move(hint), {}};
+  if (place.option > 0) {
+    d.file = name_of(place);
+    d.line = d.column = 0;
+  } else {
+    d.source = line_text(place.line).substr(0, 4 * source_width + 4);
+  }
+  diagnostics_.push_back(std::move(d));
+  places_.push_back(place);
+}
+
+std::string Diagnostics::name_of(Place place) const {
+  if (place.option > 0 && static_cast<std::size_t>(place.option) <= options_.size())
+    return "--set " + std::string(shortened(options_[static_cast<std::size_t>(place.option) - 1], 80));
+  return "line " + std::to_string(place.line);
+}
+
+std::vector<Diagnostic> Diagnostics::take() {
+  std::vector<std::size_t> order(diagnostics_.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto key = [&](std::size_t i) { return std::tuple(places_[i].option, places_[i].line, places_[i].column); };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  std::vector<Diagnostic> sorted;
+  for (const std::size_t i : order) sorted.push_back(std::move(diagnostics_[i]));
+  if (errors_ > most)
+    sorted.push_back(
+        {Severity::error, file_, 0, 0, "and " + std::to_string(errors_ - most) + " errors more or as yet unseen", "", ""});
+  if (warnings_ > most)
+    sorted.push_back({Severity::warning, file_, 0, 0, "and " + std::to_string(warnings_ - most) + " warnings more", "", ""});
+  diagnostics_.clear();
+  places_.clear();
+  return sorted;
+}
+
+std::string in_quotes(std::string_view name) {
+  const std::string_view shown = shortened(name, 60);
+  return "'" + printable(shown) + (shown.size() < name.size() ? "…'" : "'");
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,70 @@
+#pragma once
+// What is wrong with a file, as a compiler would say it: file:line:col: error: what; hint, then the line and a caret.
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <momentree/base/value.hpp>
+
+namespace momentree::io {
+
+enum class Severity { error, warning };
+
+/// One problem. `line` and `column` count from 1; 0 means that the problem has no such place (a missing file, an option).
+struct Diagnostic {
+  Severity severity = Severity::error;
+  std::string file;  ///< as the user named it; for an override `--set KEY=VALUE`
+  int line = 0, column = 0;
+  std::string what;
+  std::string hint;    ///< how to mend it; may be empty
+  std::string source;  ///< the text of the line; may be empty
+
+  /// `file:line:col: error: what; hint`, on one line.
+  std::string message() const;
+  /// The message, then the line of the file and a caret under the column.
+  std::string rendered() const;
+};
+
+bool has_errors(const std::vector<Diagnostic>& diagnostics);
+/// All of them, rendered, each ending with a newline.
+std::string rendered(const std::vector<Diagnostic>& diagnostics);
+
+/// Collects the problems of one file: places become lines, and a file that is wrong everywhere stays readable.
+class Diagnostics {
+ public:
+  /// `options`: the overrides of the command line, for places in them. `text` must outlive this.
+  Diagnostics(std::string file, std::string_view text, std::vector<std::string> options = {});
+
+  void error(Place place, std::string what, std::string hint = {}) {
+    add(Severity::error, place, std::move(what), std::move(hint));
+  }
+  void warning(Place place, std::string what, std::string hint = {}) {
+    add(Severity::warning, place, std::move(what), std::move(hint));
+  }
+  std::size_t errors() const { return errors_; }
+  /// No room for more: a reader may stop looking.
+  bool full() const { return errors_ >= most; }
+  /// `line 12`, or the option, to name a second place in a message.
+  std::string name_of(Place place) const;
+  /// In the order of the file.
+  std::vector<Diagnostic> take();
+
+ private:
+  static constexpr std::size_t most = 100;
+  void add(Severity severity, Place place, std::string what, std::string hint);
+  std::string_view line_text(int line);
+
+  std::string file_;
+  std::string_view text_;
+  std::vector<std::string> options_;
+  std::vector<std::size_t> line_starts_;
+  std::vector<Diagnostic> diagnostics_;
+  std::vector<Place> places_;
+  std::size_t errors_ = 0, warnings_ = 0;
+};
+
+/// `name` in quotes, shortened where it is long, with control characters replaced: fit for a message.
+std::string in_quotes(std::string_view name);
+
+}  // namespace momentree::io

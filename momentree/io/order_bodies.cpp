@@ -1,0 +1,106 @@
+// The tree of a mechanism from the names of parents: without recursion, because a chain may be as long as memory allows.
+#include <momentree/io/scenario_parts.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+constexpr std::size_t none = static_cast<std::size_t>(-1);
+
+// A parent's name without the mechanism's own prefix, which may be written.
+std::string_view bare(std::string_view name, const std::string& mechanism) {
+  if (name.size() > mechanism.size() && name.substr(0, mechanism.size()) == mechanism && name[mechanism.size()] == '/')
+    return name.substr(mechanism.size() + 1);
+  return name;
+}
+
+// Says who stands in the circle that `start` leads to; marks all of it.
+void report_circle(const std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& parent, std::size_t start,
+                   std::vector<char>& reported, Diagnostics& out) {
+  std::string names = in_quotes(bodies[start].bare_name);
+  int shown = 1;
+  for (std::size_t b = start;;) {
+    reported[b] = 1;
+    b = parent[b];
+    if (++shown <= 6) names += " on " + in_quotes(bodies[b].bare_name);
+    if (b == start) break;
+  }
+  if (shown > 6) names += " on …";
+  if (shown == 2)
+    out.error(bodies[start].parent_place, "body " + in_quotes(bodies[start].bare_name) + " is its own parent");
+  else
+    out.error(bodies[start].parent_place, "the joints go round in a circle: " + names,
+              "a mechanism is a tree; closed loops are not supported");
+}
+
+}  // namespace
+
+std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const std::string& mechanism, Place place,
+                                  Reading& reading) {
+  Diagnostics& out = reading.out;
+  const std::size_t errors = out.errors();
+  std::unordered_map<std::string_view, std::size_t> by_name;
+  std::unordered_map<std::string, Place> names;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (!bodies[b].bare_name.empty()) by_name.emplace(bodies[b].bare_name, b);
+
+  std::vector<std::size_t> parent(bodies.size(), none);
+  std::size_t root = none;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const BodyEntry& body = bodies[b];
+    if (body.rooted) {
+      if (root == none)
+        root = b;
+      else
+        out.error(body.name_place,
+                  "a second root: body " + in_quotes(body.bare_name) + " is joined to the ground, as " +
+                      in_quotes(bodies[root].bare_name) + " on " + out.name_of(bodies[root].name_place),
+                  "give it a joint with a parent, or a [[mechanism]] of its own");
+      continue;
+    }
+    const auto found = by_name.find(bare(body.parent, mechanism));
+    if (found != by_name.end()) {
+      parent[b] = found->second;
+      continue;
+    }
+    if (names.empty())
+      for (const BodyEntry& each : bodies) names.emplace(each.bare_name, each.name_place);
+    std::string hint = reading.suggest(body.parent, names);
+    if (body.parent.find('/') != std::string::npos) hint = "a parent is a body of the same mechanism";
+    if (!body.parent.empty()) out.error(body.parent_place, "unknown parent " + in_quotes(body.parent), std::move(hint));
+    if (body.parent.empty() && errors == out.errors()) out.error(body.parent_place, "parent: expected the name of a body");
+  }
+
+  // Children in the order of the file; a body's state is 1 once it is known to hang on a root or on an unknown parent.
+  std::vector<std::size_t> order, path;
+  std::vector<char> placed(bodies.size(), 0), reported(bodies.size(), 0), walking(bodies.size(), 0);
+  order.reserve(bodies.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    path.clear();
+    std::size_t at = b;
+    while (at != none && !placed[at] && !reported[at] && !walking[at]) {
+      walking[at] = 1;
+      path.push_back(at);
+      at = parent[at];
+    }
+    const bool circle = at != none && walking[at] && !placed[at] && !reported[at];
+    if (circle) report_circle(bodies, parent, at, reported, out);
+    const bool sound = at == none || placed[at];
+    for (auto i = path.rbegin(); i != path.rend(); ++i) {
+      walking[*i] = 0;
+      if (sound) {
+        placed[*i] = 1;
+        order.push_back(*i);
+      } else {
+        reported[*i] = 1;
+      }
+    }
+  }
+  if (root == none && errors == out.errors())
+    out.error(place, "mechanism " + in_quotes(mechanism) + " has no root",
+              "one body is joined to the ground: its joint names no parent");
+  if (errors != out.errors()) return {};
+  return order;
+}
+
+}  // namespace momentree::io

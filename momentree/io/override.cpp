@@ -1,0 +1,116 @@
+#include <momentree/io/override.hpp>
+
+#include <charconv>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/toml_text.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+constexpr std::size_t deepest = 16;
+
+// The parts of a dotted key and what follows the '='; nothing if there is no such thing.
+struct Assignment {
+  std::vector<std::string> path;
+  std::string_view value;
+};
+
+std::optional<Assignment> parsed(std::string_view text) {
+  Assignment assignment;
+  std::string part;
+  char quote = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quote != 0) {
+      if (c == quote)
+        quote = 0;
+      else
+        part += c;
+    } else if ((c == '"' || c == '\'') && part.empty()) {
+      quote = c;
+    } else if (c == '.' || c == '=') {
+      if (part.empty()) return {};
+      assignment.path.push_back(std::exchange(part, {}));
+      if (c == '=') {
+        assignment.value = text.substr(i + 1);
+        return assignment;
+      }
+    } else if (c != ' ') {
+      part += c;
+    }
+  }
+  return {};
+}
+
+std::string name_in(const Value& table) {
+  const Value::Entry* entry = table.find("name");
+  return entry && entry->value.string() ? *entry->value.string() : std::string{};
+}
+
+// The entry of an array that `part` names, or null with a report.
+Value* entry_of(Value& array, const std::string& part, Place place, Diagnostics& out) {
+  Value::Array& entries = *array.array();
+  std::vector<std::string> names;
+  for (Value& entry : entries) {
+    const std::string name = name_in(entry);
+    if (!name.empty() && name == part) return &entry;
+    if (!name.empty() && names.size() < 1000) names.push_back(name);
+  }
+  const bool by_place = part.front() == '#';
+  std::size_t number = 0;
+  const char* end = part.data() + part.size();
+  const auto read = std::from_chars(part.data() + (by_place ? 1 : 0), end, number);
+  if (read.ec == std::errc{} && read.ptr == end) {
+    if (by_place && number > 0) --number;
+    if (number < entries.size()) return &entries[number];
+    out.error(place, "there is no entry " + in_quotes(part) + " in a list of " + std::to_string(entries.size()),
+              by_place ? "the first is #1" : "the first is 0");
+    return nullptr;
+  }
+  out.error(place, "no entry of the list is named " + in_quotes(part), did_you_mean(part, names));
+  return nullptr;
+}
+
+void apply(Value& document, const Assignment& assignment, Place place, Diagnostics& out) {
+  Value* at = &document;
+  for (std::size_t i = 0; i < assignment.path.size(); ++i) {
+    const std::string& part = assignment.path[i];
+    if (at->array()) {
+      at = entry_of(*at, part, place, out);
+      if (!at) return;
+    } else if (Value::Table* table = at->table()) {
+      Value::Entry* entry = at->find(part);
+      if (!entry) {
+        table->push_back({part, place, Value(Value::Table{}, place)});
+        entry = &table->back();
+      }
+      at = &entry->value;
+    } else {
+      out.error(place, in_quotes(assignment.path[i - 1]) + " is " + at->type_name() + ": it has no " + in_quotes(part));
+      return;
+    }
+  }
+  std::optional<Value> value = parse_toml_value(assignment.value, place);
+  *at = value ? std::move(*value) : Value(std::string(assignment.value), place);
+}
+
+}  // namespace
+
+void apply_overrides(Value& document, const std::vector<std::string>& overrides, Diagnostics& out) {
+  int option = 0;
+  for (const std::string& text : overrides) {
+    const Place place{0, 0, ++option};
+    const auto assignment = parsed(text);
+    if (!check_toml_text(text) && assignment && assignment->path.size() <= deepest)
+      apply(document, *assignment, place, out);
+    else
+      out.error(place, "expected KEY=VALUE", "for example integrate.step=1e-4 or mechanism.tug.pose.xyz=[0,0,1]");
+  }
+}
+
+}  // namespace momentree::io

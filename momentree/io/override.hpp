@@ -1,0 +1,15 @@
+#pragma once
+// `--set KEY=VALUE`: a value of a document replaced, or added, before it is read.
+#include <string>
+#include <vector>
+
+#include <momentree/base/value.hpp>
+#include <momentree/io/diagnostic.hpp>
+
+namespace momentree::io {
+
+/// Applies the overrides in their order. A key is a dotted path: tables of an array are found by their `name`, an event without
+/// one by #1, #2 …, entries of any array by their number from 0; missing tables are added. The value is TOML, else a string.
+void apply_overrides(Value& document, const std::vector<std::string>& overrides, Diagnostics& out);
+
+}  // namespace momentree::io

@@ -1,0 +1,80 @@
+#include <algorithm>
+
+#include <momentree/io/scenario_parts.hpp>
+
+namespace momentree::io {
+
+bool check_bare_name(const std::string& name, Place place, std::string_view what, Diagnostics& out) {
+  const auto refuse = [&](const char* why, const char* hint) {
+    out.error(place, "name: " + std::string(what) + " cannot be named " + in_quotes(name) + ": " + why, hint);
+    return false;
+  };
+  const auto forbidden = [](unsigned char c) { return c < 0x20 || c == 0x7f || c == ',' || c == '"' || c == '*' || c == '/'; };
+  if (name.empty()) return refuse("that is no name", "");
+  if (name.size() > 200) return refuse("it is longer than 200 characters", "");
+  if (name == "ground") return refuse("that is the ground", "");
+  if (name == "." || name == "..") return refuse("that is a folder", "");
+  if (name.front() == '#') return refuse("# begins the numbers of events", "");
+  if (std::any_of(name.begin(), name.end(), forbidden))
+    return refuse("it has a character that names do not have", "not in a name: / , \" * and control characters");
+  return true;
+}
+
+bool Reading::note(std::unordered_map<std::string, Place>& names, const std::string& name, Place place, const char* what) {
+  const auto [found, fresh] = names.emplace(name, place);
+  if (!fresh)
+    out.error(place, "duplicate " + std::string(what) + " " + in_quotes(name) + ": it is the name of another on " +
+                         out.name_of(found->second));
+  return fresh;
+}
+
+std::string Reading::suggest(const std::string& name, const std::unordered_map<std::string, Place>& names) {
+  suggestions_left -= static_cast<long>(names.size());
+  if (suggestions_left < 0) return {};
+  std::vector<std::string> known;
+  known.reserve(names.size());
+  for (const auto& [each, place] : names) known.push_back(each);
+  std::sort(known.begin(), known.end());
+  return did_you_mean(name, known);
+}
+
+BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& reading) {
+  Diagnostics& out = reading.out;
+  BodyEntry body;
+  body.table = &table;
+  Fields fields(table, "[[mechanism.body]]", out);
+  fields.require("name", "for example name = \"arm\"");
+  const auto name = fields.string("name");
+  body.name_place = fields.place_of("name");
+  if (name && check_bare_name(*name, body.name_place, "a body", out)) body.bare_name = *name;
+
+  const std::size_t errors = out.errors();
+  BodySpec& spec = body.spec;
+  fields.require("mass", "in kg, or a string as \"10 g\"");
+  spec.mass = fields.number("mass", dimension::mass).value_or(1);
+  spec.com = fields.vec3("com", dimension::length).value_or(Vec3{});
+  if (const Value* inertia = fields.find("inertia")) spec.inertia = read_inertia(*inertia, "inertia", out).value_or(Sym3{});
+  if (errors != out.errors()) spec.mass = 1, spec.inertia = {};  // reported: no more to say about them
+
+  if (const Value* joint = fields.find("joint"))
+    read_joint(*joint, body, reading);
+  else
+    body.rooted = true;
+  if (const Value* shape = fields.find("shape")) body.shape = read_shape(*shape, reading);
+  fields.finish();
+
+  if (body.bare_name.empty()) return body;
+  spec.name = mechanism + "/" + body.bare_name;
+  body.named = reading.note(reading.bodies, spec.name, body.name_place, "body");
+  if (body.bare_joint.empty()) body.bare_joint = body.bare_name;
+  spec.joint_name = mechanism + "/" + body.bare_joint;
+  const Value::Entry* own = body.joint ? body.joint->find("name") : nullptr;
+  // A duplicate body without a joint name of its own was reported once already.
+  if (body.named || own) {
+    reading.note(reading.joints, spec.joint_name, own ? own->value.place : body.name_place, "joint");
+    if (spec.joint_name != spec.name) reading.body_of_joint.emplace(spec.joint_name, spec.name);
+  }
+  return body;
+}
+
+}  // namespace momentree::io

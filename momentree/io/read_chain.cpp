@@ -1,0 +1,110 @@
+// The generator [mechanism.chain]: bodies and joints 1 … links along +x.
+#include <momentree/io/scenario_parts.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+struct Chain {
+  int links = 0;
+  double length = 1, mass = 1, damping = 0, angle = 0;
+  bool angle_growth = false;
+  Sym3 inertia{};
+  Vec3 axis{0, 0, 1};
+};
+
+BodySpec make_link(const Chain& chain, int k, const std::string& mechanism, bool free_root, const Pose& pose, Body parent) {
+  BodySpec link;
+  link.name = mechanism + "/" + std::to_string(k);
+  link.mass = chain.mass;
+  link.com = {chain.length / 2, 0, 0};
+  link.inertia = chain.inertia;
+  link.parent = parent;
+  if (k == 1 && free_root) {
+    link.joint.kind = Kind::free;
+    const Quat& r = pose.rotation;
+    link.q = {pose.position.x, pose.position.y, pose.position.z, r.w, r.x, r.y, r.z};
+    return link;
+  }
+  link.joint.kind = Kind::revolute;
+  link.joint.axis = chain.axis;
+  link.joint.parameters.damping = chain.damping;
+  link.at = k == 1 ? pose : Pose{chain.length, 0, 0};
+  link.q = {chain.angle_growth ? k * chain.angle : chain.angle};
+  return link;
+}
+
+Chain read_fields(Fields& fields, int most, Diagnostics& out) {
+  Chain chain;
+  if (const Value* links = fields.require("links", "how many bodies")) {
+    const std::int64_t* n = links->integer();
+    if (!n)
+      out.error(links->place, std::string("links: expected a whole number, found ") + links->type_name());
+    else if (*n < 1 || *n > most)
+      out.error(links->place, "links: must be from 1 to " + std::to_string(most) +
+                                  (most < 1'000'000 ? ": a scenario has at most 1000000 bodies" : ""));
+    else
+      chain.links = static_cast<int>(*n);
+  }
+  fields.require("length", "between consecutive joints, as \"5 cm\"");
+  chain.length = fields.positive("length", dimension::length).value_or(1);
+  fields.require("mass", "of one link, in kg, or a string as \"10 g\"");
+  const std::size_t errors = out.errors();
+  chain.mass = fields.number("mass", dimension::mass).value_or(1);
+  if (const Value* inertia = fields.find("inertia")) chain.inertia = read_inertia(*inertia, "inertia", out).value_or(Sym3{});
+  if (errors != out.errors()) chain.mass = 1, chain.inertia = {};
+  chain.axis = fields.vec3("axis", dimension::number).value_or(chain.axis);
+  chain.damping = fields.number("damping", dimension::torque / dimension::angular_speed).value_or(0);
+  chain.angle = fields.number("angle", dimension::angle).value_or(0);
+  chain.angle_growth = fields.boolean("angle_growth").value_or(false);
+  fields.finish();
+  return chain;
+}
+
+}  // namespace
+
+void read_chain(const Value& table, const std::string& mechanism, bool free_root, const Pose& pose, const MechanismState& state,
+                Reading& reading) {
+  Diagnostics& out = reading.out;
+  Fields fields(table, "[mechanism.chain]", out);
+  if (!table.table()) return;
+  const std::size_t errors = out.errors();
+  const Chain chain = read_fields(fields, reading.bodies_left, out);
+  // The second link stands for all: they differ in their angle alone.
+  const BodySpec any = make_link(chain, 2, mechanism, free_root, pose, ground);
+  for (const BodyProblem& problem : check_body(any))
+    out.error(fields.place_of(problem.field), problem.field + ": " + problem.what, problem.hint);
+  if (any.mass >= 0) {
+    const MassProblem problem = check_mass(any.mass, any.inertia);
+    if (problem.warning)
+      out.warning(fields.place_of("inertia"), problem.what, problem.hint);
+    else if (!problem.what.empty())
+      out.error(fields.place_of("inertia"), problem.what, problem.hint);
+  }
+  reading.bodies_left -= chain.links;
+
+  const bool sound = errors == out.errors();
+  Body parent = ground;
+  std::size_t states_used = 0;
+  for (int k = 1; k <= chain.links; ++k) {
+    BodySpec link = make_link(chain, k, mechanism, free_root, pose, parent);
+    if (!state.joints.empty()) {
+      const auto found = state.joints.find(std::to_string(k));
+      if (found != state.joints.end()) {
+        ++states_used;
+        read_joint_state(*found->second, info(link.joint.kind), found->first, link.q, link.v, out);
+      }
+    }
+    if (k == 1 && state.velocity) read_root_velocity(*state.velocity, link, out);
+    reading.bodies.emplace(link.name, fields.place());
+    reading.joints.emplace(link.name, fields.place());
+    if (sound && errors == out.errors()) parent = reading.scenario.model.add_unjudged(std::move(link));
+  }
+  if (states_used == state.joints.size() || chain.links == 0) return;
+  for (const auto& [name, value] : state.joints)
+    if (!reading.joints.contains(mechanism + "/" + name))
+      out.error(value->place, "state: there is no joint " + in_quotes(name) + " in this chain",
+                "they are 1 to " + std::to_string(chain.links));
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,204 @@
+#include <momentree/base/error.hpp>
+#include <momentree/io/scenario_parts.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+MechanismState read_state(const Value& value, const std::string& mechanism, Reading& reading) {
+  MechanismState state;
+  Diagnostics& out = reading.out;
+  if (const std::string* file = value.string()) {
+    if (file->empty()) out.error(value.place, "state: expected the name of a file");
+    reading.scenario.state_files.push_back(
+        {reading.folder.empty() || file->front() == '/' ? *file : reading.folder + "/" + *file, mechanism, value.place});
+    return state;
+  }
+  if (!value.table()) {
+    out.error(value.place, std::string("state: expected a table or the name of a file, found ") + value.type_name());
+    return state;
+  }
+  Fields fields(value, "state", out);
+  if (const Value* joints = fields.find("joints")) {
+    if (!joints->table())
+      out.error(joints->place, std::string("state.joints: expected a table, found ") + joints->type_name());
+    else
+      for (const Value::Entry& entry : *joints->table()) state.joints.emplace(entry.key, &entry.value);
+  }
+  state.velocity = fields.find("velocity");
+  fields.finish();
+  return state;
+}
+
+enum class Held { unsaid, fixed, free };
+
+Held read_root(Fields& fields, Diagnostics& out) {
+  const auto text = fields.string("root");
+  if (!text) return Held::unsaid;
+  if (*text == "fixed") return Held::fixed;
+  if (*text == "free") return Held::free;
+  out.error(fields.place_of("root"), "root: expected \"fixed\" or \"free\", found " + in_quotes(*text),
+            did_you_mean(*text, {"fixed", "free"}));
+  return Held::unsaid;
+}
+
+// The joint to the ground of a root body.
+void hold_root(BodyEntry& root, Held held, const Pose& pose, Place root_place, Diagnostics& out) {
+  BodySpec& spec = root.spec;
+  if (root.joint) {
+    if (held != Held::unsaid)
+      out.error(root_place, "root: body " + in_quotes(root.bare_name) + " has a joint of its own to the ground",
+                "leave out 'root', or that joint");
+    spec.at = pose * spec.at;
+  } else if (held == Held::free) {
+    const Quat& r = pose.rotation;
+    spec.joint.kind = Kind::free;
+    spec.q = {pose.position.x, pose.position.y, pose.position.z, r.w, r.x, r.y, r.z};
+  } else {
+    spec.at = pose;
+  }
+}
+
+// Where a problem that check_body() found stands in the file.
+Place place_of(const BodyEntry& body, const std::string& field) {
+  for (const Value* table : {body.table, body.joint}) {
+    if (!table) continue;
+    for (const char* key :
+         {field.c_str(), field == "q" ? "angle" : "", field == "q" ? "position" : "", field == "v" ? "speed" : ""})
+      if (const Value::Entry* entry = table->find(key)) return entry->value.place;
+  }
+  return body.name_place;
+}
+
+void apply_state(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& order, const MechanismState& state,
+                 Reading& reading) {
+  Diagnostics& out = reading.out;
+  if (state.velocity) read_root_velocity(*state.velocity, bodies[order.front()].spec, out);
+  if (state.joints.empty()) return;
+  std::unordered_map<std::string, Place> known;
+  for (BodyEntry& body : bodies) {
+    known.emplace(body.bare_joint, body.name_place);
+    const auto found = state.joints.find(body.bare_joint);
+    if (found != state.joints.end())
+      read_joint_state(*found->second, info(body.spec.joint.kind), found->first, body.spec.q, body.spec.v, out);
+  }
+  for (const auto& [name, value] : state.joints)
+    if (!known.contains(name))
+      out.error(value->place, "state: there is no joint " + in_quotes(name) + " in this mechanism", reading.suggest(name, known));
+}
+
+// Checks all bodies; adds them to the model where nothing in the mechanism is wrong.
+void add_bodies(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& order, std::size_t errors, Reading& reading) {
+  Diagnostics& out = reading.out;
+  const int first = reading.scenario.model.size();
+  std::vector<int> number(bodies.size(), -1);
+  std::unordered_map<std::string_view, int> by_name;
+  std::vector<BodySpec> specs;
+  specs.reserve(order.size());
+  for (const std::size_t b : order) {
+    BodyEntry& body = bodies[b];
+    if (!body.rooted) {
+      const std::size_t slash = body.parent.rfind('/');
+      body.spec.parent = {by_name.at(std::string_view(body.parent).substr(slash == std::string::npos ? 0 : slash + 1))};
+    }
+    by_name.emplace(body.bare_name, static_cast<int>(specs.size()));
+    for (const BodyProblem& problem : check_body(body.spec))
+      out.error(place_of(body, problem.field), problem.field + ": " + problem.what, problem.hint);
+    specs.push_back(std::move(body.spec));
+  }
+  for (const auto& [body, problem] : check_masses(specs)) {
+    const Place place = place_of(bodies[order[static_cast<std::size_t>(body.index)]], "inertia");
+    if (problem.warning)
+      out.warning(place, problem.what, problem.hint);
+    else
+      out.error(place, problem.what, problem.hint);
+  }
+  if (errors != out.errors()) return;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    BodySpec& spec = specs[i];
+    if (spec.parent != ground) spec.parent.index += first;
+    reading.scenario.model.add_unjudged(std::move(spec));
+    reading.scenario.shapes.resize(static_cast<std::size_t>(reading.scenario.model.size()));
+    reading.scenario.shapes.back() = std::move(bodies[order[i]].shape);
+  }
+}
+
+void read_bodies(const Value& list, const std::string& mechanism, Held held, const Pose& pose, Place root_place, Place place,
+                 const MechanismState& state, std::size_t errors, Reading& reading) {
+  std::vector<BodyEntry> bodies;
+  for (const Value* table : tables_of(list, "mechanism.body", reading.out)) {
+    if (reading.bodies_left-- <= 0) {
+      reading.out.error(table->place, "a scenario has at most 1000000 bodies");
+      return;
+    }
+    bodies.push_back(read_body(*table, mechanism, reading));
+    if (reading.out.full()) return;
+  }
+  if (bodies.empty()) return;
+  for (BodyEntry& body : bodies)
+    if (body.rooted) hold_root(body, held, pose, root_place, reading.out);
+  const std::vector<std::size_t> order = order_of(bodies, mechanism, place, reading);
+  // Where names are missing or stand for two bodies, who is whose parent can't be told: what follows would be guesses.
+  for (const BodyEntry& body : bodies)
+    if (!body.named) return;
+  if (order.empty()) return;
+  apply_state(bodies, order, state, reading);
+  add_bodies(bodies, order, errors, reading);
+}
+
+}  // namespace
+
+void read_root_velocity(const Value& value, BodySpec& root, Diagnostics& out) {
+  Fields fields(value, "velocity", out);
+  const Vec3 linear = fields.vec3("linear", dimension::speed).value_or(Vec3{});
+  const Vec3 angular = fields.vec3("angular", dimension::angular_speed).value_or(Vec3{});
+  fields.finish();
+  if (root.joint.kind != Kind::free) {
+    out.error(value.place, "velocity: the root body is not free: its joint gives its velocity",
+              "write root = \"free\", or the joint's start 'v'");
+    return;
+  }
+  // From the body's frame to the joint's, which stands at child_at in it.
+  const Quat to_joint = conjugate(root.child_at.rotation);
+  const Vec3 v = rotation_matrix(to_joint) * (linear + cross(angular, root.child_at.position)),
+             w = rotation_matrix(to_joint) * angular;
+  root.v = {v.x, v.y, v.z, w.x, w.y, w.z};
+}
+
+void read_mechanism(const Value& table, Reading& reading) {
+  Diagnostics& out = reading.out;
+  const std::size_t errors = out.errors();
+  Fields fields(table, "[[mechanism]]", out);
+  fields.require("name", "for example name = \"arm\"");
+  std::string name = fields.string("name").value_or("");
+  if (fields.has("name") && table.find("name")->value.string() &&
+      check_bare_name(name, fields.place_of("name"), "a mechanism", out))
+    reading.note(reading.mechanisms, name, fields.place_of("name"), "mechanism");
+
+  const Held held = read_root(fields, out);
+  const Pose pose = fields.pose("pose").value_or(Pose{});
+  MechanismState state;
+  const Value* chain = fields.find("chain");
+  const Value* bodies = fields.find("body");
+  const Value* given_state = fields.find("state");
+  if (fields.later({"model", "limits"}) && fields.has("model")) {
+    reading.opaque.insert(name);
+  } else {
+    if (given_state) state = read_state(*given_state, name, reading);
+    if (chain && bodies)
+      out.error(bodies->place, "a mechanism is a chain or bodies, not both", "give the chain a [[mechanism]] of its own");
+    if (!chain && !bodies)
+      out.error(fields.place(), "mechanism " + in_quotes(name) + " has no bodies",
+                "add [[mechanism.body]] tables or a [mechanism.chain]");
+    if (chain && held == Held::fixed)
+      out.error(fields.place_of("root"), "root: a chain has a pin to the ground",
+                "leave out 'root'; \"free\" leaves out the pin");
+    if (chain)
+      read_chain(*chain, name, held == Held::free, pose, state, reading);
+    else if (bodies)
+      read_bodies(*bodies, name, held, pose, fields.place_of("root"), fields.place(), state, errors, reading);
+  }
+  fields.finish();
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/scenario_parts.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+bool is_colour(const std::string& text) {
+  const auto hexadecimal = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); };
+  return text.size() == 7 && text[0] == '#' && std::all_of(text.begin() + 1, text.end(), hexadecimal);
+}
+
+const std::vector<std::string>& colour_names() {
+  static const std::vector<std::string> names{"black", "white",  "gray",    "grey",  "silver", "red",  "maroon",   "orange",
+                                              "gold",  "yellow", "olive",   "green", "lime",   "teal", "cyan",     "blue",
+                                              "navy",  "purple", "magenta", "pink",  "brown",  "tan",  "steelblue"};
+  return names;
+}
+
+void read_colour(Fields& fields, std::string_view key, std::string& colour, Diagnostics& out) {
+  const auto text = fields.string(key);
+  if (!text) return;
+  if (is_colour(*text) || std::find(colour_names().begin(), colour_names().end(), *text) != colour_names().end()) {
+    colour = *text;
+    return;
+  }
+  const std::string hint = did_you_mean(*text, colour_names());
+  out.error(fields.place_of(key), std::string(key) + ": " + in_quotes(*text) + " is no colour",
+            hint.empty() ? "write \"#rrggbb\"" : hint);
+}
+
+// Meshes stand in the scenario's folder or below it: a scenario from elsewhere must not make us open anything else.
+void read_mesh(const Value& value, Shape& shape, Reading& reading) {
+  const auto file = read_string(value, "mesh", reading.out);
+  if (!file) return;
+  const std::filesystem::path path(*file);
+  bool leaves = path.is_absolute() || path.has_root_name() || file->find('\\') != std::string::npos;
+  for (const auto& part : path) leaves = leaves || part == "..";
+  if (file->empty() || leaves) {
+    reading.out.error(value.place, "mesh: " + in_quotes(*file) + " is not a file in the scenario's folder or below it",
+                      "copy it there");
+    return;
+  }
+  std::error_code ignored;
+  if (reading.looks_at_files && !std::filesystem::is_regular_file(std::filesystem::path(reading.folder) / path, ignored)) {
+    reading.out.error(value.place, "mesh: there is no file " + in_quotes(*file), "it is looked for in the scenario's folder");
+    return;
+  }
+  shape.kind = Shape::Kind::mesh;
+  shape.mesh = *file;
+}
+
+// cylinder and capsule
+void read_round(const Value& value, Shape::Kind kind, const char* key, Shape& shape, Diagnostics& out) {
+  Fields fields(value, key, out);
+  shape.kind = kind;
+  fields.require("radius");
+  fields.require("length");
+  shape.radius = fields.positive("radius", dimension::length).value_or(1);
+  shape.length = fields.positive("length", dimension::length).value_or(1);
+  fields.finish();
+}
+
+}  // namespace
+
+Shape read_shape(const Value& value, Reading& reading) {
+  Diagnostics& out = reading.out;
+  Fields fields(value, "shape", out);
+  Shape shape;
+  int kinds = 0;
+  if (const Value* box = fields.find("box"); box && ++kinds) {
+    shape.kind = Shape::Kind::box;
+    shape.size = read_vec3(*box, dimension::length, "box", out).value_or(Vec3{1, 1, 1});
+    if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0))
+      out.error(box->place, "box: its three edges must be greater than 0");
+  }
+  if (const Value* sphere = fields.find("sphere"); sphere && ++kinds) {
+    shape.kind = Shape::Kind::sphere;
+    shape.radius = read_number(*sphere, dimension::length, "sphere", out).value_or(1);
+    if (!(shape.radius > 0)) out.error(sphere->place, "sphere: its radius must be greater than 0");
+  }
+  if (const Value* cylinder = fields.find("cylinder"); cylinder && ++kinds)
+    read_round(*cylinder, Shape::Kind::cylinder, "cylinder", shape, out);
+  if (const Value* capsule = fields.find("capsule"); capsule && ++kinds)
+    read_round(*capsule, Shape::Kind::capsule, "capsule", shape, out);
+  if (const Value* mesh = fields.find("mesh"); mesh && ++kinds) read_mesh(*mesh, shape, reading);
+  if (kinds > 1) out.error(fields.place(), "a shape is one of box, sphere, cylinder, capsule and mesh", "");
+  shape.at = fields.pose("at").value_or(Pose{});
+  read_colour(fields, "colour", shape.colour, out);
+  read_colour(fields, "color", shape.colour, out);
+  fields.finish();
+  return shape;
+}
+
+}  // namespace momentree::io

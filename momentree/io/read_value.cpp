@@ -1,0 +1,107 @@
+// Numbers with units, vectors, placements and inertias.
+#include <cmath>
+#include <utility>
+
+#include <momentree/io/fields.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+std::string labelled(std::string_view label, std::string_view what) { return std::string(label) + ": " + std::string(what); }
+
+// The entries of a list that has one of the allowed lengths.
+const Value::Array* list_of(const Value& value, std::string_view label, std::string_view expected,
+                            std::initializer_list<std::size_t> lengths, Diagnostics& out) {
+  const Value::Array* entries = value.array();
+  if (!entries) {
+    out.error(value.place, labelled(label, "expected ") + std::string(expected) + ", found " + value.type_name());
+    return nullptr;
+  }
+  for (const std::size_t length : lengths)
+    if (entries->size() == length) return entries;
+  out.error(value.place,
+            labelled(label, "expected ") + std::string(expected) + ", found a list of " + std::to_string(entries->size()));
+  return nullptr;
+}
+
+}  // namespace
+
+std::optional<double> read_number(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
+  if (const std::int64_t* n = value.integer()) return static_cast<double>(*n);
+  if (const double* x = value.real()) {
+    if (std::isfinite(*x)) return *x;
+    out.error(value.place, labelled(label, "must be finite"));
+    return {};
+  }
+  if (const std::string* text = value.string()) {
+    QuantityProblem problem;
+    const auto number = parse_quantity(*text, expected, problem);
+    if (!number) out.error(value.place, labelled(label, problem.what), std::move(problem.hint));
+    return number;
+  }
+  out.error(value.place, labelled(label, "expected ") + name_of(expected) + ", found " + value.type_name());
+  return {};
+}
+
+std::optional<std::string> read_string(const Value& value, std::string_view label, Diagnostics& out) {
+  if (const std::string* text = value.string()) return *text;
+  out.error(value.place, labelled(label, "expected a string, found ") + value.type_name());
+  return {};
+}
+
+std::optional<Vec3> read_vec3(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
+  const Value::Array* entries = list_of(value, label, "three numbers", {3}, out);
+  if (!entries) return {};
+  const auto x = read_number((*entries)[0], expected, label, out), y = read_number((*entries)[1], expected, label, out),
+             z = read_number((*entries)[2], expected, label, out);
+  if (!x || !y || !z) return {};
+  return Vec3{*x, *y, *z};
+}
+
+std::optional<Pose> read_pose(const Value& value, std::string_view label, Diagnostics& out) {
+  Fields fields(value, std::string(label), out);
+  const std::size_t errors = out.errors();
+  Pose pose;
+  if (const auto xyz = fields.vec3("xyz", dimension::length)) pose.position = *xyz;
+  if (const auto rpy = fields.vec3("rpy", dimension::angle)) pose.rotation = from_rpy(rpy->x, rpy->y, rpy->z);
+  if (const Value* quat = fields.find("quat")) {
+    if (fields.has("rpy")) out.error(quat->place, labelled(label, "takes 'rpy' or 'quat', not both"));
+    if (const Value::Array* entries = list_of(*quat, "quat", "four numbers w, x, y, z", {4}, out)) {
+      double q[4] = {1, 0, 0, 0};
+      for (std::size_t i = 0; i < 4; ++i)
+        q[i] = read_number((*entries)[i], dimension::number, "quat", out).value_or(i == 0 ? 1 : 0);
+      const double length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+      if (errors == out.errors() && !(std::fabs(length - 1) <= 1e-6))
+        out.error(quat->place,
+                  length == 0 ? "quat: a quaternion of zeros is no rotation" : "quat: the quaternion is not of length 1",
+                  length == 0 ? "no rotation is [1, 0, 0, 0]" : "scale it: w² + x² + y² + z² = 1");
+      else if (errors == out.errors())
+        pose.rotation = normalized(Quat{q[0], q[1], q[2], q[3]});
+    }
+  }
+  fields.finish();
+  if (errors != out.errors()) return {};
+  return pose;
+}
+
+std::optional<Sym3> read_inertia(const Value& value, std::string_view label, Diagnostics& out) {
+  if (!value.array()) {
+    const auto all = read_number(value, dimension::inertia, label, out);
+    if (!all) return {};
+    return diagonal(*all);
+  }
+  const Value::Array* entries = list_of(value, label, "1, 3 or 6 numbers", {1, 3, 6}, out);
+  if (!entries) return {};
+  double i[6] = {};
+  bool good = true;
+  for (std::size_t k = 0; k < entries->size(); ++k) {
+    const auto number = read_number((*entries)[k], dimension::inertia, label, out);
+    good = good && number;
+    i[k] = number.value_or(0);
+  }
+  if (!good) return {};
+  return entries->size() == 1 ? diagonal(i[0]) : Sym3{i[0], i[1], i[2], i[3], i[4], i[5]};
+}
+
+}  // namespace momentree::io

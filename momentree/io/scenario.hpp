@@ -1,0 +1,60 @@
+#pragma once
+// A scenario file (TOML 1.0) as a model, what happens to it, and how it is run and recorded.
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <momentree/io/diagnostic.hpp>
+#include <momentree/io/shape.hpp>
+#include <momentree/simulate/action.hpp>
+#include <momentree/simulate/simulation.hpp>
+#include <momentree/tree/model.hpp>
+
+namespace momentree::io {
+
+/// An event at an instant: what `[[event]]` says, names complete and wildcards resolved. An event whose names have a wildcard is
+/// one event for each match, all of the same name.
+struct ScenarioEvent {
+  std::string name;  ///< its name, or #1, #2 … by its place in the file
+  double time = 0;   ///< s
+  std::vector<Action> actions;
+  Place place;  ///< of the event in the file
+};
+
+/// A state document that a scenario starts from: for the whole world, or for the joints of one mechanism.
+struct StateFile {
+  std::string file;       ///< relative to the working folder
+  std::string mechanism;  ///< empty: the whole world
+  Place place;
+};
+
+struct Scenario {
+  std::string path;  ///< as given
+  std::string name;  ///< of the file, without folder and ending
+  std::string title;
+  std::string text;  ///< as read
+  std::string hash;  ///< 16 hexadecimal digits over the text and the overrides: names the input of a run
+  Model model;
+  Integration integration;
+  double until = 10;                   ///< s
+  double output_every = 0;             ///< s; 0: every step
+  std::vector<ScenarioEvent> events;   ///< in the order of the file
+  std::vector<StateFile> state_files;  ///< the world's first
+  std::vector<Shape> shapes;           ///< by body number
+};
+
+struct ReadResult {
+  std::optional<Scenario> scenario;     ///< absent where there is an error
+  std::vector<Diagnostic> diagnostics;  ///< errors and warnings, in the order of the file
+};
+
+/// Reads and checks a scenario. `overrides` are KEY=VALUE: a dotted path and a TOML value, else a string.
+/// Every problem is a diagnostic; nothing is thrown.
+ReadResult read_scenario(const std::string& path, const std::vector<std::string>& overrides = {});
+
+/// The same from a text. `path` is for messages and names alone: files that the scenario names are not looked for.
+ReadResult read_scenario_text(std::string_view text, const std::string& path, const std::vector<std::string>& overrides = {});
+
+}  // namespace momentree::io

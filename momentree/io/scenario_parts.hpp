@@ -1,0 +1,84 @@
+#pragma once
+// The parts of a scenario file, one reader each. Internal to the reader: scenario.hpp is what others use.
+#include <map>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include <momentree/io/fields.hpp>
+#include <momentree/io/scenario.hpp>
+
+namespace momentree::io {
+
+/// What the parts share while one file is read.
+struct Reading {
+  Scenario& scenario;
+  Diagnostics& out;
+  std::string folder;  ///< of the scenario, for the files that it names
+  bool looks_at_files = true;
+
+  /// First places of names, complete ("mechanism/joint"): duplicates name both, events find their targets.
+  std::unordered_map<std::string, Place> mechanisms{}, bodies{}, joints{}, events{};
+  std::unordered_map<std::string, std::string> body_of_joint{};  ///< where they differ
+  /// Mechanisms whose bodies this version can't know: names in them are not judged.
+  std::unordered_set<std::string> opaque{};
+  std::map<std::string, Place> broken{};          ///< joints that events break, first places
+  std::vector<std::string_view> sorted_joints{};  ///< for wildcards; filled once all joints are known
+  long suggestions_left = 2'000'000;              ///< names that may yet be compared to find the nearest
+  int bodies_left = 1'000'000;
+
+  /// False, with a report, where the name is no name or was given before.
+  bool note(std::unordered_map<std::string, Place>& names, const std::string& name, Place place, const char* what);
+  /// did_you_mean over names, as long as that is cheap.
+  std::string suggest(const std::string& name, const std::unordered_map<std::string, Place>& names);
+};
+
+/// A body while its mechanism is read: its parent is still a name.
+struct BodyEntry {
+  BodySpec spec;
+  Shape shape;
+  const Value* table = nullptr;
+  const Value* joint = nullptr;  ///< the joint's table, or null
+  std::string bare_name, bare_joint, parent;
+  Place name_place{}, parent_place{};
+  bool rooted = false;  ///< joined to the ground
+  bool named = false;   ///< its name is its own: others may refer to it
+};
+
+/// A mechanism's `state`, by its joints' bare names.
+struct MechanismState {
+  std::unordered_map<std::string, const Value*> joints;
+  const Value* velocity = nullptr;
+};
+
+/// Bare names of bodies and joints: what a path, a column or a wildcard could not carry is refused.
+bool check_bare_name(const std::string& name, Place place, std::string_view what, Diagnostics& out);
+
+BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& reading);
+Shape read_shape(const Value& value, Reading& reading);
+/// kind, geometry, parameters, start and parent of a joint.
+void read_joint(const Value& table, BodyEntry& body, Reading& reading);
+/// Start coordinates as a mechanism's state gives them: a number for kinds with one freedom, or a list.
+void read_joint_state(const Value& value, const KindInfo& kind, std::string_view label, Values& q, Values& v, Diagnostics& out);
+
+void read_mechanism(const Value& table, Reading& reading);
+void read_chain(const Value& table, const std::string& mechanism, bool free_root, const Pose& pose, const MechanismState& state,
+                Reading& reading);
+/// Puts the bodies of a mechanism, root first and parents before children, in the order of the file as far as that allows; empty,
+/// with reports, where there is not exactly one root, a parent is unknown or the joints go round in a circle.
+std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const std::string& mechanism, Place place,
+                                  Reading& reading);
+/// The root's velocity, in its own axes at its frame's origin, as velocities of a free joint.
+void read_root_velocity(const Value& value, BodySpec& root, Diagnostics& out);
+
+void read_event(const Value& table, int number, Reading& reading);
+/// Breaks of what would then have no inertia, and second breaks: what only all events together show.
+void check_events(Reading& reading);
+
+void read_world(const Value& table, Reading& reading);
+void read_integrate(const Value& table, Reading& reading);
+void read_output(const Value& table, Reading& reading);
+
+}  // namespace momentree::io

@@ -1,0 +1,127 @@
+#include <momentree/io/toml_text.hpp>
+
+#include <algorithm>
+
+namespace momentree::io {
+
+namespace {
+
+constexpr int deepest_key = 16;
+
+// Length of the UTF-8 character at text[i]; 0 if it is none.
+std::size_t character_length(std::string_view text, std::size_t i) {
+  const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
+  const auto continues = [&](std::size_t k) { return (byte(k) & 0xc0) == 0x80; };
+  const unsigned a = byte(i), b = byte(i + 1);
+  if (a < 0x80) return 1;
+  if (a >= 0xc2 && a < 0xe0) return continues(i + 1) ? 2 : 0;
+  if (a >= 0xe0 && a < 0xf0) {
+    const bool overlong = a == 0xe0 && b < 0xa0, surrogate = a == 0xed && b >= 0xa0;
+    return continues(i + 1) && continues(i + 2) && !overlong && !surrogate ? 3 : 0;
+  }
+  if (a >= 0xf0 && a < 0xf5) {
+    const bool overlong = a == 0xf0 && b < 0x90, beyond = a == 0xf4 && b >= 0x90;
+    return continues(i + 1) && continues(i + 2) && continues(i + 3) && !overlong && !beyond ? 4 : 0;
+  }
+  return 0;
+}
+
+// Past the string that opens at text[i]; to the end where it never closes: the parser says so.
+std::size_t past_string(std::string_view text, std::size_t i) {
+  const char quote = text[i];
+  const bool multiline = text.substr(i, 3) == std::string(3, quote);
+  const std::string closing(multiline ? 3 : 1, quote);
+  for (i += closing.size(); i < text.size(); ++i) {
+    if (text[i] == '\\' && quote == '"') {
+      ++i;
+    } else if (text[i] == '\n' && !multiline) {
+      return i;
+    } else if (text.substr(i, closing.size()) == closing) {
+      for (i += closing.size(); multiline && i < text.size() && text[i] == quote;) ++i;  // one or two may stand before the three
+      return i;
+    }
+  }
+  return text.size();
+}
+
+// The first place where a dotted key has more parts than any scenario needs. A number or a date has one dot at most.
+std::size_t too_deep(std::string_view text) {
+  int dots = 0;
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      i = past_string(text, i);
+      continue;
+    }
+    if (c == '#') {
+      i = std::min(text.find('\n', i), text.size());
+      continue;
+    }
+    if (c == '.' && ++dots > deepest_key) return i;
+    if (c == '\n' || c == '=' || c == ',' || c == '{' || c == '[') dots = 0;
+    ++i;
+  }
+  return std::string_view::npos;
+}
+
+Place place_at(std::string_view text, std::size_t end) {
+  Place place{1, 1, 0};
+  for (std::size_t i = 0; i < end; ++i) {
+    if (text[i] == '\n')
+      ++place.line, place.column = 1;
+    else if ((static_cast<unsigned char>(text[i]) & 0xc0) != 0x80)
+      ++place.column;
+  }
+  return place;
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
+}  // namespace
+
+std::optional<SyntaxError> check_toml_text(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = character_length(text, i);
+    if (length == 0) return SyntaxError{place_at(text, i), "the text is not UTF-8", "save the file with the encoding UTF-8"};
+    if (text[i] == '\0') return SyntaxError{place_at(text, i), "a zero byte: this is no text", ""};
+    i += length;
+  }
+  const std::size_t deep = too_deep(text);
+  if (deep != std::string_view::npos)
+    return SyntaxError{place_at(text, deep), "a key of more than " + std::to_string(deepest_key + 1) + " parts", ""};
+  return {};
+}
+
+std::string_view line_of(std::string_view text, int line) {
+  for (int k = 1; k < line; ++k) {
+    const std::size_t end = text.find('\n');
+    if (end == std::string_view::npos) return {};
+    text.remove_prefix(end + 1);
+  }
+  text = text.substr(0, text.find('\n'));
+  if (!text.empty() && text.back() == '\r') text.remove_suffix(1);
+  return text;
+}
+
+std::string syntax_hint(std::string_view what, std::string_view line, int column) {
+  const auto at = [&](std::size_t i) { return i < line.size() ? line[i] : '\0'; };
+  const std::size_t equals = line.find('=');
+  if (what.find("redefine") != std::string_view::npos) return "it is given twice";
+  if (equals == std::string_view::npos) return {};
+  const std::size_t first = line.find_first_not_of(" \t", equals + 1);
+  if (first == std::string_view::npos) return "a value is missing after '='";
+  const std::size_t sign = at(first) == '-' || at(first) == '+' ? 1 : 0;
+  if (is_digit(at(first + sign))) {
+    std::size_t end = first + sign;
+    while (is_digit(at(end)) || at(end) == '.' || at(end) == '_') ++end;
+    if (at(end) == ',' && is_digit(at(end + 1))) return "the decimal sign is a point";
+    const std::size_t unit = line.find_first_not_of(' ', end);
+    if (unit != std::string_view::npos && is_letter(at(unit)))
+      return "a number with a unit is a string: \"" + std::string(line.substr(first, end - first)) + " …\"";
+  }
+  if (is_letter(at(first)) && static_cast<std::size_t>(column) >= first + 1) return "a word is a string: write it in quotes";
+  return {};
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,20 @@
+#pragma once
+// What is looked at in a TOML text before and after the parser: bytes that no text has, depth, and hints for common slips.
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <momentree/io/toml.hpp>
+
+namespace momentree::io {
+
+/// Invalid UTF-8, a zero byte, or nesting that no scenario has (tables by dotted keys: the parser does not bound them).
+std::optional<SyntaxError> check_toml_text(std::string_view text);
+
+/// The line-th line, from 1, without its end.
+std::string_view line_of(std::string_view text, int line);
+
+/// How to mend what the parser did not understand in `line`; empty if there is nothing to guess.
+std::string syntax_hint(std::string_view what, std::string_view line, int column);
+
+}  // namespace momentree::io

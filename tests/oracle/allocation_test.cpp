@@ -1,0 +1,107 @@
+// Neither a step nor a change allocates: counted by the program's own operator new.
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include <doctest/doctest.h>
+
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/simulate/simulation.hpp>
+#include <momentree/topology/change.hpp>
+#include <tests/oracle/random_model.hpp>
+
+namespace {
+std::atomic<long> allocations{0};
+
+void* take(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+void* take(std::size_t size, std::align_val_t alignment) {
+  ++allocations;
+  const std::size_t a = static_cast<std::size_t>(alignment);
+  if (void* memory = std::aligned_alloc(a, (size + a - 1) / a * a)) return memory;
+  throw std::bad_alloc();
+}
+}  // namespace
+
+void* operator new(std::size_t size) { return take(size); }
+void* operator new[](std::size_t size) { return take(size); }
+void* operator new(std::size_t size, std::align_val_t alignment) { return take(size, alignment); }
+void* operator new[](std::size_t size, std::align_val_t alignment) { return take(size, alignment); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+
+using namespace momentree;
+
+TEST_CASE("the counter counts") {
+  const long before = allocations;
+  std::vector<int> some(100);
+  CHECK(allocations == before + 1);
+  CHECK(some.size() == 100);
+}
+
+TEST_CASE("stepping and breaking allocate nothing, with all kinds of joints, until every body is free") {
+  for (std::uint64_t seed = 0; seed < 27; ++seed) {
+    CAPTURE(seed);
+    const Model model = oracle::random_tree(seed, {.min_bodies = 20, .max_bodies = 40}).model;
+    Tree tree(model);
+    State state = start_state(model, tree);
+    Work<double> work(tree);
+    Evaluator evaluate(tree, work);
+    const std::unique_ptr<Integrator> method = make_integrator("rk4", tree);
+    Books books;
+    oracle::Prng draw(seed);
+    evaluate(state);
+
+    const long before = allocations;
+    int breaks = 0, steps = 0;
+    double sum = 0;
+    for (int left = tree.bodies(); left > 0; --left) {
+      const int first = draw.integer(0, tree.bodies() - 1);
+      for (int k = 0; k < tree.bodies(); ++k) {
+        const Body body{(first + k) % tree.bodies()};
+        if (!can_break(tree, body)) continue;
+        evaluate(state);
+        sum += apply(Break{body}, tree, state, work).energy;
+        ++breaks;
+        break;
+      }
+      for (int i = 0; i < 2; ++i) {
+        evaluate(state);
+        steps += method->step(evaluate, state, books, 1e-5);
+      }
+      sum += totals(tree, state, work).kinetic;
+    }
+    const long during = allocations - before;
+    CHECK(during == 0);
+    CHECK(breaks > 0);
+    CHECK(steps == 2 * tree.bodies());
+    CHECK(sum > 0);
+  }
+}
+
+TEST_CASE("a simulation steps without allocating") {
+  const Model model = oracle::random_tree(2, {.min_bodies = 30, .max_bodies = 30}).model;
+  Simulation run(model, {.step = 1e-5});
+  REQUIRE(run.step(1e-5) == Status::ok);
+  const long before = allocations;
+  Status status = Status::ok;
+  for (int i = 0; i < 100 && status == Status::ok; ++i) status = run.step(1e-5);
+  const long stepping = allocations - before;
+  status = run.run_until(3e-3);
+  const long running = allocations - before - stepping;
+  CHECK(status == Status::ok);
+  CHECK(stepping == 0);
+  CHECK(running == 0);
+}
