@@ -67,4 +67,13 @@ MOMENTREE_INLINE decltype(auto) dispatch_kernels(Kind kind, Variant variant, F&&
   });
 }
 
+/// What relinking needs of a kind, without a switch.
+struct KindShape {
+  int nq = 0, nv = 0, angles = 0;
+  int angle[2] = {0, 0};
+  bool turns_about_z = false;
+  std::size_t record[5] = {};  ///< scalars of the record, by variant
+};
+const KindShape& shape(Kind kind);
+
 }  // namespace momentree

@@ -108,15 +108,12 @@ Released apply(const Unlock& change, Tree& tree, State& state, Work<double>& wor
 Released apply(const Impulse& change, Tree& tree, State& state, Work<double>& work) noexcept {
   const int b = change.body.index;
   MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
-  const Kinematics<double> body = locate_body(tree, state, work, b);
+  const DenseCrossing<double> body = locate_body(tree, state, work, b);
   const KernelFrame& frame = tree.frame(b);
   Force<double> W{transpose_times(body.R, change.force), transpose_times(body.R, change.torque)};
   shift(W, transpose_times(frame.R, change.point - frame.r));
   const auto p = state.edit().p;
-  double own[6];
-  project(tree, b, joint_state(tree, state, work, b), W, own);
-  for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
-    if ((tree.joint(b).locked >> i & 1u) == 0) p[static_cast<std::size_t>(tree.first_p(b) + i)] += own[i];
+  absorb(tree, b, joint_state(tree, state, work, b), W, +1, p.data());
   shed_momentum(tree, state, work, b, W, +1, p.data());
   return {};
 }

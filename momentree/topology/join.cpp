@@ -23,10 +23,7 @@ Released apply(const Join& change, Tree& tree, State& state, Work<double>& work)
   shift(W, relative.position);
   W = to_kernel_frame(tree.frame(to), W);
   const auto p = state.edit().p;
-  double own[6];
-  project(tree, to, joint_state(tree, state, work, to), W, own);
-  for (int i = 0; i < info(tree.joint(to).kind).nv; ++i)
-    if ((tree.joint(to).locked >> i & 1u) == 0) p[static_cast<std::size_t>(tree.first_p(to) + i)] += own[i];
+  absorb(tree, to, joint_state(tree, state, work, to), W, +1, p.data());
   shed_momentum(tree, state, work, to, W, +1, p.data());
   tree.regraft(b, to);
   const double q[7] = {relative.position.x, relative.position.y, relative.position.z, relative.rotation.w,

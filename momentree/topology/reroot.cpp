@@ -35,10 +35,7 @@ Released apply(const Reroot& change, Tree& tree, State& state, Work<double>& wor
     const int x = work.path[static_cast<std::size_t>(--length)];
     const DenseCrossing<double> crossing = joint_crossing(tree, state, work, x);
     total = {transpose_times(crossing.R, total.l), transpose_times(crossing.R, total.h - cross(crossing.r, total.l))};
-    double outboard[6];
-    project(tree, x, joint_state(tree, state, work, x), total, outboard);
-    for (int i = 0; i < info(tree.joint(x).kind).nv; ++i)
-      if ((tree.joint(x).locked >> i & 1u) == 0) p[static_cast<std::size_t>(tree.first_p(x) + i)] -= outboard[i];
+    absorb(tree, x, joint_state(tree, state, work, x), total, -1, p.data());
   }
   const Force<double> P = to_user_frame(tree.frame(b), total);
   tree.reroot(b);

@@ -23,9 +23,7 @@ Mat3 joint_axes(const Joint& joint, double* geometry) {
   return dispatch(joint.kind, [&](auto tag) { return decltype(tag)::type::Kernels::frame(spec_of(joint), geometry); });
 }
 
-bool turns_about_z(Kind kind) {
-  return dispatch(kind, [](auto tag) { return decltype(tag)::type::Kernels::turns_about_z; });
-}
+bool turns_about_z(Kind kind) { return shape(kind).turns_about_z; }
 
 Mat3 turned_z(const Mat3& R, double c, double s) {
   return {R.xx * c + R.xy * s, R.xy * c - R.xx * s, R.xz, R.yx * c + R.yy * s, R.yy * c - R.yx * s, R.yz,
@@ -74,13 +72,6 @@ Variant variant_of(const Joint& joint, bool rotor, bool reversed) {
   return rotor ? Variant::rotor : Variant::plain;
 }
 
-double value_at(const Values& values, int i) { return values.empty() ? 0.0 : values.size() == 1 ? values[0] : values[i]; }
-
-template <class A>
-constexpr std::size_t scalars() {
-  return sizeof(A) / sizeof(double);
-}
-
 }  // namespace
 
 Tree::Tree(const Model& model) : gravity_(model.gravity()) {
@@ -93,14 +84,11 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
   for (int b = 0; b < n; ++b) joint_of_[at(b)] = carrier_[at(b)] = b;
   links_.resize(size), joints_.resize(size), frames_.resize(size), masses_.resize(size);
   segments_.reserve(size), spring_joints_.reserve(size), quaternion_joints_.reserve(size);
-  angle_q_.reserve(2 * size), angle_offset_.reserve(2 * size), armature_.reserve(6 * size), damping_.reserve(6 * size),
-      effort_.reserve(6 * size);
+  angle_q_.resize(2 * size), angle_offset_.resize(2 * size), armature_.resize(6 * size), damping_.resize(6 * size),
+      effort_.resize(6 * size);
   std::size_t largest = 0;
   for (const KindInfo& k : all_kinds())
-    for (Variant variant : {Variant::plain, Variant::rotor, Variant::locked, Variant::reversed, Variant::reversed_locked})
-      dispatch_kernels(k.kind, variant, [&](auto tag) {
-        largest = std::max(largest, scalars<typename decltype(tag)::type::template Record<double>>());
-      });
+    for (std::size_t record : shape(k.kind).record) largest = std::max(largest, record);
   record_capacity_ = largest * size;
 
   for (int b = 0; b < n; ++b) {
@@ -114,12 +102,15 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
         return o.damping == p.damping && o.stiffness == p.stiffness && o.rest == p.rest && o.armature == p.armature &&
                o.effort == p.effort;
       };
-      if (parameters_.empty() || !same(parameters_.back())) parameters_.push_back(p);
+      if (parameters_.empty() || !same(parameters_.back())) {
+        parameters_.push_back(p);
+        per_freedom_.push_back(spread(p));
+      }
       joints_[at(b)].parameters = static_cast<int>(parameters_.size()) - 1;
     }
   }
   shared_parameters_ = static_cast<int>(parameters_.size());
-  parameters_.reserve(parameters_.size() + size);
+  parameters_.reserve(parameters_.size() + size), per_freedom_.reserve(parameters_.size() + size);
   for (int b = n - 1; b >= 0; --b) {  // backwards: lists in ascending order
     int& head = parent_[at(b)] < 0 ? first_root_ : first_child_[at(parent_[at(b)])];
     next_sibling_[at(b)] = head;
@@ -192,37 +183,50 @@ void Tree::make_link(int b) {
                                                  -m.mass * c.x * c.y,       -m.mass * c.x * c.z,       -m.mass * c.y * c.z};
 }
 
+Tree::PerFreedom Tree::spread(const JointParameters& parameters) {
+  PerFreedom f;
+  for (int i = 0; i < 6; ++i) {
+    const auto value = [i](const Values& v) { return v.size() == 1 ? v[0] : i < v.size() ? v[i] : 0.0; };
+    f.armature[at(i)] = value(parameters.armature);
+    f.damping[at(i)] = value(parameters.damping);
+    f.effort[at(i)] = value(parameters.effort);
+  }
+  f.rotor = parameters.armature.any();
+  f.spring = parameters.stiffness.any();
+  f.force = parameters.damping.any() || parameters.effort.any();
+  return f;
+}
+
 void Tree::relink() {
   const int n = bodies();
-  nq_ = nv_ = 0;
   has_forces_ = false;
-  angle_q_.clear(), angle_offset_.clear(), armature_.clear(), damping_.clear(), effort_.clear();
   spring_joints_.clear(), quaternion_joints_.clear(), segments_.clear();
+  int q = 0, p = 0, angles = 0;
   for (int j = 0; j < n; ++j) {  // packed in the order of joint numbers: re-rooting moves no coordinate
-    const int b = carrier_[at(j)];
+    const auto b = at(carrier_[at(j)]);
     const Joint& joint = joints_[at(j)];
-    const JointParameters* p = parameters(b);
-    const bool rotor = p != nullptr && p->armature.any();
-    variant_[at(b)] = variant_of(joint, rotor, reversed(b));
-    first_q_[at(b)] = nq_, first_p_[at(b)] = nv_, first_angle_[at(b)] = static_cast<int>(angle_q_.size());
-    dispatch(joint.kind, [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      for (int a : K::Kernels::angles) {
-        angle_q_.push_back(nq_ + a);
-        angle_offset_.push_back(K::Kernels::turns_about_z ? links_[at(b)].angle_0 : 0.0);
-      }
-      for (int i = 0; i < K::info.nv; ++i) {
-        const bool moves = p != nullptr && (joint.locked >> i & 1u) == 0;  // a locked freedom's forces do nothing
-        armature_.push_back(p != nullptr ? value_at(p->armature, i) : 0.0);
-        damping_.push_back(moves ? value_at(p->damping, i) : 0.0);
-        effort_.push_back(moves ? value_at(p->effort, i) : 0.0);
-      }
-      if (K::info.nq > K::info.nv) quaternion_joints_.push_back(b);
-      nq_ += K::info.nq, nv_ += K::info.nv;
-    });
-    if (p != nullptr && p->stiffness.any()) spring_joints_.push_back(b);
-    if (p != nullptr && (p->damping.any() || p->effort.any())) has_forces_ = true;
+    const KindShape& kind = shape(joint.kind);
+    static constexpr PerFreedom none{};
+    const PerFreedom& given = joint.parameters < 0 ? none : per_freedom_[at(joint.parameters)];
+    first_q_[b] = q, first_p_[b] = p, first_angle_[b] = angles;
+    for (int i = 0; i < kind.angles; ++i) {
+      angle_q_[at(angles)] = q + kind.angle[i];
+      angle_offset_[at(angles++)] = kind.turns_about_z ? links_[b].angle_0 : 0.0;
+    }
+    for (int i = 0; i < kind.nv; ++i) {
+      const bool moves = (joint.locked >> i & 1u) == 0;  // a locked freedom's forces do nothing
+      armature_[at(p + i)] = given.armature[at(i)];
+      damping_[at(p + i)] = moves ? given.damping[at(i)] : 0.0;
+      effort_[at(p + i)] = moves ? given.effort[at(i)] : 0.0;
+    }
+    if (given.spring) spring_joints_.push_back(static_cast<int>(b));
+    has_forces_ = has_forces_ || given.force;
+    const bool rotor = given.rotor;
+    variant_[b] = variant_of(joint, rotor, reversed_[b] != 0);
+    if (kind.nq > kind.nv) quaternion_joints_.push_back(static_cast<int>(b));
+    q += kind.nq, p += kind.nv;
   }
+  nq_ = q, nv_ = p, angles_ = angles;
 
   // Depth first, inboard before outboard, without a stack: a chain of a million bodies is as deep as it is long.
   junctions_ = 0;
@@ -235,21 +239,20 @@ void Tree::relink() {
     const Link& link = links_[at(b)];
     const bool aligned = link.sin_b == 0 && link.cos_b == 1;
     record_[at(b)] = record_scalars_;
-    dispatch_kernels(kind, variant,
-                     [&](auto tag) { record_scalars_ += scalars<typename decltype(tag)::type::template Record<double>>(); });
-    const int p = parent_[at(b)];
+    record_scalars_ += shape(kind).record[static_cast<std::size_t>(variant)];
+    const int outer = parent_[at(b)];
     Segment* last = segments_.empty() ? nullptr : &segments_.back();
-    const bool goes_on = last != nullptr && place > 0 && p >= 0 && order_[at(place - 1)] == p &&
-                         next_sibling_[at(first_child_[at(p)])] < 0 && last->kind == kind && last->variant == variant &&
+    const bool goes_on = last != nullptr && place > 0 && outer >= 0 && order_[at(place - 1)] == outer &&
+                         next_sibling_[at(first_child_[at(outer)])] < 0 && last->kind == kind && last->variant == variant &&
                          last->aligned == aligned;
     if (goes_on) {
       last->end = place + 1;
     } else {
       Segment s{place, place + 1, -1, -1, kind, variant, aligned, Segment::Deposit::none};
-      if (p >= 0) {
-        Segment& outer = segments_[at(segment_of_[at(p)])];
-        if (outer.junction < 0) outer.junction = junctions_++;
-        s.parent = outer.junction;
+      if (outer >= 0) {
+        Segment& before = segments_[at(segment_of_[at(outer)])];
+        if (before.junction < 0) before.junction = junctions_++;
+        s.parent = before.junction;
         // The way in runs through the segments backwards: the last child reaches the junction first.
         s.deposit = next_sibling_[at(b)] < 0 ? Segment::Deposit::assign : Segment::Deposit::add;
       }
@@ -267,14 +270,14 @@ void Tree::relink() {
   }
   MT_REQUIRE(place == n, "every body hangs on the ground");
   for (int i = n - 1; i >= 0; --i) {
-    const int b = order_[at(i)], p = parent_[at(b)];
-    if (p >= 0) links_[at(p)].subtree_mass += links_[at(b)].subtree_mass;
+    const int b = order_[at(i)], outer = parent_[at(b)];
+    if (outer >= 0) links_[at(outer)].subtree_mass += links_[at(b)].subtree_mass;
   }
 }
 
 void Tree::unlink(int b) {
-  const int p = parent_[at(b)];
-  int* head = p < 0 ? &first_root_ : &first_child_[at(p)];
+  const int outer = parent_[at(b)];
+  int* head = outer < 0 ? &first_root_ : &first_child_[at(outer)];
   while (*head != b) head = &next_sibling_[at(*head)];
   *head = next_sibling_[at(b)];
 }
@@ -369,8 +372,10 @@ void Tree::set_parameters(int b, const JointParameters& parameters) {
   if (joint.parameters < shared_parameters_) {  // shared with others: an own place, reserved at the start
     joint.parameters = static_cast<int>(parameters_.size());
     parameters_.push_back(parameters);
+    per_freedom_.push_back(spread(parameters));
   } else {
     parameters_[at(joint.parameters)] = parameters;
+    per_freedom_[at(joint.parameters)] = spread(parameters);
   }
   ++revision_;
   relink();

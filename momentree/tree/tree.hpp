@@ -1,6 +1,7 @@
 #pragma once
 // The compiled topology: one forest of flat arrays. Body numbers never change; a change relinks order and offsets.
 // A mechanism that falls off is a body whose parent became the ground.
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -85,8 +86,8 @@ class Tree {
   int junctions() const { return junctions_; }
   std::size_t record_scalars() const { return record_scalars_; }
   /// Angles of all joints: index into q, and the offset θ0 that is added to it.
-  std::span<const int> angle_coordinates() const { return angle_q_; }
-  std::span<const double> angle_offsets() const { return angle_offset_; }
+  std::span<const int> angle_coordinates() const { return {angle_q_.data(), at(angles_)}; }
+  std::span<const double> angle_offsets() const { return {angle_offset_.data(), at(angles_)}; }
   /// Rotor inertia per freedom, in the order of p.
   const double* armature() const { return armature_.data(); }
   /// Damping and constant effort per freedom, in the order of p; zeros where there is none.
@@ -126,7 +127,7 @@ class Tree {
   void relink();
 
   Vec3 gravity_{};
-  int nq_ = 0, nv_ = 0, junctions_ = 0, first_root_ = -1;
+  int nq_ = 0, nv_ = 0, angles_ = 0, junctions_ = 0, first_root_ = -1;
   std::size_t record_scalars_ = 0, record_capacity_ = 0;
   std::uint64_t revision_ = 0;
   std::vector<int> parent_, first_child_, next_sibling_, first_q_, first_p_, first_angle_, order_, segment_of_;
@@ -144,6 +145,12 @@ class Tree {
   };
   std::vector<MassProperties> masses_;
   std::vector<JointParameters> parameters_;  // those of the model, shared, then those that changes gave to one joint
+  struct PerFreedom {                        // the same, spread over the freedoms: what relinking copies
+    std::array<double, 6> armature{}, damping{}, effort{};
+    bool rotor = false, spring = false, force = false;
+  };
+  std::vector<PerFreedom> per_freedom_;
+  static PerFreedom spread(const JointParameters& parameters);
   int shared_parameters_ = 0;
   std::vector<Segment> segments_;
   std::vector<int> angle_q_, spring_joints_, quaternion_joints_;
