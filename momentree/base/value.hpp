@@ -23,7 +23,8 @@ class Value {
   using Table = std::vector<Entry>;  ///< in the order of the file
   struct Time {};                    ///< a date or a time of day: nothing here takes one
 
-  Value() = default;
+  /// An empty table, nowhere.
+  Value();
   template <class T>
   Value(T data, Place place_) : place(place_), data_(std::move(data)) {}
 
@@ -46,7 +47,7 @@ class Value {
   const char* type_name() const;
 
  private:
-  std::variant<bool, std::int64_t, double, std::string, Array, Table, Time> data_{Table{}};
+  std::variant<bool, std::int64_t, double, std::string, Array, Table, Time> data_;
 };
 
 struct Value::Entry {
@@ -54,6 +55,8 @@ struct Value::Entry {
   Place place;  ///< of the key; the value has its own
   Value value;
 };
+
+inline Value::Value() : data_(Table{}) {}
 
 inline const Value::Entry* Value::find(std::string_view key) const {
   if (const Table* entries = table())

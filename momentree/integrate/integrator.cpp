@@ -1,6 +1,7 @@
 #include <momentree/integrate/integrator.hpp>
 
 #include <chrono>
+#include <cmath>
 
 #include <momentree/integrate/method_list.hpp>
 #include <momentree/integrate/methods.hpp>
@@ -57,10 +58,12 @@ void normalise(const Tree& tree, double* q) noexcept {
     dispatch(tree.joint(b).kind, [&](auto tag) { decltype(tag)::type::Kernels::normalise(q + tree.first_q(b)); });
 }
 
-bool all_finite(const double* x, int n) noexcept {
-  double sum = 0;  // 0·x is NaN for what is not finite
-  for (int i = 0; i < n; ++i) sum += 0.0 * x[i];
-  return sum == 0;
+bool plausible(const Tree& tree, const double* q0, const double* q, const double* p) noexcept {
+  bool fine = true;
+  for (int i = 0; i < tree.nq(); ++i) fine &= std::fabs(q[i] - q0[i]) <= runaway;  // false for NaN
+  double sum = 0;                                                                  // 0·x is NaN for what is not finite
+  for (int i = 0; i < tree.nv(); ++i) sum += 0.0 * p[i];
+  return fine && sum == 0;
 }
 
 }  // namespace momentree

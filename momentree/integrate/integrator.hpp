@@ -38,7 +38,7 @@ class Integrator {
  public:
   virtual ~Integrator() = default;
   /// One step of h seconds from `state`, at which `evaluate` was last called. Neither allocates nor throws.
-  /// Returns false, and leaves the state, where a number ceased to be finite.
+  /// Returns false, and leaves the state, where the motion ran away: see `plausible`.
   virtual bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept = 0;
 };
 
@@ -49,7 +49,9 @@ std::vector<std::string> integration_methods();
 
 /// Brings quaternions back to length one: once per step, not inside stages.
 void normalise(const Tree& tree, double* q) noexcept;
-/// True where no number of a packed array is infinite or NaN.
-bool all_finite(const double* x, int n) noexcept;
+/// Further than this no coordinate moves in one step (rad, m): what does has diverged, long before its numbers overflow.
+inline constexpr double runaway = 1e6;
+/// True where a step from coordinates q0 to (q, p) is one of a motion that did not run away: finite, and within `runaway`.
+bool plausible(const Tree& tree, const double* q0, const double* q, const double* p) noexcept;
 
 }  // namespace momentree

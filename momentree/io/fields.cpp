@@ -1,5 +1,6 @@
 #include <momentree/io/fields.hpp>
 
+#include <algorithm>
 #include <utility>
 
 #include <momentree/base/error.hpp>
@@ -16,7 +17,7 @@ Place Fields::place_of(std::string_view key) const {
 }
 
 const Value* Fields::find(std::string_view key) {
-  known_.emplace_back(key);
+  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.push_back(key);
   const Value::Entry* entry = table_.find(key);
   return entry ? &entry->value : nullptr;
 }
@@ -72,7 +73,7 @@ std::optional<Pose> Fields::pose(std::string_view key) {
 bool Fields::later(std::initializer_list<std::string_view> keys, const char* hint) {
   bool any = false;
   for (const std::string_view key : keys) {
-    known_.emplace_back(key);
+    known_.push_back(key);
     const Value::Entry* entry = table_.find(key);
     if (!entry) continue;
     any = true;
@@ -84,13 +85,11 @@ bool Fields::later(std::initializer_list<std::string_view> keys, const char* hin
 void Fields::finish() {
   if (!table_.table()) return;
   for (const Value::Entry& entry : *table_.table()) {
-    bool known = false;
-    for (const std::string& key : known_) known = known || key == entry.key;
-    if (known || out_.full()) continue;
-    std::string hint = did_you_mean(entry.key, known_);
+    if (std::find(known_.begin(), known_.end(), entry.key) != known_.end() || out_.full()) continue;
+    std::string hint = did_you_mean(entry.key, {known_.begin(), known_.end()});
     if (hint.empty() && known_.size() <= 8) {
       hint = "known here:";
-      for (const std::string& key : known_) hint += " " + key;
+      for (const std::string_view key : known_) hint += " " + std::string(key);
     }
     out_.error(entry.place, "unknown key " + in_quotes(entry.key) + " in " + where_, std::move(hint));
   }

@@ -57,7 +57,7 @@ class Fields {
   const Value& table_;
   std::string where_;
   Diagnostics& out_;
-  std::vector<std::string> known_;
+  std::vector<std::string_view> known_;  // keys are literals
 };
 
 /// The tables of an array of tables, one `[[…]]` each; reports where the value is something else.

@@ -25,8 +25,8 @@ class Cursor {
     if (reached_ != nullptr) *reached_ = at_;
     return *this;
   }
-  friend bool operator==(const Cursor& a, const Cursor& b) { return a.at_ == b.at_; }
-  friend bool operator!=(const Cursor& a, const Cursor& b) { return a.at_ != b.at_; }
+  bool operator==(const Cursor& other) const { return at_ == other.at_; }
+  bool operator!=(const Cursor& other) const { return at_ != other.at_; }
 
  private:
   const char* at_;
@@ -65,7 +65,7 @@ struct Builder {
       if (open.back()->is(JsonNode::Type::array))
         node = &open.back()->items.emplace_back();
       else
-        node = &open.back()->members.back().second;
+        node = &open.back()->members.back().value;
     }
     node->type = type;
     if (!after_key) place(*node, back);
@@ -98,7 +98,8 @@ struct Builder {
   bool start_array(std::size_t) { return begin(JsonNode::Type::array); }
   bool end_array() { return end(); }
   bool key(string_t& name) {
-    JsonNode& node = open.back()->members.emplace_back(name, JsonNode{}).second;
+    open.back()->members.push_back({name, JsonNode{}});
+    JsonNode& node = open.back()->members.back().value;
     place(node, name.size() + 2);
     if (!keys.back().insert(name).second) document.fail_at(node, "the key \"" + name + "\" is given twice");
     after_key = true;

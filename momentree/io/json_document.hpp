@@ -3,25 +3,31 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <momentree/base/error.hpp>
 
 namespace momentree::io {
 
+struct JsonMember;
+
 struct JsonNode {
   enum class Type { null, boolean, number, string, array, object };
   Type type = Type::null;
-  double number = 0;                                      ///< of a number; 1 for `true`
-  std::string text;                                       ///< of a string
-  std::vector<JsonNode> items;                            ///< of an array
-  std::vector<std::pair<std::string, JsonNode>> members;  ///< of an object, in the order of the text; keys are unique
-  int line = 1, column = 1;                               ///< of a member: of its key
+  double number = 0;                ///< of a number; 1 for `true`
+  std::string text;                 ///< of a string
+  std::vector<JsonNode> items;      ///< of an array
+  std::vector<JsonMember> members;  ///< of an object, in the order of the text; keys are unique
+  int line = 1, column = 1;         ///< of a member: of its key
 
   bool is(Type t) const { return type == t; }
   /// The member of that name, or null.
   const JsonNode* find(std::string_view key) const;
+};
+
+struct JsonMember {
+  std::string key;
+  JsonNode value;
 };
 
 /// A JSON text with the name of its file, for messages.

@@ -1,4 +1,6 @@
 // The generator [mechanism.chain]: bodies and joints 1 … links along +x.
+#include <algorithm>
+
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
@@ -39,7 +41,8 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
   if (const Value* links = fields.require("links", "how many bodies")) {
     const std::int64_t* n = links->integer();
     if (!n)
-      out.error(links->place, std::string("links: expected a whole number, found ") + links->type_name());
+      out.error(links->place,
+                std::string("links: expected a whole number, found ") + (links->real() ? "a fraction" : links->type_name()));
     else if (*n < 1 || *n > most)
       out.error(links->place, "links: must be from 1 to " + std::to_string(most) +
                                   (most < 1'000'000 ? ": a scenario has at most 1000000 bodies" : ""));
@@ -64,16 +67,15 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
 }  // namespace
 
 void read_chain(const Value& table, const std::string& mechanism, bool free_root, const Pose& pose, const MechanismState& state,
-                Reading& reading) {
+                std::size_t errors, Reading& reading) {
   Diagnostics& out = reading.out;
   Fields fields(table, "[mechanism.chain]", out);
   if (!table.table()) return;
-  const std::size_t errors = out.errors();
   const Chain chain = read_fields(fields, reading.bodies_left, out);
-  // The second link stands for all: they differ in their angle alone.
-  const BodySpec any = make_link(chain, 2, mechanism, free_root, pose, ground);
+  // The last pinned link stands for all: they differ in their angle alone, and its is the largest.
+  const BodySpec any = make_link(chain, std::max(chain.links, 2), mechanism, free_root, pose, ground);
   for (const BodyProblem& problem : check_body(any))
-    out.error(fields.place_of(problem.field), problem.field + ": " + problem.what, problem.hint);
+    out.error(fields.place_of(problem.field == "q" ? "angle" : problem.field), problem.field + ": " + problem.what, problem.hint);
   if (any.mass >= 0) {
     const MassProblem problem = check_mass(any.mass, any.inertia);
     if (problem.warning)
@@ -92,7 +94,7 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
       const auto found = state.joints.find(std::to_string(k));
       if (found != state.joints.end()) {
         ++states_used;
-        read_joint_state(*found->second, info(link.joint.kind), found->first, link.q, link.v, out);
+        read_joint_state(*found->second, found->first, link, out);
       }
     }
     if (k == 1 && state.velocity) read_root_velocity(*state.velocity, link, out);

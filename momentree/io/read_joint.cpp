@@ -79,22 +79,25 @@ const KindInfo* read_kind(Fields& fields, Diagnostics& out) {
 }
 
 void read_geometry(Fields& fields, const KindInfo& kind, JointSpec& joint, Diagnostics& out) {
-  const auto takes = [&](const char* key, bool allowed) {
-    if (allowed || !fields.has(key)) return allowed;
+  const auto takes = [&](const char* key, bool KindInfo::*member) {
+    if (kind.*member || !fields.has(key)) return kind.*member;
     fields.find(key);
-    out.error(fields.place_of(key), "a " + std::string(kind.name) + " joint has no '" + key + "'",
-              "its frame is placed by 'at' and 'child_at'");
+    std::string hint = "joints that have one:";
+    for (const KindInfo& each : all_kinds())
+      if (each.*member) hint += " " + std::string(each.name);
+    out.error(fields.place_of(key), "a " + std::string(kind.name) + " joint has no '" + key + "'", std::move(hint));
     return false;
   };
-  if (takes("axis", kind.axis)) joint.axis = fields.vec3("axis", dimension::number).value_or(joint.axis);
-  if (takes("axis2", kind.axis2)) {
+  if (takes("axis", &KindInfo::axis)) joint.axis = fields.vec3("axis", dimension::number).value_or(joint.axis);
+  if (takes("axis2", &KindInfo::axis2)) {
     // What stands in for a missing one must not be parallel to the first: that would be reported as well.
     const Vec3& a = joint.axis;
     joint.axis2 = std::fabs(a.x) < std::fabs(a.y) + std::fabs(a.z) ? x_axis : y_axis;
     if (const Value* axis2 = fields.require("axis2", "the second axis, turned by the first rotation, for example [0, 1, 0]"))
       joint.axis2 = read_vec3(*axis2, dimension::number, "axis2", out).value_or(joint.axis2);
   }
-  if (takes("pitch", kind.pitch)) {
+  if (takes("pitch", &KindInfo::pitch)) {
+    joint.pitch = 1;
     if (const Value* pitch = fields.require("pitch", "the displacement per turn, for example \"5 mm\""))
       joint.pitch = read_number(*pitch, dimension::length, "pitch", out).value_or(1);
   }
@@ -188,13 +191,20 @@ void read_joint(const Value& table, BodyEntry& body, Reading& reading) {
   fields.finish();
 }
 
-void read_joint_state(const Value& value, const KindInfo& kind, std::string_view label, Values& q, Values& v, Diagnostics& out) {
+void read_joint_state(const Value& value, std::string_view joint, BodySpec& spec, Diagnostics& out) {
+  const KindInfo& kind = info(spec.joint.kind);
   if (value.table()) {
-    Fields fields(value, std::string(label), out);
-    read_start(fields, kind, q, v, out);
+    Fields fields(value, in_quotes(joint), out);
+    read_start(fields, kind, spec.q, spec.v, out);
     fields.finish();
   } else {
-    q = read_values(value, Quantity::q, kind.q_units, false, label, out);
+    spec.q = read_values(value, Quantity::q, kind.q_units, false, joint, out);
+  }
+  for (const BodyProblem& problem : check_body(spec)) {
+    Values& wrong = problem.field == "q" ? spec.q : spec.v;
+    if (problem.field != "q" && problem.field != "v") continue;
+    out.error(value.place, std::string(joint) + ": " + problem.what, problem.hint);
+    wrong = {};
   }
 }
 

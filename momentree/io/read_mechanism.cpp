@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <momentree/base/error.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
@@ -79,15 +81,35 @@ void apply_state(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>&
   for (BodyEntry& body : bodies) {
     known.emplace(body.bare_joint, body.name_place);
     const auto found = state.joints.find(body.bare_joint);
-    if (found != state.joints.end())
-      read_joint_state(*found->second, info(body.spec.joint.kind), found->first, body.spec.q, body.spec.v, out);
+    if (found != state.joints.end()) read_joint_state(*found->second, found->first, body.spec, out);
   }
   for (const auto& [name, value] : state.joints)
     if (!known.contains(name))
       out.error(value->place, "state: there is no joint " + in_quotes(name) + " in this mechanism", reading.suggest(name, known));
 }
 
-// Checks all bodies; adds them to the model where nothing in the mechanism is wrong.
+void check_bodies(const std::vector<BodyEntry>& bodies, Diagnostics& out) {
+  for (const BodyEntry& body : bodies) {
+    if (body.spec.name.empty()) continue;  // has no name, or an impossible one: said already, and check_body() would say it again
+    for (const BodyProblem& problem : check_body(body.spec))
+      out.error(place_of(body, problem.field), problem.field + ": " + problem.what, problem.hint);
+  }
+}
+
+// Where the tree is unknown, so are the rigid groups: a body that may belong to one is not judged.
+void check_single_inertias(const std::vector<BodyEntry>& bodies, Diagnostics& out) {
+  std::unordered_set<std::string_view> carriers;
+  for (const BodyEntry& body : bodies)
+    if (body.joint && body.spec.joint.kind == Kind::weld)
+      carriers.insert(std::string_view(body.parent).substr(body.parent.rfind('/') + 1));
+  for (const BodyEntry& body : bodies) {
+    if (body.spec.joint.kind == Kind::weld || carriers.contains(body.bare_name)) continue;
+    for (const auto& [index, problem] : check_masses({&body.spec, 1}))
+      if (!problem.warning) out.error(place_of(body, "inertia"), problem.what, problem.hint);
+  }
+}
+
+// Judges inertias; adds the bodies to the model where nothing in the mechanism is wrong.
 void add_bodies(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& order, std::size_t errors, Reading& reading) {
   Diagnostics& out = reading.out;
   const int first = reading.scenario.model.size();
@@ -102,8 +124,6 @@ void add_bodies(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& 
       body.spec.parent = {by_name.at(std::string_view(body.parent).substr(slash == std::string::npos ? 0 : slash + 1))};
     }
     by_name.emplace(body.bare_name, static_cast<int>(specs.size()));
-    for (const BodyProblem& problem : check_body(body.spec))
-      out.error(place_of(body, problem.field), problem.field + ": " + problem.what, problem.hint);
     specs.push_back(std::move(body.spec));
   }
   for (const auto& [body, problem] : check_masses(specs)) {
@@ -139,10 +159,10 @@ void read_bodies(const Value& list, const std::string& mechanism, Held held, con
     if (body.rooted) hold_root(body, held, pose, root_place, reading.out);
   const std::vector<std::size_t> order = order_of(bodies, mechanism, place, reading);
   // Where names are missing or stand for two bodies, who is whose parent can't be told: what follows would be guesses.
-  for (const BodyEntry& body : bodies)
-    if (!body.named) return;
-  if (order.empty()) return;
-  apply_state(bodies, order, state, reading);
+  const bool named = std::all_of(bodies.begin(), bodies.end(), [](const BodyEntry& body) { return body.named; });
+  if (!order.empty() && named) apply_state(bodies, order, state, reading);
+  check_bodies(bodies, reading.out);
+  if (order.empty() || !named) return check_single_inertias(bodies, reading.out);
   add_bodies(bodies, order, errors, reading);
 }
 
@@ -181,7 +201,8 @@ void read_mechanism(const Value& table, Reading& reading) {
   const Value* chain = fields.find("chain");
   const Value* bodies = fields.find("body");
   const Value* given_state = fields.find("state");
-  if (fields.later({"model", "limits"}) && fields.has("model")) {
+  fields.later({"limits"});
+  if (fields.later({"model"}, "describe the bodies in [[mechanism.body]] tables")) {
     reading.opaque.insert(name);
   } else {
     if (given_state) state = read_state(*given_state, name, reading);
@@ -194,7 +215,7 @@ void read_mechanism(const Value& table, Reading& reading) {
       out.error(fields.place_of("root"), "root: a chain has a pin to the ground",
                 "leave out 'root'; \"free\" leaves out the pin");
     if (chain)
-      read_chain(*chain, name, held == Held::free, pose, state, reading);
+      read_chain(*chain, name, held == Held::free, pose, state, errors, reading);
     else if (bodies)
       read_bodies(*bodies, name, held, pose, fields.place_of("root"), fields.place(), state, errors, reading);
   }

@@ -60,7 +60,12 @@ std::optional<Vec3> read_vec3(const Value& value, const Dimension& expected, std
 }
 
 std::optional<Pose> read_pose(const Value& value, std::string_view label, Diagnostics& out) {
-  Fields fields(value, std::string(label), out);
+  if (!value.table()) {
+    out.error(value.place, labelled(label, "expected a table, found ") + value.type_name(),
+              value.array() ? "write { xyz = [x, y, z] }, with rpy = [r, p, y] or quat = [w, x, y, z]" : "");
+    return {};
+  }
+  Fields fields(value, in_quotes(label), out);
   const std::size_t errors = out.errors();
   Pose pose;
   if (const auto xyz = fields.vec3("xyz", dimension::length)) pose.position = *xyz;

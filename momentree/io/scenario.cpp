@@ -83,7 +83,8 @@ void read_document(const Value& document, Reading& reading) {
   }
   if (const Value* integrate = fields.find("integrate")) read_integrate(*integrate, reading);
   if (const Value* output = fields.find("output")) read_output(*output, reading);
-  fields.later({"force", "loop"});
+  fields.later({"force"});
+  fields.later({"loop"}, "closed loops are not supported: a mechanism is a tree");
   fields.finish();
   check_whole(reading);
 }

@@ -60,12 +60,14 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
 Shape read_shape(const Value& value, Reading& reading);
 /// kind, geometry, parameters, start and parent of a joint.
 void read_joint(const Value& table, BodyEntry& body, Reading& reading);
-/// Start coordinates as a mechanism's state gives them: a number for kinds with one freedom, or a list.
-void read_joint_state(const Value& value, const KindInfo& kind, std::string_view label, Values& q, Values& v, Diagnostics& out);
+/// Start values as a mechanism's state gives them under a joint's name: a number for kinds with one freedom, a list of
+/// coordinates, or a table with the keys of a joint's start.
+void read_joint_state(const Value& value, std::string_view joint, BodySpec& spec, Diagnostics& out);
 
 void read_mechanism(const Value& table, Reading& reading);
+/// `errors`: how many there were before this mechanism. Its bodies are added where none came since.
 void read_chain(const Value& table, const std::string& mechanism, bool free_root, const Pose& pose, const MechanismState& state,
-                Reading& reading);
+                std::size_t errors, Reading& reading);
 /// Puts the bodies of a mechanism, root first and parents before children, in the order of the file as far as that allows; empty,
 /// with reports, where there is not exactly one root, a parent is unknown or the joints go round in a circle.
 std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const std::string& mechanism, Place place,

@@ -94,7 +94,6 @@ TEST_CASE("v and p must agree") {
   Simulation simulation(test::two_mechanisms());
   const std::string text = state_json(simulation.world(), {});
   CHECK(mistake(text) == "");
-  const std::string v = "\"v\": [" + std::to_string(0);
   const std::string message = mistake(replaced(text, "\"v\": [0], \"p\": [0]", "\"v\": [0.001], \"p\": [0]"));
   CHECK(message.find("`v` of joint 'pendulum' does not fit its `p`") != std::string::npos);
   CHECK(mistake(replaced(text, "\"v\": [0], \"p\": [0]", "\"v\": [1e-7], \"p\": [0]")) == "");

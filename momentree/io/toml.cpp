@@ -54,11 +54,8 @@ SyntaxError syntax_error(const toml::parse_error& error, std::string_view text) 
   std::string what(error.description());
   constexpr std::string_view opening = "Error while parsing ";
   if (what.rfind(opening, 0) == 0) what = "cannot read this " + what.substr(opening.size());
-  // The parser names control characters as they are.
-  for (const auto& [from, to] : {std::pair{"'\n'", "the end of the line"}, std::pair{"'\r'", "the end of the line"}})
-    if (const std::size_t at = what.find(from); at != std::string::npos) what.replace(at, 3, to);
   const Place place = place_of(error.source());
-  std::string hint = syntax_hint(what, line_of(text, place.line), place.column);
+  std::string hint = explain_syntax(what, line_of(text, place.line), place.column);
   return {place, std::move(what), std::move(hint)};
 }
 

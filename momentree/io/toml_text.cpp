@@ -1,6 +1,7 @@
 #include <momentree/io/toml_text.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace momentree::io {
 
@@ -44,8 +45,11 @@ std::size_t past_string(std::string_view text, std::size_t i) {
   return text.size();
 }
 
-// The first place where a dotted key has more parts than any scenario needs. A number or a date has one dot at most.
-std::size_t too_deep(std::string_view text) {
+enum class Oddity { none, deep, foreign };
+
+// The first place outside of strings and comments that the parser must not see: a dotted key of more parts than any scenario
+// needs (a number or a date has one dot at most), or a character that TOML has there nowhere.
+std::pair<Oddity, std::size_t> first_oddity(std::string_view text) {
   int dots = 0;
   for (std::size_t i = 0; i < text.size();) {
     const char c = text[i];
@@ -57,11 +61,12 @@ std::size_t too_deep(std::string_view text) {
       i = std::min(text.find('\n', i), text.size());
       continue;
     }
-    if (c == '.' && ++dots > deepest_key) return i;
+    if (static_cast<unsigned char>(c) >= 0x80) return {Oddity::foreign, i};
+    if (c == '.' && ++dots > deepest_key) return {Oddity::deep, i};
     if (c == '\n' || c == '=' || c == ',' || c == '{' || c == '[') dots = 0;
     ++i;
   }
-  return std::string_view::npos;
+  return {Oddity::none, 0};
 }
 
 Place place_at(std::string_view text, std::size_t end) {
@@ -87,10 +92,14 @@ std::optional<SyntaxError> check_toml_text(std::string_view text) {
     if (text[i] == '\0') return SyntaxError{place_at(text, i), "a zero byte: this is no text", ""};
     i += length;
   }
-  const std::size_t deep = too_deep(text);
-  if (deep != std::string_view::npos)
-    return SyntaxError{place_at(text, deep), "a key of more than " + std::to_string(deepest_key + 1) + " parts", ""};
-  return {};
+  const auto [oddity, at] = first_oddity(text);
+  if (oddity == Oddity::none) return {};
+  if (oddity == Oddity::deep)
+    return SyntaxError{place_at(text, at), "a key of more than " + std::to_string(deepest_key + 1) + " parts", ""};
+  const std::string character(text.substr(at, character_length(text, at)));
+  const bool quote = character == "“" || character == "”" || character == "„" || character == "‘" || character == "’";
+  return SyntaxError{place_at(text, at), "the character '" + character + "' stands outside of a string",
+                     quote ? "quotation marks are straight: \"" : "keys and values have plain letters; others stand in strings"};
 }
 
 std::string_view line_of(std::string_view text, int line) {
@@ -104,10 +113,23 @@ std::string_view line_of(std::string_view text, int line) {
   return text;
 }
 
-std::string syntax_hint(std::string_view what, std::string_view line, int column) {
+std::string explain_syntax(std::string& what, std::string_view line, int column) {
+  const auto says = [&](std::string_view part) { return what.find(part) != std::string::npos; };
   const auto at = [&](std::size_t i) { return i < line.size() ? line[i] : '\0'; };
+  for (const std::string_view end : {"'\\n'", "'\\r'"})
+    if (const std::size_t i = what.find(end); i != std::string::npos) what.replace(i, end.size(), "the end of the line");
+  if (says("redefine")) return "it is given twice";
+  if (says("string") && says("unescaped control") && static_cast<std::size_t>(column) > line.size()) {
+    what = "cannot read this string: it does not end on its line";
+    return "a closing quotation mark is missing";
+  }
+  if (says("end-of-file"))
+    return says("array") ? "a closing ] is missing" : says("string") ? "closing quotation marks are missing" : "";
+  if (says("could not be interpreted as a value")) {
+    what = "cannot read this number: it is outside the range of numbers";
+    return {};
+  }
   const std::size_t equals = line.find('=');
-  if (what.find("redefine") != std::string_view::npos) return "it is given twice";
   if (equals == std::string_view::npos) return {};
   const std::size_t first = line.find_first_not_of(" \t", equals + 1);
   if (first == std::string_view::npos) return "a value is missing after '='";
@@ -117,8 +139,11 @@ std::string syntax_hint(std::string_view what, std::string_view line, int column
     while (is_digit(at(end)) || at(end) == '.' || at(end) == '_') ++end;
     if (at(end) == ',' && is_digit(at(end + 1))) return "the decimal sign is a point";
     const std::size_t unit = line.find_first_not_of(' ', end);
-    if (unit != std::string_view::npos && is_letter(at(unit)))
-      return "a number with a unit is a string: \"" + std::string(line.substr(first, end - first)) + " …\"";
+    if (unit != std::string_view::npos && is_letter(at(unit))) {
+      const std::string_view rest = line.substr(unit, line.find('#', unit) - unit);
+      return "a number with a unit is a string: \"" + std::string(line.substr(first, end - first)) + " " +
+             std::string(rest.substr(0, rest.find_last_not_of(" \t,]}") + 1)) + "\"";
+    }
   }
   if (is_letter(at(first)) && static_cast<std::size_t>(column) >= first + 1) return "a word is a string: write it in quotes";
   return {};

@@ -8,13 +8,15 @@
 
 namespace momentree::io {
 
-/// Invalid UTF-8, a zero byte, or nesting that no scenario has (tables by dotted keys: the parser does not bound them).
+/// Invalid UTF-8, a zero byte, nesting that no scenario has (tables by dotted keys: the parser does not bound them), or
+/// characters beyond ASCII outside of strings and comments (the parser is not sound there).
 std::optional<SyntaxError> check_toml_text(std::string_view text);
 
 /// The line-th line, from 1, without its end.
 std::string_view line_of(std::string_view text, int line);
 
-/// How to mend what the parser did not understand in `line`; empty if there is nothing to guess.
-std::string syntax_hint(std::string_view what, std::string_view line, int column);
+/// Makes the parser's message plainer where it can be, and says how to mend what it did not understand in `line`; empty if there
+/// is nothing to guess.
+std::string explain_syntax(std::string& what, std::string_view line, int column);
 
 }  // namespace momentree::io

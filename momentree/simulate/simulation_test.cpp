@@ -140,7 +140,8 @@ TEST_CASE("a run that diverges stops at its last good state and says which joint
   CHECK(sim.message().find("joint 'chain/") != std::string::npos);
   CHECK(sim.message().find("t = ") != std::string::npos);
   CHECK(sim.message().find("smaller step") != std::string::npos);
-  for (double q : sim.world().state().q()) CHECK(std::isfinite(q));
+  for (double q : sim.world().state().q()) CHECK(std::fabs(q) < 1e9);  // noticed before the numbers mean nothing
+  CHECK(std::isfinite(sim.energy().error));
   CHECK(sim.run_until(2000) == Status::diverged);
 }
 

@@ -7,16 +7,39 @@
 
 namespace momentree {
 
+namespace {
+
+// How much a motion E could move, axes apart.
+double bound(const SpatialMass<double>& M, const Motion<double>& E) {
+  return dot(E.v, E.v) * (M.A.xx + M.A.yy + M.A.zz) + dot(E.w, E.w) * (M.J.xx + M.J.yy + M.J.zz);
+}
+
+// What a joint finds close to it: its own body and, across their joints, those that follow, before their freedoms take their
+// share. A long chain is a million times heavier across its joints than along them, and not singular for that.
+double mass_nearby(const Tree& tree, const std::vector<SpatialMass<double>>& carried, int b, const Motion<double>& E) {
+  SpatialMass<double> own{};
+  add_rigid_mass(own, tree.link(b).body);
+  double sum = bound(own, E);
+  for (int c = tree.first_child(b); c >= 0; c = tree.next_sibling(c)) {
+    const SpatialMass<double>& M = carried[static_cast<std::size_t>(c)];
+    sum += tree.joint(c).kind == Kind::weld ? bound(M, E) : dot(E, M * E);
+  }
+  return sum;
+}
+
+}  // namespace
+
 std::vector<SingularJoint> singular_joints(const Model& model) {
   const Tree tree(model);
   std::vector<SingularJoint> found;
   std::vector<SpatialMass<double>> mass(static_cast<std::size_t>(tree.bodies()));
+  std::vector<SpatialMass<double>> carried(mass.size());  // the same in the parent's frame, before the joint's freedoms reduce it
   const auto order = tree.order();
   for (std::size_t k = order.size(); k-- > 0;) {
     const int b = order[k];
     SpatialMass<double>& M = mass[static_cast<std::size_t>(b)];
     add_rigid_mass(M, tree.link(b).body);
-    const double scale_m = M.A.xx + M.A.yy + M.A.zz, scale_J = M.J.xx + M.J.yy + M.J.zz;
+    const SpatialMass<double> full = M;
     dispatch(tree.joint(b).kind, [&](auto tag) {
       using K = typename decltype(tag)::type::Kernels;
       const BodySpec& spec = model.bodies()[static_cast<std::size_t>(b)];
@@ -33,8 +56,8 @@ std::vector<SingularJoint> singular_joints(const Model& model) {
         const Force<double> e = M * E[i];
         const double armature = tree.armature()[tree.first_p(b) + static_cast<int>(i)];
         const double moved = dot(E[i], e) + armature;
-        const double scale = dot(E[i].v, E[i].v) * scale_m + dot(E[i].w, E[i].w) * scale_J;
-        if (!(moved > 1e-14 * scale) || !(moved > 0)) {
+        const bool next_to_nothing = moved <= 1e-14 * bound(full, E[i]) && moved <= 1e-10 * mass_nearby(tree, carried, b, E[i]);
+        if (!(moved > 0) || next_to_nothing) {
           found.push_back({{b},
                            "the joint-space mass is singular: freedom " + std::to_string(i + 1) + " of " +
                                std::to_string(E.size()) + " of this " + std::string(decltype(tag)::type::info.name) +
@@ -46,7 +69,10 @@ std::vector<SingularJoint> singular_joints(const Model& model) {
       }
       // An armature keeps the freedom's mass; that no more than this is reduced makes the judgement of others milder, never
       // wrong.
-      dense_crossing<K, double>(tree.link(b), joint).inboard(M);
+      const auto crossing = dense_crossing<K, double>(tree.link(b), joint);
+      crossing.inboard(M);
+      carried[static_cast<std::size_t>(b)] = full;
+      crossing.inboard(carried[static_cast<std::size_t>(b)]);
     });
     if (tree.parent(b) >= 0) mass[static_cast<std::size_t>(tree.parent(b))] += M;
   }

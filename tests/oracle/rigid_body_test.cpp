@@ -60,20 +60,29 @@ TEST_CASE("a body free of torque, on a ball joint and free") {
 }
 
 TEST_CASE("Dzhanibekov's flip") {
-  for (const auto& row : reference("closed_forms.json")["dzhanibekov_flip"]["values"]) {
+  const auto data = reference("closed_forms.json")["dzhanibekov_flip"];
+  REQUIRE(data["values"].size() == 4);
+  for (const auto& row : data["values"]) {
     const double eps = row["eps"], flip = row["flip_time"];
     CAPTURE(eps);
     Simulation run(turning_body(Kind::free, {0, 1, eps}), {.step = 1e-3});
+    // Half way the middle component passes zero: over its rate ẇ2 = (I3 − I1)/I2 w3 w1 it is the lateness.
+    REQUIRE(run.run_until(flip / 2) == Status::ok);
+    const Vec3 half = spin(run, Kind::free);
+    check_near(half.y / (half.z * half.x), 0, 1e-8, "lateness half way");
     REQUIRE(run.run_until(flip) == Status::ok);
     const Vec3 w = spin(run, Kind::free);
     check_near(w.y, -1, 1e-8, "turned over");
-    // ẇ1 = (I2 − I3)/I1 w2 w3: what is left of w1 says how late it is.
-    check_near(w.x / (-w.y * w.z), 0, 1e-8, "lateness");
+    // There w1 passes zero, at the rate (I2 − I3)/I1 w2 w3. A round-off of half way has grown by 1/eps until then and is
+    // compared with eps: beyond 1e-3 that says nothing in double precision.
+    if (eps >= 1e-3) check_near(w.x / (-w.y * w.z), 0, 1e-8, "lateness");
   }
 }
 
 TEST_CASE("steady precession of a heavy top, slow and fast") {
-  for (const auto& row : reference("closed_forms.json")["heavy_symmetric_top"]["steady"])
+  const auto data = reference("closed_forms.json")["heavy_symmetric_top"];
+  REQUIRE(data["steady"].size() == 3);
+  for (const auto& row : data["steady"])
     for (const char* branch : {"slow", "fast"}) {
       const double spin3 = row["omega3"], tilt = row["theta_deg"].get<double>() * degree, rate = row[branch];
       CAPTURE(spin3);
@@ -90,6 +99,7 @@ TEST_CASE("steady precession of a heavy top, slow and fast") {
 
 TEST_CASE("nutation of a heavy top released at rest") {
   const auto data = reference("closed_forms.json")["heavy_symmetric_top"];
+  REQUIRE(data["nutation"].size() == 3);
   for (const auto& row : data["nutation"]) {
     const double spin3 = row["omega3"], period = row["nutation_period"], tilt = row["theta_min_deg"].get<double>() * degree;
     CAPTURE(spin3);

@@ -23,7 +23,7 @@ std::optional<Json> parse_file(const std::filesystem::path& file) {
   if (!in) return std::nullopt;
   try {
     return Json::parse(in);
-  } catch (const Json::parse_error& error) {
+  } catch (const Json::exception& error) {  // broken syntax, or a number beyond all bounds
     fail({"it is not JSON: " + std::string(error.what()), file.string(), "the file was cut or changed: run again, or remove it"});
   }
 }

@@ -175,6 +175,8 @@ TEST_CASE("what is wrong with the files is told with its place") {
   directory.write("events.jsonl", "");
   directory.write("model.json", "{");
   CHECK(mentions(complaint(directory), "model.json: error: it is not JSON"));
+  directory.write("model.json", "{\"gravity\": [0, 1e999, 0]}");
+  CHECK(mentions(complaint(directory), "model.json: error: it is not JSON"));
   directory.write("model.json", "{}");
   CHECK(mentions(complaint(directory), "model.json: error: it does not hold what was expected"));
 }

@@ -1,0 +1,75 @@
+#include <doctest/doctest.h>
+
+#include <tests/bad_input.hpp>
+
+using namespace momentree::io::bad_input;
+
+TEST_CASE("impossible events are refused") {
+  check({
+      {pinned + "[[event]]\nat = 1\nbreak = \"m/b\"\n",
+       "s.toml:12:9: error: break: there is no joint 'm/b'; did you mean 'm/a'?"},
+      {pinned + "[[event]]\nat = 1\nbreak = \"a\"\n",
+       "s.toml:12:9: error: break: there is no joint 'a'; names are complete: 'm/a'"},
+      {pinned + "[[event]]\nat = -1\nbreak = \"m/a\"\n", "s.toml:11:6: error: at: must not be negative"},
+      {pinned + "[[event]]\nat = nan\nbreak = \"m/a\"\n", "s.toml:11:6: error: at: must be finite"},
+      {pinned + "[[event]]\nat = \"1 kg\"\nbreak = \"m/a\"\n", "s.toml:11:6: error: at: '1 kg' is a mass (kg), not a time (s)"},
+      {pinned + "[[event]]\nat = 1\nbreak = \"x/*\"\n",
+       "s.toml:12:9: error: break: no joint matches 'x/*'; * matches within a name: \"chain/*\""},
+      {pinned + "[[event]]\nat = 1\nbreak = []\n", "s.toml:12:9: error: break: names no joint"},
+      {pinned + "[[event]]\nat = 1\nbreak = 3\n", "s.toml:12:9: error: break: expected a string, found a number"},
+      {pinned + "[[event]]\nbreak = \"m/a\"\n", "s.toml:10:1: error: event '#1' has no instant; for example at = \"1.8 s\""},
+      {pinned + "[[event]]\nat = 1\n", "s.toml:10:1: error: event '#1' does nothing; for example break = \"chain/41\""},
+      {pinned + "[[event]]\nat = 1\nbreak = \"m/a\"\n[[event]]\nat = 2\nbreak = \"m/a\"\n",
+       "s.toml:15:9: error: break: joint 'm/a' is broken already on line 12; a joint breaks once"},
+      {pinned + "[[event]]\nat = 1\nbreak = [\"m/a\", \"m/a\"]\n",
+       "s.toml:12:17: error: break: joint 'm/a' is broken already on line 12; a joint breaks once"},
+      {pinned + "[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = \"revolute\"\nparent = "
+                "\"a\"\n[[event]]\nname = \"x\"\nat = 1\nbreak = \"m/a\"\n[[event]]\nname = \"x\"\nat = 2\nbreak = \"m/b\"\n",
+       "s.toml:22:8: error: duplicate event 'x': it is the name of another on line 18"},
+      {one_body + "[mechanism.body.joint]\nname = \"h\"\nkind = \"revolute\"\n[[event]]\nat = 1\nbreak = \"m/a\"\n",
+       "s.toml:13:9: error: break: there is no joint 'm/a'; the joint of that body is 'm/h'"},
+      {chain + "[[event]]\nat = 1\nbreak = \"m/2\"\n",
+       "s.toml:10:9: error: break: the part that comes off at 'm/2' has not the mass or inertia to move freely; give it a mass "
+       "and an inertia about every axis"},
+      {one_body +
+           "[mechanism.body.joint]\nname = \"h\"\nkind = \"revolute\"\n[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = "
+           "1\n[mechanism.body.joint]\nname = \"a\"\nkind = \"revolute\"\nparent = \"a\"\n[[event]]\nat = 1\nbreak = \"m/h\"\n",
+       "s.toml:21:9: error: break: the part that comes off would hang on a joint named 'm/a' after its body, but another joint "
+       "has that name; give one of them another name"},
+  });
+}
+
+TEST_CASE("impossible steps are refused") {
+  check({
+      {pinned + "[integrate]\nstep = 0\n", "s.toml:11:8: error: step: must be greater than 0"},
+      {pinned + "[integrate]\nstep = \"-1 ms\"\n", "s.toml:11:8: error: step: must be greater than 0"},
+      {pinned + "[integrate]\nuntil = -1\n", "s.toml:11:9: error: until: must not be negative"},
+      {pinned + "[integrate]\nmethod = \"rk5\"\n", "s.toml:11:10: error: unknown method 'rk5'; did you mean 'rk4'?"},
+      {pinned + "[integrate]\nevent_tolerance = 0\n", "s.toml:11:19: error: event_tolerance: must be greater than 0"},
+      {pinned + "[output]\nevery = -1\n", "s.toml:11:9: error: every: must not be negative"},
+  });
+}
+
+TEST_CASE("what is still to come is refused where it stands") {
+  check({
+      {pinned + "friction = { coulomb = 1, speed = 1 }\n", "s.toml:10:1: error: 'friction' is not supported yet"},
+      {pinned + "limits = { lower = 1, upper = 0 }\n", "s.toml:10:1: error: 'limits' is not supported yet"},
+      {pinned + "strength = { force = 1 }\n", "s.toml:10:1: error: 'strength' is not supported yet"},
+      {pinned + "drive = { pd = { kp = 1 } }\n", "s.toml:10:11: error: 'pd' is not supported yet"},
+      {pinned + "drive = { motion = 1 }\n", "s.toml:10:11: error: 'motion' is not supported yet"},
+      {pinned + "drive = { effort = { table = [[0, 1]] } }\n",
+       "s.toml:10:20: error: an effort that changes with time is not supported yet"},
+      {pinned + "[[event]]\nat = 1\nlock = \"m/a\"\n",
+       "s.toml:12:1: error: 'lock' is not supported yet; this version has break = \"mechanism/joint\""},
+      {pinned + "[[event]]\nevery = 1\nbreak = \"m/a\"\n",
+       "s.toml:11:1: error: 'every' is not supported yet; this version has events at an instant: at = \"1.8 s\""},
+      {pinned + "[[force]]\nbody = \"m/a\"\n", "s.toml:10:3: error: 'force' is not supported yet"},
+      {pinned + "[[loop]]\n",
+       "s.toml:10:3: error: 'loop' is not supported yet; closed loops are not supported: a mechanism is a tree"},
+      {head + "model = \"x.urdf\"\n[[event]]\nat = 1\nbreak = \"m/elbow\"\n",
+       "s.toml:4:1: error: 'model' is not supported yet; describe the bodies in [[mechanism.body]] tables"},
+      {pinned + "[integrate]\nmethod = \"dopri5\"\n",
+       "s.toml:11:10: error: method 'dopri5' is not supported yet; this version has \"rk4\""},
+      {pinned + "[integrate]\nrtol = 1e-9\n", "s.toml:11:1: error: 'rtol' is not supported yet"},
+  });
+}

@@ -1,0 +1,86 @@
+#include <doctest/doctest.h>
+
+#include <tests/bad_input.hpp>
+
+using namespace momentree::io::bad_input;
+
+TEST_CASE("values of the wrong type, unit or range are refused") {
+  check({
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = \"3 m\"\ninertia = 1\n",
+       "s.toml:6:8: error: mass: '3 m' is a length (m), not a mass (kg)"},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = \"3\"\ninertia = 1\n",
+       "s.toml:6:8: error: mass: '3' has no unit; without quotes it is in SI; expected a mass (kg)"},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = \"1,5 kg\"\ninertia = 1\n",
+       "s.toml:6:8: error: mass: '1,5 kg' has a comma in its number; the decimal sign is a point"},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = \"1.0kg\"\ninertia = 1\n",
+       "s.toml:6:8: error: mass: '1.0kg' runs number and unit together; write \"1.0 kg\""},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = \"1 kgs\"\ninertia = 1\n",
+       "s.toml:6:8: error: mass: unknown unit 'kgs'; did you mean 'kg'?"},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = nan\ninertia = 1\n", "s.toml:6:8: error: mass: must be finite"},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = -inf\ninertia = 1\n", "s.toml:6:8: error: mass: must be finite"},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = true\ninertia = 1\n",
+       "s.toml:6:8: error: mass: expected a mass (kg), found true or false"},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = 2026-01-01\ninertia = 1\n",
+       "s.toml:6:8: error: mass: expected a mass (kg), found a date or time"},
+      {head + "[[mechanism.body]]\nname = 3\nmass = 1\ninertia = 1\n",
+       "s.toml:5:8: error: name: expected a string, found a number"},
+      {one_body + "com = [0, 1]\n", "s.toml:8:7: error: com: expected three numbers, found a list of 2"},
+      {one_body + "com = 1\n", "s.toml:8:7: error: com: expected three numbers, found a number"},
+      {one_body + "com = [0, \"3 kg\", 0]\n", "s.toml:8:11: error: com: '3 kg' is a mass (kg), not a length (m)"},
+      {pinned + "angle = \"3 m\"\n", "s.toml:10:9: error: angle: '3 m' is a length (m), not an angle (rad)"},
+      {pinned + "speed = \"3 rpm/s\"\n",
+       "s.toml:10:9: error: speed: '3 rpm/s' is a quantity in s^-2 rad, not an angular speed (rad/s)"},
+      {pinned + "damping = \"1 N s/m\"\n",
+       "s.toml:10:11: error: damping: '1 N s/m' is a damping (N s/m), not a rotational damping (N m s/rad)"},
+      {pinned + "at = [0, 0, 0]\n",
+       "s.toml:10:6: error: at: expected a table, found a list; write { xyz = [x, y, z] }, with rpy = [r, p, y] or quat = [w, x, "
+       "y, z]"},
+      {head + "state = 3\n[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = 1\n",
+       "s.toml:4:9: error: state: expected a table or the name of a file, found a number"},
+      {pinned + "[world]\ngravity = 9.81\n", "s.toml:11:11: error: gravity: expected three numbers, found a number"},
+      {pinned + "[integrate]\nstep = \"1 m\"\n", "s.toml:11:8: error: step: '1 m' is a length (m), not a time (s)"},
+  });
+}
+
+TEST_CASE("impossible bodies are refused") {
+  check({
+      {head + "[[mechanism.body]]\nname = \"a\"\ninertia = 1\n",
+       "s.toml:4:1: error: [[mechanism.body]] has no 'mass'; in kg, or a string as \"10 g\""},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = -1\ninertia = 1\n", "s.toml:6:8: error: mass: must not be negative"},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = \"0 g\"\ninertia = 1\n",
+       "s.toml:7:11: error: inertia: a body without mass has none; give a mass, or an inertia of 0"},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = [1, 1]\n",
+       "s.toml:7:11: error: inertia: expected 1, 3 or 6 numbers, found a list of 2"},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = [1, 1, 3]\n",
+       "s.toml:7:11: error: inertia: the largest principal moment is more than the sum of the others, which no body has; it is "
+       "meant about the centre of mass, and products of inertia as elements of the matrix (xy = −Σ m x y)"},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = [1, 1, -1]\n",
+       "s.toml:7:11: error: inertia: no body has a negative principal moment; the order is xx, yy, zz, xy, xz, yz, about the "
+       "centre of mass"},
+      {head + "[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = [1, 1, 1, 2, 0, 0]\n",
+       "s.toml:7:11: error: inertia: no body has a negative principal moment; the order is xx, yy, zz, xy, xz, yz, about the "
+       "centre of mass"},
+      {head + "[[mechanism.body]]\nmass = 1\ninertia = 1\n",
+       "s.toml:4:1: error: [[mechanism.body]] has no 'name'; for example name = \"arm\""},
+      {head + "[[mechanism.body]]\nname = \"\"\nmass = 1\ninertia = 1\n",
+       "s.toml:5:8: error: name: a body cannot be named '': that is no name"},
+      {head + "[[mechanism.body]]\nname = \"a/b\"\nmass = 1\ninertia = 1\n",
+       "s.toml:5:8: error: name: a body cannot be named 'a/b': it has a character that names do not have; not in a name: / , \" "
+       "* and control characters"},
+      {head + "[[mechanism.body]]\nname = \"a\\u001b\"\nmass = 1\ninertia = 1\n",
+       "s.toml:5:8: error: name: a body cannot be named 'a?': it has a character that names do not have; not in a name: / , \" * "
+       "and control characters"},
+      {head + "[[mechanism.body]]\nname = \"ground\"\nmass = 1\ninertia = 1\n",
+       "s.toml:5:8: error: name: a body cannot be named 'ground': that is the ground"},
+      {one_body + "shape = { box = [1, 0, 1] }\n", "s.toml:8:17: error: box: its three edges must be greater than 0"},
+      {one_body + "shape = { box = [1, 1, 1], sphere = 1 }\n",
+       "s.toml:8:9: error: a shape is one of box, sphere, cylinder, capsule and mesh"},
+      {one_body + "shape = { mesh = \"../../etc/passwd\" }\n",
+       "s.toml:8:18: error: mesh: '../../etc/passwd' is not a file in the scenario's folder or below it; copy it there"},
+      {one_body + "shape = { mesh = \"/dev/zero\" }\n",
+       "s.toml:8:18: error: mesh: '/dev/zero' is not a file in the scenario's folder or below it; copy it there"},
+      {one_body + "shape = { sphere = 1, colour = \"rde\" }\n",
+       "s.toml:8:32: error: colour: 'rde' is no colour; did you mean 'red'?"},
+      {one_body + "shape = { cylinder = { radius = 1 } }\n", "s.toml:8:22: error: cylinder has no 'length'"},
+  });
+}

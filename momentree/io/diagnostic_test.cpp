@@ -1,0 +1,50 @@
+#include <doctest/doctest.h>
+
+#include <momentree/io/diagnostic.hpp>
+
+using namespace momentree;
+using namespace momentree::io;
+
+TEST_CASE("a diagnostic shows the line and a caret under the character") {
+  Diagnostics out("s.toml", "first\n\tä = \"ö\" # x\r\nlast");
+  out.error({2, 6, 0}, "it is wrong", "mend it");
+  const auto all = out.take();
+  REQUIRE(all.size() == 1);
+  CHECK(all[0].message() == "s.toml:2:6: error: it is wrong; mend it");
+  CHECK(all[0].rendered() == "s.toml:2:6: error: it is wrong; mend it\n    2 | \tä = \"ö\" # x\n      | \t    ^\n");
+}
+
+TEST_CASE("a place at the end of a line, after the last line, or nowhere") {
+  Diagnostics out("s.toml", "ab\n");
+  out.error({1, 3, 0}, "end");
+  out.error({9, 1, 0}, "after");
+  out.warning({0, 0, 0}, "nowhere");
+  const auto all = out.take();
+  CHECK(rendered(all) == "s.toml: warning: nowhere\ns.toml:1:3: error: end\n    1 | ab\n      |   ^\ns.toml:9:1: error: after\n");
+  CHECK(has_errors(all));
+  CHECK(!has_errors({all[0]}));
+}
+
+TEST_CASE("problems come in the order of the file, options last, and no more than a hundred of a kind") {
+  Diagnostics out("s.toml", "", {"a=1"});
+  out.error({0, 0, 1}, "option");
+  for (int line = 150; line > 0; --line) out.error({line, 1, 0}, "e");
+  const auto all = out.take();
+  REQUIRE(all.size() == 101);
+  CHECK(all[0].line == 52);
+  CHECK(all[98].line == 150);
+  CHECK(all[99].message() == "--set a=1: error: option");
+  CHECK(all[100].message() == "s.toml: error: and 51 errors more or as yet unseen");
+}
+
+TEST_CASE("a terminal gets no control characters, and no endless lines") {
+  const std::string source = "\x1b[31m" + std::string(1000, 'x');  // Diagnostics keeps a view of it
+  Diagnostics out("s\x1b.toml", source);
+  out.error({1, 1, 0}, "a\nb", "c\x07");
+  const std::string text = rendered(out.take());
+  CHECK(text.find('\x1b') == std::string::npos);
+  CHECK(text.find('\x07') == std::string::npos);
+  CHECK(text.find("s?.toml:1:1: error: a?b; c?\n    1 | ?[31mxxx") == 0);
+  CHECK(text.size() < 300);
+  CHECK(in_quotes("ö\n" + std::string(100, 'x')) == "'ö?" + std::string(58, 'x') + "…'");
+}
