@@ -36,10 +36,10 @@ double joint_energy(const Tree& tree, const State& state, const Work<double>& wo
   return energy;
 }
 
-Pose user_pose(const Tree& tree, const Kinematics<double>& body, int b) noexcept {
+Pose user_pose(const Tree& tree, const Mat3& kernel_R, const Vec3& kernel_r, int b) noexcept {
   const KernelFrame& f = tree.frame(b);
-  const Mat3 R = body.R * transpose(f.R);
-  return {body.r - R * f.r, quaternion_of(R)};
+  const Mat3 R = kernel_R * transpose(f.R);
+  return {kernel_r - R * f.r, quaternion_of(R)};
 }
 
 }  // namespace momentree

@@ -11,7 +11,13 @@ Totals totals(const Tree& tree, const State& state, Work<double>& work) noexcept
 /// The work must be of this state.
 double joint_energy(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
 
-/// Pose and velocity of the user's frame of body b, world axes, from its kernel frame.
-Pose user_pose(const Tree& tree, const Kinematics<double>& body, int b) noexcept;
+/// Pose of the user's frame of body b in the world, from that of its kernel frame.
+Pose user_pose(const Tree& tree, const Mat3& R, const Vec3& r, int b) noexcept;
+inline Pose user_pose(const Tree& tree, const Kinematics<double>& body, int b) noexcept {
+  return user_pose(tree, body.R, body.r, b);
+}
+inline Pose user_pose(const Tree& tree, const DenseCrossing<double>& body, int b) noexcept {
+  return user_pose(tree, body.R, body.r, b);
+}
 
 }  // namespace momentree

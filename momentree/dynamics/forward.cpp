@@ -21,7 +21,9 @@ void add_joint_forces(const Tree& tree, const double* q, Work<double>& work) noe
   for (int b : tree.spring_joints()) {
     double force[6];
     joint_spring(tree, q, b, force);
-    for (int i = 0; i < info(tree.joint(b).kind).nv; ++i) work.pdot[static_cast<std::size_t>(tree.first_p(b) + i)] += force[i];
+    const unsigned locked = tree.joint(b).locked;
+    for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
+      if ((locked >> i & 1u) == 0) work.pdot[static_cast<std::size_t>(tree.first_p(b) + i)] += force[i];
   }
 }
 
@@ -41,7 +43,7 @@ double joint_spring(const Tree& tree, const double* q, int b, double* force) noe
 void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) noexcept {
   MT_REQUIRE(state.topology() == tree.revision(), "the state is of this tree's present topology");
   if (work.evaluated == state.stamp()) return;
-  evaluate_rates<double>(tree, state.q().data(), state.p().data(), work);
+  evaluate_motions<double>(tree, state.q().data(), state.p().data(), work);
   add_joint_forces(tree, state.q().data(), work);
   work.evaluated = state.stamp();
 }
@@ -50,25 +52,30 @@ void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noe
   forward_dynamics(tree, state, work);
   if (work.located == state.stamp()) return;
   for (int b : tree.order()) {
+    const auto i = static_cast<std::size_t>(b);
     const int parent = tree.parent(b);
-    const Kinematics<double> outer =
-        parent < 0 ? Kinematics<double>{identity3<double>(), {}, {}} : work.bodies[static_cast<std::size_t>(parent)];
-    work.bodies[static_cast<std::size_t>(b)] = across_joint(tree, state, work, b, outer);
+    const DenseCrossing<double> x = joint_crossing(tree, state, work, b);
+    Kinematics<double>& own = work.bodies[i];
+    own.velocity = work.motions[i].velocity;
+    if (parent < 0) {
+      own.R = x.R, own.r = x.r;
+    } else {
+      const Kinematics<double>& outer = work.bodies[static_cast<std::size_t>(parent)];
+      own.R = outer.R * x.R;
+      own.r = outer.r + outer.R * x.r;
+    }
   }
   work.located = state.stamp();
 }
 
-Kinematics<double> across_joint(const Tree& tree, const State& state, const Work<double>& work, int b,
-                                const Kinematics<double>& outer) noexcept {
-  return dispatch(tree.joint(b).kind, [&](auto tag) {
-    using K = typename decltype(tag)::type::Kernels;
-    const JointState<double> joint{state.q().data() + tree.first_q(b), work.cos.get() + tree.first_angle(b),
-                                   work.sin.get() + tree.first_angle(b)};
-    const DenseCrossing<double> x = dense_crossing<K, double>(tree.link(b), joint);
-    Kinematics<double> own{outer.R * x.R, outer.r + outer.R * x.r, outer.velocity};
-    x.outboard(own.velocity);
-    own.velocity = K::template spatial_velocity<double>(tree.link(b), joint, own.velocity, work.v.get() + tree.first_p(b));
-    return own;
+DenseCrossing<double> joint_crossing(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+  return dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) -> DenseCrossing<double> {
+    using K = typename decltype(tag)::type;
+    if constexpr (K::turns_about_z) {
+      return dense_crossing<K, double>(tree.link(b), joint_state(tree, state, work, b));
+    } else {
+      return work.record<K>(tree, b).x;
+    }
   });
 }
 

@@ -9,6 +9,10 @@ namespace momentree {
 template <class T>
 void evaluate_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept;
 
+/// The same, and keeps the motion of every body in work.motions.
+template <class T>
+void evaluate_motions(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept;
+
 /// The same for a state: work then carries the state's stamp. A work that carries it already is left as it is.
 void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
@@ -21,10 +25,14 @@ double joint_spring(const Tree& tree, const double* q, int b, double* force) noe
 /// World poses and velocities of all bodies (kernel frames) into work.bodies; evaluates first where needed.
 void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
-/// One joint outward: from the pose and velocity of the parent to those of b. The work must be of this state.
-Kinematics<double> across_joint(const Tree& tree, const State& state, const Work<double>& work, int b,
-                                const Kinematics<double>& outer) noexcept;
+/// Coordinates and trigonometry of b's joint, as the last evaluation left them in the work.
+inline JointState<double> joint_state(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+  return {state.q().data() + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
+}
+/// The crossing of b's joint, with its placement, as the last evaluation found it.
+DenseCrossing<double> joint_crossing(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
 
 extern template void evaluate_rates<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;
+extern template void evaluate_motions<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;
 
 }  // namespace momentree

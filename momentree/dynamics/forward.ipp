@@ -44,8 +44,8 @@ struct Sweep {
     if (segment.deposit == Segment::Deposit::add) work.inlets[static_cast<std::size_t>(segment.parent)] += a;
   }
 
-  /// Forward recursion along a segment, base to tip.
-  template <class K, bool Aligned>
+  /// Forward recursion along a segment, base to tip. `Keep`: what a change reads, Ω and Pb, is kept; stages leave it out.
+  template <class K, bool Aligned, bool Keep>
   void outboard(const Segment& segment) const {
     const auto order = tree.order();
     const Vec3& g = tree.gravity();
@@ -61,9 +61,10 @@ struct Sweep {
       const auto& crossing = K::template crossing_again<Aligned, T>(link, joint, record);
       crossing.outboard(a.velocity);
       crossing.outboard(a.gravity);
-      K::joint_velocity(record, a.velocity, u);                                           // (27)
-      const Force<T> Pb = K::articulated_momentum(record, p + at, a.velocity);            // (21)
-      a.velocity = K::template spatial_velocity<T>(link, joint, a.velocity, u);           // (17)
+      K::joint_velocity(record, a.velocity, u);                                  // (27)
+      const Force<T> Pb = K::articulated_momentum(record, p + at, a.velocity);   // (21)
+      a.velocity = K::template spatial_velocity<T>(link, joint, a.velocity, u);  // (17)
+      if constexpr (Keep) work.motions[static_cast<std::size_t>(b)] = {a.velocity, Pb};
       const Force<T> weight{link.subtree_mass * a.gravity, cross(record.mc, a.gravity)};  // (15)
       const Force<T> wrench = weight - cross(a.velocity, Pb);                             // (9), (20)
       K::template momentum_rate<T>(link, joint, u, Pb, wrench, work.pdot.get() + at);     // (20)
@@ -73,8 +74,8 @@ struct Sweep {
   }
 };
 
-template <class T>
-void evaluate_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept {
+template <class T, bool Keep>
+void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept {
   work.evaluated = {};
   work.located = {};
   const auto coordinates = tree.angle_coordinates();
@@ -88,7 +89,7 @@ void evaluate_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noe
   const auto segments = tree.segments();
   for (std::size_t i = segments.size(); i-- > 0;) {
     const Segment& s = segments[i];
-    dispatch_kernels(s.kind, s.armature, [&](auto tag) {
+    dispatch_kernels(s.kind, s.variant, [&](auto tag) {
       using K = typename decltype(tag)::type;
       if constexpr (K::turns_about_z) {
         if (s.aligned) return sweep.template inboard<K, true>(s);
@@ -97,14 +98,23 @@ void evaluate_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noe
     });
   }
   for (const Segment& s : segments) {
-    dispatch_kernels(s.kind, s.armature, [&](auto tag) {
+    dispatch_kernels(s.kind, s.variant, [&](auto tag) {
       using K = typename decltype(tag)::type;
       if constexpr (K::turns_about_z) {
-        if (s.aligned) return sweep.template outboard<K, true>(s);
+        if (s.aligned) return sweep.template outboard<K, true, Keep>(s);
       }
-      sweep.template outboard<K, false>(s);
+      sweep.template outboard<K, false, Keep>(s);
     });
   }
+}
+
+template <class T>
+void evaluate_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept {
+  sweep_rates<T, false>(tree, q, p, work);
+}
+template <class T>
+void evaluate_motions(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept {
+  sweep_rates<T, true>(tree, q, p, work);
 }
 
 }  // namespace momentree

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include <momentree/dynamics/forward.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/sincos.hpp>
 
@@ -9,38 +10,18 @@ namespace momentree {
 
 namespace {
 
-JointState<double> joint_state(const Tree& tree, const State& state, const Work<double>& work, int b) {
-  return {state.q().data() + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
-}
-
 template <class F>
 decltype(auto) with_kernels(const Tree& tree, int b, F&& f) {
-  return dispatch_kernels(tree.joint(b).kind, tree.has_armature(b), std::forward<F>(f));
+  return dispatch_kernels(tree.joint(b).kind, tree.variant(b), std::forward<F>(f));
 }
 
-// Velocity that b's parent brings to b, before b's own rate, in b's kernel frame. Walks up the path: each ancestor's own rate is
-// carried outward by the pose gathered so far.
-Motion<double> velocity_from_parent(const Tree& tree, const State& state, const Work<double>& work, int b) {
-  Motion<double> sum{};
-  DenseCrossing<double> gathered{};  // pose of b in the frame of the body at hand
-  for (int a = b; a >= 0; a = tree.parent(a)) {
-    with_kernels(tree, a, [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      const JointState<double> joint = joint_state(tree, state, work, a);
-      const auto x = dense_crossing<K, double>(tree.link(a), joint);
-      if (a == b) {
-        gathered = x;
-        return;
-      }
-      const Motion<double> none{};
-      Motion<double> rate = K::template spatial_velocity<double>(tree.link(a), joint, none, work.v.get() + tree.first_p(a));
-      gathered.outboard(rate);
-      sum = sum + rate;
-      gathered.r = x.r + x.R * gathered.r;
-      gathered.R = x.R * gathered.R;
-    });
-  }
-  return sum;
+// One joint inward, for whatever can cross it: f(crossing) with the crossing as the kind itself has it.
+template <class F>
+void cross_inboard(const Tree& tree, const State& state, const Work<double>& work, int b, F&& f) {
+  with_kernels(tree, b, [&](auto tag) {
+    using K = typename decltype(tag)::type;
+    f(K::template crossing_again<false, double>(tree.link(b), joint_state(tree, state, work, b), work.record<K>(tree, b)));
+  });
 }
 
 }  // namespace
@@ -104,47 +85,53 @@ State start_state(const Model& model, const Tree& tree) {
   return state;
 }
 
-Force<double> articulated_momentum(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+Force<double> articulated_momentum(const Tree&, const State& state, const Work<double>& work, int b) noexcept {
   MT_REQUIRE(work.evaluated == state.stamp(), "the work was evaluated on this state");
-  const Motion<double> in = velocity_from_parent(tree, state, work, b);
-  return with_kernels(tree, b, [&](auto tag) {
-    using K = typename decltype(tag)::type;
-    return K::articulated_momentum(work.record<K>(tree, b), state.p().data() + tree.first_p(b), in);
-  });
+  return work.motions[static_cast<std::size_t>(b)].articulated;
 }
 
-Kinematics<double> locate_body(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+DenseCrossing<double> locate_body(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
   MT_REQUIRE(work.evaluated == state.stamp(), "the work was evaluated on this state");
-  if (work.located == state.stamp()) return work.bodies[static_cast<std::size_t>(b)];
-  Kinematics<double> own{identity3<double>(), {}, velocity_from_parent(tree, state, work, b)};
-  for (int a = b; a >= 0; a = tree.parent(a)) {
-    with_kernels(tree, a, [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      const JointState<double> joint = joint_state(tree, state, work, a);
-      if (a == b)
-        own.velocity = K::template spatial_velocity<double>(tree.link(b), joint, own.velocity, work.v.get() + tree.first_p(b));
-      const auto x = dense_crossing<K, double>(tree.link(a), joint);
-      own.r = x.r + x.R * own.r;
-      own.R = x.R * own.R;
-    });
-  }
-  return own;
+  DenseCrossing<double> pose{identity3<double>(), {}, 0};
+  for (int a = b; a >= 0; a = tree.parent(a))
+    cross_inboard(tree, state, work, a, [&](const auto& x) { x.place(pose.R, pose.r); });
+  return pose;
 }
 
 void shed_momentum(const Tree& tree, const State& state, const Work<double>& work, int b, Force<double> W, double sign,
                    double* p) noexcept {
   for (int a = b; tree.parent(a) >= 0; a = tree.parent(a)) {
-    with_kernels(tree, a, [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      dense_crossing<K, double>(tree.link(a), joint_state(tree, state, work, a)).inboard(W);
-    });
-    const int outer = tree.parent(a);
-    with_kernels(tree, outer, [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      const auto E = K::template columns<double>(tree.link(outer), joint_state(tree, state, work, outer));
-      for (std::size_t i = 0; i < E.size(); ++i) p[tree.first_p(outer) + static_cast<int>(i)] += sign * dot(E[i], W);
-    });
+    cross_inboard(tree, state, work, a, [&](const auto& x) { x.inboard(W); });
+    absorb(tree, tree.parent(a), joint_state(tree, state, work, tree.parent(a)), W, sign, p);
   }
+}
+
+void absorb(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double sign, double* p) noexcept {
+  with_kernels(tree, b, [&](auto tag) {
+    using K = typename decltype(tag)::type;
+    const auto E = K::template columns<double>(tree.link(b), joint);
+    const unsigned locked = tree.link(b).locked;
+    for (std::size_t i = 0; i < E.size(); ++i)
+      if ((locked >> i & 1u) == 0) p[tree.first_p(b) + static_cast<int>(i)] += sign * dot(E[i], W);
+  });
+}
+
+void project(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double* p) noexcept {
+  with_kernels(tree, b, [&](auto tag) {
+    using K = typename decltype(tag)::type;
+    const auto E = K::template columns<double>(tree.link(b), joint);
+    for (std::size_t i = 0; i < E.size(); ++i) p[i] = dot(E[i], W);
+  });
+}
+
+Force<double> to_user_frame(const KernelFrame& frame, const Force<double>& P) noexcept {
+  Force<double> W{frame.R * P.l, frame.R * P.h};
+  shift(W, frame.r);
+  return W;
+}
+
+Force<double> to_kernel_frame(const KernelFrame& frame, const Force<double>& P) noexcept {
+  return {transpose_times(frame.R, P.l), transpose_times(frame.R, P.h - cross(frame.r, P.l))};
 }
 
 }  // namespace momentree

@@ -22,6 +22,13 @@ struct Kinematics {
   Motion<T> velocity;
 };
 
+/// Spatial velocity and articulated momentum of a body, in its kernel frame.
+template <class T>
+struct BodySweep {
+  Motion<T> velocity;    ///< Ω
+  Force<T> articulated;  ///< Pb (14)
+};
+
 /// Scratch of the sweeps for one tree. Arrays are as long as any later topology needs; untouched pages cost nothing.
 template <class T>
 class Work {
@@ -37,6 +44,8 @@ class Work {
         records(make(static_cast<long>(tree.record_capacity()))),
         inlets(std::make_unique_for_overwrite<Inboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         outlets(std::make_unique_for_overwrite<Outboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        motions(std::make_unique_for_overwrite<BodySweep<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        path(std::make_unique_for_overwrite<int[]>(static_cast<std::size_t>(tree.bodies()))),
         bodies(std::make_unique_for_overwrite<Kinematics<T>[]>(static_cast<std::size_t>(tree.bodies()))) {}
 
   /// The record of body b, whose joint has kernels K.
@@ -57,8 +66,10 @@ class Work {
   Array v, qdot, pdot;  ///< packed as p, q, p
   Array records;
   Power power;
-  std::unique_ptr<Inboard<T>[]> inlets;    ///< by junction, on the way in
-  std::unique_ptr<Outboard<T>[]> outlets;  ///< by junction, on the way out
+  std::unique_ptr<Inboard<T>[]> inlets;     ///< by junction, on the way in
+  std::unique_ptr<Outboard<T>[]> outlets;   ///< by junction, on the way out
+  std::unique_ptr<BodySweep<T>[]> motions;  ///< of the state of `evaluated`
+  std::unique_ptr<int[]> path;              ///< scratch of changes that walk from a root to a body
   std::unique_ptr<Kinematics<T>[]> bodies;
 
  private:

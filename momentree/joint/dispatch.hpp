@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include <momentree/joint/kinds.hpp>  // generated: includes every file of kinds/
+#include <momentree/joint/variants.hpp>
 
 namespace momentree {
 
@@ -30,18 +31,49 @@ struct ArmatureKernelsOf<K> {
 };
 }  // namespace detail
 
-/// The kernels of a kind: with a rotor on the joint, reduction leaves fewer zeros and the structured kernels do not hold.
-template <class K, bool Armature>
-using KernelsOf = std::conditional_t<Armature, typename detail::ArmatureKernelsOf<K>::type, typename K::Kernels>;
+/// The kernels of a kind in a variant: with a rotor on the joint reduction leaves fewer zeros, and the structured kernels do not
+/// hold; kinds that turn about z are native against their direction.
+template <class K, Variant V>
+struct KernelsFor {
+  using Generic = typename detail::ArmatureKernelsOf<K>::type;
+  using Reversed = std::conditional_t<Generic::turns_about_z, Generic, ReversedKernels<Generic, K::info.nq, K::info.nv>>;
+  using type = std::conditional_t<
+      V == Variant::plain, typename K::Kernels,
+      std::conditional_t<
+          V == Variant::rotor, Generic,
+          std::conditional_t<V == Variant::locked, LockedKernels<Generic, K::info.nv>,
+                             std::conditional_t<V == Variant::reversed, Reversed, LockedKernels<Reversed, K::info.nv>>>>>;
+};
+template <class K, Variant V>
+using KernelsOf = typename KernelsFor<K, V>::type;
 
-/// Calls f(std::type_identity<Kernels>{}) for a joint's kind with or without armature.
+/// Calls f(std::type_identity<Kernels>{}) for a joint's kind in a variant.
 template <class F>
-MOMENTREE_INLINE decltype(auto) dispatch_kernels(Kind kind, bool armature, F&& f) {
+MOMENTREE_INLINE decltype(auto) dispatch_kernels(Kind kind, Variant variant, F&& f) {
   return dispatch(kind, [&](auto tag) -> decltype(auto) {
     using K = typename decltype(tag)::type;
-    if (armature) return f(std::type_identity<KernelsOf<K, true>>{});
-    return f(std::type_identity<KernelsOf<K, false>>{});
+    using Generic = typename KernelsFor<K, Variant::plain>::Generic;
+    if constexpr (!std::is_same_v<Generic, typename K::Kernels>) {
+      if (variant == Variant::rotor) return f(std::type_identity<Generic>{});
+    }
+    if constexpr (K::info.nv > 0) {
+      if (variant == Variant::locked) return f(std::type_identity<KernelsOf<K, Variant::locked>>{});
+      if constexpr (!Generic::turns_about_z) {
+        if (variant == Variant::reversed) return f(std::type_identity<KernelsOf<K, Variant::reversed>>{});
+        if (variant == Variant::reversed_locked) return f(std::type_identity<KernelsOf<K, Variant::reversed_locked>>{});
+      }
+    }
+    return f(std::type_identity<typename K::Kernels>{});
   });
 }
+
+/// What relinking needs of a kind, without a switch.
+struct KindShape {
+  int nq = 0, nv = 0, angles = 0;
+  int angle[2] = {0, 0};
+  bool turns_about_z = false;
+  std::size_t record[5] = {};  ///< scalars of the record, by variant
+};
+const KindShape& shape(Kind kind);
 
 }  // namespace momentree

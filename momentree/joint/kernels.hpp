@@ -105,6 +105,9 @@ MOMENTREE_INLINE DenseCrossing<T> dense_crossing(const Link& k, const JointState
   return {R0 * R, Vector3<T>{T(k.r.x), T(k.r.y), T(k.r.z)} + R0 * r, T(k.subtree_mass)};
 }
 
+/// How a joint is used, which decides its kernels: with a rotor, with freedoms locked, against its declared direction.
+enum class Variant : unsigned char { plain, rotor, locked, reversed, reversed_locked };
+
 /// The defaults of a kind with N freedoms that turns and moves in any way. Derive, give `pose`, `columns`, `columns_rate`.
 template <class K, int NQ, int NV>
 struct GenericKernels {

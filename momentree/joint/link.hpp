@@ -15,6 +15,7 @@ struct Link {
   Vec3 r{};
   RigidMass body{};
   double subtree_mass = 0;      ///< of the body and all outboard bodies
+  unsigned locked = 0;          ///< a bit per freedom that is frozen
   double angle_0 = 0;           ///< θ0
   double geometry[2] = {0, 0};  ///< helical: metres per radian; universal: x and z components of the first axis
 };
@@ -80,6 +81,20 @@ MOMENTREE_INLINE void placement_outboard(const Link& k, Motion<T>& a) {
   placement_outboard<Aligned>(k, a.w);
 }
 
+/// R ← Rz R and R ← Rx R.
+template <class T, class C>
+MOMENTREE_INLINE void turn_z(Matrix3<T>& R, const C& c, const C& s) {
+  turn(R.xx, R.yx, c, s);
+  turn(R.xy, R.yy, c, s);
+  turn(R.xz, R.yz, c, s);
+}
+template <class T, class C>
+MOMENTREE_INLINE void turn_x(Matrix3<T>& R, const C& c, const C& s) {
+  turn(R.yx, R.zx, c, s);
+  turn(R.yy, R.zy, c, s);
+  turn(R.yz, R.zz, c, s);
+}
+
 /// Crossing a joint that turns about z and slides along z (revolute, prismatic, helical, cylindrical): c, s of the angle with θ0,
 /// d the displacement. (16), (17).
 template <class T, bool Aligned>
@@ -103,6 +118,19 @@ struct ScrewCrossing {
     turn_z(M, c, s);
     shift(M, Vector3<T>{T(0), T(0), d});
     placement_inboard<Aligned>(link, M);
+  }
+  /// A frame that stands at (R, r) in the child's: to the parent's.
+  MOMENTREE_INLINE void place(Matrix3<T>& R, Vector3<T>& r) const {
+    turn_z(R, c, s);
+    turn_z(r, c, s);
+    r.z = r.z + d;
+    turn_x(R, link.cos_a, link.sin_a);
+    turn_x(r, link.cos_a, link.sin_a);
+    if constexpr (!Aligned) {
+      turn_z(R, link.cos_b, link.sin_b);
+      turn_z(r, link.cos_b, link.sin_b);
+    }
+    r += Vector3<T>{T(link.r.x), T(link.r.y), T(link.r.z)};
   }
   MOMENTREE_INLINE void outboard(Vector3<T>& a) const {
     placement_outboard<Aligned>(link, a);
@@ -132,6 +160,10 @@ struct DenseCrossing {
   MOMENTREE_INLINE void inboard(SpatialMass<T>& M) const {
     rotate(M, R);
     shift(M, r);
+  }
+  MOMENTREE_INLINE void place(Matrix3<T>& axes, Vector3<T>& origin) const {
+    axes = R * axes;
+    origin = r + R * origin;
   }
   MOMENTREE_INLINE void outboard(Vector3<T>& a) const { a = transpose_times(R, a); }
   MOMENTREE_INLINE void outboard(Motion<T>& a) const {

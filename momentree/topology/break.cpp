@@ -8,7 +8,7 @@ bool can_break(const Tree& tree, Body body) noexcept {
   return tree.parent(body.index) >= 0 || tree.joint(body.index).kind != Kind::free;
 }
 
-Released apply(const Break& change, Tree& tree, State& state, const Work<double>& work) noexcept {
+Released apply(const Break& change, Tree& tree, State& state, Work<double>& work) noexcept {
   const int b = change.body.index;
   MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
   MT_REQUIRE(b >= 0 && b < tree.bodies() && can_break(tree, change.body), "the joint is there to be broken");
@@ -22,8 +22,7 @@ Released apply(const Break& change, Tree& tree, State& state, const Work<double>
   shed_momentum(tree, state, work, b, Pb, -1, state.edit().p.data());
 
   tree.detach(b);  // user frame and kernel frame of b are one now
-  Force<double> P{frame.R * Pb.l, frame.R * Pb.h};
-  shift(P, frame.r);
+  const Force<double> P = to_user_frame(frame, Pb);
   const double q[7] = {pose.position.x, pose.position.y, pose.position.z, pose.rotation.w,
                        pose.rotation.x, pose.rotation.y, pose.rotation.z};
   const double p[6] = {P.l.x, P.l.y, P.l.z, P.h.x, P.h.y, P.h.z};

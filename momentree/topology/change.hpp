@@ -1,6 +1,14 @@
 #pragma once
 // Topology changes: bookkeeping in canonical momenta. Each applies at any instant to (tree, state), reads a work that was
-// evaluated on this very state, allocates nothing and solves for no impulse.
+// evaluated on this very state, allocates nothing and solves for no impulse. The universal rule: p of the changed joint is E′ᵀ
+// Pb, the ancestors shed or absorb Pb along the path to the root, everything else is unchanged; the next evaluation finds the
+// velocities.
+//
+// `apply` requires work.evaluated == state.stamp() (call forward_dynamics first); afterwards the work is stale. What a user can
+// get wrong is found by `refusal` before: an empty text means that the change can be applied. `apply` of a refused change is a
+// developer's mistake and stops the program; it never changes half of a world.
+#include <string>
+
 #include <momentree/dynamics/work.hpp>
 #include <momentree/tree/state.hpp>
 #include <momentree/tree/tree.hpp>
@@ -13,15 +21,73 @@ struct Break {
   Body body;
 };
 
+/// The joint that `body` carries becomes another, its pose unchanged: `joint` with coordinates q. Parameters are those that
+/// joint.parameters says. More freedoms: no velocity changes; fewer or others: a plastic impact, p′ = E′ᵀ Pb (28).
+/// Locked freedoms of the old joint are none of the new.
+struct ChangeJoint {
+  Body body;
+  Joint joint;
+  Values q;
+};
+
+/// Freezes freedoms of the joint that `body` carries where they are (a bit per freedom, in the order of v), with the plastic
+/// impact that takes: their momenta are dropped.
+struct Lock {
+  Body body;
+  unsigned freedoms = ~0u;
+};
+/// Lets them move again; at rest at first: p = Eᵀ Pb. No velocity changes.
+struct Unlock {
+  Body body;
+  unsigned freedoms = ~0u;
+};
+
+/// `body` becomes the root of its free mechanism. Nothing physical changes: no pose, velocity or acceleration of any body.
+struct Reroot {
+  Body body;
+};
+
+/// The free mechanism of `body` joins `to` by a free joint at body's frame, where they are: no impulse; ancestors of `to` absorb
+/// its momentum. ChangeJoint then makes the joint what it shall be: a weld, a pin (`attach` of several at one instant are one
+/// impact). `to` == ground: body becomes a root on a free joint of its own, ready to be joined to the ground.
+struct Join {
+  Body body, to;
+};
+
+/// An impulsive wrench on a body: world axes, force in N s at `point` (user frame of the body), torque in N m s.
+struct Impulse {
+  Body body;
+  Vec3 force{}, torque{}, point{};
+};
+
+/// New parameters of the joint that `body` carries; velocities stay, so an armature changes p.
+struct SetParameters {
+  Body body;
+  JointParameters parameters;
+};
+
 /// What a change let go that is not in the bodies any more: energy of the joint's spring and rotor (J).
 struct Released {
   double energy = 0;
 };
 
-/// Applies a change. Requires work.evaluated == state.stamp() (call forward_dynamics first); afterwards the work is stale.
-/// The joint must be there: breaking a free joint to the ground is a developer's mistake (the events check before).
-Released apply(const Break& change, Tree& tree, State& state, const Work<double>& work) noexcept;
+Released apply(const Break& change, Tree& tree, State& state, Work<double>& work) noexcept;
+Released apply(const ChangeJoint& change, Tree& tree, State& state, Work<double>& work) noexcept;
+Released apply(const Lock& change, Tree& tree, State& state, Work<double>& work) noexcept;
+Released apply(const Unlock& change, Tree& tree, State& state, Work<double>& work) noexcept;
+Released apply(const Reroot& change, Tree& tree, State& state, Work<double>& work) noexcept;
+Released apply(const Join& change, Tree& tree, State& state, Work<double>& work) noexcept;
+Released apply(const Impulse& change, Tree& tree, State& state, Work<double>& work) noexcept;
+Released apply(const SetParameters& change, Tree& tree, State& state, Work<double>& work) noexcept;
 
+/// The same where Pb of the body's joint is given (user frame of the body), because several joints change in one impact: Pb is
+/// then what it was before any of them did.
+Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, State& state, Work<double>& work) noexcept;
+
+/// Root of the mechanism that a body belongs to.
+int root_of(const Tree& tree, int b) noexcept;
+/// True for a mechanism whose root hangs on a free joint to the ground without spring, damper or rotor: it can be re-rooted.
+bool floats(const Tree& tree, int b) noexcept;
 /// True where the inboard joint of `body` is there to be broken: not already a free joint to the ground.
 bool can_break(const Tree& tree, Body body) noexcept;
 

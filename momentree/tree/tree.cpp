@@ -23,9 +23,7 @@ Mat3 joint_axes(const Joint& joint, double* geometry) {
   return dispatch(joint.kind, [&](auto tag) { return decltype(tag)::type::Kernels::frame(spec_of(joint), geometry); });
 }
 
-bool turns_about_z(Kind kind) {
-  return dispatch(kind, [](auto tag) { return decltype(tag)::type::Kernels::turns_about_z; });
-}
+bool turns_about_z(Kind kind) { return shape(kind).turns_about_z; }
 
 Mat3 turned_z(const Mat3& R, double c, double s) {
   return {R.xx * c + R.xy * s, R.xy * c - R.xx * s, R.xz, R.yx * c + R.yy * s, R.yy * c - R.yx * s, R.yz,
@@ -67,13 +65,11 @@ void factorise(const Mat3& R, Link& k) {
   k.angle_0 = std::atan2(k.sin_0, k.cos_0);
 }
 
-bool any_armature(const JointParameters* p) { return p != nullptr && p->armature.any(); }
-
-double value_at(const Values& values, int i) { return values.empty() ? 0.0 : values.size() == 1 ? values[0] : values[i]; }
-
-template <class A>
-constexpr std::size_t scalars() {
-  return sizeof(A) / sizeof(double);
+Variant variant_of(const Joint& joint, bool rotor, bool reversed) {
+  const bool turned = reversed && !turns_about_z(joint.kind);  // others are native against their direction
+  if (joint.locked != 0) return turned ? Variant::reversed_locked : Variant::locked;
+  if (turned) return Variant::reversed;
+  return rotor ? Variant::rotor : Variant::plain;
 }
 
 }  // namespace
@@ -83,17 +79,16 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
   const auto size = at(n);
   parent_.resize(size), first_child_.assign(size, -1), next_sibling_.assign(size, -1);
   first_q_.resize(size), first_p_.resize(size), first_angle_.resize(size), order_.resize(size), segment_of_.resize(size);
-  record_.resize(size), armature_flag_.resize(size), detached_.assign(size, 0);
+  record_.resize(size), reversed_.assign(size, 0), variant_.resize(size);
+  joint_of_.resize(size), carrier_.resize(size);
+  for (int b = 0; b < n; ++b) joint_of_[at(b)] = carrier_[at(b)] = b;
   links_.resize(size), joints_.resize(size), frames_.resize(size), masses_.resize(size);
   segments_.reserve(size), spring_joints_.reserve(size), quaternion_joints_.reserve(size);
-  angle_q_.reserve(2 * size), angle_offset_.reserve(2 * size), armature_.reserve(6 * size), damping_.reserve(6 * size),
-      effort_.reserve(6 * size);
+  angle_q_.resize(2 * size), angle_offset_.resize(2 * size), armature_.resize(6 * size), damping_.resize(6 * size),
+      effort_.resize(6 * size);
   std::size_t largest = 0;
   for (const KindInfo& k : all_kinds())
-    for (bool armature : {false, true})
-      dispatch_kernels(k.kind, armature, [&](auto tag) {
-        largest = std::max(largest, scalars<typename decltype(tag)::type::template Record<double>>());
-      });
+    for (std::size_t record : shape(k.kind).record) largest = std::max(largest, record);
   record_capacity_ = largest * size;
 
   for (int b = 0; b < n; ++b) {
@@ -107,10 +102,15 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
         return o.damping == p.damping && o.stiffness == p.stiffness && o.rest == p.rest && o.armature == p.armature &&
                o.effort == p.effort;
       };
-      if (parameters_.empty() || !same(parameters_.back())) parameters_.push_back(p);
+      if (parameters_.empty() || !same(parameters_.back())) {
+        parameters_.push_back(p);
+        per_freedom_.push_back(spread(p));
+      }
       joints_[at(b)].parameters = static_cast<int>(parameters_.size()) - 1;
     }
   }
+  shared_parameters_ = static_cast<int>(parameters_.size());
+  parameters_.reserve(parameters_.size() + size), per_freedom_.reserve(parameters_.size() + size);
   for (int b = n - 1; b >= 0; --b) {  // backwards: lists in ascending order
     int& head = parent_[at(b)] < 0 ? first_root_ : first_child_[at(parent_[at(b)])];
     next_sibling_[at(b)] = head;
@@ -121,39 +121,58 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
   relink();
 }
 
+namespace {
+
+// A joint as body b carries it: the side that is fixed in b, the side fixed in its parent, and the joint's axes C on both.
+// Against its declared direction the sides change places; a kind that turns about z is then native in axes turned over (z, and
+// with it the sense of its angle and displacement, reversed), others have kernels for it.
+struct Carried {
+  Pose own, outer;
+  Mat3 C;
+};
+Carried carried(const Joint& joint, bool reversed, double* geometry) {
+  const Mat3 C = joint_axes(joint, geometry);
+  if (!reversed) return {joint.child_at, joint.at, C};
+  if (!turns_about_z(joint.kind)) return {joint.at, joint.child_at, C};
+  return {joint.at, joint.child_at, {C.xx, -C.xy, -C.xz, C.yx, -C.yy, -C.yz, C.zx, -C.zy, -C.zz}};
+}
+
+}  // namespace
+
 void Tree::make_frame(int b) {
-  const Joint& joint = joints_[at(b)];
   Link& link = links_[at(b)];
-  Mat3 C = joint_axes(joint, link.geometry);
-  const Mat3 child = rotation_matrix(joint.child_at.rotation);
+  link.locked = joint(b).locked;
+  Carried mine = carried(joint(b), reversed(b), link.geometry);
+  const Mat3 side = rotation_matrix(mine.own.rotation);
   const int c = first_child_[at(b)];
-  if (turns_about_z(joint.kind) && c >= 0) {
+  if (turns_about_z(joint(b).kind) && c >= 0) {
     // x is free: choose it so that the first child's axis needs no turn about z (β = 0), or, if it is parallel, lies along x.
     double geometry[2];
-    const Joint& next = joints_[at(c)];
-    const Mat3 own = child * C;
-    const Mat3 axes = rotation_matrix(next.at.rotation) * joint_axes(next, geometry);
+    const Carried next = carried(joint(c), reversed(c), geometry);
+    const Mat3 own = side * mine.C;
+    const Mat3 axes = rotation_matrix(next.outer.rotation) * next.C;
     const Vec3 d = transpose_times(own, Vec3{axes.xz, axes.yz, axes.zz});
-    const Vec3 r = transpose_times(own, next.at.position - joint.child_at.position);
+    const Vec3 r = transpose_times(own, next.outer.position - mine.own.position);
     double cosine = -d.y, sine = d.x;
     if (std::hypot(cosine, sine) < 1e-9) cosine = r.x, sine = r.y;
     if (std::hypot(cosine, sine) > 1e-9) {
       unit_pair(cosine, sine);
-      C = turned_z(C, cosine, sine);
+      mine.C = turned_z(mine.C, cosine, sine);
     }
   }
-  frames_[at(b)] = {child * C, joint.child_at.position};
+  frames_[at(b)] = {side * mine.C, mine.own.position};
 }
 
 void Tree::make_link(int b) {
-  const Joint& joint = joints_[at(b)];
+  double geometry[2];
+  const Carried mine = carried(joint(b), reversed(b), geometry);
   const KernelFrame own = frames_[at(b)];
   const KernelFrame outer = parent_[at(b)] < 0 ? KernelFrame{} : frames_[at(parent_[at(b)])];
   Link& k = links_[at(b)];
-  // The joint's axes C are what the kernel frame has beyond child_at.
-  const Mat3 C = transpose(rotation_matrix(joint.child_at.rotation)) * own.R;
-  factorise(transpose(outer.R) * (rotation_matrix(joint.at.rotation) * C), k);
-  k.r = transpose_times(outer.R, joint.at.position - outer.r);
+  // The joint's axes C are what the kernel frame has beyond the joint's side: with the choice of x.
+  const Mat3 C = transpose(rotation_matrix(mine.own.rotation)) * own.R;
+  factorise(transpose(outer.R) * (rotation_matrix(mine.outer.rotation) * C), k);
+  k.r = transpose_times(outer.R, mine.outer.position - outer.r);
   const MassProperties& m = masses_[at(b)];
   const Vec3 c = transpose_times(own.R, m.com - own.r);
   const double cc = dot(c, c);
@@ -164,34 +183,50 @@ void Tree::make_link(int b) {
                                                  -m.mass * c.x * c.y,       -m.mass * c.x * c.z,       -m.mass * c.y * c.z};
 }
 
+Tree::PerFreedom Tree::spread(const JointParameters& parameters) {
+  PerFreedom f;
+  for (int i = 0; i < 6; ++i) {
+    const auto value = [i](const Values& v) { return v.size() == 1 ? v[0] : i < v.size() ? v[i] : 0.0; };
+    f.armature[at(i)] = value(parameters.armature);
+    f.damping[at(i)] = value(parameters.damping);
+    f.effort[at(i)] = value(parameters.effort);
+  }
+  f.rotor = parameters.armature.any();
+  f.spring = parameters.stiffness.any();
+  f.force = parameters.damping.any() || parameters.effort.any();
+  return f;
+}
+
 void Tree::relink() {
   const int n = bodies();
-  nq_ = nv_ = 0;
   has_forces_ = false;
-  angle_q_.clear(), angle_offset_.clear(), armature_.clear(), damping_.clear(), effort_.clear();
   spring_joints_.clear(), quaternion_joints_.clear(), segments_.clear();
-  for (int b = 0; b < n; ++b) {  // packed in the order of body numbers
-    const JointParameters* p = parameters(b);
-    const bool armature = any_armature(p);
-    armature_flag_[at(b)] = armature;
-    first_q_[at(b)] = nq_, first_p_[at(b)] = nv_, first_angle_[at(b)] = static_cast<int>(angle_q_.size());
-    dispatch(joints_[at(b)].kind, [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      for (int a : K::Kernels::angles) {
-        angle_q_.push_back(nq_ + a);
-        angle_offset_.push_back(K::Kernels::turns_about_z ? links_[at(b)].angle_0 : 0.0);
-      }
-      for (int i = 0; i < K::info.nv; ++i) {
-        armature_.push_back(armature ? value_at(p->armature, i) : 0.0);
-        damping_.push_back(p != nullptr ? value_at(p->damping, i) : 0.0);
-        effort_.push_back(p != nullptr ? value_at(p->effort, i) : 0.0);
-      }
-      if (K::info.nq > K::info.nv) quaternion_joints_.push_back(b);
-      nq_ += K::info.nq, nv_ += K::info.nv;
-    });
-    if (p != nullptr && p->stiffness.any()) spring_joints_.push_back(b);
-    if (p != nullptr && (p->damping.any() || p->effort.any())) has_forces_ = true;
+  int q = 0, p = 0, angles = 0;
+  for (int j = 0; j < n; ++j) {  // packed in the order of joint numbers: re-rooting moves no coordinate
+    const auto b = at(carrier_[at(j)]);
+    const Joint& joint = joints_[at(j)];
+    const KindShape& kind = shape(joint.kind);
+    static constexpr PerFreedom none{};
+    const PerFreedom& given = joint.parameters < 0 ? none : per_freedom_[at(joint.parameters)];
+    first_q_[b] = q, first_p_[b] = p, first_angle_[b] = angles;
+    for (int i = 0; i < kind.angles; ++i) {
+      angle_q_[at(angles)] = q + kind.angle[i];
+      angle_offset_[at(angles++)] = kind.turns_about_z ? links_[b].angle_0 : 0.0;
+    }
+    for (int i = 0; i < kind.nv; ++i) {
+      const bool moves = (joint.locked >> i & 1u) == 0;  // a locked freedom's forces do nothing
+      armature_[at(p + i)] = given.armature[at(i)];
+      damping_[at(p + i)] = moves ? given.damping[at(i)] : 0.0;
+      effort_[at(p + i)] = moves ? given.effort[at(i)] : 0.0;
+    }
+    if (given.spring) spring_joints_.push_back(static_cast<int>(b));
+    has_forces_ = has_forces_ || given.force;
+    const bool rotor = given.rotor;
+    variant_[b] = variant_of(joint, rotor, reversed_[b] != 0);
+    if (kind.nq > kind.nv) quaternion_joints_.push_back(static_cast<int>(b));
+    q += kind.nq, p += kind.nv;
   }
+  nq_ = q, nv_ = p, angles_ = angles;
 
   // Depth first, inboard before outboard, without a stack: a chain of a million bodies is as deep as it is long.
   junctions_ = 0;
@@ -199,25 +234,25 @@ void Tree::relink() {
   int place = 0;
   for (int b = first_root_; b >= 0;) {
     order_[at(place)] = b;
-    const Joint& joint = joints_[at(b)];
+    const Kind kind = joint(b).kind;
+    const Variant variant = variant_[at(b)];
     const Link& link = links_[at(b)];
-    const bool armature = armature_flag_[at(b)] != 0, aligned = link.sin_b == 0 && link.cos_b == 1;
+    const bool aligned = link.sin_b == 0 && link.cos_b == 1;
     record_[at(b)] = record_scalars_;
-    dispatch_kernels(joint.kind, armature,
-                     [&](auto tag) { record_scalars_ += scalars<typename decltype(tag)::type::template Record<double>>(); });
-    const int p = parent_[at(b)];
+    record_scalars_ += shape(kind).record[static_cast<std::size_t>(variant)];
+    const int outer = parent_[at(b)];
     Segment* last = segments_.empty() ? nullptr : &segments_.back();
-    const bool goes_on = last != nullptr && place > 0 && p >= 0 && order_[at(place - 1)] == p &&
-                         next_sibling_[at(first_child_[at(p)])] < 0 && last->kind == joint.kind && last->armature == armature &&
+    const bool goes_on = last != nullptr && place > 0 && outer >= 0 && order_[at(place - 1)] == outer &&
+                         next_sibling_[at(first_child_[at(outer)])] < 0 && last->kind == kind && last->variant == variant &&
                          last->aligned == aligned;
     if (goes_on) {
       last->end = place + 1;
     } else {
-      Segment s{place, place + 1, -1, -1, joint.kind, armature, aligned, Segment::Deposit::none};
-      if (p >= 0) {
-        Segment& outer = segments_[at(segment_of_[at(p)])];
-        if (outer.junction < 0) outer.junction = junctions_++;
-        s.parent = outer.junction;
+      Segment s{place, place + 1, -1, -1, kind, variant, aligned, Segment::Deposit::none};
+      if (outer >= 0) {
+        Segment& before = segments_[at(segment_of_[at(outer)])];
+        if (before.junction < 0) before.junction = junctions_++;
+        s.parent = before.junction;
         // The way in runs through the segments backwards: the last child reaches the junction first.
         s.deposit = next_sibling_[at(b)] < 0 ? Segment::Deposit::assign : Segment::Deposit::add;
       }
@@ -235,26 +270,113 @@ void Tree::relink() {
   }
   MT_REQUIRE(place == n, "every body hangs on the ground");
   for (int i = n - 1; i >= 0; --i) {
-    const int b = order_[at(i)], p = parent_[at(b)];
-    if (p >= 0) links_[at(p)].subtree_mass += links_[at(b)].subtree_mass;
+    const int b = order_[at(i)], outer = parent_[at(b)];
+    if (outer >= 0) links_[at(outer)].subtree_mass += links_[at(b)].subtree_mass;
   }
 }
 
-void Tree::detach(int b) {
-  const int p = parent_[at(b)];
-  int* head = p < 0 ? &first_root_ : &first_child_[at(p)];
+void Tree::unlink(int b) {
+  const int outer = parent_[at(b)];
+  int* head = outer < 0 ? &first_root_ : &first_child_[at(outer)];
   while (*head != b) head = &next_sibling_[at(*head)];
   *head = next_sibling_[at(b)];
-  head = &first_root_;
-  while (*head >= 0 && *head < b) head = &next_sibling_[at(*head)];  // roots in ascending order: the order stays stable
+}
+
+// Siblings and roots stand in ascending order: the order of evaluation is that of the topology, not of its history.
+void Tree::hang(int b, int parent) {
+  int* head = parent < 0 ? &first_root_ : &first_child_[at(parent)];
+  while (*head >= 0 && *head < b) head = &next_sibling_[at(*head)];
   next_sibling_[at(b)] = *head;
   *head = b;
-  parent_[at(b)] = -1;
-  joints_[at(b)] = {Kind::free, -1, {}, {}, {0, 0, 1}, {}, 0};
-  detached_[at(b)] = 1;
+  parent_[at(b)] = parent;
+}
+
+// The frame of b changed: its own link and those of its children.
+void Tree::make_links_around(int b) {
   make_frame(b);
   make_link(b);
   for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)]) make_link(c);
+}
+
+namespace {
+Joint made_free_joint() {
+  Joint joint;
+  joint.kind = Kind::free;
+  joint.made = true;
+  return joint;
+}
+}  // namespace
+
+void Tree::detach(int b) {
+  unlink(b);
+  hang(b, -1);
+  joints_[at(joint_of_[at(b)])] = made_free_joint();
+  reversed_[at(b)] = 0;
+  make_links_around(b);
+  ++revision_;
+  relink();
+}
+
+void Tree::regraft(int b, int parent) {
+  MT_REQUIRE(parent_[at(b)] < 0 && joint(b).made && joint(b).kind == Kind::free,
+             "the body is a root on a free joint of its own frame");
+  unlink(b);
+  hang(b, parent);
+  make_link(b);
+  ++revision_;
+  relink();
+}
+
+void Tree::reroot(int b) {
+  // Walk from b up to the root, hanging each body's parent below it: joints keep their numbers, carriers move one body inboard.
+  int root = b;
+  while (parent_[at(root)] >= 0) root = parent_[at(root)];
+  MT_REQUIRE(joint(root).kind == Kind::free, "the root hangs on a free joint");
+  const int free_joint = joint_of_[at(root)];
+  int below = -1, body = b, joint_below = free_joint;
+  unsigned char reversed_below = 0;
+  while (body >= 0) {
+    const int outer = parent_[at(body)];
+    const int own_joint = joint_of_[at(body)];
+    const unsigned char own_reversed = reversed_[at(body)];
+    unlink(body);
+    hang(body, below);
+    joint_of_[at(body)] = joint_below;
+    carrier_[at(joint_below)] = body;
+    reversed_[at(body)] = reversed_below;
+    joint_below = own_joint;
+    reversed_below = own_reversed != 0 ? 0 : 1;
+    below = body;
+    body = outer;
+  }
+  joints_[at(free_joint)] = made_free_joint();
+  // Frames stand at the joints carried: renewed from the old root to b's neighbour, then b; then every link that touches them.
+  for (int a = root; a >= 0; a = parent_[at(a)]) make_frame(a);
+  for (int a = root; a >= 0; a = parent_[at(a)]) {
+    make_link(a);
+    for (int c = first_child_[at(a)]; c >= 0; c = next_sibling_[at(c)]) make_link(c);
+  }
+  ++revision_;
+  relink();
+}
+
+void Tree::set_joint(int b, const Joint& joint) {
+  joints_[at(joint_of_[at(b)])] = joint;
+  make_links_around(b);
+  ++revision_;
+  relink();
+}
+
+void Tree::set_parameters(int b, const JointParameters& parameters) {
+  Joint& joint = joints_[at(joint_of_[at(b)])];
+  if (joint.parameters < shared_parameters_) {  // shared with others: an own place, reserved at the start
+    joint.parameters = static_cast<int>(parameters_.size());
+    parameters_.push_back(parameters);
+    per_freedom_.push_back(spread(parameters));
+  } else {
+    parameters_[at(joint.parameters)] = parameters;
+    per_freedom_[at(joint.parameters)] = spread(parameters);
+  }
   ++revision_;
   relink();
 }

@@ -1,12 +1,13 @@
 #pragma once
 // The compiled topology: one forest of flat arrays. Body numbers never change; a change relinks order and offsets.
 // A mechanism that falls off is a body whose parent became the ground.
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include <momentree/joint/joint.hpp>
-#include <momentree/joint/link.hpp>
+#include <momentree/joint/kernels.hpp>
 #include <momentree/tree/model.hpp>
 
 namespace momentree {
@@ -24,6 +25,8 @@ struct Joint {
   Pose at{}, child_at{};
   Vec3 axis{0, 0, 1}, axis2{};
   double pitch = 0;
+  unsigned locked = 0;  ///< a bit per freedom that is frozen, in the order of v
+  bool made = false;    ///< a free root joint that a change made: its place in a mechanism is that of no declared joint
 };
 
 /// A maximal path of single children whose joints share their kernels: the sweeps run along it with accumulators in locals.
@@ -34,7 +37,8 @@ struct Segment {
   int parent = -1;    ///< junction of the parent segment, −1: the ground
   int junction = -1;  ///< where the children of the last body meet, −1: it has none
   Kind kind = Kind::weld;
-  bool armature = false, aligned = false;
+  Variant variant = Variant::plain;
+  bool aligned = false;
   Deposit deposit = Deposit::none;  ///< first child to reach the junction assigns, later ones add
 };
 
@@ -61,24 +65,29 @@ class Tree {
   /// Offset of the body's record in Work, in scalars.
   std::size_t record(int b) const { return record_[at(b)]; }
   const Link& link(int b) const { return links_[at(b)]; }
-  const Joint& joint(int b) const { return joints_[at(b)]; }
+  /// The inboard joint of body b. Joints have numbers of their own: at the start that of their child; re-rooting makes a body
+  /// carry another joint, against its declared direction.
+  const Joint& joint(int b) const { return joints_[at(joint_of_[at(b)])]; }
+  int joint_of(int b) const { return joint_of_[at(b)]; }
+  int carrier(int joint) const { return carrier_[at(joint)]; }
+  bool reversed(int b) const { return reversed_[at(b)] != 0; }
+  Variant variant(int b) const { return variant_[at(b)]; }
   const KernelFrame& frame(int b) const { return frames_[at(b)]; }
-  bool has_armature(int b) const { return armature_flag_[at(b)] != 0; }
   /// Parameters of the joint, or null.
   const JointParameters* parameters(int b) const {
     const int i = joint(b).parameters;
     return i < 0 ? nullptr : &parameters_[at(i)];
   }
   /// True for a body whose root joint was made by a change: named after the body.
-  bool detached(int b) const { return detached_[at(b)] != 0; }
+  bool detached(int b) const { return joint(b).made; }
 
   std::span<const int> order() const { return order_; }
   std::span<const Segment> segments() const { return segments_; }
   int junctions() const { return junctions_; }
   std::size_t record_scalars() const { return record_scalars_; }
   /// Angles of all joints: index into q, and the offset θ0 that is added to it.
-  std::span<const int> angle_coordinates() const { return angle_q_; }
-  std::span<const double> angle_offsets() const { return angle_offset_; }
+  std::span<const int> angle_coordinates() const { return {angle_q_.data(), at(angles_)}; }
+  std::span<const double> angle_offsets() const { return {angle_offset_.data(), at(angles_)}; }
   /// Rotor inertia per freedom, in the order of p.
   const double* armature() const { return armature_.data(); }
   /// Damping and constant effort per freedom, in the order of p; zeros where there is none.
@@ -94,23 +103,38 @@ class Tree {
   std::size_t record_capacity() const { return record_capacity_; }
   int angle_capacity() const { return 2 * bodies(); }
 
+  // The edits that changes are made of. Each relinks and counts a revision; none touches a state (topology/ does) or allocates.
+
   /// The inboard joint of b becomes a free joint to the ground, at the identity, without parameters: b's user frame is its
-  /// joint's frame. Relinks; does not touch any state (topology/change.hpp does).
+  /// joint's frame.
   void detach(int b);
+  /// Root b, on a made free joint, becomes a child of `parent` by that joint, at the identity: q is then its pose in the parent.
+  void regraft(int b, int parent);
+  /// b becomes the root of its tree, whose root must hang on a free joint. The joints between turn over; the free joint is b's.
+  void reroot(int b);
+  /// Replaces the inboard joint of b; declared direction and parameters (if the index says so) are the caller's.
+  void set_joint(int b, const Joint& joint);
+  /// Parameters of b's joint alone.
+  void set_parameters(int b, const JointParameters& parameters);
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   void make_frame(int b);
   void make_link(int b);
+  void make_links_around(int b);
+  void unlink(int b);
+  void hang(int b, int parent);
   void relink();
 
   Vec3 gravity_{};
-  int nq_ = 0, nv_ = 0, junctions_ = 0, first_root_ = -1;
+  int nq_ = 0, nv_ = 0, angles_ = 0, junctions_ = 0, first_root_ = -1;
   std::size_t record_scalars_ = 0, record_capacity_ = 0;
   std::uint64_t revision_ = 0;
   std::vector<int> parent_, first_child_, next_sibling_, first_q_, first_p_, first_angle_, order_, segment_of_;
   std::vector<std::size_t> record_;
-  std::vector<unsigned char> armature_flag_, detached_;
+  std::vector<int> joint_of_, carrier_;
+  std::vector<unsigned char> reversed_;
+  std::vector<Variant> variant_;
   std::vector<Link> links_;
   std::vector<Joint> joints_;
   std::vector<KernelFrame> frames_;
@@ -120,7 +144,14 @@ class Tree {
     Sym3 inertia;
   };
   std::vector<MassProperties> masses_;
-  std::vector<JointParameters> parameters_;
+  std::vector<JointParameters> parameters_;  // those of the model, shared, then those that changes gave to one joint
+  struct PerFreedom {                        // the same, spread over the freedoms: what relinking copies
+    std::array<double, 6> armature{}, damping{}, effort{};
+    bool rotor = false, spring = false, force = false;
+  };
+  std::vector<PerFreedom> per_freedom_;
+  static PerFreedom spread(const JointParameters& parameters);
+  int shared_parameters_ = 0;
   std::vector<Segment> segments_;
   std::vector<int> angle_q_, spring_joints_, quaternion_joints_;
   std::vector<double> angle_offset_, armature_, damping_, effort_;

@@ -2,4 +2,5 @@
 
 namespace momentree {
 template void evaluate_rates<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;
+template void evaluate_motions<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;
 }

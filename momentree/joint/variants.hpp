@@ -1,0 +1,88 @@
+#pragma once
+// Kernels of joints that are not used as declared: re-rooted against their direction, or with freedoms locked. Both wrap any
+// kind.
+#include <momentree/joint/kernels.hpp>
+
+namespace momentree {
+
+/// Parent and child exchanged: pose and E of the inverse motion, with the same q, u. X_rev = X⁻¹, E_rev = −X⁻¹ E,
+/// Ė_rev = −X⁻¹ (cm(E u) E + Ė). Kinds that turn about z need none: they are native in a frame turned over (Tree::make_frame).
+template <class K, int NQ, int NV>
+struct ReversedKernels : GenericKernels<ReversedKernels<K, NQ, NV>, NQ, NV> {
+  static constexpr auto angles = K::angles;
+
+  template <class T>
+  MOMENTREE_INLINE static void pose(const Link& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+    Matrix3<T> forward;
+    Vector3<T> at;
+    K::template pose<T>(k, j, forward, at);
+    R = transpose(forward);
+    r = -(R * at);
+  }
+  template <class T>
+  MOMENTREE_INLINE static Columns<T, NV> columns(const Link& k, const JointState<T>& j) {
+    return inverted(k, j, K::template columns<T>(k, j));
+  }
+  template <class T>
+  MOMENTREE_INLINE static Columns<T, NV> columns_rate(const Link& k, const JointState<T>& j, const T* u) {
+    Columns<T, NV> E = K::template columns<T>(k, j);
+    Motion<T> rel{};
+    for (std::size_t i = 0; i < E.size(); ++i) rel = rel + Motion<T>{u[i] * E[i].v, u[i] * E[i].w};
+    for (Motion<T>& e : E) e = cross(rel, e);
+    if constexpr (requires { K::template columns_rate<T>(k, j, u); }) {
+      const Columns<T, NV> Edot = K::template columns_rate<T>(k, j, u);
+      for (std::size_t i = 0; i < E.size(); ++i) E[i] = E[i] + Edot[i];
+    }
+    return inverted(k, j, E);
+  }
+  template <class T>
+  MOMENTREE_INLINE static void coordinate_rate(const T* q, const T* u, T* qdot) {
+    K::template coordinate_rate<T>(q, u, qdot);
+  }
+  static void normalise(double* q) { K::normalise(q); }
+  static void zero(double* q) { K::zero(q); }
+  static Mat3 frame(const JointSpec& joint, double* geometry) { return K::frame(joint, geometry); }
+
+ private:
+  // −X⁻¹ E: from the declared child's frame to the declared parent's.
+  template <class T>
+  MOMENTREE_INLINE static Columns<T, NV> inverted(const Link& k, const JointState<T>& j, Columns<T, NV> E) {
+    Matrix3<T> R;
+    Vector3<T> r;
+    K::template pose<T>(k, j, R, r);
+    for (Motion<T>& e : E) {
+      const Vector3<T> w = R * e.w;
+      e = {-(R * e.v + cross(r, w)), -w};
+    }
+    return E;
+  }
+};
+
+/// Some or all freedoms frozen where they are (Link::locked, a bit per freedom): their columns of E are dropped, u = 0, p = 0.
+/// Coordinates and the lengths of q, p stay, so that a lock moves nothing in memory.
+template <class B, int NV>
+struct LockedKernels : B {
+  /// (24)–(26) with E′ = E B: a dropped column gets a one on the diagonal of Mj instead, which leaves its u zero.
+  template <class T>
+  MOMENTREE_INLINE static void reduce(const Link& k, const JointState<T>& j, const T* p, const double* armature,
+                                      SpatialMass<T>& M, Force<T>& D, auto& w) {
+    auto E = B::template columns<T>(k, j);
+    double own[NV > 0 ? NV : 1] = {};
+    for (std::size_t i = 0; i < E.size(); ++i) {
+      const bool locked = (k.locked >> i & 1u) != 0;
+      own[i] = locked ? 1.0 : armature[i];
+      if (locked) E[i] = Motion<T>{};
+    }
+    reduce_generic<T, NV>(E, p, own, M, D, w);
+  }
+  /// (20): what is locked keeps p = 0.
+  template <class T>
+  MOMENTREE_INLINE static void momentum_rate(const Link& k, const JointState<T>& j, const T* u, const Force<T>& Pb,
+                                             const Force<T>& wrench, T* pdot) {
+    B::template momentum_rate<T>(k, j, u, Pb, wrench, pdot);
+    for (int i = 0; i < NV; ++i)
+      if ((k.locked >> i & 1) != 0) pdot[i] = T(0);
+  }
+};
+
+}  // namespace momentree

@@ -1,0 +1,138 @@
+#include <cmath>
+
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/joint/dispatch.hpp>
+#include <momentree/topology/change.hpp>
+
+namespace momentree {
+
+namespace {
+
+double rotor_inertia(const Tree& tree, int b, int i) { return tree.armature()[tree.first_p(b) + i]; }
+
+// Eᵀ Pb of b's joint as the tree has it now, at coordinates q; Pb in the user's frame of b.
+void project_at(const Tree& tree, int b, const double* q, const Force<double>& Pb, double* p) {
+  double c[2] = {}, s[2] = {};
+  dispatch(tree.joint(b).kind, [&](auto tag) {
+    using K = typename decltype(tag)::type::Kernels;
+    for (std::size_t i = 0; i < K::angles.size(); ++i) {
+      const double angle = q[K::angles[i]] + (K::turns_about_z ? tree.link(b).angle_0 : 0.0);
+      c[i] = std::cos(angle), s[i] = std::sin(angle);
+    }
+  });
+  project(tree, b, {q, c, s}, to_kernel_frame(tree.frame(b), Pb), p);
+}
+
+}  // namespace
+
+Released apply(const ChangeJoint& change, Tree& tree, State& state, Work<double>& work) noexcept {
+  const int b = change.body.index;
+  return apply(change, to_user_frame(tree.frame(b), articulated_momentum(tree, state, work, b)), tree, state, work);
+}
+
+Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, State& state, Work<double>& work) noexcept {
+  const int b = change.body.index;
+  MT_REQUIRE(state.topology() == tree.revision(), "the state is of this topology");
+  const KindInfo& old = info(tree.joint(b).kind);
+  const KindInfo& now = info(change.joint.kind);
+  MT_REQUIRE(change.q.size() == now.nq, "the new joint's coordinates are given");
+  const int first_q = tree.first_q(b), first_p = tree.first_p(b);
+  // The same kind with the same parameters keeps its springs and rotors; else they leave with the joint.
+  const bool keeps = change.joint.kind == tree.joint(b).kind && change.joint.parameters == tree.joint(b).parameters;
+  double u[6] = {};
+  Released released;
+  if (work.evaluated == state.stamp()) {
+    for (int i = 0; i < old.nv; ++i) u[i] = work.v[static_cast<std::size_t>(first_p + i)];
+    if (!keeps) released.energy = joint_energy(tree, state, work, b);
+  }
+  tree.set_joint(b, change.joint);
+  double p[6] = {};
+  project_at(tree, b, change.q.begin(), Pb, p);
+  for (int i = 0; i < now.nv; ++i) {
+    if (keeps) p[i] += rotor_inertia(tree, b, i) * u[i];
+    if ((change.joint.locked >> i & 1u) != 0) p[i] = 0;
+  }
+  state.replace(first_q, old.nq, {change.q.begin(), static_cast<std::size_t>(now.nq)}, first_p, old.nv,
+                {p, static_cast<std::size_t>(now.nv)}, tree.revision());
+  return released;
+}
+
+namespace {
+unsigned all_freedoms(const Tree& tree, int b) { return (1u << info(tree.joint(b).kind).nv) - 1; }
+}  // namespace
+
+Released apply(const Lock& change, Tree& tree, State& state, Work<double>& work) noexcept {
+  const int b = change.body.index;
+  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  Joint joint = tree.joint(b);
+  const unsigned newly = change.freedoms & all_freedoms(tree, b) & ~joint.locked;
+  joint.locked |= newly;
+  const int first_p = tree.first_p(b), nv = info(joint.kind).nv;
+  double p[6] = {};
+  Released released;  // the rotor of a freedom that is locked stops with it
+  for (int i = 0; i < nv; ++i) {
+    const double u = work.v[static_cast<std::size_t>(first_p + i)];
+    if ((newly >> i & 1u) != 0) released.energy += 0.5 * rotor_inertia(tree, b, i) * u * u;
+    if ((joint.locked >> i & 1u) == 0) p[i] = state.p()[static_cast<std::size_t>(first_p + i)];
+  }
+  tree.set_joint(b, joint);
+  const double* q = state.q().data() + tree.first_q(b);
+  double keep[7];
+  for (int i = 0; i < info(joint.kind).nq; ++i) keep[i] = q[i];
+  state.replace(tree.first_q(b), info(joint.kind).nq, {keep, static_cast<std::size_t>(info(joint.kind).nq)}, first_p, nv,
+                {p, static_cast<std::size_t>(nv)}, tree.revision());
+  return released;
+}
+
+Released apply(const Unlock& change, Tree& tree, State& state, Work<double>& work) noexcept {
+  const int b = change.body.index;
+  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  const Force<double> Pb = articulated_momentum(tree, state, work, b);
+  double all[6] = {}, p[6] = {};
+  project(tree, b, joint_state(tree, state, work, b), Pb, all);
+  Joint joint = tree.joint(b);
+  const unsigned freed = change.freedoms & joint.locked;
+  joint.locked &= ~freed;
+  const KindInfo& kind = info(joint.kind);
+  const int first_q = tree.first_q(b), first_p = tree.first_p(b);
+  for (int i = 0; i < kind.nv; ++i) p[i] = (freed >> i & 1u) != 0 ? all[i] : state.p()[static_cast<std::size_t>(first_p + i)];
+  double keep[7];
+  for (int i = 0; i < kind.nq; ++i) keep[i] = state.q()[static_cast<std::size_t>(first_q + i)];
+  tree.set_joint(b, joint);
+  state.replace(first_q, kind.nq, {keep, static_cast<std::size_t>(kind.nq)}, first_p, kind.nv,
+                {p, static_cast<std::size_t>(kind.nv)}, tree.revision());
+  return {};
+}
+
+Released apply(const Impulse& change, Tree& tree, State& state, Work<double>& work) noexcept {
+  const int b = change.body.index;
+  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  const DenseCrossing<double> body = locate_body(tree, state, work, b);
+  const KernelFrame& frame = tree.frame(b);
+  Force<double> W{transpose_times(body.R, change.force), transpose_times(body.R, change.torque)};
+  shift(W, transpose_times(frame.R, change.point - frame.r));
+  const auto p = state.edit().p;
+  absorb(tree, b, joint_state(tree, state, work, b), W, +1, p.data());
+  shed_momentum(tree, state, work, b, W, +1, p.data());
+  return {};
+}
+
+Released apply(const SetParameters& change, Tree& tree, State& state, Work<double>& work) noexcept {
+  const int b = change.body.index;
+  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  const KindInfo& kind = info(tree.joint(b).kind);
+  const int first_q = tree.first_q(b), first_p = tree.first_p(b);
+  double q[7], p[6];
+  for (int i = 0; i < kind.nq; ++i) q[i] = state.q()[static_cast<std::size_t>(first_q + i)];
+  for (int i = 0; i < kind.nv; ++i)
+    p[i] = state.p()[static_cast<std::size_t>(first_p + i)] -
+           rotor_inertia(tree, b, i) * work.v[static_cast<std::size_t>(first_p + i)];
+  tree.set_parameters(b, change.parameters);
+  for (int i = 0; i < kind.nv; ++i) p[i] += rotor_inertia(tree, b, i) * work.v[static_cast<std::size_t>(first_p + i)];
+  state.replace(first_q, kind.nq, {q, static_cast<std::size_t>(kind.nq)}, first_p, kind.nv,
+                {p, static_cast<std::size_t>(kind.nv)}, tree.revision());
+  return {};
+}
+
+}  // namespace momentree
