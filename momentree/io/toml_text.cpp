@@ -45,15 +45,19 @@ std::size_t past_string(std::string_view text, std::size_t i) {
   return text.size();
 }
 
-enum class Oddity { none, deep, foreign };
+enum class Oddity { none, deep, foreign, quote };
 
 // The first place outside of strings and comments that the parser must not see: a dotted key of more parts than any scenario
-// needs (a number or a date has one dot at most), or a character that TOML has there nowhere.
+// needs (a number or a date has one dot at most), a character that TOML has there nowhere, or a quotation mark where no string
+// can begin: what follows it would be a string for one of us and none for the other.
 std::pair<Oddity, std::size_t> first_oddity(std::string_view text) {
   int dots = 0;
+  char before = '\n';  // the last character that is not blank
   for (std::size_t i = 0; i < text.size();) {
     const char c = text[i];
     if (c == '"' || c == '\'') {
+      if (std::string_view("\n=[{,.").find(before) == std::string_view::npos) return {Oddity::quote, i};
+      before = c;
       i = past_string(text, i);
       continue;
     }
@@ -64,6 +68,7 @@ std::pair<Oddity, std::size_t> first_oddity(std::string_view text) {
     if (static_cast<unsigned char>(c) >= 0x80) return {Oddity::foreign, i};
     if (c == '.' && ++dots > deepest_key) return {Oddity::deep, i};
     if (c == '\n' || c == '=' || c == ',' || c == '{' || c == '[') dots = 0;
+    if (c != ' ' && c != '\t' && c != '\r') before = c;
     ++i;
   }
   return {Oddity::none, 0};
@@ -96,6 +101,8 @@ std::optional<SyntaxError> check_toml_text(std::string_view text) {
   if (oddity == Oddity::none) return {};
   if (oddity == Oddity::deep)
     return SyntaxError{place_at(text, at), "a key of more than " + std::to_string(deepest_key + 1) + " parts", ""};
+  if (oddity == Oddity::quote)
+    return SyntaxError{place_at(text, at), "a quotation mark stands where no string can begin", "strings are quoted as a whole"};
   const std::string character(text.substr(at, character_length(text, at)));
   const bool quote = character == "“" || character == "”" || character == "„" || character == "‘" || character == "’";
   return SyntaxError{place_at(text, at), "the character '" + character + "' stands outside of a string",
