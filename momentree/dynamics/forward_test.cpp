@@ -91,17 +91,15 @@ TEST_CASE("(14) (21) (22) (23) the articulated momentum is the sum over all outb
   }
 }
 
-TEST_CASE("the path to one body finds the place and motion that the pass over all bodies finds") {
+TEST_CASE("the path to one body finds the place that the pass over all bodies finds") {
   Fixture f;
   Work<double> other(f.tree);
   forward_dynamics(f.tree, f.state, other);
   locate_bodies(f.tree, f.state, f.work);
   for (int b = 0; b < f.tree.bodies(); ++b) {
-    const Kinematics<double> path = locate_body(f.tree, f.state, other, b);
+    const DenseCrossing<double> path = locate_body(f.tree, f.state, other, b);
     const Kinematics<double>& all = f.work.bodies[static_cast<std::size_t>(b)];
     CHECK(norm(path.r - all.r) < 1e-14);
-    CHECK(norm(path.velocity.v - all.velocity.v) < 1e-13);
-    CHECK(norm(path.velocity.w - all.velocity.w) < 1e-13);
     CHECK(norm(path.R * Vec3{1, 2, 3} - all.R * Vec3{1, 2, 3}) < 1e-14);
   }
 }

@@ -1,4 +1,5 @@
-// The laws that every joint kind obeys, alone and with a rotor. A new kind is under them by being a file in kinds/.
+// The laws that every joint kind obeys: alone, with a rotor, against its declared direction, with freedoms locked. A new kind is
+// under them by being a file in kinds/.
 #include <array>
 #include <cmath>
 #include <string>
@@ -117,8 +118,9 @@ void for_every_kind(Law law) {
       using K = typename decltype(tag)::type;
       for (bool aligned : {false, true}) {
         INFO(std::string(K::info.name), aligned ? ", aligned" : "");
-        law(tag, std::type_identity<KernelsOf<K, false>>{}, false, aligned);
-        law(tag, std::type_identity<KernelsOf<K, true>>{}, true, aligned);
+        law(tag, std::type_identity<KernelsOf<K, Variant::plain>>{}, false, aligned);
+        law(tag, std::type_identity<KernelsOf<K, Variant::rotor>>{}, true, aligned);
+        law(tag, std::type_identity<KernelsOf<K, Variant::reversed>>{}, true, aligned);
       }
     });
 }
@@ -321,5 +323,49 @@ TEST_CASE("zero is no motion; normalising keeps what is normal") {
     const auto q = other.q;
     L::normalise(other.q.data());
     CHECK(distance(q, other.q) < 1e-15);
+  });
+}
+
+TEST_CASE("(24) (27) (20) locked freedoms have no velocity and no rate; the others are those of a joint without them") {
+  Draw draw;
+  for_every_kind([&](auto kind, auto, bool, bool) {
+    using K = typename decltype(kind)::type;
+    constexpr int N = K::info.nv;
+    const auto law = [&](auto kernels) {
+      using L = typename decltype(kernels)::type;
+      for (unsigned locked = 1; locked < (1u << N); ++locked) {
+        Sample<K> at(draw, false, true);
+        at.link.locked = locked;
+        for (int i = 0; i < N; ++i)
+          if ((locked >> i & 1u) != 0) at.p[static_cast<std::size_t>(i)] = 0;
+        const SpatialMass<double> Mb = random_mass(draw);
+        const Force<double> Db{draw.vector(), draw.vector()};
+        SpatialMass<double> M = Mb;
+        Force<double> D = Db;
+        typename L::template Record<double> record{};
+        L::template reduce<double>(at.link, at.joint(), at.p.data(), at.armature.data(), M, D, record);
+        const Motion<double> in{draw.vector(), draw.vector()};
+        std::array<double, 8> u{}, rate{};
+        L::joint_velocity(record, in, u.data());
+        const Motion<double> out = L::template spatial_velocity<double>(at.link, at.joint(), in, u.data());
+        const Force<double> P = Mb * out + Db;
+        CHECK(distance(flat(L::articulated_momentum(record, at.p.data(), in)), flat(P)) < 1e-11);
+        L::template momentum_rate<double>(at.link, at.joint(), u.data(), P, P, rate.data());
+        const auto E = L::template columns<double>(at.link, at.joint());
+        for (int i = 0; i < N; ++i) {
+          const auto k = static_cast<std::size_t>(i);
+          if ((locked >> i & 1u) != 0) {
+            CHECK(u[k] == 0);
+            CHECK(rate[k] == 0);
+          } else {
+            CHECK(at.p[k] == doctest::Approx(dot(E[k], P) + at.armature[k] * u[k]).epsilon(1e-10));
+          }
+        }
+      }
+    };
+    if constexpr (N > 0) {
+      law(std::type_identity<KernelsOf<K, Variant::locked>>{});
+      law(std::type_identity<KernelsOf<K, Variant::reversed_locked>>{});
+    }
   });
 }

@@ -1,7 +1,7 @@
 // Topology changes against an independent projection: in maximal coordinates (velocities of all bodies, mass-weighted), with
 // constraints from the oracle's forward kinematics alone.
 #include <cmath>
-#include <cstdio>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -151,8 +151,22 @@ ChangeJoint random_change(Prng& random, const Machine& m, int b) {
   return change;
 }
 
+// Condition of the joint-space mass, in directions of length one that the constraints leave: what velocities can be known to.
+double condition(const Dense& M, const Dense& C) {
+  Dense N = Dense::Identity(M.rows(), M.cols());
+  if (C.rows() > 0) {
+    const Dense Q = Eigen::HouseholderQR<Dense>(C.transpose()).householderQ();
+    N = Q.rightCols(C.cols() - C.rows());
+  }
+  if (N.cols() == 0) return 1;
+  const Eigen::MatrixXd H = (N.transpose() * M * N).cast<double>();
+  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(H, Eigen::EigenvaluesOnly).eigenvalues();
+  return eigenvalues.maxCoeff() / std::max(eigenvalues.minCoeff(), 1e-300);
+}
+
 struct Outcome {
   long double difference = 0, gain = 0, carnot = 0;
+  double bound = 0;  ///< for the difference: round-off in the state, carried by the condition of the mass matrix
 };
 
 // Runs `act` on the machine and compares with the projection onto the constraints that the machine has afterwards.
@@ -168,7 +182,8 @@ Outcome compare(Machine& m, Act act) {
   const Column jump = after - before;
   const long double T0 = energy(M, before), T1 = energy(M, after);
   return {(after - expected).cwiseAbs().maxCoeff() / scale, (T1 - T0) / std::max<long double>(T0, 1e-30L),
-          std::fabs(T0 - T1 - energy(M, jump)) / std::max<long double>(T0, 1e-30L)};
+          std::fabs(T0 - T1 - energy(M, jump)) / std::max<long double>(T0, 1e-30L),
+          std::max(1e-10, 10 * 2.2e-16 * condition(M, C))};
 }
 
 }  // namespace
@@ -213,7 +228,7 @@ TEST_CASE("(28) every change leaves the velocities that a projection in maximal 
           }
         }
       });
-      CHECK(o.difference < 1e-10L);
+      CHECK(o.difference < o.bound);
       CHECK(o.gain < 1e-10L);
       CHECK(o.carnot < 1e-10L);
       worst.difference = std::max(worst.difference, o.difference);
@@ -222,7 +237,155 @@ TEST_CASE("(28) every change leaves the velocities that a projection in maximal 
       lossy += o.gain < -1e-6L;
     }
   }
-  std::printf("changes: largest difference %.1Le, gain %.1Le, Carnot %.1Le; %d lossy\n", worst.difference, worst.gain,
-              worst.carnot, lossy);
+  MESSAGE("largest difference ", static_cast<double>(worst.difference), ", gain ", static_cast<double>(worst.gain), ", Carnot ",
+          static_cast<double>(worst.carnot), ", ", lossy, " lossy impacts");
   CHECK(lossy > 200);
+}
+
+TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body, and back again gives the same state") {
+  int turned = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    Prng random(seed + 900);
+    oracle::RandomTreeOptions options;
+    options.max_bodies = 12, options.parameters = seed % 2 == 0, options.conservative = true, options.all_free = true;
+    options.several_mechanisms = false;
+    Machine m(oracle::random_tree(seed, options).model);
+    const int root = m.tree.order()[0];
+    const int b = random.integer(0, m.size() - 1);
+    if (!floats(m.tree, b) || b == root) continue;
+    ++turned;
+    INFO("seed ", seed, " body ", b);
+    // Accelerations by differences along the rates, of order eight.
+    const auto accelerations = [](const Machine& at) {
+      const auto moved = [&at](double h) {
+        Machine other(at.model);
+        other.tree = at.tree;
+        other.state = at.state;
+        const State::Edit edit = other.state.edit();
+        for (int i = 0; i < at.tree.nq(); ++i)
+          edit.q[static_cast<std::size_t>(i)] += h * at.work.qdot[static_cast<std::size_t>(i)];
+        for (int i = 0; i < at.tree.nv(); ++i)
+          edit.p[static_cast<std::size_t>(i)] += h * at.work.pdot[static_cast<std::size_t>(i)];
+        other.evaluate();
+        return other.velocities();
+      };
+      const double h = 2e-3;
+      Column sum = Column::Zero(6 * at.size());
+      const long double weights[4] = {4.0L / 5, -1.0L / 5, 4.0L / 105, -1.0L / 280};
+      for (int k = 1; k <= 4; ++k) sum += weights[k - 1] * (moved(k * h) - moved(-k * h));
+      return Column(sum / h);
+    };
+    const Column V = m.velocities(), A = accelerations(m);
+    const State start = m.state;
+    apply(Reroot{{b}}, m.tree, m.state, m.work);
+    m.evaluate();
+    CHECK(root_of(m.tree, root) == b);
+    const double bound = std::max(1e-11, 10 * 2.2e-16 * condition(m.masses(), m.constraints()));
+    CHECK((m.velocities() - V).cwiseAbs().maxCoeff() / std::max<long double>(1, V.cwiseAbs().maxCoeff()) < bound);
+    CHECK((accelerations(m) - A).cwiseAbs().maxCoeff() / std::max<long double>(1, A.cwiseAbs().maxCoeff()) < 1e-7);
+    apply(Reroot{{root}}, m.tree, m.state, m.work);
+    m.evaluate();
+    for (int k = 0; k < m.size(); ++k) CHECK_FALSE(m.tree.reversed(k));
+    CHECK((m.velocities() - V).cwiseAbs().maxCoeff() / std::max<long double>(1, V.cwiseAbs().maxCoeff()) < bound);
+    (void)start;
+  }
+  CHECK(turned > 100);
+}
+
+TEST_CASE("a capture does not depend on which partner is re-rooted") {
+  int captures = 0;
+  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+    Prng random(seed + 4000);
+    oracle::RandomTreeOptions options;
+    options.max_bodies = 10, options.parameters = false, options.all_free = true;
+    const Model model = oracle::random_tree(seed, options).model;
+    Machine one(model), other(model);
+    const int cut = random.integer(0, one.size() - 1);
+    const int a = random.integer(0, one.size() - 1);
+    const int b = random.integer(0, one.size() - 1);
+    for (Machine* m : {&one, &other}) {
+      if (can_break(m->tree, {cut})) apply(Break{{cut}}, m->tree, m->state, m->work);
+      m->evaluate();
+    }
+    if (root_of(one.tree, a) == root_of(one.tree, b)) continue;
+    ++captures;
+    const auto weld = [](Machine& m, int child, int parent) {
+      apply(Join{{child}, {parent}}, m.tree, m.state, m.work);
+      m.evaluate();
+      ChangeJoint rigid;
+      rigid.body = {child};
+      rigid.joint.at = inverse(m.pose(parent)) * m.pose(child);
+      apply(rigid, m.tree, m.state, m.work);
+      m.evaluate();
+    };
+    const Totals before = totals(one.tree, one.state, one.work);
+    weld(one, b, a);
+    weld(other, a, b);
+    const Column V = one.velocities();
+    const double bound = std::max(1e-10, 10 * 2.2e-16 * condition(one.masses(), one.constraints()));
+    CHECK((other.velocities() - V).cwiseAbs().maxCoeff() / std::max<long double>(1, V.cwiseAbs().maxCoeff()) < bound);
+    const Totals after = totals(one.tree, one.state, one.work);
+    const double scale = 1 + norm(before.linear) + norm(before.angular);
+    CHECK(norm(after.linear - before.linear) < 1e-12 * scale);
+    CHECK(norm(after.angular - before.angular) < 1e-12 * scale);
+  }
+  CHECK(captures > 30);
+}
+
+TEST_CASE("several joints change in one impact: Pb of all from before, whatever the order") {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    Prng random(seed + 77);
+    oracle::RandomTreeOptions options;
+    options.min_bodies = 3, options.max_bodies = 8, options.parameters = false, options.several_mechanisms = false;
+    Machine m(oracle::random_tree(seed, options).model);
+    const int a = random.integer(0, m.size() - 1);
+    const int b = (a + 1) % m.size();
+    const ChangeJoint first = random_change(random, m, a), second = random_change(random, m, b);
+    const Outcome o = compare(m, [&] {
+      const auto before = [&](int k) { return to_user_frame(m.tree.frame(k), articulated_momentum(m.tree, m.state, m.work, k)); };
+      const Force<double> Pa = before(a), Pb = before(b);
+      apply(first, Pa, m.tree, m.state, m.work);
+      apply(second, Pb, m.tree, m.state, m.work);
+    });
+    INFO("seed ", seed);
+    CHECK(o.difference < o.bound);
+    CHECK(o.gain < 1e-10L);
+  }
+}
+
+TEST_CASE("a hundred thousand changes of one free world: momenta drift by round-off alone, memory stays") {
+  oracle::RandomTreeOptions options;
+  options.min_bodies = 12, options.max_bodies = 12, options.parameters = false, options.all_free = true, options.gravity = false;
+  Machine m(oracle::random_tree(11, options).model);
+  Prng random(3);
+  const Totals start = totals(m.tree, m.state, m.work);
+  const double scale = 1 + norm(start.linear) + norm(start.angular);
+  const double* storage = m.state.q().data();
+  for (int k = 0; k < 100000; ++k) {
+    const int b = random.integer(0, m.size() - 1);
+    const int nv = info(m.tree.joint(b).kind).nv;
+    forward_dynamics(m.tree, m.state, m.work);
+    switch (random.integer(0, 4)) {
+      case 0:
+        if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.work);
+        break;
+      case 1:
+        if (nv > 0 && m.tree.parent(b) >= 0) apply(Lock{{b}, mask(random, nv)}, m.tree, m.state, m.work);
+        break;
+      case 2: apply(Unlock{{b}}, m.tree, m.state, m.work); break;
+      case 3:
+        if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.work);
+        break;
+      default: {
+        const int to = random.integer(0, m.size() - 1);
+        if (root_of(m.tree, to) != root_of(m.tree, b) && floats(m.tree, b)) apply(Join{{b}, {to}}, m.tree, m.state, m.work);
+      }
+    }
+  }
+  m.evaluate();
+  const Totals end = totals(m.tree, m.state, m.work);
+  CHECK(norm(end.linear - start.linear) / scale < 1e-10);
+  CHECK(norm(end.angular - start.angular) / scale < 1e-10);
+  CHECK(end.kinetic <= start.kinetic * (1 + 1e-9));
+  CHECK(m.state.q().data() == storage);
 }
