@@ -47,6 +47,7 @@ TEST_CASE("what is no text is refused") {
       {"format = 1\n# \xf4\x90\x80\x80", "s.toml:2:3" + not_utf8},  // beyond Unicode
       {"format = 1\n# \xf0\x8f\xbf\xbf", "s.toml:2:3" + not_utf8},  // too long
       {"\xff\xfe" + "f\0"s, "s.toml:1:1" + not_utf8},               // UTF-16
+      {"format = 1\n# \xf4\x80\x80\x80", "s.toml:2:3: error: a character for private use"},
       {"format = 1\n# ä\0"s, "s.toml:2:4: error: a zero byte: this is no text"},
       {"format = 1\ntitle = “x”\n",
        "s.toml:2:9: error: the character '“' stands outside of a string; quotation marks are straight: \""},
@@ -126,4 +127,15 @@ TEST_CASE("unknown keys are errors, with the nearest known key") {
       {pinned + "at = { xyz = [0, 0, 0], quaternion = [1, 0, 0, 0] }\n",
        "s.toml:10:25: error: unknown key 'quaternion' in 'at'; known here: xyz rpy quat"},
   });
+}
+
+TEST_CASE("letters of every alphabet stay what they are, in strings and names") {
+  const std::string letters = "aß\xc2\x80 Ж\xc2\x85\xe2\x80\xa8שש漢字\xef\xbf\xbd🌳\xf3\xaf\xbf\xbf";
+  const auto result = momentree::io::read_scenario_text("title = \"\"\"\\\n  " + letters + "\\u0416\"\"\"\n" + pinned, "s.toml");
+  CHECK(said(result) == "");
+  REQUIRE(result.scenario);
+  CHECK(result.scenario->title == letters + "Ж");
+  check(
+      {{pinned + "\"größe\" = 1\n", "s.toml:10:1: error: unknown key 'größe' in [mechanism.body.joint]"},
+       {"title = \"Жß\" x\n", "s.toml:1:14: error: cannot read this key-value pair: expected a comment or whitespace, saw 'x'"}});
 }

@@ -29,7 +29,7 @@ Value converted(const toml::node& node, const Place* fixed) {
     case toml::node_type::boolean: return {node.as_boolean()->get(), place};
     case toml::node_type::integer: return {std::int64_t{node.as_integer()->get()}, place};
     case toml::node_type::floating_point: return {node.as_floating_point()->get(), place};
-    case toml::node_type::string: return {node.as_string()->get(), place};
+    case toml::node_type::string: return {unshielded(node.as_string()->get()), place};
     case toml::node_type::array: {
       Value::Array entries;
       entries.reserve(node.as_array()->size());
@@ -40,7 +40,7 @@ Value converted(const toml::node& node, const Place* fixed) {
       Value::Table entries;
       entries.reserve(node.as_table()->size());
       for (const auto& [key, value] : *node.as_table())
-        entries.push_back({std::string(key.str()), fixed ? *fixed : place_of(key.source()), converted(value, fixed)});
+        entries.push_back({unshielded(key.str()), fixed ? *fixed : place_of(key.source()), converted(value, fixed)});
       // The parser keeps them by name.
       const auto position = [](const Value::Entry& e) { return std::tuple(e.place.line, e.place.column); };
       std::stable_sort(entries.begin(), entries.end(), [&](const auto& a, const auto& b) { return position(a) < position(b); });
@@ -51,7 +51,7 @@ Value converted(const toml::node& node, const Place* fixed) {
 }
 
 SyntaxError syntax_error(const toml::parse_error& error, std::string_view text) {
-  std::string what(error.description());
+  std::string what = unshielded(error.description());
   constexpr std::string_view opening = "Error while parsing ";
   if (what.rfind(opening, 0) == 0) what = "cannot read this " + what.substr(opening.size());
   const Place place = place_of(error.source());
@@ -67,7 +67,7 @@ std::optional<Value> parse_toml(std::string_view text, SyntaxError& error) {
     error = std::move(*problem);
     return {};
   }
-  const toml::parse_result result = toml::parse(text);
+  const toml::parse_result result = toml::parse(shielded(text));
   if (!result) {
     error = syntax_error(result.error(), text);
     return {};
@@ -78,7 +78,7 @@ std::optional<Value> parse_toml(std::string_view text, SyntaxError& error) {
 std::optional<Value> parse_toml_value(std::string_view text, Place place) {
   const std::string line = "value = " + std::string(text);
   if (text.find('\n') != std::string_view::npos || check_toml_text(line)) return {};
-  const toml::parse_result result = toml::parse(line);
+  const toml::parse_result result = toml::parse(shielded(line));
   if (!result || result.table().size() != 1) return {};
   const toml::node* value = result.table().get("value");
   if (!value) return {};

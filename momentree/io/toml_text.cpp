@@ -95,6 +95,8 @@ std::optional<SyntaxError> check_toml_text(std::string_view text) {
     const std::size_t length = character_length(text, i);
     if (length == 0) return SyntaxError{place_at(text, i), "the text is not UTF-8", "save the file with the encoding UTF-8"};
     if (text[i] == '\0') return SyntaxError{place_at(text, i), "a zero byte: this is no text", ""};
+    if (static_cast<unsigned char>(text[i]) == 0xf4)  // U+100000 and beyond: shielded() needs that plane
+      return SyntaxError{place_at(text, i), "a character for private use", ""};
     i += length;
   }
   const auto [oddity, at] = first_oddity(text);
@@ -107,6 +109,61 @@ std::optional<SyntaxError> check_toml_text(std::string_view text) {
   const bool quote = character == "“" || character == "”" || character == "„" || character == "‘" || character == "’";
   return SyntaxError{place_at(text, at), "the character '" + character + "' stands outside of a string",
                      quote ? "quotation marks are straight: \"" : "keys and values have plain letters; others stand in strings"};
+}
+
+namespace {
+
+constexpr char32_t plane = 0x100000;
+
+char32_t decoded(std::string_view character) {
+  char32_t c = static_cast<unsigned char>(character[0]);
+  if (character.size() > 1) c &= 0x7fu >> character.size();
+  for (const char byte : character.substr(1)) c = c << 6 | (static_cast<unsigned char>(byte) & 0x3fu);
+  return c;
+}
+
+void append_encoded(std::string& text, char32_t c) {
+  const auto tail = [&](int shift) { text += static_cast<char>(0x80u | (c >> shift & 0x3fu)); };
+  if (c < 0x800) {
+    text += static_cast<char>(0xc0u | c >> 6);
+  } else if (c < 0x10000) {
+    text += static_cast<char>(0xe0u | c >> 12);
+    tail(6);
+  } else {
+    text += static_cast<char>(0xf0u | c >> 18);
+    tail(12);
+    tail(6);
+  }
+  tail(0);
+}
+
+template <class Moved>
+std::string with_moved(std::string_view text, Moved moved) {
+  std::string result;
+  result.reserve(text.size());
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = std::max<std::size_t>(character_length(text, i), 1);
+    const char32_t c = decoded(text.substr(i, length)), to = moved(c);
+    if (to == c)
+      result += text.substr(i, length);
+    else
+      append_encoded(result, to);
+    i += length;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string shielded(std::string_view text) {
+  return with_moved(text, [](char32_t c) { return c >= 0x80 && c < 0x10000 ? c + plane : c; });
+}
+
+std::string unshielded(std::string_view text) {
+  return with_moved(text, [](char32_t c) {
+    const bool surrogate = c >= plane + 0xd800 && c < plane + 0xe000;  // only an escape can have made it
+    return c >= plane + 0x80 && c < plane + 0x10000 && !surrogate ? c - plane : c;
+  });
 }
 
 std::string_view line_of(std::string_view text, int line) {

@@ -8,9 +8,15 @@
 
 namespace momentree::io {
 
-/// Invalid UTF-8, a zero byte, nesting that no scenario has (tables by dotted keys: the parser does not bound them), or
-/// characters beyond ASCII outside of strings and comments (the parser is not sound there).
+/// Invalid UTF-8, a zero byte, the last plane of Unicode, nesting that no scenario has (tables by dotted keys: the parser does
+/// not bound them), or characters beyond ASCII outside of strings and comments (the parser is not sound there).
 std::optional<SyntaxError> check_toml_text(std::string_view text);
+
+/// The text with every character from U+0080 to U+FFFF moved to the private plane from U+100000, and back: toml++ 3.3 asks of
+/// such characters, even within strings, whether they are white space, and for some of them its answer is undefined. One
+/// character stays one, so that columns do. Valid UTF-8 only.
+std::string shielded(std::string_view text);
+std::string unshielded(std::string_view text);
 
 /// The line-th line, from 1, without its end.
 std::string_view line_of(std::string_view text, int line);

@@ -77,7 +77,7 @@ TEST_CASE("a change reads only a work of this very state") {
   }
   check_stopped("a work never evaluated", [&] {
     Scene s;
-    const Work<double> fresh(s.tree);
+    Work<double> fresh(s.tree);
     apply(Break{joint}, s.tree, s.state, fresh);
   });
   check_stopped("the state was edited since", [&] {
