@@ -9,7 +9,7 @@
 namespace momentree::io {
 
 /// Invalid UTF-8, a zero byte, the last plane of Unicode, nesting that no scenario has (tables by dotted keys: the parser does
-/// not bound them), or characters beyond ASCII outside of strings and comments (the parser is not sound there).
+/// not bound them), or characters beyond ASCII outside of strings and comments.
 std::optional<SyntaxError> check_toml_text(std::string_view text);
 
 /// The text with every character from U+0080 to U+FFFF moved to the private plane from U+100000, and back: toml++ 3.3 asks of
