@@ -3,4 +3,4 @@
 namespace momentree {
 template void evaluate_rates<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;
 template void evaluate_motions<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;
-}
+}  // namespace momentree
