@@ -86,6 +86,10 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
   reading.bodies_left -= chain.links;
 
   const bool sound = errors == out.errors();
+  if (!sound && chain.links > 10'000) {  // a refusal should be quick: events that name its joints are not judged
+    reading.opaque.insert(mechanism);
+    return;
+  }
   Body parent = ground;
   std::size_t states_used = 0;
   for (int k = 1; k <= chain.links; ++k) {

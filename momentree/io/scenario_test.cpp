@@ -301,6 +301,15 @@ TEST_CASE("mechanisms without names are refused, and nothing of them is kept") {
         "s.toml:8:1: error: [[mechanism]] has no 'name'; for example name = \"arm\"");
 }
 
+TEST_CASE("a long chain that is refused is not made") {
+  const std::string events = "[[event]]\nat = 1\nbreak = \"m/1000001\"\n";
+  const std::string links = head + "[mechanism.chain]\nlength = 1\nmass = -1\nlinks = ";
+  CHECK(said(read_scenario_text(links + "1000000\n" + events, "s.toml")) == "s.toml:6:8: error: mass: must not be negative");
+  CHECK(said(read_scenario_text(links + "3\n" + events, "s.toml")) ==
+        "s.toml:6:8: error: mass: must not be negative\n"
+        "s.toml:10:9: error: break: there is no joint 'm/1000001'");
+}
+
 TEST_CASE("files that are none") {
   const auto first = [](const std::string& path) {
     const ReadResult result = read_scenario(path);
