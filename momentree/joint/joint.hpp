@@ -36,11 +36,11 @@ const KindInfo* find_kind(std::string_view name);
 /// Parameters of a joint. One number applies to every freedom, a list has one per freedom in the order of v
 /// (`effort` as a single number only for kinds with one freedom). SI units. They belong to the joint, not to the child body.
 struct JointParameters {
-  Values damping;    ///< torque or force −damping·v
-  Values stiffness;  ///< spring about `rest`
-  Values rest;       ///< coordinates (order of q) at which the spring is at rest; empty: the joint's zero
-  Values armature;   ///< rotor inertia reflected to the joint, added to the joint-space mass
-  Values effort;     ///< constant driving force or torque
+  Values damping{};    ///< torque or force −damping·v
+  Values stiffness{};  ///< spring about `rest`
+  Values rest{};       ///< coordinates (order of q) at which the spring is at rest; empty: the joint's zero
+  Values armature{};   ///< rotor inertia reflected to the joint, added to the joint-space mass
+  Values effort{};     ///< constant driving force or torque
 };
 
 /// A joint of any kind.

@@ -109,7 +109,7 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
       joints_[at(b)].parameters = static_cast<int>(parameters_.size()) - 1;
     }
   }
-  shared_parameters_ = static_cast<int>(parameters_.size());
+  own_parameters_.assign(size, -1);
   parameters_.reserve(parameters_.size() + size), per_freedom_.reserve(parameters_.size() + size);
   for (int b = n - 1; b >= 0; --b) {  // backwards: lists in ascending order
     int& head = parent_[at(b)] < 0 ? first_root_ : first_child_[at(parent_[at(b)])];
@@ -368,15 +368,15 @@ void Tree::set_joint(int b, const Joint& joint) {
 }
 
 void Tree::set_parameters(int b, const JointParameters& parameters) {
-  Joint& joint = joints_[at(joint_of_[at(b)])];
-  if (joint.parameters < shared_parameters_) {  // shared with others: an own place, reserved at the start
-    joint.parameters = static_cast<int>(parameters_.size());
-    parameters_.push_back(parameters);
-    per_freedom_.push_back(spread(parameters));
-  } else {
-    parameters_[at(joint.parameters)] = parameters;
-    per_freedom_[at(joint.parameters)] = spread(parameters);
+  int& own = own_parameters_[at(joint_of_[at(b)])];
+  if (own < 0) {  // the joint's own place, once and for all: reserved at the start
+    own = static_cast<int>(parameters_.size());
+    parameters_.emplace_back();
+    per_freedom_.emplace_back();
   }
+  parameters_[at(own)] = parameters;
+  per_freedom_[at(own)] = spread(parameters);
+  joints_[at(joint_of_[at(b)])].parameters = own;
   ++revision_;
   relink();
 }

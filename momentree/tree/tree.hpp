@@ -42,6 +42,21 @@ struct Segment {
   Deposit deposit = Deposit::none;  ///< first child to reach the junction assigns, later ones add
 };
 
+/// A vector whose copies keep its capacity: a copied tree changes without allocating, too.
+template <class T>
+struct Reserved : std::vector<T> {
+  Reserved() = default;
+  Reserved(const Reserved& other) : std::vector<T>() { *this = other; }
+  Reserved(Reserved&&) noexcept = default;
+  Reserved& operator=(const Reserved& other) {
+    this->reserve(other.capacity());
+    this->assign(other.begin(), other.end());
+    return *this;
+  }
+  Reserved& operator=(Reserved&&) noexcept = default;
+  ~Reserved() = default;
+};
+
 class Tree {
  public:
   Tree() = default;
@@ -144,16 +159,17 @@ class Tree {
     Sym3 inertia;
   };
   std::vector<MassProperties> masses_;
-  std::vector<JointParameters> parameters_;  // those of the model, shared, then those that changes gave to one joint
-  struct PerFreedom {                        // the same, spread over the freedoms: what relinking copies
+  Reserved<JointParameters> parameters_;  // those of the model, shared, then those that changes gave to one joint
+  struct PerFreedom {                     // the same, spread over the freedoms: what relinking copies
     std::array<double, 6> armature{}, damping{}, effort{};
     bool rotor = false, spring = false, force = false;
   };
-  std::vector<PerFreedom> per_freedom_;
+  Reserved<PerFreedom> per_freedom_;
   static PerFreedom spread(const JointParameters& parameters);
-  int shared_parameters_ = 0;
-  std::vector<Segment> segments_;
-  std::vector<int> angle_q_, spring_joints_, quaternion_joints_;
+  std::vector<int> own_parameters_;  // by joint: its place behind the shared ones, −1: none yet
+  Reserved<Segment> segments_;
+  std::vector<int> angle_q_;
+  Reserved<int> spring_joints_, quaternion_joints_;
   std::vector<double> angle_offset_, armature_, damping_, effort_;
   bool has_forces_ = false;
 };

@@ -91,6 +91,44 @@ TEST_CASE("stepping and breaking allocate nothing, with all kinds of joints, unt
   }
 }
 
+TEST_CASE("no change allocates, in a copy either") {
+  const Model model = oracle::random_tree(12, {.min_bodies = 15, .max_bodies = 15, .all_free = true}).model;
+  const Tree original(model);
+  Tree tree(original);
+  State state = start_state(model, tree);
+  Work<double> work(tree);
+  oracle::Prng draw(5);
+  const JointParameters parameters{.damping = 0.1};
+  const long before = allocations;
+  int changes = 0;
+  for (int k = 0; k < 400; ++k) {
+    const Body body{draw.integer(0, tree.bodies() - 1)};
+    const Body to{draw.integer(0, tree.bodies() - 1)};
+    forward_dynamics(tree, state, work);
+    switch (draw.integer(0, 5)) {
+      case 0:
+        if (can_break(tree, body)) apply(Break{body}, tree, state, work), ++changes;
+        break;
+      case 1:
+        if (tree.parent(body.index) >= 0) apply(Lock{body}, tree, state, work), ++changes;
+        break;
+      case 2: apply(Unlock{body}, tree, state, work), ++changes; break;
+      case 3:
+        if (floats(tree, body.index)) apply(Reroot{body}, tree, state, work), ++changes;
+        break;
+      case 4:
+        if (tree.parent(body.index) >= 0) apply(SetParameters{body, parameters}, tree, state, work), ++changes;
+        break;
+      default:
+        if (floats(tree, body.index) && root_of(tree, body.index) != root_of(tree, to.index))
+          apply(Join{body, to}, tree, state, work), ++changes;
+    }
+  }
+  const long during = allocations - before;
+  CHECK(during == 0);
+  CHECK(changes > 200);
+}
+
 TEST_CASE("a simulation steps without allocating") {
   const Model model = oracle::random_tree(2, {.min_bodies = 30, .max_bodies = 30}).model;
   Simulation run(model, {.step = 1e-5});
