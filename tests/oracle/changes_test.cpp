@@ -242,7 +242,7 @@ TEST_CASE("(28) every change leaves the velocities that a projection in maximal 
   CHECK(lossy > 200);
 }
 
-TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body, and back again gives the same state") {
+TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body; nor does the way back") {
   int turned = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     Prng random(seed + 900);
@@ -277,7 +277,6 @@ TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body, and
       return Column(sum / h);
     };
     const Column V = m.velocities(), A = accelerations(m);
-    const State start = m.state;
     apply(Reroot{{b}}, m.tree, m.state, m.work);
     m.evaluate();
     CHECK(root_of(m.tree, root) == b);
@@ -290,7 +289,6 @@ TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body, and
     m.evaluate();
     for (int k = 0; k < m.size(); ++k) CHECK_FALSE(m.tree.reversed(k));
     CHECK((m.velocities() - V).cwiseAbs().maxCoeff() / std::max<long double>(1, V.cwiseAbs().maxCoeff()) < bound);
-    (void)start;
   }
   CHECK(turned > 100);
 }
