@@ -23,11 +23,15 @@ struct Break {
 
 /// The joint that `body` carries becomes another, its pose unchanged: `joint` with coordinates q. Parameters are those that
 /// joint.parameters says. More freedoms: no velocity changes; fewer or others: a plastic impact, p′ = E′ᵀ Pb (28).
-/// Locked freedoms of the old joint are none of the new.
+/// Locked freedoms of the old joint are none of the new. `direction`: who is the declared child of the new joint; body itself
+/// (declared), its parent (reversed: not the ground; the joint's `at` stands in body then, `child_at` in the parent), or whoever
+/// it is of the present joint (keep).
 struct ChangeJoint {
+  enum class Direction : unsigned char { keep, declared, reversed };
   Body body;
   Joint joint;
   Values q;
+  Direction direction = Direction::keep;
 };
 
 /// Freezes freedoms of the joint that `body` carries where they are (a bit per freedom, in the order of v), with the plastic

@@ -38,15 +38,18 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
   const KindInfo& now = info(change.joint.kind);
   MT_REQUIRE(change.q.size() == now.nq, "the new joint's coordinates are given");
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
+  using Direction = ChangeJoint::Direction;
+  const bool reversed = change.direction == Direction::keep ? tree.reversed(b) : change.direction == Direction::reversed;
   // The same kind with the same parameters keeps its springs and rotors; else they leave with the joint.
-  const bool keeps = change.joint.kind == tree.joint(b).kind && change.joint.parameters == tree.joint(b).parameters;
+  const bool keeps = change.joint.kind == tree.joint(b).kind && change.joint.parameters == tree.joint(b).parameters &&
+                     reversed == tree.reversed(b);
   double u[6] = {};
   Released released;
   if (work.evaluated == state.stamp()) {
     for (int i = 0; i < old.nv; ++i) u[i] = work.v[static_cast<std::size_t>(first_p + i)];
     if (!keeps) released.energy = joint_energy(tree, state, work, b);
   }
-  tree.set_joint(b, change.joint);
+  tree.set_joint(b, change.joint, reversed);
   double p[6] = {};
   project_at(tree, b, change.q.begin(), Pb, p);
   for (int i = 0; i < now.nv; ++i) {

@@ -360,7 +360,9 @@ void Tree::reroot(int b) {
   relink();
 }
 
-void Tree::set_joint(int b, const Joint& joint) {
+void Tree::set_joint(int b, const Joint& joint, bool reversed) {
+  MT_REQUIRE(!reversed || parent_[at(b)] >= 0, "the ground is nobody's child");
+  reversed_[at(b)] = reversed ? 1 : 0;
   joints_[at(joint_of_[at(b)])] = joint;
   make_links_around(b);
   ++revision_;

@@ -127,8 +127,10 @@ class Tree {
   void regraft(int b, int parent);
   /// b becomes the root of its tree, whose root must hang on a free joint. The joints between turn over; the free joint is b's.
   void reroot(int b);
-  /// Replaces the inboard joint of b; declared direction and parameters (if the index says so) are the caller's.
-  void set_joint(int b, const Joint& joint);
+  /// Replaces the inboard joint of b; parameters (if the index says so) are the caller's. The direction stays.
+  void set_joint(int b, const Joint& joint) { set_joint(b, joint, reversed(b)); }
+  /// The same for a joint whose declared child is b, or, reversed, b's parent (which is then not the ground).
+  void set_joint(int b, const Joint& joint, bool reversed);
   /// Parameters of b's joint alone.
   void set_parameters(int b, const JointParameters& parameters);
 
