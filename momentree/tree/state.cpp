@@ -28,6 +28,14 @@ State& State::operator=(const State& other) {
   return *this;
 }
 
+void State::assign(double time, std::span<const double> q, std::span<const double> p, std::uint64_t topology) {
+  time_ = time;
+  q_.assign(q.begin(), q.end());
+  p_.assign(p.begin(), p.end());
+  topology_ = topology;
+  ++serial_;
+}
+
 namespace {
 void replace_range(std::vector<double>& all, int first, int count, std::span<const double> with) {
   const auto tail = all.begin() + first + count;

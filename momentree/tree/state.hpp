@@ -42,6 +42,8 @@ class State {
   /// Makes room for another topology: replaces `nq`, `nv` numbers of a body by new ones. Does not allocate.
   void replace(int first_q, int nq, std::span<const double> q, int first_p, int nv, std::span<const double> p,
                std::uint64_t topology);
+  /// Becomes another state altogether, of that topology. Does not allocate where the reserve, that of the tree, is enough.
+  void assign(double time, std::span<const double> q, std::span<const double> p, std::uint64_t topology);
 
  private:
   double time_ = 0;

@@ -109,16 +109,57 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
       joints_[at(b)].parameters = static_cast<int>(parameters_.size()) - 1;
     }
   }
+  declared_ = std::make_shared<const std::vector<Joint>>(joints_);
+  changed_.assign(size, 0);
+  shared_parameters_ = parameters_.size();
   own_parameters_.assign(size, -1);
   parameters_.reserve(parameters_.size() + size), per_freedom_.reserve(parameters_.size() + size);
-  for (int b = n - 1; b >= 0; --b) {  // backwards: lists in ascending order
+  link_all();
+}
+
+// Everything that follows from parents, joints and their directions.
+void Tree::link_all() {
+  first_root_ = -1;
+  for (int& child : first_child_) child = -1;
+  for (int b = bodies() - 1; b >= 0; --b) {  // backwards: lists in ascending order
     int& head = parent_[at(b)] < 0 ? first_root_ : first_child_[at(parent_[at(b)])];
     next_sibling_[at(b)] = head;
     head = b;
   }
-  for (int b = 0; b < n; ++b) make_frame(b);
-  for (int b = 0; b < n; ++b) make_link(b);
+  for (int b = 0; b < bodies(); ++b) make_frame(b);
+  for (int b = 0; b < bodies(); ++b) make_link(b);
   relink();
+}
+
+Topology Tree::topology() const {
+  Topology t;
+  t.places.resize(parent_.size());
+  for (int b = 0; b < bodies(); ++b) t.places[at(b)] = {parent_[at(b)], joint_of_[at(b)], reversed_[at(b)] != 0};
+  for (int j = 0; j < bodies(); ++j)
+    if (changed_[at(j)] != 0) t.changed.push_back({j, joints_[at(j)]});
+  t.own.resize(parameters_.size() - shared_parameters_);
+  for (int j = 0; j < bodies(); ++j)
+    if (own_parameters_[at(j)] >= 0)
+      t.own[at(own_parameters_[at(j)]) - shared_parameters_] = {j, parameters_[at(own_parameters_[at(j)])]};
+  return t;
+}
+
+void Tree::restore(const Topology& topology) {
+  MT_REQUIRE(topology.places.size() == parent_.size(), "the topology is one of this tree's model");
+  for (int j = 0; j < bodies(); ++j)
+    if (changed_[at(j)] != 0) joints_[at(j)] = (*declared_)[at(j)], changed_[at(j)] = 0;
+  for (int b = 0; b < bodies(); ++b) {
+    const Topology::Place& place = topology.places[at(b)];
+    parent_[at(b)] = place.parent;
+    joint_of_[at(b)] = place.joint, carrier_[at(place.joint)] = b;
+    reversed_[at(b)] = place.reversed ? 1 : 0;
+  }
+  for (const Topology::Changed& c : topology.changed) joints_[at(c.joint)] = c.as, changed_[at(c.joint)] = 1;
+  parameters_.resize(shared_parameters_), per_freedom_.resize(shared_parameters_);
+  for (int& own : own_parameters_) own = -1;
+  for (const Topology::Own& own : topology.own) give_parameters(own.joint, own.parameters);
+  ++revision_;
+  link_all();
 }
 
 namespace {
@@ -291,11 +332,27 @@ void Tree::hang(int b, int parent) {
   parent_[at(b)] = parent;
 }
 
-// The frame of b changed: its own link and those of its children.
-void Tree::make_links_around(int b) {
+// Frames and links after b's joint changed: b's frame, that of its parent, whose x may look to b's joint, and the links of both
+// and of their children. (A frame is a function of the topology, not of its history.)
+void Tree::renew(int b) {
   make_frame(b);
   make_link(b);
   for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)]) make_link(c);
+  const int outer = parent_[at(b)];
+  if (outer >= 0 && first_child_[at(outer)] == b) renew_looking_out(outer);
+}
+
+// The first child of b changed: its frame looks to that one's joint.
+void Tree::renew_looking_out(int b) {
+  if (!turns_about_z(joint(b).kind)) return;
+  make_frame(b);
+  make_link(b);
+  for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)]) make_link(c);
+}
+
+Joint& Tree::change_joint(int b) {
+  changed_[at(joint_of_[at(b)])] = 1;
+  return joints_[at(joint_of_[at(b)])];
 }
 
 namespace {
@@ -308,11 +365,14 @@ Joint made_free_joint() {
 }  // namespace
 
 void Tree::detach(int b) {
+  const int outer = parent_[at(b)];
+  const bool was_first = outer >= 0 && first_child_[at(outer)] == b;
   unlink(b);
   hang(b, -1);
-  joints_[at(joint_of_[at(b)])] = made_free_joint();
+  change_joint(b) = made_free_joint();
   reversed_[at(b)] = 0;
-  make_links_around(b);
+  renew(b);
+  if (was_first) renew_looking_out(outer);
   ++revision_;
   relink();
 }
@@ -322,6 +382,7 @@ void Tree::regraft(int b, int parent) {
              "the body is a root on a free joint of its own frame");
   unlink(b);
   hang(b, parent);
+  if (parent >= 0 && first_child_[at(parent)] == b) renew_looking_out(parent);
   make_link(b);
   ++revision_;
   relink();
@@ -349,7 +410,7 @@ void Tree::reroot(int b) {
     below = body;
     body = outer;
   }
-  joints_[at(free_joint)] = made_free_joint();
+  change_joint(b) = made_free_joint();
   // Frames stand at the joints carried: renewed from the old root to b's neighbour, then b; then every link that touches them.
   for (int a = root; a >= 0; a = parent_[at(a)]) make_frame(a);
   for (int a = root; a >= 0; a = parent_[at(a)]) {
@@ -363,14 +424,21 @@ void Tree::reroot(int b) {
 void Tree::set_joint(int b, const Joint& joint, bool reversed) {
   MT_REQUIRE(!reversed || parent_[at(b)] >= 0, "the ground is nobody's child");
   reversed_[at(b)] = reversed ? 1 : 0;
-  joints_[at(joint_of_[at(b)])] = joint;
-  make_links_around(b);
+  change_joint(b) = joint;
+  renew(b);
   ++revision_;
   relink();
 }
 
 void Tree::set_parameters(int b, const JointParameters& parameters) {
-  int& own = own_parameters_[at(joint_of_[at(b)])];
+  give_parameters(joint_of_[at(b)], parameters);
+  change_joint(b).parameters = own_parameters_[at(joint_of_[at(b)])];
+  ++revision_;
+  relink();
+}
+
+void Tree::give_parameters(int joint, const JointParameters& parameters) {
+  int& own = own_parameters_[at(joint)];
   if (own < 0) {  // the joint's own place, once and for all: reserved at the start
     own = static_cast<int>(parameters_.size());
     parameters_.emplace_back();
@@ -378,9 +446,6 @@ void Tree::set_parameters(int b, const JointParameters& parameters) {
   }
   parameters_[at(own)] = parameters;
   per_freedom_[at(own)] = spread(parameters);
-  joints_[at(joint_of_[at(b)])].parameters = own;
-  ++revision_;
-  relink();
 }
 
 }  // namespace momentree

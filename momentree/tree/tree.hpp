@@ -3,6 +3,7 @@
 // A mechanism that falls off is a body whose parent became the ground.
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,29 @@ struct Joint {
   double pitch = 0;
   unsigned locked = 0;  ///< a bit per freedom that is frozen, in the order of v
   bool made = false;    ///< a free root joint that a change made: its place in a mechanism is that of no declared joint
+};
+
+/// What a topology is beyond the compiled model: a small value. Everything else of a Tree follows from it and the model, to the
+/// last bit, whatever changes led there.
+struct Topology {
+  /// How a body hangs: its parent (−1: the ground) and its inboard joint, perhaps against its declared direction.
+  struct Place {
+    int parent = -1, joint = -1;
+    bool reversed = false;
+  };
+  /// A joint that is not the model's, and the number it has.
+  struct Changed {
+    int joint = -1;
+    Joint as{};
+  };
+  /// Parameters that a change gave to one joint.
+  struct Own {
+    int joint = -1;
+    JointParameters parameters{};
+  };
+  std::vector<Place> places;     ///< by body
+  std::vector<Changed> changed;  ///< in the order of numbers
+  std::vector<Own> own;          ///< in the order in which they were given
 };
 
 /// A maximal path of single children whose joints share their kernels: the sweeps run along it with accumulators in locals.
@@ -118,6 +142,12 @@ class Tree {
   std::size_t record_capacity() const { return record_capacity_; }
   int angle_capacity() const { return 2 * bodies(); }
 
+  /// What has changed since the model was compiled.
+  Topology topology() const;
+  /// Makes this tree, which was compiled from the same model, what `topology` says. Counts a revision, as every edit: what was
+  /// evaluated before is stale, even on the same topology. O(bodies); does not allocate.
+  void restore(const Topology& topology);
+
   // The edits that changes are made of. Each relinks and counts a revision; none touches a state (topology/ does) or allocates.
 
   /// The inboard joint of b becomes a free joint to the ground, at the identity, without parameters: b's user frame is its
@@ -138,9 +168,13 @@ class Tree {
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   void make_frame(int b);
   void make_link(int b);
-  void make_links_around(int b);
+  void link_all();
+  void renew(int b);
+  void renew_looking_out(int b);
   void unlink(int b);
   void hang(int b, int parent);
+  Joint& change_joint(int b);
+  void give_parameters(int joint, const JointParameters& parameters);
   void relink();
 
   Vec3 gravity_{};
@@ -154,6 +188,8 @@ class Tree {
   std::vector<Variant> variant_;
   std::vector<Link> links_;
   std::vector<Joint> joints_;
+  std::shared_ptr<const std::vector<Joint>> declared_;  // the model's joints, shared by copies of the tree
+  std::vector<unsigned char> changed_;                  // by joint: no longer the declared one
   std::vector<KernelFrame> frames_;
   struct MassProperties {
     double mass;
@@ -168,6 +204,7 @@ class Tree {
   };
   Reserved<PerFreedom> per_freedom_;
   static PerFreedom spread(const JointParameters& parameters);
+  std::size_t shared_parameters_ = 0;
   std::vector<int> own_parameters_;  // by joint: its place behind the shared ones, −1: none yet
   Reserved<Segment> segments_;
   std::vector<int> angle_q_;

@@ -1,0 +1,155 @@
+// Going back: topology, coordinates and momenta, and everything that follows from them, to the last bit.
+#include <cstring>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/topology/snapshot.hpp>
+#include <tests/oracle/machine.hpp>
+
+using namespace momentree;
+using namespace momentree::oracle;
+
+namespace {
+
+// One random change of an evaluated machine; some allow nothing.
+void change(Prng& random, Machine& m) {
+  const int b = random.integer(0, m.size() - 1);
+  const int nv = info(m.tree.joint(b).kind).nv;
+  switch (random.integer(0, 7)) {
+    case 0:
+      if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.work);
+      break;
+    case 1:
+      if (nv > 0) apply(Lock{{b}, some_freedoms(random, nv)}, m.tree, m.state, m.work);
+      break;
+    case 2: apply(Unlock{{b}}, m.tree, m.state, m.work); break;
+    case 3: apply(random_change(random, m, b), m.tree, m.state, m.work); break;
+    case 4:
+      if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.work);
+      break;
+    case 5: {
+      JointParameters parameters;
+      parameters.damping = random.uniform(0, 0.1), parameters.armature = random.uniform(0, 0.1);
+      if (m.tree.parent(b) >= 0 && nv > 0) apply(SetParameters{{b}, parameters}, m.tree, m.state, m.work);
+      break;
+    }
+    default: {
+      const int to = random.integer(0, m.size() - 1);
+      if (root_of(m.tree, to) == root_of(m.tree, b) || !floats(m.tree, b)) break;
+      apply(Join{{b}, {to}}, m.tree, m.state, m.work);
+      m.evaluate();
+      const auto direction = random.chance(0.5) ? ChangeJoint::Direction::reversed : ChangeJoint::Direction::declared;
+      apply(random_change(random, m, b, direction), m.tree, m.state, m.work);
+    }
+  }
+  m.evaluate();
+}
+
+// A step along the rates, so that restored states move on.
+void step(Machine& m) {
+  const State::Edit edit = m.state.edit();
+  edit.time += 1e-3;
+  for (std::size_t i = 0; i < edit.q.size(); ++i) edit.q[i] += 1e-3 * m.work.qdot[i];
+  for (std::size_t i = 0; i < edit.p.size(); ++i) edit.p[i] += 1e-3 * m.work.pdot[i];
+  for (int b : m.tree.quaternion_joints()) {
+    const KindInfo& kind = info(m.tree.joint(b).kind);
+    double* w = edit.q.data() + m.tree.first_q(b) + kind.nq - 4;
+    const double n = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2] + w[3] * w[3]);
+    for (int i = 0; i < 4; ++i) w[i] /= n;
+  }
+  m.evaluate();
+}
+
+// All that an evaluation found.
+struct Found {
+  std::vector<double> values;
+  explicit Found(const Machine& m) {
+    const auto add = [this](const double* first, std::size_t count) { values.insert(values.end(), first, first + count); };
+    values.push_back(m.state.time());
+    add(m.state.q().data(), m.state.q().size());
+    add(m.state.p().data(), m.state.p().size());
+    add(m.work.qdot.get(), m.state.q().size());
+    add(m.work.pdot.get(), m.state.p().size());
+    add(m.work.v.get(), m.state.p().size());
+    for (int b = 0; b < m.size(); ++b) {
+      const Kinematics<double>& k = m.work.bodies[static_cast<std::size_t>(b)];
+      add(&k.R.xx, 9);
+      add(&k.r.x, 3);
+      add(&m.tree.frame(b).R.xx, 9);
+      add(&m.tree.frame(b).r.x, 3);
+      const auto& link = m.tree.link(b);
+      for (double x : {link.cos_a, link.sin_a, link.cos_b, link.sin_b, link.cos_0, link.sin_0, link.r.x, link.r.y, link.r.z,
+                       link.body.m, link.body.mc.x, link.body.J.xy, link.subtree_mass, link.angle_0})
+        values.push_back(x);
+    }
+  }
+  bool operator==(const Found& other) const {
+    return values.size() == other.values.size() &&
+           std::memcmp(values.data(), other.values.data(), values.size() * sizeof(double)) == 0;
+  }
+};
+
+RandomTreeOptions options(std::uint64_t seed) {
+  RandomTreeOptions o;
+  o.max_bodies = 12;
+  o.all_free = seed % 2 == 0;
+  return o;
+}
+
+}  // namespace
+
+TEST_CASE("a restored world goes on bit for bit: in the same tree, and in one compiled anew") {
+  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+    INFO("seed ", seed);
+    Machine m(random_tree(seed, options(seed)).model);
+    Prng random(seed * 5 + 3);
+    for (int k = random.integer(0, 15); k > 0; --k) change(random, m), step(m);
+    const Snapshot start = take(m.tree, m.state);
+    const Prng draws = random;
+    std::vector<Found> first;
+    for (int k = 0; k < 12; ++k) {
+      change(random, m);
+      step(m);
+      first.emplace_back(m);
+    }
+    const std::uint64_t revision = m.tree.revision();
+    const Stamp stamp = m.state.stamp();
+
+    restore(start, m.tree, m.state);
+    CHECK(m.tree.revision() > revision);
+    CHECK(m.work.evaluated == stamp);
+    CHECK_FALSE(m.work.evaluated == m.state.stamp());
+    Machine anew(m.model);
+    restore(start, anew.tree, anew.state);
+    for (Machine* again : {&m, &anew}) {
+      again->evaluate();
+      Prng same = draws;
+      for (const Found& found : first) {
+        change(same, *again);
+        step(*again);
+        CHECK(Found(*again) == found);
+      }
+    }
+  }
+}
+
+TEST_CASE("back to the start: what was compiled, with nothing to tell") {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    Machine m(random_tree(seed, options(seed)).model);
+    const Found begin(m);
+    const Snapshot start = take(m.tree, m.state);
+    CHECK(start.topology.changed.empty());
+    CHECK(start.topology.own.empty());
+    Prng random(seed + 99);
+    for (int k = 0; k < 20; ++k) change(random, m);
+    const Topology there = m.tree.topology();
+    restore(start, m.tree, m.state);
+    m.evaluate();
+    CHECK(Found(m) == begin);
+    CHECK(m.tree.topology().changed.empty());
+    m.tree.restore(there);
+    CHECK(m.tree.topology().changed.size() == there.changed.size());
+    CHECK(m.tree.topology().own.size() == there.own.size());
+  }
+}
