@@ -161,9 +161,7 @@ int explain(const ExplainOptions& options) {
   }
   if (!scenario->events.empty()) text += '\n' + style.heading("Events") + '\n';
   for (const io::ScenarioEvent& event : scenario->events)
-    for (const Action& action : event.actions)
-      for (const std::string& target : action.targets)
-        text += format("  at %g s: %s %s\n", event.time, action.key.c_str(), target.c_str());
+    for (const Action& action : event.actions) text += format("  at %g s: %s\n", event.time, action.text().c_str());
   std::fputs(text.c_str(), stdout);
   return done;
 }

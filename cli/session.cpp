@@ -82,7 +82,7 @@ std::vector<Body> Session::breakable() const {
   const World& world = simulation_.world();
   for (const io::ScenarioEvent& event : scenario_.events)
     for (const Action& action : event.actions)
-      for (const std::string& joint : action.targets) bodies.push_back(world.model().joint(joint));
+      for (const std::string& joint : action->joints()) bodies.push_back(world.model().joint(joint));
   for (int b = 0; b < world.model().size(); ++b)
     if (world.tree().detached(b)) bodies.push_back({b});
   return bodies;

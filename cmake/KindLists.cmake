@@ -27,3 +27,4 @@ endfunction()
 
 momentree_kind_list(momentree/joint/kinds MOMENTREE_KINDS momentree/joint/kind_list.hpp momentree/joint/kinds.hpp)
 momentree_kind_list(momentree/integrate/kinds MOMENTREE_METHODS momentree/integrate/method_list.hpp momentree/integrate/methods.hpp)
+momentree_kind_list(momentree/simulate/actions MOMENTREE_ACTIONS momentree/simulate/action_list.hpp momentree/simulate/all_actions.hpp)

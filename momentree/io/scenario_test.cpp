@@ -75,8 +75,8 @@ TEST_CASE("the breaking chain") {
   REQUIRE(s.events.size() == 1);
   CHECK(s.events[0].name == "#1");
   CHECK(s.events[0].time == 1.8);
-  CHECK(s.events[0].actions.at(0).key == "break");
-  CHECK(s.events[0].actions.at(0).targets == std::vector<std::string>{"chain/41"});
+  CHECK(s.events[0].actions.at(0)->key() == "break");
+  CHECK(s.events[0].actions.at(0)->joints() == std::vector<std::string>{"chain/41"});
   CHECK(s.integration.method == "rk4");
   CHECK(s.integration.step == 0.001);
   CHECK(s.until == 3);
@@ -183,15 +183,15 @@ TEST_CASE("an event with a wildcard is one event for each match, in the order of
            "[[event]]\nname = \"end\"\nat = 2\nbreak = [\"m/1*\", \"m/3\", \"m/2\"]\n[[event]]\nat = 1\nbreak = \"*/5\"\n");
   REQUIRE(s.events.size() == 6);
   CHECK(s.events[0].actions.size() == 2);  // those named one by one
-  CHECK(s.events[0].actions[0].targets.at(0) == "m/3");
+  CHECK(s.events[0].actions[0]->joints().at(0) == "m/3");
   for (const std::size_t i : {1u, 2u, 3u, 4u}) {
     CHECK(s.events[i].name == "end");
     CHECK(s.events[i].actions.size() == 1);
   }
-  CHECK(s.events[1].actions[0].targets.at(0) == "m/1");
-  CHECK(s.events[2].actions[0].targets.at(0) == "m/10");
+  CHECK(s.events[1].actions[0]->joints().at(0) == "m/1");
+  CHECK(s.events[2].actions[0]->joints().at(0) == "m/10");
   CHECK(s.events[5].name == "#2");
-  CHECK(s.events[5].actions[0].targets.at(0) == "m/5");
+  CHECK(s.events[5].actions[0]->joints().at(0) == "m/5");
 }
 
 TEST_CASE("shapes are kept by body number") {

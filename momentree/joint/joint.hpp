@@ -41,6 +41,7 @@ struct JointParameters {
   Values rest{};       ///< coordinates (order of q) at which the spring is at rest; empty: the joint's zero
   Values armature{};   ///< rotor inertia reflected to the joint, added to the joint-space mass
   Values effort{};     ///< constant driving force or torque
+  friend bool operator==(const JointParameters&, const JointParameters&) = default;
 };
 
 /// A joint of any kind.

@@ -1,7 +1,6 @@
 #pragma once
 // A row of the result: what happened, when, and what it conserved.
 #include <array>
-#include <iosfwd>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +9,7 @@
 
 namespace momentree {
 
+/// An event that happened, with its certificate: what it conserved and what it lost.
 struct Event {
   double time = 0;
   std::string name;                  ///< the event's name, or #1, #2 … by its place
@@ -17,9 +17,17 @@ struct Event {
   std::vector<std::string> mechanisms_before, mechanisms_after;
   Totals before, after;
   double released = 0;  ///< energy of springs and rotors that left with a freedom (J)
-  std::vector<std::pair<std::string, std::array<double, 6>>> impulse;  ///< per joint, child's axes; only where not zero
-  std::array<double, 6> ground_impulse{};                              ///< world axes, about the world's origin
-  double duration_ns = 0;  ///< the change itself, the evaluations before and after it apart
+  double lost = 0;      ///< energy that its impacts took: the kinetic energy of the jump of velocities (J)
+  double work = 0;      ///< energy that its impulses and new parameters brought (J)
+  /// Per joint the impulse that the parent exerted on the child through it (N s, N m s): about the child's origin, in the
+  /// child's axes; only where not zero.
+  std::vector<std::pair<std::string, std::array<double, 6>>> impulse;
+  /// The impulse that the ground exerted on the mechanisms: world axes, about the world's origin.
+  std::array<double, 6> ground_impulse{};
+  /// The joint with the largest linear impulse (of equal ones that with the largest angular one), and both (N s, N m s).
+  std::string hardest_joint;
+  double hardest_linear = 0, hardest_angular = 0;
+  double duration_ns = 0;  ///< the change itself; evaluations before and after it and this certificate apart
 };
 
 }  // namespace momentree

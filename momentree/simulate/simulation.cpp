@@ -4,11 +4,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <set>
 
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/topology/change.hpp>
+#include <momentree/simulate/instant.hpp>
 
 namespace momentree {
 
@@ -17,10 +18,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
+// Events times bodies, beyond which a rehearsal would take longer than it is worth.
+constexpr std::size_t most_rehearsed = 50'000'000;
+
 struct Pending {
   double time = 0;
-  std::string name;
-  std::vector<Action> actions;
+  DueEvent event;
+  bool fired = false;
 };
 
 std::string text(double x) {
@@ -100,43 +104,131 @@ struct Simulation::Impl {
     diverged = true;
   }
 
-  // Events due now, in the order in which they were scheduled.
-  void happen() {
-    while (next < pending.size() && pending[next]->time <= world.time()) apply_event(*pending[next++]);
+  // What has happened is passed over, and the next instant at which something is scheduled found.
+  void look_ahead() {
+    while (first < pending.size() && pending[first].fired) ++first;
+    next_time = HUGE_VAL;
+    for (std::size_t k = first; k < pending.size(); ++k)
+      if (!pending[k].fired) next_time = std::min(next_time, pending[k].time);
   }
 
-  void apply_event(const Pending& due) {
-    evaluate_state();
-    Event e;
-    e.time = world.time();
-    e.name = due.name;
-    e.mechanisms_before = world.mechanism_names();
-    e.before = world.totals();
-    for (const Action& action : due.actions)
-      for (const std::string& target : action.targets) apply_break(target, e);
-    evaluate_state();
-    e.mechanisms_after = world.mechanism_names();
-    e.after = world.totals();
-    balance.released += e.released;
-    events.push_back(std::move(e));
-  }
-
-  void apply_break(const std::string& target, Event& e) {
-    const Body body = world.model_.joint(target);
-    if (world.tree_.detached(body.index) || !can_break(world.tree_, body)) {
-      e.actions.push_back("break " + target + " skipped: the joint is not there any more");
-      return;
+  // Everything that is due now. False: it was refused, and nothing happened.
+  bool happen() {
+    if (next_time > world.time()) return true;
+    std::vector<DueEvent> due;
+    std::vector<std::size_t> places;
+    for (std::size_t k = first; k < pending.size(); ++k) {
+      if (pending[k].fired || pending[k].time > world.time()) continue;
+      due.push_back(pending[k].event);
+      places.push_back(k);
     }
+    if (keeps_history) history.push_back({events.size(), snapshot()});
+    if (!carry_out_now(due)) {
+      if (keeps_history) history.pop_back();
+      return false;
+    }
+    for (const std::size_t k : places) pending[k].fired = true;
+    look_ahead();
+    return true;
+  }
+
+  bool carry_out_now(std::span<const DueEvent> due) {
     evaluate_state();
     if (statistics.changes == 0) book();
-    const auto start = Clock::now();
-    const Released released = apply(Break{body}, world.tree_, world.state_, world.work_);
-    const double taken = seconds_since(start);
-    ++statistics.changes;
-    statistics.topology_seconds += taken;
-    e.duration_ns += taken * 1e9;
-    e.released += released.energy;
-    e.actions.push_back("break " + target);
+    InstantReport report = carry_out(world, due);
+    statistics.changes += report.changes;
+    statistics.topology_seconds += report.seconds;
+    if (report.refused) {
+      message = report.message;
+      return false;
+    }
+    evaluate_state();
+    for (Event& event : report.events) {
+      balance.released += event.released;
+      balance.lost_in_impacts += event.lost;
+      balance.work += event.work;
+      events.push_back(std::move(event));
+    }
+    return true;
+  }
+
+  Rehearsal rehearse() {
+    Rehearsal found;
+    const WorldSnapshot start = world.snapshot();
+    std::set<std::pair<std::string, Kind>> joints;
+    const auto look_at_joints = [&] {
+      for (int j = 0; j < world.tree_.bodies(); ++j)
+        joints.emplace(world.names_.joint(j), world.tree_.joint(world.tree_.carrier(j)).kind);
+    };
+    look_at_joints();
+    std::vector<std::size_t> order;
+    for (std::size_t k = first; k < pending.size(); ++k)
+      if (!pending[k].fired) order.push_back(k);
+    std::stable_sort(order.begin(), order.end(),
+                     [this](std::size_t a, std::size_t b) { return pending[a].time < pending[b].time; });
+    found.complete = order.size() * static_cast<std::size_t>(world.tree_.bodies()) <= most_rehearsed;
+    for (std::size_t i = 0; found.complete && i < order.size();) {
+      std::vector<DueEvent> due;
+      const std::size_t begin = i;
+      const double time = pending[order[i]].time;
+      for (; i < order.size() && pending[order[i]].time == time; ++i) due.push_back(pending[order[i]].event);
+      world.state_.edit().time = time;
+      const InstantReport report = carry_out(world, due);
+      for (const ActionReport& action : report.actions)
+        if (action.verdict.outcome != Verdict::Outcome::done)
+          found.troubles.push_back({order[begin + action.event], action.action, action.verdict,
+                                    action.verdict.outcome == Verdict::Outcome::refused ? report.message : ""});
+      look_at_joints();
+    }
+    world.restore(start);
+    found.joints.assign(joints.begin(), joints.end());
+    return found;
+  }
+
+  SimulationSnapshot snapshot() const {
+    SimulationSnapshot all{world.snapshot(), {}, events.size(), balance};
+    all.balance.dissipated = books.dissipated;
+    all.balance.work = books.work;
+    all.impulsive_work = balance.work;
+    for (const Pending& p : pending) all.fired.push_back(p.fired ? 1 : 0);
+    return all;
+  }
+
+  void go_back(const SimulationSnapshot& to) {
+    world.restore(to.world);
+    balance = to.balance;
+    books.dissipated = to.balance.dissipated;
+    books.work = to.balance.work;
+    balance.dissipated = 0;
+    balance.work = to.impulsive_work;
+    for (std::size_t k = 0; k < pending.size(); ++k)
+      pending[k].fired = k < to.fired.size() ? to.fired[k] != 0 : pending[k].time < world.time();
+    first = 0;
+    look_ahead();
+    events.resize(std::min(events.size(), to.events));
+    while (!history.empty() && history.back().events >= to.events) history.pop_back();
+    diverged = false;
+    message.clear();
+    observed = false;
+    if (every > 0) next_look = std::floor(world.time() / every * (1 + 1e-12)) * every;
+    evaluate_state();
+  }
+
+  // Names that can never be: of no joint that is, was or is to be made, of no body.
+  void check_names(const ActionBase& action) const {
+    const Model& model = world.model();
+    for (const std::string& body : action.bodies()) model.body(body);  // throws
+    for (const std::string& joint : action.joints()) {
+      if (model.has_joint(joint) || world.find_joint(joint) >= 0) continue;
+      const std::size_t tail = joint.rfind("~free");
+      if (model.has_body(tail == std::string::npos ? joint : joint.substr(0, tail))) continue;
+      const auto made = [&](const Pending& p) {
+        for (std::size_t a = 0; a < p.event.actions.size(); ++a)
+          if (made_joint_name(p.event, a) == joint) return true;
+        return false;
+      };
+      if (std::none_of(pending.begin(), pending.end(), made)) model.joint(joint);  // throws
+    }
   }
 
   bool look(bool force) {
@@ -152,17 +244,23 @@ struct Simulation::Impl {
   Status run(double until) {
     if (diverged) return Status::diverged;
     lap = Clock::now();
-    happen();
-    Status status = look(!observed) ? Status::ok : Status::interrupted;
+    Status status = Status::ok;
+    if (!happen())
+      status = Status::refused;
+    else if (!look(!observed))
+      status = Status::interrupted;
     while (status == Status::ok && world.time() < until) {
       double end = until;
-      if (next < pending.size()) end = std::min(end, pending[next]->time);
+      end = std::min(end, next_time);
       if (observer && every > 0) end = std::min(end, next_look);
       if (!step_towards(end)) {
         status = Status::diverged;
         break;
       }
-      happen();
+      if (!happen()) {
+        status = Status::refused;
+        break;
+      }
       if (!look(false) || (watcher && !watcher(world.time()))) status = Status::interrupted;
     }
     if (status != Status::interrupted && !look(true)) status = Status::interrupted;
@@ -178,8 +276,15 @@ struct Simulation::Impl {
   Books books;
   EnergyBalance balance;
   RunStatistics statistics;
-  std::vector<std::unique_ptr<Pending>> pending;  // by time; `next` is the first that has not happened
-  std::size_t next = 0;
+  std::vector<Pending> pending;  // in the order of scheduling; all before `first` have happened
+  std::size_t first = 0;
+  double next_time = HUGE_VAL;
+  struct Past {
+    std::size_t events;  ///< how many had happened before
+    SimulationSnapshot before;
+  };
+  bool keeps_history = false;
+  std::vector<Past> history;
   std::vector<Event> events;
   std::string message;
   bool diverged = false;
@@ -198,27 +303,65 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 Simulation::Scheduled Simulation::at(double time) {
   if (!std::isfinite(time) || time < impl_->world.time())
     fail({"an event at " + text(time) + " s cannot happen: the time is " + text(impl_->world.time()) + " s", "", ""});
-  auto& pending = impl_->pending;
-  auto event = std::make_unique<Pending>();
-  event->time = time;
-  event->name = "#" + std::to_string(pending.size() + 1);
-  Pending* place = event.get();
-  const auto later = [](double t, const std::unique_ptr<Pending>& p) { return t < p->time; };
-  const auto first = pending.begin() + static_cast<std::ptrdiff_t>(impl_->next);
-  pending.insert(std::upper_bound(first, pending.end(), time, later), std::move(event));
-  return Scheduled(*impl_, place);
+  impl_->pending.push_back({time, {"#" + std::to_string(impl_->pending.size() + 1), false, {}}, false});
+  impl_->next_time = std::min(impl_->next_time, time);
+  return Scheduled(*impl_, impl_->pending.size() - 1);
 }
 
 Simulation::Scheduled& Simulation::Scheduled::then(Action action) {
-  if (action.key != "break") fail({"unknown action '" + action.key + "'", "", did_you_mean(action.key, {"break"})});
-  for (const std::string& target : action.targets) impl_->world.model().joint(target);  // throws for an unknown name
-  static_cast<Pending*>(event_)->actions.push_back(std::move(action));
+  impl_->check_names(*action);
+  impl_->pending[event_].event.actions.push_back(std::move(action));
   return *this;
 }
 
 Simulation::Scheduled& Simulation::Scheduled::named(std::string name) {
-  static_cast<Pending*>(event_)->name = std::move(name);
+  impl_->pending[event_].event.name = std::move(name);
+  impl_->pending[event_].event.named = true;
   return *this;
+}
+
+const Event& Simulation::apply(std::span<const Action> actions, std::string name) {
+  Impl& impl = *impl_;
+  DueEvent due{name.empty() ? "#" + std::to_string(impl.pending.size() + impl.events.size() + 1) : name, !name.empty(), {}};
+  for (const Action& action : actions) {
+    impl.check_names(*action);
+    due.actions.push_back(action);
+  }
+  if (impl.keeps_history) impl.history.push_back({impl.events.size(), impl.snapshot()});
+  if (!impl.carry_out_now({&due, 1})) {
+    if (impl.keeps_history) impl.history.pop_back();
+    fail({impl.message, "", ""});
+  }
+  return impl.events.back();
+}
+
+Rehearsal Simulation::rehearse() { return impl_->rehearse(); }
+SimulationSnapshot Simulation::snapshot() const { return impl_->snapshot(); }
+void Simulation::restore(const SimulationSnapshot& snapshot) { impl_->go_back(snapshot); }
+void Simulation::keep_history() { impl_->keeps_history = true; }
+
+void Simulation::undo(std::size_t number, bool again) {
+  for (const Impl::Past& past : impl_->history) {
+    const bool last = &past == &impl_->history.back();
+    const std::size_t next = last ? impl_->events.size() : (&past + 1)->events;
+    if (number < past.events || number >= next) continue;
+    SimulationSnapshot before = past.before;
+    if (!again)
+      for (std::size_t k = 0; k < before.fired.size(); ++k)
+        if (impl_->pending[k].time <= before.world.engine.time) before.fired[k] = 1;
+    impl_->go_back(before);
+    return;
+  }
+  fail({"the history of event " + std::to_string(number) + " was not kept", "", "call keep_history() before it happens"});
+}
+
+Simulation Simulation::branch() const {
+  Simulation other(impl_->world.model(), impl_->integration);
+  other.impl_->pending = impl_->pending;
+  other.impl_->events = impl_->events;
+  other.impl_->go_back(impl_->snapshot());
+  other.impl_->balance.initial = impl_->balance.initial;
+  return other;
 }
 
 Status Simulation::run_until(double time) { return impl_->run(time); }
@@ -249,7 +392,7 @@ EnergyBalance Simulation::energy() const {
   const Totals t = impl_->world.totals();
   b.final = t.kinetic + t.potential;
   b.dissipated = impl_->books.dissipated;
-  b.work = impl_->books.work;
+  b.work += impl_->books.work;
   b.error = b.final + b.dissipated + b.lost_in_impacts + b.released - b.initial - b.work;
   return b;
 }

@@ -2,6 +2,7 @@
 // A world that runs: model, state, scheduled events, books.
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,7 +20,8 @@ struct Integration {
   double event_tolerance = 1e-10;  ///< s
 };
 
-enum class Status { ok, diverged, interrupted };
+/// `refused`: an action was impossible; the world is as it was before its instant, and message() says which and why.
+enum class Status { ok, diverged, interrupted, refused };
 
 /// Wall-clock and counts as in the paper's Table 2, [0] before and [1] after the first topology change.
 struct RunStatistics {
@@ -34,6 +36,28 @@ struct EnergyBalance {
   double initial = 0, final = 0, dissipated = 0, work = 0, lost_in_impacts = 0, released = 0, error = 0;
 };
 
+/// A run at an instant.
+struct SimulationSnapshot {
+  WorldSnapshot world;
+  std::vector<char> fired;  ///< by scheduled event, in the order of scheduling
+  std::size_t events = 0;   ///< how many had happened
+  EnergyBalance balance;    ///< with what was dissipated and done by forces since the start
+  double impulsive_work = 0;
+};
+
+/// What all that is scheduled would do to the topology, tried at once where the world stands now.
+struct Rehearsal {
+  struct Trouble {
+    std::size_t event = 0, action = 0;  ///< in the order of scheduling
+    Verdict verdict;                    ///< skipped or refused
+    std::string message;                ///< of a refusal
+  };
+  std::vector<Trouble> troubles;
+  /// Every joint that the world has now or would come to have, with each kind that it would be of.
+  std::vector<std::pair<std::string, Kind>> joints;
+  bool complete = true;  ///< false: too many events for so many bodies, nothing but the present joints was looked at
+};
+
 class Simulation {
   struct Impl;
 
@@ -44,8 +68,9 @@ class Simulation {
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
 
-  /// Schedules actions for an instant not yet past: `at(1.8).then(break_joint("chain/41"))`. Events of one instant happen in the
-  /// order in which they were scheduled. Throws Error for an unknown name or a time that is past or not finite.
+  /// Schedules actions for an instant not yet past: `at(1.8).then(break_joint("chain/41"))`. What happens at one instant happens
+  /// in the order that simulate/instant.hpp says. Throws Error for a time that is past or not finite, and for a name that is
+  /// none: of a body, of a joint of the model or of the world as it is, or of one that an event scheduled before makes.
   class Scheduled {
    public:
     Scheduled& then(Action action);
@@ -53,11 +78,16 @@ class Simulation {
 
    private:
     friend class Simulation;
-    Scheduled(Impl& impl, void* event) : impl_(&impl), event_(event) {}
+    Scheduled(Impl& impl, std::size_t event) : impl_(&impl), event_(event) {}
     Impl* impl_;
-    void* event_;
+    std::size_t event_;
   };
   Scheduled at(double time);
+
+  /// Does actions now, as an event of this name (empty: by its place). Throws Error where one is impossible: nothing then
+  /// happened.
+  const Event& apply(std::span<const Action> actions, std::string name = {});
+  const Event& apply(const Action& action, std::string name = {}) { return apply(std::span(&action, 1), std::move(name)); }
 
   /// Steps to `time`, exactly onto every scheduled event and `time`; events at `time` happen. On divergence the state is the last
   /// good one and `message()` says which joint, when, and what to do.
@@ -76,6 +106,23 @@ class Simulation {
 
   /// Starts from a state document instead (World::restore); books and events begin anew.
   void restore(double time, std::span<const Body> broken, std::span<const JointStart> joints);
+
+  /// Carries out all scheduled events in their order, without moving in between, and takes everything back: which actions will
+  /// have nothing to do or are impossible, and which joints there will be. Where events wait for a condition their order is not
+  /// known: they are tried in the order of scheduling.
+  Rehearsal rehearse();
+
+  /// All that the run is at this instant: to come back to, across any number of changes, with the very bits.
+  SimulationSnapshot snapshot() const;
+  /// Events scheduled since then stay scheduled where their time is not past. Observers stay.
+  void restore(const SimulationSnapshot& snapshot);
+  /// Keeps a snapshot from before every instant at which something happens, from now on.
+  void keep_history();
+  /// Back to just before the `number`-th of events() happened. Throws Error where the history was not kept. What was scheduled
+  /// for that instant does not happen again unless `again`: another branch begins.
+  void undo(std::size_t number, bool again = false);
+  /// A run of its own from here: world, schedule and books, without observers and history.
+  Simulation branch() const;
 
   double time() const;
   const World& world() const;

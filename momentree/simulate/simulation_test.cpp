@@ -153,7 +153,7 @@ TEST_CASE("mistakes are errors that say what is wrong") {
   Simulation sim(model, {});
   CHECK_THROWS_AS(sim.at(-1), Error);
   CHECK_THROWS_AS(sim.at(1).then(break_joint("chain/3")), Error);
-  CHECK_THROWS_AS(sim.at(1).then(Action{"brake", {"chain/1"}}), Error);
+  CHECK_THROWS_AS(sim.at(1).then(weld("chain/1", "chain/7")), Error);
   try {
     Simulation(model, {.method = "rk5"});
   } catch (const Error& e) {

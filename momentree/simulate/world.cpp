@@ -12,16 +12,19 @@ World::World(const Model& model) : model_(model) {
     const BodySpec& body = model_[singular.front().body];
     fail({singular.front().what, "joint '" + body.joint_name + "'", singular.front().hint});
   }
-  mechanism_names_.resize(static_cast<std::size_t>(model_.size()));
-  for (int b = 0; b < model_.size(); ++b)
-    if (model_.bodies()[static_cast<std::size_t>(b)].parent == ground)
-      mechanism_names_[static_cast<std::size_t>(b)] = model_.mechanism_name({b});
+  declared_ = Names(model_);
   restore(0, {}, {});
 }
 
 void World::restore(double time, std::span<const Body> broken, std::span<const JointStart> joints) {
   tree_ = Tree(model_);
-  for (const Body b : broken) tree_.detach(b.index);
+  names_ = declared_;
+  for (const Body b : broken) {
+    const bool was_root = tree_.parent(b.index) < 0;
+    tree_.detach(b.index);
+    names_.name_joint(b.index, names_.free_joint(model_[b].name, b.index));
+    if (!was_root) names_.name_mechanism(b.index, model_[b].name);
+  }
   State state(tree_);
   work_ = Work<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
@@ -52,7 +55,7 @@ void World::evaluate() const { forward_dynamics(tree_, state_, work_); }
 const std::vector<BodyMotion>& World::motions() const {
   if (motions_of_ == state_.stamp()) return motions_;
   locate_bodies(tree_, state_, work_);
-  for (int b = 0; b < tree_.bodies(); ++b) {
+  for (const int b : tree_.order()) {
     const auto i = static_cast<std::size_t>(b);
     const Kinematics<double>& k = work_.bodies[i];
     BodyMotion& m = motions_[i];
@@ -64,25 +67,20 @@ const std::vector<BodyMotion>& World::motions() const {
   return motions_;
 }
 
-std::string_view World::joint_name(Body child) const {
-  return tree_.detached(child.index) ? model_[child].name : model_[child].joint_name;
-}
-
-std::string_view World::mechanism_name(Body root) const {
-  const std::string& name = mechanism_names_[static_cast<std::size_t>(root.index)];
-  return name.empty() ? model_[root].name : name;
-}
-
-JointView World::joint(Body child) const {
+JointView World::joint(Body number) const {
   evaluate();
-  const int b = child.index;
+  const int b = tree_.carrier(number.index);
   const Joint& j = tree_.joint(b);
   const KindInfo& kind = info(j.kind);
+  const bool reversed = tree_.reversed(b);
+  const Body inner{b}, outer{tree_.parent(b)};
   const auto nq = static_cast<std::size_t>(kind.nq), nv = static_cast<std::size_t>(kind.nv);
-  return {joint_name(child),
+  return {joint_name(number),
           j.kind,
-          child,
-          {tree_.parent(b)},
+          reversed ? outer : inner,
+          reversed ? inner : outer,
+          reversed,
+          j.locked,
           j.at,
           j.child_at,
           j.axis,
@@ -93,6 +91,22 @@ JointView World::joint(Body child) const {
           {work_.v.get() + tree_.first_p(b), nv},
           state_.p().subspan(static_cast<std::size_t>(tree_.first_p(b)), nv),
           {work_.pdot.get() + tree_.first_p(b), nv}};
+}
+
+WorldSnapshot World::snapshot() const {
+  WorldSnapshot all{take(tree_, state_), {}, {}};
+  for (int k = 0; k < model_.size(); ++k) {
+    if (names_.joint(k) != declared_.joint(k)) all.joint_names.emplace_back(k, names_.joint(k));
+    if (names_.mechanism(k) != declared_.mechanism(k)) all.mechanism_names.emplace_back(k, names_.mechanism(k));
+  }
+  return all;
+}
+
+void World::restore(const WorldSnapshot& snapshot) {
+  momentree::restore(snapshot.engine, tree_, state_);
+  names_ = declared_;
+  for (const auto& [number, name] : snapshot.joint_names) names_.name_joint(number, name);
+  for (const auto& [root, name] : snapshot.mechanism_names) names_.name_mechanism(root, name);
 }
 
 Totals World::totals() const { return momentree::totals(tree_, state_, work_); }

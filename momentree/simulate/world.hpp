@@ -7,6 +7,8 @@
 
 #include <momentree/dynamics/totals.hpp>
 #include <momentree/dynamics/work.hpp>
+#include <momentree/simulate/names.hpp>
+#include <momentree/topology/snapshot.hpp>
 #include <momentree/tree/model.hpp>
 #include <momentree/tree/state.hpp>
 #include <momentree/tree/tree.hpp>
@@ -19,11 +21,13 @@ struct BodyMotion {
   Vec3 linear, angular;
 };
 
-/// A joint as its user sees it. Spans point into the world; valid until it next changes.
+/// A joint as its user sees it, in its declared direction. Spans point into the world; valid until it next changes.
 struct JointView {
   std::string_view name;
   Kind kind = Kind::weld;
-  Body child, parent;  ///< parent.index −1: the ground
+  Body child, parent;     ///< as declared; parent.index −1: the ground
+  bool reversed = false;  ///< its child carries its parent now, seen from the root
+  unsigned locked = 0;    ///< a bit per freedom that is locked
   Pose at, child_at;
   Vec3 axis, axis2;
   double pitch = 0;
@@ -36,6 +40,12 @@ struct Mechanism {
   Body root;
   bool grounded = true;
   std::vector<Body> bodies;  ///< root first, in evaluation order
+};
+
+/// All that a world is at an instant: a small value to go back to and to branch from.
+struct WorldSnapshot {
+  Snapshot engine;
+  std::vector<std::pair<int, std::string>> joint_names, mechanism_names;  ///< those that are not the model's
 };
 
 /// What a state document says of one joint: empty lists keep the start value. Where p is given it is used, and v is not.
@@ -56,14 +66,22 @@ class World {
 
   /// These evaluate the state first where that has not been done.
   const std::vector<BodyMotion>& motions() const;  ///< by body number
-  JointView joint(Body child) const;
+  /// The joint of that number: at the start that of the body's, and the same joint for as long as it is there, whatever carries
+  /// it then. Every world has a joint for each of its bodies.
+  JointView joint(Body number) const;
+  /// Number of the present joint of that name, −1 if there is none.
+  int find_joint(std::string_view name) const { return names_.find_joint(name); }
   Totals totals() const;
   /// Present mechanisms, in the order of their root's body number.
   std::vector<Mechanism> mechanisms() const;
   std::vector<std::string> mechanism_names() const;
-  /// Name of the inboard joint of `child`: as declared; that of the body once the joint broke.
-  std::string_view joint_name(Body child) const;
-  std::string_view mechanism_name(Body root) const;
+  /// Name of the joint of that number: as declared; once the joint broke, that of the body that came off.
+  std::string_view joint_name(Body number) const { return names_.joint(number.index); }
+  std::string_view mechanism_name(Body root) const { return names_.mechanism(root.index); }
+
+  /// Going back is exact to the last bit, across any number of changes.
+  WorldSnapshot snapshot() const;
+  void restore(const WorldSnapshot& snapshot);
 
   /// The model at `time`, with the joints of `broken` broken and start values replaced: what a state document restores.
   /// Quaternions are taken bit for bit: of length one, but for rounding.
@@ -71,10 +89,11 @@ class World {
 
  private:
   friend class Simulation;
+  friend class Surgery;
   void evaluate() const;
 
   Model model_;
-  std::vector<std::string> mechanism_names_;  // by body number: of roots at the start, else empty
+  Names declared_, names_;  // as the model has them, and now
   Tree tree_;
   State state_;
   mutable Work<double> work_;

@@ -3,6 +3,7 @@
 // p is a quasi-momentum: (20) holds unchanged, Ω × Pb contains the structure constants.
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/kernels.hpp>
+#include <momentree/joint/motion.hpp>
 #include <momentree/joint/quaternion_spring.hpp>
 
 namespace momentree {
@@ -32,6 +33,10 @@ struct BallKernels : GenericKernels<BallKernels, 4, 3> {
   static void zero(double* q) { q[0] = 1, q[1] = q[2] = q[3] = 0; }
   static double spring(const double* q, const double* q0, const double* stiffness, double* force) {
     return rotational_spring(q, q0, stiffness, force);
+  }
+  static bool coordinates(const JointSpec&, const Pose& motion, double, double* q) {
+    q[0] = motion.rotation.w, q[1] = motion.rotation.x, q[2] = motion.rotation.y, q[3] = motion.rotation.z;
+    return coordinates::negligible(motion.position);
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 // Cylindrical: an angle about z and a displacement along z. E = (0 e_z; e_z 0), constant.
 #include <momentree/joint/joint.hpp>
+#include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
 namespace momentree {
@@ -14,6 +15,10 @@ struct CylindricalKernels : ScrewKernels<CylindricalKernels, 2, 2> {
   template <class T>
   MOMENTREE_INLINE static Columns<T, 2> columns(const Link&, const JointState<T>&) {
     return {{{{T(0), T(0), T(0)}, {T(0), T(0), T(1)}}, {{T(0), T(0), T(1)}, {T(0), T(0), T(0)}}}};
+  }
+  static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
+    return coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]) &&
+           coordinates::along_axis(joint.axis, motion.position, q[1]);
   }
 };
 

@@ -4,6 +4,7 @@
 // leave at round-off, coupling bodies that must be uncoupled.
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/kernels.hpp>
+#include <momentree/joint/motion.hpp>
 #include <momentree/joint/quaternion_spring.hpp>
 
 namespace momentree {
@@ -44,6 +45,11 @@ struct SixFreedoms : GenericKernels<K, 7, 6> {
     const Vec3 child = transpose_times(rotation_matrix(Quat{q[3], q[4], q[5], q[6]}), f);
     force[0] = child.x, force[1] = child.y, force[2] = child.z;
     return -0.5 * dot(f, x) + rotational_spring(q + 3, q0 + 3, stiffness + 3, force + 3);
+  }
+  static bool coordinates(const JointSpec&, const Pose& motion, double, double* q) {
+    q[0] = motion.position.x, q[1] = motion.position.y, q[2] = motion.position.z;
+    q[3] = motion.rotation.w, q[4] = motion.rotation.x, q[5] = motion.rotation.y, q[6] = motion.rotation.z;
+    return true;
   }
 };
 

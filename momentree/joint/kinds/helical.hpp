@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include <momentree/joint/joint.hpp>
+#include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
 namespace momentree {
@@ -20,6 +21,10 @@ struct HelicalKernels : ScrewKernels<HelicalKernels, 1, 1> {
   template <class T>
   MOMENTREE_INLINE static Columns<T, 1> columns(const Link& k, const JointState<T>&) {
     return {{{{T(0), T(0), T(k.geometry[0])}, {T(0), T(0), T(1)}}}};
+  }
+  static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
+    return coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]) &&
+           coordinates::negligible(motion.position - (joint.pitch / (2 * std::numbers::pi) * q[0]) * joint.axis);
   }
 };
 

@@ -2,6 +2,7 @@
 // Planar: x, y in the parent-side axes, then an angle about z. E = [Rᵀe_x, Rᵀe_y; e_z], Ė = [−ω × Rᵀe_x, −ω × Rᵀe_y; 0].
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/kernels.hpp>
+#include <momentree/joint/motion.hpp>
 
 namespace momentree {
 
@@ -23,6 +24,10 @@ struct PlanarKernels : GenericKernels<PlanarKernels, 3, 3> {
     const Vector3<T> o{T(0), T(0), T(0)};
     const T w = u[2];
     return {{{{-(w * j.s[0]), -(w * j.c[0]), T(0)}, o}, {{w * j.c[0], -(w * j.s[0]), T(0)}, o}, {o, o}}};
+  }
+  static bool coordinates(const JointSpec&, const Pose& motion, double hint, double* q) {
+    q[0] = motion.position.x, q[1] = motion.position.y;
+    return std::fabs(motion.position.z) <= coordinates::tolerance && coordinates::about_axis(z_axis, motion.rotation, hint, q[2]);
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 // Prismatic (slider): one displacement along z. E = (e_z; 0), constant.
 #include <momentree/joint/joint.hpp>
+#include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
 namespace momentree {
@@ -14,6 +15,9 @@ struct PrismaticKernels : ScrewKernels<PrismaticKernels, 1, 1> {
   template <class T>
   MOMENTREE_INLINE static Columns<T, 1> columns(const Link&, const JointState<T>&) {
     return {{{{T(0), T(0), T(1)}, {T(0), T(0), T(0)}}}};
+  }
+  static bool coordinates(const JointSpec& joint, const Pose& motion, double, double* q) {
+    return coordinates::negligible(motion.rotation) && coordinates::along_axis(joint.axis, motion.position, q[0]);
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 // Revolute (pin): one angle about z. E = (0; e_z), constant. The kind of the paper's tables, so the one with most structure.
 #include <momentree/joint/joint.hpp>
+#include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
 namespace momentree {
@@ -16,6 +17,9 @@ struct PinKernels : ScrewKernels<K, 1, 1> {
   template <class T>
   MOMENTREE_INLINE static Columns<T, 1> columns(const Link&, const JointState<T>&) {
     return {{{{T(0), T(0), T(0)}, {T(0), T(0), T(1)}}}};
+  }
+  static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
+    return coordinates::negligible(motion.position) && coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]);
   }
 };
 struct PinWithRotor : PinKernels<PinWithRotor> {};

@@ -3,6 +3,7 @@
 // E = [R2ᵀ n1, n2] in its angular part; Ė = [−(ḃ n2) × R2ᵀ n1, 0].
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/kernels.hpp>
+#include <momentree/joint/motion.hpp>
 
 namespace momentree {
 
@@ -35,6 +36,15 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
   MOMENTREE_INLINE static Columns<T, 2> columns_rate(const Link& k, const JointState<T>& j, const T* u) {
     const Vector3<T> o{T(0), T(0), T(0)};
     return {{{o, {-(u[1] * (j.s[1] * k.geometry[0])), -(u[1] * (j.c[1] * k.geometry[0])), T(0)}}, {o, o}}};
+  }
+  /// The first turn carries axis2 to where the motion has it; what then remains is the second.
+  static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
+    const Vec3 from = joint.axis2, to = rotation_matrix(motion.rotation) * joint.axis2;
+    const double along = dot(joint.axis, from);
+    if (std::fabs(dot(joint.axis, to) - along) > coordinates::tolerance) return false;
+    q[0] = coordinates::unwrapped(std::atan2(dot(joint.axis, cross(from, to)), dot(from, to) - along * along), hint);
+    const Quat rest = conjugate(from_axis_angle(joint.axis, q[0])) * motion.rotation;
+    return coordinates::negligible(motion.position) && coordinates::about_axis(joint.axis2, rest, 0, q[1]);
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 // Weld: no freedom. E has no columns, M̂ = Mb, D̂ = Db.
 #include <momentree/joint/joint.hpp>
+#include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
 namespace momentree {
@@ -33,6 +34,9 @@ struct WeldKernels : ScrewKernels<WeldKernels, 0, 0> {
   }
   template <class T>
   MOMENTREE_INLINE static void joint_velocity(const Record<T>&, const Motion<T>&, T*) {}
+  static bool coordinates(const JointSpec&, const Pose& motion, double, double*) {
+    return coordinates::negligible(motion.position) && coordinates::negligible(motion.rotation);
+  }
 };
 
 /// Rigid: the child stays where it is placed.

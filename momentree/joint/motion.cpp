@@ -1,0 +1,91 @@
+#include <momentree/joint/motion.hpp>
+
+#include <cmath>
+#include <numbers>
+
+#include <momentree/joint/dispatch.hpp>
+
+namespace momentree {
+
+namespace {
+
+// Kernels work in axes C of their own; `act` gets the kernels' type, C, a link without placement and the joint's state.
+template <class Act>
+decltype(auto) with_kernels(const JointSpec& joint, const double* q, Act act) {
+  return dispatch(joint.kind, [&](auto tag) {
+    using K = typename decltype(tag)::type::Kernels;
+    Link link;
+    const Mat3 C = K::frame(joint, link.geometry);
+    double c[2] = {}, s[2] = {};
+    for (std::size_t i = 0; i < K::angles.size(); ++i) c[i] = std::cos(q[K::angles[i]]), s[i] = std::sin(q[K::angles[i]]);
+    return act(std::type_identity<K>{}, C, link, JointState<double>{q, c, s});
+  });
+}
+
+}  // namespace
+
+Pose joint_motion(const JointSpec& joint, const double* q) {
+  return with_kernels(joint, q, [](auto tag, const Mat3& C, const Link& link, const JointState<double>& state) -> Pose {
+    Mat3 R;
+    Vec3 r;
+    decltype(tag)::type::template pose<double>(link, state, R, r);
+    return {C * r, quaternion_of(C * (R * transpose(C)))};
+  });
+}
+
+std::vector<Motion<double>> joint_freedoms(const JointSpec& joint, const double* q) {
+  return with_kernels(joint, q, [](auto tag, const Mat3& C, const Link& link, const JointState<double>& state) {
+    std::vector<Motion<double>> all;
+    for (const Motion<double>& e : decltype(tag)::type::template columns<double>(link, state)) all.push_back({C * e.v, C * e.w});
+    return all;
+  });
+}
+
+std::optional<Values> joint_coordinates(const JointSpec& joint, const Pose& motion, double hint) {
+  return dispatch(joint.kind, [&](auto tag) -> std::optional<Values> {
+    using K = typename decltype(tag)::type;
+    double q[Values::capacity] = {};
+    if (!K::Kernels::coordinates(joint, motion, hint, q)) return std::nullopt;
+    Values values;
+    for (int i = 0; i < K::info.nq; ++i) values.push_back(q[i]);
+    return values;
+  });
+}
+
+Values joint_zero(Kind kind) {
+  return dispatch(kind, [](auto tag) {
+    using K = typename decltype(tag)::type;
+    double q[Values::capacity] = {};
+    K::Kernels::zero(q);
+    Values values;
+    for (int i = 0; i < K::info.nq; ++i) values.push_back(q[i]);
+    return values;
+  });
+}
+
+namespace coordinates {
+
+bool negligible(const Vec3& displacement) { return norm(displacement) <= tolerance; }
+bool negligible(const Quat& rotation) { return norm(log_rotation(rotation)) <= tolerance; }
+
+double unwrapped(double angle, double hint) {
+  constexpr double turn = 2 * std::numbers::pi;
+  const double near = angle + turn * std::round((hint - angle) / turn);
+  return std::fabs(near - hint) <= tolerance * (1 + std::fabs(hint)) ? hint : near;
+}
+
+bool about_axis(const Vec3& axis, const Quat& rotation, double hint, double& angle) {
+  const Vec3 v{rotation.x, rotation.y, rotation.z};
+  const double along = dot(axis, v);
+  if (norm(v - along * axis) > tolerance) return false;
+  angle = unwrapped(2 * std::atan2(along, rotation.w), hint);
+  return true;
+}
+
+bool along_axis(const Vec3& axis, const Vec3& displacement, double& length) {
+  length = dot(axis, displacement);
+  return norm(displacement - length * axis) <= tolerance * (1 + std::fabs(length));
+}
+
+}  // namespace coordinates
+}  // namespace momentree

@@ -1,0 +1,100 @@
+#include <momentree/joint/motion.hpp>
+
+#include <cmath>
+#include <numbers>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds.hpp>
+
+using namespace momentree;
+
+namespace {
+
+JointSpec example(Kind kind) {
+  JointSpec joint;
+  joint.kind = kind;
+  joint.axis = normalized(Vec3{0.3, -0.8, 0.5});
+  joint.axis2 = normalized(Vec3{0.9, 0.2, -0.1});
+  joint.pitch = 0.02;
+  return joint;
+}
+
+Values example_coordinates(const KindInfo& kind) {
+  Values q = joint_zero(kind.kind);
+  double next = 0.7;
+  bool turned = false;
+  for (int i = 0; i < kind.nq; ++i) {
+    if (kind.q_units[i] != 'n') {
+      q[i] = next;
+      next = -next + 0.25;
+    } else if (!turned) {
+      const Quat r = exp_rotation({0.4, -1.1, 0.6});
+      q[i] = r.w, q[i + 1] = r.x, q[i + 2] = r.y, q[i + 3] = r.z;
+      turned = true;
+    }
+  }
+  return q;
+}
+
+double distance(const Pose& a, const Pose& b) {
+  return norm(a.position - b.position) + norm(log_rotation(conjugate(a.rotation) * b.rotation));
+}
+
+}  // namespace
+
+TEST_CASE("every kind finds its coordinates back from the motion that they make") {
+  for (const KindInfo& kind : all_kinds()) {
+    CAPTURE(kind.name);
+    const JointSpec joint = example(kind.kind);
+    const Values q = example_coordinates(kind);
+    const Pose motion = joint_motion(joint, q.begin());
+    const auto back = joint_coordinates(joint, motion, q.empty() ? 0 : q[0]);
+    REQUIRE(back);
+    CHECK(distance(joint_motion(joint, back->begin()), motion) < 1e-14);
+    for (int i = 0; i < kind.nq; ++i)
+      if (kind.q_units[i] != 'n') CHECK((*back)[i] == doctest::Approx(q[i]).epsilon(1e-13));
+    CHECK(distance(joint_motion(joint, joint_zero(kind.kind).begin()), Pose{}) < 1e-15);
+  }
+}
+
+TEST_CASE("what a kind can't represent it refuses; a free joint represents everything") {
+  const Pose askew{{0.1, 0.2, 0.3}, normalized(Quat{1, 0.2, -0.3, 0.4})};
+  for (const KindInfo& kind : all_kinds())
+    CHECK_MESSAGE(joint_coordinates(example(kind.kind), askew, 0).has_value() == (kind.kind == Kind::free), kind.name);
+}
+
+TEST_CASE("turns are kept: the angle nearest to the hint") {
+  const JointSpec pin = example(Kind::revolute);
+  const double turns = 0.5 + 6 * std::numbers::pi;
+  const auto q = joint_coordinates(pin, joint_motion(pin, &turns), turns);
+  REQUIRE(q);
+  CHECK((*q)[0] == turns);
+  JointSpec screw = example(Kind::helical);
+  const auto screwed = joint_coordinates(screw, joint_motion(screw, &turns), turns);
+  REQUIRE(screwed);
+  CHECK((*screwed)[0] == doctest::Approx(turns).epsilon(1e-14));
+  CHECK_FALSE(joint_coordinates(screw, joint_motion(screw, &turns), 0));  // three turns further along
+}
+
+TEST_CASE("freedoms are the motion's derivative") {
+  for (const KindInfo& kind : all_kinds()) {
+    CAPTURE(kind.name);
+    if (kind.nq != kind.nv) continue;  // quaternions: laws_test
+    const JointSpec joint = example(kind.kind);
+    const Values q = example_coordinates(kind);
+    const auto E = joint_freedoms(joint, q.begin());
+    REQUIRE(static_cast<int>(E.size()) == kind.nv);
+    const Pose at = joint_motion(joint, q.begin());
+    for (int i = 0; i < kind.nv; ++i) {
+      Values ahead = q, behind = q;
+      const double h = 1e-5;
+      ahead[i] += h, behind[i] -= h;
+      const Pose a = inverse(at) * joint_motion(joint, ahead.begin()), b = inverse(at) * joint_motion(joint, behind.begin());
+      const Vec3 v = (0.5 / h) * (a.position - b.position);
+      const Vec3 w = (0.5 / h) * (log_rotation(a.rotation) - log_rotation(b.rotation));
+      CHECK(norm(v - E[static_cast<std::size_t>(i)].v) < 1e-9);
+      CHECK(norm(w - E[static_cast<std::size_t>(i)].w) < 1e-9);
+    }
+  }
+}

@@ -1,0 +1,38 @@
+#pragma once
+// Joins a body to another mechanism, or to the ground, by a joint of any kind: a plastic impact in what the joint holds.
+#include <momentree/simulate/surgery.hpp>
+
+namespace momentree::actions {
+
+struct Attach : ActionBase {
+  std::string body, to = "ground";
+  JointDescription joint;
+  std::optional<Pose> at;
+
+  std::string_view key() const override { return "attach"; }
+  std::string target() const override { return body + " to " + to; }
+  void fields(ActionFields& fields) override {
+    fields.body("body", body, false);
+    fields.body("to", to, true);
+    fields.placement("at", at);
+    fields.description(joint);
+  }
+  std::vector<std::string> bodies() const override {
+    return to == "ground" ? std::vector<std::string>{body} : std::vector<std::string>{body, to};
+  }
+  std::string makes() const override { return to + "+" + body; }
+  ActionPhase phase(Surgery&) const override { return ActionPhase::impact; }
+  Verdict apply(Surgery& surgery) const override {
+    const int one = surgery.body(body), other = surgery.body(to);
+    if (one < 0) return Verdict::refused("there is no body '" + body + "' to join to another");
+    if (other < -1) return Verdict::refused("there is no body '" + to + "' to join to");
+    JointSpec spec = joint.spec;
+    for (const JointProblem& problem : check_joint(spec))
+      return Verdict::refused(problem.field + ": " + problem.what, problem.hint);
+    if (info(spec.kind).axis) spec.axis = normalized(spec.axis);
+    if (info(spec.kind).axis2) spec.axis2 = normalized(spec.axis2);
+    return surgery.attach(one, other, spec, at);
+  }
+};
+
+}  // namespace momentree::actions

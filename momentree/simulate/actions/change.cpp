@@ -1,0 +1,146 @@
+#include <momentree/simulate/actions/change.hpp>
+
+#include <cmath>
+
+#include <momentree/joint/motion.hpp>
+
+namespace momentree::actions {
+
+namespace {
+
+double size(const Motion<double>& m) { return std::sqrt(dot(m.v, m.v) + dot(m.w, m.w)); }
+
+// Whether the freedoms `inner` are among those that `outer` spans (Gram–Schmidt, twice is enough).
+bool spans(std::vector<Motion<double>> outer, std::vector<Motion<double>> inner) {
+  std::vector<Motion<double>> basis;
+  const auto remove = [&basis](Motion<double>& m) {
+    for (int pass = 0; pass < 2; ++pass) {
+      for (const Motion<double>& e : basis) {
+        const double along = dot(e.v, m.v) + dot(e.w, m.w);
+        m.v -= along * e.v, m.w -= along * e.w;
+      }
+    }
+  };
+  for (Motion<double>& m : outer) {
+    const double length = size(m);
+    remove(m);
+    if (size(m) > 1e-9 * length) basis.push_back({(1 / size(m)) * m.v, (1 / size(m)) * m.w});
+  }
+  for (Motion<double>& m : inner) {
+    const double length = size(m);
+    remove(m);
+    if (size(m) > 1e-9 * length) return false;
+  }
+  return true;
+}
+
+// Where the joint has an axis now: in the declared child's axes.
+Vec3 axis_in_child(const Joint& joint, const Pose& motion) {
+  const Vec3 turned = transpose_times(rotation_matrix(motion.rotation), joint.axis);
+  return rotation_matrix(joint.child_at.rotation) * turned;
+}
+
+JointSpec spec_of(const Joint& joint) {
+  JointSpec spec;
+  spec.kind = joint.kind, spec.axis = joint.axis, spec.axis2 = joint.axis2, spec.pitch = joint.pitch;
+  return spec;
+}
+
+// The present value of what unwraps angles: the first coordinate that is one.
+double angle_hint(const KindInfo& kind, const Values& q) {
+  for (int i = 0; i < kind.nq; ++i)
+    if (kind.q_units[i] == 'r') return q[i];
+  return 0;
+}
+
+}  // namespace
+
+Verdict Change::plan(Surgery& surgery, JointPlan& plan) const {
+  const int number = surgery.joint(name);
+  if (number < 0) return Verdict::skipped("the joint is not there any more");
+  const Joint old = surgery.declared(number);
+  const Values q = surgery.coordinates(number);
+  const KindInfo &before = info(old.kind), &now = info(to.spec.kind);
+  JointSpec spec = to.spec;
+  const Pose motion = joint_motion(spec_of(old), q.begin());
+  const bool placed = to.axis_given || to.axis2_given;
+  const auto lacks = [&](const char* what) {
+    return Verdict::refused(
+        "a " + std::string(before.name) + " joint has no " + what + " that the " + now.name + " could take over",
+        std::string("give ") + what + ", in the child's axes");
+  };
+  if (now.axis && !to.axis_given && !before.axis) return lacks("axis");
+  if (now.axis2 && !to.axis2_given && !before.axis2) return lacks("axis2");
+  if (now.axis && !to.axis_given) spec.axis = placed ? axis_in_child(old, motion) : old.axis;
+  if (now.axis2 && !to.axis2_given) spec.axis2 = placed ? rotation_matrix(old.child_at.rotation) * old.axis2 : old.axis2;
+  for (const JointProblem& problem : check_joint(spec))
+    return Verdict::refused(problem.field + ": " + problem.what, problem.hint);
+  if (now.axis) spec.axis = normalized(spec.axis);
+  if (now.axis2) spec.axis2 = normalized(spec.axis2);
+
+  plan.joint.kind = spec.kind, plan.joint.axis = spec.axis, plan.joint.axis2 = spec.axis2, plan.joint.pitch = spec.pitch;
+  if (placed) {
+    plan.joint.at = surgery.joint_pose(number);
+    plan.q = joint_zero(spec.kind);
+    return Verdict::done();
+  }
+  plan.joint.at = old.at, plan.joint.child_at = old.child_at;
+  if (old.kind == spec.kind && (!now.pitch || old.pitch == spec.pitch)) {
+    if (old.locked == 0) return Verdict::skipped("it is that already");
+    plan.joint.parameters = old.parameters;
+    plan.q = q;
+  } else if (const auto kept = joint_coordinates(spec, motion, angle_hint(before, q))) {
+    plan.q = *kept;
+  } else {
+    plan.joint.at = old.at * motion;
+    plan.q = joint_zero(spec.kind);
+  }
+  return Verdict::done();
+}
+
+ActionPhase Change::phase(Surgery& surgery) const {
+  JointPlan found;
+  if (plan(surgery, found).outcome != Verdict::Outcome::done) return ActionPhase::release;  // told there
+  const int number = surgery.joint(name);
+  const bool frees =
+      spans(surgery.freedoms(found.joint, found.q), surgery.freedoms(surgery.declared(number), surgery.coordinates(number)));
+  return frees ? ActionPhase::release : ActionPhase::impact;
+}
+
+// The old constraints take no part in the impact, whatever the order of what happens in it: they are let go first.
+Verdict Change::prepare(Surgery& surgery) const {
+  JointPlan found;
+  const Verdict verdict = plan(surgery, found);
+  if (verdict.outcome != Verdict::Outcome::done) return verdict;
+  const int number = surgery.joint(name);
+  surgery.plans[this] = found;
+  JointPlan loose;
+  loose.joint.kind = Kind::free;
+  const Joint old = surgery.declared(number);
+  loose.joint.at = old.at, loose.joint.child_at = old.child_at;
+  JointSpec six;
+  six.kind = Kind::free;
+  loose.q = *joint_coordinates(six, joint_motion(spec_of(old), surgery.coordinates(number).begin()), 0);
+  surgery.loosen(number, loose);
+  return verdict;
+}
+
+Verdict Change::apply(Surgery& surgery) const {
+  JointPlan found;
+  const auto prepared = surgery.plans.find(this);
+  if (prepared != surgery.plans.end()) {
+    found = prepared->second;
+  } else {
+    const Verdict verdict = plan(surgery, found);
+    if (verdict.outcome != Verdict::Outcome::done) return verdict;
+  }
+  const int number = surgery.joint(name);
+  if (prepared == surgery.plans.end() && phase(surgery) == ActionPhase::release)
+    surgery.loosen(number, found);
+  else
+    surgery.become(number, found);
+  if (!(to.spec.parameters == JointParameters{})) surgery.set(number, to.spec.parameters);
+  return Verdict::done();
+}
+
+}  // namespace momentree::actions

@@ -1,0 +1,15 @@
+#pragma once
+// A full failure that keeps the joint: six freedoms relative to the same parent.
+#include <momentree/simulate/actions/change.hpp>
+
+namespace momentree::actions {
+
+struct Free : Change {
+  Free() { to.spec.kind = Kind::free; }
+  std::string_view key() const override { return "free"; }
+  std::string target() const override { return name; }
+  const char* plain_field() const override { return "joint"; }
+  void fields(ActionFields& fields) override { fields.joint("joint", name); }
+};
+
+}  // namespace momentree::actions

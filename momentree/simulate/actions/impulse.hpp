@@ -1,0 +1,29 @@
+#pragma once
+// An impulsive wrench on a body, from outside.
+#include <momentree/simulate/surgery.hpp>
+
+namespace momentree::actions {
+
+struct Impulse : ActionBase {
+  std::string body;
+  Vec3 force{}, torque{}, point{};
+
+  std::string_view key() const override { return "impulse"; }
+  std::string target() const override { return body; }
+  void fields(ActionFields& fields) override {
+    fields.body("body", body, false);
+    fields.vector("force", force, dimension::force * dimension::time);
+    fields.vector("torque", torque, dimension::torque * dimension::time);
+    fields.vector("point", point, dimension::length);
+  }
+  std::vector<std::string> bodies() const override { return {body}; }
+  ActionPhase phase(Surgery&) const override { return ActionPhase::impulse; }
+  Verdict apply(Surgery& surgery) const override {
+    const int b = surgery.body(body);
+    if (b < 0) return Verdict::refused("there is no body '" + body + "'");
+    surgery.push(b, force, torque, point);
+    return Verdict::done();
+  }
+};
+
+}  // namespace momentree::actions

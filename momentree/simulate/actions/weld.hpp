@@ -1,0 +1,15 @@
+#pragma once
+// Joins a body rigidly to another mechanism, or to the ground, where they are: a perfectly inelastic impact.
+#include <momentree/simulate/actions/attach.hpp>
+
+namespace momentree::actions {
+
+struct Weld : Attach {
+  std::string_view key() const override { return "weld"; }
+  void fields(ActionFields& fields) override {
+    fields.body("body", body, false);
+    fields.body("to", to, true);
+  }
+};
+
+}  // namespace momentree::actions

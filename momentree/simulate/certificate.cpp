@@ -1,0 +1,92 @@
+// What the joints transmitted at an instantaneous change: the impulse through a joint is the difference of its articulated
+// momentum, S = Pb⁺ − Pb⁻.
+#include <algorithm>
+#include <cmath>
+
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/simulate/surgery.hpp>
+
+namespace momentree {
+
+namespace {
+
+// A wrench in the frame that stands at `pose`, seen from the frame around it.
+Force<double> outward(const Pose& pose, const Force<double>& W) {
+  const Mat3 R = rotation_matrix(pose.rotation);
+  const Vec3 l = R * W.l;
+  return {l, R * W.h + cross(pose.position, l)};
+}
+
+double size(const Force<double>& W) { return std::max(norm(W.l), norm(W.h)); }
+
+// What is this much smaller than the largest is rounding.
+constexpr double noise = 1e-13;
+
+}  // namespace
+
+void Surgery::remember_momenta() {
+  before_.resize(static_cast<std::size_t>(tree().bodies()));
+  for (const int b : tree().order())
+    before_[static_cast<std::size_t>(b)] =
+        to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.work_, b));
+}
+
+void Surgery::book_impulses(const Impulse* applied) {
+  std::vector<Force<double>>& sums = impulses_[event_];
+  sums.resize(static_cast<std::size_t>(tree().bodies()));
+  double largest = 0;
+  for (const int b : tree().order()) {
+    Force<double>& S = before_[static_cast<std::size_t>(b)];
+    const Force<double> after = to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.work_, b));
+    S = {after.l - S.l, after.h - S.h};
+  }
+  locate_bodies(tree(), world_.state_, world_.work_);
+  const auto pose_of = [&](int b) { return user_pose(tree(), world_.work_.bodies[static_cast<std::size_t>(b)], b); };
+  if (applied != nullptr) {
+    // The impulse from outside is in Pb of its body and of all inboard ones, but no joint transmitted it.
+    const Vec3 point = pose_of(applied->body.index) * applied->point;
+    for (int a = applied->body.index; a >= 0; a = tree().parent(a)) {
+      const Pose pose = pose_of(a);
+      const Mat3 R = rotation_matrix(pose.rotation);
+      Force<double>& S = before_[static_cast<std::size_t>(a)];
+      S.l -= transpose_times(R, applied->force);
+      S.h -= transpose_times(R, applied->torque + cross(point - pose.position, applied->force));
+    }
+  }
+  for (const int b : tree().order()) largest = std::max(largest, size(before_[static_cast<std::size_t>(b)]));
+  for (const int b : tree().order()) {
+    const Force<double>& S = before_[static_cast<std::size_t>(b)];
+    if (size(S) <= noise * largest) continue;
+    const Pose pose = pose_of(b);
+    const int outer = tree().parent(b);
+    if (outer < 0) {
+      const Force<double> W = outward(pose, S);
+      const double w[6] = {W.l.x, W.l.y, W.l.z, W.h.x, W.h.y, W.h.z};
+      for (std::size_t i = 0; i < 6; ++i) event_->ground_impulse[i] += w[i];
+    }
+    Force<double>& sum = sums[static_cast<std::size_t>(tree().joint_of(b))];
+    if (tree().reversed(b)) {  // the declared child gets the opposite, in its own frame
+      const Force<double> W = outward(inverse(outer < 0 ? Pose{} : pose_of(outer)) * pose, S);
+      sum.l -= W.l, sum.h -= W.h;
+    } else {
+      sum.l += S.l, sum.h += S.h;
+    }
+  }
+}
+
+void Surgery::certify(Event& event) {
+  const auto found = impulses_.find(&event);
+  if (found == impulses_.end()) return;
+  for (std::size_t j = 0; j < found->second.size(); ++j) {
+    const Force<double>& S = found->second[j];
+    const double linear = norm(S.l), angular = norm(S.h);
+    if (linear == 0 && angular == 0) continue;
+    event.impulse.push_back({joint_name(static_cast<int>(j)), {S.l.x, S.l.y, S.l.z, S.h.x, S.h.y, S.h.z}});
+    if (event.hardest_joint.empty() || linear > event.hardest_linear ||
+        (linear == event.hardest_linear && angular > event.hardest_angular))
+      event.hardest_joint = joint_name(static_cast<int>(j)), event.hardest_linear = linear, event.hardest_angular = angular;
+  }
+}
+
+}  // namespace momentree

@@ -1,0 +1,148 @@
+#include <momentree/simulate/instant.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <momentree/simulate/surgery.hpp>
+
+namespace momentree {
+
+namespace {
+
+struct Item {
+  std::size_t event, action;
+  const Action* what;
+  ActionPhase phase = ActionPhase::release;
+};
+
+std::string in_event(const DueEvent& event, const Action& action) { return action.text() + " (event '" + event.name + "')"; }
+
+std::string refusal(const DueEvent& event, const Action& action, double time, const Verdict& verdict) {
+  char at[40];
+  std::snprintf(at, sizeof at, "%.9g", time);
+  std::string text = "event '" + event.name + "' at t = " + at + " s: " + action.text() + ": " + verdict.why;
+  if (!verdict.hint.empty()) text += "; " + verdict.hint;
+  return text;
+}
+
+// Two actions that decide the same freedom of one joint; where there are such, the second one's verdict.
+std::optional<std::pair<std::size_t, Verdict>> contradiction(std::span<const DueEvent> due, const std::vector<Item>& items) {
+  struct Decided {
+    std::string joint;
+    unsigned freedoms;
+    std::size_t item;
+  };
+  std::vector<Decided> all;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    if (const unsigned freedoms = (**items[i].what).reshapes(); freedoms != 0)
+      for (std::string& joint : (**items[i].what).joints()) all.push_back({std::move(joint), freedoms, i});
+  std::stable_sort(all.begin(), all.end(), [](const Decided& a, const Decided& b) { return a.joint < b.joint; });
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t k = i; k-- > 0 && all[k].joint == all[i].joint;) {
+      const Item &one = items[all[k].item], &other = items[all[i].item];
+      const bool same = (**one.what).key() == (**other.what).key() && (**one.what).key() != "change";
+      if (same || (all[k].freedoms & all[i].freedoms) == 0) continue;
+      return std::pair{all[i].item,
+                       Verdict::refused("contradicts " + in_event(due[one.event], *one.what) + " at the same instant",
+                                        "a joint can become one thing at a time: give them different instants")};
+    }
+  }
+  return std::nullopt;
+}
+
+// What moved before still moves, and no change that only lets go or holds brings energy: else a mass is missing somewhere.
+Verdict check_energy(const Totals& before, const Totals& after, ActionPhase phase) {
+  const bool finite = std::isfinite(after.kinetic) && std::isfinite(after.linear.x + after.linear.y + after.linear.z);
+  const bool gained = phase < ActionPhase::impulse && after.kinetic > before.kinetic * (1 + 1e-3) + 1e-30;
+  if (finite && !gained) return Verdict::done();
+  return Verdict::refused("what would then move by itself has not the mass or inertia to move freely",
+                          "give it a mass and an inertia about every axis");
+}
+
+}  // namespace
+
+std::string made_joint_name(const DueEvent& event, std::size_t action) {
+  const std::string own = event.actions[action]->makes();
+  if (own.empty() || !event.named) return own;
+  const auto makes = [](const Action& a) { return !a->makes().empty(); };
+  return std::count_if(event.actions.begin(), event.actions.end(), makes) == 1 ? event.name : own;
+}
+
+InstantReport carry_out(World& world, std::span<const DueEvent> due) {
+  InstantReport report;
+  Surgery surgery(world);
+  report.events.resize(due.size());
+  std::vector<Item> items;
+  for (std::size_t e = 0; e < due.size(); ++e) {
+    report.events[e].time = world.time();
+    report.events[e].name = due[e].name;
+    for (std::size_t a = 0; a < due[e].actions.size(); ++a) items.push_back({e, a, &due[e].actions[a]});
+  }
+  const WorldSnapshot start = world.snapshot();
+  std::vector<char> begun(due.size(), 0);
+  const auto refuse = [&](const Item& item, Verdict verdict) {
+    world.restore(start);
+    report.refused = true;
+    report.message = refusal(due[item.event], *item.what, world.time(), verdict);
+    report.actions.push_back({item.event, item.action, std::move(verdict)});
+    report.events.clear();
+  };
+  if (items.size() > most_actions_at_once) {
+    refuse(items[most_actions_at_once], Verdict::refused("more than 10000 actions at one instant, the first of them " +
+                                                             in_event(due[items[0].event], *items[0].what),
+                                                         "is that a wildcard that matches too much?"));
+    return report;
+  }
+  if (const auto found = contradiction(due, items)) {
+    refuse(items[found->first], found->second);
+    return report;
+  }
+
+  // Returns false where the instant is refused.
+  const auto carry = [&](const Item& item, bool prepares) {
+    Event& event = report.events[item.event];
+    const Totals before = world.totals();
+    if (begun[item.event] == 0) {
+      begun[item.event] = 1;
+      event.before = before;
+      event.mechanisms_before = world.mechanism_names();
+    }
+    surgery.begin(event, made_joint_name(due[item.event], item.action));
+    const ActionBase& action = **item.what;
+    Verdict verdict = prepares ? action.prepare(surgery) : action.apply(surgery);
+    event.after = world.totals();
+    if (verdict.outcome == Verdict::Outcome::done) {
+      const Verdict sound = check_energy(before, event.after, item.phase);
+      if (sound.outcome != Verdict::Outcome::done) verdict = sound;
+    }
+    if (verdict.outcome == Verdict::Outcome::refused) {
+      refuse(item, std::move(verdict));
+      return false;
+    }
+    event.mechanisms_after = world.mechanism_names();
+    if (prepares) return true;
+    event.actions.push_back(item.what->text() + (verdict.outcome == Verdict::Outcome::skipped ? " skipped: " + verdict.why : ""));
+    report.actions.push_back({item.event, item.action, std::move(verdict)});
+    return true;
+  };
+
+  for (Item& item : items) item.phase = (**item.what).phase(surgery);
+  const auto in_phase = [&](ActionPhase phase, auto act) {
+    for (const Item& item : items)
+      if (item.phase == phase && !act(item)) return false;
+    return true;
+  };
+  if (!in_phase(ActionPhase::release, [&](const Item& item) { return carry(item, false); })) return report;
+  const auto impacts = std::count_if(items.begin(), items.end(), [](const Item& i) { return i.phase == ActionPhase::impact; });
+  if (impacts > 1 && !in_phase(ActionPhase::impact, [&](const Item& item) { return carry(item, true); })) return report;
+  for (const ActionPhase phase : {ActionPhase::impact, ActionPhase::impulse, ActionPhase::parameters})
+    if (!in_phase(phase, [&](const Item& item) { return carry(item, false); })) return report;
+
+  for (Event& event : report.events) surgery.certify(event);
+  report.seconds = surgery.seconds;
+  report.changes = surgery.changes;
+  return report;
+}
+
+}  // namespace momentree

@@ -1,0 +1,44 @@
+#pragma once
+// What joints and mechanisms are called, whatever became of the topology that they were given in.
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include <momentree/tree/model.hpp>
+#include <momentree/tree/tree.hpp>
+
+namespace momentree {
+
+/// Joints by their number, mechanisms by their root body. The rules: a part that keeps its root keeps the mechanism's name; one
+/// that comes off is named after its root body, and so is the free joint that it hangs on (with "~free" behind it where another
+/// joint has that name); a joint that a weld or an attachment makes gets the name that its event gives it.
+class Names {
+ public:
+  Names() = default;
+  explicit Names(const Model& model);
+
+  const std::string& joint(int number) const { return joints_[at(number)]; }
+  /// Number of the present joint of that name, −1 if there is none.
+  int find_joint(std::string_view name) const;
+  const std::string& mechanism(int root) const { return mechanisms_[at(root)]; }
+
+  /// What a free root joint of that body, joint `number`, would be called.
+  std::string free_joint(const std::string& body, int number) const;
+
+  void name_joint(int number, std::string name);
+  void name_mechanism(int root, std::string name) { mechanisms_[at(root)] = std::move(name); }
+  /// The mechanism rooted at `from` is now rooted at `to`.
+  void move_mechanism(int from, int to);
+  /// A body, and its joint of the same number, that were added to the world or left it.
+  void add(std::string joint, std::string mechanism);
+  void remove(int number);
+
+ private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  std::vector<std::string> joints_;
+  std::vector<std::string> mechanisms_;  // of bodies that are roots
+  std::unordered_map<std::string, int> numbers_;
+};
+
+}  // namespace momentree

@@ -1,0 +1,172 @@
+#include <momentree/simulate/surgery.hpp>
+
+#include <chrono>
+#include <cmath>
+
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/joint/motion.hpp>
+
+namespace momentree {
+
+namespace {
+
+JointSpec spec_of(const Joint& joint) {
+  JointSpec spec;
+  spec.kind = joint.kind, spec.axis = joint.axis, spec.axis2 = joint.axis2, spec.pitch = joint.pitch;
+  return spec;
+}
+
+}  // namespace
+
+Surgery::Surgery(World& world) : world_(world) {}
+
+void Surgery::begin(Event& event, std::string made_name) {
+  event_ = &event;
+  made_name_ = std::move(made_name);
+}
+
+int Surgery::body(std::string_view name) const {
+  if (name == "ground") return -1;
+  return world_.model_.has_body(name) ? world_.model_.body(name).index : -2;
+}
+
+std::string Surgery::body_name(int body) const { return body < 0 ? "ground" : world_.model_[Body{body}].name; }
+std::string Surgery::mechanism_of(int body) const { return world_.names_.mechanism(root_of(tree(), body)); }
+
+Values Surgery::coordinates(int joint) const {
+  const int b = tree().carrier(joint);
+  Values q;
+  for (int i = 0; i < info(tree().joint(b).kind).nq; ++i)
+    q.push_back(world_.state_.q()[static_cast<std::size_t>(tree().first_q(b) + i)]);
+  return q;
+}
+
+Pose Surgery::pose(int body) {
+  if (body < 0) return {};
+  evaluate();
+  return user_pose(tree(), locate_body(tree(), world_.state_, world_.work_, body), body);
+}
+
+Pose Surgery::joint_pose(int joint) {
+  const int b = tree().carrier(joint);
+  const Pose outer = pose(tree().parent(b)), own = pose(b);
+  return tree().reversed(b) ? inverse(own) * outer : inverse(outer) * own;
+}
+
+std::vector<Motion<double>> Surgery::freedoms(const Joint& joint, const Values& q) const {
+  const Mat3 R = rotation_matrix(joint.child_at.rotation);
+  std::vector<Motion<double>> all;
+  const std::vector<Motion<double>> own = joint_freedoms(spec_of(joint), q.begin());
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    if ((joint.locked >> i & 1u) != 0) continue;
+    const Vec3 w = R * own[i].w;
+    all.push_back({R * own[i].v + cross(joint.child_at.position, w), w});
+  }
+  return all;
+}
+
+template <class Change>
+void Surgery::carry_out(const Change& change, Nature nature) {
+  evaluate();
+  const Totals before = world_.totals();
+  if (nature != Nature::workless) remember_momenta();
+  const auto start = std::chrono::steady_clock::now();
+  const Released released = apply(change, world_.tree_, world_.state_, world_.work_);
+  const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  seconds += taken;
+  ++changes;
+  event_->duration_ns += taken * 1e9;
+  event_->released += released.energy;
+  if (nature == Nature::workless) return;
+  evaluate();
+  const Totals after = world_.totals();
+  const double gone = before.kinetic + before.potential - after.kinetic - after.potential - released.energy;
+  (nature == Nature::impact ? event_->lost : event_->work) += nature == Nature::impact ? gone : -gone;
+  if constexpr (std::is_same_v<Change, Impulse>) {
+    book_impulses(&change);
+  } else {
+    book_impulses(nullptr);
+  }
+}
+
+void Surgery::break_off(int joint) {
+  const int b = tree().carrier(joint);
+  const bool was_root = tree().parent(b) < 0;
+  carry_out(Break{{b}}, Nature::workless);
+  const std::string& body = world_.model_[Body{b}].name;
+  world_.names_.name_joint(joint, world_.names_.free_joint(body, joint));
+  if (!was_root) world_.names_.name_mechanism(b, body);
+}
+
+void Surgery::unlock(int joint, unsigned freedoms) { carry_out(Unlock{{tree().carrier(joint)}, freedoms}, Nature::workless); }
+void Surgery::lock(int joint, unsigned freedoms) { carry_out(Lock{{tree().carrier(joint)}, freedoms}, Nature::impact); }
+
+void Surgery::loosen(int joint, const JointPlan& plan) {
+  carry_out(ChangeJoint{{tree().carrier(joint)}, plan.joint, plan.q}, Nature::workless);
+}
+void Surgery::become(int joint, const JointPlan& plan) {
+  carry_out(ChangeJoint{{tree().carrier(joint)}, plan.joint, plan.q}, Nature::impact);
+}
+
+void Surgery::reroot(int body) {
+  const int root = root_of(tree(), body);
+  carry_out(Reroot{{body}}, Nature::workless);
+  world_.names_.move_mechanism(root, body);
+}
+
+void Surgery::push(int body, const Vec3& force, const Vec3& torque, const Vec3& point) {
+  carry_out(Impulse{{body}, force, torque, point}, Nature::outside);
+}
+
+void Surgery::set(int joint, const JointParameters& parameters) {
+  carry_out(SetParameters{{tree().carrier(joint)}, parameters}, Nature::outside);
+}
+
+Verdict Surgery::attach(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {
+  if (body == to) return Verdict::refused("body '" + body_name(body) + "' can't be joined to itself");
+  const int root = root_of(tree(), body);
+  if (to >= 0 && root_of(tree(), to) == root) {
+    const bool below = tree().parent(body) == to, above = tree().parent(to) == body;
+    if (below || above)
+      return Verdict::refused("'" + body_name(body) + "' and '" + body_name(to) + "' are joined already, by joint '" +
+                                  joint_name(tree().joint_of(below ? body : to)) + "'",
+                              "lock that joint, or change its kind");
+    return Verdict::refused("'" + body_name(body) + "' and '" + body_name(to) + "' both belong to mechanism '" +
+                                mechanism_of(body) + "': that would close a loop",
+                            "loops are not supported: break a joint between them first");
+  }
+  const auto held_by = [this](int b) { return joint_name(tree().joint_of(root_of(tree(), b))); };
+  const bool floats_here = floats(tree(), body), floats_there = to >= 0 && floats(tree(), to);
+  if (!floats_here && !floats_there) {
+    const std::string one = "mechanism '" + mechanism_of(body) + "' is held to the ground by joint '" + held_by(body) + "'";
+    if (to < 0) return Verdict::refused(one + ": a second joint to the ground would close a loop", "break one of them first");
+    return Verdict::refused(one + ", and '" + mechanism_of(to) + "' by joint '" + held_by(to) + "': that would close a loop",
+                            "break one of them first");
+  }
+  if (joint(made_name_) >= 0)
+    return Verdict::refused("there is a joint '" + made_name_ + "' already", "give the event another name");
+
+  const int carrier = floats_here ? body : to, other = floats_here ? to : body;
+  const int old_root = root_of(tree(), carrier);
+  const Pose present = inverse(pose(to)) * pose(body);
+  ChangeJoint change;
+  change.body = {carrier};
+  change.direction = carrier == body ? ChangeJoint::Direction::declared : ChangeJoint::Direction::reversed;
+  change.joint.kind = spec.kind, change.joint.axis = spec.axis, change.joint.axis2 = spec.axis2, change.joint.pitch = spec.pitch;
+  change.joint.at = at ? *at : Pose{present.position, Quat{}};
+  change.joint.child_at = inverse(present) * change.joint.at;
+  change.q = joint_zero(spec.kind);
+
+  carry_out(Join{{carrier}, {other}}, Nature::workless);
+  if (other < 0)
+    world_.names_.move_mechanism(old_root, carrier);
+  else
+    world_.names_.name_mechanism(old_root, {});
+  world_.names_.name_joint(tree().joint_of(carrier), made_name_);
+  carry_out(change, Nature::impact);
+  if (!(spec.parameters == JointParameters{})) set(tree().joint_of(carrier), spec.parameters);
+  return Verdict::done();
+}
+
+}  // namespace momentree

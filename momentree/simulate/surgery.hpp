@@ -1,0 +1,83 @@
+#pragma once
+// Changes of one world at one instant, with their books: what actions are made of.
+#include <array>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <momentree/simulate/action.hpp>
+#include <momentree/simulate/event.hpp>
+#include <momentree/simulate/world.hpp>
+#include <momentree/topology/change.hpp>
+
+namespace momentree {
+
+/// What a joint shall become, found before anything of the instant has changed it.
+struct JointPlan {
+  Joint joint;
+  Values q;
+};
+
+class Surgery {
+ public:
+  explicit Surgery(World& world);
+
+  /// What follows belongs to this event; a joint that is made gets that name.
+  void begin(Event& event, std::string made_name);
+  /// Writes what the joints of the current event transmitted into its certificate.
+  void certify(Event& event);
+
+  const World& world() const { return world_; }
+  const Tree& tree() const { return world_.tree_; }
+  /// Number of the present joint of that name, −1: there is none.
+  int joint(std::string_view name) const { return world_.names_.find_joint(name); }
+  /// Number of a body of this world, −1: the ground, −2: there is none.
+  int body(std::string_view name) const;
+  const std::string& joint_name(int number) const { return world_.names_.joint(number); }
+  std::string body_name(int body) const;
+  std::string mechanism_of(int body) const;
+  const Joint& declared(int joint) const { return tree().joint(tree().carrier(joint)); }
+  Values coordinates(int joint) const;
+  /// User's frame of a body (−1: the ground) in the world; of a joint's declared child in its declared parent.
+  Pose pose(int body);
+  Pose joint_pose(int joint);
+  /// Spatial velocities that a joint allows, locked freedoms apart: about the child's origin, in its axes.
+  std::vector<Motion<double>> freedoms(const Joint& joint, const Values& q) const;
+
+  // What changes no velocity: energy can only leave with springs and rotors.
+  void break_off(int joint);
+  void unlock(int joint, unsigned freedoms);
+  void loosen(int joint, const JointPlan& plan);
+  void reroot(int body);
+  // Impacts.
+  void lock(int joint, unsigned freedoms);
+  void become(int joint, const JointPlan& plan);
+  /// Joins `body` to `to` (−1: the ground) by a joint at `at` in to's frame, the present pose its zero; whichever floats is
+  /// re-rooted. Refused where that would close a loop.
+  Verdict attach(int body, int to, const JointSpec& joint, const std::optional<Pose>& at);
+  // Energy from outside.
+  void push(int body, const Vec3& force, const Vec3& torque, const Vec3& point);
+  void set(int joint, const JointParameters& parameters);
+
+  /// Plans by action, from before the first impact of the instant.
+  std::map<const ActionBase*, JointPlan> plans;
+  double seconds = 0;  ///< spent in changes alone
+  long changes = 0;
+
+ private:
+  enum class Nature { workless, impact, outside };
+  template <class Change>
+  void carry_out(const Change& change, Nature nature);
+  void remember_momenta();
+  void book_impulses(const Impulse* applied);
+  void evaluate() { world_.evaluate(); }
+
+  World& world_;
+  Event* event_ = nullptr;
+  std::string made_name_;
+  std::vector<Force<double>> before_;                            // Pb by body, user's frames
+  std::map<const Event*, std::vector<Force<double>>> impulses_;  // by joint number, declared child's frame
+};
+
+}  // namespace momentree
