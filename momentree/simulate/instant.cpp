@@ -115,6 +115,9 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due) {
     if (verdict.outcome == Verdict::Outcome::done) {
       const Verdict sound = check_energy(before, event.after, item.phase);
       if (sound.outcome != Verdict::Outcome::done) verdict = sound;
+      if (sound.outcome != Verdict::Outcome::done && prepares)  // between the old joint and the new one nothing holds it
+        verdict = Verdict::refused("it can't be one impact with others: the child alone has not the inertia to move freely",
+                                   "give its change an instant of its own");
     }
     if (verdict.outcome == Verdict::Outcome::refused) {
       refuse(item, std::move(verdict));

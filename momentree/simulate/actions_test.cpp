@@ -1,0 +1,327 @@
+// Actions as their users see them: names, order at one instant, who joins whom, what is skipped and what is refused.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/base/error.hpp>
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+using namespace momentree;
+
+namespace {
+
+BodySpec part(std::string name, Body parent, JointSpec joint, Values q = {}, Values v = {}) {
+  return {.name = std::move(name),
+          .mass = 1.5,
+          .com = {0.2, 0.05, -0.1},
+          .inertia = {0.05, 0.06, 0.07, 0.004, -0.003, 0.002},
+          .parent = parent,
+          .at = Pose{{0.4, 0.1, -0.05}, normalized(Quat{0.9, 0.1, -0.2, 0.3})},
+          .joint = std::move(joint),
+          .q = q,
+          .v = v};
+}
+
+// A crane on the ground, a free tug with an arm, a free satellite with a panel: everything moves.
+Model yard(Vec3 gravity = {}) {
+  Model model({.gravity = gravity});
+  const Body base = model.add(part("crane/base", ground, Revolute{}, 0.3, 0.7));
+  model.add(part("crane/boom", base, Revolute{.axis = {0, 1, 0}, .damping = 0.1}, -0.4, -1.1));
+  const Body tug = model.add(part("tug/hull", ground, Free{}, {0.5, 1, 2, 1, 0, 0, 0}, {0.1, -0.2, 0.3, 0.4, 0.5, -0.6}));
+  const Body upper = model.add(part("tug/upper", tug, Revolute{.axis = {1, 0, 0}, .stiffness = 3, .armature = 0.02}, 0.5, 0.9));
+  model.add(part("tug/hand", upper, Ball{}, {0.8, 0.6, 0, 0}, {0.3, -0.2, 0.8}));
+  const Body sat = model.add(part("sat/hull", ground, Free{}, {3, 1, 0, 1, 0, 0, 0}, {-0.3, 0.1, 0, 0.2, 0.1, 0.9}));
+  model.add(part("sat/panel", sat, Revolute{.axis = {0, 0, 1}, .stiffness = 2}, 0.2, -0.4));
+  return model;
+}
+
+std::string refused(Simulation& sim, const std::vector<Action>& actions) {
+  try {
+    sim.apply(actions);
+  } catch (const Error& error) {
+    return error.message();
+  }
+  return "";
+}
+
+std::vector<double> bits(const World& world) {
+  std::vector<double> all{world.time()};
+  for (double x : world.state().q()) all.push_back(x);
+  for (double x : world.state().p()) all.push_back(x);
+  for (const BodyMotion& m : world.motions())
+    for (double x : {m.pose.position.x, m.pose.rotation.w, m.linear.x, m.linear.y, m.angular.z}) all.push_back(x);
+  return all;
+}
+
+double fastest_change(const std::vector<BodyMotion>& a, const std::vector<BodyMotion>& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    most = std::max({most, norm(a[i].linear - b[i].linear), norm(a[i].angular - b[i].angular)});
+  return most;
+}
+
+double furthest_change(const std::vector<BodyMotion>& a, const std::vector<BodyMotion>& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    most = std::max({most, norm(a[i].pose.position - b[i].pose.position),
+                     norm(log_rotation(conjugate(a[i].pose.rotation) * b[i].pose.rotation))});
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("a capture, a lock and a release: names, mechanisms, who joins whom") {
+  Simulation sim(yard());
+  const Event grasp = sim.apply(weld("sat/panel", "tug/hand"), "grasp");
+  CHECK(grasp.mechanisms_before == std::vector<std::string>{"crane", "tug", "sat"});
+  CHECK(grasp.mechanisms_after == std::vector<std::string>{"crane", "tug"});  // both were free: `to`'s root is kept
+  const World& world = sim.world();
+  const int joint = world.find_joint("grasp");
+  REQUIRE(joint >= 0);
+  CHECK(world.joint({joint}).kind == Kind::weld);
+  CHECK(world.joint({joint}).child == world.model().body("sat/panel"));
+  CHECK(world.joint({joint}).parent == world.model().body("tug/hand"));
+  CHECK(world.find_joint("sat/hull") == -1);  // the free root joint is gone
+  const JointView hinge = world.joint(world.model().joint("sat/panel"));
+  CHECK(hinge.reversed);  // re-rooted, but seen as declared
+  CHECK(hinge.child == world.model().body("sat/panel"));
+  CHECK(hinge.parent == world.model().body("sat/hull"));
+  CHECK(hinge.q[0] == 0.2);
+
+  sim.apply(lock("tug/upper"));
+  CHECK(world.joint(world.model().joint("tug/upper")).locked == 1);
+  CHECK(world.joint(world.model().joint("tug/upper")).v[0] == 0);
+
+  sim.apply(break_joint("grasp"), "let go");
+  CHECK(world.mechanism_names() == std::vector<std::string>{"crane", "tug", "sat/panel"});  // named after its root body now
+  // Its free joint would have the panel's name, but the hinge has that already.
+  CHECK(world.find_joint("sat/panel~free") >= 0);
+  CHECK(world.find_joint("sat/panel") == world.model().joint("sat/panel").index);
+}
+
+TEST_CASE("the grounded partner's root is kept, whichever is named first; the joint is seen as declared") {
+  for (const bool crane_first : {false, true}) {
+    Simulation sim(yard());
+    const Event e = crane_first ? sim.apply(attach("crane/boom", "sat/panel", Ball{}), "hook")
+                                : sim.apply(attach("sat/panel", "crane/boom", Ball{}), "hook");
+    CHECK(e.mechanisms_after == std::vector<std::string>{"crane", "tug"});
+    const JointView hook = sim.world().joint({sim.world().find_joint("hook")});
+    CHECK(hook.reversed == crane_first);
+    CHECK(sim.world().model()[hook.child].name == (crane_first ? "crane/boom" : "sat/panel"));
+    CHECK(sim.world().model()[hook.parent].name == (crane_first ? "sat/panel" : "crane/boom"));
+    CHECK(hook.q[0] == 1);  // the present pose is its zero
+    // Its frame stands at the body's origin in `to`'s axes.
+    CHECK(norm(log_rotation(hook.at.rotation)) < 1e-15);
+    const std::vector<BodyMotion>& m = sim.world().motions();
+    CHECK(norm(m[static_cast<std::size_t>(hook.parent.index)].pose * hook.at.position -
+               m[static_cast<std::size_t>(hook.child.index)].pose.position) < 1e-14);
+  }
+}
+
+TEST_CASE("loops and nonsense are refused, name both sides, and leave the world as it was, to the bit") {
+  Simulation sim(yard({0, 0, -9.81}));
+  sim.run_until(0.05);
+  const std::vector<double> before = bits(sim.world());
+  const auto says = [&](const std::vector<Action>& actions, const std::vector<const char*>& words) {
+    const std::string message = refused(sim, actions);
+    INFO(message);
+    for (const char* word : words) CHECK_MESSAGE(message.find(word) != std::string::npos, word);
+    CHECK(bits(sim.world()) == before);
+    CHECK(sim.events().empty());
+  };
+  says({weld("tug/hand", "tug/hull")}, {"'tug/hand'", "'tug/hull'", "mechanism 'tug'", "close a loop"});
+  says({weld("tug/hand", "tug/hand")}, {"itself"});
+  says({weld("tug/hand", "tug/upper")}, {"joined already", "joint 'tug/hand'"});
+  says({weld("crane/boom")}, {"mechanism 'crane'", "joint 'crane/base'", "close a loop"});
+  says({attach("sat/hull", "tug/hand", Universal{.axis = {0, 0, 1}, .axis2 = {0, 0, 2}})}, {"axis2", "parallel"});
+  says({lock("tug/upper"), unlock("tug/upper")}, {"contradicts", "lock tug/upper", "unlock tug/upper"});
+  says({break_joint("tug/upper"), lock("tug/upper")}, {"contradicts", "break tug/upper"});
+  says({lock("tug/hand", {3})}, {"no freedom 3", "0 to 2"});
+  says({lock("tug/hand"), weld("sat/panel", "tug/hand"), weld("sat/hull", "tug/hull")},
+       {"close a loop"});  // after two that were fine
+  says({change_joint("tug/hand", Kind::revolute)}, {"axis"});
+  says({reroot("crane/boom")}, {"held to the ground"});
+  says({set_parameters("tug/upper", {.damping = -1})}, {"damping"});
+  CHECK_THROWS_AS(sim.at(1).then(break_joint("tug/elbow")), Error);
+  CHECK_THROWS_AS(sim.at(1).then(weld("tug/hand", "tug/elbow")), Error);
+  // Locks of different freedoms do not contradict each other.
+  CHECK(refused(sim, {lock("tug/hand", {0}), lock("tug/hand", {1})}) == "");
+  CHECK(sim.world().joint(sim.world().model().joint("tug/hand")).locked == 3);
+  CHECK(refused(sim, {lock("tug/hand", {2}), unlock("tug/hand", {1})}) == "");
+  CHECK(sim.world().joint(sim.world().model().joint("tug/hand")).locked == 5);
+}
+
+TEST_CASE(
+    "an impossible action of a run stops it before its instant, with a message; what has nothing to do is skipped and told") {
+  Simulation sim(yard());
+  sim.at(0.01).then(break_joint("tug/hand"));
+  sim.at(0.02).then(break_joint("tug/hand"));
+  sim.at(0.025).then(lock("tug/hand"));
+  sim.at(0.03).then(weld("tug/upper", "tug/hull")).named("loop");
+  CHECK(sim.run_until(1) == Status::refused);
+  CHECK(sim.time() == 0.03);
+  CHECK(sim.message().find("event 'loop' at t = 0.03 s: weld tug/upper to tug/hull: ") == 0);
+  REQUIRE(sim.events().size() == 3);
+  CHECK(sim.events()[1].actions[0].find("break tug/hand skipped: ") == 0);
+  CHECK(sim.events()[2].actions[0] == "lock tug/hand");  // the free joint of that body has its name now
+}
+
+TEST_CASE("at one instant: releases, then one impact, then impulses, then parameters, whatever the order of scheduling") {
+  const auto run = [](const std::vector<std::vector<Action>>& events) {
+    Simulation sim(yard());
+    for (const auto& actions : events) {
+      auto e = sim.at(0.02);
+      for (const Action& action : actions) e.then(action);
+    }
+    REQUIRE(sim.run_until(0.02) == Status::ok);
+    return std::pair{sim.world().motions(), sim.energy()};
+  };
+  const Action push = impulse("tug/hull", {1, 2, 3}, {0.1, 0.2, 0.3}, {0.1, 0, 0});
+  const Action soft = set_parameters("sat/panel", {.stiffness = 1});
+  const auto a = run({{break_joint("tug/upper"), lock("tug/hand"), weld("sat/panel", "crane/boom"), push, soft}});
+  const auto b = run({{soft, push}, {weld("sat/panel", "crane/boom")}, {lock("tug/hand"), break_joint("tug/upper")}});
+  CHECK(fastest_change(a.first, b.first) < 1e-12);
+  CHECK(std::fabs(a.second.error) < 1e-10);
+  CHECK(std::fabs(b.second.error) < 1e-10);
+  CHECK(a.second.lost_in_impacts == doctest::Approx(b.second.lost_in_impacts).epsilon(1e-10));
+  CHECK(a.second.released > 0);
+  CHECK(a.second.work == doctest::Approx(b.second.work).epsilon(1e-10));
+}
+
+TEST_CASE("changes that neither free nor hold alone are one impact with the others, in any order") {
+  const Action turn = change_joint("tug/upper", Prismatic{.axis = {0, 1, 0}});
+  const Action slide = change_joint("tug/hand", Revolute{.axis = {0, 0, 1}});
+  const auto run = [](const std::vector<Action>& actions) {
+    Simulation sim(yard());
+    sim.apply(actions);
+    CHECK(std::fabs(sim.energy().error) < 1e-12);
+    CHECK(sim.energy().lost_in_impacts > 1e-3);
+    return sim.world().motions();
+  };
+  const auto one = run({turn, lock("crane/boom"), slide}), other = run({slide, turn, lock("crane/boom")});
+  CHECK(fastest_change(one, other) < 1e-12);
+}
+
+TEST_CASE("a change keeps the coordinates that the new kind can represent, and the pose always") {
+  struct Case {
+    const char* joint;
+    Action action;
+    Values q;
+    bool lossless;
+  };
+  const std::vector<Case> cases = {
+      {"tug/upper", change_joint("tug/upper", Kind::cylindrical), {0.5, 0}, true},
+      {"tug/upper", change_joint("tug/upper", Kind::ball), {std::cos(0.25), std::sin(0.25), 0, 0}, true},
+      {"tug/upper", free_joint("tug/upper"), {0, 0, 0, std::cos(0.25), std::sin(0.25), 0, 0}, true},
+      {"tug/upper", change_joint("tug/upper", Kind::prismatic), {0}, false},
+      {"tug/upper", change_joint("tug/upper", Kind::weld), {}, false},
+      {"tug/upper", change_joint("tug/upper", Revolute{.axis = {0, 1, 0}}), {0}, false},
+      {"tug/hand", free_joint("tug/hand"), {0, 0, 0, 0.8, 0.6, 0, 0}, true},
+      {"tug/hand", change_joint("tug/hand", Universal{.axis = {1, 0, 0}, .axis2 = {0, 1, 0}}), {0, 0}, false},
+      {"tug/hull", change_joint("tug/hull", Kind::weld), {}, false},
+  };
+  for (const Case& c : cases) {
+    Simulation sim(yard());
+    const std::vector<BodyMotion> before = sim.world().motions();
+    const Event e = sim.apply(c.action);
+    CAPTURE(c.action.text());
+    const JointView joint = sim.world().joint(sim.world().model().joint(c.joint));
+    REQUIRE(static_cast<int>(joint.q.size()) == c.q.size());
+    for (int i = 0; i < c.q.size(); ++i) CHECK(joint.q[static_cast<std::size_t>(i)] == doctest::Approx(c.q[i]).epsilon(1e-15));
+    CHECK(furthest_change(before, sim.world().motions()) < 1e-14);
+    CHECK((fastest_change(before, sim.world().motions()) < 1e-12) == c.lossless);
+    CHECK((std::fabs(e.lost) < 1e-12) == c.lossless);
+    CHECK(std::fabs(sim.energy().error) < 1e-12);
+  }
+}
+
+TEST_CASE("the freedoms of the law: a broken, welded and again broken part is where it was") {
+  Simulation sim(yard());
+  const std::vector<BodyMotion> before = sim.world().motions();
+  sim.apply(break_joint("sat/panel"));
+  sim.apply(attach("sat/panel", "sat/hull", Revolute{.axis = {0, 0, 1}},
+                   Pose{{0.4, 0.1, -0.05}, normalized(Quat{0.9, 0.1, -0.2, 0.3})}),
+            "hinge");
+  CHECK(furthest_change(before, sim.world().motions()) < 1e-14);
+  CHECK(fastest_change(before, sim.world().motions()) < 1e-13);
+  CHECK(std::fabs(sim.energy().lost_in_impacts) < 1e-13);
+}
+
+TEST_CASE("snapshots, branches and undo are exact to the bit, across any number of changes") {
+  Simulation sim(yard({0, -9.81, 0}), {.step = 2e-3});
+  sim.keep_history();
+  sim.at(0.1).then(weld("sat/panel", "tug/hand")).named("grasp");
+  sim.at(0.2).then(lock("tug/upper")).then(change_joint("tug/hand", Kind::free));
+  sim.at(0.3).then(break_joint("grasp")).then(impulse("sat/hull", {1, 0, 0}));
+  sim.run_until(0.05);
+  const SimulationSnapshot early = sim.snapshot();
+  sim.run_until(0.25);
+  Simulation branch = sim.branch();
+  sim.run_until(0.4);
+  const std::vector<double> end = bits(sim.world());
+  const EnergyBalance balance = sim.energy();
+
+  branch.run_until(0.4);
+  CHECK(bits(branch.world()) == end);
+  CHECK(branch.energy().error == balance.error);
+
+  sim.restore(early);
+  CHECK(sim.time() == 0.05);
+  CHECK(sim.events().empty());
+  CHECK(sim.world().mechanism_names() == std::vector<std::string>{"crane", "tug", "sat"});
+  sim.run_until(0.25);  // steps land on what is asked for: the same bits need the same steps
+  sim.run_until(0.4);
+  CHECK(bits(sim.world()) == end);
+  CHECK(sim.energy().error == balance.error);
+  CHECK(sim.events().size() == 3);
+
+  sim.undo(1, true);  // and let it happen again
+  CHECK(sim.time() == 0.2);
+  CHECK(sim.events().size() == 1);
+  sim.run_until(0.25);
+  sim.run_until(0.4);
+  CHECK(bits(sim.world()) == end);
+
+  sim.undo(1);  // another branch: the lock never was
+  sim.run_until(0.4);
+  CHECK(sim.events().size() == 2);
+  CHECK(sim.world().joint(sim.world().model().joint("tug/upper")).locked == 0);
+  CHECK(bits(sim.world()) != end);
+  CHECK_THROWS_AS(sim.undo(5), Error);
+}
+
+TEST_CASE("a rehearsal finds what will be impossible, and every joint that there will be, and changes nothing") {
+  Simulation sim(yard());
+  sim.at(0.1).then(weld("sat/panel", "tug/hand")).named("grasp");
+  sim.at(0.2).then(break_joint("grasp"));
+  sim.at(0.3).then(break_joint("grasp"));
+  sim.at(0.4).then(weld("tug/hand", "tug/hull"));
+  const std::vector<double> before = bits(sim.world());
+  const Rehearsal found = sim.rehearse();
+  CHECK(bits(sim.world()) == before);
+  REQUIRE(found.troubles.size() == 2);
+  CHECK(found.troubles[0].event == 2);
+  CHECK(found.troubles[0].verdict.outcome == Verdict::Outcome::skipped);
+  CHECK(found.troubles[1].event == 3);
+  CHECK(found.troubles[1].message.find("t = 0.4 s") != std::string::npos);
+  const auto has = [&](const char* name, Kind kind) {
+    return std::find(found.joints.begin(), found.joints.end(), std::pair<std::string, Kind>{name, kind}) != found.joints.end();
+  };
+  CHECK(has("grasp", Kind::weld));
+  CHECK(has("sat/panel~free", Kind::free));
+  CHECK(has("sat/hull", Kind::free));
+  CHECK(found.joints.size() == 9);
+}
+
+TEST_CASE("a part that would have no mass of its own does not come off") {
+  Model model = yard();
+  BodySpec sensor{.name = "tug/sensor", .parent = model.body("tug/hand"), .at = {0.1, 0, 0}, .joint = Weld{}};
+  model.add(sensor);
+  Simulation sim(model);
+  const std::vector<double> before = bits(sim.world());
+  CHECK(refused(sim, {break_joint("tug/sensor")}).find("mass") != std::string::npos);
+  CHECK(bits(sim.world()) == before);
+}
