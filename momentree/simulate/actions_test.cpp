@@ -205,6 +205,16 @@ TEST_CASE("changes that neither free nor hold alone are one impact with the othe
   CHECK(fastest_change(one, other) < 1e-12);
 }
 
+TEST_CASE("what a joint that changes at this instant holds to the ground stays held") {
+  const Action turn = change_joint("crane/base", Prismatic{.axis = {0, 1, 0}});
+  Simulation sim(yard());
+  sim.apply(weld("sat/hull"), "held");
+  CHECK(refused(sim, {turn, weld("crane/boom", "sat/panel")}).find("close a loop") != std::string::npos);
+  CHECK(refused(sim, {weld("crane/boom", "sat/panel"), turn}).find("close a loop") != std::string::npos);
+  CHECK(refused(sim, {turn, weld("crane/boom", "tug/hand")}) == "");  // the tug hangs on the crane, not the other way round
+  CHECK(sim.world().mechanism_names() == std::vector<std::string>{"crane", "sat"});
+}
+
 TEST_CASE("a change keeps the coordinates that the new kind can represent, and the pose always") {
   struct Case {
     const char* joint;

@@ -123,6 +123,10 @@ void Surgery::set(int joint, const JointParameters& parameters) {
   carry_out(SetParameters{{tree().carrier(joint)}, parameters}, Nature::outside);
 }
 
+bool Surgery::drifts(int body) const {
+  return floats(tree(), body) && !loosened.contains(tree().joint_of(root_of(tree(), body)));
+}
+
 Verdict Surgery::attach(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {
   if (body == to) return Verdict::refused("body '" + body_name(body) + "' can't be joined to itself");
   const int root = root_of(tree(), body);
@@ -137,7 +141,7 @@ Verdict Surgery::attach(int body, int to, const JointSpec& spec, const std::opti
                             "loops are not supported: break a joint between them first");
   }
   const auto held_by = [this](int b) { return joint_name(tree().joint_of(root_of(tree(), b))); };
-  const bool floats_here = floats(tree(), body), floats_there = to >= 0 && floats(tree(), to);
+  const bool floats_here = drifts(body), floats_there = to >= 0 && drifts(to);
   if (!floats_here && !floats_there) {
     const std::string one = "mechanism '" + mechanism_of(body) + "' is held to the ground by joint '" + held_by(body) + "'";
     if (to < 0) return Verdict::refused(one + ": a second joint to the ground would close a loop", "break one of them first");

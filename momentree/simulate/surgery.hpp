@@ -2,6 +2,7 @@
 // Changes of one world at one instant, with their books: what actions are made of.
 #include <array>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -60,12 +61,15 @@ class Surgery {
   void push(int body, const Vec3& force, const Vec3& torque, const Vec3& point);
   void set(int joint, const JointParameters& parameters);
 
-  /// Plans by action, from before the first impact of the instant.
+  /// Plans by action, from before the first impact of the instant, and the joints that are let go until they are carried out:
+  /// what hangs on such a joint is no less held for that.
   std::map<const ActionBase*, JointPlan> plans;
+  std::set<int> loosened;
   double seconds = 0;  ///< spent in changes alone
   long changes = 0;
 
  private:
+  bool drifts(int body) const;
   enum class Nature { workless, impact, outside };
   template <class Change>
   void carry_out(const Change& change, Nature nature);

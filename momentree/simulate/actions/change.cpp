@@ -114,6 +114,7 @@ Verdict Change::prepare(Surgery& surgery) const {
   if (verdict.outcome != Verdict::Outcome::done) return verdict;
   const int number = surgery.joint(name);
   surgery.plans[this] = found;
+  surgery.loosened.insert(number);
   JointPlan loose;
   loose.joint.kind = Kind::free;
   const Joint old = surgery.declared(number);
@@ -130,6 +131,7 @@ Verdict Change::apply(Surgery& surgery) const {
   const auto prepared = surgery.plans.find(this);
   if (prepared != surgery.plans.end()) {
     found = prepared->second;
+    surgery.loosened.erase(surgery.joint(name));
   } else {
     const Verdict verdict = plan(surgery, found);
     if (verdict.outcome != Verdict::Outcome::done) return verdict;
