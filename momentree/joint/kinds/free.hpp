@@ -92,6 +92,23 @@ struct FreeKernels : SixFreedoms<FreeKernels> {
   MOMENTREE_INLINE static Motion<T> spatial_velocity(const Link&, const JointState<T>&, const Motion<T>& in, const T* u) {
     return {{in.v.x + u[0], in.v.y + u[1], in.v.z + u[2]}, {in.w.x + u[3], in.w.y + u[4], in.w.z + u[5]}};
   }
+  /// (45)–(51): Ṗb = π.
+  template <class T>
+  MOMENTREE_INLINE static void reduce_rate(const Link&, const JointState<T>&, const Record<T>& w, const T* pi, Force<T>& D,
+                                           T* udot) {
+    udot[0] = pi[0] - D.l.x, udot[1] = pi[1] - D.l.y, udot[2] = pi[2] - D.l.z;
+    udot[3] = pi[3] - D.h.x, udot[4] = pi[4] - D.h.y, udot[5] = pi[5] - D.h.z;
+    w.Mj.solve(udot);
+    D = {{pi[0], pi[1], pi[2]}, {pi[3], pi[4], pi[5]}};
+  }
+  /// (47)
+  template <class T>
+  MOMENTREE_INLINE static void joint_acceleration(const Record<T>&, const Motion<T>& in, T* udot) {
+    udot[0] = udot[0] - in.v.x, udot[1] = udot[1] - in.v.y, udot[2] = udot[2] - in.v.z;
+    udot[3] = udot[3] - in.w.x, udot[4] = udot[4] - in.w.y, udot[5] = udot[5] - in.w.z;
+  }
+  template <class T>
+  MOMENTREE_INLINE static void add_reduced(const Record<T>&, const Motion<T>&, Force<T>&) {}
 };
 
 /// No constraint: q = position of the child-side origin in the parent-side frame and unit quaternion (w, x, y, z); v = linear

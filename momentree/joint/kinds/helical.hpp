@@ -21,6 +21,10 @@ struct HelicalKernels : ScrewKernels<HelicalKernels, 1, 1> {
   MOMENTREE_INLINE static Columns<T, 1> columns(const Link& k, const JointState<T>&) {
     return {{{{T(0), T(0), T(k.geometry[0])}, {T(0), T(0), T(1)}}}};
   }
+  /// A torque about the axis: what moves along it is the thread's doing.
+  static Force<double> drive_wrench(const Link&, const JointState<double>&, const double* force) {
+    return {{}, {0, 0, force[0]}};
+  }
 };
 
 /// A screw: turns about `axis` and moves along it by `pitch` metres per turn.

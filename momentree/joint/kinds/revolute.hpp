@@ -17,6 +17,17 @@ struct PinKernels : ScrewKernels<K, 1, 1> {
   MOMENTREE_INLINE static Columns<T, 1> columns(const Link&, const JointState<T>&) {
     return {{{{T(0), T(0), T(0)}, {T(0), T(0), T(1)}}}};
   }
+  template <class T>
+  MOMENTREE_INLINE static Motion<T> acceleration_bias(const Link&, const JointState<T>&, const Motion<T>& a, const T* u) {
+    return {{u[0] * a.v.y, -(u[0] * a.v.x), T(0)}, {u[0] * a.w.y, -(u[0] * a.w.x), T(0)}};
+  }
+  template <class T>
+  MOMENTREE_INLINE static void remainder_rate(const Link&, const JointState<T>&, const auto& w, const Motion<T>& bias, const T* u,
+                                              const Force<T>& Pb, Force<T>& D) {
+    K::add_reduced(w, bias, D);
+    D.l.x = D.l.x - u[0] * Pb.l.y, D.l.y = D.l.y + u[0] * Pb.l.x;
+    D.h.x = D.h.x - u[0] * Pb.h.y, D.h.y = D.h.y + u[0] * Pb.h.x;
+  }
 };
 struct PinWithRotor : PinKernels<PinWithRotor> {};
 
@@ -115,6 +126,40 @@ struct RevoluteKernels : PinKernels<RevoluteKernels> {
   template <class T>
   MOMENTREE_INLINE static Motion<T> spatial_velocity(const Link&, const JointState<T>&, const Motion<T>& in, const T* u) {
     return {in.v, {in.w.x, in.w.y, in.w.z + u[0]}};
+  }
+  /// (45)–(51): as for D̂, the last component becomes π.
+  template <class T>
+  MOMENTREE_INLINE static void reduce_rate(const Link&, const JointState<T>&, const Record<T>& w, const T* pi, Force<T>& D,
+                                           T* udot) {
+    const T r = pi[0] - D.h.z;
+    D.l += r * w.gl;
+    D.h = {D.h.x + w.ghx * r, D.h.y + w.ghy * r, pi[0]};
+    udot[0] = w.inverse_mass * r;
+  }
+  /// M̂ times the bias, whose z components are zero, too.
+  template <class T>
+  MOMENTREE_INLINE static void remainder_rate(const Link&, const JointState<T>&, const Record<T>& w, const Motion<T>& bias,
+                                              const T* u, const Force<T>& Pb, Force<T>& D) {
+    const Vector3<T>&v = bias.v, &o = bias.w;
+    D.l.x = D.l.x + ((w.A.xx * v.x + w.Bxx * o.x) + (w.A.xy * v.y + w.Bxy * o.y) - u[0] * Pb.l.y);
+    D.l.y = D.l.y + ((w.A.xy * v.x + w.Byx * o.x) + (w.A.yy * v.y + w.Byy * o.y) + u[0] * Pb.l.x);
+    D.l.z = D.l.z + ((w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y));
+    D.h.x = D.h.x + ((w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y) - u[0] * Pb.h.y);
+    D.h.y = D.h.y + ((w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y) + u[0] * Pb.h.x);
+  }
+  /// (47)
+  template <class T>
+  MOMENTREE_INLINE static void joint_acceleration(const Record<T>& w, const Motion<T>& in, T* udot) {
+    udot[0] = udot[0] - ((w.gl.x * in.v.x + w.ghx * in.w.x) + (w.gl.y * in.v.y + w.ghy * in.w.y) + w.gl.z * in.v.z) - in.w.z;
+  }
+  template <class T>
+  MOMENTREE_INLINE static void add_reduced(const Record<T>& w, const Motion<T>& a, Force<T>& F) {
+    const Vector3<T>&v = a.v, &o = a.w;
+    F.l.x = F.l.x + ((w.A.xx * v.x + w.Bxx * o.x) + (w.A.xy * v.y + w.Bxy * o.y) + w.A.xz * v.z);
+    F.l.y = F.l.y + ((w.A.xy * v.x + w.Byx * o.x) + (w.A.yy * v.y + w.Byy * o.y) + w.A.yz * v.z);
+    F.l.z = F.l.z + ((w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y) + w.A.zz * v.z);
+    F.h.x = F.h.x + ((w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y) + w.Bzx * v.z);
+    F.h.y = F.h.y + ((w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y) + w.Bzy * v.z);
   }
 };
 
