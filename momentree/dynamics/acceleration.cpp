@@ -23,6 +23,7 @@ Force<double> on_declared_child(const Tree& tree, const State& state, const Work
 void accelerate(const Tree& tree, const State& state, Work<double>& work) noexcept {
   forward_dynamics(tree, state, work);
   if (work.accelerated == state.stamp()) return;
+  joint_forces(tree, state.q().data(), work, work.a.get());
   evaluate_accelerations<double>(tree, state.q().data(), work);
   work.accelerated = state.stamp();
 }
@@ -53,10 +54,10 @@ BodyAcceleration body_acceleration(const Tree& tree, const State& state, const W
   const Kinematics<double>& body = work.bodies[static_cast<std::size_t>(b)];
   const Motion<double>& rate = work.accelerations[static_cast<std::size_t>(b)];
   const KernelFrame& frame = tree.frame(b);
-  // The components of Ω turn with the body: d(Rv)/dt = R (v̇ + ω × v). Then from the kernels' origin to the user's.
+  // The components of Ω turn with the body: d(Rv)/dt = R (v̇ + ω × v). Then from the kernels' origin to the user's, and gravity.
   const Vec3 &v = body.velocity.v, &w = body.velocity.w, to = -transpose_times(frame.R, frame.r);
   const Vec3 linear = rate.v + cross(w, v) + cross(rate.w, to) + cross(w, cross(w, to));
-  return {body.R * linear, body.R * rate.w};
+  return {body.R * linear + tree.gravity(), body.R * rate.w};
 }
 
 }  // namespace momentree

@@ -5,12 +5,12 @@
 
 namespace momentree {
 
-/// Accelerations u̇ of all joints in work.a (packed as p; zero where a freedom is locked), Ω̇ of every body in
-/// work.accelerations, the whole wrench Tr of every inboard joint on its body in work.reactions (both in the kernel frame).
+/// Accelerations u̇ of all joints in work.a (packed as p; zero where a freedom is locked); of every body, in its kernel frame, Ω̇
+/// less gravity in work.accelerations and the whole wrench Tr of its inboard joint in work.reactions.
 /// Evaluates the state first where needed; a work that has them already is left as it is. Neither allocates nor throws.
 void accelerate(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
-/// The same passes for any scalar, at coordinates q: after evaluate_motions there, and with joint forces in pdot.
+/// The same passes for any scalar, at coordinates q: after evaluate_motions there, and with the joint forces τ in work.a.
 template <class T>
 void evaluate_accelerations(const Tree& tree, const T* q, Work<T>& work) noexcept;
 

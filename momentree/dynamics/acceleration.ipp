@@ -1,6 +1,10 @@
 #pragma once
 // Bodies of the second recursion; included only by instantiate/*.cpp, one scalar each. Segments run as those of the first
 // recursion do, with accumulators in locals.
+//
+// The paper takes Ṗb outward and Tr = Ṗb + Ω × Pb − Tb from it (32), two numbers that nearly cancel where what hangs outboard is
+// heavy and fast. Tr itself obeys the same recursion: Tr = Mb Ω̇ + W, where W is Ω × P less weight of the body itself and what its
+// children ask of it; nothing is lost then.
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/joint/dispatch.hpp>
 
@@ -16,13 +20,13 @@ struct RateSweep {
     return {q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
   }
 
-  /// Tip to base. On the way out there wait: in `accelerations` the bias, in `reactions` Tr but for M̂ a′, in `a` Mj⁻¹ (π − Eᵀ
-  /// Ḋb).
+  /// Tip to base. On the way out there wait: the bias in `accelerations`, Tr but for M̂ a′ in `reactions`, and in `a` Mj⁻¹ (τ − Eᵀ
+  /// W).
   template <class K, bool Aligned>
   void inboard(const Segment& segment) const {
     const auto order = tree.order();
-    Force<T> D{};  // Ḋb; a tip has none
-    if (segment.junction >= 0) D = work.inlets[static_cast<std::size_t>(segment.junction)].D;
+    Force<T> W{};  // what the children ask, and soon the body itself
+    if (segment.junction >= 0) W = work.inlets[static_cast<std::size_t>(segment.junction)].D;
     for (int i = segment.end - 1; i >= segment.begin; --i) {
       const int b = order[static_cast<std::size_t>(i)];
       const auto body = static_cast<std::size_t>(b);
@@ -30,26 +34,26 @@ struct RateSweep {
       const JointState<T> joint = joint_state(b);
       const auto& record = work.template record<K>(tree, b);
       const int at = tree.first_p(b);
-      const T* u = work.v.get() + at;
-      const BodySweep<T>& m = work.motions[body];
-      T pi[6];
-      K::template rate_without_turning<T>(link, joint, u, m.articulated, work.pdot.get() + at, pi);
-      K::template reduce_rate<T>(link, joint, record, pi, D, work.a.get() + at);  // (51)
-      work.reactions[body] = D - m.wrench;
-      const Motion<T> bias = K::template acceleration_bias<T>(link, joint, m.velocity, u);
+      T* udot = work.a.get() + at;  // τ on entry
+      const Motion<T>& velocity = work.motions[body].velocity;
+      W += turning_wrench(link.body, velocity);
+      K::template reduce_wrench<T>(link, joint, record, udot, W, udot);  // (51)
+      work.reactions[body] = W;
+      const Motion<T> bias = K::template acceleration_bias<T>(link, joint, velocity, work.v.get() + at);
       work.accelerations[body] = bias;
-      K::template remainder_rate<T>(link, joint, record, bias, u, m.articulated, D);
-      K::template crossing_again<Aligned, T>(link, joint, record).inboard(D);  // (45)
+      K::add_reduced_bias(record, bias, W);
+      K::template crossing_again<Aligned, T>(link, joint, record).inboard(W);  // (45)
     }
-    if (segment.deposit == Segment::Deposit::assign) work.inlets[static_cast<std::size_t>(segment.parent)].D = D;
-    if (segment.deposit == Segment::Deposit::add) work.inlets[static_cast<std::size_t>(segment.parent)].D += D;
+    if (segment.deposit == Segment::Deposit::assign) work.inlets[static_cast<std::size_t>(segment.parent)].D = W;
+    if (segment.deposit == Segment::Deposit::add) work.inlets[static_cast<std::size_t>(segment.parent)].D += W;
   }
 
-  /// Base to tip.
+  /// Base to tip. The ground accelerates against gravity: so every body has its weight, and none needs to know where down is.
   template <class K, bool Aligned>
   void outboard(const Segment& segment) const {
     const auto order = tree.order();
-    Motion<T> a{};  // the ground rests
+    const Vec3& g = tree.gravity();
+    Motion<T> a{{T(-g.x), T(-g.y), T(-g.z)}, {}};
     if (segment.parent >= 0) a = work.outlets[static_cast<std::size_t>(segment.parent)].velocity;
     for (int i = segment.begin; i < segment.end; ++i) {
       const int b = order[static_cast<std::size_t>(i)];
@@ -61,7 +65,7 @@ struct RateSweep {
       K::template crossing_again<Aligned, T>(link, joint, record).outboard(a);
       a = a + work.accelerations[body];                           // a′ = X Ω̇_parent + bias
       K::joint_acceleration(record, a, udot);                     // (47)
-      K::add_reduced(record, a, work.reactions[body]);            // (44) as Ṗb = M̂ a′ + D̂̇ without bias; (32)
+      K::add_reduced(record, a, work.reactions[body]);            // (44), (32)
       a = K::template spatial_velocity<T>(link, joint, a, udot);  // (39)
       work.accelerations[body] = a;
     }

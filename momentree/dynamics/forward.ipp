@@ -44,7 +44,7 @@ struct Sweep {
     if (segment.deposit == Segment::Deposit::add) work.inlets[static_cast<std::size_t>(segment.parent)] += a;
   }
 
-  /// Forward recursion along a segment, base to tip. `Keep`: what changes and accelerations read of a body is kept; stages leave
+  /// Forward recursion along a segment, base to tip. `Keep`: what changes and accelerations read, Ω and Pb, is kept; stages leave
   /// it out.
   template <class K, bool Aligned, bool Keep>
   void outboard(const Segment& segment) const {
@@ -62,13 +62,13 @@ struct Sweep {
       const auto& crossing = K::template crossing_again<Aligned, T>(link, joint, record);
       crossing.outboard(a.velocity);
       crossing.outboard(a.gravity);
-      K::joint_velocity(record, a.velocity, u);                                           // (27)
-      const Force<T> Pb = K::articulated_momentum(record, p + at, a.velocity);            // (21)
-      a.velocity = K::template spatial_velocity<T>(link, joint, a.velocity, u);           // (17)
+      K::joint_velocity(record, a.velocity, u);                                  // (27)
+      const Force<T> Pb = K::articulated_momentum(record, p + at, a.velocity);   // (21)
+      a.velocity = K::template spatial_velocity<T>(link, joint, a.velocity, u);  // (17)
+      if constexpr (Keep) work.motions[static_cast<std::size_t>(b)] = {a.velocity, Pb};
       const Force<T> weight{link.subtree_mass * a.gravity, cross(record.mc, a.gravity)};  // (15)
       const Force<T> wrench = weight - cross(a.velocity, Pb);                             // (9), (20)
-      if constexpr (Keep) work.motions[static_cast<std::size_t>(b)] = {a.velocity, Pb, wrench};
-      K::template momentum_rate<T>(link, joint, u, Pb, wrench, work.pdot.get() + at);  // (20)
+      K::template momentum_rate<T>(link, joint, u, Pb, wrench, work.pdot.get() + at);     // (20)
       K::template coordinate_rate<T>(joint.q, u, work.qdot.get() + tree.first_q(b));
     }
     if (segment.junction >= 0) work.outlets[static_cast<std::size_t>(segment.junction)] = a;

@@ -22,12 +22,11 @@ struct Kinematics {
   Motion<T> velocity;
 };
 
-/// What a sweep finds of a body, in its kernel frame.
+/// Spatial velocity and articulated momentum of a body, in its kernel frame.
 template <class T>
 struct BodySweep {
   Motion<T> velocity;    ///< Ω
   Force<T> articulated;  ///< Pb (14)
-  Force<T> wrench;       ///< Tb − Ω × Pb (20)
 };
 
 /// Scratch of the sweeps for one tree. Arrays are as long as any later topology needs; untouched pages cost nothing.
@@ -75,7 +74,7 @@ class Work {
   std::unique_ptr<Inboard<T>[]> inlets;        ///< by junction, on the way in
   std::unique_ptr<Outboard<T>[]> outlets;      ///< by junction, on the way out
   std::unique_ptr<BodySweep<T>[]> motions;     ///< of the state of `evaluated`
-  std::unique_ptr<Motion<T>[]> accelerations;  ///< Ω̇ of each body, kernel frame
+  std::unique_ptr<Motion<T>[]> accelerations;  ///< Ω̇ of each body less gravity, as felt in the body; kernel frame
   std::unique_ptr<Force<T>[]> reactions;       ///< Tr: wrench of the inboard joint on the body, kernel frame
   std::unique_ptr<int[]> path;                 ///< scratch of changes that walk from a root to a body
   std::unique_ptr<Kinematics<T>[]> bodies;

@@ -95,14 +95,14 @@ MOMENTREE_INLINE void reduce_generic(const Columns<T, N>& E, const T* p, const d
   w.D = D;
 }
 
-/// (45)–(51) for any kind: in, π and Ḋb of the body; out, Ḋb + G (π − Eᵀ Ḋb), which is D̂̇ but for M̂ times the bias, and
-/// Mj⁻¹ (π − Eᵀ Ḋb), which is u̇ but for what the parent's acceleration adds.
+/// (51) for any kind: in, the wrench W that outboard motion asks of the body, without Mb Ω̇, and the joint's force τ; out, W + G
+/// (τ − Eᵀ W), what it asks of the parent, and Mj⁻¹ (τ − Eᵀ W), u̇ but for what the parent's acceleration adds.
 template <class T, int N, class Record>
-MOMENTREE_INLINE void reduce_rate_generic(const Columns<T, N>& E, const Record& w, const T* pi, Force<T>& D, T* udot) {
+MOMENTREE_INLINE void reduce_wrench_generic(const Columns<T, N>& E, const Record& w, const T* tau, Force<T>& W, T* udot) {
   if constexpr (N > 0) {
     constexpr auto n = static_cast<std::size_t>(N);
-    for (std::size_t i = 0; i < n; ++i) udot[i] = pi[i] - dot(E[i], D);
-    for (std::size_t i = 0; i < n; ++i) D += udot[i] * w.G[i];
+    for (std::size_t i = 0; i < n; ++i) udot[i] = tau[i] - dot(E[i], W);
+    for (std::size_t i = 0; i < n; ++i) W += udot[i] * w.G[i];
     w.Mj.solve(udot);
   }
 }
@@ -181,17 +181,8 @@ struct GenericKernels {
     }
   }
 
-  // The second recursion. π = Eᵀ (Tb − Ω × Pb) + τ is what (20) has without Ėᵀ Pb.
+  // The second recursion.
 
-  template <class T>
-  MOMENTREE_INLINE static void rate_without_turning(const Link& k, const JointState<T>& j, const T* u, const Force<T>& Pb,
-                                                    const T* pdot, T* pi) {
-    for (std::size_t i = 0; i < static_cast<std::size_t>(NV); ++i) pi[i] = pdot[i];
-    if constexpr (requires { K::template columns_rate<T>(k, j, u); }) {
-      const Column<T> Edot = K::template columns_rate<T>(k, j, u);
-      for (std::size_t i = 0; i < static_cast<std::size_t>(NV); ++i) pi[i] = pi[i] - dot(Edot[i], Pb);
-    }
-  }
   /// What Ω̇ has beyond X Ω̇_parent + E u̇: Ω × E u, because X turns, and Ė u.
   template <class T>
   MOMENTREE_INLINE static Motion<T> acceleration_bias(const Link& k, const JointState<T>& j, const Motion<T>& velocity,
@@ -206,17 +197,11 @@ struct GenericKernels {
     }
     return bias;
   }
+  /// (51); `tau` may be `udot` itself.
   template <class T>
-  MOMENTREE_INLINE static void reduce_rate(const Link& k, const JointState<T>& j, const auto& w, const T* pi, Force<T>& D,
-                                           T* udot) {
-    reduce_rate_generic<T, NV>(K::template columns<T>(k, j), w, pi, D, udot);
-  }
-  /// The rest of (51), and what (45) adds before Xᵀ: D̂̇ + E u × Pb.
-  template <class T>
-  MOMENTREE_INLINE static void remainder_rate(const Link& k, const JointState<T>& j, const auto& w, const Motion<T>& bias,
-                                              const T* u, const Force<T>& Pb, Force<T>& D) {
-    K::add_reduced(w, bias, D);
-    D += cross(K::template spatial_velocity<T>(k, j, {}, u), Pb);
+  MOMENTREE_INLINE static void reduce_wrench(const Link& k, const JointState<T>& j, const auto& w, const T* tau, Force<T>& W,
+                                             T* udot) {
+    reduce_wrench_generic<T, NV>(K::template columns<T>(k, j), w, tau, W, udot);
   }
   /// (47): the parent's part, u̇ − Gᵀ a′ with a′ = X Ω̇_parent + bias.
   template <class R, class T>
@@ -227,6 +212,11 @@ struct GenericKernels {
   template <class R, class T>
   MOMENTREE_INLINE static void add_reduced(const R& w, const Motion<T>& a, Force<T>& F) {
     F += w.M * a;
+  }
+  /// The same for the bias, which may have zeros.
+  template <class R, class T>
+  MOMENTREE_INLINE static void add_reduced_bias(const R& w, const Motion<T>& bias, Force<T>& F) {
+    K::add_reduced(w, bias, F);
   }
   /// The wrench by which a drive, a spring, a damper acts on the child, W with Eᵀ W = force: a pure torque for a freedom that
   /// turns, a force through the origin for one that slides. Here the columns of E are of length one and across each other.

@@ -66,14 +66,6 @@ struct ScrewKernels : GenericKernels<K, NQ, NV> {
     const Screw<T> t = twist(k, j, u);
     return {{t.s * a.v.y + t.d * a.w.y, -(t.s * a.v.x) - t.d * a.w.x, T(0)}, {t.s * a.w.y, -(t.s * a.w.x), T(0)}};
   }
-  /// M̂ bias + E u × Pb
-  template <class T>
-  MOMENTREE_INLINE static void remainder_rate(const Link& k, const JointState<T>& j, const auto& w, const Motion<T>& bias,
-                                              const T* u, const Force<T>& Pb, Force<T>& D) {
-    const Screw<T> t = twist(k, j, u);
-    K::add_reduced(w, bias, D);
-    D += Force<T>{{-(t.s * Pb.l.y), t.s * Pb.l.x, T(0)}, {-(t.d * Pb.l.y) - t.s * Pb.h.y, t.d * Pb.l.x + t.s * Pb.h.x, T(0)}};
-  }
   /// How the kind crosses itself; a kind whose reduced mass has zeros gives its own.
   template <class T, bool Aligned>
   struct Crossing : ScrewCrossing<T, Aligned> {};

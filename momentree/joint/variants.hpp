@@ -96,21 +96,14 @@ struct LockedKernels : B {
     for (int i = 0; i < NV; ++i)
       if ((k.locked >> i & 1) != 0) pdot[i] = T(0);
   }
+  /// (51) with E′ = E B: what is locked has no force along it, and u̇ = 0.
   template <class T>
-  MOMENTREE_INLINE static void rate_without_turning(const Link& k, const JointState<T>& j, const T* u, const Force<T>& Pb,
-                                                    const T* pdot, T* pi) {
-    B::template rate_without_turning<T>(k, j, u, Pb, pdot, pi);
-    for (int i = 0; i < NV; ++i)
-      if ((k.locked >> i & 1) != 0) pi[i] = T(0);
-  }
-  /// (45)–(51) with E′ = E B: what is locked keeps u̇ = 0.
-  template <class T>
-  MOMENTREE_INLINE static void reduce_rate(const Link& k, const JointState<T>& j, const auto& w, const T* pi, Force<T>& D,
-                                           T* udot) {
+  MOMENTREE_INLINE static void reduce_wrench(const Link& k, const JointState<T>& j, const auto& w, const T* tau, Force<T>& W,
+                                             T* udot) {
     auto E = B::template columns<T>(k, j);
     for (std::size_t i = 0; i < E.size(); ++i)
       if ((k.locked >> i & 1u) != 0) E[i] = Motion<T>{};
-    reduce_rate_generic<T, NV>(E, w, pi, D, udot);
+    reduce_wrench_generic<T, NV>(E, w, tau, W, udot);
   }
 };
 

@@ -92,14 +92,15 @@ struct FreeKernels : SixFreedoms<FreeKernels> {
   MOMENTREE_INLINE static Motion<T> spatial_velocity(const Link&, const JointState<T>&, const Motion<T>& in, const T* u) {
     return {{in.v.x + u[0], in.v.y + u[1], in.v.z + u[2]}, {in.w.x + u[3], in.w.y + u[4], in.w.z + u[5]}};
   }
-  /// (45)–(51): Ṗb = π.
+  /// (51): nothing reaches the parent but τ.
   template <class T>
-  MOMENTREE_INLINE static void reduce_rate(const Link&, const JointState<T>&, const Record<T>& w, const T* pi, Force<T>& D,
-                                           T* udot) {
-    udot[0] = pi[0] - D.l.x, udot[1] = pi[1] - D.l.y, udot[2] = pi[2] - D.l.z;
-    udot[3] = pi[3] - D.h.x, udot[4] = pi[4] - D.h.y, udot[5] = pi[5] - D.h.z;
+  MOMENTREE_INLINE static void reduce_wrench(const Link&, const JointState<T>&, const Record<T>& w, const T* tau, Force<T>& W,
+                                             T* udot) {
+    const Force<T> t{{tau[0], tau[1], tau[2]}, {tau[3], tau[4], tau[5]}};
+    const Force<T> r = t - W;
+    udot[0] = r.l.x, udot[1] = r.l.y, udot[2] = r.l.z, udot[3] = r.h.x, udot[4] = r.h.y, udot[5] = r.h.z;
     w.Mj.solve(udot);
-    D = {{pi[0], pi[1], pi[2]}, {pi[3], pi[4], pi[5]}};
+    W = t;
   }
   /// (47)
   template <class T>

@@ -21,13 +21,6 @@ struct PinKernels : ScrewKernels<K, 1, 1> {
   MOMENTREE_INLINE static Motion<T> acceleration_bias(const Link&, const JointState<T>&, const Motion<T>& a, const T* u) {
     return {{u[0] * a.v.y, -(u[0] * a.v.x), T(0)}, {u[0] * a.w.y, -(u[0] * a.w.x), T(0)}};
   }
-  template <class T>
-  MOMENTREE_INLINE static void remainder_rate(const Link&, const JointState<T>&, const auto& w, const Motion<T>& bias, const T* u,
-                                              const Force<T>& Pb, Force<T>& D) {
-    K::add_reduced(w, bias, D);
-    D.l.x = D.l.x - u[0] * Pb.l.y, D.l.y = D.l.y + u[0] * Pb.l.x;
-    D.h.x = D.h.x - u[0] * Pb.h.y, D.h.y = D.h.y + u[0] * Pb.h.x;
-  }
 };
 struct PinWithRotor : PinKernels<PinWithRotor> {};
 
@@ -127,25 +120,23 @@ struct RevoluteKernels : PinKernels<RevoluteKernels> {
   MOMENTREE_INLINE static Motion<T> spatial_velocity(const Link&, const JointState<T>&, const Motion<T>& in, const T* u) {
     return {in.v, {in.w.x, in.w.y, in.w.z + u[0]}};
   }
-  /// (45)–(51): as for D̂, the last component becomes π.
+  /// (51): the last component becomes τ, as that of D̂ becomes p.
   template <class T>
-  MOMENTREE_INLINE static void reduce_rate(const Link&, const JointState<T>&, const Record<T>& w, const T* pi, Force<T>& D,
-                                           T* udot) {
-    const T r = pi[0] - D.h.z;
-    D.l += r * w.gl;
-    D.h = {D.h.x + w.ghx * r, D.h.y + w.ghy * r, pi[0]};
+  MOMENTREE_INLINE static void reduce_wrench(const Link&, const JointState<T>&, const Record<T>& w, const T* tau, Force<T>& W,
+                                             T* udot) {
+    const T r = tau[0] - W.h.z;
+    W.l += r * w.gl;
+    W.h = {W.h.x + w.ghx * r, W.h.y + w.ghy * r, tau[0]};
     udot[0] = w.inverse_mass * r;
   }
-  /// M̂ times the bias, whose z components are zero, too.
   template <class T>
-  MOMENTREE_INLINE static void remainder_rate(const Link&, const JointState<T>&, const Record<T>& w, const Motion<T>& bias,
-                                              const T* u, const Force<T>& Pb, Force<T>& D) {
+  MOMENTREE_INLINE static void add_reduced_bias(const Record<T>& w, const Motion<T>& bias, Force<T>& F) {
     const Vector3<T>&v = bias.v, &o = bias.w;
-    D.l.x = D.l.x + ((w.A.xx * v.x + w.Bxx * o.x) + (w.A.xy * v.y + w.Bxy * o.y) - u[0] * Pb.l.y);
-    D.l.y = D.l.y + ((w.A.xy * v.x + w.Byx * o.x) + (w.A.yy * v.y + w.Byy * o.y) + u[0] * Pb.l.x);
-    D.l.z = D.l.z + ((w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y));
-    D.h.x = D.h.x + ((w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y) - u[0] * Pb.h.y);
-    D.h.y = D.h.y + ((w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y) + u[0] * Pb.h.x);
+    F.l.x = F.l.x + ((w.A.xx * v.x + w.Bxx * o.x) + (w.A.xy * v.y + w.Bxy * o.y));
+    F.l.y = F.l.y + ((w.A.xy * v.x + w.Byx * o.x) + (w.A.yy * v.y + w.Byy * o.y));
+    F.l.z = F.l.z + ((w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y));
+    F.h.x = F.h.x + ((w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y));
+    F.h.y = F.h.y + ((w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y));
   }
   /// (47)
   template <class T>

@@ -35,12 +35,10 @@ struct WeldKernels : ScrewKernels<WeldKernels, 0, 0> {
   MOMENTREE_INLINE static void joint_velocity(const Record<T>&, const Motion<T>&, T*) {}
   template <class T>
   MOMENTREE_INLINE static void joint_acceleration(const Record<T>&, const Motion<T>&, T*) {}
-  /// Nothing turns or slides: D̂̇ = Ḋb.
   template <class T>
-  MOMENTREE_INLINE static void reduce_rate(const Link&, const JointState<T>&, const Record<T>&, const T*, Force<T>&, T*) {}
+  MOMENTREE_INLINE static void reduce_wrench(const Link&, const JointState<T>&, const Record<T>&, const T*, Force<T>&, T*) {}
   template <class T>
-  MOMENTREE_INLINE static void remainder_rate(const Link&, const JointState<T>&, const Record<T>&, const Motion<T>&, const T*,
-                                              const Force<T>&, Force<T>&) {}
+  MOMENTREE_INLINE static void add_reduced_bias(const Record<T>&, const Motion<T>&, Force<T>&) {}
 };
 
 /// Rigid: the child stays where it is placed.
