@@ -4,6 +4,18 @@
 
 namespace momentree {
 
+namespace {
+void add_springs(const Tree& tree, const double* q, double* force) noexcept {
+  for (int b : tree.spring_joints()) {
+    double spring[6];
+    joint_spring(tree, q, b, spring);
+    const unsigned locked = tree.joint(b).locked;
+    for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
+      if ((locked >> i & 1u) == 0) force[tree.first_p(b) + i] += spring[i];
+  }
+}
+}  // namespace
+
 void add_joint_forces(const Tree& tree, const double* q, Work<double>& work) noexcept {
   work.power = {};
   if (tree.has_forces()) {
@@ -18,13 +30,13 @@ void add_joint_forces(const Tree& tree, const double* q, Work<double>& work) noe
     }
     work.power = {dissipated, given};
   }
-  for (int b : tree.spring_joints()) {
-    double force[6];
-    joint_spring(tree, q, b, force);
-    const unsigned locked = tree.joint(b).locked;
-    for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
-      if ((locked >> i & 1u) == 0) work.pdot[static_cast<std::size_t>(tree.first_p(b) + i)] += force[i];
-  }
+  add_springs(tree, q, work.pdot.get());
+}
+
+void joint_forces(const Tree& tree, const double* q, const Work<double>& work, double* tau) noexcept {
+  const double *damping = tree.damping(), *effort = tree.effort(), *v = work.v.get();
+  for (int i = 0; i < tree.nv(); ++i) tau[i] = tree.has_forces() ? effort[i] - damping[i] * v[i] : 0.0;
+  add_springs(tree, q, tau);
 }
 
 double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept {

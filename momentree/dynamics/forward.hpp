@@ -19,6 +19,9 @@ void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) 
 /// Joint forces of dampers, springs and efforts, added to pdot; their power is work.power.
 void add_joint_forces(const Tree& tree, const double* q, Work<double>& work) noexcept;
 
+/// The same forces τ (nv numbers), for velocities work.v; zero where a freedom is locked.
+void joint_forces(const Tree& tree, const double* q, const Work<double>& work, double* tau) noexcept;
+
 /// The spring of body b's joint: writes its generalised force (nv numbers) and returns its energy (J). The joint must have one.
 double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept;
 

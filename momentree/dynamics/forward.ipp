@@ -44,7 +44,8 @@ struct Sweep {
     if (segment.deposit == Segment::Deposit::add) work.inlets[static_cast<std::size_t>(segment.parent)] += a;
   }
 
-  /// Forward recursion along a segment, base to tip. `Keep`: what a change reads, Ω and Pb, is kept; stages leave it out.
+  /// Forward recursion along a segment, base to tip. `Keep`: what changes and accelerations read, Ω and Pb, is kept; stages leave
+  /// it out.
   template <class K, bool Aligned, bool Keep>
   void outboard(const Segment& segment) const {
     const auto order = tree.order();
@@ -78,6 +79,7 @@ template <class T, bool Keep>
 void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept {
   work.evaluated = {};
   work.located = {};
+  work.accelerated = {};
   const auto coordinates = tree.angle_coordinates();
   const auto offsets = tree.angle_offsets();
   const int angles = static_cast<int>(coordinates.size());

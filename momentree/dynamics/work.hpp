@@ -41,10 +41,13 @@ class Work {
         v(make(6 * tree.bodies())),
         qdot(make(7 * tree.bodies())),
         pdot(make(6 * tree.bodies())),
+        a(make(6 * tree.bodies())),
         records(make(static_cast<long>(tree.record_capacity()))),
         inlets(std::make_unique_for_overwrite<Inboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         outlets(std::make_unique_for_overwrite<Outboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         motions(std::make_unique_for_overwrite<BodySweep<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        accelerations(std::make_unique_for_overwrite<Motion<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        reactions(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         path(std::make_unique_for_overwrite<int[]>(static_cast<std::size_t>(tree.bodies()))),
         bodies(std::make_unique_for_overwrite<Kinematics<T>[]>(static_cast<std::size_t>(tree.bodies()))) {}
 
@@ -60,16 +63,20 @@ class Work {
   Stamp evaluated;
   /// Of which the poses and velocities in `bodies` are.
   Stamp located;
+  /// Of which a, `accelerations` and `reactions` are.
+  Stamp accelerated;
 
   using Array = std::unique_ptr<T[]>;
   Array cos, sin, angle;
-  Array v, qdot, pdot;  ///< packed as p, q, p
+  Array v, qdot, pdot, a;  ///< packed as p, q, p, p; a = v̇
   Array records;
   Power power;
-  std::unique_ptr<Inboard<T>[]> inlets;     ///< by junction, on the way in
-  std::unique_ptr<Outboard<T>[]> outlets;   ///< by junction, on the way out
-  std::unique_ptr<BodySweep<T>[]> motions;  ///< of the state of `evaluated`
-  std::unique_ptr<int[]> path;              ///< scratch of changes that walk from a root to a body
+  std::unique_ptr<Inboard<T>[]> inlets;        ///< by junction, on the way in
+  std::unique_ptr<Outboard<T>[]> outlets;      ///< by junction, on the way out
+  std::unique_ptr<BodySweep<T>[]> motions;     ///< of the state of `evaluated`
+  std::unique_ptr<Motion<T>[]> accelerations;  ///< Ω̇ of each body less gravity, as felt in the body; kernel frame
+  std::unique_ptr<Force<T>[]> reactions;       ///< Tr: wrench of the inboard joint on the body, kernel frame
+  std::unique_ptr<int[]> path;                 ///< scratch of changes that walk from a root to a body
   std::unique_ptr<Kinematics<T>[]> bodies;
 
  private:

@@ -95,6 +95,18 @@ MOMENTREE_INLINE void reduce_generic(const Columns<T, N>& E, const T* p, const d
   w.D = D;
 }
 
+/// (51) for any kind: in, the wrench W that outboard motion asks of the body, without Mb Ω̇, and the joint's force τ; out, W + G
+/// (τ − Eᵀ W), what it asks of the parent, and Mj⁻¹ (τ − Eᵀ W), u̇ but for what the parent's acceleration adds.
+template <class T, int N, class Record>
+MOMENTREE_INLINE void reduce_wrench_generic(const Columns<T, N>& E, const Record& w, const T* tau, Force<T>& W, T* udot) {
+  if constexpr (N > 0) {
+    constexpr auto n = static_cast<std::size_t>(N);
+    for (std::size_t i = 0; i < n; ++i) udot[i] = tau[i] - dot(E[i], W);
+    for (std::size_t i = 0; i < n; ++i) W += udot[i] * w.G[i];
+    w.Mj.solve(udot);
+  }
+}
+
 /// Where the pose of a kind is all that is known: R, r of the joint, after its placement. (16), (17).
 template <class K, class T>
 MOMENTREE_INLINE DenseCrossing<T> dense_crossing(const Link& k, const JointState<T>& j) {
@@ -168,6 +180,56 @@ struct GenericKernels {
       for (std::size_t i = 0; i < static_cast<std::size_t>(NV); ++i) pdot[i] = pdot[i] + dot(Edot[i], Pb);
     }
   }
+
+  // The second recursion.
+
+  /// What Ω̇ has beyond X Ω̇_parent + E u̇: Ω × E u, because X turns, and Ė u.
+  template <class T>
+  MOMENTREE_INLINE static Motion<T> acceleration_bias(const Link& k, const JointState<T>& j, const Motion<T>& velocity,
+                                                      const T* u) {
+    Motion<T> bias = cross(velocity, K::template spatial_velocity<T>(k, j, {}, u));
+    if constexpr (requires { K::template columns_rate<T>(k, j, u); }) {
+      const Column<T> Edot = K::template columns_rate<T>(k, j, u);
+      for (std::size_t i = 0; i < static_cast<std::size_t>(NV); ++i) {
+        bias.v += u[i] * Edot[i].v;
+        bias.w += u[i] * Edot[i].w;
+      }
+    }
+    return bias;
+  }
+  /// (51); `tau` may be `udot` itself.
+  template <class T>
+  MOMENTREE_INLINE static void reduce_wrench(const Link& k, const JointState<T>& j, const auto& w, const T* tau, Force<T>& W,
+                                             T* udot) {
+    reduce_wrench_generic<T, NV>(K::template columns<T>(k, j), w, tau, W, udot);
+  }
+  /// (47): the parent's part, u̇ − Gᵀ a′ with a′ = X Ω̇_parent + bias.
+  template <class R, class T>
+  MOMENTREE_INLINE static void joint_acceleration(const R& w, const Motion<T>& in, T* udot) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(NV); ++i) udot[i] = udot[i] - dot(in, w.G[i]);
+  }
+  /// F + M̂ a.
+  template <class R, class T>
+  MOMENTREE_INLINE static void add_reduced(const R& w, const Motion<T>& a, Force<T>& F) {
+    F += w.M * a;
+  }
+  /// The same for the bias, which may have zeros.
+  template <class R, class T>
+  MOMENTREE_INLINE static void add_reduced_bias(const R& w, const Motion<T>& bias, Force<T>& F) {
+    K::add_reduced(w, bias, F);
+  }
+  /// The wrench by which a drive, a spring, a damper acts on the child, W with Eᵀ W = force: a pure torque for a freedom that
+  /// turns, a force through the origin for one that slides. Here the columns of E are of length one and across each other.
+  static Force<double> drive_wrench(const Link& k, const JointState<double>& j, const double* force) {
+    const Column<double> E = K::template columns<double>(k, j);
+    Force<double> W{};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(NV); ++i) {
+      W.l += force[i] * E[i].v;
+      W.h += force[i] * E[i].w;
+    }
+    return W;
+  }
+
   /// q̇ = N(q) u; here u are the coordinates' own rates.
   template <class T>
   MOMENTREE_INLINE static void coordinate_rate(const T*, const T* u, T* qdot) {

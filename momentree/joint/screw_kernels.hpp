@@ -52,6 +52,20 @@ struct ScrewKernels : GenericKernels<K, NQ, NV> {
   MOMENTREE_INLINE static auto crossing_again(const Link& k, const JointState<T>& j, const auto& w) {
     return crossing<Aligned>(k, j, w);
   }
+  /// E u = (v e_z; ω e_z).
+  template <class T>
+  MOMENTREE_INLINE static Screw<T> twist(const Link& k, const JointState<T>& j, const T* u) {
+    const auto E = K::template columns<T>(k, j);
+    Screw<T> t{T(0), T(0), T(0)};
+    for (std::size_t i = 0; i < E.size(); ++i) t.s = t.s + u[i] * E[i].w.z, t.d = t.d + u[i] * E[i].v.z;
+    return t;
+  }
+  /// Ω × E u.
+  template <class T>
+  MOMENTREE_INLINE static Motion<T> acceleration_bias(const Link& k, const JointState<T>& j, const Motion<T>& a, const T* u) {
+    const Screw<T> t = twist(k, j, u);
+    return {{t.s * a.v.y + t.d * a.w.y, -(t.s * a.v.x) - t.d * a.w.x, T(0)}, {t.s * a.w.y, -(t.s * a.w.x), T(0)}};
+  }
   /// How the kind crosses itself; a kind whose reduced mass has zeros gives its own.
   template <class T, bool Aligned>
   struct Crossing : ScrewCrossing<T, Aligned> {};

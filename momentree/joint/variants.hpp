@@ -45,6 +45,16 @@ struct ReversedKernels : GenericKernels<ReversedKernels<K, NQ, NV>, NQ, NV> {
     return K::spring(q, q0, stiffness, force);
   }
   static Mat3 frame(const JointSpec& joint, double* geometry) { return K::frame(joint, geometry); }
+  /// The drive acts on the declared child as ever, and on what carries the joint against that.
+  static Force<double> drive_wrench(const Link& k, const JointState<double>& j, const double* force) {
+    const Force<double> W = K::drive_wrench(k, j, force);
+    Mat3 R;
+    Vec3 r;
+    K::template pose<double>(k, j, R, r);
+    Force<double> on_carrier{-(R * W.l), -(R * W.h)};
+    shift(on_carrier, r);
+    return on_carrier;
+  }
 
  private:
   // −X⁻¹ E: from the declared child's frame to the declared parent's.
@@ -85,6 +95,15 @@ struct LockedKernels : B {
     B::template momentum_rate<T>(k, j, u, Pb, wrench, pdot);
     for (int i = 0; i < NV; ++i)
       if ((k.locked >> i & 1) != 0) pdot[i] = T(0);
+  }
+  /// (51) with E′ = E B: what is locked has no force along it, and u̇ = 0.
+  template <class T>
+  MOMENTREE_INLINE static void reduce_wrench(const Link& k, const JointState<T>& j, const auto& w, const T* tau, Force<T>& W,
+                                             T* udot) {
+    auto E = B::template columns<T>(k, j);
+    for (std::size_t i = 0; i < E.size(); ++i)
+      if ((k.locked >> i & 1u) != 0) E[i] = Motion<T>{};
+    reduce_wrench_generic<T, NV>(E, w, tau, W, udot);
   }
 };
 

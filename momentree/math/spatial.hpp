@@ -96,6 +96,13 @@ MOMENTREE_INLINE constexpr Force<T> momentum(const RigidMass& b, const Motion<T>
   return {b.m * a.v + cross(a.w, b.mc), cross(b.mc, a.v) + b.J * a.w};
 }
 
+/// Ω × M Ω (9) of a rigid body: what turning its momentum takes.
+template <class T>
+MOMENTREE_INLINE constexpr Force<T> turning_wrench(const RigidMass& b, const Motion<T>& a) {
+  const Vector3<T> s = cross(a.w, a.v);
+  return {b.m * s + dot(a.w, b.mc) * a.w - dot(a.w, a.w) * b.mc, cross(b.mc, s) + cross(a.w, b.J * a.w)};
+}
+
 // ---- rotations about one axis: components in child axes to components in parent axes, c and s of the child's angle
 
 /// (x, y) turned by the angle of (c, s): the two components that a rotation about the third axis mixes.

@@ -13,7 +13,7 @@ struct Dual {
   Real r = 0, e = 0;
   constexpr Dual() = default;
   constexpr Dual(Real real, Real epsilon = 0) : r(real), e(epsilon) {}  // NOLINT(google-explicit-constructor)
-  static Dual variable(Real value, Real epsilon, Real) { return {value, epsilon}; }
+  static Dual variable(Real value, Real epsilon, Real, Real) { return {value, epsilon}; }
 };
 inline Dual operator+(const Dual& a, const Dual& b) { return {a.r + b.r, a.e + b.e}; }
 inline Dual operator-(const Dual& a, const Dual& b) { return {a.r - b.r, a.e - b.e}; }
@@ -36,7 +36,7 @@ struct Jet {
   constexpr Jet() = default;
   constexpr Jet(Real real, Real epsilon = 0, Real tau = 0, Real both = 0)  // NOLINT(google-explicit-constructor)
       : r(real), e(epsilon), t(tau), et(both) {}
-  static Jet variable(Real value, Real epsilon, Real tau) { return {value, epsilon, tau, 0}; }
+  static Jet variable(Real value, Real epsilon, Real tau, Real) { return {value, epsilon, tau, 0}; }
 };
 inline Jet operator+(const Jet& a, const Jet& b) { return {a.r + b.r, a.e + b.e, a.t + b.t, a.et + b.et}; }
 inline Jet operator-(const Jet& a, const Jet& b) { return {a.r - b.r, a.e - b.e, a.t - b.t, a.et - b.et}; }
@@ -51,6 +51,29 @@ inline Jet sin(const Jet& a) {
 inline Jet cos(const Jet& a) {
   const Real s = std::sin(a.r), c = std::cos(a.r);
   return {c, -s * a.e, -s * a.t, -s * a.et - c * a.e * a.t};
+}
+
+/// A value that moves: with its first and second derivative by time.
+struct Curve {
+  Real r = 0, t = 0, tt = 0;
+  constexpr Curve() = default;
+  constexpr Curve(Real real, Real first = 0, Real second = 0)  // NOLINT(google-explicit-constructor)
+      : r(real), t(first), tt(second) {}
+  static Curve variable(Real value, Real, Real first, Real second) { return {value, first, second}; }
+};
+inline Curve operator+(const Curve& a, const Curve& b) { return {a.r + b.r, a.t + b.t, a.tt + b.tt}; }
+inline Curve operator-(const Curve& a, const Curve& b) { return {a.r - b.r, a.t - b.t, a.tt - b.tt}; }
+inline Curve operator*(const Curve& a, const Curve& b) {
+  return {a.r * b.r, a.r * b.t + a.t * b.r, a.r * b.tt + 2 * a.t * b.t + a.tt * b.r};
+}
+inline Curve operator*(Real a, const Curve& b) { return {a * b.r, a * b.t, a * b.tt}; }
+inline Curve sin(const Curve& a) {
+  const Real s = std::sin(a.r), c = std::cos(a.r);
+  return {s, c * a.t, c * a.tt - s * a.t * a.t};
+}
+inline Curve cos(const Curve& a) {
+  const Real s = std::sin(a.r), c = std::cos(a.r);
+  return {c, -s * a.t, -s * a.tt - c * a.t * a.t};
 }
 
 template <class T>

@@ -4,12 +4,13 @@
 
 namespace momentree::oracle {
 
-/// How a joint moves: its freedoms' velocities, and the one that ε moves (−1: none).
+/// How a joint moves: its freedoms' velocities, the one that ε moves (−1: none), and for a Curve their accelerations.
 /// ε first: ball and free are displaced by ε and then move by τ, else the other way round. The two differ by a Lie bracket.
 struct Perturbation {
   const Real* v = nullptr;
   int freedom = -1;
   bool epsilon_first = true;
+  const Real* a = nullptr;
 };
 
 template <class T>
@@ -47,12 +48,20 @@ M3<T> turn(const V3<Real>& n, const T& angle) {
   return out;
 }
 
-/// I + ã: all of exp(a) to first order in each small number.
+/// I + ã + ½ ã ã: all of exp(a) to second order in each small number.
 template <class T>
 M3<T> small_turn(const V3<T>& a) {
   M3<T> out = skew(a);
+  const M3<T> square = out * out;
+  for (unsigned i = 0; i < 9; ++i) out[i] = out[i] + Real(0.5) * square[i];
   for (unsigned i = 0; i < 9; i += 4) out[i] = out[i] + T(1);
   return out;
+}
+/// The way of an origin whose velocity turns with it, to the same order: (I + ½ ã) s.
+template <class T>
+V3<T> small_way(const V3<T>& a, const V3<T>& s) {
+  const V3<T> aside = skew(a) * s;
+  return {{s[0] + Real(0.5) * aside[0], s[1] + Real(0.5) * aside[1], s[2] + Real(0.5) * aside[2]}};
 }
 
 /// exp of ε·(direction `freedom`) and of τ·v in the group of the joint, in the order that `by` says.
@@ -62,18 +71,19 @@ Frame<T> small_motion(const Perturbation& by, int linear, int nv) {
   V3<T> a{}, w{};
   for (int i = 0; i < nv; ++i) {
     const unsigned k = static_cast<unsigned>(i < linear ? i : i - linear);
-    (i < linear ? epsilon.position : a)[k] = T::variable(0, by.freedom == i ? 1 : 0, 0);
-    (i < linear ? tau.position : w)[k] = T::variable(0, 0, by.v ? by.v[i] : 0);
+    (i < linear ? epsilon.position : a)[k] = T::variable(0, by.freedom == i ? 1 : 0, 0, 0);
+    (i < linear ? tau.position : w)[k] = T::variable(0, 0, by.v ? by.v[i] : 0, by.a ? by.a[i] : 0);
   }
   epsilon.rotation = small_turn(a);
   tau.rotation = small_turn(w);
+  tau.position = small_way(w, tau.position);
   return by.epsilon_first ? epsilon * tau : tau * epsilon;
 }
 
 /// The joint's child-side frame in its parent-side frame.
 template <class T>
 Frame<T> joint_frame(const JointSpec& joint, const double* q, const Perturbation& by) {
-  const auto x = [&](int i) { return T::variable(q[i], by.freedom == i ? 1 : 0, by.v ? by.v[i] : 0); };
+  const auto x = [&](int i) { return T::variable(q[i], by.freedom == i ? 1 : 0, by.v ? by.v[i] : 0, by.a ? by.a[i] : 0); };
   const V3<Real> n = joint.kind == Kind::planar || joint.kind == Kind::weld ? V3<Real>{{0, 0, 1}} : unit(real(joint.axis));
   const auto along = [&](const T& s) { return V3<T>{{n[0] * s, n[1] * s, n[2] * s}}; };
   Frame<T> f;

@@ -92,6 +92,19 @@ struct Evaluation {
 /// Everything at (q, v). `with_rates` false leaves the rates out, which are the dear part.
 Evaluation evaluate(const System& system, const std::vector<double>& q, const std::vector<Real>& v, bool with_rates = true);
 
+/// Accelerations and joint wrenches at (q, v), by the second derivative of forward kinematics and the equations of Newton and
+/// Euler for each body. `locked`: freedoms that rest (v = 0) and stay so; empty: none.
+struct Accelerations {
+  std::vector<Real> v;  ///< time derivatives of the velocities
+  struct Body {
+    V3<Real> linear{}, angular{};  ///< of the frame's origin; world axes
+    V3<Real> force{}, torque{};    ///< of the inboard joint on the body, about the frame's origin, in its axes
+  };
+  std::vector<Body> bodies;
+};
+Accelerations accelerate(const System& system, const std::vector<double>& q, const std::vector<Real>& v, const MassMatrix& mass,
+                         const std::vector<char>& locked = {});
+
 /// Driving force of each freedom: effort − damping·v − spring.
 std::vector<Real> joint_forces(const System& system, const std::vector<double>& q, const std::vector<Real>& v);
 /// Energy of gravity and springs.

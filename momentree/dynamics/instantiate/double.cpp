@@ -1,6 +1,8 @@
+#include <momentree/dynamics/acceleration.ipp>
 #include <momentree/dynamics/forward.ipp>
 
 namespace momentree {
 template void evaluate_rates<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;
 template void evaluate_motions<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;
+template void evaluate_accelerations<double>(const Tree&, const double*, Work<double>&) noexcept;
 }  // namespace momentree

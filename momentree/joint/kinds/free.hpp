@@ -98,6 +98,24 @@ struct FreeKernels : SixFreedoms<FreeKernels> {
   MOMENTREE_INLINE static Motion<T> spatial_velocity(const Link&, const JointState<T>&, const Motion<T>& in, const T* u) {
     return {{in.v.x + u[0], in.v.y + u[1], in.v.z + u[2]}, {in.w.x + u[3], in.w.y + u[4], in.w.z + u[5]}};
   }
+  /// (51): nothing reaches the parent but τ.
+  template <class T>
+  MOMENTREE_INLINE static void reduce_wrench(const Link&, const JointState<T>&, const Record<T>& w, const T* tau, Force<T>& W,
+                                             T* udot) {
+    const Force<T> t{{tau[0], tau[1], tau[2]}, {tau[3], tau[4], tau[5]}};
+    const Force<T> r = t - W;
+    udot[0] = r.l.x, udot[1] = r.l.y, udot[2] = r.l.z, udot[3] = r.h.x, udot[4] = r.h.y, udot[5] = r.h.z;
+    w.Mj.solve(udot);
+    W = t;
+  }
+  /// (47)
+  template <class T>
+  MOMENTREE_INLINE static void joint_acceleration(const Record<T>&, const Motion<T>& in, T* udot) {
+    udot[0] = udot[0] - in.v.x, udot[1] = udot[1] - in.v.y, udot[2] = udot[2] - in.v.z;
+    udot[3] = udot[3] - in.w.x, udot[4] = udot[4] - in.w.y, udot[5] = udot[5] - in.w.z;
+  }
+  template <class T>
+  MOMENTREE_INLINE static void add_reduced(const Record<T>&, const Motion<T>&, Force<T>&) {}
 };
 
 /// No constraint: q = position of the child-side origin in the parent-side frame and unit quaternion (w, x, y, z); v = linear

@@ -26,6 +26,10 @@ struct HelicalKernels : ScrewKernels<HelicalKernels, 1, 1> {
     return coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]) &&
            coordinates::negligible(motion.position - (joint.pitch / (2 * std::numbers::pi) * q[0]) * joint.axis);
   }
+  /// A torque about the axis: what moves along it is the thread's doing.
+  static Force<double> drive_wrench(const Link&, const JointState<double>&, const double* force) {
+    return {{}, {0, 0, force[0]}};
+  }
 };
 
 /// A screw: turns about `axis` and moves along it by `pitch` metres per turn.

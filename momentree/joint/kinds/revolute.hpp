@@ -21,6 +21,10 @@ struct PinKernels : ScrewKernels<K, 1, 1> {
   static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
     return coordinates::negligible(motion.position) && coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]);
   }
+  template <class T>
+  MOMENTREE_INLINE static Motion<T> acceleration_bias(const Link&, const JointState<T>&, const Motion<T>& a, const T* u) {
+    return {{u[0] * a.v.y, -(u[0] * a.v.x), T(0)}, {u[0] * a.w.y, -(u[0] * a.w.x), T(0)}};
+  }
 };
 struct PinWithRotor : PinKernels<PinWithRotor> {};
 
@@ -119,6 +123,38 @@ struct RevoluteKernels : PinKernels<RevoluteKernels> {
   template <class T>
   MOMENTREE_INLINE static Motion<T> spatial_velocity(const Link&, const JointState<T>&, const Motion<T>& in, const T* u) {
     return {in.v, {in.w.x, in.w.y, in.w.z + u[0]}};
+  }
+  /// (51): the last component becomes τ, as that of D̂ becomes p.
+  template <class T>
+  MOMENTREE_INLINE static void reduce_wrench(const Link&, const JointState<T>&, const Record<T>& w, const T* tau, Force<T>& W,
+                                             T* udot) {
+    const T r = tau[0] - W.h.z;
+    W.l += r * w.gl;
+    W.h = {W.h.x + w.ghx * r, W.h.y + w.ghy * r, tau[0]};
+    udot[0] = w.inverse_mass * r;
+  }
+  template <class T>
+  MOMENTREE_INLINE static void add_reduced_bias(const Record<T>& w, const Motion<T>& bias, Force<T>& F) {
+    const Vector3<T>&v = bias.v, &o = bias.w;
+    F.l.x = F.l.x + ((w.A.xx * v.x + w.Bxx * o.x) + (w.A.xy * v.y + w.Bxy * o.y));
+    F.l.y = F.l.y + ((w.A.xy * v.x + w.Byx * o.x) + (w.A.yy * v.y + w.Byy * o.y));
+    F.l.z = F.l.z + ((w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y));
+    F.h.x = F.h.x + ((w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y));
+    F.h.y = F.h.y + ((w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y));
+  }
+  /// (47)
+  template <class T>
+  MOMENTREE_INLINE static void joint_acceleration(const Record<T>& w, const Motion<T>& in, T* udot) {
+    udot[0] = udot[0] - ((w.gl.x * in.v.x + w.ghx * in.w.x) + (w.gl.y * in.v.y + w.ghy * in.w.y) + w.gl.z * in.v.z) - in.w.z;
+  }
+  template <class T>
+  MOMENTREE_INLINE static void add_reduced(const Record<T>& w, const Motion<T>& a, Force<T>& F) {
+    const Vector3<T>&v = a.v, &o = a.w;
+    F.l.x = F.l.x + ((w.A.xx * v.x + w.Bxx * o.x) + (w.A.xy * v.y + w.Bxy * o.y) + w.A.xz * v.z);
+    F.l.y = F.l.y + ((w.A.xy * v.x + w.Byx * o.x) + (w.A.yy * v.y + w.Byy * o.y) + w.A.yz * v.z);
+    F.l.z = F.l.z + ((w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y) + w.A.zz * v.z);
+    F.h.x = F.h.x + ((w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y) + w.Bzx * v.z);
+    F.h.y = F.h.y + ((w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y) + w.Bzy * v.z);
   }
 };
 

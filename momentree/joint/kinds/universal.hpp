@@ -46,6 +46,12 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
     const Quat rest = conjugate(from_axis_angle(joint.axis, q[0])) * motion.rotation;
     return coordinates::negligible(motion.position) && coordinates::about_axis(joint.axis2, rest, 0, q[1]);
   }
+  /// A torque in the plane of the axes that are free: along the one axis, if only one is.
+  static Force<double> drive_wrench(const Link& k, const JointState<double>& j, const double* force) {
+    const Columns<double, 2> E = columns<double>(k, j);
+    const double c = k.locked == 0 ? k.geometry[1] : 0, across = 1 - c * c;
+    return {{}, ((force[0] - c * force[1]) / across) * E[0].w + ((force[1] - c * force[0]) / across) * E[1].w};
+  }
 };
 
 /// Two axes that meet: turns about `axis`, then about `axis2`, which the first turn carries along.

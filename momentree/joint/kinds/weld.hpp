@@ -37,6 +37,12 @@ struct WeldKernels : ScrewKernels<WeldKernels, 0, 0> {
   static bool coordinates(const JointSpec&, const Pose& motion, double, double*) {
     return coordinates::negligible(motion.position) && coordinates::negligible(motion.rotation);
   }
+  template <class T>
+  MOMENTREE_INLINE static void joint_acceleration(const Record<T>&, const Motion<T>&, T*) {}
+  template <class T>
+  MOMENTREE_INLINE static void reduce_wrench(const Link&, const JointState<T>&, const Record<T>&, const T*, Force<T>&, T*) {}
+  template <class T>
+  MOMENTREE_INLINE static void add_reduced_bias(const Record<T>&, const Motion<T>&, Force<T>&) {}
 };
 
 /// Rigid: the child stays where it is placed.

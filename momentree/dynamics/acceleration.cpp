@@ -1,0 +1,63 @@
+#include <momentree/dynamics/acceleration.hpp>
+
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/joint/dispatch.hpp>
+
+namespace momentree {
+
+namespace {
+
+// A wrench on body b through its joint, kernel frame: on the declared child, in its user frame.
+Force<double> on_declared_child(const Tree& tree, const State& state, const Work<double>& work, int b, const Force<double>& W) {
+  if (!tree.reversed(b)) return to_user_frame(tree.frame(b), W);
+  const int child = tree.parent(b);
+  MT_REQUIRE(child >= 0, "the ground is no joint's child");
+  Force<double> back{-W.l, -W.h};
+  joint_crossing(tree, state, work, b).inboard(back);
+  return to_user_frame(tree.frame(child), back);
+}
+
+}  // namespace
+
+void accelerate(const Tree& tree, const State& state, Work<double>& work) noexcept {
+  forward_dynamics(tree, state, work);
+  if (work.accelerated == state.stamp()) return;
+  joint_forces(tree, state.q().data(), work, work.a.get());
+  evaluate_accelerations<double>(tree, state.q().data(), work);
+  work.accelerated = state.stamp();
+}
+
+Force<double> reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+  MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
+  return on_declared_child(tree, state, work, b, work.reactions[static_cast<std::size_t>(b)]);
+}
+
+Force<double> pure_reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+  MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
+  const Force<double>& Tr = work.reactions[static_cast<std::size_t>(b)];
+  const JointState<double> joint = joint_state(tree, state, work, b);
+  const Force<double> drive = dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+    using K = typename decltype(tag)::type;
+    const auto E = K::template columns<double>(tree.link(b), joint);
+    double force[6] = {};
+    for (std::size_t i = 0; i < E.size(); ++i)
+      if ((tree.link(b).locked >> i & 1u) == 0) force[i] = dot(E[i], Tr);
+    return K::drive_wrench(tree.link(b), joint, force);
+  });
+  return on_declared_child(tree, state, work, b, Tr - drive);
+}
+
+BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+  MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
+  MT_REQUIRE(work.located == state.stamp(), "the bodies are located at this state");
+  const Kinematics<double>& body = work.bodies[static_cast<std::size_t>(b)];
+  const Motion<double>& rate = work.accelerations[static_cast<std::size_t>(b)];
+  const KernelFrame& frame = tree.frame(b);
+  // The components of Ω turn with the body: d(Rv)/dt = R (v̇ + ω × v). Then from the kernels' origin to the user's, and gravity.
+  const Vec3 &v = body.velocity.v, &w = body.velocity.w, to = -transpose_times(frame.R, frame.r);
+  const Vec3 linear = rate.v + cross(w, v) + cross(rate.w, to) + cross(w, cross(w, to));
+  return {body.R * linear + tree.gravity(), body.R * rate.w};
+}
+
+}  // namespace momentree

@@ -1,0 +1,41 @@
+#pragma once
+// Accelerations and joint wrenches: the paper's second recursion (30)–(51), with its corrections. It reuses M̂, G and the factors
+// of Mj that the first one left; O(n), one pass in and one out.
+#include <momentree/dynamics/forward.hpp>
+
+namespace momentree {
+
+/// Accelerations u̇ of all joints in work.a (packed as p; zero where a freedom is locked); of every body, in its kernel frame, Ω̇
+/// less gravity in work.accelerations and the whole wrench Tr of its inboard joint in work.reactions.
+/// Evaluates the state first where needed; a work that has them already is left as it is. Neither allocates nor throws.
+void accelerate(const Tree& tree, const State& state, Work<double>& work) noexcept;
+
+/// The same passes for any scalar, at coordinates q: after evaluate_motions there, and with the joint forces τ in work.a.
+template <class T>
+void evaluate_accelerations(const Tree& tree, const T* q, Work<T>& work) noexcept;
+
+/// A joint's wrench on its declared child: force (N) in `l`, torque (N m) in `h`, about the origin of the child's user frame, in
+/// its axes. The joint is that which body b carries; where it is carried in reverse, the child is b's parent in the tree.
+/// `reaction` is all that the declared parent exerts through the joint: constraint, drive, spring and damping. The work must be
+/// of this state, and accelerated.
+Force<double> reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+
+/// The part of `reaction` that does no work on the joint's freedoms: what its bearings carry. Taken away is the force that the
+/// joint transmits along its freedoms, Eᵀ Tr = τ − rotor·u̇, which acts as follows, whatever makes it (drive, spring, damper,
+/// rotor): about the axis as a pure torque (revolute, helical, cylindrical), along the axis as a force (prismatic, cylindrical),
+/// as a torque in the plane of the two axes (universal), as any torque (ball); planar: a force in the plane through the origin
+/// of the joint's child side and a torque across it; free: force and torque about that origin. What holds a locked freedom is a
+/// constraint and stays.
+Force<double> pure_reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+
+/// Time derivatives of what a user sees of a body's motion: the velocity of its frame's origin (m/s²) and its angular velocity
+/// (rad/s²), world axes.
+struct BodyAcceleration {
+  Vec3 linear{}, angular{};
+};
+/// The work must be of this state, located and accelerated.
+BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+
+extern template void evaluate_accelerations<double>(const Tree&, const double*, Work<double>&) noexcept;
+
+}  // namespace momentree

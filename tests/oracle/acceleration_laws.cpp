@@ -1,0 +1,197 @@
+#include <tests/oracle/laws.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/energy.hpp>
+#include <tests/oracle/kinematics.hpp>
+
+namespace momentree::oracle {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+double narrow(Real x) { return static_cast<double>(x); }
+Real length(const V3<Real>& a) { return std::sqrt(dot(a, a)); }
+Real length(const std::array<Real, 6>& e, unsigned from) { return length(V3<Real>{{e[from], e[from + 1], e[from + 2]}}); }
+
+/// The tree's joint with its present coordinates, alone.
+struct Alone {
+  System system;
+  std::vector<double> q;
+  std::vector<Real> v;
+};
+Alone joint_alone(const Tree& tree, const State& state, const Work<double>& work, int b) {
+  const Joint& joint = tree.joint(b);
+  Alone one;
+  JointSpec spec;
+  spec.kind = joint.kind, spec.axis = joint.axis, spec.axis2 = joint.axis2, spec.pitch = joint.pitch;
+  if (tree.parameters(b)) spec.parameters = *tree.parameters(b);
+  one.system.links.push_back({-1, spec, joint.at, joint.child_at, 1, {}, {}});
+  number(one.system);
+  for (int i = 0; i < one.system.nq(); ++i) one.q.push_back(state.q()[static_cast<std::size_t>(tree.first_q(b) + i)]);
+  for (int i = 0; i < one.system.nv(); ++i) one.v.push_back(work.v[static_cast<std::size_t>(tree.first_p(b) + i)]);
+  return one;
+}
+
+int declared_child(const Tree& tree, int b) { return tree.reversed(b) ? tree.parent(b) : b; }
+int declared_parent(const Tree& tree, int b) { return tree.reversed(b) ? b : tree.parent(b); }
+
+/// True where the tree has the joint of `b` as the system has it: not the free joint of a root that was not one.
+bool declared(const System& system, const Tree& tree, int b) {
+  const Link& link = system.links[static_cast<std::size_t>(declared_child(tree, b))];
+  return link.parent == declared_parent(tree, b);
+}
+
+}  // namespace
+
+double equations_of_motion(const System& system, const Tree& tree, const State& state, Work<double>& work) {
+  locate_bodies(tree, state, work);
+  accelerate(tree, state, work);
+  const auto n = system.links.size();
+  struct Sum {
+    V3<Real> force{}, torque{};  ///< about the centre of mass, world axes
+    Real force_summands = 0, torque_summands = 0;
+  };
+  std::vector<Sum> sums(n);
+  std::vector<Frame<Real>> frames;
+  std::vector<V3<Real>> coms;
+  for (std::size_t k = 0; k < n; ++k) {
+    const Link& link = system.links[k];
+    const Frame<Real> frame = frame_of(user_pose(tree, work.bodies[k], static_cast<int>(k)));
+    const BodyAcceleration a = body_acceleration(tree, state, work, static_cast<int>(k));
+    const Sym3& j = link.inertia;
+    const M3<Real> inertia =
+        frame.rotation * M3<Real>{{j.xx, j.xy, j.xz, j.xy, j.yy, j.yz, j.xz, j.yz, j.zz}} * transposed(frame.rotation);
+    const V3<Real> arm = frame.rotation * real(link.com), w = real(work.bodies[k].R * work.bodies[k].velocity.w);
+    const V3<Real> linear = real(a.linear), angular = real(a.angular);
+    Sum& s = sums[k];
+    const Real m = link.mass;
+    s.force = scaled(m, system.gravity - linear - cross(angular, arm) - cross(w, cross(w, arm)));
+    s.torque = V3<Real>{} - inertia * angular - cross(w, inertia * w);
+    s.force_summands = m * (length(system.gravity) + length(linear) + length(angular) * length(arm) + dot(w, w) * length(arm));
+    s.torque_summands = length(inertia * angular) + length(cross(w, inertia * w));
+    // The body moves relative to another, which may be far wilder.
+    if (const int outer = tree.parent(static_cast<int>(k)); outer >= 0) {
+      const BodyAcceleration by = body_acceleration(tree, state, work, outer);
+      const Vec3 way = work.bodies[k].r - work.bodies[static_cast<std::size_t>(outer)].r;
+      s.force_summands += m * (length(real(by.linear)) + length(real(by.angular)) * length(real(way)));
+      s.torque_summands += length(real(by.angular)) * (j.xx + j.yy + j.zz);
+    }
+    s.torque_summands += length(arm) * s.force_summands;
+    frames.push_back(frame);
+    coms.push_back(frame.position + arm);
+  }
+  for (int b = 0; b < tree.bodies(); ++b) {
+    const Force<double> W = reaction(tree, state, work, b);
+    const int child = declared_child(tree, b), parent = declared_parent(tree, b);
+    const Frame<Real>& at = frames[static_cast<std::size_t>(child)];
+    const V3<Real> f = at.rotation * real(W.l), t = at.rotation * real(W.h);
+    const auto act = [&](int body, Real sign) {
+      if (body < 0) return;
+      Sum& s = sums[static_cast<std::size_t>(body)];
+      const V3<Real> arm = at.position - coms[static_cast<std::size_t>(body)];
+      s.force = s.force + scaled(sign, f);
+      s.torque = s.torque + scaled(sign, t + cross(arm, f));
+      s.force_summands += length(f);
+      s.torque_summands += length(t) + length(arm) * length(f);
+    };
+    act(child, 1);
+    act(parent, -1);
+  }
+  Real worst = 0;
+  for (const Sum& s : sums) {
+    if (s.force_summands > 0) worst = std::max(worst, length(s.force) / s.force_summands);
+    if (s.torque_summands > 0) worst = std::max(worst, length(s.torque) / s.torque_summands);
+    if (std::isnan(length(s.force)) || std::isnan(length(s.torque))) return std::numeric_limits<double>::quiet_NaN();
+  }
+  return narrow(worst);
+}
+
+double work_of_reactions(const Tree& tree, const State& state, Work<double>& work) {
+  accelerate(tree, state, work);
+  Real worst = 0;
+  for (int b = 0; b < tree.bodies(); ++b) {
+    // Summands of Tr = Mb Ω̇ + W: what hangs outboard, moved as the body is.
+    Real felt = 0;
+    for (int k = b; k >= 0; k = k == b ? tree.parent(b) : -1) {
+      const Motion<double>& a = work.accelerations[static_cast<std::size_t>(k)];
+      felt += length(real(a.v)) + length(real(a.w));
+    }
+    const Real carried = tree.link(b).subtree_mass * felt;
+    const Alone one = joint_alone(tree, state, work, b);
+    const auto E = joint_columns(one.system, one.q, 0);
+    const std::vector<Real> force = joint_forces(one.system, one.q, one.v);
+    const Force<double> W = reaction(tree, state, work, b), pure = pure_reaction(tree, state, work, b);
+    for (std::size_t i = 0; i < E.size(); ++i) {
+      const auto& e = E[i];
+      const int k = tree.first_p(b) + static_cast<int>(i);
+      const Real udot = work.a[static_cast<std::size_t>(k)];
+      const V3<Real> v{{e[0], e[1], e[2]}}, w{{e[3], e[4], e[5]}};
+      if ((tree.joint(b).locked >> i & 1u) != 0) {
+        if (udot != 0) return std::numeric_limits<double>::infinity();
+        continue;
+      }
+      const Real rotor = tree.armature()[k] * udot;
+      const Real summands = length(e, 0) * (length(real(W.l)) + carried) + length(e, 3) * (length(real(W.h)) + carried) +
+                            std::fabs(force[i]) + std::fabs(rotor);
+      if (summands == 0) continue;
+      worst = std::max(worst, std::fabs(dot(v, real(W.l)) + dot(w, real(W.h)) - force[i] + rotor) / summands);
+      worst = std::max(worst, std::fabs(dot(v, real(pure.l)) + dot(w, real(pure.h))) / summands);
+    }
+  }
+  return narrow(worst);
+}
+
+std::vector<Measure> measure_accelerations(const System& system, const Tree& tree, const State& state, Work<double>& work,
+                                           const Spectrum& range) {
+  std::vector<Measure> laws;
+  locate_bodies(tree, state, work);
+  accelerate(tree, state, work);
+  const int nv = tree.nv();
+  const std::vector<double> q(state.q().begin(), state.q().end());
+  const std::vector<Real> v(work.v.get(), work.v.get() + nv);
+  std::vector<char> locked(static_cast<std::size_t>(nv), 0);
+  bool one_freedom = true;
+  for (int b = 0; b < tree.bodies(); ++b)
+    for (int i = 0; i < freedoms(tree.joint(b).kind); ++i) {
+      locked[static_cast<std::size_t>(tree.first_p(b) + i)] = (tree.joint(b).locked >> i & 1u) != 0;
+      one_freedom = one_freedom && i == 0;
+    }
+  const Accelerations exact = accelerate(system, q, v, mass_matrix(system, q), locked);
+
+  const double bound = std::max(one_freedom ? 1e-12 : 1e-10, epsilon * range.condition());
+  const auto enter = [&laws](const char* law, Real error, Real scale, double within) {
+    laws.push_back({law, scale > 0 ? narrow(error / scale) : narrow(error), within});
+  };
+  if (nv > 0) enter("dv/dt", distance({work.a.get(), work.a.get() + nv}, exact.v), norm(exact.v), bound);
+  Real linear = 0, angular = 0, force = 0, torque = 0, fast = 0, whirl = 0, most = 0, moment = 0, weight = 0;
+  for (int b = 0; b < tree.bodies(); ++b) {
+    const BodyAcceleration a = body_acceleration(tree, state, work, b);
+    const Accelerations::Body& e = exact.bodies[static_cast<std::size_t>(b)];
+    linear = std::max(linear, length(real(a.linear) - e.linear));
+    angular = std::max(angular, length(real(a.angular) - e.angular));
+    fast = std::max(fast, length(e.linear));
+    const V3<Real> w = real(work.bodies[static_cast<std::size_t>(b)].velocity.w);
+    whirl = std::max(whirl, length(e.angular) + dot(w, w));
+    weight = std::max(weight, system.links[static_cast<std::size_t>(b)].mass * length(system.gravity - e.linear));
+    if (!declared(system, tree, b)) continue;
+    const Accelerations::Body& child = exact.bodies[static_cast<std::size_t>(declared_child(tree, b))];
+    const Force<double> W = reaction(tree, state, work, b);
+    force = std::max(force, length(real(W.l) - child.force));
+    torque = std::max(torque, length(real(W.h) - child.torque));
+    most = std::max(most, length(child.force));
+    moment = std::max(moment, length(child.torque));
+  }
+  enter("accelerations of origins", linear, fast + whirl, bound);
+  enter("angular accelerations", angular, fast + whirl, bound);
+  enter("forces of joints", force, most + weight, bound);
+  enter("torques of joints", torque, moment + most + weight, bound);
+  laws.push_back({"Newton and Euler", equations_of_motion(system, tree, state, work), range.condition() > 1e6 ? 1e-9 : 1e-10});
+  laws.push_back({"E^T Tr = tau - rotor dv/dt", work_of_reactions(tree, state, work), 1e-12});
+  return laws;
+}
+
+}  // namespace momentree::oracle
