@@ -58,6 +58,16 @@ struct Join {
   Body body, to;
 };
 
+/// Join and ChangeJoint at once, from one evaluation: the floating mechanism of `body` hangs on `to` by `joint` at coordinates q,
+/// which its placements make the present pose. Reversed: the joint's declared child is `to`. Parameters: as joint.parameters
+/// says. p = E′ᵀ Pb, a plastic impact in the directions that the joint does not leave.
+struct Attach {
+  Body body, to;
+  Joint joint;
+  Values q;
+  bool reversed = false;
+};
+
 /// An impulsive wrench on a body: world axes, force in N s at `point` (user frame of the body), torque in N m s.
 struct Impulse {
   Body body;
@@ -81,6 +91,7 @@ Released apply(const Lock& change, Tree& tree, State& state, Work<double>& work)
 Released apply(const Unlock& change, Tree& tree, State& state, Work<double>& work) noexcept;
 Released apply(const Reroot& change, Tree& tree, State& state, Work<double>& work) noexcept;
 Released apply(const Join& change, Tree& tree, State& state, Work<double>& work) noexcept;
+Released apply(const Attach& change, Tree& tree, State& state, Work<double>& work) noexcept;
 Released apply(const Impulse& change, Tree& tree, State& state, Work<double>& work) noexcept;
 Released apply(const SetParameters& change, Tree& tree, State& state, Work<double>& work) noexcept;
 

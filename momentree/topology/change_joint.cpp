@@ -4,6 +4,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/topology/change.hpp>
+#include <momentree/topology/new_joint.hpp>
 
 namespace momentree {
 
@@ -11,8 +12,9 @@ namespace {
 
 double rotor_inertia(const Tree& tree, int b, int i) { return tree.armature()[tree.first_p(b) + i]; }
 
-// Eᵀ Pb of b's joint as the tree has it now, at coordinates q; Pb in the user's frame of b.
-void project_at(const Tree& tree, int b, const double* q, const Force<double>& Pb, double* p) {
+}  // namespace
+
+void new_joint_momenta(const Tree& tree, int b, const double* q, const Force<double>& Pb, double* p) noexcept {
   double c[2] = {}, s[2] = {};
   dispatch(tree.joint(b).kind, [&](auto tag) {
     using K = typename decltype(tag)::type::Kernels;
@@ -22,9 +24,10 @@ void project_at(const Tree& tree, int b, const double* q, const Force<double>& P
     }
   });
   project(tree, b, {q, c, s}, to_kernel_frame(tree.frame(b), Pb), p);
+  const Joint& joint = tree.joint(b);
+  for (int i = 0; i < info(joint.kind).nv; ++i)
+    if ((joint.locked >> i & 1u) != 0) p[i] = 0;
 }
-
-}  // namespace
 
 Released apply(const ChangeJoint& change, Tree& tree, State& state, Work<double>& work) noexcept {
   const int b = change.body.index;
@@ -51,11 +54,9 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
   }
   tree.set_joint(b, change.joint, reversed);
   double p[6] = {};
-  project_at(tree, b, change.q.begin(), Pb, p);
-  for (int i = 0; i < now.nv; ++i) {
-    if (keeps) p[i] += rotor_inertia(tree, b, i) * u[i];
-    if ((change.joint.locked >> i & 1u) != 0) p[i] = 0;
-  }
+  new_joint_momenta(tree, b, change.q.begin(), Pb, p);
+  for (int i = 0; i < now.nv && keeps; ++i)
+    if ((change.joint.locked >> i & 1u) == 0) p[i] += rotor_inertia(tree, b, i) * u[i];
   state.replace(first_q, old.nq, {change.q.begin(), static_cast<std::size_t>(now.nq)}, first_p, old.nv,
                 {p, static_cast<std::size_t>(now.nv)}, tree.revision());
   return released;

@@ -1,36 +1,57 @@
 #include <momentree/dynamics/energy.hpp>
-#include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/topology/change.hpp>
+#include <momentree/topology/new_joint.hpp>
+#include <momentree/topology/turn_over.hpp>
 
 namespace momentree {
 
-Released apply(const Join& change, Tree& tree, State& state, Work<double>& work) noexcept {
-  const int b = change.body.index, to = change.to.index;
+namespace {
+
+// The mechanism of b, re-rooted there, hangs on `to` by `joint` at `coordinates(relative pose)`; ancestors of `to` absorb its
+// momentum. All that is read is of the state before: the two mechanisms know nothing of each other.
+template <class Coordinates>
+void attach(int b, int to, const Joint& joint, bool reversed, Coordinates coordinates, Tree& tree, State& state,
+            Work<double>& work) noexcept {
+  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  MT_REQUIRE(floats(tree, b), "the mechanism floats");
   MT_REQUIRE(to < 0 || root_of(tree, b) != root_of(tree, to), "the bodies belong to different mechanisms");
-  apply(Reroot{change.body}, tree, state, work);  // also where b is the root already: its joint then stands at its own frame
-  if (to < 0) return {};
-  forward_dynamics(tree, state, work);
-  const Pose pose = user_pose(tree, locate_body(tree, state, work, b), b);
-  const Pose outer = user_pose(tree, locate_body(tree, state, work, to), to);
-  const Pose relative = inverse(outer) * pose;
-  const int first_q = tree.first_q(b), first_p = tree.first_p(b);
-  const double* r = state.p().data() + first_p;
-  Force<double> W{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};  // Pb of the whole mechanism, in b's frame
-  // Into the kernel frame of `to`, whose own joint is the first to absorb it.
-  const Mat3 R = rotation_matrix(relative.rotation);
-  W = {R * W.l, R * W.h};
-  shift(W, relative.position);
-  W = to_kernel_frame(tree.frame(to), W);
-  const auto p = state.edit().p;
-  absorb(tree, to, joint_state(tree, state, work, to), W, +1, p.data());
-  shed_momentum(tree, state, work, to, W, +1, p.data());
-  tree.regraft(b, to);
-  const double q[7] = {relative.position.x, relative.position.y, relative.position.z, relative.rotation.w,
-                       relative.rotation.x, relative.rotation.y, relative.rotation.z};
-  double momenta[6];
-  for (int i = 0; i < 6; ++i) momenta[i] = state.p()[static_cast<std::size_t>(first_p + i)];
-  state.replace(first_q, 7, q, first_p, 6, momenta, tree.revision());
+  Pose relative = user_pose(tree, locate_body(tree, state, work, b), b);
+  if (to >= 0) relative = inverse(user_pose(tree, locate_body(tree, state, work, to), to)) * relative;
+  const int root = root_of(tree, b), first_q = tree.first_q(root), first_p = tree.first_p(root);
+  double* p = state.edit().p.data();
+  const Force<double> Pb = turn_over_momenta(tree, state, work, b, p);
+  if (to >= 0) {  // into the kernel frame of `to`, whose own joint is the first to absorb it
+    const Mat3 R = rotation_matrix(relative.rotation);
+    Force<double> W{R * Pb.l, R * Pb.h};
+    shift(W, relative.position);
+    W = to_kernel_frame(tree.frame(to), W);
+    absorb(tree, to, joint_state(tree, state, work, to), W, +1, p);
+    shed_momentum(tree, state, work, to, W, +1, p);
+  }
+  tree.attach(b, to, joint, reversed);
+  const KindInfo& kind = info(joint.kind);
+  double q[7], momenta[6];
+  coordinates(relative, q);
+  new_joint_momenta(tree, b, q, Pb, momenta);
+  state.replace(first_q, 7, {q, static_cast<std::size_t>(kind.nq)}, first_p, 6, {momenta, static_cast<std::size_t>(kind.nv)},
+                tree.revision());
+}
+
+}  // namespace
+
+Released apply(const Join& change, Tree& tree, State& state, Work<double>& work) noexcept {
+  attach(change.body.index, change.to.index, made_free_joint(), false, free_coordinates, tree, state, work);
+  return {};
+}
+
+Released apply(const Attach& change, Tree& tree, State& state, Work<double>& work) noexcept {
+  const KindInfo& kind = info(change.joint.kind);
+  MT_REQUIRE(change.q.size() == kind.nq, "the new joint's coordinates are given");
+  const auto given = [&](const Pose&, double* q) {
+    for (int i = 0; i < kind.nq; ++i) q[i] = change.q[i];
+  };
+  attach(change.body.index, change.to.index, change.joint, change.reversed, given, tree, state, work);
   return {};
 }
 

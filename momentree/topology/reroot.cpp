@@ -1,6 +1,7 @@
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/topology/change.hpp>
+#include <momentree/topology/turn_over.hpp>
 
 namespace momentree {
 
@@ -17,30 +18,30 @@ bool floats(const Tree& tree, int b) noexcept {
 }
 
 // tot = Pb of the root; along the path, tot ← X⁻ᵀ tot, and the joint turned over keeps what is on its other side: p ← p − Eᵀ tot.
-Released apply(const Reroot& change, Tree& tree, State& state, Work<double>& work) noexcept {
-  const int b = change.body.index;
-  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
-  MT_REQUIRE(floats(tree, b), "the mechanism floats");
-  const Pose pose = user_pose(tree, locate_body(tree, state, work, b), b);
+Force<double> turn_over_momenta(const Tree& tree, const State& state, Work<double>& work, int b, double* p) noexcept {
   int length = 0, root = b;
-  for (int a = b; a >= 0; a = tree.parent(a)) {
-    root = a;
-    if (tree.parent(a) >= 0) work.path[static_cast<std::size_t>(length++)] = a;
-  }
-  const int first_q = tree.first_q(root), first_p = tree.first_p(root);
-  const auto p = state.edit().p;
-  const double* r = p.data() + first_p;
+  for (; tree.parent(root) >= 0; root = tree.parent(root)) work.path[static_cast<std::size_t>(length++)] = root;
+  const double* r = state.p().data() + tree.first_p(root);
   Force<double> total{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
   while (length > 0) {
     const int x = work.path[static_cast<std::size_t>(--length)];
     const DenseCrossing<double> crossing = joint_crossing(tree, state, work, x);
     total = {transpose_times(crossing.R, total.l), transpose_times(crossing.R, total.h - cross(crossing.r, total.l))};
-    absorb(tree, x, joint_state(tree, state, work, x), total, -1, p.data());
+    absorb(tree, x, joint_state(tree, state, work, x), total, -1, p);
   }
-  const Force<double> P = to_user_frame(tree.frame(b), total);
+  return to_user_frame(tree.frame(b), total);
+}
+
+Released apply(const Reroot& change, Tree& tree, State& state, Work<double>& work) noexcept {
+  const int b = change.body.index;
+  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  MT_REQUIRE(floats(tree, b), "the mechanism floats");
+  const Pose pose = user_pose(tree, locate_body(tree, state, work, b), b);
+  const int root = root_of(tree, b), first_q = tree.first_q(root), first_p = tree.first_p(root);
+  const Force<double> P = turn_over_momenta(tree, state, work, b, state.edit().p.data());
   tree.reroot(b);
-  const double q[7] = {pose.position.x, pose.position.y, pose.position.z, pose.rotation.w,
-                       pose.rotation.x, pose.rotation.y, pose.rotation.z};
+  double q[7];
+  free_coordinates(pose, q);
   const double momenta[6] = {P.l.x, P.l.y, P.l.z, P.h.x, P.h.y, P.h.z};
   state.replace(first_q, 7, q, first_p, 6, momenta, tree.revision());
   return {};

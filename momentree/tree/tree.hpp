@@ -2,6 +2,7 @@
 // The compiled topology: one forest of flat arrays. Body numbers never change; a change relinks order and offsets.
 // A mechanism that falls off is a body whose parent became the ground.
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -53,13 +54,21 @@ struct Topology {
   std::vector<Own> own;          ///< in the order in which they were given
 };
 
+/// The free joint of what broke off, at the identity: coordinates are the pose of the body's own frame.
+inline Joint made_free_joint() {
+  Joint joint;
+  joint.kind = Kind::free;
+  joint.made = true;
+  return joint;
+}
+
 /// A maximal path of single children whose joints share their kernels: the sweeps run along it with accumulators in locals.
 /// Bodies order[begin] (inboard) … order[end − 1].
 struct Segment {
   enum class Deposit : unsigned char { none, assign, add };
   int begin = 0, end = 0;
   int parent = -1;    ///< junction of the parent segment, −1: the ground
-  int junction = -1;  ///< where the children of the last body meet, −1: it has none
+  int junction = -1;  ///< where the children of the last body meet: the number of that body; −1: it has none
   Kind kind = Kind::weld;
   Variant variant = Variant::plain;
   bool aligned = false;
@@ -110,7 +119,7 @@ class Tree {
   int joint_of(int b) const { return joint_of_[at(b)]; }
   int carrier(int joint) const { return carrier_[at(joint)]; }
   bool reversed(int b) const { return reversed_[at(b)] != 0; }
-  Variant variant(int b) const { return variant_[at(b)]; }
+  Variant variant(int b) const { return class_[at(b)].variant; }
   const KernelFrame& frame(int b) const { return frames_[at(b)]; }
   /// Parameters of the joint, or null.
   const JointParameters* parameters(int b) const {
@@ -120,9 +129,9 @@ class Tree {
   /// True for a body whose root joint was made by a change: named after the body.
   bool detached(int b) const { return joint(b).made; }
 
+  /// Depth first, inboard before outboard; siblings and roots in ascending order of numbers.
   std::span<const int> order() const { return order_; }
   std::span<const Segment> segments() const { return segments_; }
-  int junctions() const { return junctions_; }
   std::size_t record_scalars() const { return record_scalars_; }
   /// Angles of all joints: index into q, and the offset θ0 that is added to it.
   std::span<const int> angle_coordinates() const { return {angle_q_.data(), at(angles_)}; }
@@ -133,7 +142,7 @@ class Tree {
   const double* damping() const { return damping_.data(); }
   const double* effort() const { return effort_.data(); }
   bool has_forces() const { return has_forces_; }
-  /// Bodies whose joint's coordinates hold a quaternion.
+  /// Bodies whose joint's coordinates hold a quaternion; these and the next in the order of joint numbers.
   std::span<const int> quaternion_joints() const { return quaternion_joints_; }
   /// Bodies whose joint has a spring.
   std::span<const int> spring_joints() const { return spring_joints_; }
@@ -148,15 +157,16 @@ class Tree {
   /// evaluated before is stale, even on the same topology. O(bodies); does not allocate.
   void restore(const Topology& topology);
 
-  // The edits that changes are made of. Each relinks and counts a revision; none touches a state (topology/ does) or allocates.
+  // The edits that changes are made of. Each relinks what it moved and counts a revision; none touches a state (topology/ does)
+  // or allocates. Joints are packed in the order of their numbers: re-rooting moves no coordinate.
 
   /// The inboard joint of b becomes a free joint to the ground, at the identity, without parameters: b's user frame is its
   /// joint's frame.
   void detach(int b);
-  /// Root b, on a made free joint, becomes a child of `parent` by that joint, at the identity: q is then its pose in the parent.
-  void regraft(int b, int parent);
   /// b becomes the root of its tree, whose root must hang on a free joint. The joints between turn over; the free joint is b's.
   void reroot(int b);
+  /// The tree of b is re-rooted at b and hung on `parent`, of another tree or the ground; the free joint becomes `joint`.
+  void attach(int b, int parent, const Joint& joint, bool reversed);
   /// Replaces the inboard joint of b; parameters (if the index says so) are the caller's. The direction stays.
   void set_joint(int b, const Joint& joint) { set_joint(b, joint, reversed(b)); }
   /// The same for a joint whose declared child is b, or, reversed, b's parent (which is then not the ground).
@@ -166,26 +176,52 @@ class Tree {
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+  // frames.cpp
   void make_frame(int b);
   void make_link(int b);
-  void link_all();
   void renew(int b);
-  void renew_looking_out(int b);
+  void renew_child_changed(int b);
+
+  // relink.cpp: from parents, joints and directions, everything that follows.
+  void link_all();
+  void pack_all();
+  void pack(int b);
+  bool repack(int b, Kind before);
+  void list_special_joints();
+  int walk(int root, int place);
+  void arrange();
+  void end_segment(int place);
+  void weigh(int b);
+  void weigh_path(int b);
+  int end_of(int b) const;
+  void move_block(int begin, int end, int to);
+
+  // edits.cpp
   void unlink(int b);
   void hang(int b, int parent);
-  Joint& change_joint(int b);
+  void move_tree(int b, int begin, int end);
+  bool replace_joint(int b, const Joint& joint, bool reversed);
+  int turn_over(int b);
   void give_parameters(int joint, const JointParameters& parameters);
-  void relink();
 
   Vec3 gravity_{};
-  int nq_ = 0, nv_ = 0, angles_ = 0, junctions_ = 0, first_root_ = -1;
+  int nq_ = 0, nv_ = 0, angles_ = 0, first_root_ = -1;
   std::size_t record_scalars_ = 0, record_capacity_ = 0;
   std::uint64_t revision_ = 0;
-  std::vector<int> parent_, first_child_, next_sibling_, first_q_, first_p_, first_angle_, order_, segment_of_;
+  std::vector<int> parent_, first_child_, next_sibling_, first_q_, first_p_, first_angle_, order_;
+  std::vector<int> place_;  // in the order, by body
   std::vector<std::size_t> record_;
   std::vector<int> joint_of_, carrier_;
   std::vector<unsigned char> reversed_;
-  std::vector<Variant> variant_;
+  struct Class {  // neighbours of one class share a segment
+    Kind kind = Kind::weld;
+    Variant variant = Variant::plain;
+    bool aligned = false;
+    unsigned char none = 0;
+    friend bool operator==(Class a, Class b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); }
+  };
+  std::vector<Class> class_;  // by body
   std::vector<Link> links_;
   std::vector<Joint> joints_;
   std::shared_ptr<const std::vector<Joint>> declared_;  // the model's joints, shared by copies of the tree
@@ -209,6 +245,7 @@ class Tree {
   Reserved<Segment> segments_;
   std::vector<int> angle_q_;
   Reserved<int> spring_joints_, quaternion_joints_;
+  std::vector<unsigned char> special_;  // by joint: a bit each for a spring, a quaternion, a force
   std::vector<double> angle_offset_, armature_, damping_, effort_;
   bool has_forces_ = false;
 };

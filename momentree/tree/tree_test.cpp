@@ -24,10 +24,10 @@ TEST_CASE("runs of single children with one kind are one segment; forks meet at 
   // a b c | d | f | e g | h
   REQUIRE(tree.segments().size() == 5);
   CHECK(tree.segments()[0].end == 3);
-  CHECK(tree.segments()[0].junction == 0);
-  CHECK(tree.segments()[1].parent == 0);
+  CHECK(tree.segments()[0].junction == c.index);
+  CHECK(tree.segments()[1].parent == c.index);
   CHECK(tree.segments()[1].deposit == Segment::Deposit::add);
-  CHECK(tree.segments()[2].parent == 1);
+  CHECK(tree.segments()[2].parent == d.index);
   CHECK(tree.segments()[2].deposit == Segment::Deposit::assign);
   CHECK(tree.segments()[3].deposit == Segment::Deposit::assign);  // the last child reaches the junction first
   CHECK(tree.segments()[3].end - tree.segments()[3].begin == 2);

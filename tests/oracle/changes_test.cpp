@@ -199,6 +199,42 @@ TEST_CASE("an attached joint is the same with its declared child on either side:
   CHECK(attached > 50);
 }
 
+TEST_CASE("Attach is Join and ChangeJoint at once; the projection agrees, for the ground too") {
+  int attached = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    Prng random(seed + 52000);
+    RandomTreeOptions options;
+    options.max_bodies = 10, options.parameters = false, options.all_free = seed % 2 == 0;
+    Machine one(random_tree(seed, options).model);
+    for (int k = 0; k < 2; ++k) {
+      const int cut = random.integer(0, one.size() - 1);
+      if (can_break(one.tree, {cut})) apply(Break{{cut}}, one.tree, one.state, one.work);
+      one.evaluate();
+    }
+    const int b = random.integer(0, one.size() - 1);
+    const int to = random.integer(-1, one.size() - 1);
+    if (!floats(one.tree, b) || (to >= 0 && root_of(one.tree, b) == root_of(one.tree, to))) continue;
+    ++attached;
+    INFO("seed ", seed, " ", b, " to ", to);
+    const Attach attach = random_attach(random, one, b, to);
+    Machine other(one.model);
+    other.tree = one.tree, other.state = one.state;
+    other.evaluate();
+    const Outcome o = compare(one, [&] { apply(attach, one.tree, one.state, one.work); });
+    CHECK(o.difference < o.bound);
+    CHECK(o.gain < 1e-10L);
+    CHECK(o.carnot < 1e-10L);
+    apply(Join{{b}, {to}}, other.tree, other.state, other.work);
+    other.evaluate();
+    const auto direction = attach.reversed ? ChangeJoint::Direction::reversed : ChangeJoint::Direction::declared;
+    apply(ChangeJoint{{b}, attach.joint, attach.q, direction}, other.tree, other.state, other.work);
+    other.evaluate();
+    const Column V = one.velocities();
+    CHECK((other.velocities() - V).cwiseAbs().maxCoeff() / std::max<long double>(1, V.cwiseAbs().maxCoeff()) < o.bound);
+  }
+  CHECK(attached > 60);
+}
+
 TEST_CASE("several joints change in one impact: Pb of all from before, whatever the order") {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     Prng random(seed + 77);

@@ -94,31 +94,79 @@ unsigned some_freedoms(Prng& random, int nv) {
   return some == 0 ? all : some;
 }
 
-ChangeJoint random_change(Prng& random, const Machine& m, int b, ChangeJoint::Direction direction) {
-  using Direction = ChangeJoint::Direction;
-  const bool reversed = direction == Direction::keep ? m.tree.reversed(b) : direction == Direction::reversed;
-  const int child = reversed ? m.tree.parent(b) : b, parent = reversed ? b : m.tree.parent(b);
+namespace {
+// A joint of a random kind whose declared child stands at `now` in its parent.
+void random_placed_joint(Prng& random, const Pose& now, Joint& joint, Values& q) {
   const Kind kinds[] = {Kind::revolute, Kind::prismatic, Kind::helical, Kind::cylindrical, Kind::universal,
                         Kind::ball,     Kind::planar,    Kind::free,    Kind::weld};
   const JointSpec spec = random_joint(random, kinds[random.integer(0, 9 - 1)], {.parameters = false});
-  ChangeJoint change;
-  change.body = {b}, change.direction = direction;
-  const Values q = random_coordinates(random, spec.kind);  // any q will do: the offset takes up the rest
-  change.joint.kind = spec.kind, change.joint.axis = normalized(spec.axis), change.joint.pitch = spec.pitch;
-  if (spec.kind == Kind::universal) change.joint.axis2 = normalized(spec.axis2);
-  change.q = q;
+  q = random_coordinates(random, spec.kind);  // any q will do: the offset takes up the rest
+  joint.kind = spec.kind, joint.axis = normalized(spec.axis), joint.pitch = spec.pitch;
+  if (spec.kind == Kind::universal) joint.axis2 = normalized(spec.axis2);
   // at · motion(q) = present pose of the child in the parent
-  System one;
   JointSpec plain;
-  plain.kind = change.joint.kind, plain.axis = change.joint.axis, plain.axis2 = change.joint.axis2, plain.pitch = spec.pitch;
+  plain.kind = joint.kind, plain.axis = joint.axis, plain.axis2 = joint.axis2, plain.pitch = spec.pitch;
   Model single;
   BodySpec body;
   body.name = "x", body.mass = 1, body.inertia = diagonal(1), body.joint = plain, body.q = q;
   single.add(body);
   const Machine alone(single);
-  const Pose now = parent < 0 ? m.pose(child) : inverse(m.pose(parent)) * m.pose(child);
-  change.joint.at = now * inverse(alone.pose(0));
+  joint.at = now * inverse(alone.pose(0));
+}
+Pose relative_pose(const Machine& m, int child, int parent) {
+  return parent < 0 ? m.pose(child) : inverse(m.pose(parent)) * m.pose(child);
+}
+}  // namespace
+
+ChangeJoint random_change(Prng& random, const Machine& m, int b, ChangeJoint::Direction direction) {
+  using Direction = ChangeJoint::Direction;
+  const bool reversed = direction == Direction::keep ? m.tree.reversed(b) : direction == Direction::reversed;
+  const int child = reversed ? m.tree.parent(b) : b, parent = reversed ? b : m.tree.parent(b);
+  ChangeJoint change;
+  change.body = {b}, change.direction = direction;
+  random_placed_joint(random, relative_pose(m, child, parent), change.joint, change.q);
   return change;
+}
+
+Attach random_attach(Prng& random, const Machine& m, int b, int to) {
+  Attach attach;
+  attach.body = {b}, attach.to = {to}, attach.reversed = to >= 0 && random.chance(0.5);
+  random_placed_joint(random, attach.reversed ? relative_pose(m, to, b) : relative_pose(m, b, to), attach.joint, attach.q);
+  return attach;
+}
+
+void act(Prng& random, Machine& m) {
+  const int b = random.integer(0, m.size() - 1);
+  const int nv = info(m.tree.joint(b).kind).nv;
+  switch (random.integer(0, 7)) {
+    case 0:
+      if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.work);
+      break;
+    case 1:
+      if (nv > 0) apply(Lock{{b}, some_freedoms(random, nv)}, m.tree, m.state, m.work);
+      break;
+    case 2: apply(Unlock{{b}}, m.tree, m.state, m.work); break;
+    case 3: apply(random_change(random, m, b), m.tree, m.state, m.work); break;
+    case 4:
+      if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.work);
+      break;
+    case 5: {
+      JointParameters parameters;
+      parameters.damping = random.uniform(0, 0.1), parameters.armature = random.uniform(0, 0.1);
+      if (m.tree.parent(b) >= 0 && nv > 0) apply(SetParameters{{b}, parameters}, m.tree, m.state, m.work);
+      break;
+    }
+    default: {
+      const int to = random.integer(0, m.size() - 1);
+      if (root_of(m.tree, to) == root_of(m.tree, b) || !floats(m.tree, b)) break;
+      if (random.chance(0.3)) {
+        apply(Join{{b}, {to}}, m.tree, m.state, m.work);
+      } else {
+        apply(random_attach(random, m, b, to), m.tree, m.state, m.work);
+      }
+    }
+  }
+  m.evaluate();
 }
 
 double condition(const Dense& M, const Dense& C) {

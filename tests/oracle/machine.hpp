@@ -47,6 +47,11 @@ unsigned some_freedoms(Prng& random, int nv);
 /// parent, or what it is at present.
 ChangeJoint random_change(Prng& random, const Machine& m, int b, ChangeJoint::Direction direction = ChangeJoint::Direction::keep);
 
+/// A joint of a random kind between mechanisms, where the bodies are; declared either way.
+Attach random_attach(Prng& random, const Machine& m, int b, int to);
+/// One random change of any kind of an evaluated machine, evaluated afterwards; some allow nothing.
+void act(Prng& random, Machine& m);
+
 /// Condition of the joint-space mass, in directions of length one that the constraints leave: what velocities can be known to.
 double condition(const Dense& M, const Dense& C);
 

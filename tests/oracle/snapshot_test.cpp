@@ -12,40 +12,6 @@ using namespace momentree::oracle;
 
 namespace {
 
-// One random change of an evaluated machine; some allow nothing.
-void change(Prng& random, Machine& m) {
-  const int b = random.integer(0, m.size() - 1);
-  const int nv = info(m.tree.joint(b).kind).nv;
-  switch (random.integer(0, 7)) {
-    case 0:
-      if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.work);
-      break;
-    case 1:
-      if (nv > 0) apply(Lock{{b}, some_freedoms(random, nv)}, m.tree, m.state, m.work);
-      break;
-    case 2: apply(Unlock{{b}}, m.tree, m.state, m.work); break;
-    case 3: apply(random_change(random, m, b), m.tree, m.state, m.work); break;
-    case 4:
-      if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.work);
-      break;
-    case 5: {
-      JointParameters parameters;
-      parameters.damping = random.uniform(0, 0.1), parameters.armature = random.uniform(0, 0.1);
-      if (m.tree.parent(b) >= 0 && nv > 0) apply(SetParameters{{b}, parameters}, m.tree, m.state, m.work);
-      break;
-    }
-    default: {
-      const int to = random.integer(0, m.size() - 1);
-      if (root_of(m.tree, to) == root_of(m.tree, b) || !floats(m.tree, b)) break;
-      apply(Join{{b}, {to}}, m.tree, m.state, m.work);
-      m.evaluate();
-      const auto direction = random.chance(0.5) ? ChangeJoint::Direction::reversed : ChangeJoint::Direction::declared;
-      apply(random_change(random, m, b, direction), m.tree, m.state, m.work);
-    }
-  }
-  m.evaluate();
-}
-
 // A step along the rates, so that restored states move on.
 void step(Machine& m) {
   const State::Edit edit = m.state.edit();
@@ -104,12 +70,12 @@ TEST_CASE("a restored world goes on bit for bit: in the same tree, and in one co
     INFO("seed ", seed);
     Machine m(random_tree(seed, options(seed)).model);
     Prng random(seed * 5 + 3);
-    for (int k = random.integer(0, 15); k > 0; --k) change(random, m), step(m);
+    for (int k = random.integer(0, 15); k > 0; --k) act(random, m), step(m);
     const Snapshot start = take(m.tree, m.state);
     const Prng draws = random;
     std::vector<Found> first;
     for (int k = 0; k < 12; ++k) {
-      change(random, m);
+      act(random, m);
       step(m);
       first.emplace_back(m);
     }
@@ -126,7 +92,7 @@ TEST_CASE("a restored world goes on bit for bit: in the same tree, and in one co
       again->evaluate();
       Prng same = draws;
       for (const Found& found : first) {
-        change(same, *again);
+        act(same, *again);
         step(*again);
         CHECK(Found(*again) == found);
       }
@@ -142,7 +108,7 @@ TEST_CASE("back to the start: what was compiled, with nothing to tell") {
     CHECK(start.topology.changed.empty());
     CHECK(start.topology.own.empty());
     Prng random(seed + 99);
-    for (int k = 0; k < 20; ++k) change(random, m);
+    for (int k = 0; k < 20; ++k) act(random, m);
     const Topology there = m.tree.topology();
     restore(start, m.tree, m.state);
     m.evaluate();

@@ -1,0 +1,201 @@
+// What follows from parents, joints and directions: offsets, lists, order, segments, masses of subtrees. Everything at once when
+// a model is compiled or a topology restored; after an edit, what it moved. Both ways give the same tables.
+#include <algorithm>
+
+#include <momentree/base/check.hpp>
+#include <momentree/joint/dispatch.hpp>
+#include <momentree/tree/tree.hpp>
+
+namespace momentree {
+
+namespace {
+
+enum Special : unsigned char { spring = 1, quaternion = 2, force = 4 };
+
+Variant variant_of(const Joint& joint, bool rotor, bool reversed, bool turns_about_z) {
+  const bool turned = reversed && !turns_about_z;  // others are native against their direction
+  if (joint.locked != 0) return turned ? Variant::reversed_locked : Variant::locked;
+  if (turned) return Variant::reversed;
+  return rotor ? Variant::rotor : Variant::plain;
+}
+
+// What stands from `first` on moves by `by` places, in an array that is long enough.
+template <class T>
+void shift_tail(std::vector<T>& all, int first, int count, int by) {
+  const auto begin = all.begin() + first, end = all.begin() + count;
+  if (by > 0) std::move_backward(begin, end, end + by);
+  if (by < 0) std::move(begin, end, begin + by);
+}
+
+}  // namespace
+
+void Tree::link_all() {
+  first_root_ = -1;
+  for (int& child : first_child_) child = -1;
+  for (int b = bodies() - 1; b >= 0; --b) {  // backwards: lists in ascending order
+    int& head = parent_[at(b)] < 0 ? first_root_ : first_child_[at(parent_[at(b)])];
+    next_sibling_[at(b)] = head;
+    head = b;
+  }
+  pack_all();
+  for (int b = 0; b < bodies(); ++b) make_frame(b);
+  for (int b = 0; b < bodies(); ++b) make_link(b);
+  int place = 0;
+  for (int root = first_root_; root >= 0; root = next_sibling_[at(root)]) place = walk(root, place);
+  MT_REQUIRE(place == bodies(), "every body hangs on the ground");
+  arrange();
+  for (std::size_t i = order_.size(); i-- > 0;) weigh(order_[i]);
+}
+
+void Tree::pack_all() {
+  nq_ = nv_ = angles_ = 0;
+  for (int j = 0; j < bodies(); ++j) {
+    const int b = carrier_[at(j)];
+    const KindShape& kind = shape(joints_[at(j)].kind);
+    first_q_[at(b)] = nq_, first_p_[at(b)] = nv_, first_angle_[at(b)] = angles_;
+    nq_ += kind.nq, nv_ += kind.nv, angles_ += kind.angles;
+    pack(b);
+  }
+  list_special_joints();
+}
+
+// What stands at the offsets of b's joint.
+void Tree::pack(int b) {
+  const Joint& joint = this->joint(b);
+  const KindShape& kind = shape(joint.kind);
+  static constexpr PerFreedom none{};
+  const PerFreedom& given = joint.parameters < 0 ? none : per_freedom_[at(joint.parameters)];
+  for (int i = 0; i < kind.angles; ++i) {
+    angle_q_[at(first_angle_[at(b)] + i)] = first_q_[at(b)] + kind.angle[i];
+    angle_offset_[at(first_angle_[at(b)] + i)] = kind.turns_about_z ? links_[at(b)].angle_0 : 0.0;
+  }
+  for (int i = 0; i < kind.nv; ++i) {
+    const auto p = at(first_p_[at(b)] + i);
+    const bool moves = (joint.locked >> i & 1u) == 0;  // a locked freedom's forces do nothing
+    armature_[p] = given.armature[at(i)];
+    damping_[p] = moves ? given.damping[at(i)] : 0.0;
+    effort_[p] = moves ? given.effort[at(i)] : 0.0;
+  }
+  class_[at(b)].kind = joint.kind;
+  class_[at(b)].variant = variant_of(joint, given.rotor, reversed_[at(b)] != 0, kind.turns_about_z);
+  special_[at(joint_of_[at(b)])] =
+      static_cast<unsigned char>((given.spring ? spring : 0) | (given.force ? force : 0) | (kind.nq > kind.nv ? quaternion : 0));
+}
+
+// The joint of b was of another kind before: what is packed behind it moves. Returns whether the lists of joints are to be
+// renewed.
+bool Tree::repack(int b, Kind before) {
+  const KindShape& old = shape(before);
+  const KindShape& now = shape(joint(b).kind);
+  const int q = now.nq - old.nq, p = now.nv - old.nv, angles = now.angles - old.angles;
+  if (q != 0 || p != 0 || angles != 0) {
+    for (int j = joint_of_[at(b)] + 1; j < bodies(); ++j) {
+      const auto c = at(carrier_[at(j)]);
+      first_q_[c] += q, first_p_[c] += p, first_angle_[c] += angles;
+    }
+    const int behind_p = first_p_[at(b)] + old.nv, behind_angle = first_angle_[at(b)] + old.angles;
+    for (int i = behind_angle; i < angles_; ++i) angle_q_[at(i)] += q;
+    shift_tail(angle_q_, behind_angle, angles_, angles);
+    shift_tail(angle_offset_, behind_angle, angles_, angles);
+    shift_tail(armature_, behind_p, nv_, p);
+    shift_tail(damping_, behind_p, nv_, p);
+    shift_tail(effort_, behind_p, nv_, p);
+    nq_ += q, nv_ += p, angles_ += angles;
+  }
+  const unsigned char was = special_[at(joint_of_[at(b)])];
+  pack(b);
+  return special_[at(joint_of_[at(b)])] != was;
+}
+
+void Tree::list_special_joints() {
+  spring_joints_.clear(), quaternion_joints_.clear();
+  unsigned all = 0;
+  for (std::size_t j = 0; j < special_.size(); ++j) {
+    const unsigned s = special_[j];
+    all |= s;
+    if ((s & (spring | quaternion)) == 0) continue;
+    if ((s & spring) != 0) spring_joints_.push_back(carrier_[j]);
+    if ((s & quaternion) != 0) quaternion_joints_.push_back(carrier_[j]);
+  }
+  has_forces_ = (all & force) != 0;
+}
+
+// Writes the tree of `root` into the order, from `place` on; returns where it ends. Without a stack: a chain of a million bodies
+// is as deep as it is long.
+int Tree::walk(int root, int place) {
+  for (int b = root;;) {
+    order_[at(place)] = b;
+    place_[at(b)] = place++;
+    if (first_child_[at(b)] >= 0) {
+      b = first_child_[at(b)];
+      continue;
+    }
+    while (b != root && next_sibling_[at(b)] < 0) b = parent_[at(b)];
+    if (b == root) return place;
+    b = next_sibling_[at(b)];
+  }
+}
+
+// Where the bodies outboard of b end in the order.
+int Tree::end_of(int b) const {
+  while (b >= 0 && next_sibling_[at(b)] < 0) b = parent_[at(b)];
+  return b < 0 ? static_cast<int>(order_.size()) : place_[at(next_sibling_[at(b)])];
+}
+
+// Bodies [begin, end) of the order move to `to`, a place outside of them.
+void Tree::move_block(int begin, int end, int to) {
+  const auto o = order_.begin();
+  if (to < begin) std::rotate(o + to, o + begin, o + end);
+  if (to > end) std::rotate(o + begin, o + end, o + to);
+}
+
+// Places, records and segments, from the order.
+void Tree::arrange() {
+  segments_.clear();
+  const int count = static_cast<int>(order_.size());
+  const int *order = order_.data(), *parent = parent_.data(), *next_sibling = next_sibling_.data();
+  const Class* classes = class_.data();
+  int* places = place_.data();
+  std::size_t *records = record_.data(), scalars = 0, record = 0;
+  int before = -1;
+  Class same{};
+  for (int place = 0; place < count; ++place) {
+    const int b = order[place], outer = parent[b];
+    places[b] = place;
+    const Class own = classes[b];
+    if (outer != before || outer < 0 || next_sibling[b] >= 0 || !(own == same)) {
+      if (place > 0) end_segment(place);
+      // The way in runs through the segments backwards: the last child reaches the junction first.
+      const auto deposit = outer < 0             ? Segment::Deposit::none
+                           : next_sibling[b] < 0 ? Segment::Deposit::assign
+                                                 : Segment::Deposit::add;
+      segments_.push_back({place, place + 1, outer, -1, own.kind, own.variant, own.aligned, deposit});
+      record = shape(own.kind).record[static_cast<std::size_t>(own.variant)];
+      same = own;
+    }
+    records[b] = scalars;
+    scalars += record;
+    before = b;
+  }
+  if (count > 0) end_segment(count);
+  record_scalars_ = scalars;
+}
+
+void Tree::end_segment(int place) {
+  const int last = order_[at(place - 1)];
+  segments_.back().end = place;
+  segments_.back().junction = first_child_[at(last)] >= 0 ? last : -1;
+}
+
+// Mass of b and all outboard bodies, from that of its children.
+void Tree::weigh(int b) {
+  double mass = links_[at(b)].body.m;
+  for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)]) mass += links_[at(c)].subtree_mass;
+  links_[at(b)].subtree_mass = mass;
+}
+
+void Tree::weigh_path(int b) {
+  for (; b >= 0; b = parent_[at(b)]) weigh(b);
+}
+
+}  // namespace momentree

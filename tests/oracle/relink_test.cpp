@@ -1,0 +1,87 @@
+// Tables that follow a change step by step are those of a tree made anew.
+#include <algorithm>
+#include <cstring>
+
+#include <doctest/doctest.h>
+
+#include <tests/oracle/machine.hpp>
+
+using namespace momentree;
+using namespace momentree::oracle;
+
+namespace {
+
+bool same_bits(const double* a, const double* b, std::size_t count) { return std::memcmp(a, b, count * sizeof(double)) == 0; }
+
+bool same_link(const Tree& a, const Tree& b, int body) {
+  const auto &x = a.link(body), &y = b.link(body);
+  const KernelFrame &f = a.frame(body), &g = b.frame(body);
+  return same_bits(&x.cos_a, &y.cos_a, 6) && same_bits(&x.r.x, &y.r.x, 3) && same_bits(&x.body.m, &y.body.m, 1) &&
+         same_bits(&x.body.mc.x, &y.body.mc.x, 3) && same_bits(&x.body.J.xx, &y.body.J.xx, 6) &&
+         same_bits(&x.subtree_mass, &y.subtree_mass, 1) && same_bits(&x.angle_0, &y.angle_0, 1) && x.locked == y.locked &&
+         same_bits(&f.R.xx, &g.R.xx, 9) && same_bits(&f.r.x, &g.r.x, 3);
+}
+
+template <class A, class B>
+bool same_list(const A& a, const B& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end());
+}
+
+// Compares everything that a tree shows.
+void check_same(const Tree& a, const Tree& b) {
+  REQUIRE(a.bodies() == b.bodies());
+  CHECK(a.nq() == b.nq());
+  CHECK(a.nv() == b.nv());
+  CHECK(a.first_root() == b.first_root());
+  CHECK(a.record_scalars() == b.record_scalars());
+  CHECK(a.has_forces() == b.has_forces());
+  REQUIRE(same_list(a.order(), b.order()));
+  CHECK(same_list(a.quaternion_joints(), b.quaternion_joints()));
+  CHECK(same_list(a.spring_joints(), b.spring_joints()));
+  CHECK(same_list(a.angle_coordinates(), b.angle_coordinates()));
+  CHECK(same_list(a.angle_offsets(), b.angle_offsets()));
+  const auto nv = static_cast<std::size_t>(a.nv());
+  CHECK(same_bits(a.armature(), b.armature(), nv));
+  CHECK(same_bits(a.damping(), b.damping(), nv));
+  CHECK(same_bits(a.effort(), b.effort(), nv));
+  REQUIRE(a.segments().size() == b.segments().size());
+  for (std::size_t i = 0; i < a.segments().size(); ++i) {
+    const Segment &s = a.segments()[i], &t = b.segments()[i];
+    CHECK((s.begin == t.begin && s.end == t.end && s.parent == t.parent && s.junction == t.junction && s.kind == t.kind &&
+           s.variant == t.variant && s.aligned == t.aligned && s.deposit == t.deposit));
+  }
+  for (int k : a.order()) {
+    INFO("body ", k);
+    CHECK(a.parent(k) == b.parent(k));
+    CHECK(a.first_child(k) == b.first_child(k));
+    CHECK(a.next_sibling(k) == b.next_sibling(k));
+    CHECK(a.first_q(k) == b.first_q(k));
+    CHECK(a.first_p(k) == b.first_p(k));
+    CHECK(a.first_angle(k) == b.first_angle(k));
+    CHECK(a.record(k) == b.record(k));
+    CHECK(a.joint_of(k) == b.joint_of(k));
+    CHECK(b.carrier(a.joint_of(k)) == k);
+    CHECK(a.reversed(k) == b.reversed(k));
+    CHECK(a.variant(k) == b.variant(k));
+    CHECK(same_link(a, b, k));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("after every change the tables are those of a full rebuild") {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    RandomTreeOptions options;
+    options.max_bodies = seed % 3 == 0 ? 60 : 15;
+    options.all_free = seed % 2 == 0;
+    Machine m(random_tree(seed, options).model);
+    Prng random(seed * 31 + 7);
+    for (int k = 0; k < 80; ++k) {
+      INFO("seed ", seed, " change ", k);
+      act(random, m);
+      Tree anew(m.model);
+      anew.restore(m.tree.topology());
+      check_same(m.tree, anew);
+    }
+  }
+}
