@@ -1,5 +1,6 @@
 #pragma once
 // What a joint is for its user: a kind, its geometry and its parameters. The kinds themselves are in kinds/, one file each.
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,6 +34,24 @@ const std::vector<KindInfo>& all_kinds();
 /// The kind of that name, or null.
 const KindInfo* find_kind(std::string_view name);
 
+/// Hard stops of a joint: coordinates that its freedoms do not pass. One number applies to every freedom, a list has one per
+/// freedom in the order of v; infinite or absent: no stop. Only for kinds whose velocities are the rates of their coordinates.
+struct JointLimits {
+  Values lower{}, upper{};   ///< rad, m
+  Values restitution{};      ///< 0 (plastic, also where absent) … 1: what is left of the speed, turned about
+  double rest_speed = 1e-3;  ///< below it (rad/s, m/s) the joint comes to rest on the stop, until something pulls it off
+  bool any() const { return !lower.empty() || !upper.empty(); }
+  double lower_of(int freedom) const { return of(lower, freedom, -std::numeric_limits<double>::infinity()); }
+  double upper_of(int freedom) const { return of(upper, freedom, std::numeric_limits<double>::infinity()); }
+  double restitution_of(int freedom) const { return of(restitution, freedom, 0); }
+  friend bool operator==(const JointLimits&, const JointLimits&) = default;
+
+ private:
+  static double of(const Values& values, int i, double none) {
+    return values.size() == 1 ? values[0] : i < values.size() ? values[i] : none;
+  }
+};
+
 /// Parameters of a joint. One number applies to every freedom, a list has one per freedom in the order of v
 /// (`effort` as a single number only for kinds with one freedom). SI units. They belong to the joint, not to the child body.
 struct JointParameters {
@@ -41,6 +60,7 @@ struct JointParameters {
   Values rest{};       ///< coordinates (order of q) at which the spring is at rest; empty: the joint's zero
   Values armature{};   ///< rotor inertia reflected to the joint, added to the joint-space mass
   Values effort{};     ///< constant driving force or torque
+  JointLimits limits{};
   friend bool operator==(const JointParameters&, const JointParameters&) = default;
 };
 
@@ -60,7 +80,8 @@ struct JointSpec {
     if constexpr (requires { k.axis; }) axis = k.axis;
     if constexpr (requires { k.axis2; }) axis2 = k.axis2;
     if constexpr (requires { k.pitch; }) pitch = k.pitch;
-    if constexpr (requires { k.damping; }) parameters = {k.damping, k.stiffness, k.rest, k.armature, k.effort};
+    if constexpr (requires { k.damping; }) parameters = {k.damping, k.stiffness, k.rest, k.armature, k.effort, {}};
+    if constexpr (requires { k.limits; }) parameters.limits = k.limits;
   }
 };
 

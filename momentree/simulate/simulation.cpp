@@ -10,6 +10,7 @@
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/instant.hpp>
+#include <momentree/simulate/stops.hpp>
 
 namespace momentree {
 
@@ -37,7 +38,11 @@ std::string text(double x) {
 
 struct Simulation::Impl {
   Impl(const Model& model, const Integration& how)
-      : integration(how), world(model), evaluate(world.tree_, world.work_), method(make_integrator(how.method, world.tree_)) {
+      : integration(how),
+        world(model),
+        evaluate(world.tree_, world.work_),
+        method(make_integrator(how.method, world.tree_)),
+        stops(world, evaluate) {
     if (method == nullptr)
       fail({"unknown integration method '" + how.method + "'", "", did_you_mean(how.method, integration_methods())});
     if (!(how.step > 0) || !std::isfinite(how.step)) fail({"the step must be a positive time, not " + text(how.step), "", ""});
@@ -76,6 +81,7 @@ struct Simulation::Impl {
     const double h = last ? left : (world.time() + integration.step) - world.time();
     const auto start = Clock::now();
     evaluate_state();
+    if (stops.any()) return step_between_stops(h, last ? end : HUGE_VAL, start);
     if (!method->step(evaluate, world.state_, books, h)) {
       report_divergence(h);
       return false;
@@ -85,6 +91,28 @@ struct Simulation::Impl {
     const double taken = seconds_since(start);
     statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, taken);
     return true;
+  }
+
+  // The same where joints have stops: the step may end earlier, and something happen there. `end`: what a whole step ends at.
+  bool step_between_stops(double h, double end, Clock::time_point start) {
+    const std::optional<double> stepped = stops.step(*method, books, h, integration.event_tolerance);
+    if (!stepped) {
+      report_divergence(h);
+      return false;
+    }
+    if (*stepped == h && std::isfinite(end)) world.state_.edit().time = end;
+    ++statistics.steps;
+    settle();
+    statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, seconds_since(start));
+    return true;
+  }
+
+  // What touches a stop is dealt with, and told.
+  void settle() {
+    const std::size_t before = events.size();
+    stops.settle(events);
+    for (std::size_t i = before; i < events.size(); ++i)
+      balance.lost_in_impacts += events[i].lost, balance.released += events[i].released;
   }
 
   void report_divergence(double h) {
@@ -135,7 +163,21 @@ struct Simulation::Impl {
   bool carry_out_now(std::span<const DueEvent> due) {
     evaluate_state();
     if (statistics.changes == 0) book();
+    WorldSnapshot before;
+    if (stops.any()) before = world.snapshot();
     InstantReport report = carry_out(world, due);
+    // A stop that would have had to pull in an impact was let go of before it: once more, without it.
+    for (bool again = stops.any(); again && !report.refused;) {
+      const WorldSnapshot after = world.snapshot();
+      world.restore(before);
+      again = stops.release_pulled(report.events);
+      if (again) {
+        before = world.snapshot();
+        report = carry_out(world, due);
+      } else {
+        world.restore(after);
+      }
+    }
     statistics.changes += report.changes;
     statistics.topology_seconds += report.seconds;
     if (report.refused) {
@@ -149,6 +191,7 @@ struct Simulation::Impl {
       balance.work += event.work;
       events.push_back(std::move(event));
     }
+    settle();
     return true;
   }
 
@@ -245,6 +288,7 @@ struct Simulation::Impl {
     if (diverged) return Status::diverged;
     lap = Clock::now();
     Status status = Status::ok;
+    settle();
     if (!happen())
       status = Status::refused;
     else if (!look(!observed))
@@ -273,6 +317,7 @@ struct Simulation::Impl {
   World world;
   Evaluator evaluate;
   std::unique_ptr<Integrator> method;
+  Stops stops;
   Books books;
   EnergyBalance balance;
   RunStatistics statistics;

@@ -72,7 +72,11 @@ void Surgery::carry_out(const Change& change, Nature nature) {
   const Totals before = world_.totals();
   if (nature != Nature::workless) remember_momenta();
   const auto start = std::chrono::steady_clock::now();
-  const Released released = apply(change, world_.tree_, world_.state_, world_.work_);
+  Released released;
+  if constexpr (std::is_same_v<Change, Impact>)
+    apply(change, world_.tree_, world_.state_, world_.work_);
+  else
+    released = apply(change, world_.tree_, world_.state_, world_.work_);
   const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   seconds += taken;
   ++changes;
@@ -99,8 +103,25 @@ void Surgery::break_off(int joint) {
   if (!was_root) world_.names_.name_mechanism(b, body);
 }
 
-void Surgery::unlock(int joint, unsigned freedoms) { carry_out(Unlock{{tree().carrier(joint)}, freedoms}, Nature::workless); }
-void Surgery::lock(int joint, unsigned freedoms) { carry_out(Lock{{tree().carrier(joint)}, freedoms}, Nature::impact); }
+void Surgery::unlock(int joint, unsigned freedoms) {
+  carry_out(Unlock{{tree().carrier(joint)}, freedoms & ~world_.held(joint)}, Nature::workless);
+}
+void Surgery::lock(int joint, unsigned freedoms) {
+  carry_out(Lock{{tree().carrier(joint)}, freedoms}, Nature::impact);
+  std::erase_if(world_.holds_, [&](const Hold& h) { return h.joint == joint && (freedoms >> h.freedom & 1u) != 0; });
+}
+
+void Surgery::strike(int joint, int freedom, double restitution) {
+  carry_out(Impact{{tree().carrier(joint)}, freedom, restitution}, Nature::impact);
+}
+void Surgery::hold(int joint, int freedom, int sign) {
+  carry_out(Lock{{tree().carrier(joint)}, 1u << freedom}, Nature::impact);
+  world_.holds_.push_back({joint, freedom, sign});
+}
+void Surgery::leave(int joint, int freedom) {
+  carry_out(Unlock{{tree().carrier(joint)}, 1u << freedom}, Nature::workless);
+  std::erase_if(world_.holds_, [&](const Hold& h) { return h.joint == joint && h.freedom == freedom; });
+}
 
 void Surgery::loosen(int joint, const JointPlan& plan) {
   carry_out(ChangeJoint{{tree().carrier(joint)}, plan.joint, plan.q}, Nature::workless);

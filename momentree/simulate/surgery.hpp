@@ -40,6 +40,8 @@ class Surgery {
   std::string mechanism_of(int body) const;
   const Joint& declared(int joint) const { return tree().joint(tree().carrier(joint)); }
   Values coordinates(int joint) const;
+  /// Freedoms that are locked: those that rest on a stop apart.
+  unsigned locked(int joint) const { return declared(joint).locked & ~world_.held(joint); }
   /// User's frame of a body (−1: the ground) in the world; of a joint's declared child in its declared parent.
   Pose pose(int body);
   Pose joint_pose(int joint);
@@ -57,6 +59,10 @@ class Surgery {
   /// Joins `body` to `to` (−1: the ground) by a joint at `at` in to's frame, the present pose its zero; whichever floats is
   /// re-rooted. Refused where that would close a loop.
   Verdict attach(int body, int to, const JointSpec& joint, const std::optional<Pose>& at);
+  /// A stop of the joint throws the freedom back; takes hold of it; lets go of it.
+  void strike(int joint, int freedom, double restitution);
+  void hold(int joint, int freedom, int sign);
+  void leave(int joint, int freedom);
   // Energy from outside.
   void push(int body, const Vec3& force, const Vec3& torque, const Vec3& point);
   void set(int joint, const JointParameters& parameters);

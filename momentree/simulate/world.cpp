@@ -19,6 +19,7 @@ World::World(const Model& model) : model_(model) {
 void World::restore(double time, std::span<const Body> broken, std::span<const JointStart> joints) {
   tree_ = Tree(model_);
   names_ = declared_;
+  holds_.clear();
   for (const Body b : broken) {
     const bool was_root = tree_.parent(b.index) < 0;
     tree_.detach(b.index);
@@ -80,7 +81,8 @@ JointView World::joint(Body number) const {
           reversed ? outer : inner,
           reversed ? inner : outer,
           reversed,
-          j.locked,
+          j.locked & ~held(number.index),
+          held(number.index),
           j.at,
           j.child_at,
           j.axis,
@@ -94,7 +96,7 @@ JointView World::joint(Body number) const {
 }
 
 WorldSnapshot World::snapshot() const {
-  WorldSnapshot all{take(tree_, state_), {}, {}};
+  WorldSnapshot all{take(tree_, state_), {}, {}, holds_};
   for (int k = 0; k < model_.size(); ++k) {
     if (names_.joint(k) != declared_.joint(k)) all.joint_names.emplace_back(k, names_.joint(k));
     if (names_.mechanism(k) != declared_.mechanism(k)) all.mechanism_names.emplace_back(k, names_.mechanism(k));
@@ -105,8 +107,31 @@ WorldSnapshot World::snapshot() const {
 void World::restore(const WorldSnapshot& snapshot) {
   momentree::restore(snapshot.engine, tree_, state_);
   names_ = declared_;
+  holds_ = snapshot.holds;
   for (const auto& [number, name] : snapshot.joint_names) names_.name_joint(number, name);
   for (const auto& [root, name] : snapshot.mechanism_names) names_.name_mechanism(root, name);
+}
+
+int World::held(int joint, int freedom) const {
+  for (const Hold& h : holds_)
+    if (h.joint == joint && h.freedom == freedom) return h.sign;
+  return 0;
+}
+
+unsigned World::held(int joint) const {
+  unsigned bits = 0;
+  for (const Hold& h : holds_)
+    if (h.joint == joint) bits |= 1u << h.freedom;
+  return bits;
+}
+
+// Holds end with their joint, or with its limits.
+void World::forget_holds() {
+  std::erase_if(holds_, [this](const Hold& h) {
+    const int b = tree_.carrier(h.joint);
+    const JointParameters* p = tree_.parameters(b);
+    return (tree_.joint(b).locked >> h.freedom & 1u) == 0 || p == nullptr || !p->limits.any();
+  });
 }
 
 Totals World::totals() const { return momentree::totals(tree_, state_, work_); }

@@ -28,6 +28,7 @@ struct JointView {
   Body child, parent;     ///< as declared; parent.index −1: the ground
   bool reversed = false;  ///< its child carries its parent now, seen from the root
   unsigned locked = 0;    ///< a bit per freedom that is locked
+  unsigned resting = 0;   ///< a bit per freedom that rests on a stop
   Pose at, child_at;
   Vec3 axis, axis2;
   double pitch = 0;
@@ -42,10 +43,16 @@ struct Mechanism {
   std::vector<Body> bodies;  ///< root first, in evaluation order
 };
 
+/// A joint's freedom that rests on a stop (sign +1: the upper one).
+struct Hold {
+  int joint, freedom, sign;
+};
+
 /// All that a world is at an instant: a small value to go back to and to branch from.
 struct WorldSnapshot {
   Snapshot engine;
   std::vector<std::pair<int, std::string>> joint_names, mechanism_names;  ///< those that are not the model's
+  std::vector<Hold> holds;
 };
 
 /// What a state document says of one joint: empty lists keep the start value. Where p is given it is used, and v is not.
@@ -90,10 +97,15 @@ class World {
  private:
   friend class Simulation;
   friend class Surgery;
+  friend class Stops;
   void evaluate() const;
+  int held(int joint, int freedom) const;
+  unsigned held(int joint) const;
+  void forget_holds();
 
   Model model_;
   Names declared_, names_;  // as the model has them, and now
+  std::vector<Hold> holds_;
   Tree tree_;
   State state_;
   mutable Work<double> work_;

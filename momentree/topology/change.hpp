@@ -74,6 +74,16 @@ struct Impulse {
   Vec3 force{}, torque{}, point{};
 };
 
+/// A stop throws back one freedom of the joint that `body` carries: its speed u becomes −restitution·u. The impulse
+/// λ = −(1 + restitution) J u / (J H⁻¹ Jᵀ), J the unit row of that freedom, is what `apply` returns (N m s or N s, in the sense
+/// of p). The energy lost is (1 − restitution²) of what the plastic impact loses; a restitution of 0 drops p as a lock does, and
+/// leaves the freedom free.
+struct Impact {
+  Body body;
+  int freedom = 0;
+  double restitution = 0;
+};
+
 /// New parameters of the joint that `body` carries; velocities stay, so an armature changes p.
 struct SetParameters {
   Body body;
@@ -93,6 +103,7 @@ Released apply(const Reroot& change, Tree& tree, State& state, Work<double>& wor
 Released apply(const Join& change, Tree& tree, State& state, Work<double>& work) noexcept;
 Released apply(const Attach& change, Tree& tree, State& state, Work<double>& work) noexcept;
 Released apply(const Impulse& change, Tree& tree, State& state, Work<double>& work) noexcept;
+double apply(const Impact& change, Tree& tree, State& state, Work<double>& work) noexcept;
 Released apply(const SetParameters& change, Tree& tree, State& state, Work<double>& work) noexcept;
 
 /// The same where Pb of the body's joint is given (user frame of the body), because several joints change in one impact: Pb is

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <utility>
 
 #include <momentree/tree/model.hpp>
 
@@ -79,6 +80,27 @@ class Checks {
       add(field, "must not be negative");
   }
 
+  void limits(const JointLimits& l, const KindInfo& kind) {
+    if (!l.any()) return;
+    if (kind.nq != kind.nv || kind.nv == 0)
+      return add("limits", "a " + std::string(kind.name) + " joint has no coordinates that could be limited");
+    for (const auto& [side, values] : {std::pair{"lower", &l.lower}, {"upper", &l.upper}}) {
+      if (values->size() > 1 && values->size() != kind.nv)
+        return add("limits",
+                   "a " + std::string(kind.name) + " joint has " + counted(kind.nv, "freedom") + ", but '" + side + "' has " +
+                       std::to_string(values->size()) + " numbers",
+                   "give one number, or one per freedom; inf where there is no stop");
+      if (std::any_of(values->begin(), values->end(), [](double x) { return std::isnan(x); }))
+        return add("limits", std::string("'") + side + "' must be a number");
+    }
+    for (int i = 0; i < kind.nv; ++i)
+      if (!(l.lower_of(i) < l.upper_of(i))) return add("limits", "'lower' must be less than 'upper'");
+    per_freedom("limits", l.restitution, kind, false);
+    if (std::any_of(l.restitution.begin(), l.restitution.end(), [](double e) { return e > 1; }))
+      add("limits", "a restitution of more than 1 would make energy", "0 is plastic, 1 elastic");
+    if (!(l.rest_speed > 0) || !std::isfinite(l.rest_speed)) add("limits", "'rest_speed' must be positive");
+  }
+
   std::vector<Problem> problems;
 };
 
@@ -103,6 +125,7 @@ std::vector<JointProblem> check_joint(const JointSpec& joint) {
     checks.add("drive", "one effort for " + counted(kind.nv, "freedom") + " could mean anything",
                "give a list, one effort per freedom");
   checks.coordinates("rest", p.rest, kind);
+  checks.limits(p.limits, kind);
   return checks.problems;
 }
 
@@ -131,8 +154,13 @@ std::vector<BodyProblem> check_body(const BodySpec& spec) {
   if (!spec.v.empty() && spec.v.size() != kind.nv)
     checks.add("v", "a " + std::string(kind.name) + " joint has " + std::to_string(kind.nv) +
                         (kind.nv == 1 ? " velocity" : " velocities") + ", not " + std::to_string(spec.v.size()));
-  for (JointProblem& problem : check_joint(spec.joint))
-    checks.add(problem.field.c_str(), std::move(problem.what), std::move(problem.hint));
+  const JointLimits& l = spec.joint.parameters.limits;
+  const std::vector<JointProblem> of_joint = check_joint(spec.joint);
+  for (int k = 0; l.any() && of_joint.empty() && k < kind.nv; ++k) {
+    const double q = k < spec.q.size() ? spec.q[k] : 0;
+    if (q < l.lower_of(k) || q > l.upper_of(k)) checks.add("q", "starts beyond its limits");
+  }
+  for (const JointProblem& problem : of_joint) checks.add(problem.field.c_str(), problem.what, problem.hint);
   return std::move(checks.problems);
 }
 

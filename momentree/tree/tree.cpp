@@ -30,12 +30,8 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
     joints_[at(b)] = {s.joint.kind, -1, s.at, s.child_at, s.joint.axis, s.joint.axis2, s.joint.pitch};
     masses_[at(b)] = {s.mass, s.com, s.inertia};
     const JointParameters& p = s.joint.parameters;
-    if (p.damping.any() || p.stiffness.any() || p.armature.any() || p.effort.any() || !p.rest.empty()) {
-      const auto same = [&p](const JointParameters& o) {
-        return o.damping == p.damping && o.stiffness == p.stiffness && o.rest == p.rest && o.armature == p.armature &&
-               o.effort == p.effort;
-      };
-      if (parameters_.empty() || !same(parameters_.back())) {
+    if (p.damping.any() || p.stiffness.any() || p.armature.any() || p.effort.any() || !p.rest.empty() || p.limits.any()) {
+      if (parameters_.empty() || !(parameters_.back() == p)) {
         parameters_.push_back(p);
         per_freedom_.push_back(spread(p));
       }

@@ -30,6 +30,7 @@ struct Cylindrical {
 
   Vec3 axis{0, 0, 1};
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointLimits limits{};
 };
 
 }  // namespace momentree

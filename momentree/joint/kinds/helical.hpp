@@ -41,6 +41,7 @@ struct Helical {
   Vec3 axis{0, 0, 1};
   double pitch = 0;
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointLimits limits{};
 };
 
 }  // namespace momentree

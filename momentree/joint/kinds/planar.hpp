@@ -38,6 +38,7 @@ struct Planar {
   using Kernels = PlanarKernels;
 
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointLimits limits{};
 };
 
 }  // namespace momentree

@@ -29,6 +29,7 @@ struct Prismatic {
 
   Vec3 axis{0, 0, 1};
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointLimits limits{};
 };
 
 }  // namespace momentree

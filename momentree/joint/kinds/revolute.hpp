@@ -167,6 +167,7 @@ struct Revolute {
 
   Vec3 axis{0, 0, 1};
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointLimits limits{};
 };
 
 }  // namespace momentree

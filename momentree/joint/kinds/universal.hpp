@@ -62,6 +62,7 @@ struct Universal {
 
   Vec3 axis{1, 0, 0}, axis2{0, 1, 0};
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointLimits limits{};
 };
 
 }  // namespace momentree

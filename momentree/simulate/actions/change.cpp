@@ -86,7 +86,7 @@ Verdict Change::plan(Surgery& surgery, JointPlan& plan) const {
   }
   plan.joint.at = old.at, plan.joint.child_at = old.child_at;
   if (old.kind == spec.kind && (!now.pitch || old.pitch == spec.pitch)) {
-    if (old.locked == 0) return Verdict::skipped("it is that already");
+    if (surgery.locked(number) == 0) return Verdict::skipped("it is that already");
     plan.joint.parameters = old.parameters;
     plan.q = q;
   } else if (const auto kept = joint_coordinates(spec, motion, angle_hint(before, q))) {

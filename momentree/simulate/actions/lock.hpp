@@ -23,7 +23,7 @@ struct Lock : ActionBase {
     const Verdict verdict = check(surgery, wanted);
     if (verdict.outcome != Verdict::Outcome::done) return verdict;
     const int joint = surgery.joint(name);
-    if ((wanted & ~surgery.declared(joint).locked) == 0) return Verdict::skipped("it is locked already");
+    if ((wanted & ~surgery.locked(joint)) == 0) return Verdict::skipped("it is locked already");
     surgery.lock(joint, wanted);
     return verdict;
   }

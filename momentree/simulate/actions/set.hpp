@@ -29,6 +29,7 @@ struct Set : ActionBase {
     take(all.rest, parameters.rest);
     take(all.armature, parameters.armature);
     take(all.effort, parameters.effort);
+    if (parameters.limits.any()) all.limits = parameters.limits;
     const Joint& declared = surgery.declared(joint);
     JointSpec spec;
     spec.kind = declared.kind, spec.axis = declared.axis, spec.axis2 = declared.axis2, spec.pitch = declared.pitch;

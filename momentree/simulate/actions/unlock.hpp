@@ -12,7 +12,7 @@ struct Unlock : Lock {
     const Verdict verdict = check(surgery, wanted);
     if (verdict.outcome != Verdict::Outcome::done) return verdict;
     const int joint = surgery.joint(name);
-    if ((wanted & surgery.declared(joint).locked) == 0) return Verdict::skipped("it is not locked");
+    if ((wanted & surgery.locked(joint)) == 0) return Verdict::skipped("it is not locked");
     surgery.unlock(joint, wanted);
     return verdict;
   }

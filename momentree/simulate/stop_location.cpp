@@ -1,0 +1,116 @@
+// When within a step a stop is hit, or must let go of a joint that rests on it: by steps of the method itself, so that the state
+// found is a state of the motion.
+#include <algorithm>
+#include <cmath>
+
+#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/simulate/stops.hpp>
+
+namespace momentree {
+
+namespace {
+
+// The highest value between two ends of a step of h seconds with values and rates q0, v0 > 0, q1, v1 < 0, by the cubic through
+// them; and when.
+struct Peak {
+  double time, value;
+};
+Peak peak_between(double h, double q0, double v0, double q1, double v1) {
+  const double rise = q1 - q0, a = v0 * h, b = 3 * rise - 2 * v0 * h - v1 * h, c = -2 * rise + v0 * h + v1 * h;
+  const double x = std::clamp(a / (std::sqrt(std::max(b * b - 3 * a * c, 0.0)) - b), 0.0, 1.0);
+  return {x * h, q0 + x * (a + x * (b + x * c))};
+}
+
+}  // namespace
+
+// Steps from one start to several ends.
+struct Stops::Trial {
+  World& world;
+  Evaluator& evaluate;
+  Integrator& method;
+  Books& books;
+  State start;
+  Books books_at_start;
+  bool accelerations;
+  double at = 0;  ///< seconds from the start to where the world is
+
+  bool go(double s) {
+    world.state_ = start;
+    books = books_at_start;
+    at = s;
+    evaluate(world.state_);
+    if (!method.step(evaluate, world.state_, books, s)) return false;
+    evaluate(world.state_);
+    if (accelerations) accelerate(world.tree_, world.state_, world.work_);
+    return true;
+  }
+};
+
+struct Stops::Watched {
+  const Side* side;
+  double limit, q, v;  ///< where it counts as crossed; at the start
+  bool held;
+};
+
+// Positive beyond the stop, or where it would have to pull.
+double Stops::excess(const Watched& w) const { return w.held ? pull(*w.side) : w.side->sign * coordinate(*w.side) - w.limit; }
+
+// The first crossing in (0, end], −1 where there is none; nothing where the method failed.
+std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end, double tolerance) const {
+  if (trial.at != end && !trial.go(end)) return std::nullopt;
+  double outside = end, beyond = excess(w);
+  if (!(beyond > 0) && !w.held && w.v > 0 && speed(*w.side) < 0) {  // out and back within the step?
+    const Peak peak = peak_between(end, w.q, w.v, w.side->sign * coordinate(*w.side), speed(*w.side));
+    if (peak.value < w.limit - 1e-2 * w.v * end) return -1;
+    if (!trial.go(peak.time)) return std::nullopt;
+    outside = peak.time, beyond = excess(w);
+  }
+  if (!(beyond > 0)) return -1;
+  double inside = 0, within = w.held ? -beyond : w.q - w.limit;
+  // The secant of Illinois, kept off the ends so that both of them move.
+  for (int last = 0; outside - inside > tolerance;) {
+    const double margin = std::min(0.25 * (outside - inside), 0.4 * tolerance);
+    const double s = std::clamp((inside * beyond - outside * within) / (beyond - within), inside + margin, outside - margin);
+    if (!trial.go(s)) return std::nullopt;
+    const double g = excess(w);
+    if (g > 0) {
+      outside = s, beyond = g;
+      if (last > 0) within /= 2;
+      last = 1;
+    } else {
+      inside = s, within = g;
+      if (last < 0) beyond /= 2;
+      last = -1;
+    }
+  }
+  return outside;
+}
+
+std::optional<double> Stops::step(Integrator& method, Books& books, double h, double tolerance) {
+  (*evaluate_)(world_->state_);
+  std::vector<Watched> watched;
+  bool holding = false;
+  for (const Side& s : sides_) {
+    if (locked(s) && !holds(s)) continue;
+    const double q = s.sign * coordinate(s);
+    // What stands on the stop, or beyond it by the tolerance of the last impact, leaves from there: only its return counts.
+    const double limit = std::max(s.sign * s.limit, q) + 1e-13 * (1 + std::fabs(s.limit));
+    watched.push_back({&s, limit, q, speed(s), holds(s)});
+    holding = holding || holds(s);
+  }
+  Trial trial{*world_, *evaluate_, method, books, world_->state_, books, holding};
+  double end = h;
+  bool fine = trial.go(h);
+  for (std::size_t i = 0; fine && i < watched.size(); ++i) {
+    const std::optional<double> found = crossing(trial, watched[i], end, tolerance);
+    fine = found.has_value();
+    if (fine && *found > 0) end = *found;
+  }
+  if (fine && trial.at != end) fine = trial.go(end);
+  if (fine) return end;
+  world_->state_ = trial.start;
+  books = trial.books_at_start;
+  return std::nullopt;
+}
+
+}  // namespace momentree

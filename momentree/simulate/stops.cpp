@@ -1,0 +1,179 @@
+#include <momentree/simulate/stops.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/joint/motion.hpp>
+
+namespace momentree {
+
+namespace {
+
+// So many impacts at one instant without coming to rest are taken for rest.
+constexpr int most_impacts = 1000;
+
+}  // namespace
+
+bool Stops::any() {
+  if (revision_ != world_->tree_.revision()) find();
+  return !sides_.empty();
+}
+
+void Stops::find() {
+  revision_ = world_->tree_.revision();
+  sides_.clear();
+  const Tree& tree = world_->tree_;
+  for (int b = 0; b < tree.bodies(); ++b) {
+    const JointParameters* p = tree.parameters(b);
+    if (p == nullptr || !p->limits.any()) continue;
+    for (int i = 0; i < info(tree.joint(b).kind).nv; ++i) {
+      const double e = p->limits.restitution_of(i), rest = p->limits.rest_speed;
+      if (std::isfinite(p->limits.upper_of(i))) sides_.push_back({tree.joint_of(b), i, 1, p->limits.upper_of(i), e, rest});
+      if (std::isfinite(p->limits.lower_of(i))) sides_.push_back({tree.joint_of(b), i, -1, p->limits.lower_of(i), e, rest});
+    }
+  }
+  std::stable_sort(sides_.begin(), sides_.end(), [](const Side& a, const Side& b) { return a.joint < b.joint; });
+  world_->forget_holds();
+}
+
+double Stops::coordinate(const Side& s) const {
+  return world_->state_.q()[static_cast<std::size_t>(world_->tree_.first_q(world_->tree_.carrier(s.joint)) + s.freedom)];
+}
+double Stops::speed(const Side& s) const {
+  return s.sign * world_->work_.v[static_cast<std::size_t>(world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.freedom)];
+}
+double Stops::acceleration(const Side& s) const {
+  return s.sign * world_->work_.a[static_cast<std::size_t>(world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.freedom)];
+}
+bool Stops::locked(const Side& s) const {
+  return (world_->tree_.joint(world_->tree_.carrier(s.joint)).locked >> s.freedom & 1u) != 0;
+}
+bool Stops::holds(const Side& s) const { return locked(s) && world_->held(s.joint, s.freedom) == s.sign; }
+
+// The whole force through the locked freedom, Eᵀ Tr, less what its spring and its drive account for, is the stop's.
+double Stops::pull(const Side& s) const {
+  const Tree& tree = world_->tree_;
+  const int b = tree.carrier(s.joint);
+  double force[6] = {}, spring[6] = {};
+  project(tree, b, joint_state(tree, world_->state_, world_->work_, b), world_->work_.reactions[static_cast<std::size_t>(b)],
+          force);
+  const JointParameters& p = *tree.parameters(b);
+  if (p.stiffness.any()) joint_spring(tree, world_->state_.q().data(), b, spring);
+  const double effort = p.effort.size() == 1 ? p.effort[0] : s.freedom < p.effort.size() ? p.effort[s.freedom] : 0;
+  const double passive = spring[s.freedom] + effort;
+  const double stop = force[s.freedom] - passive;
+  const double noise = 1e-12 * (std::fabs(force[s.freedom]) + std::fabs(passive));
+  return s.sign * stop - noise;
+}
+
+void Stops::act(std::vector<Event>& events, const Side& s, const char* verb, double restitution) {
+  Surgery surgery(*world_);
+  Event event;
+  event.time = world_->time();
+  event.name = "stop";
+  event.mechanisms_before = event.mechanisms_after = world_->mechanism_names();
+  event.before = world_->totals();
+  surgery.begin(event, "");
+  if (verb[0] == 'h')
+    surgery.strike(s.joint, s.freedom, restitution);
+  else if (verb[0] == 'r')
+    surgery.hold(s.joint, s.freedom, s.sign);
+  else
+    surgery.leave(s.joint, s.freedom);
+  event.after = world_->totals();
+  const int nv = info(surgery.declared(s.joint).kind).nv;
+  event.actions = {std::string(verb) + " " + surgery.joint_name(s.joint) +
+                   (nv > 1 ? " [" + std::to_string(s.freedom) + "]" : std::string()) + (s.sign > 0 ? " upper" : " lower")};
+  surgery.certify(event);
+  if (revision_ != world_->tree_.revision()) revision_ = world_->tree_.revision();  // locks move no limit
+  events.push_back(std::move(event));
+}
+
+bool Stops::release_pulled(const std::vector<Event>& events) {
+  bool found = false;
+  for (const Side& s : sides_) {
+    if (!holds(s)) continue;
+    double through = 0, size = 0;
+    for (const Event& event : events) {
+      for (const auto& [name, S] : event.impulse) {
+        if (world_->find_joint(name) != s.joint) continue;
+        const Joint& joint = world_->tree_.joint(world_->tree_.carrier(s.joint));
+        JointSpec spec;
+        spec.kind = joint.kind, spec.axis = joint.axis, spec.axis2 = joint.axis2, spec.pitch = joint.pitch;
+        const double* q = world_->state_.q().data() + world_->tree_.first_q(world_->tree_.carrier(s.joint));
+        const Motion<double> e = joint_freedoms(spec, q)[static_cast<std::size_t>(s.freedom)];
+        const Mat3 R = rotation_matrix(joint.child_at.rotation);
+        const Vec3 w = R * e.w, v = R * e.v + cross(joint.child_at.position, w);
+        through += dot(v, Vec3{S[0], S[1], S[2]}) + dot(w, Vec3{S[3], S[4], S[5]});
+        size += norm(Vec3{S[0], S[1], S[2]}) * norm(v) + norm(Vec3{S[3], S[4], S[5]}) * norm(w);
+      }
+    }
+    if (s.sign * through <= 1e-10 * size) continue;
+    Event scratch;
+    Surgery surgery(*world_);
+    surgery.begin(scratch, "");
+    surgery.leave(s.joint, s.freedom);
+    found = true;
+  }
+  revision_ = world_->tree_.revision();
+  return found;
+}
+
+// The most urgent thing that a stop must do now; false where there is none.
+bool Stops::one_thing(std::vector<Event>& events) {
+  (*evaluate_)(world_->state_);
+  const auto at_stop = [this](const Side& s) { return s.sign * (coordinate(s) - s.limit) >= 0; };
+  const Side* hit = nullptr;
+  for (const Side& s : sides_)
+    if (!locked(s) && at_stop(s) && speed(s) > s.rest_speed && (hit == nullptr || speed(s) > speed(*hit))) hit = &s;
+  if (hit != nullptr) {
+    // Joints that rest elsewhere take part in the impact as long as their stops need not pull for it.
+    const Side side = *hit;
+    const WorldSnapshot before = world_->snapshot();
+    const std::size_t count = events.size();
+    for (;;) {
+      act(events, side, "hit", side.restitution);
+      const std::vector<Event> last{events.back()};
+      bool pulled = false;
+      for (const Side& s : sides_) pulled = pulled || holds(s);
+      if (!pulled) return true;
+      const WorldSnapshot after = world_->snapshot();
+      world_->restore(before);
+      if (!release_pulled(last)) {
+        world_->restore(after);
+        revision_ = world_->tree_.revision();
+        return true;
+      }
+      events.resize(count);
+    }
+  }
+  bool candidates = false;
+  for (const Side& s : sides_) candidates = candidates || holds(s) || (!locked(s) && at_stop(s) && speed(s) >= -s.rest_speed);
+  if (!candidates) return false;
+  accelerate(world_->tree_, world_->state_, world_->work_);
+  for (const Side& s : sides_) {
+    if (!holds(s) || pull(s) <= 0) continue;
+    const Side side = s;
+    act(events, side, "leave", 0);
+    return true;
+  }
+  for (const Side& s : sides_) {
+    if (locked(s) || !at_stop(s) || speed(s) < -1e-3 * s.rest_speed) continue;
+    const bool pressed = acceleration(s) > 0;
+    if (!pressed && speed(s) <= 1e-6 * s.rest_speed) continue;  // drawn off, or touching at no speed
+    const Side side = s;
+    act(events, side, pressed ? "rest" : "hit", 0);
+    return true;
+  }
+  return false;
+}
+
+void Stops::settle(std::vector<Event>& events) {
+  if (!any()) return;
+  for (int k = 0; k < most_impacts && one_thing(events); ++k) {
+  }
+}
+
+}  // namespace momentree

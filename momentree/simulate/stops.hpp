@@ -1,0 +1,59 @@
+#pragma once
+// Hard stops of joints (JointLimits): when they are hit, how they throw back, how a joint rests on one and leaves it again.
+//
+// A stop pushes and never pulls. Hit faster than its rest speed, the joint's freedom is thrown back with its restitution; slower,
+// it rests: the freedom is locked, until the stop would have to pull to hold it.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/simulate/surgery.hpp>
+#include <momentree/simulate/world.hpp>
+
+namespace momentree {
+
+class Stops {
+ public:
+  Stops(World& world, Evaluator& evaluate) : world_(&world), evaluate_(&evaluate) {}
+
+  /// False where no joint has limits: nothing else here needs to be called then.
+  bool any();
+
+  /// Deals with what touches a stop now: impacts, rests, releases. One event for each impact, rest and release.
+  void settle(std::vector<Event>& events);
+
+  /// One step of at most h seconds, which ends early where a stop is hit or must let go, located to `tolerance` seconds. Returns
+  /// the seconds stepped, nothing where the method failed (the state is then what it was).
+  std::optional<double> step(Integrator& method, Books& books, double h, double tolerance);
+
+  /// Among joints resting on stops, those which transmitted impulses that a stop can't (it would have pulled) at `event`: lets go
+  /// of them. False: there is none.
+  bool release_pulled(const std::vector<Event>& events);
+
+ private:
+  struct Side {
+    int joint, freedom, sign;  // +1: the upper stop
+    double limit, restitution, rest_speed;
+  };
+  struct Trial;
+  struct Watched;
+  double excess(const Watched& watched) const;
+  std::optional<double> crossing(Trial& trial, const Watched& watched, double end, double tolerance) const;
+  void find();
+  double coordinate(const Side& side) const;
+  double speed(const Side& side) const;         // towards the stop
+  double acceleration(const Side& side) const;  // towards the stop; the work is accelerated
+  double pull(const Side& side) const;          // force with which the stop would have to pull
+  bool holds(const Side& side) const;
+  bool locked(const Side& side) const;
+  bool one_thing(std::vector<Event>& events);
+  void act(std::vector<Event>& events, const Side& side, const char* verb, double restitution);
+
+  World* world_;
+  Evaluator* evaluate_;
+  std::vector<Side> sides_;
+  std::optional<std::uint64_t> revision_;
+};
+
+}  // namespace momentree

@@ -1,0 +1,202 @@
+// Hard stops: when they are hit, what an impact leaves, how bouncing ends, and that a stop pushes and never pulls.
+#include <cmath>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/base/error.hpp>
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+using namespace momentree;
+
+namespace {
+
+constexpr double g = 9.81;
+
+// A body that falls along z onto a stop 0.5 m below, thrown back with restitution e.
+Model falling(double e) {
+  Model model;
+  model.add(
+      {.name = "ball", .mass = 2, .inertia = diagonal(0.1), .joint = Prismatic{.limits = {.lower = -0.5, .restitution = e}}});
+  return model;
+}
+
+std::vector<const Event*> of(const Simulation& sim, const char* what) {
+  std::vector<const Event*> found;
+  for (const Event& e : sim.events())
+    if (!e.actions.empty() && e.actions[0].find(what) == 0) found.push_back(&e);
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("a ball bounces at the instants and with the speeds of the closed form, and comes to rest") {
+  for (const double step : {1e-3, 0.02}) {
+    const double e = 0.6;
+    Simulation sim(falling(e), {.step = step});
+    REQUIRE(sim.run_until(3) == Status::ok);
+    const auto hits = of(sim, "hit ball lower");
+    REQUIRE(hits.size() > 10);
+    double t = std::sqrt(2 * 0.5 / g), v = g * t;
+    for (const Event* hit : hits) {
+      CHECK(std::fabs(hit->time - t) < 2e-9);  // errors of the instants, 1e-10 s each, add up
+      CHECK(hit->lost == doctest::Approx((1 - e * e) * 0.5 * 2 * v * v).epsilon(1e-6));
+      CHECK(hit->ground_impulse[2] == doctest::Approx((1 + e) * 2 * v).epsilon(1e-6));
+      v *= e;
+      t += 2 * v / g;
+    }
+    CHECK(v < 1.1e-3);  // the last speeds are below the rest speed
+    const auto rests = of(sim, "rest ball lower");
+    REQUIRE(rests.size() == 1);
+    CHECK(rests[0]->time < 3);
+    const JointView joint = sim.world().joint({0});
+    CHECK(joint.q[0] == doctest::Approx(-0.5).epsilon(1e-9));
+    CHECK(joint.v[0] == 0);
+    CHECK(joint.locked == 0);
+    CHECK(joint.resting == 1);
+    CHECK(std::fabs(sim.energy().error) < 1e-9);
+  }
+}
+
+TEST_CASE("elastic stops lose nothing; bounces shorter than a step are all there") {
+  Simulation sim(falling(1), {.step = 0.05});
+  REQUIRE(sim.run_until(2) == Status::ok);
+  CHECK(of(sim, "hit").size() == 3);  // at 0.319 s, then every 0.639 s
+  CHECK(std::fabs(sim.energy().lost_in_impacts) < 1e-12);
+  CHECK(std::fabs(sim.energy().error) < 1e-9);
+  // A box of 2 cm, crossed in a fraction of a step.
+  Model model({.gravity = {}});
+  model.add({.name = "ball",
+             .mass = 1,
+             .inertia = diagonal(1),
+             .joint = Prismatic{.limits = {.lower = -0.01, .upper = 0.01, .restitution = 1}},
+             .v = 1.0});
+  Simulation box(model, {.step = 0.5});
+  REQUIRE(box.run_until(1.0) == Status::ok);
+  CHECK(of(box, "hit").size() == 50);  // at 0.01, 0.03 … 0.99 s
+  CHECK(std::fabs(box.world().joint({0}).q[0]) < 1e-8);
+}
+
+TEST_CASE("a freedom that goes out and back within one step hits its stop") {
+  Model model({.gravity = {0, 0, -g}});
+  const double v = 1.0, top = v * v / (2 * g);
+  model.add({.name = "ball",
+             .mass = 1,
+             .inertia = diagonal(1),
+             .joint = Prismatic{.limits = {.upper = 0.99 * top, .restitution = 0.5}},
+             .v = v});
+  Simulation sim(model, {.step = 2 * v / g});  // up and down again in one step
+  REQUIRE(sim.run_until(2 * v / g) == Status::ok);
+  REQUIRE(of(sim, "hit ball upper").size() == 1);
+  CHECK(of(sim, "hit")[0]->time == doctest::Approx(v / g * (1 - std::sqrt(0.01))).epsilon(1e-8));
+}
+
+TEST_CASE("a stop lets go at the instant at which it would have to pull") {
+  // A cart on a spring, and a slider on it along the same track that a stop keeps from falling behind the cart. The stop can push
+  // the slider as long as the cart speeds up forwards: until the spring is slack.
+  Model model({.gravity = {}});
+  const Body cart = model.add({.name = "cart",
+                               .mass = 1,
+                               .inertia = diagonal(1),
+                               .joint = Prismatic{.axis = {1, 0, 0}, .stiffness = 4},
+                               .q = 1.0,
+                               .joint_name = "track"});
+  model.add({.name = "slider",
+             .mass = 0.5,
+             .inertia = diagonal(1),
+             .parent = cart,
+             .joint = Prismatic{.axis = {1, 0, 0}, .limits = {.lower = 0, .restitution = 0}},
+             .v = -2.0});  // at once into the cart; it leaves, and meets the slider again on its way back
+  Simulation sim(model, {.step = 1e-3});
+  REQUIRE(sim.run_until(6) == Status::ok);
+  const auto leaves = of(sim, "leave slider lower");
+  REQUIRE(leaves.size() >= 1);
+  for (const Event* e : leaves) {
+    CHECK(e->before.potential < 1e-16);  // of the spring: 2 (q/m)² J
+    CHECK(std::fabs(e->lost) < 1e-12);
+  }
+  CHECK(std::fabs(sim.energy().error) < 1e-8);
+}
+
+TEST_CASE("a joint that rests under load leaves at once when its drive turns the load about") {
+  Model model;  // a lid that its weight keeps closed
+  model.add({.name = "lid",
+             .mass = 1,
+             .com = {0.5, 0, 0},
+             .inertia = diagonal(0.1),
+             .joint = Revolute{.axis = {0, -1, 0}, .limits = {.lower = 0, .upper = 1.2, .restitution = 0.3}}});
+  Simulation sim(model, {.step = 1e-3});
+  sim.at(0.5).then(set_parameters("lid", {.effort = 0.5 * g + 1}));
+  REQUIRE(sim.run_until(0.4) == Status::ok);
+  CHECK(sim.world().joint({0}).resting == 1);
+  CHECK(sim.world().joint({0}).q[0] == 0);
+  REQUIRE(sim.run_until(0.6) == Status::ok);
+  REQUIRE(of(sim, "leave lid lower").size() == 1);
+  CHECK(of(sim, "leave lid lower")[0]->time == 0.5);
+  CHECK(sim.world().joint({0}).q[0] > 1e-3);
+  REQUIRE(sim.run_until(20) == Status::ok);
+  CHECK(of(sim, "hit lid upper").size() > 3);
+  CHECK(sim.world().joint({0}).resting == 1);
+  CHECK(sim.world().joint({0}).q[0] == doctest::Approx(1.2).epsilon(1e-9));
+  CHECK(std::fabs(sim.energy().error) < 1e-7);
+}
+
+TEST_CASE("an impact elsewhere does not pull on a stop") {
+  // A load stands on a lift. A blow from below takes it along; one from above leaves it behind.
+  Model model;
+  const Body lift =
+      model.add({.name = "lift", .mass = 3, .inertia = diagonal(1), .joint = Prismatic{.damping = 1, .effort = 4 * g}});
+  model.add({.name = "load",
+             .mass = 1,
+             .inertia = diagonal(1),
+             .parent = lift,
+             .joint = Prismatic{.limits = {.lower = 0, .restitution = 0}}});
+  Simulation down(model), up(model);
+  for (Simulation* sim : {&down, &up}) {
+    REQUIRE(sim->run_until(0.1) == Status::ok);
+    REQUIRE(sim->world().joint({1}).resting == 1);
+  }
+  up.apply(impulse("lift", {0, 0, 4}));
+  CHECK(up.world().motions()[0].linear.z == doctest::Approx(1));  // 4 N s on 4 kg: it takes the load along
+  CHECK(up.world().motions()[1].linear.z == doctest::Approx(1));
+  down.apply(impulse("lift", {0, 0, -3}));
+  CHECK(down.world().motions()[0].linear.z == doctest::Approx(-1));  // −3 N s on 3 kg: the load stays behind
+  CHECK(down.world().motions()[1].linear.z == doctest::Approx(0));
+  CHECK(down.world().joint({1}).resting == 0);
+}
+
+TEST_CASE("snapshots keep what rests; locks and unlocks go over it") {
+  Simulation sim(falling(0.2));
+  REQUIRE(sim.run_until(2) == Status::ok);
+  REQUIRE(sim.world().joint({0}).resting == 1);
+  Simulation branch = sim.branch();
+  CHECK(branch.world().joint({0}).resting == 1);
+  CHECK(branch.world().joint({0}).locked == 0);
+  sim.apply(lock("ball"));
+  CHECK(sim.world().joint({0}).locked == 1);
+  CHECK(sim.world().joint({0}).resting == 0);
+  sim.apply(unlock("ball"));
+  CHECK(sim.world().joint({0}).locked == 0);
+  CHECK(sim.world().joint({0}).resting == 1);  // at once
+  CHECK(sim.apply(unlock("ball")).actions[0].find("skipped") != std::string::npos);
+}
+
+TEST_CASE("limits that can't be are errors") {
+  const auto message = [](JointSpec joint, Values q = {}) {
+    Model model;
+    try {
+      model.add({.name = "b", .mass = 1, .inertia = diagonal(1), .joint = std::move(joint), .q = q});
+    } catch (const Error& e) {
+      return e.message();
+    }
+    return std::string();
+  };
+  CHECK(message(Revolute{.limits = {.lower = 1, .upper = -1}}).find("'lower' must be less") != std::string::npos);
+  CHECK(message(Revolute{.limits = {.lower = -1, .upper = 1}}, 2.0).find("beyond its limits") != std::string::npos);
+  CHECK(message(Revolute{.limits = {.lower = -1, .restitution = 1.5}}).find("make energy") != std::string::npos);
+  CHECK(message(Cylindrical{.limits = {.lower = {-1, 2, 3}}}).find("2 freedoms") != std::string::npos);
+  JointSpec ball = Ball{};
+  ball.parameters.limits.upper = 1;
+  CHECK(message(ball).find("limited") != std::string::npos);
+}
