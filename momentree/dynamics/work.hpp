@@ -46,7 +46,8 @@ class Work {
         outlets(std::make_unique_for_overwrite<Outboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         motions(std::make_unique_for_overwrite<BodySweep<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         path(std::make_unique_for_overwrite<int[]>(static_cast<std::size_t>(tree.bodies()))),
-        bodies(std::make_unique_for_overwrite<Kinematics<T>[]>(static_cast<std::size_t>(tree.bodies()))) {}
+        bodies(std::make_unique_for_overwrite<Kinematics<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        capacity_(tree.bodies()) {}
 
   /// The record of body b, whose joint has kernels K.
   template <class K>
@@ -72,7 +73,11 @@ class Work {
   std::unique_ptr<int[]> path;              ///< scratch of changes that walk from a root to a body
   std::unique_ptr<Kinematics<T>[]> bodies;
 
+  /// Numbers of bodies that it has room for.
+  int capacity() const { return capacity_; }
+
  private:
+  int capacity_ = 0;
   static Array make(long n) { return std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(n > 0 ? n : 1)); }
 };
 

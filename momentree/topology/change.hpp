@@ -80,6 +80,20 @@ struct SetParameters {
   JointParameters parameters;
 };
 
+/// `body` and all outboard ones leave the world: a whole mechanism that floats, `body` its root (what hangs on something is broken
+/// off before). Nothing happens to the others. Their numbers are not used again; `Tree::alive` says so, any other use stops the
+/// program.
+struct Remove {
+  Body body;
+};
+
+/// A new body on any living one or on the ground, with the coordinates and velocities of its spec, complete as Model::operator[]
+/// has it. No velocity of another body changes. Storage grows, which may allocate: Work and integrators are to be made anew.
+/// Numbers count up, so that a world that adds and removes for ever grows by some 800 bytes a body.
+struct Add {
+  const BodySpec* spec;
+};
+
 /// What a change let go that is not in the bodies any more: energy of the joint's spring and rotor (J).
 struct Released {
   double energy = 0;
@@ -94,6 +108,9 @@ Released apply(const Join& change, Tree& tree, State& state, Work<double>& work)
 Released apply(const Attach& change, Tree& tree, State& state, Work<double>& work) noexcept;
 Released apply(const Impulse& change, Tree& tree, State& state, Work<double>& work) noexcept;
 Released apply(const SetParameters& change, Tree& tree, State& state, Work<double>& work) noexcept;
+Released apply(const Remove& change, Tree& tree, State& state, Work<double>& work) noexcept;
+/// Returns the new body.
+Body apply(const Add& change, Tree& tree, State& state, const Work<double>& work);
 
 /// The same where Pb of the body's joint is given (user frame of the body), because several joints change in one impact: Pb is
 /// then what it was before any of them did.
