@@ -41,6 +41,7 @@ class Work {
         v(make(6 * tree.bodies())),
         qdot(make(7 * tree.bodies())),
         pdot(make(6 * tree.bodies())),
+        impulse(make(6 * tree.bodies())),
         records(make(static_cast<long>(tree.record_capacity()))),
         inlets(std::make_unique_for_overwrite<Inboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         outlets(std::make_unique_for_overwrite<Outboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
@@ -65,6 +66,7 @@ class Work {
   using Array = std::unique_ptr<T[]>;
   Array cos, sin, angle;
   Array v, qdot, pdot;  ///< packed as p, q, p
+  Array impulse;        ///< scratch of impacts, packed as p
   Array records;
   Power power;
   std::unique_ptr<Inboard<T>[]> inlets;     ///< by junction, on the way in
