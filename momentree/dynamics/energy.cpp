@@ -9,6 +9,7 @@ Totals totals(const Tree& tree, const State& state, Work<double>& work) noexcept
   Totals sum;
   const Vec3& g = tree.gravity();
   for (int b = 0; b < tree.bodies(); ++b) {
+    if (!tree.alive(b)) continue;
     const Kinematics<double>& body = work.bodies[static_cast<std::size_t>(b)];
     const RigidMass& mass = tree.link(b).body;
     const Force<double> P = momentum(mass, body.velocity);  // (4)

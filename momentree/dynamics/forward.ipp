@@ -77,6 +77,7 @@ struct Sweep {
 
 template <class T, bool Keep>
 void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept {
+  MT_REQUIRE(work.capacity() >= tree.bodies(), "the work has room for the bodies that were added");
   work.evaluated = {};
   work.located = {};
   work.accelerated = {};

@@ -24,6 +24,19 @@ void cross_inboard(const Tree& tree, const State& state, const Work<double>& wor
   });
 }
 
+// f(kernels, joint state), with trigonometry from the coordinates alone.
+template <class F>
+void with_joint(const Tree& tree, const double* q, int b, F&& f) {
+  with_kernels(tree, b, [&](auto tag) {
+    using K = typename decltype(tag)::type;
+    double c[2], s[2];
+    const auto angles = K::angles;
+    for (std::size_t i = 0; i < angles.size(); ++i)
+      sincos(q[tree.first_q(b) + angles[i]] + (K::turns_about_z ? tree.link(b).angle_0 : 0.0), s[i], c[i]);
+    f(tag, JointState<double>{q + tree.first_q(b), c, s});
+  });
+}
+
 }  // namespace
 
 void project_momentum(const Tree& tree, const double* q, const double* v, double* p) {
@@ -31,19 +44,9 @@ void project_momentum(const Tree& tree, const double* q, const double* v, double
   std::vector<Motion<double>> velocity(n);
   std::vector<Force<double>> momenta(n);
   std::vector<DenseCrossing<double>> crossings(n);
-  const auto with_joint = [&](int b, auto f) {
-    with_kernels(tree, b, [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      double c[2], s[2];
-      const auto angles = K::angles;
-      for (std::size_t i = 0; i < angles.size(); ++i)
-        sincos(q[tree.first_q(b) + angles[i]] + (K::turns_about_z ? tree.link(b).angle_0 : 0.0), s[i], c[i]);
-      f(tag, JointState<double>{q + tree.first_q(b), c, s});
-    });
-  };
   for (int b : tree.order()) {
     const auto i = static_cast<std::size_t>(b);
-    with_joint(b, [&](auto tag, const JointState<double>& joint) {
+    with_joint(tree, q, b, [&](auto tag, const JointState<double>& joint) {
       using K = typename decltype(tag)::type;
       crossings[i] = dense_crossing<K, double>(tree.link(b), joint);
       Motion<double> m{};
@@ -54,10 +57,10 @@ void project_momentum(const Tree& tree, const double* q, const double* v, double
     });
   }
   const auto order = tree.order();
-  for (std::size_t k = n; k-- > 0;) {
+  for (std::size_t k = order.size(); k-- > 0;) {
     const int b = order[k];
     const auto i = static_cast<std::size_t>(b);
-    with_joint(b, [&](auto tag, const JointState<double>& joint) {
+    with_joint(tree, q, b, [&](auto tag, const JointState<double>& joint) {
       using K = typename decltype(tag)::type;
       const auto E = K::template columns<double>(tree.link(b), joint);
       const int at = tree.first_p(b);
@@ -70,6 +73,24 @@ void project_momentum(const Tree& tree, const double* q, const double* v, double
       momenta[static_cast<std::size_t>(tree.parent(b))] += momenta[i];  // (14)
     }
   }
+}
+
+void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>& parent, const double* v, double* p) noexcept {
+  Force<double> P{};
+  for (int a = b; a >= 0; a = tree.parent(a))
+    with_joint(tree, q, a, [&](auto tag, const JointState<double>& joint) {
+      using K = typename decltype(tag)::type;
+      const DenseCrossing<double> crossing = dense_crossing<K, double>(tree.link(a), joint);
+      const int first = tree.first_p(a);
+      if (a == b) {
+        Motion<double> m = parent;
+        crossing.outboard(m);
+        P = momentum(tree.link(a).body, K::template spatial_velocity<double>(tree.link(a), joint, m, v));  // (4), (17)
+        for (int i = 0; i < info(tree.joint(a).kind).nv; ++i) p[first + i] = tree.armature()[first + i] * v[i];
+      }
+      absorb(tree, a, joint, P, +1, p);
+      crossing.inboard(P);  // (29)
+    });
 }
 
 State start_state(const Model& model, const Tree& tree) {

@@ -11,6 +11,10 @@ namespace momentree {
 /// p = Eᵀ Pb + armature·v (19).
 void project_momentum(const Tree& tree, const double* q, const double* v, double* p);
 
+/// Body b is new: adds its momentum to the p of its joint (which is set) and of all joints inboard, so that no velocity changes.
+/// `parent`: velocity of its parent, kernel frame of the parent; v: of the new joint. Reads q, no work; p is the packed array.
+void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>& parent, const double* v, double* p) noexcept;
+
 /// The state of a model's start values q, v, at time 0.
 State start_state(const Model& model, const Tree& tree);
 

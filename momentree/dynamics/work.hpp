@@ -42,6 +42,7 @@ class Work {
         qdot(make(7 * tree.bodies())),
         pdot(make(6 * tree.bodies())),
         a(make(6 * tree.bodies())),
+        impulse(make(6 * tree.bodies())),
         records(make(static_cast<long>(tree.record_capacity()))),
         inlets(std::make_unique_for_overwrite<Inboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         outlets(std::make_unique_for_overwrite<Outboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
@@ -49,7 +50,8 @@ class Work {
         accelerations(std::make_unique_for_overwrite<Motion<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         reactions(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         path(std::make_unique_for_overwrite<int[]>(static_cast<std::size_t>(tree.bodies()))),
-        bodies(std::make_unique_for_overwrite<Kinematics<T>[]>(static_cast<std::size_t>(tree.bodies()))) {}
+        bodies(std::make_unique_for_overwrite<Kinematics<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        capacity_(tree.bodies()) {}
 
   /// The record of body b, whose joint has kernels K.
   template <class K>
@@ -69,6 +71,7 @@ class Work {
   using Array = std::unique_ptr<T[]>;
   Array cos, sin, angle;
   Array v, qdot, pdot, a;  ///< packed as p, q, p, p; a = v̇
+  Array impulse;           ///< scratch of impacts, packed as p
   Array records;
   Power power;
   std::unique_ptr<Inboard<T>[]> inlets;        ///< by junction, on the way in
@@ -79,7 +82,11 @@ class Work {
   std::unique_ptr<int[]> path;                 ///< scratch of changes that walk from a root to a body
   std::unique_ptr<Kinematics<T>[]> bodies;
 
+  /// Numbers of bodies that it has room for.
+  int capacity() const { return capacity_; }
+
  private:
+  int capacity_ = 0;
   static Array make(long n) { return std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(n > 0 ? n : 1)); }
 };
 

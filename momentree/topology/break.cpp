@@ -5,7 +5,7 @@
 namespace momentree {
 
 bool can_break(const Tree& tree, Body body) noexcept {
-  return tree.parent(body.index) >= 0 || tree.joint(body.index).kind != Kind::free;
+  return tree.alive(body.index) && (tree.parent(body.index) >= 0 || tree.joint(body.index).kind != Kind::free);
 }
 
 Released apply(const Break& change, Tree& tree, State& state, Work<double>& work) noexcept {

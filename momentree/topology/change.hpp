@@ -4,11 +4,9 @@
 // Pb, the ancestors shed or absorb Pb along the path to the root, everything else is unchanged; the next evaluation finds the
 // velocities.
 //
-// `apply` requires work.evaluated == state.stamp() (call forward_dynamics first); afterwards the work is stale. What a user can
-// get wrong is found by `refusal` before: an empty text means that the change can be applied. `apply` of a refused change is a
-// developer's mistake and stops the program; it never changes half of a world.
-#include <string>
-
+// `apply` requires work.evaluated == state.stamp() (call forward_dynamics first); afterwards the work is stale. What can't be
+// applied is a developer's mistake and stops the program before anything has changed; whoever takes changes from users asks
+// before: `can_break`, `floats`, `root_of`, `Tree::alive`.
 #include <momentree/dynamics/work.hpp>
 #include <momentree/tree/state.hpp>
 #include <momentree/tree/tree.hpp>
@@ -74,20 +72,33 @@ struct Impulse {
   Vec3 force{}, torque{}, point{};
 };
 
-/// A stop throws back one freedom of the joint that `body` carries: its speed u becomes −restitution·u. The impulse
-/// λ = −(1 + restitution) J u / (J H⁻¹ Jᵀ), J the unit row of that freedom, is what `apply` returns (N m s or N s, in the sense
-/// of p). The energy lost is (1 − restitution²) of what the plastic impact loses; a restitution of 0 drops p as a lock does, and
-/// leaves the freedom free.
+/// Impact of one freedom (in the order of v) of the joint that `body` carries, as against a stop: u⁺ = −restitution u⁻, by an
+/// impulse along that freedom alone. The kinetic energy lost is 1 − restitution² of what a plastic impact takes. Costs an
+/// evaluation.
 struct Impact {
   Body body;
   int freedom = 0;
-  double restitution = 0;
+  double restitution = 0;  ///< 0 (plastic) to 1
 };
 
 /// New parameters of the joint that `body` carries; velocities stay, so an armature changes p.
 struct SetParameters {
   Body body;
   JointParameters parameters;
+};
+
+/// `body` and all outboard ones leave the world: a whole mechanism that floats, `body` its root (what hangs on something is
+/// broken off before). Nothing happens to the others. Their numbers are not used again; `Tree::alive` says so, any other use
+/// stops the program.
+struct Remove {
+  Body body;
+};
+
+/// A new body on any living one or on the ground, with the coordinates and velocities of its spec, complete as Model::operator[]
+/// has it. No velocity of another body changes. Storage grows, which may allocate: Work and integrators are to be made anew.
+/// Numbers count up, so that a world that adds and removes for ever grows by some 800 bytes a body.
+struct Add {
+  const BodySpec* spec;
 };
 
 /// What a change let go that is not in the bodies any more: energy of the joint's spring and rotor (J).
@@ -103,8 +114,12 @@ Released apply(const Reroot& change, Tree& tree, State& state, Work<double>& wor
 Released apply(const Join& change, Tree& tree, State& state, Work<double>& work) noexcept;
 Released apply(const Attach& change, Tree& tree, State& state, Work<double>& work) noexcept;
 Released apply(const Impulse& change, Tree& tree, State& state, Work<double>& work) noexcept;
-double apply(const Impact& change, Tree& tree, State& state, Work<double>& work) noexcept;
 Released apply(const SetParameters& change, Tree& tree, State& state, Work<double>& work) noexcept;
+/// Returns the impulse on the freedom (N s, or N m s). The topology stays.
+double apply(const Impact& change, const Tree& tree, State& state, Work<double>& work) noexcept;
+Released apply(const Remove& change, Tree& tree, State& state, Work<double>& work) noexcept;
+/// Returns the new body.
+Body apply(const Add& change, Tree& tree, State& state, const Work<double>& work);
 
 /// The same where Pb of the body's joint is given (user frame of the body), because several joints change in one impact: Pb is
 /// then what it was before any of them did.

@@ -5,23 +5,22 @@
 
 namespace momentree {
 
-double apply(const Impact& change, Tree& tree, State& state, Work<double>& work) noexcept {
-  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+// The row of the constraint is the unit vector e of the freedom: y = M⁻¹ e, λ = −(1 + restitution) u / y, p += λ e. Velocities
+// are linear in p, so one evaluation with p = e solves for y.
+double apply(const Impact& change, const Tree& tree, State& state, Work<double>& work) noexcept {
   const int b = change.body.index;
-  const int i = tree.first_p(b) + change.freedom;
+  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
   MT_REQUIRE(
       change.freedom >= 0 && change.freedom < info(tree.joint(b).kind).nv && (tree.joint(b).locked >> change.freedom & 1u) == 0,
-      "the freedom is there, and moves");
-  const double u = work.v[static_cast<std::size_t>(i)];
-  // y = H⁻¹ Jᵀ, J the unit row of the freedom: velocities are linear in momenta.
-  double* unit = work.a.get();
-  work.accelerated = {};
-  std::fill_n(unit, tree.nv(), 0.0);
-  unit[i] = 1;
-  evaluate_rates<double>(tree, state.q().data(), unit, work);
-  const double lambda = -(1 + change.restitution) * u / work.v[static_cast<std::size_t>(i)];
-  state.edit().p[static_cast<std::size_t>(i)] += lambda;
-  return lambda;
+      "the joint has that freedom");
+  const auto i = static_cast<std::size_t>(tree.first_p(b) + change.freedom);
+  const double u = work.v[i];
+  std::fill_n(work.impulse.get(), tree.nv(), 0.0);
+  work.impulse[i] = 1;
+  evaluate_rates<double>(tree, state.q().data(), work.impulse.get(), work);
+  const double impulse = -(1 + change.restitution) * u / work.v[i];
+  state.edit().p[i] += impulse;
+  return impulse;
 }
 
 }  // namespace momentree

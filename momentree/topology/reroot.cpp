@@ -11,6 +11,7 @@ int root_of(const Tree& tree, int b) noexcept {
 }
 
 bool floats(const Tree& tree, int b) noexcept {
+  if (!tree.alive(b)) return false;
   const int root = root_of(tree, b);
   const JointParameters* p = tree.parameters(root);
   return tree.joint(root).kind == Kind::free && tree.joint(root).locked == 0 &&

@@ -1,6 +1,6 @@
 // The edits that changes of topology are made of. Each puts right what it moved: offsets behind a joint of another size, a block
 // of the order, the frames that look to a joint, the masses inboard.
-#include <momentree/base/check.hpp>
+#include <momentree/joint/dispatch.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
@@ -126,6 +126,46 @@ void Tree::set_parameters(int b, const JointParameters& parameters) {
   if (replace_joint(b, joint, reversed(b))) list_special_joints();
   arrange();
   ++revision_;
+}
+
+void Tree::remove(int b) {
+  MT_REQUIRE(alive(b) && parent_[at(b)] < 0, "the body is a root");
+  const int begin = place_[at(b)], end = end_of(b);
+  unlink(b);
+  for (int place = begin; place < end; ++place) {
+    const auto x = at(order_[at(place)]);
+    carrier_[at(joint_of_[x])] = -1;
+    joint_of_[x] = parent_[x] = first_child_[x] = next_sibling_[x] = -1;
+  }
+  order_.erase(order_.begin() + begin, order_.begin() + end);
+  pack_all();
+  arrange();
+  ++revision_;
+}
+
+int Tree::add(const BodySpec& spec) {
+  const int b = bodies(), outer = spec.parent.index;
+  MT_REQUIRE(outer < b && (outer < 0 || alive(outer)), "the parent is there");
+  resize(b + 1);
+  set_body(b, spec);
+  changed_[at(b)] = 1;
+  const JointParameters& p = spec.joint.parameters;
+  if (p.damping.any() || p.stiffness.any() || p.armature.any() || p.effort.any() || !p.rest.empty()) {
+    give_parameters(b, p);
+    joints_[at(b)].parameters = own_parameters_[at(b)];
+  }
+  hang(b, outer);
+  order_.insert(order_.begin() + end_of(b), b);
+  const KindShape& kind = shape(spec.joint.kind);
+  first_q_[at(b)] = nq_, first_p_[at(b)] = nv_, first_angle_[at(b)] = angles_;
+  nq_ += kind.nq, nv_ += kind.nv, angles_ += kind.angles;
+  pack(b);
+  list_special_joints();
+  renew(b);
+  arrange();
+  weigh_path(b);
+  ++revision_;
+  return b;
 }
 
 void Tree::give_parameters(int joint, const JointParameters& parameters) {

@@ -32,17 +32,22 @@ void shift_tail(std::vector<T>& all, int first, int count, int by) {
 void Tree::link_all() {
   first_root_ = -1;
   for (int& child : first_child_) child = -1;
+  int living = 0;
   for (int b = bodies() - 1; b >= 0; --b) {  // backwards: lists in ascending order
+    next_sibling_[at(b)] = -1;
+    if (!alive(b)) continue;
+    ++living;
     int& head = parent_[at(b)] < 0 ? first_root_ : first_child_[at(parent_[at(b)])];
     next_sibling_[at(b)] = head;
     head = b;
   }
-  pack_all();
-  for (int b = 0; b < bodies(); ++b) make_frame(b);
-  for (int b = 0; b < bodies(); ++b) make_link(b);
+  order_.resize(at(living));
   int place = 0;
   for (int root = first_root_; root >= 0; root = next_sibling_[at(root)]) place = walk(root, place);
-  MT_REQUIRE(place == bodies(), "every body hangs on the ground");
+  MT_REQUIRE(place == living, "every body hangs on the ground");
+  pack_all();
+  for (int b : order_) make_frame(b);
+  for (int b : order_) make_link(b);
   arrange();
   for (std::size_t i = order_.size(); i-- > 0;) weigh(order_[i]);
 }
@@ -51,6 +56,8 @@ void Tree::pack_all() {
   nq_ = nv_ = angles_ = 0;
   for (int j = 0; j < bodies(); ++j) {
     const int b = carrier_[at(j)];
+    special_[at(j)] = 0;
+    if (b < 0) continue;
     const KindShape& kind = shape(joints_[at(j)].kind);
     first_q_[at(b)] = nq_, first_p_[at(b)] = nv_, first_angle_[at(b)] = angles_;
     nq_ += kind.nq, nv_ += kind.nv, angles_ += kind.angles;
@@ -90,8 +97,8 @@ bool Tree::repack(int b, Kind before) {
   const int q = now.nq - old.nq, p = now.nv - old.nv, angles = now.angles - old.angles;
   if (q != 0 || p != 0 || angles != 0) {
     for (int j = joint_of_[at(b)] + 1; j < bodies(); ++j) {
-      const auto c = at(carrier_[at(j)]);
-      first_q_[c] += q, first_p_[c] += p, first_angle_[c] += angles;
+      const int c = carrier_[at(j)];
+      if (c >= 0) first_q_[at(c)] += q, first_p_[at(c)] += p, first_angle_[at(c)] += angles;
     }
     const int behind_p = first_p_[at(b)] + old.nv, behind_angle = first_angle_[at(b)] + old.angles;
     for (int i = behind_angle; i < angles_; ++i) angle_q_[at(i)] += q;

@@ -12,7 +12,7 @@ State::State(const Tree& tree) : topology_(tree.revision()) {
   p_.reserve(6 * n);
   q_.resize(static_cast<std::size_t>(tree.nq()));
   p_.resize(static_cast<std::size_t>(tree.nv()));
-  for (int b = 0; b < tree.bodies(); ++b)
+  for (int b : tree.order())
     dispatch(tree.joint(b).kind, [&](auto tag) { decltype(tag)::type::Kernels::zero(q_.data() + tree.first_q(b)); });
 }
 
@@ -38,8 +38,10 @@ void State::assign(double time, std::span<const double> q, std::span<const doubl
 
 namespace {
 void replace_range(std::vector<double>& all, int first, int count, std::span<const double> with) {
-  const auto tail = all.begin() + first + count;
   const auto growth = static_cast<std::ptrdiff_t>(with.size()) - count;
+  if (growth > 0 && all.capacity() < all.size() + static_cast<std::size_t>(growth))  // a body was added
+    all.reserve(2 * all.capacity() + with.size());
+  const auto tail = all.begin() + first + count;
   if (growth > 0) {
     const auto old_size = static_cast<std::ptrdiff_t>(all.size());
     all.resize(all.size() + static_cast<std::size_t>(growth));  // within the reserved capacity: iterators stay

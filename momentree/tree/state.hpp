@@ -39,7 +39,8 @@ class State {
     ++serial_;
     return {time_, q_, p_};
   }
-  /// Makes room for another topology: replaces `nq`, `nv` numbers of a body by new ones. Does not allocate.
+  /// Makes room for another topology: replaces `nq`, `nv` numbers of a body by new ones. Does not allocate unless bodies were
+  /// added to the tree that the state was made for.
   void replace(int first_q, int nq, std::span<const double> q, int first_p, int nv, std::span<const double> p,
                std::uint64_t topology);
   /// Becomes another state altogether, of that topology. Does not allocate where the reserve, that of the tree, is enough.

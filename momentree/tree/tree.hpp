@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include <momentree/base/check.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/kernels.hpp>
 #include <momentree/tree/model.hpp>
@@ -31,10 +32,18 @@ struct Joint {
   bool made = false;    ///< a free root joint that a change made: its place in a mechanism is that of no declared joint
 };
 
+/// Mass (kg), centre of mass and inertia about it, in the user's frame of the body.
+struct MassProperties {
+  double mass = 0;
+  Vec3 com{};
+  Sym3 inertia{};
+};
+
 /// What a topology is beyond the compiled model: a small value. Everything else of a Tree follows from it and the model, to the
 /// last bit, whatever changes led there.
 struct Topology {
-  /// How a body hangs: its parent (−1: the ground) and its inboard joint, perhaps against its declared direction.
+  /// How a body hangs: its parent (−1: the ground) and its inboard joint (−1: the body was removed), perhaps against its declared
+  /// direction.
   struct Place {
     int parent = -1, joint = -1;
     bool reversed = false;
@@ -49,9 +58,10 @@ struct Topology {
     int joint = -1;
     JointParameters parameters{};
   };
-  std::vector<Place> places;     ///< by body
-  std::vector<Changed> changed;  ///< in the order of numbers
-  std::vector<Own> own;          ///< in the order in which they were given
+  std::vector<Place> places;          ///< by body
+  std::vector<Changed> changed;       ///< in the order of numbers
+  std::vector<Own> own;               ///< in the order in which they were given
+  std::vector<MassProperties> added;  ///< of the bodies that the model did not have
 };
 
 /// The free joint of what broke off, at the identity: coordinates are the pose of the body's own frame.
@@ -96,7 +106,10 @@ class Tree {
   /// Compiles a model. Storage for every later topology is reserved: no change allocates.
   explicit Tree(const Model& model);
 
+  /// Numbers given to bodies so far; those that were removed keep theirs.
   int bodies() const { return static_cast<int>(parent_.size()); }
+  /// False for a body that was removed: nothing else may be asked about it.
+  bool alive(int b) const { return joint_of_[at(b)] >= 0; }
   int nq() const { return nq_; }
   int nv() const { return nv_; }
   const Vec3& gravity() const { return gravity_; }
@@ -115,8 +128,12 @@ class Tree {
   const Link& link(int b) const { return links_[at(b)]; }
   /// The inboard joint of body b. Joints have numbers of their own: at the start that of their child; re-rooting makes a body
   /// carry another joint, against its declared direction.
-  const Joint& joint(int b) const { return joints_[at(joint_of_[at(b)])]; }
+  const Joint& joint(int b) const {
+    MT_REQUIRE(alive(b), "the body was not removed");
+    return joints_[at(joint_of_[at(b)])];
+  }
   int joint_of(int b) const { return joint_of_[at(b)]; }
+  /// The body that carries the joint; −1: it left with its body.
   int carrier(int joint) const { return carrier_[at(joint)]; }
   bool reversed(int b) const { return reversed_[at(b)] != 0; }
   Variant variant(int b) const { return class_[at(b)].variant; }
@@ -154,7 +171,7 @@ class Tree {
   /// What has changed since the model was compiled.
   Topology topology() const;
   /// Makes this tree, which was compiled from the same model, what `topology` says. Counts a revision, as every edit: what was
-  /// evaluated before is stale, even on the same topology. O(bodies); does not allocate.
+  /// evaluated before is stale, even on the same topology. O(bodies); allocates only where bodies were added.
   void restore(const Topology& topology);
 
   // The edits that changes are made of. Each relinks what it moved and counts a revision; none touches a state (topology/ does)
@@ -173,6 +190,11 @@ class Tree {
   void set_joint(int b, const Joint& joint, bool reversed);
   /// Parameters of b's joint alone.
   void set_parameters(int b, const JointParameters& parameters);
+  /// Root b and all bodies outboard of it leave; their numbers are not used again.
+  void remove(int b);
+  /// A body, complete as Model::operator[] has it, joins with a new number for itself and its joint, which it returns. The
+  /// storage grows, for every later topology: Work is to be made anew.
+  int add(const BodySpec& spec);
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -182,6 +204,9 @@ class Tree {
   void make_link(int b);
   void renew(int b);
   void renew_child_changed(int b);
+
+  void resize(int bodies);
+  void set_body(int b, const BodySpec& spec);
 
   // relink.cpp: from parents, joints and directions, everything that follows.
   void link_all();
@@ -209,7 +234,8 @@ class Tree {
   int nq_ = 0, nv_ = 0, angles_ = 0, first_root_ = -1;
   std::size_t record_scalars_ = 0, record_capacity_ = 0;
   std::uint64_t revision_ = 0;
-  std::vector<int> parent_, first_child_, next_sibling_, first_q_, first_p_, first_angle_, order_;
+  std::vector<int> parent_, first_child_, next_sibling_, first_q_, first_p_, first_angle_;
+  Reserved<int> order_;     // of the living
   std::vector<int> place_;  // in the order, by body
   std::vector<std::size_t> record_;
   std::vector<int> joint_of_, carrier_;
@@ -225,13 +251,8 @@ class Tree {
   std::vector<Link> links_;
   std::vector<Joint> joints_;
   std::shared_ptr<const std::vector<Joint>> declared_;  // the model's joints, shared by copies of the tree
-  std::vector<unsigned char> changed_;                  // by joint: no longer the declared one
+  std::vector<unsigned char> changed_;                  // by joint: no longer the declared one, or none of the model's
   std::vector<KernelFrame> frames_;
-  struct MassProperties {
-    double mass;
-    Vec3 com;
-    Sym3 inertia;
-  };
   std::vector<MassProperties> masses_;
   Reserved<JointParameters> parameters_;  // those of the model, shared, then those that changes gave to one joint
   struct PerFreedom {                     // the same, spread over the freedoms: what relinking copies

@@ -1,12 +1,13 @@
 #include <tests/oracle/machine.hpp>
 
+#include <string>
 #include <vector>
 
 namespace momentree::oracle {
 
 Column Machine::velocities() const {
-  Column V(6 * size());
-  for (int b = 0; b < size(); ++b) {
+  Column V = Column::Zero(6 * size());
+  for (int b : tree.order()) {
     const Kinematics<double>& k = work.bodies[static_cast<std::size_t>(b)];
     const Vec3 w = k.R * k.velocity.w;
     const Vec3 v = k.R * k.velocity.v + cross(w, pose(b) * model[{b}].com - k.r);
@@ -16,8 +17,8 @@ Column Machine::velocities() const {
 }
 
 Dense Machine::masses() const {
-  Dense M = Dense::Zero(6 * size(), 6 * size());
-  for (int b = 0; b < size(); ++b) {
+  Dense M = Dense::Identity(6 * size(), 6 * size());  // what was removed is at rest
+  for (int b : tree.order()) {
     const BodySpec& body = model[{b}];
     const Sym3 I = rotate(rotation_matrix(pose(b).rotation), body.inertia);
     for (int i = 0; i < 3; ++i) M(6 * b + i, 6 * b + i) = body.mass;
@@ -30,7 +31,7 @@ Dense Machine::masses() const {
 
 Dense Machine::constraints() const {
   std::vector<Column> rows;
-  for (int b = 0; b < size(); ++b) {
+  for (int b : tree.order()) {
     const bool reversed = tree.reversed(b);
     const int child = reversed ? tree.parent(b) : b, parent = reversed ? b : tree.parent(b);
     const Joint& joint = tree.joint(b);
@@ -135,10 +136,46 @@ Attach random_attach(Prng& random, const Machine& m, int b, int to) {
   return attach;
 }
 
+int Machine::some_body(Prng& random) const {
+  const auto order = tree.order();
+  return order[static_cast<std::size_t>(random.integer(0, static_cast<int>(order.size()) - 1))];
+}
+
+namespace {
+Sym3 some_inertia(double I) { return {I, 1.3 * I, 1.2 * I, 0.1 * I, 0.05 * I, -0.1 * I}; }
+}  // namespace
+
+int Machine::add(Prng& random, bool parameters, bool at_rest) {
+  BodySpec spec;
+  spec.name = "added/" + std::to_string(size());
+  spec.mass = random.log_uniform(0.1, 10);
+  spec.com = random.vector(0.2);
+  spec.inertia = some_inertia(spec.mass * random.uniform(0.01, 0.1));
+  spec.parent = {random.chance(0.2) ? -1 : some_body(random)};
+  spec.at = {random.vector(0.5), random.rotation()};
+  spec.child_at = {random.vector(0.2), random.rotation()};
+  const int kind = random.integer(0, static_cast<int>(all_kinds().size()) - 1);
+  spec.joint = random_joint(random, all_kinds()[static_cast<std::size_t>(kind)].kind, {.parameters = parameters});
+  spec.q = random_coordinates(random, spec.joint.kind);
+  if (!at_rest) spec.v = random_velocities(random, spec.joint.kind);
+  const Body body = model.add(spec);
+  apply(Add{&model[body]}, tree, state, work);
+  work = Work<double>(tree);
+  return body.index;
+}
+
+int Machine::part(int b) const {
+  int count = 0;
+  for (int x : tree.order())
+    for (int a = x; a >= 0; a = tree.parent(a)) count += a == b;
+  return count;
+}
+
 void act(Prng& random, Machine& m) {
-  const int b = random.integer(0, m.size() - 1);
+  const int b = m.some_body(random);
   const int nv = info(m.tree.joint(b).kind).nv;
-  switch (random.integer(0, 7)) {
+  const int living = static_cast<int>(m.tree.order().size());
+  switch (random.integer(0, 9)) {
     case 0:
       if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.work);
       break;
@@ -156,8 +193,14 @@ void act(Prng& random, Machine& m) {
       if (m.tree.parent(b) >= 0 && nv > 0) apply(SetParameters{{b}, parameters}, m.tree, m.state, m.work);
       break;
     }
+    case 6:
+      if (living < 25) m.add(random, true, false);
+      break;
+    case 7:
+      if (m.tree.parent(b) < 0 && m.tree.detached(b) && living - m.part(b) > 2) apply(Remove{{b}}, m.tree, m.state, m.work);
+      break;
     default: {
-      const int to = random.integer(0, m.size() - 1);
+      const int to = m.some_body(random);
       if (root_of(m.tree, to) == root_of(m.tree, b) || !floats(m.tree, b)) break;
       if (random.chance(0.3)) {
         apply(Join{{b}, {to}}, m.tree, m.state, m.work);

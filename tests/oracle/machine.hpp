@@ -9,6 +9,7 @@
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/joint/kinds.hpp>
 #include <momentree/topology/change.hpp>
 #include <tests/oracle/oracle.hpp>
 #include <tests/oracle/random_model.hpp>
@@ -27,6 +28,13 @@ struct Machine {
   explicit Machine(const Model& m) : model(m), tree(model), state(start_state(model, tree)), work(tree) { evaluate(); }
   void evaluate() { locate_bodies(tree, state, work); }
   int size() const { return tree.bodies(); }
+
+  /// A living body.
+  int some_body(Prng& random) const;
+  /// Bodies outboard of b and b itself.
+  int part(int b) const;
+  /// A new body on any or on the ground, which it returns; evaluate afterwards.
+  int add(Prng& random, bool parameters, bool at_rest);
 
   Pose pose(int b) const { return user_pose(tree, work.bodies[static_cast<std::size_t>(b)], b); }
   /// Velocities of the centres of mass and angular velocities, world axes.

@@ -75,11 +75,12 @@ TEST_CASE("after every change the tables are those of a full rebuild") {
     options.max_bodies = seed % 3 == 0 ? 60 : 15;
     options.all_free = seed % 2 == 0;
     Machine m(random_tree(seed, options).model);
+    const Model start = m.model;
     Prng random(seed * 31 + 7);
     for (int k = 0; k < 80; ++k) {
       INFO("seed ", seed, " change ", k);
       act(random, m);
-      Tree anew(m.model);
+      Tree anew(start);
       anew.restore(m.tree.topology());
       check_same(m.tree, anew);
     }

@@ -120,3 +120,48 @@ TEST_CASE("a change reads only a work of this very state") {
     articulated_momentum(s.tree, s.state, s.work, 2);
   });
 }
+
+TEST_CASE("what was removed is gone; what was added needs room") {
+  const auto remove = [](Scene& s) {
+    apply(Break{{3}}, s.tree, s.state, s.work);
+    apply(Remove{{3}}, s.tree, s.state, s.work);
+    forward_dynamics(s.tree, s.state, s.work);
+  };
+  {
+    const End end = in_child([&] {
+      Scene s;
+      remove(s);
+      apply(Break{{2}}, s.tree, s.state, s.work);
+    });
+    INFO(end.said);
+    CHECK(end.signal == 0);
+  }
+  check_stopped("its joint is asked for", [&] {
+    Scene s;
+    remove(s);
+    s.tree.joint(3);
+  });
+  check_stopped("it is broken off again", [&] {
+    Scene s;
+    remove(s);
+    apply(Break{{3}}, s.tree, s.state, s.work);
+  });
+  check_stopped("it is joined to", [&] {
+    Scene s;
+    apply(Break{{2}}, s.tree, s.state, s.work);
+    forward_dynamics(s.tree, s.state, s.work);
+    apply(Break{{4}}, s.tree, s.state, s.work);
+    apply(Remove{{4}}, s.tree, s.state, s.work);
+    forward_dynamics(s.tree, s.state, s.work);
+    apply(Join{{2}, {4}}, s.tree, s.state, s.work);
+  });
+  check_stopped("a part that hangs on something is removed", [&] {
+    Scene s;
+    apply(Remove{{3}}, s.tree, s.state, s.work);
+  });
+  check_stopped("a body came, the work did not grow", [&] {
+    Scene s;
+    apply(Add{&s.model[{1}]}, s.tree, s.state, s.work);
+    forward_dynamics(s.tree, s.state, s.work);
+  });
+}

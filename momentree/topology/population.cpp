@@ -1,0 +1,59 @@
+// Bodies that leave and bodies that come.
+#include <algorithm>
+
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/topology/change.hpp>
+
+namespace momentree {
+
+Released apply(const Remove& change, Tree& tree, State& state, Work<double>& work) noexcept {
+  const int b = change.body.index;
+  MT_REQUIRE(state.topology() == tree.revision(), "the state is of this topology");
+  MT_REQUIRE(tree.alive(b) && tree.parent(b) < 0 && floats(tree, b), "the part is a floating mechanism");
+  for (int x : tree.order()) {  // inboard before outboard
+    const int outer = tree.parent(x);
+    work.path[static_cast<std::size_t>(x)] = x == b || (outer >= 0 && work.path[static_cast<std::size_t>(outer)] != 0);
+  }
+  const State::Edit edit = state.edit();
+  double *q = edit.q.data(), *p = edit.p.data();
+  for (int j = 0; j < tree.bodies(); ++j) {  // what stays moves up, in the order of joints
+    const int x = tree.carrier(j);
+    if (x < 0 || work.path[static_cast<std::size_t>(x)] != 0) continue;
+    const KindInfo& kind = info(tree.joint(x).kind);
+    q = std::copy_n(edit.q.data() + tree.first_q(x), kind.nq, q);
+    p = std::copy_n(edit.p.data() + tree.first_p(x), kind.nv, p);
+  }
+  tree.remove(b);
+  const int gone_q = static_cast<int>(edit.q.size()) - tree.nq(), gone_p = static_cast<int>(edit.p.size()) - tree.nv();
+  state.replace(tree.nq(), gone_q, {}, tree.nv(), gone_p, {}, tree.revision());
+  return {};
+}
+
+Body apply(const Add& change, Tree& tree, State& state, const Work<double>& work) {
+  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  const BodySpec& spec = *change.spec;
+  const KindInfo& kind = info(spec.joint.kind);
+  MT_REQUIRE(spec.q.size() == kind.nq && spec.v.size() == kind.nv, "coordinates and velocities are given");
+  const int outer = spec.parent.index;
+  Motion<double> motion{};
+  Mat3 turn = identity3<double>();
+  if (outer >= 0) {
+    MT_REQUIRE(tree.alive(outer), "the parent is there");
+    motion = work.motions[static_cast<std::size_t>(outer)].velocity;
+    turn = tree.frame(outer).R;
+  }
+  const int nq = tree.nq(), nv = tree.nv();
+  const int b = tree.add(spec);
+  const double none[6] = {};
+  state.replace(nq, 0, {spec.q.begin(), static_cast<std::size_t>(kind.nq)}, nv, 0, {none, static_cast<std::size_t>(kind.nv)},
+                tree.revision());
+  if (outer >= 0) {  // the first child of a body may turn its kernel frame about the joint
+    const Mat3 R = transpose(tree.frame(outer).R) * turn;
+    motion = {R * motion.v, R * motion.w};
+  }
+  const State::Edit edit = state.edit();
+  add_momentum(tree, edit.q.data(), b, motion, spec.v.begin(), edit.p.data());
+  return {b};
+}
+
+}  // namespace momentree
