@@ -2,6 +2,7 @@
 // The front door: build a Model, run a Simulation, look at its World. One level down, for a loop of one's own:
 // compile, forward_dynamics, apply.
 #include <momentree/base/error.hpp>
+#include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>

@@ -369,3 +369,80 @@ TEST_CASE("(24) (27) (20) locked freedoms have no velocity and no rate; the othe
     }
   });
 }
+
+namespace {
+// The laws of the second recursion at one joint, whose freedoms `locked` rest.
+template <class K, class L>
+void acceleration_laws(Draw& draw, const Sample<K>& at) {
+  constexpr int N = K::info.nv;
+  const auto columns = L::template columns<double>(at.link, at.joint());
+  const auto locked = [&](std::size_t i) { return (at.link.locked >> i & 1u) != 0; };
+  const SpatialMass<double> Mb = random_mass(draw);
+  SpatialMass<double> M = Mb;
+  Force<double> D{draw.vector(), draw.vector()};
+  typename L::template Record<double> record{};
+  std::array<double, 8> p{}, u = at.u, tau{}, udot{}, rotor = at.armature;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    tau[i] = draw();
+    if (locked(i)) u[i] = tau[i] = 0;
+  }
+  L::template reduce<double>(at.link, at.joint(), p.data(), rotor.data(), M, D, record);
+
+  // (39): dΩ/dt = X dΩ_parent/dt + Ω × E u + Ė u + E u̇
+  const Motion<double> velocity{draw.vector(), draw.vector()};
+  Motion<double> relative{}, turning{};
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    relative = relative + Motion<double>{u[i] * columns[i].v, u[i] * columns[i].w};
+    if constexpr (requires { L::template columns_rate<double>(at.link, at.joint(), u.data()); }) {
+      const Motion<double> rate = L::template columns_rate<double>(at.link, at.joint(), u.data())[i];
+      turning = turning + Motion<double>{u[i] * rate.v, u[i] * rate.w};
+    }
+  }
+  const Motion<double> bias = L::template acceleration_bias<double>(at.link, at.joint(), velocity, u.data());
+  CHECK(distance(flat(bias), flat(cross(velocity, relative) + turning)) < 1e-13);
+  Force<double> sparse{}, full{};
+  L::add_reduced_bias(record, bias, sparse);
+  L::add_reduced(record, bias, full);
+  CHECK(distance(flat(sparse), flat(full)) < 1e-12);
+
+  // (47), (51): the kernels' u̇ and Tr are those of Tr = Mb Ω̇ + W with Eᵀ Tr = τ − rotor u̇
+  const Force<double> W{draw.vector(), draw.vector()};
+  const Motion<double> in{draw.vector(), draw.vector()};
+  Force<double> Tr = W;
+  L::template reduce_wrench<double>(at.link, at.joint(), record, tau.data(), Tr, udot.data());
+  L::joint_acceleration(record, in, udot.data());
+  L::add_reduced(record, in, Tr);
+  const Motion<double> out = L::template spatial_velocity<double>(at.link, at.joint(), in, udot.data());
+  CHECK(distance(flat(Tr), flat(Mb * out + W)) < 1e-10);
+  std::array<double, 8> force{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(N); ++i) {
+    force[i] = locked(i) ? 0 : dot(columns[i], Tr);
+    if (locked(i)) {
+      CHECK(udot[i] == 0);
+    } else {
+      CHECK(force[i] == doctest::Approx(tau[i] - rotor[i] * udot[i]).epsilon(1e-9));
+    }
+  }
+  // What the drive does is all of that, and nothing on its freedoms is left.
+  const Force<double> rest = Tr - L::drive_wrench(at.link, at.joint(), force.data());
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    if (!locked(i)) CHECK(std::fabs(dot(columns[i], rest)) < 1e-12 * (1 + norm(Tr.l) + norm(Tr.h)));
+}
+}  // namespace
+
+TEST_CASE("(39) (47) (51) accelerations and the wrench of a joint, by every kind's kernels, with freedoms locked or not") {
+  Draw draw;
+  for_every_kind([&](auto kind, auto kernels, bool rotor, bool) {
+    using K = typename decltype(kind)::type;
+    for (int trial = 0; trial < 20; ++trial)
+      acceleration_laws<K, typename decltype(kernels)::type>(draw, Sample<K>(draw, false, rotor));
+    if constexpr (K::info.nv > 0) {
+      for (unsigned locked = 1; locked < (1u << K::info.nv); ++locked) {
+        Sample<K> at(draw, false, true);
+        at.link.locked = locked;
+        acceleration_laws<K, KernelsOf<K, Variant::locked>>(draw, at);
+        acceleration_laws<K, KernelsOf<K, Variant::reversed_locked>>(draw, at);
+      }
+    }
+  });
+}

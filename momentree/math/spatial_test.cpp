@@ -39,6 +39,14 @@ TEST_CASE("(4) momentum of a rigid body is that of its centre of mass and of its
   CHECK(norm(P.h - Q.h) < 1e-14);
 }
 
+TEST_CASE("(9) what turning the momentum of a rigid body takes is the cross product of its velocity and momentum") {
+  const RigidMass body = some_body();
+  const Motion<double> O{a, b};
+  const Force<double> W = turning_wrench(body, O), X = cross(O, momentum(body, O));
+  CHECK(norm(W.l - X.l) < 1e-14);
+  CHECK(norm(W.h - X.h) < 1e-14);
+}
+
 TEST_CASE("(9) the two cross products are each other's negative transposes") {
   const Motion<double> O{a, b}, V{c, d};
   const Force<double> P{d, a};

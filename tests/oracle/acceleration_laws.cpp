@@ -115,7 +115,7 @@ double work_of_reactions(const Tree& tree, const State& state, Work<double>& wor
   Real worst = 0;
   for (int b = 0; b < tree.bodies(); ++b) {
     // Summands of Tr = Mb Ω̇ + W: what hangs outboard, moved as the body is.
-    Real felt = 0;
+    Real felt = length(real(tree.gravity()));
     for (int k = b; k >= 0; k = k == b ? tree.parent(b) : -1) {
       const Motion<double>& a = work.accelerations[static_cast<std::size_t>(k)];
       felt += length(real(a.v)) + length(real(a.w));

@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
@@ -82,6 +83,8 @@ TEST_CASE("stepping and breaking allocate nothing, with all kinds of joints, unt
         steps += method->step(evaluate, state, books, 1e-5);
       }
       sum += totals(tree, state, work).kinetic;
+      accelerate(tree, state, work);
+      sum += norm(reaction(tree, state, work, first).l) + norm(body_acceleration(tree, state, work, first).linear);
     }
     const long during = allocations - before;
     CHECK(during == 0);

@@ -8,6 +8,7 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/integrator.hpp>
@@ -118,6 +119,22 @@ TEST_CASE("a change reads only a work of this very state") {
     Scene s;
     s.state.edit();
     articulated_momentum(s.tree, s.state, s.work, 2);
+  });
+  check_stopped("a reaction read before accelerations were asked for", [&] {
+    Scene s;
+    reaction(s.tree, s.state, s.work, 2);
+  });
+  check_stopped("a reaction read after the state was edited", [&] {
+    Scene s;
+    accelerate(s.tree, s.state, s.work);
+    s.state.edit();
+    forward_dynamics(s.tree, s.state, s.work);
+    reaction(s.tree, s.state, s.work, 2);
+  });
+  check_stopped("the acceleration of a body that is not located", [&] {
+    Scene s;
+    accelerate(s.tree, s.state, s.work);
+    body_acceleration(s.tree, s.state, s.work, 2);
   });
 }
 

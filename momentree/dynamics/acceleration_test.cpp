@@ -1,0 +1,166 @@
+// The second recursion on small machines whose numbers a pencil finds. (Random trees of all kinds against an independent oracle:
+// tests/oracle.)
+#include <momentree/dynamics/acceleration.hpp>
+
+#include <cmath>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/joint/kinds.hpp>
+
+using namespace momentree;
+
+namespace {
+
+struct Machine {
+  Tree tree;
+  State state;
+  Work<double> work;
+  explicit Machine(const Model& model) : tree(compile(model)), state(start_state(model, tree)), work(tree) {
+    locate_bodies(tree, state, work);
+    accelerate(tree, state, work);
+  }
+  double a(int i) const { return work.a[static_cast<std::size_t>(i)]; }
+};
+
+void check_near(const Vec3& a, const Vec3& b, double bound = 1e-12) {
+  INFO(a.x, " ", a.y, " ", a.z, " for ", b.x, " ", b.y, " ", b.z);
+  CHECK(norm(a - b) <= bound);
+}
+
+}  // namespace
+
+TEST_CASE("(30) (32) (47) a rod on a pin: acceleration, and what the pin carries") {
+  // Of length 2l, on a pin about y at its end, turned by q from +x downwards.
+  const double m = 1.5, l = 0.4, q = 0.7, w = 2.3, g = 9.81, rotor = 0.2, damping = 0.3, effort = 1.1, I = m * l * l / 3;
+  Model model({.gravity = {0, 0, -g}});
+  model.add({.name = "rod",
+             .mass = m,
+             .com = {l, 0, 0},
+             .inertia = diagonal(1e-3, I, I),
+             .joint = Revolute{.axis = y_axis, .damping = damping, .armature = rotor, .effort = effort},
+             .q = q,
+             .v = w});
+  const Machine at(model);
+  const double tau = effort - damping * w;
+  const double a = (tau + m * g * l * std::cos(q)) / (I + m * l * l + rotor);
+  CHECK(at.a(0) == doctest::Approx(a).epsilon(1e-14));
+  // Rod axes: x along it, z across and up; gravity is g (sin q, 0, −cos q) there.
+  const Force<double> W = reaction(at.tree, at.state, at.work, 0);
+  check_near(W.l, {-m * l * w * w - m * g * std::sin(q), 0, -m * l * a + m * g * std::cos(q)});
+  check_near(W.h, {0, tau - rotor * a, 0});
+  const Force<double> pure = pure_reaction(at.tree, at.state, at.work, 0);
+  check_near(pure.l, W.l);
+  check_near(pure.h, {});
+  const BodyAcceleration b = body_acceleration(at.tree, at.state, at.work, 0);
+  check_near(b.linear, {});
+  check_near(b.angular, {0, a, 0});
+}
+
+TEST_CASE("(45) (51) what hangs outboard pulls at every joint inboard of it: a chain at rest, and in free fall") {
+  Model model({.gravity = {0, 0, -10}});
+  Body last = ground;
+  for (int k = 0; k < 5; ++k)
+    last = model.add({.name = "c/" + std::to_string(k),
+                      .mass = 1.0 + k,
+                      .com = {0, 0, -0.5},
+                      .inertia = diagonal(0.1),
+                      .parent = last,
+                      .at = {0, 0, k == 0 ? 0.0 : -1.0},
+                      .joint = k % 2 ? JointSpec(Ball{}) : JointSpec(Universal{})});
+  const Machine hanging(model);
+  double outboard = 15;
+  for (int k = 0; k < 5; ++k) {
+    const Force<double> W = reaction(hanging.tree, hanging.state, hanging.work, k);
+    check_near(W.l, {0, 0, 10 * outboard}, 1e-11);
+    check_near(W.h, {}, 1e-11);
+    outboard -= 1 + k;
+  }
+  model.add({.name = "d/0", .mass = 2, .com = {0.3, 0, 0}, .inertia = diagonal(0.1), .joint = Free{}});
+  const Body base{5};
+  model.add(
+      {.name = "d/1", .mass = 3, .inertia = diagonal(0.2), .parent = base, .at = {1, 2, 3}, .joint = Prismatic{}, .q = 0.2});
+  const Machine falling(model);
+  for (const int k : {5, 6}) {
+    const Force<double> W = reaction(falling.tree, falling.state, falling.work, k);
+    check_near(W.l, {}, 1e-14);
+    check_near(W.h, {}, 1e-14);
+    const BodyAcceleration b = body_acceleration(falling.tree, falling.state, falling.work, k);
+    check_near(b.linear, {0, 0, -10}, 1e-13);
+    check_near(b.angular, {}, 1e-13);
+  }
+}
+
+TEST_CASE("(39) (44) a bead that slides outward on a turning rod") {
+  // The rod turns about z at the rate w; the bead slides along x at r with the speed s.
+  const double w = 3, r = 0.5, s = 0.8, m = 0.2, J = 0.7;
+  Model model({.gravity = {}});
+  const Body rod = model.add({.name = "rod", .mass = 1, .inertia = diagonal(0.4, 0.4, J), .joint = Revolute{}, .v = w});
+  model.add({.name = "bead", .mass = m, .parent = rod, .joint = Prismatic{.axis = x_axis}, .q = r, .v = s});
+  const Machine at(model);
+  const double turning = -2 * m * r * s * w / (J + m * r * r);  // d(J + m r²)w/dt = 0
+  CHECK(at.a(0) == doctest::Approx(turning).epsilon(1e-13));
+  CHECK(at.a(1) == doctest::Approx(r * w * w).epsilon(1e-13));
+  const Force<double> W = reaction(at.tree, at.state, at.work, 1);
+  check_near(W.l, {0, m * (2 * s * w + r * turning), 0});
+  check_near(W.h, {});
+  const BodyAcceleration b = body_acceleration(at.tree, at.state, at.work, 1);
+  check_near(b.linear, {0, 2 * s * w + r * turning, 0});
+  check_near(b.angular, {0, 0, turning});
+}
+
+TEST_CASE("what a drive transmits is taken from the reaction as it acts: along the joint's own freedoms") {
+  // Each joint holds its body against gravity, or not; the body's frame is not the joint's.
+  const Vec3 to{0.3, -0.2, 0.1};
+  const double m = 2, g = 10;
+  Model model({.gravity = {0, 0, -g}});
+  const auto add = [&](const char* name, JointSpec joint, Values q) {
+    model.add({.name = name,
+               .mass = m,
+               .com = {0.1, 0.2, -0.3},
+               .inertia = diagonal(0.4, 0.5, 0.6),
+               .joint = joint,
+               .q = q,
+               .child_at = Pose{to, normalized(Quat{0.9, 0.1, -0.3, 0.2})}});
+  };
+  add("slide", Prismatic{.effort = 7.0}, 0.3);
+  add("screw", Helical{.pitch = 0.5, .effort = 7.0}, 0.3);
+  add("tube", Cylindrical{.effort = {7.0, 3.0}}, {0.3, 0.2});
+  add("hooke", Universal{.axis = x_axis, .axis2 = normalized(Vec3{1, 1, 0}), .effort = {7.0, 3.0}}, {0.3, 0.2});
+  const Machine at(model);
+  const auto drive = [&](int b) {  // joint's child-side axes, about its origin
+    const Force<double> W = reaction(at.tree, at.state, at.work, b) - pure_reaction(at.tree, at.state, at.work, b);
+    const Pose& side = model[{b}].child_at;
+    const Mat3 R = rotation_matrix(side.rotation);
+    return Force<double>{transpose_times(R, W.l), transpose_times(R, W.h - cross(side.position, W.l))};
+  };
+  check_near(drive(0).l, {0, 0, 7});
+  check_near(drive(0).h, {});
+  check_near(drive(1).l, {});
+  check_near(drive(1).h, {0, 0, 7});
+  check_near(drive(2).l, {0, 0, 3});
+  check_near(drive(2).h, {0, 0, 7});
+  // Torques t with n1·t = 7, n2·t = 3 and none across: n1 is the first axis as the second turn has left it.
+  const Vec3 n2 = model[{3}].joint.axis2;
+  const Vec3 n1 = transpose_times(rotation_matrix(from_axis_angle(n2, 0.2)), x_axis), t = drive(3).h;
+  check_near(drive(3).l, {});
+  CHECK(dot(n1, t) == doctest::Approx(7).epsilon(1e-13));
+  CHECK(dot(n2, t) == doctest::Approx(3).epsilon(1e-13));
+  CHECK(std::fabs(dot(cross(n1, n2), t)) < 1e-12);
+}
+
+TEST_CASE("accelerations carry the stamp of their state") {
+  Model model;
+  model.add({.name = "a", .mass = 1, .com = {1, 0, 0}, .inertia = diagonal(1), .joint = Ball{}});
+  Machine at(model);
+  CHECK(at.work.accelerated == at.state.stamp());
+  at.state.edit();
+  CHECK(at.work.accelerated != at.state.stamp());
+  accelerate(at.tree, at.state, at.work);
+  CHECK(at.work.accelerated == at.state.stamp());
+  evaluate_rates(at.tree, at.state.q().data(), at.state.p().data(), at.work);  // a stage, of no state
+  CHECK(at.work.accelerated != at.state.stamp());
+}
