@@ -1,0 +1,175 @@
+// Bullet, in double precision and without damping. Links of a btMultiBody are given when it is made: a break needs two others,
+// state copied; among btRigidBodies joints are constraints, and a break is removeConstraint. Locks and captures are constraints
+// that the (iterative) solver meets with impulses in the next step: btMultiBodyJointMotor, btMultiBodyFixedConstraint.
+#include <algorithm>
+#include <cstdlib>
+
+#include <BulletDynamics/Featherstone/btMultiBodyFixedConstraint.h>
+#include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
+
+#include "bullet_tree.hpp"
+#include "measure.hpp"
+
+namespace {
+
+using namespace peers;
+
+/// In reduced coordinates; `iterations` of the constraint solver, 10 by default in Bullet.
+struct Reduced : Trial {
+  Reduced(const Experiment& experiment, double h, int iterations) : e(experiment), step(h) {
+    const std::vector<Motion> motions = start(e);
+    for (int i = 0; i < static_cast<int>(e.links.size()); ++i) {
+      if (e.links[i].parent < 0) trees.push_back(std::make_unique<Tree>(e.links, subtree(e.links, i)));
+    }
+    for (const auto& tree : trees) {
+      for (const int body : tree->numbers) {
+        const int i = tree->link_of(body);
+        if (i < 0) tree->set_base(motions[body], e.links[body]);
+        if (i >= 0) tree->mb->setJointPos(i, e.links[body].angle), tree->mb->setJointVel(i, e.links[body].rate);
+      }
+      tree->refresh();
+      world.bullet.addMultiBody(tree->mb.get());
+      if (e.change != Change::cut) add_colliders(*tree);
+    }
+    world.bullet.getSolverInfo().m_numIterations = iterations;
+  }
+  ~Reduced() override {
+    if (constraint) world.bullet.removeMultiBodyConstraint(constraint.get());
+    for (const auto& collider : colliders) world.bullet.removeCollisionObject(collider.get());
+    for (const auto& tree : trees) world.bullet.removeMultiBody(tree->mb.get());
+  }
+  /// Without shape: only what has a collider has its constraints solved.
+  void add_colliders(Tree& tree) {
+    for (int i = -1; i < tree.mb->getNumLinks(); ++i) {
+      colliders.push_back(std::make_unique<btMultiBodyLinkCollider>(tree.mb.get(), i));
+      btMultiBodyLinkCollider* const collider = colliders.back().get();
+      collider->setCollisionShape(&shape);
+      collider->setActivationState(DISABLE_DEACTIVATION);
+      if (i < 0) tree.mb->setBaseCollider(collider);
+      if (i >= 0) tree.mb->getLink(i).m_collider = collider;
+      world.bullet.addCollisionObject(collider, 1, 0);
+    }
+  }
+
+  Tree& tree_of(int body) {
+    for (const auto& tree : trees) {
+      if (std::find(tree->numbers.begin(), tree->numbers.end(), body) != tree->numbers.end()) return *tree;
+    }
+    std::abort();
+  }
+
+  void change() override {
+    if (e.change == Change::cut) return rebuild();
+    Tree& tree = tree_of(e.body);
+    if (e.change == Change::lock) {
+      constraint = std::make_unique<btMultiBodyJointMotor>(tree.mb.get(), tree.link_of(e.body), 0.0, BT_LARGE_FLOAT);
+    } else {
+      const std::vector<Motion> all = motions();
+      const Motion &hand = all[e.to], &held = all[e.body];
+      const Matrix3d R = hand.R.transpose() * held.R;
+      const Vector3d pivot = hand.R.transpose() * (held.p - centre(e.links[e.to], hand));
+      Tree& tug = tree_of(e.to);
+      constraint = std::make_unique<btMultiBodyFixedConstraint>(
+          tug.mb.get(), tug.link_of(e.to), tree.mb.get(), tree.link_of(e.body), vec(pivot), vec(Vector3d(-e.links[e.body].com)),
+          mat(R), btMatrix3x3::getIdentity());
+    }
+    constraint->finalizeMultiDof();
+    world.bullet.addMultiBodyConstraint(constraint.get());
+    world.bullet.stepSimulation(step, 0);
+  }
+  /// Two trees in place of one.
+  void rebuild() {
+    const std::vector<Motion> all = motions();
+    const std::unique_ptr<Tree> old = std::move(trees[0]);
+    std::vector<Link> links = e.links;
+    links[e.body].parent = -1, links[e.body].free = true;
+    world.bullet.removeMultiBody(old->mb.get());
+    trees.clear();
+    for (const int root : {old->numbers[0], e.body}) {
+      trees.push_back(std::make_unique<Tree>(links, subtree(links, root)));
+      Tree& tree = *trees.back();
+      for (const int body : tree.numbers) {
+        const int i = tree.link_of(body), was = old->link_of(body);
+        if (i < 0) tree.set_base(all[body], links[body]);
+        if (i >= 0) tree.mb->setJointPos(i, old->mb->getJointPos(was)), tree.mb->setJointVel(i, old->mb->getJointVel(was));
+      }
+      tree.refresh();
+      world.bullet.addMultiBody(tree.mb.get());
+    }
+  }
+  double elapsed() const override { return step; }
+
+  std::vector<Motion> motions() override {
+    std::vector<Motion> all(e.links.size());
+    for (const auto& tree : trees) tree->refresh(), tree->read(e.links, all);
+    return all;
+  }
+
+  Experiment e;
+  double step;
+  World world;
+  std::vector<std::unique_ptr<Tree>> trees;
+  std::unique_ptr<btMultiBodyConstraint> constraint;
+  btEmptyShape shape;
+  std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders;
+};
+
+/// Rigid bodies on hinges, in maximal coordinates.
+struct Maximal : Trial {
+  explicit Maximal(const Experiment& experiment) : e(experiment) {
+    const std::vector<Motion> motions = start(e);
+    for (std::size_t i = 0; i < e.links.size(); ++i) {
+      const Link& link = e.links[i];
+      bodies.push_back(std::make_unique<btRigidBody>(link.mass, nullptr, &shape, vec(link.inertia)));
+      btRigidBody& body = *bodies.back();
+      body.setCenterOfMassTransform(btTransform(mat(motions[i].R), vec(centre(link, motions[i]))));
+      body.setLinearVelocity(vec(centre_velocity(link, motions[i])));
+      body.setAngularVelocity(vec(motions[i].w));
+      world.bullet.addRigidBody(&body);
+      const btVector3 pivot = vec(Vector3d(-link.com)), z(0, 0, 1);
+      if (link.parent < 0) {
+        hinges.push_back(std::make_unique<btHingeConstraint>(body, pivot, z));
+      } else {
+        const Vector3d at = link.at - e.links[link.parent].com;
+        hinges.push_back(
+            std::make_unique<btHingeConstraint>(*bodies[link.parent], body, vec(at), pivot, vec(Vector3d(link.turn.col(2))), z));
+      }
+      world.bullet.addConstraint(hinges.back().get());
+    }
+  }
+  ~Maximal() override {
+    for (const auto& hinge : hinges) world.bullet.removeConstraint(hinge.get());
+    for (const auto& body : bodies) world.bullet.removeRigidBody(body.get());
+  }
+  void change() override { world.bullet.removeConstraint(hinges[e.body].get()); }
+  std::vector<Motion> motions() override {
+    std::vector<Motion> all;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const btRigidBody& b = *bodies[i];
+      all.push_back(from_centre(e.links[i], mat(b.getWorldTransform().getBasis()), vec(b.getCenterOfMassPosition()),
+                                vec(b.getLinearVelocity()), vec(b.getAngularVelocity())));
+    }
+    return all;
+  }
+  Experiment e;
+  World world;
+  btEmptyShape shape;
+  std::vector<std::unique_ptr<btRigidBody>> bodies;
+  std::vector<std::unique_ptr<btHingeConstraint>> hinges;
+};
+
+std::vector<Way> ways(Change change) {
+  if (change == Change::cut) {
+    return {{"rebuild two btMultiBodies, copy the state", "needs a rebuild", maker<Reduced>(0.0, 10)},
+            {"removeConstraint between btRigidBodies", "maximal coordinates: joints drift before", maker<Maximal>()}};
+  }
+  const std::string name = change == Change::lock ? "btMultiBodyJointMotor" : "btMultiBodyFixedConstraint";
+  return {{name + ", step of 1 µs", "10 iterations, the default", maker<Reduced>(1e-6, 10)},
+          {name + ", step of 1 µs, 1000 iterations", "", maker<Reduced>(1e-6, 1000)},
+          {name + ", step of 1 ms", "10 iterations, a usual step", maker<Reduced>(1e-3, 10)}};
+}
+
+}  // namespace
+
+int main() { return run("Bullet " + std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100), ways); }

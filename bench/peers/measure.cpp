@@ -1,0 +1,87 @@
+#include "measure.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+namespace peers {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+void check_start(const std::string& engine, const Experiment& experiment, const std::vector<Motion>& found) {
+  const std::vector<Motion> wanted = start(experiment);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const Motion &a = found.at(i), &b = wanted[i];
+    const double off = (a.R - b.R).norm() + (a.p - b.p).norm() + (a.v - b.v).norm() + (a.w - b.w).norm();
+    if (off < 1e-9) continue;
+    std::fprintf(stderr, "%s, %s: body %s does not start as it should, off by %g (R %g, p %g, v %g, w %g)\n", engine.c_str(),
+                 experiment.name.c_str(), experiment.links[i].name.c_str(), off, (a.R - b.R).norm(), (a.p - b.p).norm(),
+                 (a.v - b.v).norm(), (a.w - b.w).norm());
+    std::exit(1);
+  }
+}
+
+/// Text without quotes or backslashes.
+void field(const char* key, const std::string& text) { std::printf("\"%s\": \"%s\", ", key, text.c_str()); }
+void field(const char* key, double number) { std::printf("\"%s\": %.3g, ", key, number); }
+
+}  // namespace
+
+void measure(const std::string& engine, const Experiment& experiment, const Way& way) {
+  const std::vector<Motion> right = exact(experiment), before = start(experiment);
+  const Books wanted = books(experiment, right), initial = books(experiment, before);
+
+  std::unique_ptr<Trial> trial = way.make(experiment);
+  check_start(engine, experiment, trial->motions());
+  trial->change();
+  trial->settle();
+  const std::vector<Motion> after = trial->motions();
+  const double elapsed = trial->elapsed();
+  const Books found = books(experiment, after);
+  double position = 0, velocity = 0;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const Link& link = experiment.links[i];
+    const Vector3d v = centre_velocity(link, right[i]);
+    position = std::max(position, (centre(link, after[i]) - centre(link, before[i]) - elapsed * v).norm());
+    velocity = std::max(velocity, (centre_velocity(link, after[i]) - v).norm());
+  }
+
+  std::vector<double> seconds;
+  const Clock::time_point begin = Clock::now();
+  while (seconds.size() < 15 || (seconds.size() < 501 && since(begin) < 1.5)) {
+    trial = way.make(experiment);
+    const Clock::time_point at = Clock::now();
+    trial->change();
+    seconds.push_back(since(at));
+  }
+  std::nth_element(seconds.begin(), seconds.begin() + seconds.size() / 2, seconds.end());
+
+  std::printf("{");
+  field("experiment", experiment.name);
+  field("engine", engine);
+  field("way", way.name);
+  field("linear", (found.linear - wanted.linear).norm() / wanted.linear.norm());
+  field("angular", (found.angular - wanted.angular).norm() / wanted.angular.norm());
+  field("energy", (found.kinetic - wanted.kinetic) / initial.kinetic);
+  field("exact_loss", (initial.kinetic - wanted.kinetic) / initial.kinetic);
+  field("elapsed", elapsed);
+  field("position", position);
+  field("velocity", velocity);
+  field("microseconds", 1e6 * seconds[seconds.size() / 2]);
+  std::printf("\"note\": \"%s\"}\n", way.note.c_str());
+  std::fflush(stdout);
+}
+
+int run(const std::string& engine, const Ways& ways) {
+  for (const Experiment& experiment : experiments()) {
+    for (const Way& way : ways(experiment.change)) measure(engine, experiment, way);
+  }
+  return 0;
+}
+
+}  // namespace peers

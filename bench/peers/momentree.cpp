@@ -1,0 +1,123 @@
+// momentree: the changes of topology/change.hpp with the evaluations around them, by themselves, and as a user's actions.
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+#include <momentree/topology/change.hpp>
+
+#include "measure.hpp"
+
+namespace {
+
+namespace mt = momentree;
+using namespace peers;
+
+mt::Vec3 vec(const Vector3d& a) { return {a.x(), a.y(), a.z()}; }
+Vector3d vec(const mt::Vec3& a) { return {a.x, a.y, a.z}; }
+mt::Mat3 mat(const Matrix3d& R) { return {R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)}; }
+Matrix3d mat(const mt::Mat3& R) { return (Matrix3d() << R.xx, R.xy, R.xz, R.yx, R.yy, R.yz, R.zx, R.zy, R.zz).finished(); }
+
+mt::Model model_of(const Experiment& e) {
+  mt::Model model({.gravity = {0, 0, 0}});
+  for (const Link& link : e.links) {
+    mt::BodySpec spec{.name = link.name,
+                      .mass = link.mass,
+                      .com = vec(link.com),
+                      .inertia = mt::diagonal(link.inertia.x(), link.inertia.y(), link.inertia.z()),
+                      .parent = mt::Body{link.parent},
+                      .at = mt::Pose{vec(link.at), mt::quaternion_of(mat(link.turn))}};
+    if (link.free) {
+      const Vector3d v = link.turn.transpose() * link.linear, w = link.turn.transpose() * link.angular;
+      spec.joint = mt::Free{};
+      spec.v = {v.x(), v.y(), v.z(), w.x(), w.y(), w.z()};
+    } else {
+      spec.joint = mt::Revolute{.axis = mt::z_axis};
+      spec.q = link.angle;
+      spec.v = link.rate;
+    }
+    model.add(spec);
+  }
+  return model;
+}
+
+struct Engine : Trial {
+  Engine(const Experiment& experiment, bool evaluations)
+      : e(experiment), around(evaluations), model(model_of(e)), tree(mt::compile(model)), work(tree) {
+    state = mt::start_state(model, tree);
+    if (!around) forward_dynamics(tree, state, work);
+  }
+
+  void change() override {
+    if (around) forward_dynamics(tree, state, work);
+    const mt::Body body{e.body}, to{e.to};
+    if (e.change == Change::cut) apply(mt::Break{body}, tree, state, work);
+    if (e.change == Change::lock) apply(mt::Lock{body}, tree, state, work);
+    if (e.change == Change::capture) {
+      apply(mt::Join{body, to}, tree, state, work);
+      forward_dynamics(tree, state, work);
+      const double* q = state.q().data() + tree.first_q(e.body);  // pose in the hand
+      mt::ChangeJoint weld;
+      weld.body = body;
+      weld.joint.at = mt::Pose{{q[0], q[1], q[2]}, {q[3], q[4], q[5], q[6]}};
+      apply(weld, tree, state, work);
+    }
+    if (around) forward_dynamics(tree, state, work);
+  }
+
+  std::vector<Motion> motions() override {
+    locate_bodies(tree, state, work);
+    std::vector<Motion> all;
+    for (int b = 0; b < tree.bodies(); ++b) {
+      const auto& k = work.bodies[b];
+      const mt::Pose pose = mt::user_pose(tree, k, b);
+      const mt::Vec3 w = k.R * k.velocity.w;
+      const mt::Vec3 v = k.R * k.velocity.v + cross(w, pose.position - k.r);
+      all.push_back({mat(rotation_matrix(pose.rotation)), vec(pose.position), vec(v), vec(w)});
+    }
+    return all;
+  }
+
+  Experiment e;
+  bool around;
+  mt::Model model;
+  mt::Tree tree;
+  mt::State state;
+  mt::Work<double> work;
+};
+
+struct User : Trial {
+  explicit User(const Experiment& experiment) : e(experiment), simulation(model_of(e)) {}
+  void change() override {
+    const std::string& body = e.links[e.body].name;
+    if (e.change == Change::cut) simulation.apply(mt::break_joint(body));
+    if (e.change == Change::lock) simulation.apply(mt::lock(body));
+    if (e.change == Change::capture) simulation.apply(mt::weld(body, e.links[e.to].name));
+  }
+  std::vector<Motion> motions() override {
+    std::vector<Motion> all;
+    for (const mt::BodyMotion& m : simulation.world().motions()) {
+      all.push_back({mat(rotation_matrix(m.pose.rotation)), vec(m.pose.position), vec(m.linear), vec(m.angular)});
+    }
+    return all;
+  }
+  Experiment e;
+  mt::Simulation simulation;
+};
+
+std::vector<Way> ways(Change change) {
+  const std::string low = change == Change::cut ? "apply(Break)" : change == Change::lock ? "apply(Lock)" : "Join, ChangeJoint";
+  const std::string high = change == Change::cut ? "break_joint" : change == Change::lock ? "lock" : "weld";
+  std::vector<Way> found{{low, "with the evaluations before and after", maker<Engine>(true)}};
+  if (change == Change::capture) {
+    found.push_back({low, "the change and an evaluation between", maker<Engine>(false)});
+  } else {
+    found.push_back({low, "the change alone", maker<Engine>(false)});
+  }
+  found.push_back({"Simulation::apply(" + high + ")", "by name, checked, with certificate and impulses", maker<User>()});
+  return found;
+}
+
+}  // namespace
+
+int main() { return run("momentree", ways); }

@@ -1,0 +1,143 @@
+// MuJoCo. A compiled model's topology is fixed; what shall come and go at run time is an equality constraint, declared beforehand
+// and switched by eq_active. Constraints are soft by design (here with the default solref, 0.02 s, critically damped), so a
+// switched-on one needs time to act: its result is judged 0.3 s later (free of gravity and damping, energy and momenta stay what
+// they are by then), integrated by RK4 as advised where energy matters. What was not foreseen needs another model: state copied.
+#include <algorithm>
+
+#include "measure.hpp"
+#include "mujoco_model.hpp"
+
+namespace {
+
+using namespace peers;
+
+enum class How { rebuild, connects, equality };
+constexpr double settling = 0.3;
+
+struct Engine : Trial {
+  Engine(const Experiment& experiment, How way) : e(experiment), how(way), links(e.links) {
+    std::ostringstream equality;
+    const Link& link = links[e.body];
+    if (how == How::connects) {  // the pin that will break: two points of a loose body on the axis are held
+      const std::string between = "body1='" + link.name + "' body2='" + links[link.parent].name + "' anchor='";
+      equality << "<connect " << between << "0 0 0'/><connect " << between << "0 0 0.1'/>";
+      loosen(start(e)[e.body]);
+    }
+    if (how == How::equality && e.change == Change::lock) equality << "<joint joint1='" << link.name << "' active='false'/>";
+    if (how == How::equality && e.change == Change::capture)
+      equality << "<weld body1='" << links[e.to].name << "' body2='" << link.name << "' active='false'/>";
+    now = std::make_unique<Model>(links, -1, equality.str());
+    for (const Link& each : links) {
+      if (each.free) put(*now, each, {each.turn, each.at, each.linear, each.angular});
+      if (!each.free) *now->q(each) = each.angle, *now->v(each) = each.rate;
+    }
+    mj_forward(now->model, now->data);
+  }
+
+  static void put(const Model& m, const Link& link, const Motion& motion) {
+    const Eigen::Quaterniond q(motion.R);
+    const Vector3d w = motion.R.transpose() * motion.w;
+    for (int k = 0; k < 3; ++k) m.q(link)[k] = motion.p[k], m.v(link)[k] = motion.v[k], m.v(link)[3 + k] = w[k];
+    m.q(link)[3] = q.w(), m.q(link)[4] = q.x(), m.q(link)[5] = q.y(), m.q(link)[6] = q.z();
+  }
+  void loosen(const Motion& motion) {
+    Link& link = links[e.body];
+    link.parent = -1, link.free = true;
+    link.turn = motion.R, link.at = motion.p, link.linear = motion.v, link.angular = motion.w;
+  }
+
+  void change() override {
+    mjModel* model = now->model;
+    mjData* data = now->data;
+    if (how == How::rebuild) return rebuild();
+    if (how == How::connects) model->eq_active[0] = model->eq_active[1] = 0;
+    if (how == How::equality && e.change == Change::lock) {
+      model->eq_data[0] = *now->q(links[e.body]);  // the constant of the polynomial
+      model->eq_active[0] = 1;
+    }
+    if (how == How::equality && e.change == Change::capture) {
+      const Motion hand = read(e.to), held = read(e.body);
+      const Vector3d p = hand.R.transpose() * (held.p - hand.p);
+      const Eigen::Quaterniond q(Matrix3d(hand.R.transpose() * held.R));
+      const double relative[] = {0, 0, 0, p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), 1};
+      // anchor (in body2), pose of body2 in body1, weight of the torques
+      std::copy(relative, relative + 11, model->eq_data);
+      model->eq_active[0] = 1;
+    }
+    mj_forward(model, data);
+  }
+  void settle() override {
+    if (how != How::equality) return;
+    while (now->data->time < settling) mj_step(now->model, now->data), time = now->data->time;
+    mj_forward(now->model, now->data);
+  }
+  double elapsed() const override { return time; }
+
+  /// Another model, whose joints get what those of the same name had.
+  void rebuild() {
+    Link& link = links[e.body];
+    int fixed = -1;
+    if (e.change == Change::cut) loosen(read(e.body));
+    if (e.change == Change::lock) {  // without the joint: the angle becomes part of the body's place
+      link.turn = link.turn * Eigen::AngleAxisd(*now->q(link), Vector3d::UnitZ()).toRotationMatrix();
+      fixed = e.body;
+    }
+    if (e.change == Change::capture) {
+      const Motion hand = read(e.to), held = read(e.body);
+      link.parent = e.to, link.free = false, fixed = e.body;
+      link.turn = hand.R.transpose() * held.R, link.at = hand.R.transpose() * (held.p - hand.p);
+    }
+    auto next = std::make_unique<Model>(links, fixed, "");
+    for (int i = 0; i < static_cast<int>(links.size()); ++i) {
+      if (i == fixed) continue;
+      if (i == e.body) {
+        put(*next, link, {link.turn, link.at, link.linear, link.angular});
+      } else {
+        mju_copy(next->q(links[i]), now->q(links[i]), links[i].free ? 7 : 1);
+        mju_copy(next->v(links[i]), now->v(links[i]), links[i].free ? 6 : 1);
+      }
+    }
+    now = std::move(next);
+    mj_forward(now->model, now->data);
+  }
+
+  Motion read(int i) const {
+    const int body = now->body(links[i]);
+    mjtNum v[6];
+    mj_objectVelocity(now->model, now->data, mjOBJ_XBODY, body, v, 0);
+    using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    return {Eigen::Map<const Rows>(now->data->xmat + 9 * body), Eigen::Map<const Vector3d>(now->data->xpos + 3 * body),
+            Vector3d(v[3], v[4], v[5]), Vector3d(v[0], v[1], v[2])};
+  }
+  std::vector<Motion> motions() override {
+    std::vector<Motion> all;
+    for (int i = 0; i < static_cast<int>(links.size()); ++i) all.push_back(read(i));
+    return all;
+  }
+
+  Experiment e;
+  How how;
+  std::vector<Link> links;
+  std::unique_ptr<Model> now;
+  double time = 0;
+};
+
+std::vector<Way> ways(Change change) {
+  const std::string soft = "foreseen: declared beforehand; soft, judged 0.3 s later, time is of the switching";
+  if (change == Change::cut) {
+    return {{"rebuild, copy the state", "needs a rebuild", maker<Engine>(How::rebuild)},
+            {"two connects, eq_active = 0", "foreseen: the pin is soft constraints until then", maker<Engine>(How::connects)}};
+  }
+  if (change == Change::lock) {
+    return {
+        {"joint equality, eq_active = 1", soft, maker<Engine>(How::equality)},
+        {"rebuild without the joint, copy the rest", "needs a rebuild; zeroes the joint's speed", maker<Engine>(How::rebuild)}};
+  }
+  return {{"weld equality, eq_active = 1", soft, maker<Engine>(How::equality)},
+          {"rebuild as child of the hand, copy the rest", "needs a rebuild; takes on the hand's velocity",
+           maker<Engine>(How::rebuild)}};
+}
+
+}  // namespace
+
+int main() { return run(std::string("MuJoCo ") + mj_versionString(), ways); }

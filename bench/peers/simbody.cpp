@@ -1,0 +1,173 @@
+// Simbody. A system's topology is fixed; what shall come and go at run time is a constraint that is declared beforehand and
+// enabled or disabled in the State. What was not foreseen needs another system: setQToFitTransform and setUToFitVelocity carry
+// bodies over. Enabling a constraint moves nothing by itself: solveForConstraintImpulses gives the impact, project() a cheaper
+// correction; MobilizedBody::lock() sets the speed to zero.
+#include <Simbody.h>
+
+#include <memory>
+
+#include "measure.hpp"
+
+namespace {
+
+namespace st = SimTK;
+using namespace peers;
+
+st::Vec3 vec(const Vector3d& a) { return {a.x(), a.y(), a.z()}; }
+Vector3d vec(const st::Vec3& a) { return {a[0], a[1], a[2]}; }
+st::Rotation mat(const Matrix3d& R) {
+  return st::Rotation(st::Mat33(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)), true);
+}
+Matrix3d mat(const st::Rotation& R) {
+  Matrix3d m;
+  for (int i = 0; i < 3; ++i) m.col(i) = vec(st::Vec3(R.asMat33().col(i)));
+  return m;
+}
+
+enum class How { rebuild, disable, lock, lock_impulse, weld_impulse, weld_project };
+
+/// The bodies; `loose`: one that is on a mobilizer of six freedoms to the ground, whatever it was.
+struct System {
+  System(const std::vector<Link>& links, int loose) : matter(system) {
+    for (int i = 0; i < static_cast<int>(links.size()); ++i) {
+      const Link& link = links[i];
+      const st::Inertia inertia(vec(link.inertia));
+      const st::MassProperties mass(link.mass, vec(link.com), inertia.shiftFromMassCenter(vec(link.com), link.mass));
+      st::MobilizedBody& parent = link.parent < 0 ? static_cast<st::MobilizedBody&>(matter.updGround()) : bodies[link.parent];
+      free.push_back(link.free || i == loose);
+      if (free.back()) {
+        bodies.push_back(st::MobilizedBody::Free(matter.updGround(), st::Body::Rigid(mass)));
+      } else {
+        const st::Transform frame(mat(link.turn), vec(link.at));
+        bodies.push_back(st::MobilizedBody::Pin(parent, frame, st::Body::Rigid(mass), st::Transform()));
+      }
+    }
+  }
+  void start(const Experiment& e) {
+    state = system.realizeTopology();
+    const std::vector<Motion> motions = peers::start(e);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (free[i]) bodies[i].setQToFitTransform(state, st::Transform(mat(motions[i].R), vec(motions[i].p)));
+      if (!free[i]) bodies[i].setOneQ(state, 0, e.links[i].angle), bodies[i].setOneU(state, 0, e.links[i].rate);
+    }
+    system.realize(state, st::Stage::Position);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (free[i]) bodies[i].setUToFitVelocity(state, st::SpatialVec(vec(motions[i].w), vec(motions[i].v)));
+    }
+    system.realize(state, st::Stage::Velocity);
+  }
+  /// Becomes the state of a system of the same bodies.
+  void copy(const System& from) {
+    state = system.realizeTopology();
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (free[i] == from.free[i]) bodies[i].setQFromVector(state, from.bodies[i].getQAsVector(from.state));
+      if (free[i] != from.free[i]) bodies[i].setQToFitTransform(state, from.bodies[i].getBodyTransform(from.state));
+    }
+    system.realize(state, st::Stage::Position);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (free[i] == from.free[i]) bodies[i].setUFromVector(state, from.bodies[i].getUAsVector(from.state));
+      if (free[i] != from.free[i]) bodies[i].setUToFitVelocity(state, from.bodies[i].getBodyVelocity(from.state));
+    }
+    system.realize(state, st::Stage::Velocity);
+  }
+  /// The impact of the constraints that are enabled: as documented with solveForConstraintImpulses.
+  void impact() {
+    system.realize(state, st::Stage::Velocity);
+    st::Vector impulse, f, du;
+    matter.solveForConstraintImpulses(state, -state.getUErr(), impulse);
+    matter.multiplyByGTranspose(state, impulse, f);
+    matter.multiplyByMInv(state, f, du);
+    state.updU() += du;
+    system.realize(state, st::Stage::Velocity);
+  }
+
+  st::MultibodySystem system;
+  st::SimbodyMatterSubsystem matter;
+  std::vector<st::MobilizedBody> bodies;
+  std::vector<bool> free;
+  st::State state;
+};
+
+struct Engine : Trial {
+  Engine(const Experiment& experiment, How way) : e(experiment), how(way) {
+    now = std::make_unique<System>(e.links, how == How::disable ? e.body : -1);
+    st::MobilizedBody& body = now->bodies[e.body];
+    const Link& link = e.links[e.body];
+    if (how == How::disable) {  // the pin that will break is made of constraints
+      st::MobilizedBody& parent = now->bodies[link.parent];
+      parts.push_back(st::Constraint::Ball(parent, vec(link.at), body, st::Vec3(0)));
+      for (int k = 0; k < 2; ++k) {
+        parts.push_back(st::Constraint::ConstantAngle(parent, st::UnitVec3(vec(link.turn.col(k))), body, st::UnitVec3(st::ZAxis),
+                                                      st::Pi / 2));
+      }
+    }
+    if (how == How::lock_impulse) {
+      parts.push_back(st::Constraint::ConstantCoordinate(body, st::MobilizerQIndex(0), 0));
+      parts.back().setDisabledByDefault(true);
+    }
+    now->start(e);
+  }
+
+  void change() override {
+    st::State& state = now->state;
+    if (how == How::disable) {
+      for (const st::Constraint& part : parts) part.disable(state);
+    }
+    if (how == How::lock) now->bodies[e.body].lock(state);
+    if (how == How::lock_impulse) {
+      const double angle = now->bodies[e.body].getOneQ(state, 0);
+      parts[0].enable(state);
+      st::Constraint::ConstantCoordinate::downcast(parts[0]).setPosition(state, angle);
+      now->impact();
+    }
+    if (how == How::rebuild) renew(e.body);
+    if (how == How::weld_impulse || how == How::weld_project) {
+      renew(-1);
+      if (how == How::weld_impulse) now->impact();
+      if (how == How::weld_project) now->system.project(now->state, 1e-10);
+    }
+    now->system.realize(now->state, st::Stage::Velocity);
+  }
+  void renew(int loose) {
+    auto next = std::make_unique<System>(e.links, loose);
+    if (e.change == Change::capture) {
+      const st::Transform grip =
+          ~now->bodies[e.to].getBodyTransform(now->state) * now->bodies[e.body].getBodyTransform(now->state);
+      st::Constraint::Weld(next->bodies[e.to], grip, next->bodies[e.body], st::Transform());
+    }
+    next->copy(*now);
+    now = std::move(next);
+  }
+
+  std::vector<Motion> motions() override {
+    std::vector<Motion> all;
+    for (const st::MobilizedBody& body : now->bodies) {
+      const st::Transform& pose = body.getBodyTransform(now->state);
+      const st::SpatialVec& velocity = body.getBodyVelocity(now->state);
+      all.push_back({mat(pose.R()), vec(pose.p()), vec(velocity[1]), vec(velocity[0])});
+    }
+    return all;
+  }
+
+  Experiment e;
+  How how;
+  std::unique_ptr<System> now;
+  std::vector<st::Constraint> parts;
+};
+
+std::vector<Way> ways(Change change) {
+  if (change == Change::cut) {
+    return {{"rebuild, setQToFitTransform, setUToFitVelocity", "needs a rebuild", maker<Engine>(How::rebuild)},
+            {"Constraint::disable", "foreseen: the pin is constraints, a loop until then", maker<Engine>(How::disable)}};
+  }
+  if (change == Change::lock) {
+    return {{"ConstantCoordinate, solveForConstraintImpulses", "foreseen: declared beforehand", maker<Engine>(How::lock_impulse)},
+            {"MobilizedBody::lock", "zeroes the joint's speed", maker<Engine>(How::lock)}};
+  }
+  return {{"rebuild with Weld, solveForConstraintImpulses", "needs a rebuild", maker<Engine>(How::weld_impulse)},
+          {"rebuild with Weld, project", "needs a rebuild; a correction, no impact", maker<Engine>(How::weld_project)}};
+}
+
+}  // namespace
+
+int main() { return run("Simbody 3.7", ways); }
