@@ -46,7 +46,7 @@ int run(const RunOptions& options) {
   Simulation& simulation = session.simulation();
   const double start = simulation.time();
   const int freedoms = simulation.world().tree().nv();
-  io::Recorder recorder(scenario->model, session.breakable(), scenario->output_every,
+  io::Recorder recorder(scenario->model, session.joints(), scenario->output_every,
                         options.out.empty() ? "results/" + scenario->name : options.out);
 
   Progress progress(start, scenario->until, !options.quiet && errors_on_terminal());
@@ -89,9 +89,10 @@ int run(const RunOptions& options) {
   if (trouble) std::fprintf(stderr, "%s\n", trouble->message().c_str());
   if (ended == Status::ok && !trouble) return done;
   if (!trouble)
-    std::fprintf(stderr, "%s: %s\n", scenario->path.c_str(), (ended == Status::diverged ? "error: " + status : status).c_str());
+    std::fprintf(stderr, "%s: %s\n", scenario->path.c_str(),
+                 (ended == Status::interrupted ? status : "error: " + status).c_str());
   std::fprintf(stderr, "what was computed is kept in %s\n", recorder.directory().c_str());
-  return trouble || ended == Status::diverged ? failed : interrupted;
+  return trouble || ended != Status::interrupted ? failed : interrupted;
 }
 
 }  // namespace momentree::cli

@@ -34,6 +34,7 @@ Session::Session(const io::Scenario& scenario, const std::string& state)
   else
     read(state, "", documents);
   if (documents.empty()) return;
+  from_document_ = true;
   io::restore(simulation_, documents);
   for (const io::RestoredState& document : documents)
     for (const auto& [name, fired] : document.armed) {
@@ -54,6 +55,7 @@ void Session::read(const std::string& file, const std::string& mechanism, std::v
 
 void Session::schedule() {
   const double start = simulation_.time();
+  std::vector<const io::ScenarioEvent*> events;
   for (const io::ScenarioEvent& event : scenario_.events) {
     const bool fired = std::ranges::find(armed_at_start_, event.name, &std::pair<std::string, int>::first)->second > 0;
     if (event.time < start || (event.time == start && fired)) {
@@ -62,10 +64,17 @@ void Session::schedule() {
                      scenario_.path.c_str(), event.place.line, event.name.c_str(), event.time, start);
       continue;
     }
-    Simulation::Scheduled scheduled = simulation_.at(event.time);
-    scheduled.named(event.name);
-    for (const Action& action : event.actions) scheduled.then(action);
+    events.push_back(&event);
   }
+  const io::Schedule scheduled = io::schedule(simulation_, std::move(events));
+  std::vector<io::EventProblem> problems = scheduled.problems;
+  if (problems.empty() && from_document_) {  // else the reader has tried them
+    const auto line = [](Place place) { return format("line %d", place.line); };
+    problems = io::problems_of(simulation_.rehearse(), scheduled, line);
+  }
+  if (problems.empty()) return;
+  const io::EventProblem& first = problems.front();
+  fail({first.what, format("%s:%d:%d", scenario_.path.c_str(), first.place.line, first.place.column), first.hint});
 }
 
 io::Armed Session::armed() const {
@@ -77,15 +86,6 @@ io::Armed Session::armed() const {
   return armed;
 }
 
-std::vector<Body> Session::breakable() const {
-  std::vector<Body> bodies;
-  const World& world = simulation_.world();
-  for (const io::ScenarioEvent& event : scenario_.events)
-    for (const Action& action : event.actions)
-      for (const std::string& joint : action->joints()) bodies.push_back(world.model().joint(joint));
-  for (int b = 0; b < world.model().size(); ++b)
-    if (world.tree().detached(b)) bodies.push_back({b});
-  return bodies;
-}
+std::vector<io::JointKinds> Session::joints() { return io::joints_of(simulation_, simulation_.rehearse(), scenario_); }
 
 }  // namespace momentree::cli

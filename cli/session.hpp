@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
+#include <momentree/io/result_columns.hpp>
 #include <momentree/io/scenario.hpp>
+#include <momentree/io/schedule.hpp>
 #include <momentree/io/state_document.hpp>
 
 namespace momentree::cli {
@@ -21,12 +23,13 @@ class Session {
 
   Simulation& simulation() { return simulation_; }
   const Simulation& simulation() const { return simulation_; }
-  /// Schedules the events that have not happened yet, and says which are too late.
+  /// Schedules the events that have not happened yet, and says which are too late. Throws Error for the first that will be
+  /// impossible or do nothing in the world that a state document made.
   void schedule();
   /// How often each event has happened: before the start, by the state document, and since.
   io::Armed armed() const;
-  /// Bodies whose joint an event may break, or has broken.
-  std::vector<Body> breakable() const;
+  /// Every joint that there is or, by the events that are scheduled, will be.
+  std::vector<io::JointKinds> joints();
 
  private:
   void read(const std::string& file, const std::string& mechanism, std::vector<io::RestoredState>& documents) const;
@@ -34,6 +37,7 @@ class Session {
   const io::Scenario& scenario_;
   Simulation simulation_;
   io::Armed armed_at_start_;
+  bool from_document_ = false;
 };
 
 }  // namespace momentree::cli

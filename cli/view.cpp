@@ -45,7 +45,7 @@ int record(const io::Scenario& scenario, const std::string& folder) {
   Session session(scenario);
   session.schedule();
   Simulation& simulation = session.simulation();
-  io::Recorder recorder(scenario.model, session.breakable(), scenario.output_every, folder);
+  io::Recorder recorder(scenario.model, session.joints(), scenario.output_every, folder);
   Progress progress(simulation.time(), scenario.until, errors_on_terminal());
   const InterruptGuard guard;
   simulation.observe(scenario.output_every, [&](const World& world) { return recorder.observe(world); });
@@ -57,7 +57,7 @@ int record(const io::Scenario& scenario, const std::string& folder) {
   progress.clear();
   if (recorder.error()) fail(*recorder.error());
   if (status == Status::interrupted) return interrupted;
-  if (status == Status::diverged) {
+  if (status != Status::ok) {
     std::fprintf(stderr, "%s: error: %s\n", scenario.path.c_str(), simulation.message().c_str());
     return failed;
   }

@@ -78,7 +78,8 @@ const KindInfo* read_kind(Fields& fields, Diagnostics& out) {
   return nullptr;
 }
 
-void read_geometry(Fields& fields, const KindInfo& kind, JointSpec& joint, Diagnostics& out) {
+// `keeps_axes`: the joint has axes already, which stay where none are given.
+void read_geometry(Fields& fields, const KindInfo& kind, bool keeps_axes, JointSpec& joint, Diagnostics& out) {
   const auto takes = [&](const char* key, bool KindInfo::*member) {
     if (kind.*member || !fields.has(key)) return kind.*member;
     fields.find(key);
@@ -93,7 +94,8 @@ void read_geometry(Fields& fields, const KindInfo& kind, JointSpec& joint, Diagn
     // What stands in for a missing one must not be parallel to the first: that would be reported as well.
     const Vec3& a = joint.axis;
     joint.axis2 = std::fabs(a.x) < std::fabs(a.y) + std::fabs(a.z) ? x_axis : y_axis;
-    if (const Value* axis2 = fields.require("axis2", "the second axis, turned by the first rotation, for example [0, 1, 0]"))
+    const char* const hint = "the second axis, turned by the first rotation, for example [0, 1, 0]";
+    if (const Value* axis2 = keeps_axes ? fields.find("axis2") : fields.require("axis2", hint))
       joint.axis2 = read_vec3(*axis2, dimension::number, "axis2", out).value_or(joint.axis2);
   }
   if (takes("pitch", &KindInfo::pitch)) {
@@ -147,6 +149,8 @@ void read_drive(const Value& value, const KindInfo& kind, Values& effort, Diagno
   drive.finish();
 }
 
+}  // namespace
+
 void read_parameters(Fields& fields, const KindInfo& kind, JointParameters& parameters, Diagnostics& out) {
   const auto per_freedom = [&](const char* key, Quantity quantity, Values& target) {
     if (const Value* value = fields.find(key)) target = read_values(*value, quantity, kind.v_units, true, key, out);
@@ -154,11 +158,52 @@ void read_parameters(Fields& fields, const KindInfo& kind, JointParameters& para
   per_freedom("damping", Quantity::damping, parameters.damping);
   per_freedom("stiffness", Quantity::stiffness, parameters.stiffness);
   per_freedom("armature", Quantity::armature, parameters.armature);
-  if (const Value* rest = fields.find("rest")) {
+  if (const Value* rest = fields.find("rest"))
     parameters.rest = read_values(*rest, Quantity::q, kind.q_units, false, "rest", out);
-    if (!fields.has("stiffness")) out.warning(rest->place, "'rest' without 'stiffness' does nothing");
-  }
   if (const Value* drive = fields.find("drive")) read_drive(*drive, kind, parameters.effort, out);
+}
+
+void read_plain_parameters(Fields& fields, JointParameters& parameters, Diagnostics& out) {
+  const auto read = [&out](const Value& value, const char* key, Values& target) {
+    const Value::Array single{value};
+    const Value::Array& entries = value.array() ? *value.array() : single;
+    if (entries.empty() || entries.size() > Values::capacity)
+      return out.error(value.place, std::string(key) + ": expected 1 to " + std::to_string(Values::capacity) + " numbers");
+    Values values;
+    for (const Value& entry : entries) {
+      const auto number = read_number(entry, dimension::number, key, out);
+      if (!number) return;
+      values.push_back(*number);
+    }
+    target = values;
+  };
+  const auto field = [&](const char* key, Values& target) {
+    if (const Value* value = fields.find(key)) read(*value, key, target);
+  };
+  field("damping", parameters.damping);
+  field("stiffness", parameters.stiffness);
+  field("armature", parameters.armature);
+  field("rest", parameters.rest);
+  if (const Value* value = fields.find("drive")) {
+    Fields drive(*value, "drive", out);
+    drive.later({"pd", "motion"});
+    if (const Value* effort = drive.find("effort")) read(*effort, "effort", parameters.effort);
+    drive.finish();
+  }
+}
+
+namespace {
+
+void warn_of_rest(const Fields& fields, Diagnostics& out) {
+  if (fields.has("rest") && !fields.has("stiffness"))
+    out.warning(fields.place_of("rest"), "'rest' without 'stiffness' does nothing");
+}
+
+// Keys that can't be judged where the kind is not known.
+void pass_over(Fields& fields) {
+  for (const char* key :
+       {"axis", "axis2", "pitch", "q", "v", "angle", "position", "speed", "damping", "stiffness", "armature", "rest", "drive"})
+    fields.find(key);
 }
 
 }  // namespace
@@ -179,16 +224,40 @@ void read_joint(const Value& table, BodyEntry& body, Reading& reading) {
   spec.child_at = fields.pose("child_at").value_or(Pose{});
   if (const KindInfo* kind = read_kind(fields, out)) {
     spec.joint.kind = kind->kind;
-    read_geometry(fields, *kind, spec.joint, out);
+    read_geometry(fields, *kind, false, spec.joint, out);
     read_start(fields, *kind, spec.q, spec.v, out);
     read_parameters(fields, *kind, spec.joint.parameters, out);
+    warn_of_rest(fields, out);
   } else {
-    for (const char* key :
-         {"axis", "axis2", "pitch", "q", "v", "angle", "position", "speed", "damping", "stiffness", "armature", "rest", "drive"})
-      fields.find(key);  // can't be judged without a kind
+    pass_over(fields);
   }
   fields.later({"friction", "limits", "strength"});
   fields.finish();
+}
+
+void read_description(Fields& fields, bool keeps_axes, JointDescription& joint, Diagnostics& out) {
+  const std::size_t errors = out.errors();
+  const KindInfo* kind = read_kind(fields, out);
+  if (!kind) return pass_over(fields);
+  joint.spec.kind = kind->kind;
+  joint.axis_given = kind->axis && fields.has("axis");
+  joint.axis2_given = kind->axis2 && fields.has("axis2");
+  read_geometry(fields, *kind, keeps_axes, joint.spec, out);
+  read_parameters(fields, *kind, joint.spec.parameters, out);
+  warn_of_rest(fields, out);
+  if (errors != out.errors()) return;
+  // An axis that stays what it is, which is known only then, is none to be parallel to.
+  JointSpec judged = joint.spec;
+  if (keeps_axes && kind->axis2 && joint.axis2_given && !joint.axis_given)
+    judged.axis = std::fabs(judged.axis2.x) < std::fabs(judged.axis2.y) + std::fabs(judged.axis2.z) ? x_axis : y_axis;
+  report_problems(judged, fields, out);
+}
+
+bool report_problems(const JointSpec& joint, const Fields& fields, Diagnostics& out) {
+  const std::size_t errors = out.errors();
+  for (const JointProblem& problem : check_joint(joint))
+    out.error(fields.place_of(problem.field), problem.field + ": " + problem.what, problem.hint);
+  return errors != out.errors();
 }
 
 void read_joint_state(const Value& value, std::string_view joint, BodySpec& spec, Diagnostics& out) {

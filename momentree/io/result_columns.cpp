@@ -1,9 +1,12 @@
 #include <momentree/io/result_columns.hpp>
 
 #include <algorithm>
+#include <map>
 #include <string_view>
 
 #include <momentree/io/number_text.hpp>
+#include <momentree/simulate/actions/attach.hpp>
+#include <momentree/simulate/instant.hpp>
 
 namespace momentree::io {
 
@@ -55,29 +58,50 @@ void BodyColumns::row(std::string& text, const World& world) {
   text += '\n';
 }
 
-JointColumns::JointColumns(const Model& model, const std::vector<Body>& breakable)
-    : group_of_body_(model.bodies().size(), 0), quaternions_(model.bodies().size()) {
-  std::vector<bool> breaks(model.bodies().size(), false);
-  for (const Body body : breakable) breaks[static_cast<std::size_t>(body.index)] = true;
-  for (std::size_t i = 0; i < breaks.size(); ++i) {
-    const BodySpec& body = model.bodies()[i];
-    widen(body.joint_name, info(body.joint.kind));
-    if (breaks[i]) widen(body.name, info(Kind::free));
+std::vector<JointKinds> joints_of(const Simulation& simulation, const Rehearsal& rehearsal, const Scenario& scenario) {
+  const World& world = simulation.world();
+  const Model& model = world.model();
+  std::map<std::string, JointKinds> all;
+  const auto widen = [&all](const std::string& name, Kind kind) {
+    JointKinds& joint = all[name];
+    joint.name = name;
+    joint.nq = std::max(joint.nq, info(kind).nq);
+    joint.nv = std::max(joint.nv, info(kind).nv);
+  };
+  for (const auto& [name, kind] : rehearsal.joints) widen(name, kind);
+  if (!rehearsal.complete) {
+    for (const ScenarioEvent& event : scenario.events)
+      for (std::size_t a = 0; a < event.actions.size(); ++a) {
+        const ActionBase& action = *event.actions[a];
+        if (const auto* joins = dynamic_cast<const actions::Attach*>(&action))
+          widen(made_joint_name({event.name, event.named, event.actions}, a), joins->joint.spec.kind);
+        if (action.key() != "break") continue;
+        for (const std::string& joint : action.joints()) {
+          if (!model.has_joint(joint)) continue;
+          const std::string& body = model[model.joint(joint)].name;
+          widen(body == joint || !model.has_joint(body) ? body : body + "~free", Kind::free);
+        }
+      }
   }
-  body_of_group_.resize(groups_.size());
+  std::vector<JointKinds> joints;
+  for (int j = 0; j < model.size(); ++j) {
+    const std::string name(world.joint_name({j}));
+    widen(name, world.tree().joint(world.tree().carrier(j)).kind);
+    joints.push_back(std::move(all[name]));
+    all.erase(name);
+  }
+  for (auto& [name, joint] : all) joints.push_back(std::move(joint));
+  return joints;
 }
 
-void JointColumns::widen(const std::string& name, const KindInfo& kind) {
-  const auto [found, added] = by_name_.try_emplace(name, groups_.size());
-  if (added) groups_.push_back({name});
-  Group& group = groups_[found->second];
-  group.nq = std::max(group.nq, kind.nq);
-  group.nv = std::max(group.nv, kind.nv);
+JointColumns::JointColumns(std::vector<JointKinds> joints) : groups_(std::move(joints)), quaternions_(groups_.size() + 1) {
+  for (std::size_t g = 0; g < groups_.size(); ++g) by_name_.emplace(groups_[g].name, g);
+  joint_of_group_.resize(groups_.size() + 1);
 }
 
 void JointColumns::header(std::string& text) const {
   text += "time";
-  for (const Group& group : groups_) {
+  for (const JointKinds& group : groups_) {
     for (int k = 0; k < group.nq; ++k) append_column(text, group.name, ".q" + std::to_string(k));
     for (int k = 0; k < group.nv; ++k) append_column(text, group.name, ".v" + std::to_string(k));
     for (int k = 0; k < group.nv; ++k) append_column(text, group.name, ".p" + std::to_string(k));
@@ -85,12 +109,11 @@ void JointColumns::header(std::string& text) const {
   text += '\n';
 }
 
-std::size_t JointColumns::group_of(std::size_t body, std::string_view name) {
-  std::size_t& group = group_of_body_[body];
-  if (groups_[group].name != name) {
+std::size_t JointColumns::group_of(std::size_t joint, std::string_view name) {
+  std::size_t& group = group_of_joint_[joint];
+  if (group == groups_.size() || groups_[group].name != name) {
     const auto found = by_name_.find(std::string(name));
-    MT_REQUIRE(found != by_name_.end(), "every joint that an event makes is known before the run");
-    group = found->second;
+    group = found == by_name_.end() ? groups_.size() : found->second;
   }
   return group;
 }
@@ -103,25 +126,31 @@ void append_cells(std::string& text, std::span<const double> values, int width) 
 }  // namespace
 
 void JointColumns::row(std::string& text, const World& world) {
-  std::fill(body_of_group_.begin(), body_of_group_.end(), -1);
-  for (std::size_t i = 0; i < group_of_body_.size(); ++i) {
-    const Body body{static_cast<int>(i)};
-    body_of_group_[group_of(i, world.joint(body).name)] = body.index;
-  }
+  const auto joints = static_cast<std::size_t>(world.tree().bodies());
+  group_of_joint_.resize(joints, groups_.size());
+  std::fill(joint_of_group_.begin(), joint_of_group_.end(), -1);
+  for (std::size_t j = 0; j < joints; ++j)
+    joint_of_group_[group_of(j, world.joint_name({static_cast<int>(j)}))] = static_cast<int>(j);
   append_number(text, world.time());
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const Group& group = groups_[g];
-    const int body = body_of_group_[g];
-    if (body < 0) {
-      text.append(static_cast<std::size_t>(group.nq + 2 * group.nv), ',');
+    const JointKinds& group = groups_[g];
+    const int number = joint_of_group_[g];
+    const auto width = static_cast<std::size_t>(group.nq + 2 * group.nv);
+    if (number < 0) {
+      text.append(width, ',');
       continue;
     }
-    const JointView joint = world.joint(Body{body});
+    const JointView joint = world.joint(Body{number});
+    const KindInfo& kind = info(joint.kind);
+    if (kind.nq > group.nq || kind.nv > group.nv) {  // of a kind that no event was expected to make of it
+      text.append(width, ',');
+      continue;
+    }
     double q[Values::capacity];
     std::copy(joint.q.begin(), joint.q.end(), q);
-    const std::size_t at = std::string_view(info(joint.kind).q_units).find('n');
+    const std::size_t at = std::string_view(kind.q_units).find('n');
     if (at != std::string_view::npos) {
-      const Quat turned = quaternions_.next(static_cast<std::size_t>(body), {q[at], q[at + 1], q[at + 2], q[at + 3]});
+      const Quat turned = quaternions_.next(g, {q[at], q[at + 1], q[at + 2], q[at + 3]});
       q[at] = turned.w, q[at + 1] = turned.x, q[at + 2] = turned.y, q[at + 3] = turned.z;
     }
     append_cells(text, {q, joint.q.size()}, group.nq);

@@ -5,7 +5,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include <momentree/simulate/world.hpp>
+#include <momentree/io/scenario.hpp>
+#include <momentree/simulate/simulation.hpp>
 
 namespace momentree::io {
 
@@ -31,28 +32,31 @@ class BodyColumns {
   ContinuousQuaternions quaternions_;
 };
 
-/// `time`, then per joint its coordinates q0…, velocities v0… and momenta p0…, as wide as the widest kind that the joint can
-/// have; empty where it has no such coordinate at that time, or is not there.
+/// A joint of the columns, by name, with the numbers of coordinates and freedoms of the widest kind that it can have.
+struct JointKinds {
+  std::string name;
+  int nq = 0, nv = 0;
+};
+
+/// Every joint that the simulation has now, in the order of their numbers, then those that its scheduled events will make, by
+/// name. A rehearsal that is not complete lacks the latter: then what the scenario's breaks and attachments alone would make.
+std::vector<JointKinds> joints_of(const Simulation& simulation, const Rehearsal& rehearsal, const Scenario& scenario);
+
+/// `time`, then per joint its coordinates q0…, velocities v0… and momenta p0…; empty where it has no such coordinate at that
+/// time, or is not there. A joint that is none of the columns' is left out.
 class JointColumns {
  public:
-  /// `breakable`: the bodies whose joint an event breaks. Such a joint's place is taken by a free root joint named after the
-  /// body.
-  JointColumns(const Model& model, const std::vector<Body>& breakable);
+  explicit JointColumns(std::vector<JointKinds> joints);
   void header(std::string& text) const;
   void row(std::string& text, const World& world);
 
  private:
-  struct Group {
-    std::string name;
-    int nq = 0, nv = 0;
-  };
-  void widen(const std::string& name, const KindInfo& kind);
-  std::size_t group_of(std::size_t body, std::string_view name);
+  std::size_t group_of(std::size_t joint, std::string_view name);
 
-  std::vector<Group> groups_;
+  std::vector<JointKinds> groups_;  ///< the last one stands for joints without columns
   std::unordered_map<std::string, std::size_t> by_name_;
-  std::vector<std::size_t> group_of_body_;  ///< where the body's joint was in the last row
-  std::vector<int> body_of_group_;          ///< in this row; −1: absent
+  std::vector<std::size_t> group_of_joint_;  ///< where the joint of that number was in the last row
+  std::vector<int> joint_of_group_;          ///< in this row; −1: absent
   ContinuousQuaternions quaternions_;
 };
 

@@ -1,15 +1,16 @@
 #include <momentree/io/results.hpp>
 
 #include <cmath>
+#include <utility>
 
 namespace momentree::io {
 
-Recorder::Recorder(const Model& model, const std::vector<Body>& breakable, double every, const std::string& directory)
+Recorder::Recorder(const Model& model, std::vector<JointKinds> joints, double every, const std::string& directory)
     : directory_(directory),
       bodies_(directory_.file("bodies.csv")),
       joints_(directory_.file("joints.csv")),
       body_columns_(model),
-      joint_columns_(model, breakable),
+      joint_columns_(std::move(joints)),
       every_(every) {
   BodyColumns::header(bodies_.text(), model);
   joint_columns_.header(joints_.text());

@@ -35,7 +35,7 @@ Rows run(const std::string& out, double every, const char* file, double until = 
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});
   simulation.at(0.105).then(break_joint("arm/shoulder"));
-  Recorder recorder(model, {model.joint("arm/shoulder")}, every, out);
+  Recorder recorder(model, joints_of(simulation, simulation.rehearse(), {}), every, out);
   simulation.observe(every, [&](const World& world) { return recorder.observe(world); });
   REQUIRE(simulation.run_until(until) == Status::ok);
   RunOrigin origin;
@@ -101,8 +101,8 @@ TEST_CASE("the JSON files") {
   const test::TemporaryFolder folder;
   run(folder / "r", 0.1, "bodies.csv");
   const JsonDocument event = parse_json(read_text_file(folder / "r/events.jsonl"), "events.jsonl");
-  for (const char* key :
-       {"time", "event", "actions", "mechanisms", "before", "after", "released", "impulse", "ground_impulse", "duration_ns"})
+  for (const char* key : {"time", "event", "actions", "mechanisms", "before", "after", "released", "lost", "work", "impulse",
+                          "ground_impulse", "hardest", "duration_ns"})
     CHECK(event.root.find(key) != nullptr);
   CHECK(event.root.find("time")->number == 0.105);
   CHECK(event.root.find("mechanisms")->find("after")->items.size() == 3);

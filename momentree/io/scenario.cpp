@@ -81,6 +81,7 @@ void read_document(const Value& document, Reading& reading) {
       read_event(*event, ++number, reading);
     }
   }
+  finish_events(reading);
   if (const Value* integrate = fields.find("integrate")) read_integrate(*integrate, reading);
   if (const Value* output = fields.find("output")) read_output(*output, reading);
   fields.later({"force"});

@@ -17,10 +17,13 @@ namespace momentree::io {
 /// An event at an instant: what `[[event]]` says, names complete and wildcards resolved. An event whose names have a wildcard is
 /// one event for each match, all of the same name.
 struct ScenarioEvent {
-  std::string name;  ///< its name, or #1, #2 … by its place in the file
-  double time = 0;   ///< s
+  std::string name;    ///< its name, or #1, #2 … by its place in the file
+  bool named = false;  ///< by its user: a joint that it makes then has that name
+  bool wild = false;   ///< one of the matches of a name with a wildcard
+  double time = 0;     ///< s
   std::vector<Action> actions;
-  Place place;  ///< of the event in the file
+  std::vector<Place> places;  ///< of the actions in the file
+  Place place;                ///< of the event
 };
 
 /// A state document that a scenario starts from: for the whole world, or for the joints of one mechanism.

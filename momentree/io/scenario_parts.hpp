@@ -1,6 +1,6 @@
 #pragma once
 // The parts of a scenario file, one reader each. Internal to the reader: scenario.hpp is what others use.
-#include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -24,9 +24,24 @@ struct Reading {
   std::unordered_map<std::string, std::string> body_of_joint{};  ///< where they differ
   /// Mechanisms whose bodies this version can't know: names in them are not judged.
   std::unordered_set<std::string> opaque{};
-  std::map<std::string, Place> broken{};          ///< joints that events break, first places
-  std::vector<std::string_view> sorted_joints{};  ///< for wildcards; filled once all joints are known
-  long suggestions_left = 2'000'000;              ///< names that may yet be compared to find the nearest
+  /// Joints that welds and attachments of events make, by the names that they get.
+  std::unordered_map<std::string, Place> made{};
+  std::vector<std::string_view> sorted_joints{}, sorted_bodies{};  ///< for wildcards; filled once all are known
+  /// What can be judged only once all events are known: joints that actions name, and parameters that are set.
+  struct JointUse {
+    std::string name, key;
+    Place place{};
+    double time = 0;
+  };
+  struct LateEntry {
+    std::shared_ptr<ActionBase> action;
+    const Value* value = nullptr;
+    std::string match;  ///< of its name with a wildcard
+    double time = 0;
+  };
+  std::vector<JointUse> joint_uses{};
+  std::vector<LateEntry> late{};
+  long suggestions_left = 2'000'000;  ///< names that may yet be compared to find the nearest
   int bodies_left = 1'000'000;
 
   /// False, with a report, where the name is no name or was given before.
@@ -75,8 +90,27 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
 /// The root's velocity, in its own axes at its frame's origin, as velocities of a free joint.
 void read_root_velocity(const Value& value, BodySpec& root, Diagnostics& out);
 
+/// kind, axis, axis2, pitch and parameters of a joint that an action makes. `keeps_axes`: axes that are not given stay.
+void read_description(Fields& fields, bool keeps_axes, JointDescription& joint, Diagnostics& out);
+/// Parameters for a joint of that kind.
+void read_parameters(Fields& fields, const KindInfo& kind, JointParameters& parameters, Diagnostics& out);
+/// The same where the kind is not known: numbers in SI.
+void read_plain_parameters(Fields& fields, JointParameters& parameters, Diagnostics& out);
+/// What check_joint() finds, at the keys; true if it found something.
+bool report_problems(const JointSpec& joint, const Fields& fields, Diagnostics& out);
+
+/// What a name with `*` stands for, in the order of the model.
+std::vector<std::string> matching_joints(const std::string& pattern, Reading& reading);
+std::vector<std::string> matching_bodies(const std::string& pattern, Reading& reading);
+
 void read_event(const Value& table, int number, Reading& reading);
-/// Breaks of what would then have no inertia, and second breaks: what only all events together show.
+/// One key of an event with all that it holds: names, tables, or a list of them. Actions whose names have a wildcard become
+/// events of their own, behind `wild`.
+void read_actions(const Value& value, const std::string& key, ScenarioEvent& event, std::vector<ScenarioEvent>& wild,
+                  Reading& reading);
+/// What only all events together show: which joints they make, which names mean nothing, what is set.
+void finish_events(Reading& reading);
+/// What will be impossible or do nothing: tried by carrying all events out in their order.
 void check_events(Reading& reading);
 
 void read_world(const Value& table, Reading& reading);

@@ -41,11 +41,18 @@ std::string event_json(const Event& event) {
   write_totals(json, event.before);
   json.key("after");
   write_totals(json, event.after);
-  json.member("released", event.released);
+  json.member("released", event.released).member("lost", event.lost).member("work", event.work);
   json.key("impulse").begin_object();
   for (const auto& [joint, impulse] : event.impulse) json.member(joint, std::span<const double>(impulse));
   json.end_object();
   json.member("ground_impulse", std::span<const double>(event.ground_impulse));
+  json.key("hardest");
+  if (event.hardest_joint.empty()) {
+    json.null();
+  } else {
+    json.begin_object().member("joint", event.hardest_joint);
+    json.member("linear", event.hardest_linear).member("angular", event.hardest_angular).end_object();
+  }
   json.member("duration_ns", event.duration_ns);
   json.end_object();
   return text;

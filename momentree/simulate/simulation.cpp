@@ -359,9 +359,9 @@ Simulation::Scheduled& Simulation::Scheduled::then(Action action) {
   return *this;
 }
 
-Simulation::Scheduled& Simulation::Scheduled::named(std::string name) {
+Simulation::Scheduled& Simulation::Scheduled::named(std::string name, bool by_user) {
   impl_->pending[event_].event.name = std::move(name);
-  impl_->pending[event_].event.named = true;
+  impl_->pending[event_].event.named = by_user;
   return *this;
 }
 

@@ -74,7 +74,8 @@ class Simulation {
   class Scheduled {
    public:
     Scheduled& then(Action action);
-    Scheduled& named(std::string name);
+    /// `by_user`: a joint that it makes then has that name.
+    Scheduled& named(std::string name, bool by_user = true);
 
    private:
     friend class Simulation;

@@ -1,0 +1,91 @@
+// What only all events together show: parts without mass, actions that are impossible or do nothing by then.
+#include <algorithm>
+#include <map>
+
+#include <momentree/io/scenario_parts.hpp>
+#include <momentree/io/schedule.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+// Events times bodies, beyond which carrying them out takes longer than a user waits for a check.
+constexpr std::size_t most_rehearsed = 4'000'000;
+
+using Broken = std::map<std::string, Place>;
+
+// First places of breaks; where `doubles`, second ones are reported.
+Broken broken_joints(Reading& reading, bool doubles) {
+  Broken broken;
+  for (const ScenarioEvent& event : reading.scenario.events)
+    for (std::size_t a = 0; a < event.actions.size(); ++a) {
+      if (event.actions[a]->key() != "break") continue;
+      for (const std::string& joint : event.actions[a]->joints()) {
+        const auto [first, fresh] = broken.emplace(joint, event.places[a]);
+        if (!fresh && doubles && !event.wild)
+          reading.out.error(event.places[a],
+                            "break: joint " + in_quotes(joint) + " is broken already on " + reading.out.name_of(first->second),
+                            "a joint breaks once");
+      }
+    }
+  return broken;
+}
+
+// With every break done the parts are the smallest that there will be: a freedom that still moves mass then always does.
+void check_parts(const Broken& broken, Reading& reading) {
+  const Model& model = reading.scenario.model;
+  Diagnostics& out = reading.out;
+  Model apart(Model::Options{model.gravity()});
+  std::vector<Place> place_of_body;
+  for (const BodySpec& body : model.bodies()) {
+    BodySpec spec = body;
+    const auto found = broken.find(spec.joint_name);
+    place_of_body.push_back(found == broken.end() ? Place{} : found->second);
+    if (found != broken.end()) {
+      spec.parent = ground;
+      spec.at = spec.child_at = Pose{};
+      spec.joint = JointSpec{};
+      spec.joint.kind = Kind::free;
+      spec.q = spec.v = Values{};
+    }
+    apart.add_unjudged(std::move(spec));
+  }
+  for (const SingularJoint& singular : singular_joints(apart)) {
+    const Place place = place_of_body[static_cast<std::size_t>(singular.body.index)];
+    const std::string joint = in_quotes(apart[singular.body].joint_name);
+    if (place.line > 0 || place.option > 0)
+      out.error(place, "break: the part that comes off at " + joint + " has not the mass or inertia to move freely",
+                "give it a mass and an inertia about every axis");
+    else
+      out.error(broken.begin()->second, "break: joint " + joint + " would no longer move any mass", singular.hint);
+  }
+}
+
+}  // namespace
+
+void check_events(Reading& reading) {
+  const Scenario& scenario = reading.scenario;
+  if (scenario.events.empty()) return;
+  Diagnostics& out = reading.out;
+  const auto whole = [](const StateFile& file) { return file.mechanism.empty(); };
+  if (std::any_of(scenario.state_files.begin(), scenario.state_files.end(), whole)) return;  // another world: judged there
+  const std::size_t errors = out.errors();
+  const bool small = scenario.events.size() * static_cast<std::size_t>(scenario.model.size()) <= most_rehearsed;
+  const auto joins = [](const ScenarioEvent& event) {
+    return std::any_of(event.actions.begin(), event.actions.end(), [](const Action& a) { return !a->makes().empty(); });
+  };
+  const bool gives_mass = std::any_of(scenario.events.begin(), scenario.events.end(), joins);
+  if (const Broken broken = broken_joints(reading, !small); !broken.empty() && !gives_mass) check_parts(broken, reading);
+  if (!small || errors != out.errors()) return;
+
+  Simulation simulation(scenario.model, scenario.integration);
+  std::vector<const ScenarioEvent*> events;
+  for (const ScenarioEvent& event : scenario.events) events.push_back(&event);
+  const Schedule scheduled = schedule(simulation, std::move(events));
+  std::vector<EventProblem> problems = scheduled.problems;
+  const auto name_of = [&out](Place place) { return out.name_of(place); };
+  if (problems.empty()) problems = problems_of(simulation.rehearse(), scheduled, name_of);
+  for (EventProblem& problem : problems) out.error(problem.place, std::move(problem.what), std::move(problem.hint));
+}
+
+}  // namespace momentree::io

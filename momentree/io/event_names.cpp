@@ -1,0 +1,119 @@
+// Which joints the events of a scenario make, of which kinds they are when, and which names of joints mean nothing.
+#include <algorithm>
+
+#include <momentree/io/read_action.hpp>
+#include <momentree/simulate/actions/attach.hpp>
+#include <momentree/simulate/actions/change.hpp>
+#include <momentree/simulate/instant.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+struct Became {
+  double time;
+  Kind kind;
+};
+
+class Names {
+ public:
+  explicit Names(Reading& reading) : reading_(reading), model_(reading.scenario.model) {
+    for (const ScenarioEvent& event : reading.scenario.events) {
+      for (std::size_t a = 0; a < event.actions.size(); ++a) {
+        const ActionBase& action = *event.actions[a];
+        if (const auto* joins = dynamic_cast<const actions::Attach*>(&action)) {
+          const std::string name = made_joint_name({event.name, event.named, event.actions}, a);
+          reading.made.emplace(name, event.places[a]);
+          became_[name].push_back({event.time, joins->joint.spec.kind});
+          joins_ = true;
+        } else if (const auto* change = dynamic_cast<const actions::Change*>(&action)) {
+          became_[change->name].push_back({event.time, change->to.spec.kind});
+        } else if (action.key() == "break") {
+          for (const std::string& joint : action.joints()) broken(joint, event.time);
+        }
+      }
+    }
+    for (auto& [name, kinds] : became_)
+      std::stable_sort(kinds.begin(), kinds.end(), [](const Became& a, const Became& b) { return a.time < b.time; });
+  }
+
+  bool known(const std::string& joint) const {
+    if (reading_.joints.contains(joint) || reading_.made.contains(joint) || became_free_.contains(joint)) return true;
+    if (reading_.opaque.contains(mechanism_of(joint))) return true;
+    const auto& files = reading_.scenario.state_files;  // a document may bring joints of its own: it is judged there
+    if (std::any_of(files.begin(), files.end(), [](const StateFile& file) { return file.mechanism.empty(); })) return true;
+    // What a part is named after that has been re-rooted only the run knows.
+    const std::size_t tail = joint.rfind("~free");
+    return joins_ && !became_free_.empty() && reading_.bodies.contains(joint.substr(0, tail));
+  }
+
+  /// Only made after that instant, or at it, where what is set comes last.
+  bool still_to_come(const Reading::JointUse& use) const {
+    if (!reading_.made.contains(use.name) || reading_.joints.contains(use.name)) return false;
+    const double first = became_.at(use.name).front().time;
+    return first > use.time || (first == use.time && use.key != "set");
+  }
+
+  /// Of the joint at that time, as far as the file says it; null: it does not.
+  const KindInfo* kind_of(const std::string& joint, double time) const {
+    const KindInfo* kind = model_.has_joint(joint) ? &info(model_[model_.joint(joint)].joint.kind) : nullptr;
+    const auto found = became_.find(joint);
+    if (found == became_.end()) return kind;
+    for (const Became& each : found->second)
+      if (each.time <= time) kind = &info(each.kind);
+    return kind;
+  }
+
+ private:
+  // The free joint of what comes off is named after its body.
+  void broken(const std::string& joint, double time) {
+    if (!model_.has_joint(joint)) return;
+    const Body child = model_.joint(joint);
+    const std::string& body = model_[child].name;
+    const std::string name = body == joint || !model_.has_joint(body) ? body : body + "~free";
+    became_free_.insert(name);
+    became_[name].push_back({time, Kind::free});
+  }
+
+  Reading& reading_;
+  const Model& model_;
+  std::unordered_map<std::string, std::vector<Became>> became_;
+  std::unordered_set<std::string> became_free_;
+  bool joins_ = false;
+};
+
+void report_unknown(const Reading::JointUse& use, Reading& reading) {
+  const std::string& target = use.name;
+  std::string hint;
+  for (const auto& [joint, body] : reading.body_of_joint)
+    if (body == target) hint = "the joint of that body is " + in_quotes(joint);
+  if (hint.empty() && target.find('/') == std::string::npos)
+    for (const auto& [mechanism, where] : reading.mechanisms)
+      if (reading.joints.contains(mechanism + "/" + target)) hint = "names are complete: " + in_quotes(mechanism + "/" + target);
+  if (hint.empty() && reading.events.contains(target)) hint = "the event of that name makes no joint, or several";
+  if (hint.empty()) hint = reading.suggest(target, reading.made);
+  if (hint.empty()) hint = reading.suggest(target, reading.joints);
+  reading.out.error(use.place, use.key + ": there is no joint " + in_quotes(target), std::move(hint));
+}
+
+}  // namespace
+
+void finish_events(Reading& reading) {
+  if (reading.joint_uses.empty() && reading.late.empty()) return;
+  const Names names(reading);
+  const Value* wrong = nullptr;  // what is wrong in one table is so for every match of its wildcard
+  for (const Reading::LateEntry& late : reading.late) {
+    if (late.value == wrong) continue;
+    ActionReader reader(*late.value, std::string(late.action->key()), nullptr, late.match, late.time, reading);
+    reader.kind_of = [&](const std::string& joint) { return names.kind_of(joint, late.time); };
+    if (!reader.read(*late.action)) wrong = late.value;
+  }
+  for (const Reading::JointUse& use : reading.joint_uses)
+    if (!names.known(use.name))
+      report_unknown(use, reading);
+    else if (names.still_to_come(use))
+      reading.out.error(use.place, use.key + ": joint " + in_quotes(use.name) + " is not there yet: it is made later, on " +
+                                       reading.out.name_of(reading.made.at(use.name)));
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,133 @@
+#include <doctest/doctest.h>
+
+#include <momentree/io/schedule.hpp>
+#include <momentree/simulate/actions/attach.hpp>
+#include <momentree/simulate/actions/impulse.hpp>
+#include <momentree/simulate/actions/lock.hpp>
+#include <momentree/simulate/actions/set.hpp>
+#include <tests/bad_input.hpp>
+
+using namespace momentree;
+using namespace momentree::io;
+using namespace momentree::io::bad_input;
+
+namespace {
+
+const std::string arm = pinned +
+                        "[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n"
+                        "[mechanism.body.joint]\nname = \"j\"\nkind = \"universal\"\naxis2 = [1, 0, 0]\nparent = \"a\"\n"
+                        "[[mechanism]]\nname = \"f\"\nroot = \"free\"\npose = { xyz = [2, 0, 0] }\n"
+                        "[[mechanism.body]]\nname = \"x\"\nmass = 1\ninertia = 1\n";
+
+Scenario read(const std::string& text) {
+  ReadResult result = read_scenario_text(text, "s.toml");
+  REQUIRE_MESSAGE(result.scenario.has_value(), said(result));
+  CHECK(said(result) == "");
+  return std::move(*result.scenario);
+}
+
+std::vector<std::string> texts(const ScenarioEvent& event) {
+  std::vector<std::string> all;
+  for (const Action& action : event.actions) all.push_back(action.text());
+  return all;
+}
+
+template <class A>
+const A& as(const Action& action) {
+  const auto* found = dynamic_cast<const A*>(&*action);
+  REQUIRE(found != nullptr);
+  return *found;
+}
+
+}  // namespace
+
+TEST_CASE("every action, in the order of the keys") {
+  const Scenario s =
+      read(arm +
+           "[[event]]\nname = \"dock\"\nat = 1\n"
+           "impulse = { body = \"f/x\", force = [\"2 N s\", 0, 0], torque = [0, \"1 N m s\", 0], point = [\"5 cm\", 0, 0] }\n"
+           "attach = { body = \"f/x\", to = \"m/b\", kind = \"prismatic\", axis = [0, 2, 0], damping = \"3 N s/m\", "
+           "at = { xyz = [0, 1, 0] } }\n"
+           "lock = [\"m/a\", { joint = \"m/j\", freedoms = [1] }]\n"
+           "set = { joint = \"dock\", stiffness = \"5 N/cm\", rest = [\"1 cm\"], drive = { effort = \"2 N\" } }\n"
+           "[[event]]\nat = 2\nunlock = \"m/a\"\nbreak = \"dock\"\nfree = \"m/j\"\n"
+           "[[event]]\nat = 3\nweld = { body = \"f/x\" }\nchange = { joint = \"m/j\", kind = \"weld\" }\n");
+  REQUIRE(s.events.size() == 3);
+  CHECK(s.events[0].named);
+  CHECK_FALSE(s.events[1].named);
+  CHECK(texts(s.events[0]) ==
+        std::vector<std::string>{"impulse f/x", "attach f/x to m/b", "lock m/a", "lock m/j [1]", "set dock"});
+  CHECK(texts(s.events[1]) == std::vector<std::string>{"unlock m/a", "break dock", "free m/j"});
+  CHECK(texts(s.events[2]) == std::vector<std::string>{"weld f/x to ground", "change m/j to weld"});
+
+  const auto& impulse = as<actions::Impulse>(s.events[0].actions[0]);
+  CHECK(impulse.force == Vec3{2, 0, 0});
+  CHECK(impulse.torque == Vec3{0, 1, 0});
+  CHECK(impulse.point == Vec3{0.05, 0, 0});
+  const auto& attach = as<actions::Attach>(s.events[0].actions[1]);
+  CHECK(attach.joint.spec.kind == Kind::prismatic);
+  CHECK(attach.joint.spec.axis == Vec3{0, 2, 0});
+  CHECK(attach.joint.spec.parameters.damping == Values{3});
+  REQUIRE(attach.at.has_value());
+  CHECK(attach.at->position == Vec3{0, 1, 0});
+  CHECK(as<actions::Lock>(s.events[0].actions[3]).freedoms == std::vector<int>{1});
+  const auto& set = as<actions::Set>(s.events[0].actions[4]);  // in the units of the joint that the event makes
+  CHECK(set.parameters.stiffness == Values{500});
+  CHECK(set.parameters.rest == Values{0.01});
+  CHECK(set.parameters.effort == Values{2});
+}
+
+TEST_CASE("units of what is set are those of the joint's kind by then") {
+  const Scenario s = read(arm +
+                          "[[event]]\nat = 1\nset = { joint = \"m/a\", damping = \"2 N m s\" }\n"
+                          "[[event]]\nat = 2\nchange = { joint = \"m/a\", kind = \"prismatic\" }\n"
+                          "[[event]]\nat = 3\nset = { joint = \"m/a\", damping = \"2 N s/m\" }\n");
+  CHECK(s.events.size() == 3);
+}
+
+TEST_CASE("a wildcard in a table is one event for each match") {
+  const Scenario s =
+      read(chain + "[[event]]\nname = \"stiffen\"\nat = 1\nset = { joint = \"m/*\", stiffness = \"2 N m\" }\nlock = \"m/2\"\n");
+  REQUIRE(s.events.size() == 4);
+  CHECK(texts(s.events[0]) == std::vector<std::string>{"lock m/2"});
+  for (std::size_t i = 1; i < 4; ++i) {
+    CHECK(s.events[i].name == "stiffen");
+    CHECK(s.events[i].wild);
+    const auto& set = as<actions::Set>(s.events[i].actions.at(0));
+    CHECK(set.name == "m/" + std::to_string(i));
+    CHECK(set.parameters.stiffness == Values{2});
+  }
+}
+
+TEST_CASE("later events find joints that earlier ones make, wherever they stand in the file") {
+  const Scenario s = read(arm +
+                          "[[event]]\nat = 2\nbreak = \"grasp\"\n"
+                          "[[event]]\nname = \"grasp\"\nat = 1\nweld = { body = \"f/x\", to = \"m/b\" }\n"
+                          "[[event]]\nat = 3\nbreak = \"m/j\"\n"
+                          "[[event]]\nat = 4\nattach = { body = \"m/b\", kind = \"ball\" }\n"
+                          "[[event]]\nat = 5\nbreak = \"ground+m/b\"\n");
+  Simulation simulation(s.model, s.integration);
+  std::vector<const ScenarioEvent*> events;
+  for (const ScenarioEvent& event : s.events) events.push_back(&event);
+  const Schedule scheduled = schedule(simulation, events);
+  CHECK(scheduled.problems.empty());
+  CHECK(scheduled.events[0]->name == "grasp");
+  REQUIRE(simulation.run_until(5) == Status::ok);
+  REQUIRE(simulation.events().size() == 5);
+  CHECK(simulation.events()[1].name == "#1");
+  CHECK(simulation.events()[4].actions == std::vector<std::string>{"break ground+m/b"});
+  CHECK(simulation.world().mechanism_names() == std::vector<std::string>{"m", "m/b", "f/x"});
+}
+
+TEST_CASE("the free joint of a part that came off has its body's name") {
+  read(arm + "[[event]]\nat = 1\nbreak = \"m/j\"\n[[event]]\nat = 2\nset = { joint = \"m/b\", damping = [1, 1, 1, 1, 1, 1] }\n");
+  read(one_body +
+       "[mechanism.body.joint]\nname = \"h\"\nkind = \"revolute\"\n[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n"
+       "[mechanism.body.joint]\nname = \"a\"\nkind = \"revolute\"\nparent = \"a\"\n[[event]]\nat = 1\nbreak = \"m/h\"\n"
+       "[[event]]\nat = 2\nlock = \"m/a~free\"\n");
+}
+
+TEST_CASE("what a wildcard meets again is no error") {
+  const Scenario s = read(arm + "[[event]]\nat = 1\nbreak = \"m/j\"\n[[event]]\nat = 2\nlock = \"m/*\"\n");
+  CHECK(s.events.size() == 3);
+}

@@ -1,0 +1,196 @@
+// One entry of an event's actions: a name, or a table with the fields that the action asks for.
+#include <momentree/io/read_action.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+constexpr std::size_t most_events = 1'000'000;
+
+const char* example(std::string_view key) {
+  if (key == "weld") return "for example weld = { body = \"satellite/hull\", to = \"tug/gripper\" }";
+  if (key == "attach") return "for example attach = { body = \"load/hook\", to = \"crane/rope\", kind = \"ball\" }";
+  if (key == "change") return "for example change = { joint = \"arm/elbow\", kind = \"ball\" }";
+  if (key == "impulse") return "for example impulse = { body = \"arm/hand\", force = [\"2 N s\", 0, 0] }";
+  if (key != "set") return "a name, or for example { joint = \"arm/elbow\", freedoms = [0] }";
+  return "for example set = { joint = \"arm/elbow\", damping = 0.1 }";
+}
+
+// The name in an entry that may have a wildcard: of the one joint or body that it acts on.
+const Value* wild_name(const Value& entry) {
+  const Value* name = &entry;
+  for (const char* key : {"joint", "body"})
+    if (const Value::Entry* found = entry.find(key)) name = &found->value;
+  return name->string() && name->string()->find('*') != std::string::npos ? name : nullptr;
+}
+
+}  // namespace
+
+std::string mechanism_of(const std::string& name) { return name.substr(0, name.find('/')); }
+
+ActionReader::ActionReader(const Value& value, std::string key, const char* plain_field, const std::string& match, double time,
+                           Reading& reading)
+    : value_(value),
+      key_(std::move(key)),
+      plain_field_(plain_field),
+      match_(match),
+      time_(time),
+      reading_(reading),
+      out_(reading.out) {
+  if (value.table())
+    fields_.emplace(value, key_, out_);
+  else if (!plain_field)
+    out_.error(value.place, key_ + ": expected a table, found " + value.type_name(), example(key_));
+}
+
+bool ActionReader::read(ActionBase& action) {
+  const std::size_t errors = out_.errors();
+  if (!fields_ && !plain_field_) return false;
+  action.fields(*this);
+  if (fields_) fields_->finish();
+  if (errors == out_.errors() && !acts_) out_.error(value_.place, key_ + ": changes nothing", example(key_));
+  return errors == out_.errors();
+}
+
+const Value* ActionReader::given(const char* key, bool required) {
+  if (fields_) return required ? fields_->require(key, example(key_)) : fields_->find(key);
+  return plain_field_ == std::string_view(key) ? &value_ : nullptr;
+}
+
+std::optional<std::string> ActionReader::name(const char* key, bool required, Place& place) {
+  const Value* value = given(key, required);
+  if (!value) return {};
+  place = value->place;
+  return read_string(*value, fields_ ? key : key_.c_str(), out_);
+}
+
+void ActionReader::joint(const char* key, std::string& name) {
+  Place place;
+  const auto text = this->name(key, true, place);
+  if (!text) return;
+  name = match_.empty() ? *text : match_;
+  if (match_.empty()) reading_.joint_uses.push_back({name, key_, place, time_});
+}
+
+void ActionReader::body(const char* key, std::string& name, bool ground_too) {
+  Place place;
+  const auto text = this->name(key, !ground_too, place);
+  if (!text) return;
+  const bool matched = !match_.empty() && !ground_too;
+  name = matched ? match_ : *text;
+  if (matched || (ground_too && name == "ground")) return;
+  if (name == "ground") {
+    out_.error(place, key_ + ": the ground is no body that this could be done to",
+               value_.find("to") ? "the ground is what another body is joined 'to'" : "");
+  } else if (name.find('*') != std::string::npos) {
+    out_.error(place, key_ + ": '" + key + "' is one body: " + in_quotes(name) + " could be many");
+  } else if (!reading_.bodies.contains(name) && !reading_.opaque.contains(mechanism_of(name))) {
+    const auto joint = reading_.joints.find(name);
+    std::string hint = joint != reading_.joints.end() ? "that is the name of a joint" : "";
+    if (hint.empty() && name.find('/') == std::string::npos)
+      for (const auto& [mechanism, where] : reading_.mechanisms)
+        if (reading_.bodies.contains(mechanism + "/" + name)) hint = "names are complete: " + in_quotes(mechanism + "/" + name);
+    if (hint.empty()) hint = reading_.suggest(name, reading_.bodies);
+    out_.error(place, key_ + ": there is no body " + in_quotes(name), std::move(hint));
+  }
+}
+
+void ActionReader::freedoms(const char* key, const std::string&, std::vector<int>& numbers) {
+  if (!fields_) return;
+  const Value* list = fields_->find(key);
+  if (!list) return;
+  if (!list->array()) return out_.error(list->place, std::string(key) + ": expected a list, found " + list->type_name(), hint_);
+  if (list->array()->empty()) out_.error(list->place, std::string(key) + ": names no freedom", "leave it out for all of them");
+  unsigned seen = 0;
+  for (const Value& entry : *list->array()) {
+    const std::int64_t* number = entry.integer();
+    if (!number || *number < 0 || *number > 5) {
+      out_.error(entry.place,
+                 std::string(key) + ": expected a number from 0 to 5" +
+                     (number ? ", not " + std::to_string(*number) : std::string(", found ") + entry.type_name()),
+                 hint_);
+    } else if ((seen >> *number & 1u) != 0) {
+      out_.error(entry.place, std::string(key) + ": " + std::to_string(*number) + " stands there twice");
+    } else {
+      seen |= 1u << *number;
+      numbers.push_back(static_cast<int>(*number));
+    }
+  }
+}
+
+void ActionReader::vector(const char* key, Vec3& value, const Dimension& dimension) {
+  if (!fields_) return;
+  const bool wrench = !(dimension == dimension::length);
+  if (wrench && !asked_) asked_ = true, acts_ = false;
+  if (wrench && fields_->has(key)) acts_ = true;
+  value = fields_->vec3(key, dimension).value_or(value);
+}
+
+void ActionReader::placement(const char* key, std::optional<Pose>& value) {
+  if (fields_) value = fields_->pose(key);
+}
+
+void ActionReader::description(JointDescription& joint) {
+  if (!fields_) return;
+  read_description(*fields_, key_ == "change", joint, out_);
+  fields_->later({"friction", "limits", "strength"});
+}
+
+void ActionReader::parameters(const std::string& of, JointParameters& parameters) {
+  if (!fields_) return;
+  acts_ = false;
+  for (const char* key : {"damping", "stiffness", "rest", "armature", "drive"}) acts_ = acts_ || fields_->has(key);
+  const KindInfo* kind = kind_of ? kind_of(of) : nullptr;
+  const std::size_t errors = out_.errors();
+  if (kind)
+    read_parameters(*fields_, *kind, parameters, out_);
+  else
+    read_plain_parameters(*fields_, parameters, out_);
+  fields_->later({"friction", "limits", "strength"});
+  if (!kind || errors != out_.errors()) return;
+  JointSpec spec;
+  spec.kind = kind->kind, spec.axis2 = x_axis, spec.pitch = 1, spec.parameters = parameters;
+  report_problems(spec, *fields_, out_);
+}
+
+void read_actions(const Value& value, const std::string& key, ScenarioEvent& event, std::vector<ScenarioEvent>& wild,
+                  Reading& reading) {
+  Diagnostics& out = reading.out;
+  const Value::Array single = value.array() ? Value::Array{} : Value::Array{value};
+  const Value::Array& entries = value.array() ? *value.array() : single;
+  const char* const plain_field = make_action(key)->plain_field();
+  if (entries.empty()) out.error(value.place, key + (plain_field ? ": names no joint" : ": an empty list does nothing"));
+  const auto add = [&](const Value& entry, const std::string& match, ScenarioEvent& to) {
+    const std::shared_ptr<ActionBase> action = make_action(key);
+    if (key == "set")  // units are those of a joint that perhaps another event makes
+      reading.late.push_back({action, value.array() ? &entry : &value, match, event.time});
+    else if (!ActionReader(entry, key, plain_field, match, event.time, reading).read(*action))
+      return false;
+    to.actions.emplace_back(std::shared_ptr<const ActionBase>(action));
+    to.places.push_back(entry.place);
+    return true;
+  };
+  for (const Value& entry : entries) {
+    const Value* pattern = wild_name(entry);
+    if (!pattern) {
+      add(entry, "", event);
+      continue;
+    }
+    const bool bodies = entry.find("body") != nullptr;
+    const std::string& name = *pattern->string();
+    const std::vector<std::string> found = bodies ? matching_bodies(name, reading) : matching_joints(name, reading);
+    if (found.empty() && !reading.opaque.contains(mechanism_of(name)))
+      out.error(pattern->place, key + ": no " + (bodies ? "body" : "joint") + " matches " + in_quotes(name),
+                "* matches within a name: \"chain/*\"");
+    for (const std::string& match : found) {
+      ScenarioEvent each;
+      each.name = event.name, each.wild = true, each.time = event.time, each.place = event.place;
+      if (!add(entry, match, each)) break;
+      wild.push_back(std::move(each));
+      if (reading.scenario.events.size() + wild.size() > most_events)
+        return out.error(pattern->place, "more than 1000000 events");
+    }
+  }
+}
+
+}  // namespace momentree::io

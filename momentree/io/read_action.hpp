@@ -1,0 +1,51 @@
+#pragma once
+// Fills an action in from what a scenario says. Internal to the reader.
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <momentree/io/scenario_parts.hpp>
+
+namespace momentree::io {
+
+class ActionReader final : public ActionFields {
+ public:
+  /// `value`: a name where there is a `plain_field`, else a table. `match`: what its name with a wildcard stands for this time;
+  /// empty: it has none. `time`: of its event.
+  ActionReader(const Value& value, std::string key, const char* plain_field, const std::string& match, double time,
+               Reading& reading);
+  /// False, with reports, where something is wrong.
+  bool read(ActionBase& action);
+
+  /// Kind of a joint; null: not known.
+  std::function<const KindInfo*(const std::string& joint)> kind_of;
+
+  void joint(const char* key, std::string& name) override;
+  void body(const char* key, std::string& name, bool ground_too) override;
+  void freedoms(const char* key, const std::string& of, std::vector<int>& numbers) override;
+  void vector(const char* key, Vec3& value, const Dimension& dimension) override;
+  void placement(const char* key, std::optional<Pose>& value) override;
+  void description(JointDescription& joint) override;
+  void parameters(const std::string& of, JointParameters& parameters) override;
+
+ private:
+  static constexpr const char* hint_ = "freedoms are numbered in the order of v: [0, 2]";
+  const Value* given(const char* key, bool required);
+  std::optional<std::string> name(const char* key, bool required, Place& place);
+
+  const Value& value_;
+  std::string key_;
+  const char* plain_field_;
+  const std::string& match_;
+  double time_;
+  Reading& reading_;
+  Diagnostics& out_;
+  std::optional<Fields> fields_;
+  bool asked_ = false, acts_ = true;  // whether a wrench is asked for; whether anything would be done
+};
+
+/// What stands before the first '/' of a name.
+std::string mechanism_of(const std::string& name);
+
+}  // namespace momentree::io

@@ -1,0 +1,146 @@
+#include <momentree/io/schedule.hpp>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include <momentree/io/diagnostic.hpp>
+#include <momentree/simulate/instant.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+using At = std::pair<std::size_t, std::size_t>;  // an event in the order of the schedule, an action of it
+
+class Judge {
+ public:
+  Judge(const Rehearsal& rehearsal, const Schedule& schedule, const std::function<std::string(Place)>& name_of)
+      : rehearsal_(rehearsal), schedule_(schedule), name_of_(name_of) {
+    for (const Rehearsal::Trouble& trouble : rehearsal.troubles) {
+      idle_.insert({trouble.event, trouble.action});
+      if (trouble.verdict.outcome == Verdict::Outcome::refused) first_refused_ = std::min(first_refused_, trouble.event);
+    }
+    for (std::size_t e = 0; e < schedule.events.size(); ++e)
+      for (std::size_t a = 0; a < schedule.events[e]->actions.size(); ++a)
+        if (const ActionBase& action = *event(e).actions[a]; action.reshapes() != 0)
+          for (const std::string& joint : action.joints()) decided_[joint].push_back({e, a});
+  }
+
+  std::vector<EventProblem> problems() {
+    for (const Rehearsal::Trouble& trouble : rehearsal_.troubles) judge(trouble);
+    for (const auto& [joint, places] : decided_)
+      for (const At& at : places) judge_namesake(joint, at);
+    return std::move(found_);
+  }
+
+ private:
+  const ScenarioEvent& event(std::size_t e) const { return *schedule_.events[e]; }
+  const ActionBase& action(const At& at) const { return *event(at.first).actions[at.second]; }
+  std::string key(const At& at) const { return std::string(action(at).key()); }
+  std::string told(const At& at) const {
+    const ScenarioEvent& e = event(at.first);
+    return e.actions[at.second].text() + " (event " + in_quotes(e.name) + ", " + name_of_(e.places[at.second]) + ")";
+  }
+  void add(const At& at, std::string what, std::string hint = {}) {
+    found_.push_back({event(at.first).places[at.second], key(at) + ": " + std::move(what), std::move(hint)});
+  }
+
+  void judge(const Rehearsal::Trouble& trouble) {
+    const At at{trouble.event, trouble.action};
+    if (trouble.verdict.outcome == Verdict::Outcome::refused) return judge_refused(at, trouble.verdict);
+    // After something was refused what follows may be no fault of its own.
+    if (event(at.first).wild || trouble.event > first_refused_) return;
+    const At* before = origin(at);
+    if (before != nullptr && key(at) == "break" && key(*before) == "break")
+      add(at, "joint " + in_quotes(action(at).joints().front()) + " is broken already on " + place(*before),
+          "a joint breaks once");
+    else if (before != nullptr)
+      add(at, "does nothing: " + trouble.verdict.why + ", after " + told(*before));
+    else
+      add(at, "does nothing: " + trouble.verdict.why + made_later(at));
+  }
+
+  std::string place(const At& at) const { return name_of_(event(at.first).places[at.second]); }
+
+  // What decided last on the same joint before.
+  const At* origin(const At& at) const {
+    const At* last = nullptr;
+    for (const std::string& joint : action(at).joints()) {
+      const auto found = decided_.find(joint);
+      if (found == decided_.end()) continue;
+      for (const At& each : found->second)
+        if (each < at && !idle_.contains(each)) last = &each;
+    }
+    return last;
+  }
+
+  std::string made_later(const At& at) const {
+    for (const std::string& joint : action(at).joints())
+      for (std::size_t e = at.first; e < schedule_.events.size(); ++e)
+        for (std::size_t a = 0; a < event(e).actions.size(); ++a)
+          if (!event(e).actions[a]->makes().empty() &&
+              made_joint_name({event(e).name, event(e).named, event(e).actions}, a) == joint)
+            return " yet: it comes with " + told({e, a});
+    return "";
+  }
+
+  void judge_refused(const At& at, const Verdict& verdict) {
+    std::string why = verdict.why;
+    for (const std::string& joint : action(at).joints()) {
+      const auto found = decided_.find(joint);
+      if (found == decided_.end() || !why.starts_with("contradicts ")) continue;
+      for (const At& each : found->second) {
+        const ScenarioEvent& other = event(each.first);
+        const std::string text = other.actions[each.second].text() + " (event '" + other.name + "')";
+        if (each == at || other.time != event(at.first).time || why.find(text) == std::string::npos) continue;
+        why += ", on " + place(each);
+        break;
+      }
+    }
+    add(at, why, verdict.hint);
+  }
+
+  // After a joint broke that has its body's name, that name is the free root joint's of what came off.
+  void judge_namesake(const std::string& joint, const At& at) {
+    if (event(at.first).wild || idle_.contains(at) || (key(at) != "lock" && key(at) != "change")) return;
+    const At* before = origin(at);
+    if (before == nullptr || key(*before) != "break") return;
+    add(at, "joint " + in_quotes(joint) + " is broken by then, by " + told(*before),
+        "to hold the part that came off where it is, weld its body to the ground");
+  }
+
+  const Rehearsal& rehearsal_;
+  const Schedule& schedule_;
+  const std::function<std::string(Place)>& name_of_;
+  std::set<At> idle_;
+  std::size_t first_refused_ = static_cast<std::size_t>(-1);
+  std::map<std::string, std::vector<At>> decided_;  // who decides what becomes of a joint, in the order of the schedule
+  std::vector<EventProblem> found_;
+};
+
+}  // namespace
+
+Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> events) {
+  std::stable_sort(events.begin(), events.end(), [](const auto* a, const auto* b) { return a->time < b->time; });
+  Schedule all{std::move(events), {}};
+  for (const ScenarioEvent* event : all.events) {
+    Simulation::Scheduled scheduled = simulation.at(event->time);
+    scheduled.named(event->name, event->named);
+    for (std::size_t a = 0; a < event->actions.size(); ++a) {
+      try {
+        scheduled.then(event->actions[a]);
+      } catch (const Error& error) {
+        all.problems.push_back({event->places[a], std::string(event->actions[a]->key()) + ": " + error.what, error.hint});
+      }
+    }
+  }
+  return all;
+}
+
+std::vector<EventProblem> problems_of(const Rehearsal& rehearsal, const Schedule& schedule,
+                                      const std::function<std::string(Place)>& name_of) {
+  return Judge(rehearsal, schedule, name_of).problems();
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,60 @@
+// Names with `*`, which matches any run of characters but '/': what they stand for, in the order of the model.
+#include <algorithm>
+
+#include <momentree/io/scenario_parts.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+// Two positions to go back to at most: linear in practice, never recursive.
+bool matches(std::string_view pattern, std::string_view name) {
+  std::size_t p = 0, n = 0, star = std::string_view::npos, star_n = 0;
+  while (n < name.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++, star_n = n;
+    } else if (p < pattern.size() && pattern[p] == name[n]) {
+      ++p, ++n;
+    } else if (star != std::string_view::npos && name[star_n] != '/') {
+      p = star + 1, n = ++star_n;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*') ++p;
+  return p == pattern.size();
+}
+
+template <class Number>
+std::vector<std::string> matching(const std::string& pattern, const std::unordered_map<std::string, Place>& names,
+                                  std::vector<std::string_view>& sorted, Number number) {
+  if (sorted.empty()) {
+    for (const auto& [name, place] : names) sorted.push_back(name);
+    std::sort(sorted.begin(), sorted.end());
+  }
+  const std::string_view literal = std::string_view(pattern).substr(0, pattern.find('*'));
+  std::vector<std::pair<int, std::string>> numbered;
+  for (auto at = std::lower_bound(sorted.begin(), sorted.end(), literal);
+       at != sorted.end() && at->substr(0, literal.size()) == literal; ++at)
+    if (matches(pattern, *at)) numbered.emplace_back(number(*at), std::string(*at));
+  std::sort(numbered.begin(), numbered.end());
+  std::vector<std::string> found;
+  for (auto& [index, name] : numbered) found.push_back(std::move(name));
+  return found;
+}
+
+}  // namespace
+
+std::vector<std::string> matching_joints(const std::string& pattern, Reading& reading) {
+  const Model& model = reading.scenario.model;
+  return matching(pattern, reading.joints, reading.sorted_joints,
+                  [&](std::string_view name) { return model.has_joint(name) ? model.joint(name).index : -1; });
+}
+
+std::vector<std::string> matching_bodies(const std::string& pattern, Reading& reading) {
+  const Model& model = reading.scenario.model;
+  return matching(pattern, reading.bodies, reading.sorted_bodies,
+                  [&](std::string_view name) { return model.has_body(name) ? model.body(name).index : -1; });
+}
+
+}  // namespace momentree::io
