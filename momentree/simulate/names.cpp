@@ -27,7 +27,7 @@ void Names::name_joint(int number, std::string name) {
   const auto known = numbers_.find(own);
   if (known != numbers_.end() && known->second == number) numbers_.erase(known);
   own = std::move(name);
-  numbers_[own] = number;
+  if (!own.empty()) numbers_[own] = number;
 }
 
 void Names::move_mechanism(int from, int to) {
@@ -42,10 +42,10 @@ void Names::add(std::string joint, std::string mechanism) {
   mechanisms_.push_back(std::move(mechanism));
 }
 
-void Names::remove(int number) {
-  numbers_.erase(joints_[at(number)]);
+void Names::remove_joint(int number) {
+  const auto known = numbers_.find(joints_[at(number)]);
+  if (known != numbers_.end() && known->second == number) numbers_.erase(known);
   joints_[at(number)].clear();
-  mechanisms_[at(number)].clear();
 }
 
 }  // namespace momentree

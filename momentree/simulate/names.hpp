@@ -30,9 +30,10 @@ class Names {
   void name_mechanism(int root, std::string name) { mechanisms_[at(root)] = std::move(name); }
   /// The mechanism rooted at `from` is now rooted at `to`.
   void move_mechanism(int from, int to);
-  /// A body, and its joint of the same number, that were added to the world or left it.
+  /// A body, and its joint of the same number, that were added to the world.
   void add(std::string joint, std::string mechanism);
-  void remove(int number);
+  /// A joint that left the world: its name is free again.
+  void remove_joint(int number);
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }

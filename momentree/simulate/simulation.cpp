@@ -120,7 +120,8 @@ struct Simulation::Impl {
     const Tree& tree = world.tree_;
     int worst = 0;
     double fastest = -1;
-    for (int b = 0; b < tree.bodies(); ++b) {
+    for (const int carrier : tree.order()) {
+      const int b = tree.joint_of(carrier);
       for (double v : world.joint({b}).v) {
         const double speed = std::isfinite(v) ? std::fabs(v) : HUGE_VAL;
         if (speed > fastest) fastest = speed, worst = b;
@@ -195,13 +196,34 @@ struct Simulation::Impl {
     return true;
   }
 
+  // What bodies bring into the world and take out of it is work; the event's certificate says how much.
+  template <class Act>
+  void populate(std::string what, Act act) {
+    Event event;
+    event.time = world.time();
+    event.name = what.substr(0, what.find(' '));
+    event.mechanisms_before = world.mechanism_names();
+    event.before = world.totals();
+    if (keeps_history) history.push_back({events.size(), snapshot()});
+    act();
+    method = make_integrator(integration.method, world.tree_);
+    evaluate_state();
+    event.after = world.totals();
+    event.mechanisms_after = world.mechanism_names();
+    event.work = event.after.kinetic + event.after.potential - event.before.kinetic - event.before.potential;
+    event.actions = {std::move(what)};
+    balance.work += event.work;
+    events.push_back(std::move(event));
+    settle();
+  }
+
   Rehearsal rehearse() {
     Rehearsal found;
     const WorldSnapshot start = world.snapshot();
     std::set<std::pair<std::string, Kind>> joints;
     const auto look_at_joints = [&] {
-      for (int j = 0; j < world.tree_.bodies(); ++j)
-        joints.emplace(world.names_.joint(j), world.tree_.joint(world.tree_.carrier(j)).kind);
+      for (const int b : world.tree_.order())
+        joints.emplace(world.names_.joint(world.tree_.joint_of(b)), world.tree_.joint(b).kind);
     };
     look_at_joints();
     std::vector<std::size_t> order;
@@ -238,7 +260,9 @@ struct Simulation::Impl {
   }
 
   void go_back(const SimulationSnapshot& to) {
+    const int bodies = world.tree_.bodies();
     world.restore(to.world);
+    if (world.tree_.bodies() != bodies) method = make_integrator(integration.method, world.tree_);
     balance = to.balance;
     books.dissipated = to.balance.dissipated;
     books.work = to.balance.work;
@@ -381,6 +405,16 @@ const Event& Simulation::apply(std::span<const Action> actions, std::string name
 }
 
 Rehearsal Simulation::rehearse() { return impl_->rehearse(); }
+Body Simulation::add(BodySpec spec) {
+  const std::string name = spec.name;
+  Body body;
+  impl_->populate("add " + name, [&] { body = impl_->world.add(std::move(spec)); });
+  return body;
+}
+void Simulation::remove(Body body) {
+  if (!impl_->world.alive(body)) fail({"the body is not in this world any more", "", ""});
+  impl_->populate("remove " + impl_->world.model()[body].name, [&] { impl_->world.remove(body); });
+}
 SimulationSnapshot Simulation::snapshot() const { return impl_->snapshot(); }
 void Simulation::restore(const SimulationSnapshot& snapshot) { impl_->go_back(snapshot); }
 void Simulation::keep_history() { impl_->keeps_history = true; }
@@ -401,7 +435,7 @@ void Simulation::undo(std::size_t number, bool again) {
 }
 
 Simulation Simulation::branch() const {
-  Simulation other(impl_->world.model(), impl_->integration);
+  Simulation other(impl_->world.first_model(), impl_->integration);
   other.impl_->pending = impl_->pending;
   other.impl_->events = impl_->events;
   other.impl_->go_back(impl_->snapshot());

@@ -25,7 +25,7 @@ void Stops::find() {
   revision_ = world_->tree_.revision();
   sides_.clear();
   const Tree& tree = world_->tree_;
-  for (int b = 0; b < tree.bodies(); ++b) {
+  for (const int b : tree.order()) {
     const JointParameters* p = tree.parameters(b);
     if (p == nullptr || !p->limits.any()) continue;
     for (int i = 0; i < info(tree.joint(b).kind).nv; ++i) {

@@ -28,7 +28,9 @@ void Surgery::begin(Event& event, std::string made_name) {
 
 int Surgery::body(std::string_view name) const {
   if (name == "ground") return -1;
-  return world_.model_.has_body(name) ? world_.model_.body(name).index : -2;
+  if (!world_.model_.has_body(name)) return -2;
+  const Body body = world_.model_.body(name);
+  return world_.alive(body) ? body.index : -2;
 }
 
 std::string Surgery::body_name(int body) const { return body < 0 ? "ground" : world_.model_[Body{body}].name; }

@@ -6,7 +6,7 @@
 
 namespace momentree {
 
-World::World(const Model& model) : model_(model) {
+World::World(const Model& model) : model_(model), first_bodies_(model.size()) {
   const std::vector<SingularJoint> singular = singular_joints(model_);
   if (!singular.empty()) {
     const BodySpec& body = model_[singular.front().body];
@@ -69,6 +69,8 @@ const std::vector<BodyMotion>& World::motions() const {
 }
 
 JointView World::joint(Body number) const {
+  MT_REQUIRE(number.index >= 0 && number.index < tree_.bodies() && tree_.carrier(number.index) >= 0,
+             "the joint is in this world");
   evaluate();
   const int b = tree_.carrier(number.index);
   const Joint& j = tree_.joint(b);
@@ -95,8 +97,14 @@ JointView World::joint(Body number) const {
           {work_.pdot.get() + tree_.first_p(b), nv}};
 }
 
+Model World::first_model() const {
+  Model model = model_;
+  model.keep(first_bodies_);
+  return model;
+}
+
 WorldSnapshot World::snapshot() const {
-  WorldSnapshot all{take(tree_, state_), {}, {}, holds_};
+  WorldSnapshot all{take(tree_, state_), {}, {}, holds_, {model_.bodies().begin() + first_bodies_, model_.bodies().end()}};
   for (int k = 0; k < model_.size(); ++k) {
     if (names_.joint(k) != declared_.joint(k)) all.joint_names.emplace_back(k, names_.joint(k));
     if (names_.mechanism(k) != declared_.mechanism(k)) all.mechanism_names.emplace_back(k, names_.mechanism(k));
@@ -106,6 +114,12 @@ WorldSnapshot World::snapshot() const {
 
 void World::restore(const WorldSnapshot& snapshot) {
   momentree::restore(snapshot.engine, tree_, state_);
+  if (!snapshot.added.empty() || model_.size() != first_bodies_) {
+    model_.keep(first_bodies_);
+    for (const BodySpec& body : snapshot.added) model_.add_unjudged(body);
+    declared_ = Names(model_);
+    make_room();
+  }
   names_ = declared_;
   holds_ = snapshot.holds;
   for (const auto& [number, name] : snapshot.joint_names) names_.name_joint(number, name);

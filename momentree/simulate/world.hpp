@@ -53,6 +53,7 @@ struct WorldSnapshot {
   Snapshot engine;
   std::vector<std::pair<int, std::string>> joint_names, mechanism_names;  ///< those that are not the model's
   std::vector<Hold> holds;
+  std::vector<BodySpec> added;  ///< bodies that came after the start
 };
 
 /// What a state document says of one joint: empty lists keep the start value. Where p is given it is used, and v is not.
@@ -67,6 +68,8 @@ class World {
   explicit World(const Model& model);
 
   const Model& model() const { return model_; }
+  /// The model without the bodies that were added to the world.
+  Model first_model() const;
   const Tree& tree() const { return tree_; }
   const State& state() const { return state_; }
   double time() const { return state_.time(); }
@@ -86,6 +89,9 @@ class World {
   std::string_view joint_name(Body number) const { return names_.joint(number.index); }
   std::string_view mechanism_name(Body root) const { return names_.mechanism(root.index); }
 
+  /// False for a body that was removed: any other use of its handle, or of its joint's, stops the program.
+  bool alive(Body body) const { return body.index >= 0 && body.index < tree_.bodies() && tree_.alive(body.index); }
+
   /// Going back is exact to the last bit, across any number of changes.
   WorldSnapshot snapshot() const;
   void restore(const WorldSnapshot& snapshot);
@@ -99,11 +105,15 @@ class World {
   friend class Surgery;
   friend class Stops;
   void evaluate() const;
+  Body add(BodySpec spec);
+  void remove(Body body);
+  void make_room();
   int held(int joint, int freedom) const;
   unsigned held(int joint) const;
   void forget_holds();
 
   Model model_;
+  int first_bodies_ = 0;    // those that the world was made with
   Names declared_, names_;  // as the model has them, and now
   std::vector<Hold> holds_;
   Tree tree_;

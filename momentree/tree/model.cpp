@@ -90,6 +90,17 @@ Body Model::add_unjudged(BodySpec spec) {
   return {index};
 }
 
+void Model::keep(int count) {
+  while (size() > count) {
+    const BodySpec& last = bodies_.back();
+    by_body_.erase(last.name);
+    by_joint_.erase(last.joint_name);
+    const auto mechanism = by_mechanism_.find(prefix(last.name));
+    if (mechanism != by_mechanism_.end() && mechanism->second == size() - 1) by_mechanism_.erase(mechanism);
+    bodies_.pop_back();
+  }
+}
+
 Body Model::body(std::string_view name) const { return look_up(by_body_, name, "body"); }
 Body Model::joint(std::string_view name) const { return look_up(by_joint_, name, "joint"); }
 

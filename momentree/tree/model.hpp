@@ -53,6 +53,9 @@ class Model {
   /// single links in sound groups.
   Body add_unjudged(BodySpec spec);
 
+  /// Forgets the bodies that were added after the first `count`; none of those may hang on them.
+  void keep(int count);
+
   Vec3 gravity() const { return gravity_; }
   void set_gravity(Vec3 gravity) { gravity_ = gravity; }
   int size() const { return static_cast<int>(bodies_.size()); }
