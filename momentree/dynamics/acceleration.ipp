@@ -2,9 +2,9 @@
 // Bodies of the second recursion; included only by instantiate/*.cpp, one scalar each. Segments run as those of the first
 // recursion do, with accumulators in locals.
 //
-// The paper takes Ṗb outward and Tr = Ṗb + Ω × Pb − Tb from it (32), two numbers that nearly cancel where what hangs outboard is
-// heavy and fast. Tr itself obeys the same recursion: Tr = Mb Ω̇ + W, where W is Ω × P less weight of the body itself and what its
-// children ask of it; nothing is lost then.
+// The paper takes Ṗb outward and Tr = Ṗb + Ω × Pb − Tb from it (32), two numbers that nearly cancel where what hangs outboard
+// is heavy and fast. Tr itself obeys the same recursion: Tr = Mb Ω̇ + W, where W is Ω × P of the body itself and what its
+// children ask of it, and Ω̇ is less gravity; nothing is lost then.
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/joint/dispatch.hpp>
 
