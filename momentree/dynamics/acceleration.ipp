@@ -20,8 +20,8 @@ struct RateSweep {
     return {q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
   }
 
-  /// Tip to base. On the way out there wait: the bias in `accelerations`, Tr but for M̂ a′ in `reactions`, and in `a` Mj⁻¹ (τ − Eᵀ
-  /// W).
+  /// Tip to base. For the way out there wait: the bias in `accelerations`, Tr without M̂ a′ in `reactions`, and in `a`
+  /// Mj⁻¹ (τ − Eᵀ W).
   template <class K, bool Aligned>
   void inboard(const Segment& segment) const {
     const auto order = tree.order();
