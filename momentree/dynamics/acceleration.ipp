@@ -2,9 +2,9 @@
 // Bodies of the second recursion; included only by instantiate/*.cpp, one scalar each. Segments run as those of the first
 // recursion do, with accumulators in locals.
 //
-// The paper takes Ṗb outward and Tr = Ṗb + Ω × Pb − Tb from it (32), two numbers that nearly cancel where what hangs outboard is
-// heavy and fast. Tr itself obeys the same recursion: Tr = Mb Ω̇ + W, where W is Ω × P less weight of the body itself and what its
-// children ask of it; nothing is lost then.
+// The paper takes Ṗb outward and Tr = Ṗb + Ω × Pb − Tb from it (32), two numbers that nearly cancel where what hangs outboard
+// is heavy and fast. Tr itself obeys the same recursion: Tr = Mb Ω̇ + W, where W is Ω × P of the body itself and what its
+// children ask of it, and Ω̇ is less gravity; nothing is lost then.
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/joint/dispatch.hpp>
 
@@ -20,8 +20,8 @@ struct RateSweep {
     return {q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
   }
 
-  /// Tip to base. On the way out there wait: the bias in `accelerations`, Tr but for M̂ a′ in `reactions`, and in `a` Mj⁻¹ (τ − Eᵀ
-  /// W).
+  /// Tip to base. For the way out there wait: the bias in `accelerations`, Tr without M̂ a′ in `reactions`, and in `a`
+  /// Mj⁻¹ (τ − Eᵀ W).
   template <class K, bool Aligned>
   void inboard(const Segment& segment) const {
     const auto order = tree.order();
