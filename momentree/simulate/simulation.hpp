@@ -106,7 +106,7 @@ class Simulation {
   void watch(std::function<bool(double)> watcher);
 
   /// Starts from a state document instead (World::restore); books and events begin anew.
-  void restore(double time, std::span<const Body> broken, std::span<const JointStart> joints);
+  void restore(double time, const Forest& forest, std::span<const JointStart> joints);
 
   /// Carries out all scheduled events in their order, without moving in between, and takes everything back: which actions will
   /// have nothing to do or are impossible, and which joints there will be. Where events wait for a condition their order is not
