@@ -21,7 +21,7 @@ std::string state_json(const World& world, const Armed& armed);
 struct RestoredState {
   std::string file;
   std::optional<double> time;
-  std::vector<Body> broken;        ///< bodies whose joint is not there any more
+  Forest forest;                   ///< of a whole document; else empty
   std::vector<JointStart> joints;  ///< the joints that it names
   std::vector<std::string> where;  ///< of each of them: `file:line:col`
   Armed armed;
@@ -29,8 +29,8 @@ struct RestoredState {
 
 /// Reads a document from its text. `mechanism`: take the joints of that mechanism alone, and neither time nor topology (empty:
 /// the whole world). Throws Error, `file:line:col`, for the first thing that is wrong: syntax, unknown names (with the nearest
-/// one), a wrong number of coordinates, a quaternion that is not one, a document of another model, a topology that no break
-/// makes.
+/// one), a wrong number of coordinates, a quaternion that is not one, impossible joints, joints that make no forest; in a
+/// document without `mechanisms`, or for one mechanism, also what is not so in the model.
 RestoredState read_state(const std::string& text, const std::string& file, const Model& model, const std::string& mechanism = "");
 
 /// Sets a simulation to it, on top of the model's start; several documents: those of mechanisms after that of the world.

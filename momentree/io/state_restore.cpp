@@ -14,27 +14,49 @@ struct Entry {
   const std::string* where = nullptr;
 };
 
-/// Momenta depend on the velocities of the whole mechanism: they are used where every joint of it has one.
-void choose_momenta(const Model& model, const std::vector<Body>& broken, const std::vector<Entry>& entries,
-                    std::vector<JointStart>& starts) {
-  const std::size_t n = entries.size();
-  std::vector<bool> is_root(n, false);
-  for (const Body body : broken) is_root[static_cast<std::size_t>(body.index)] = true;
-  std::vector<std::size_t> root(n);
-  std::vector<bool> complete(n, true);
-  for (std::size_t b = 0; b < n; ++b) {  // parents have smaller numbers
-    const BodySpec& body = model.bodies()[b];
-    const bool breaks = is_root[b];
-    root[b] = breaks || body.parent == ground ? b : root[static_cast<std::size_t>(body.parent.index)];
-    const int nv = info(breaks ? Kind::free : body.joint.kind).nv;
-    if (nv > 0 && (entries[b].start == nullptr || entries[b].start->p.empty())) complete[root[b]] = false;
+/// Who hangs on whom: by body its parent, by joint the body that carries it, and the kind that it is of.
+struct Places {
+  Places(const Model& model, const Forest& forest) {
+    for (int b = 0; b < model.size(); ++b) {
+      carrier.push_back(b);
+      parent.push_back(model[{b}].parent.index);
+      nv.push_back(info(model[{b}].joint.kind).nv);
+    }
+    for (std::size_t b = 0; b < forest.places.size(); ++b) {
+      parent[b] = forest.places[b].parent;
+      carrier[static_cast<std::size_t>(forest.places[b].joint)] = static_cast<int>(b);
+    }
+    for (const Forest::Changed& changed : forest.changed) nv[static_cast<std::size_t>(changed.joint)] = info(changed.as.kind).nv;
+    roots.assign(parent.size(), -1);
+    std::vector<std::size_t> way;
+    for (std::size_t b = 0; b < parent.size(); ++b) {
+      std::size_t a = b;
+      for (way.clear(); roots[a] < 0 && parent[a] >= 0; a = static_cast<std::size_t>(parent[a])) way.push_back(a);
+      const int root = roots[a] < 0 ? static_cast<int>(a) : roots[a];
+      roots[a] = root;
+      for (const std::size_t passed : way) roots[passed] = root;
+    }
   }
+  std::size_t root_of_joint(std::size_t joint) const {
+    return static_cast<std::size_t>(roots[static_cast<std::size_t>(carrier[joint])]);
+  }
+
+  std::vector<int> parent, carrier, nv, roots;
+};
+
+/// Momenta depend on the velocities of the whole mechanism: they are used where every joint of it has one.
+void choose_momenta(const Model& model, const Forest& forest, const std::vector<Entry>& entries,
+                    std::vector<JointStart>& starts) {
+  const Places places(model, forest);
+  std::vector<char> complete(entries.size(), 1);
+  for (std::size_t j = 0; j < entries.size(); ++j)
+    if (places.nv[j] > 0 && (entries[j].start == nullptr || entries[j].start->p.empty())) complete[places.root_of_joint(j)] = 0;
   for (JointStart& start : starts) {
-    const auto b = static_cast<std::size_t>(start.child.index);
-    if (start.p.empty() || complete[root[b]]) continue;
+    const auto j = static_cast<std::size_t>(start.joint.index);
+    if (start.p.empty() || complete[places.root_of_joint(j)] != 0) continue;
     if (start.v.empty())
-      fail({"joint '" + model.bodies()[b].joint_name + "' has `p` and no `v`, but other joints of its mechanism have no `p`",
-            *entries[b].where, "give `v`, or `p` of every joint of the mechanism"});
+      fail({"joint '" + model.bodies()[j].joint_name + "' has `p` and no `v`, but other joints of its mechanism have no `p`",
+            *entries[j].where, "give `v`, or `p` of every joint of the mechanism"});
     start.p = {};
   }
 }
@@ -50,31 +72,42 @@ double fastest_body(const World& world) {
 void restore(Simulation& simulation, const std::vector<RestoredState>& documents) {
   const Model& model = simulation.world().model();
   std::vector<Entry> entries(model.bodies().size());
-  std::vector<Body> broken;
+  Forest forest;
   double time = simulation.time();
   for (const RestoredState& document : documents) {
-    for (std::size_t i = 0; i < document.joints.size(); ++i)
-      entries[static_cast<std::size_t>(document.joints[i].child.index)] = {&document.joints[i], &document.where[i]};
-    broken.insert(broken.end(), document.broken.begin(), document.broken.end());
+    for (std::size_t i = 0; i < document.joints.size(); ++i) {
+      const int number = document.joints[i].joint.index;
+      const auto same = [number](const Forest::Changed& changed) { return changed.joint == number; };
+      if (document.forest.places.empty() && std::any_of(forest.changed.begin(), forest.changed.end(), same))
+        fail({"joint '" + model.bodies()[static_cast<std::size_t>(number)].joint_name +
+                  "' is another one, or gone, in the document of the whole world",
+              document.where[i], "restore the whole world from one document"});
+      entries[static_cast<std::size_t>(number)] = {&document.joints[i], &document.where[i]};
+    }
+    if (!document.forest.places.empty()) forest = document.forest;
     time = document.time.value_or(time);
   }
   std::vector<JointStart> starts;
   for (const Entry& entry : entries)
     if (entry.start != nullptr) starts.push_back(*entry.start);
-  choose_momenta(model, broken, entries, starts);
-  simulation.restore(time, broken, starts);
+  choose_momenta(model, forest, entries, starts);
+  simulation.restore(time, forest, starts);
 
   const World& world = simulation.world();
+  const Totals totals = world.totals();
+  if (!std::isfinite(totals.kinetic) && !forest.places.empty())
+    fail({"a part of the world that it describes has not the mass or inertia to move freely", documents.front().file,
+          "is it a document of this model?"});
   const double tolerance = 1e-6 * fastest_body(world);
   for (const JointStart& start : starts) {
     if (start.p.empty() || start.v.empty()) continue;
-    const JointView joint = world.joint(start.child);
+    const JointView joint = world.joint(start.joint);
     for (int i = 0; i < start.v.size(); ++i) {
       const double v = joint.v[static_cast<std::size_t>(i)];
       if (!(std::fabs(v - start.v[i]) <= tolerance))
         fail({"`v` of joint '" + std::string(joint.name) + "' does not fit its `p`: number " + std::to_string(i + 1) +
                   " should be " + number_text(v) + ", not " + number_text(start.v[i]),
-              *entries[static_cast<std::size_t>(start.child.index)].where, "leave out one of the two"});
+              *entries[static_cast<std::size_t>(start.joint.index)].where, "leave out one of the two"});
     }
   }
 }

@@ -31,7 +31,44 @@ void write_coordinates(JsonWriter& json, const JointView& joint) {
   json.member("q", std::span<const double>(q, joint.q.size()));
 }
 
-void write_joint(JsonWriter& json, const Model& model, const JointView& joint) {
+void write_limits(JsonWriter& json, const JointLimits& limits) {
+  if (!limits.any()) return;
+  json.key("limits").begin_object();
+  write_values(json, "lower", limits.lower);  // null where there is no stop
+  write_values(json, "upper", limits.upper);
+  write_values(json, "restitution", limits.restitution);
+  json.member("rest_speed", limits.rest_speed).end_object();
+}
+
+// True or false, or one of them per freedom.
+void write_locked(JsonWriter& json, const JointView& joint) {
+  const int nv = info(joint.kind).nv;
+  json.key("locked");
+  if (joint.locked == 0 || joint.locked == (1u << nv) - 1) {
+    json.value(joint.locked != 0);
+    return;
+  }
+  json.begin_array();
+  for (int i = 0; i < nv; ++i) json.value((joint.locked >> i & 1u) != 0);
+  json.end_array();
+}
+
+// Per freedom 1 on its upper stop, -1 on its lower one, 0 on none.
+void write_resting(JsonWriter& json, const World& world, int number, const JointView& joint) {
+  if (joint.resting == 0) return;
+  json.key("resting").begin_array();
+  for (int i = 0; i < info(joint.kind).nv; ++i) {
+    int side = 0;
+    for (const Hold& hold : world.holds())
+      if (hold.joint == number && hold.freedom == i) side = hold.sign;
+    json.value(side);
+  }
+  json.end_array();
+}
+
+void write_joint(JsonWriter& json, const World& world, int number) {
+  const Model& model = world.model();
+  const JointView joint = world.joint({number});
   const KindInfo& kind = info(joint.kind);
   json.key(joint.name).begin_object().member("kind", kind.name);
   json.key("parent");
@@ -45,7 +82,9 @@ void write_joint(JsonWriter& json, const Model& model, const JointView& joint) {
   if (kind.axis) json.member("axis", joint.axis);
   if (kind.axis2) json.member("axis2", joint.axis2);
   if (kind.pitch) json.member("pitch", joint.pitch);
-  json.member("locked", false).member("reversed", false);
+  write_locked(json, joint);
+  json.member("reversed", joint.reversed);
+  write_resting(json, world, number, joint);
   json.key("parameters").begin_object();
   if (const JointParameters* p = joint.parameters) {
     write_values(json, "damping", p->damping);
@@ -53,6 +92,7 @@ void write_joint(JsonWriter& json, const Model& model, const JointView& joint) {
     write_values(json, "rest", p->rest);
     write_values(json, "armature", p->armature);
     write_values(json, "effort", p->effort);
+    write_limits(json, p->limits);
   }
   json.end_object();
   write_coordinates(json, joint);
@@ -88,7 +128,7 @@ std::string state_json(const World& world, const Armed& armed) {
   json.end_array();
 
   json.key("joints").begin_object();
-  for (int b = 0; b < model.size(); ++b) write_joint(json, model, world.joint({b}));
+  for (int j = 0; j < model.size(); ++j) write_joint(json, world, j);
   json.end_object();
 
   const std::vector<BodyMotion>& motions = world.motions();

@@ -165,10 +165,11 @@ struct Simulation::Impl {
     evaluate_state();
     if (statistics.changes == 0) book();
     WorldSnapshot before;
-    if (stops.any()) before = world.snapshot();
+    const bool stopped = stops.any();
+    if (stopped) before = world.snapshot();
     InstantReport report = carry_out(world, due);
     // A stop that would have had to pull in an impact was let go of before it: once more, without it.
-    for (bool again = stops.any(); again && !report.refused;) {
+    for (bool again = stopped; again && !report.refused;) {
       const WorldSnapshot after = world.snapshot();
       world.restore(before);
       again = stops.release_pulled(report.events);
@@ -454,8 +455,8 @@ void Simulation::observe(double every, std::function<bool(const World&)> observe
 
 void Simulation::watch(std::function<bool(double)> watcher) { impl_->watcher = std::move(watcher); }
 
-void Simulation::restore(double time, std::span<const Body> broken, std::span<const JointStart> joints) {
-  impl_->world.restore(time, broken, joints);
+void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
+  impl_->world.restore(time, forest, joints);
   impl_->method = make_integrator(impl_->integration.method, impl_->world.tree_);
   impl_->begin();
 }

@@ -106,7 +106,7 @@ class Simulation {
   void watch(std::function<bool(double)> watcher);
 
   /// Starts from a state document instead (World::restore); books and events begin anew.
-  void restore(double time, std::span<const Body> broken, std::span<const JointStart> joints);
+  void restore(double time, const Forest& forest, std::span<const JointStart> joints);
 
   /// A new body, on any body of the world or on the ground, with the coordinates and velocities of its spec; no velocity of
   /// another body changes, so that a joint at rest takes no energy. Its number, and its joint's, are the next. Throws Error as

@@ -3,6 +3,7 @@
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/joint/motion.hpp>
 
 namespace momentree {
 
@@ -16,16 +17,11 @@ World::World(const Model& model) : model_(model), first_bodies_(model.size()) {
   restore(0, {}, {});
 }
 
-void World::restore(double time, std::span<const Body> broken, std::span<const JointStart> joints) {
+void World::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
   tree_ = Tree(model_);
   names_ = declared_;
-  holds_.clear();
-  for (const Body b : broken) {
-    const bool was_root = tree_.parent(b.index) < 0;
-    tree_.detach(b.index);
-    names_.name_joint(b.index, names_.free_joint(model_[b].name, b.index));
-    if (!was_root) names_.name_mechanism(b.index, model_[b].name);
-  }
+  holds_ = forest.holds;
+  put_together(forest);
   State state(tree_);
   work_ = Work<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
@@ -37,18 +33,52 @@ void World::restore(double time, std::span<const Body> broken, std::span<const J
   const auto put = [](const Values& from, int at, std::span<double> to) {
     for (int i = 0; i < from.size(); ++i) to[static_cast<std::size_t>(at + i)] = from[i];
   };
-  for (int b = 0; b < model_.size(); ++b) {
-    if (tree_.detached(b)) continue;
-    put(model_[{b}].q, tree_.first_q(b), edit.q);
-    put(model_[{b}].v, tree_.first_p(b), v);
+  const auto first_q = [this](int joint) { return tree_.first_q(tree_.carrier(joint)); };
+  const auto first_p = [this](int joint) { return tree_.first_p(tree_.carrier(joint)); };
+  std::vector<char> changed(static_cast<std::size_t>(model_.size()), 0);
+  for (const Forest::Changed& c : forest.changed) {
+    changed[static_cast<std::size_t>(c.joint)] = 1;
+    put(joint_zero(c.as.kind), first_q(c.joint), edit.q);
+  }
+  for (int j = 0; j < model_.size(); ++j) {
+    if (changed[static_cast<std::size_t>(j)] != 0) continue;
+    put(model_[{j}].q, first_q(j), edit.q);
+    put(model_[{j}].v, first_p(j), v);
   }
   for (const JointStart& j : joints) {
-    put(j.q, tree_.first_q(j.child.index), edit.q);
-    put(j.v, tree_.first_p(j.child.index), v);
+    put(j.q, first_q(j.joint.index), edit.q);
+    put(j.v, first_p(j.joint.index), v);
   }
   project_momentum(tree_, state.q().data(), v.data(), edit.p.data());
-  for (const JointStart& j : joints) put(j.p, tree_.first_p(j.child.index), edit.p);
+  for (const JointStart& j : joints) put(j.p, first_p(j.joint.index), edit.p);
+  for (int b = 0; b < tree_.bodies(); ++b)  // a locked freedom has no momentum of its own
+    for (int i = 0; i < info(tree_.joint(b).kind).nv; ++i)
+      if ((tree_.joint(b).locked >> i & 1u) != 0) edit.p[static_cast<std::size_t>(tree_.first_p(b) + i)] = 0;
   state_ = state;
+}
+
+// Topology and names of a fresh tree.
+void World::put_together(const Forest& forest) {
+  if (forest.places.empty()) return;
+  Topology topology = tree_.topology();
+  topology.places = forest.places;
+  for (const Forest::Changed& c : forest.changed) {
+    Joint joint = c.as;
+    const Joint& own = tree_.joint(c.joint);  // nothing has been re-rooted yet: the model's joint of that number
+    const JointParameters* declared = tree_.parameters(c.joint);
+    joint.parameters = -1;
+    if (declared != nullptr && c.parameters == *declared) {
+      joint.parameters = own.parameters;
+    } else if (!(c.parameters == JointParameters{})) {
+      joint.parameters = tree_.shared_parameters() + static_cast<int>(topology.own.size());
+      topology.own.push_back({c.joint, c.parameters});
+    }
+    topology.changed.push_back({c.joint, joint});
+    names_.name_joint(c.joint, c.name);
+  }
+  tree_.restore(topology);
+  for (int b = 0; b < model_.size(); ++b) names_.name_mechanism(b, {});
+  for (const auto& [root, name] : forest.mechanisms) names_.name_mechanism(root, name);
 }
 
 void World::evaluate() const { forward_dynamics(tree_, state_, work_); }

@@ -56,9 +56,25 @@ struct WorldSnapshot {
   std::vector<BodySpec> added;  ///< bodies that came after the start
 };
 
+/// Who hangs on whom by which joints, and what that is called, where it is not as the model has it: what a state document says
+/// of the topology.
+struct Forest {
+  /// A joint that is not the model's of that number, or has another name.
+  struct Changed {
+    int joint = -1;
+    std::string name;
+    Joint as;  ///< without parameters
+    JointParameters parameters;
+  };
+  std::vector<Topology::Place> places;                  ///< by body; empty: as in the model, and so are the names of mechanisms
+  std::vector<Changed> changed;                         ///< in the order of numbers
+  std::vector<std::pair<int, std::string>> mechanisms;  ///< by root
+  std::vector<Hold> holds;
+};
+
 /// What a state document says of one joint: empty lists keep the start value. Where p is given it is used, and v is not.
 struct JointStart {
-  Body child;
+  Body joint;  ///< its number
   Values q, v, p;
 };
 
@@ -96,14 +112,19 @@ class World {
   WorldSnapshot snapshot() const;
   void restore(const WorldSnapshot& snapshot);
 
-  /// The model at `time`, with the joints of `broken` broken and start values replaced: what a state document restores.
-  /// Quaternions are taken bit for bit: of length one, but for rounding.
-  void restore(double time, std::span<const Body> broken, std::span<const JointStart> joints);
+  /// The model at `time`, its joints and bodies put together as `forest` says and start values replaced: what a state document
+  /// restores. Quaternions are taken bit for bit: of length one, but for rounding. Joints that are not the model's start at zero
+  /// where `joints` says nothing of them. The forest must be one: each joint carried once, no body outboard of itself.
+  void restore(double time, const Forest& forest, std::span<const JointStart> joints);
+
+  /// Freedoms that rest on stops.
+  std::span<const Hold> holds() const { return holds_; }
 
  private:
   friend class Simulation;
   friend class Surgery;
   friend class Stops;
+  void put_together(const Forest& forest);
   void evaluate() const;
   Body add(BodySpec spec);
   void remove(Body body);

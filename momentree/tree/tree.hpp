@@ -143,6 +143,8 @@ class Tree {
     const int i = joint(b).parameters;
     return i < 0 ? nullptr : &parameters_[at(i)];
   }
+  /// How many parameters the model's joints share: those that changes gave to one joint have numbers from there on.
+  int shared_parameters() const { return static_cast<int>(shared_parameters_); }
   /// True for a body whose root joint was made by a change: named after the body.
   bool detached(int b) const { return joint(b).made; }
 
