@@ -197,7 +197,7 @@ void act(Prng& random, Machine& m) {
       if (living < 25) m.add(random, true, false);
       break;
     case 7:
-      if (m.tree.parent(b) < 0 && m.tree.detached(b) && living - m.part(b) > 2) apply(Remove{{b}}, m.tree, m.state, m.work);
+      if (m.tree.parent(b) < 0 && floats(m.tree, b) && living - m.part(b) > 2) apply(Remove{{b}}, m.tree, m.state, m.work);
       break;
     default: {
       const int to = m.some_body(random);
