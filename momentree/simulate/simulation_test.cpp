@@ -175,18 +175,21 @@ TEST_CASE("a world restored from what it told goes on to the same bits") {
   whole.at(0.1).then(break_joint("chain/4"));
   whole.run_until(0.2);
   std::vector<JointStart> joints;
-  std::vector<Body> broken;
+  Forest forest;
   const World& world = whole.world();
+  const Tree& tree = world.tree();
   for (int b = 0; b < 6; ++b) {
     const JointView j = world.joint({b});
     JointStart start{{b}, {}, {}, {}};
     for (double x : j.q) start.q.push_back(x);
     for (double x : j.p) start.p.push_back(x);
     joints.push_back(start);
-    if (world.tree().detached(b)) broken.push_back({b});
+    forest.places.push_back({tree.parent(b), tree.joint_of(b), tree.reversed(b)});
+    if (tree.detached(b)) forest.changed.push_back({tree.joint_of(b), std::string(j.name), tree.joint(b), {}});
   }
+  for (const Mechanism& m : world.mechanisms()) forest.mechanisms.emplace_back(m.root.index, std::string(m.name));
   Simulation branch(chain(6, 0.01), {.step = 1e-3});
-  branch.restore(world.time(), broken, joints);
+  branch.restore(world.time(), forest, joints);
   CHECK(branch.time() == 0.2);
   whole.run_until(0.3);
   branch.run_until(0.3);
