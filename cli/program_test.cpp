@@ -138,6 +138,45 @@ TEST_CASE("a run that starts from a state ends where the whole run ends") {
   CHECK(here.text("rest/events.jsonl") == "");
 }
 
+TEST_CASE("a run whose event turns out to be impossible is kept, and says which and why") {
+  // After a quarter turn about its second axis the joint's first one, which stays, is the axis2 that the change gives.
+  const Workplace here(
+      "format = 1\n[world]\ngravity = [0, 0, 0]\n[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"a\"\nmass = 1\n"
+      "inertia = 1\n[mechanism.body.joint]\nkind = \"universal\"\naxis = [1, 0, 0]\naxis2 = [0, 1, 0]\n"
+      "v = [0, 1.5707963267948966]\n[[event]]\nat = 0.5\nlock = { joint = \"m/a\", freedoms = [0] }\n[[event]]\nat = 1\n"
+      "change = { joint = \"m/a\", kind = \"universal\", axis2 = [0, 0, 1] }\n[integrate]\nuntil = 2\n");
+  CHECK(here.call("check s.toml").code == 0);
+  const Outcome run = here.call("run s.toml");
+  CHECK(run.code == 1);
+  CHECK(run.errors.find("s.toml: error: event '#2' at t = 1 s: change m/a to universal: axis2: is parallel to 'axis'") !=
+        std::string::npos);
+  CHECK(here.text("results/s.partial/summary.json").find("\"status\": \"event '#2' at t = 1 s: ") != std::string::npos);
+  CHECK(lines(here.text("results/s.partial/events.jsonl")) == 1);
+  CHECK(here.text("results/s.partial/final.json").find("\"time\": 1,") != std::string::npos);
+  CHECK(here.text("results/s.partial/final.json").find("\"locked\": [true, false]") != std::string::npos);
+}
+
+TEST_CASE("a run that starts from a changed world ends where the whole run ends, and its events are tried there") {
+  const std::string docks =
+      "[[event]]\nname = \"dock\"\nat = 0.15\nattach = { body = \"chain/4\", to = \"chain/2\", kind = \"ball\", damping = 1e-4 "
+      "}\n"
+      "[[event]]\nat = 0.2\nlock = [\"dock\", \"chain/6\"]\n[[event]]\nat = 0.25\nunlock = \"chain/6\"\nbreak = \"dock\"\n";
+  const std::string all = replaced(chain, "[integrate]", docks + "[integrate]");
+  const Workplace here(all);
+  REQUIRE(here.call("run s.toml --out half --until 0.22").code == 0);
+  REQUIRE(here.call("run s.toml --out whole").code == 0);
+  io::write_text_file(here.path("t.toml"), replaced(all, "format = 1", "format = 1\nstate = \"half/final.json\""));
+  CHECK(here.call("run t.toml --out rest").code == 0);
+  CHECK(here.text("rest/final.json") == here.text("whole/final.json"));
+  CHECK(here.text("rest/joints.csv").find("dock.q3") != std::string::npos);
+
+  const std::string again = replaced(all, "unlock = \"chain/6\"\nbreak = \"dock\"", "lock = \"dock\"");
+  io::write_text_file(here.path("u.toml"), replaced(again, "format = 1", "format = 1\nstate = \"half/final.json\""));
+  const Outcome check = here.call("check u.toml");
+  CHECK(check.code == 2);
+  CHECK(check.says("u.toml:29:8: error: lock: does nothing: it is locked already"));
+}
+
 TEST_CASE("a run that diverges is kept, and says which joint and when") {
   const Workplace here;
   const Outcome run = here.call("run s.toml --set integrate.step=0.02 --set mechanism.chain.chain.damping=1");

@@ -82,7 +82,7 @@ TEST_CASE("impossible joints are refused") {
       {first + "attach = { body = \"f/x\", kind = \"helical\" }\n",
        "s.toml:44:10: error: attach has no 'pitch'; the displacement per turn, for example \"5 mm\""},
       {first + "attach = { body = \"f/x\", kind = \"ball\", limits = { lower = 0 } }\n",
-       "s.toml:44:41: error: 'limits' is not supported yet"},
+       "s.toml:44:50: error: limits: a ball joint has no coordinates that could be limited"},
       {first + "change = { joint = \"m/j\", kind = \"revolute\" }\n",
        "s.toml:44:10: error: change: a ball joint has no axis that the revolute could take over; give axis, in the child's axes"},
       {first + "change = { joint = \"m/j\", kind = \"revolute\", axis = [0, 0, 0] }\n",

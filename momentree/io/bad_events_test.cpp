@@ -48,7 +48,8 @@ TEST_CASE("impossible steps are refused") {
 TEST_CASE("what is still to come is refused where it stands") {
   check({
       {pinned + "friction = { coulomb = 1, speed = 1 }\n", "s.toml:10:1: error: 'friction' is not supported yet"},
-      {pinned + "limits = { lower = 1, upper = 0 }\n", "s.toml:10:1: error: 'limits' is not supported yet"},
+      {pinned + "limits = { lower = 0, upper = 1, stiffness = 1 }\n",
+       "s.toml:10:34: error: 'stiffness' is not supported yet; stops are hard: { lower, upper, restitution }"},
       {pinned + "strength = { force = 1 }\n", "s.toml:10:1: error: 'strength' is not supported yet"},
       {pinned + "drive = { pd = { kp = 1 } }\n", "s.toml:10:11: error: 'pd' is not supported yet"},
       {pinned + "drive = { motion = 1 }\n", "s.toml:10:11: error: 'motion' is not supported yet"},

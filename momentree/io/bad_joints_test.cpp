@@ -124,3 +124,22 @@ TEST_CASE("freedoms that move no mass are refused") {
        "the bodies outboard of it a mass or an inertia about its axis, or give the joint an armature"},
   });
 }
+
+TEST_CASE("impossible limits are refused") {
+  check({
+      {pinned + "limits = { lower = 1, upper = 0 }\n", "s.toml:10:10: error: limits: 'lower' must be less than 'upper'"},
+      {pinned + "limits = { }\n",
+       "s.toml:10:10: error: limits: neither 'lower' nor 'upper'; for example limits = { lower = \"-90 deg\", upper = \"90 deg\" "
+       "}"},
+      {pinned + "limits = { lower = \"1 m\" }\n", "s.toml:10:20: error: lower: '1 m' is a length (m), not an angle (rad)"},
+      {pinned + "limits = { upper = [-inf, 2] }\n",
+       "s.toml:10:20: error: upper: expected 1 number, found a list of 2; one per freedom or coordinate, in the order of the "
+       "kind"},
+      {pinned + "limits = { lower = nan }\n", "s.toml:10:20: error: lower: must be finite"},
+      {pinned + "limits = { upper = 1, restitution = 1.5 }\n",
+       "s.toml:10:10: error: limits: a restitution of more than 1 would make energy; 0 is plastic, 1 elastic"},
+      {pinned + "limits = { upper = 1, rest_speed = 0 }\n", "s.toml:10:10: error: limits: 'rest_speed' must be positive"},
+      {pinned + "angle = 2\nlimits = { upper = 1 }\n", "s.toml:10:9: error: q: starts beyond its limits"},
+      {pinned + "limits = 3\n", "s.toml:10:10: error: limits: expected a table, found a number"},
+  });
+}

@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include <momentree/io/schedule.hpp>
 #include <momentree/simulate/actions/attach.hpp>
 #include <momentree/simulate/actions/impulse.hpp>
@@ -130,4 +132,22 @@ TEST_CASE("the free joint of a part that came off has its body's name") {
 TEST_CASE("what a wildcard meets again is no error") {
   const Scenario s = read(arm + "[[event]]\nat = 1\nbreak = \"m/j\"\n[[event]]\nat = 2\nlock = \"m/*\"\n");
   CHECK(s.events.size() == 3);
+}
+
+TEST_CASE("limits of joints, infinite where there is no stop") {
+  const Scenario s = read(pinned +
+                          "limits = { lower = \"-90 deg\", upper = inf, restitution = 0.5, rest_speed = \"1 mrad/s\" }\n"
+                          "[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n"
+                          "[mechanism.body.joint]\nkind = \"cylindrical\"\nparent = \"a\"\nlimits = { upper = [inf, \"5 cm\"] }\n"
+                          "[[event]]\nat = 1\nset = { joint = \"m/b\", limits = { lower = [\"-1 deg\", -inf] } }\n");
+  const JointLimits& one = s.model[{0}].joint.parameters.limits;
+  CHECK(one.lower_of(0) == doctest::Approx(-1.5707963267948966));
+  CHECK(std::isinf(one.upper_of(0)));
+  CHECK(one.restitution_of(0) == 0.5);
+  CHECK(one.rest_speed == 0.001);
+  const JointLimits& two = s.model[{1}].joint.parameters.limits;
+  CHECK(std::isinf(two.lower_of(1)));
+  CHECK(std::isinf(two.upper_of(0)));
+  CHECK(two.upper_of(1) == 0.05);
+  CHECK(as<actions::Set>(s.events.at(0).actions.at(0)).parameters.limits.lower.size() == 2);
 }

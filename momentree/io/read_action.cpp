@@ -133,20 +133,20 @@ void ActionReader::placement(const char* key, std::optional<Pose>& value) {
 void ActionReader::description(JointDescription& joint) {
   if (!fields_) return;
   read_description(*fields_, key_ == "change", joint, out_);
-  fields_->later({"friction", "limits", "strength"});
+  fields_->later({"friction", "strength"});
 }
 
 void ActionReader::parameters(const std::string& of, JointParameters& parameters) {
   if (!fields_) return;
   acts_ = false;
-  for (const char* key : {"damping", "stiffness", "rest", "armature", "drive"}) acts_ = acts_ || fields_->has(key);
+  for (const char* key : {"damping", "stiffness", "rest", "armature", "drive", "limits"}) acts_ = acts_ || fields_->has(key);
   const KindInfo* kind = kind_of ? kind_of(of) : nullptr;
   const std::size_t errors = out_.errors();
   if (kind)
     read_parameters(*fields_, *kind, parameters, out_);
   else
     read_plain_parameters(*fields_, parameters, out_);
-  fields_->later({"friction", "limits", "strength"});
+  fields_->later({"friction", "strength"});
   if (!kind || errors != out_.errors()) return;
   JointSpec spec;
   spec.kind = kind->kind, spec.axis2 = x_axis, spec.pitch = 1, spec.parameters = parameters;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <momentree/base/error.hpp>
@@ -7,7 +8,7 @@ namespace momentree::io {
 
 namespace {
 
-enum class Quantity { q, v, damping, stiffness, armature, effort };
+enum class Quantity { q, v, damping, stiffness, armature, effort, none };
 
 // Of one coordinate or freedom, by the letter that KindInfo has for it.
 Dimension dimension_of(Quantity quantity, char letter) {
@@ -20,6 +21,7 @@ Dimension dimension_of(Quantity quantity, char letter) {
     case Quantity::stiffness: return turns ? torque / angle : force / length;
     case Quantity::armature: return turns ? inertia : mass;
     case Quantity::effort: return effort;
+    case Quantity::none: return number;
     default: return rate;
   }
 }
@@ -149,6 +151,50 @@ void read_drive(const Value& value, const KindInfo& kind, Values& effort, Diagno
   drive.finish();
 }
 
+// One side of a joint's limits: as coordinates, but infinite where there is no stop.
+Values read_limit(const Value& value, const KindInfo& kind, const char* key, Diagnostics& out) {
+  const auto endless = [](const Value& entry) { return entry.real() && std::isinf(*entry.real()); };
+  const Value::Array single{value};
+  const Value::Array& entries = value.array() ? *value.array() : single;
+  if (std::none_of(entries.begin(), entries.end(), endless)) return read_values(value, Quantity::q, kind.q_units, true, key, out);
+  Values all;
+  if (value.array() && entries.size() != std::string_view(kind.q_units).size()) {
+    read_values(value, Quantity::q, kind.q_units, false, key, out);  // says how many there should be
+    return all;
+  }
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const auto number = endless(entries[i]) ? std::optional(*entries[i].real())
+                                            : read_number(entries[i], dimension_of(Quantity::q, kind.q_units[i]), key, out);
+    if (!number) return {};
+    all.push_back(*number);
+  }
+  return all;
+}
+
+void read_limits(const Value& value, const KindInfo& kind, JointLimits& limits, Diagnostics& out) {
+  Fields fields(value, "limits", out);
+  if (kind.nq != kind.nv || kind.nv == 0) {
+    out.error(value.place, "limits: a " + std::string(kind.name) + " joint has no coordinates that could be limited");
+    return;
+  }
+  fields.later({"stiffness", "damping"}, "stops are hard: { lower, upper, restitution }");
+  if (const Value* lower = fields.find("lower")) limits.lower = read_limit(*lower, kind, "lower", out);
+  if (const Value* upper = fields.find("upper")) limits.upper = read_limit(*upper, kind, "upper", out);
+  if (!fields.has("lower") && !fields.has("upper") && value.table())
+    out.error(value.place, "limits: neither 'lower' nor 'upper'",
+              "for example limits = { lower = \"-90 deg\", upper = \"90 deg\" }");
+  if (const Value* e = fields.find("restitution"))
+    limits.restitution = read_values(*e, Quantity::none, kind.v_units, true, "restitution", out);
+  if (const Value* speed = fields.find("rest_speed")) {
+    const Values read = read_values(*speed, Quantity::v, kind.v_units, true, "rest_speed", out);
+    if (read.size() > 1)
+      out.error(speed->place, "rest_speed: expected one number");
+    else if (!read.empty())
+      limits.rest_speed = read[0];
+  }
+  fields.finish();
+}
+
 }  // namespace
 
 void read_parameters(Fields& fields, const KindInfo& kind, JointParameters& parameters, Diagnostics& out) {
@@ -161,6 +207,7 @@ void read_parameters(Fields& fields, const KindInfo& kind, JointParameters& para
   if (const Value* rest = fields.find("rest"))
     parameters.rest = read_values(*rest, Quantity::q, kind.q_units, false, "rest", out);
   if (const Value* drive = fields.find("drive")) read_drive(*drive, kind, parameters.effort, out);
+  if (const Value* limits = fields.find("limits")) read_limits(*limits, kind, parameters.limits, out);
 }
 
 void read_plain_parameters(Fields& fields, JointParameters& parameters, Diagnostics& out) {
@@ -184,6 +231,7 @@ void read_plain_parameters(Fields& fields, JointParameters& parameters, Diagnost
   field("stiffness", parameters.stiffness);
   field("armature", parameters.armature);
   field("rest", parameters.rest);
+  fields.later({"limits"}, "the kind of this joint is not known here");
   if (const Value* value = fields.find("drive")) {
     Fields drive(*value, "drive", out);
     drive.later({"pd", "motion"});
@@ -201,8 +249,8 @@ void warn_of_rest(const Fields& fields, Diagnostics& out) {
 
 // Keys that can't be judged where the kind is not known.
 void pass_over(Fields& fields) {
-  for (const char* key :
-       {"axis", "axis2", "pitch", "q", "v", "angle", "position", "speed", "damping", "stiffness", "armature", "rest", "drive"})
+  for (const char* key : {"axis", "axis2", "pitch", "q", "v", "angle", "position", "speed", "damping", "stiffness", "armature",
+                          "rest", "drive", "limits"})
     fields.find(key);
 }
 
@@ -231,7 +279,7 @@ void read_joint(const Value& table, BodyEntry& body, Reading& reading) {
   } else {
     pass_over(fields);
   }
-  fields.later({"friction", "limits", "strength"});
+  fields.later({"friction", "strength"});
   fields.finish();
 }
 

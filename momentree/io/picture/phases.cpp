@@ -1,6 +1,8 @@
 #include <momentree/io/picture/phases.hpp>
 
 #include <algorithm>
+#include <map>
+#include <numeric>
 
 namespace momentree::io {
 namespace {
@@ -12,23 +14,105 @@ int number_of(Recording& run, const std::string& mechanism) {
   return static_cast<int>(run.mechanisms.size()) - 1;
 }
 
-/// The body whose joint an action breaks, or −1: "break chain/41", but not "break chain/41 skipped: …".
-int broken_by(const Recording& run, const Phase& phase, const std::string& action) {
-  if (!action.starts_with("break ")) return -1;
-  const std::string joint = action.substr(6);
-  for (std::size_t b = 0; b < run.bodies.size(); ++b)
-    if (run.bodies[b].joint == joint && phase.joined[b]) return static_cast<int>(b);
-  return -1;
+// What holds bodies together: who is joined to whom by joints of which name.
+class Links {
+ public:
+  explicit Links(const Recording& run) : run_(run) {
+    for (std::size_t b = 0; b < run.bodies.size(); ++b) {
+      numbers_.emplace(run.bodies[b].name, static_cast<int>(b));
+      links_[run.bodies[b].joint] = {static_cast<int>(b), run.bodies[b].parent, true};
+    }
+  }
+
+  void apply(RecordedEvent& event, Phase& phase) {
+    int joins = 0;
+    for (const std::string& action : event.actions) joins += joined(action).empty() ? 0 : 1;
+    for (const std::string& action : event.actions) {
+      if (action.find(" skipped: ") != std::string::npos) continue;
+      if (action.starts_with("break ")) {
+        const auto broken = links_.find(action.substr(6));
+        if (broken == links_.end()) continue;
+        if (broken->second.declared) {
+          event.broken.push_back(broken->second.one);
+          phase.joined[static_cast<std::size_t>(broken->second.one)] = 0;
+        }
+        links_.erase(broken);
+      } else if (const std::vector<int> pair = joined(action); !pair.empty()) {
+        const std::string to = pair[1] < 0 ? "ground" : name(pair[1]);
+        const bool own = joins == 1 && !event.name.empty() && event.name.front() != '#';
+        links_[own ? event.name : to + "+" + name(pair[0])] = {pair[0], pair[1], false};
+      }
+    }
+  }
+
+  /// By body the smallest number of a body that it is joined to.
+  std::vector<int> parts() const {
+    std::vector<int> part(run_.bodies.size());
+    std::iota(part.begin(), part.end(), 0);
+    const auto first = [&part](int b) {
+      while (part[static_cast<std::size_t>(b)] != b)
+        b = part[static_cast<std::size_t>(b)] = part[static_cast<std::size_t>(part[static_cast<std::size_t>(b)])];
+      return b;
+    };
+    for (const auto& [joint, link] : links_) {
+      if (link.other < 0) continue;
+      const int a = first(link.one), b = first(link.other);
+      part[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+    for (std::size_t b = 0; b < part.size(); ++b) part[b] = first(static_cast<int>(b));
+    return part;
+  }
+
+  int number(const std::string& body) const {
+    const auto known = numbers_.find(body);
+    return known == numbers_.end() ? -1 : known->second;
+  }
+
+ private:
+  struct Link {
+    int one = -1, other = -1;
+    bool declared = false;
+  };
+  const std::string& name(int b) const { return run_.bodies[static_cast<std::size_t>(b)].name; }
+
+  // The bodies that an action joins, the second −1 for the ground; empty where it joins none. Names may hold " to ", too.
+  std::vector<int> joined(const std::string& action) const {
+    const std::size_t start = action.starts_with("weld ") ? 5 : action.starts_with("attach ") ? 7 : 0;
+    for (std::size_t at = action.find(" to ", start); start > 0 && at != std::string::npos; at = action.find(" to ", at + 1)) {
+      const int one = number(action.substr(start, at - start)), other = number(action.substr(at + 4));
+      if (one >= 0 && (other >= 0 || action.substr(at + 4) == "ground")) return {one, other};
+    }
+    return {};
+  }
+
+  const Recording& run_;
+  std::map<std::string, int> numbers_;
+  std::map<std::string, Link> links_;
+};
+
+bool among(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// The bodies outboard of `root`, itself included, along joints that hold. Parents may have any number.
-std::vector<std::size_t> subtree(const Recording& run, const Phase& phase, std::size_t root) {
-  std::vector<std::vector<std::size_t>> children(run.bodies.size());
-  for (std::size_t b = 0; b < run.bodies.size(); ++b)
-    if (run.bodies[b].parent >= 0 && phase.joined[b]) children[static_cast<std::size_t>(run.bodies[b].parent)].push_back(b);
-  std::vector<std::size_t> part{root};
-  for (std::size_t i = 0; i < part.size(); ++i) part.insert(part.end(), children[part[i]].begin(), children[part[i]].end());
-  return part;
+// What the parts are called: new names are bodies' of theirs; else the one of their bodies' names that is still there.
+void name_parts(Recording& run, const RecordedEvent& event, const Links& links, const std::vector<std::string>& roots,
+                Phase& phase) {
+  const std::vector<int> part = links.parts();
+  std::map<int, int> mechanism;  // by part
+  std::vector<std::string> taken;
+  const auto take = [&](int of, const std::string& name) {
+    if (mechanism.emplace(of, number_of(run, name)).second) taken.push_back(name);
+  };
+  for (const std::string& name : event.after.empty() ? roots : event.after)
+    if (const int b = links.number(name); b >= 0 && !among(event.before, name)) take(part[static_cast<std::size_t>(b)], name);
+  for (std::size_t b = 0; b < part.size(); ++b) {
+    const std::string name = run.mechanisms[static_cast<std::size_t>(phase.mechanism[b])];
+    if (!mechanism.contains(part[b]) && !among(taken, name) && (event.after.empty() || among(event.after, name)))
+      take(part[b], name);
+  }
+  for (std::size_t b = 0; b < part.size(); ++b)
+    if (!mechanism.contains(part[b])) take(part[b], run.bodies[b].name);
+  for (std::size_t b = 0; b < part.size(); ++b) phase.mechanism[b] = mechanism.at(part[b]);
 }
 
 }  // namespace
@@ -38,18 +122,15 @@ void find_phases(Recording& run, const std::vector<std::string>& mechanism_of) {
   for (const std::string& name : mechanism_of) phase.mechanism.push_back(number_of(run, name));
   phase.joined.assign(run.bodies.size(), 1);
   run.phases = {phase};
+  Links links(run);
   for (RecordedEvent& event : run.events) {
     phase.from = event.time;
-    for (const std::string& action : event.actions) {
-      const int child = broken_by(run, phase, action);
-      if (child < 0) continue;
-      const auto root = static_cast<std::size_t>(child);
-      event.broken.push_back(child);
-      phase.joined[root] = 0;
-      if (run.bodies[root].parent < 0) continue;  // a mechanism whose root joint breaks keeps its name
-      const int part = number_of(run, run.bodies[root].name);
-      for (const std::size_t b : subtree(run, phase, root)) phase.mechanism[b] = part;
-    }
+    const std::vector<int> before = links.parts();
+    links.apply(event, phase);
+    std::vector<std::string> roots;  // of what came off, where the event does not say it
+    for (const int b : event.broken)
+      if (run.bodies[static_cast<std::size_t>(b)].parent >= 0) roots.push_back(run.bodies[static_cast<std::size_t>(b)].name);
+    if (links.parts() != before) name_parts(run, event, links, roots, phase);
     run.phases.push_back(phase);
   }
 }

@@ -120,6 +120,10 @@ void read_events(const std::filesystem::path& file, Recording& run) {
       event.name = json.value("event", "");
       for (const Json& action : json.at("actions"))
         event.actions.push_back(action.is_string() ? action.get<std::string>() : action.dump());
+      if (json.contains("mechanisms")) {
+        event.before = json.at("mechanisms").at("before").get<std::vector<std::string>>();
+        event.after = json.at("mechanisms").at("after").get<std::vector<std::string>>();
+      }
       run.events.push_back(std::move(event));
     });
   }

@@ -109,6 +109,29 @@ TEST_CASE("a mechanism whose root joint breaks keeps its name") {
   CHECK(run.events[0].broken == std::vector<int>{0});
 }
 
+TEST_CASE("what is joined is one mechanism from then on, until the joint breaks") {
+  Directory directory;
+  directory.write("bodies.csv", header_of_two + row(0, 1) + row(1, 2));
+  directory.write("model.json", model_of_two("Two"));
+  directory.write(
+      "events.jsonl",
+      R"({"time":0.1,"event":"#1","actions":["break a/pin"],"mechanisms":{"before":["a"],"after":["a","a/2"]}})"
+      "\n"
+      R"({"time":0.2,"event":"grasp","actions":["lock a/1","weld a/1 to a/2"],"mechanisms":{"before":["a","a/2"],"after":["a"]}})"
+      "\n"
+      R"({"time":0.3,"event":"#3","actions":["break grasp"],"mechanisms":{"before":["a"],"after":["a","a/2"]}})"
+      "\n"
+      R"({"time":0.4,"event":"#4","actions":["attach a/2 to ground"],"mechanisms":{"before":["a","a/2"],"after":["a","a/2"]}})"
+      "\n");
+  const Recording run = read_recording(directory.path());
+  CHECK(run.mechanisms == std::vector<std::string>{"a", "a/2"});
+  CHECK(run.phase_at(0.15).mechanism == std::vector<int>{0, 1});
+  CHECK(run.phase_at(0.25).mechanism == std::vector<int>{0, 0});
+  CHECK(run.phase_at(0.35).mechanism == std::vector<int>{0, 1});
+  CHECK(run.phase_at(0.45).mechanism == std::vector<int>{0, 1});
+  CHECK(run.events[2].broken.empty());
+}
+
 TEST_CASE("the final state has the last word on who belongs together") {
   Directory directory;
   directory.write("bodies.csv", header_of_two + row(0, 1) + row(1, 2));
