@@ -56,6 +56,8 @@ Verdict check_energy(const Totals& before, const Totals& after, ActionPhase phas
   const bool finite = std::isfinite(after.kinetic) && std::isfinite(after.linear.x + after.linear.y + after.linear.z);
   const bool gained = phase < ActionPhase::impulse && after.kinetic > before.kinetic * (1 + 1e-3) + 1e-30;
   if (finite && !gained) return Verdict::done();
+  if (phase >= ActionPhase::impulse)
+    return Verdict::refused("it would make the motion too fast for numbers", "is the value what you meant?");
   return Verdict::refused("what would then move by itself has not the mass or inertia to move freely",
                           "give it a mass and an inertia about every axis");
 }

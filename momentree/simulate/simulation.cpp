@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // Events times bodies, beyond which a rehearsal would take longer than it is worth.
-constexpr std::size_t most_rehearsed = 50'000'000;
+constexpr std::size_t most_rehearsed = 10'000'000;
 
 struct Pending {
   double time = 0;
