@@ -5,6 +5,7 @@
 #include <chrono>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/simulate/simulation.hpp>
 #include <momentree/topology/change.hpp>
 
 #include "models.hpp"
@@ -80,6 +81,24 @@ void reroot(benchmark::State& run, Make make) {
   measure(run, w, Reroot{{w.tree.bodies() - 1}});
 }
 
+/// A whole event as a user has it, by name: order, refusals, evaluations and certificate included; a lock and an unlock in turn.
+void event(benchmark::State& run, Make make) {
+  const Model model = make(static_cast<int>(run.range(0)));
+  Simulation simulation(model);
+  const std::string joint = model[Body{model.size() * 2 / 5}].joint_name;
+  const Action actions[] = {momentree::lock(joint), momentree::unlock(joint)};
+  double inside = 0;
+  std::size_t turn = 0;
+  for (auto _ : run) {
+    const auto begin = std::chrono::steady_clock::now();
+    const Event& done = simulation.apply(actions[turn++ % 2]);
+    run.SetIterationTime(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    inside += done.duration_ns;
+    if (turn % 1000 == 0) simulation = Simulation(model);  // so that the list of events does not grow for ever
+  }
+  run.counters["change_ns"] = inside / static_cast<double>(turn);
+}
+
 #define MEASURE(change)                                                                                   \
   BENCHMARK_CAPTURE(change, planar_chain, planar_chain)->Arg(10)->Arg(100)->Arg(1000)->UseManualTime();   \
   BENCHMARK_CAPTURE(change, spatial_chain, spatial_chain)->Arg(10)->Arg(100)->Arg(1000)->UseManualTime(); \
@@ -90,6 +109,7 @@ MEASURE(unlock);
 MEASURE(weld);
 MEASURE(stiffen);
 MEASURE(reroot);
+MEASURE(event);
 
 }  // namespace
 }  // namespace momentree::bench

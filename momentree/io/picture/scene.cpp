@@ -175,6 +175,10 @@ Scene build_scene(const Recording& run, const View& view) {
     scene.bounds.add(scene.anchors.back());
   }
   for (const RecordedEvent& event : run.events) {
+    if (event.name == "stop") {  // joints bounce on their stops many times: they are counted, not listed
+      for (const std::string& action : event.actions) scene.hits += action.starts_with("hit ");
+      continue;
+    }
     SceneEvent shown{event.time, {}, {}};
     for (const std::string& action : event.actions) shown.text += (shown.text.empty() ? "" : ", ") + action;
     for (const int b : event.broken) {

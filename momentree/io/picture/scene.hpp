@@ -46,6 +46,7 @@ struct Scene {
   std::vector<SceneFrame> frames;
   std::vector<Point2> anchors;  ///< where a mechanism is joined to the ground
   std::vector<SceneEvent> events;
+  int hits = 0;  ///< of joints on their stops
   Box2 bounds;
   bool has_areas = false;     ///< bodies with shapes: they cover what is behind them
   double typical_length = 0;  ///< median of the lines' lengths in the picture (m)
