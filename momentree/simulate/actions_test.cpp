@@ -335,3 +335,10 @@ TEST_CASE("a part that would have no mass of its own does not come off") {
   CHECK(refused(sim, {break_joint("tug/sensor")}).find("mass") != std::string::npos);
   CHECK(bits(sim.world()) == before);
 }
+
+TEST_CASE("too many actions at one instant are an error that tells them") {
+  Simulation sim(yard());
+  const std::vector<Action> many(10'001, impulse("tug/hull", {1e-9, 0, 0}));
+  CHECK(refused(sim, many).find("more than 10000 actions at one instant") != std::string::npos);
+  CHECK(sim.events().empty());
+}

@@ -397,12 +397,13 @@ const Event& Simulation::apply(std::span<const Action> actions, std::string name
     impl.check_names(*action);
     due.actions.push_back(action);
   }
+  const std::size_t place = impl.events.size();  // what its stops do about it comes after it
   if (impl.keeps_history) impl.history.push_back({impl.events.size(), impl.snapshot()});
   if (!impl.carry_out_now({&due, 1})) {
     if (impl.keeps_history) impl.history.pop_back();
     fail({impl.message, "", ""});
   }
-  return impl.events.back();
+  return impl.events[place];
 }
 
 Rehearsal Simulation::rehearse() { return impl_->rehearse(); }
