@@ -9,4 +9,5 @@
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/topology/change.hpp>
+#include <momentree/topology/snapshot.hpp>
 #include <momentree/tree/model.hpp>
