@@ -9,6 +9,8 @@
 #include <vector>
 
 #include <momentree/simulate/action.hpp>
+#include <momentree/simulate/agenda.hpp>
+#include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/event.hpp>
 #include <momentree/simulate/world.hpp>
 
@@ -44,9 +46,9 @@ struct EnergyBalance {
 /// A run at an instant.
 struct SimulationSnapshot {
   WorldSnapshot world;
-  std::vector<char> fired;  ///< by scheduled event, in the order of scheduling
-  std::size_t events = 0;   ///< how many had happened
-  EnergyBalance balance;    ///< with what was dissipated and done by forces since the start
+  std::vector<Agenda::Armed> armed;  ///< by scheduled event, in the order of scheduling
+  std::size_t events = 0;            ///< how many had happened
+  EnergyBalance balance;             ///< with what was dissipated and done by forces since the start
   double impulsive_work = 0;
   double proposal = 0;  ///< the next step of an adaptive method (s)
 };
@@ -90,6 +92,12 @@ class Simulation {
     std::size_t event_;
   };
   Scheduled at(double time);
+  /// The same when a condition comes true: `when(reaction_force("crane/hook").exceeds(4e3)).then(break_joint("crane/hook"))`.
+  Scheduled when(Condition condition);
+  /// `delay` seconds after the event of that name, each time that it happens.
+  Scheduled after(std::string event, double delay = 0);
+  /// At `from` and every `period` seconds from then on.
+  Scheduled every(double period, double from = 0);
 
   /// Does actions now, as an event of this name (empty: by its place). Throws Error where one is impossible: nothing then
   /// happened.

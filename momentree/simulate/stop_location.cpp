@@ -1,5 +1,5 @@
-// When within a step a stop is hit, or must let go of a joint that rests on it: by steps of the method itself, so that the state
-// found is a state of the motion.
+// When within a step a stop is hit, or must let go of a joint that rests on it, or a condition comes true: by steps of the method
+// itself, so that the state found is a state of the motion.
 #include <algorithm>
 #include <cmath>
 
@@ -55,26 +55,52 @@ struct Stops::Trial {
 };
 
 struct Stops::Watched {
-  const Side* side;
-  double limit, q, v;  ///< where it counts as crossed; at the start
-  bool held;
+  const Side* side = nullptr;      ///< a stop, or else
+  const Watch* watch = nullptr;    ///< a condition
+  double limit = 0, q = 0, v = 0;  ///< where it counts as crossed; at the start
+  bool held = false;
 };
 
 // Positive beyond the stop, or where it would have to pull.
-double Stops::excess(const Watched& w) const { return w.held ? pull(*w.side) : w.side->sign * coordinate(*w.side) - w.limit; }
+double Stops::excess(const Watched& w) const {
+  if (w.watch != nullptr) return w.watch->excess();
+  return w.held ? pull(*w.side) : w.side->sign * coordinate(*w.side) - w.limit;
+}
+
+// Where between two ends that are within something may have been beyond; −1: nowhere.
+std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) const {
+  if (w.held) return -1;
+  if (w.side != nullptr) {
+    if (!(w.v > 0 && speed(*w.side) < 0)) return -1;
+    const Peak found = peak_between(end, w.q, w.v, w.side->sign * coordinate(*w.side), speed(*w.side));
+    return found.value < w.limit - 1e-2 * w.v * end ? -1 : found.time;
+  }
+  // Values at the ends say whether it is near, slopes there whether it rose and fell: two short steps, seldom.
+  const double last = w.watch->excess(), near = -0.2 * w.watch->scale;
+  if (w.watch->start < near && last < near) return -1;
+  const double bit = end / 64;
+  if (!trial.go(bit)) return std::nullopt;
+  const double rise = (w.watch->excess() - w.watch->start) / bit;
+  if (!(rise > 0)) return -1;
+  if (!trial.go(end - bit)) return std::nullopt;
+  const double fall = (last - w.watch->excess()) / bit;
+  if (!(fall < 0)) return -1;
+  const Peak found = peak_between(end, w.watch->start, rise, last, fall);
+  return found.value < -0.02 * w.watch->scale ? -1 : found.time;
+}
 
 // The first crossing in (0, end], −1 where there is none; nothing where the method failed.
 std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end, double tolerance) const {
   if (trial.at != end && !trial.go(end)) return std::nullopt;
   double outside = end, beyond = excess(w);
-  if (!(beyond > 0) && !w.held && w.v > 0 && speed(*w.side) < 0) {  // out and back within the step?
-    const Peak peak = peak_between(end, w.q, w.v, w.side->sign * coordinate(*w.side), speed(*w.side));
-    if (peak.value < w.limit - 1e-2 * w.v * end) return -1;
-    if (!trial.go(peak.time)) return std::nullopt;
-    outside = peak.time, beyond = excess(w);
+  if (!(beyond > 0)) {  // out and back within the step?
+    const std::optional<double> highest = peak(trial, w, end);
+    if (!highest || *highest < 0) return highest;
+    if (!trial.go(*highest)) return std::nullopt;
+    outside = *highest, beyond = excess(w);
   }
   if (!(beyond > 0)) return -1;
-  double inside = 0, within = w.held ? -beyond : w.q - w.limit;
+  double inside = 0, within = w.watch != nullptr ? w.watch->start : w.held ? -beyond : w.q - w.limit;
   // The secant of Illinois, kept off the ends so that both of them move.
   for (int last = 0; outside - inside > tolerance;) {
     const double margin = std::min(0.25 * (outside - inside), 0.4 * tolerance);
@@ -94,7 +120,7 @@ std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end
   return outside;
 }
 
-std::optional<double> Stops::step(Integrator& method, Books& books, double h, double tolerance) {
+std::optional<double> Stops::step(Integrator& method, Books& books, double h, double tolerance, std::span<const Watch> watches) {
   (*evaluate_)(world_->state_);
   std::vector<Watched> watched;
   bool holding = false;
@@ -103,9 +129,10 @@ std::optional<double> Stops::step(Integrator& method, Books& books, double h, do
     const double q = s.sign * coordinate(s);
     // What stands on the stop, or beyond it by the tolerance of the last impact, leaves from there: only its return counts.
     const double limit = std::max(s.sign * s.limit, q) + 1e-13 * (1 + std::fabs(s.limit));
-    watched.push_back({&s, limit, q, speed(s), holds(s)});
+    watched.push_back({&s, nullptr, limit, q, speed(s), holds(s)});
     holding = holding || holds(s);
   }
+  for (const Watch& watch : watches) watched.push_back({nullptr, &watch});
   Trial trial{*world_, *evaluate_, method, books, world_->state_, books, holding};
   bool fine = trial.first(h);
   double end = trial.at;

@@ -3,7 +3,9 @@
 //
 // A stop pushes and never pulls. Hit faster than its rest speed, the joint's freedom is thrown back with its restitution; slower,
 // it rests: the freedom is locked, until the stop would have to pull to hold it.
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,13 @@
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
+
+/// Something else to be located in a step: positive where it has happened.
+struct Watch {
+  std::function<double()> excess;  ///< at the world's state as it is
+  double start;                    ///< now, not positive
+  double scale;                    ///< what is far from zero
+};
 
 class Stops {
  public:
@@ -23,9 +32,9 @@ class Stops {
   /// Deals with what touches a stop now: impacts, rests, releases. One event for each impact, rest and release.
   void settle(std::vector<Event>& events);
 
-  /// One step of at most h seconds, which ends early where a stop is hit or must let go, located to `tolerance` seconds. Returns
-  /// the seconds stepped, nothing where the method failed (the state is then what it was).
-  std::optional<double> step(Integrator& method, Books& books, double h, double tolerance);
+  /// One step of at most h seconds, which ends early where a stop is hit or must let go, or one of `watches` happens, located to
+  /// `tolerance` seconds. Returns the seconds stepped, nothing where the method failed (the state is then what it was).
+  std::optional<double> step(Integrator& method, Books& books, double h, double tolerance, std::span<const Watch> watches = {});
 
   /// Among joints resting on stops, those which transmitted impulses that a stop can't (it would have pulled) at `event`: lets go
   /// of them. False: there is none.
@@ -40,6 +49,7 @@ class Stops {
   struct Watched;
   double excess(const Watched& watched) const;
   std::optional<double> crossing(Trial& trial, const Watched& watched, double end, double tolerance) const;
+  std::optional<double> peak(Trial& trial, const Watched& watched, double end) const;
   void find();
   double coordinate(const Side& side) const;
   double speed(const Side& side) const;         // towards the stop

@@ -1,0 +1,118 @@
+#include <momentree/simulate/agenda.hpp>
+
+#include <algorithm>
+
+#include <momentree/simulate/world.hpp>
+
+namespace momentree {
+
+std::size_t Agenda::add(Entry entry) {
+  entries.push_back(std::move(entry));
+  next_ = std::min(next_, entries.back().time);
+  return entries.size() - 1;
+}
+
+void Agenda::look_ahead() {
+  next_ = HUGE_VAL;
+  for (const Entry& e : entries) {
+    if (e.done) continue;
+    const bool holds = e.condition && e.since >= 0 && e.condition->duration > 0;
+    next_ = std::min(next_, holds ? e.since + e.condition->duration : e.time);
+  }
+}
+
+std::vector<std::size_t> Agenda::due(double time) const {
+  std::vector<std::size_t> places;
+  if (next_ > time) return places;
+  for (std::size_t k = 0; k < entries.size(); ++k)
+    if (!entries[k].done && !entries[k].condition && entries[k].time <= time) places.push_back(k);
+  return places;
+}
+
+bool Agenda::watching() const {
+  return std::any_of(entries.begin(), entries.end(), [](const Entry& e) { return e.condition && !e.done; });
+}
+
+std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Event> now) {
+  std::optional<std::size_t> first, load;
+  double largest = 0;
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    Entry& e = entries[k];
+    if (!e.condition || e.done) continue;
+    const Condition& c = *e.condition;
+    const std::optional<double> value = c.what->value(world, now);
+    if (!value) {
+      e.since = -1;
+      continue;
+    }
+    const double excess = c.above ? *value - c.threshold : c.threshold - *value;
+    if (e.resting && excess < -c.hysteresis * std::fabs(c.threshold)) e.resting = false;
+    if (e.resting || !(excess > 0)) {
+      e.since = -1;
+      continue;
+    }
+    if (e.since < 0) e.since = world.time();
+    if (world.time() < e.since + c.duration) continue;
+    if (!first) first = k;
+    if (c.what->is_load() && c.ratio(*value) > largest) load = k, largest = c.ratio(*value);
+  }
+  look_ahead();  // to where those that hold will have held long enough
+  return load ? load : first;
+}
+
+std::vector<Watch> Agenda::watches(const World& world) const {
+  std::vector<Watch> all;
+  for (const Entry& e : entries) {
+    if (!e.condition || e.done || e.resting || e.since >= 0) continue;
+    const Condition& c = *e.condition;
+    if (!c.exact || c.what->is_impulsive()) continue;
+    const std::optional<double> excess = c.excess(world, {});
+    if (!excess || *excess > 0) continue;
+    all.push_back({[&world, &c, start = *excess] { return c.excess(world, {}).value_or(start); }, *excess,
+                   std::max(std::fabs(c.threshold), 1e-12)});
+  }
+  return all;
+}
+
+void Agenda::happened(std::size_t place, double time) {
+  Entry& e = entries[place];
+  ++e.fired;
+  e.since = -1;
+  if (e.condition) {
+    e.resting = e.condition->repeats;
+    e.done = !e.condition->repeats;
+  } else if (e.period > 0) {
+    e.time += e.period;
+  } else if (e.after.empty()) {
+    e.done = true;
+  } else {
+    e.time = HUGE_VAL;
+  }
+  const std::string name = e.event.name;
+  for (Entry& other : entries)
+    if (other.after == name) other.time = std::min(other.time, time + other.delay);
+  look_ahead();
+}
+
+std::vector<Agenda::Armed> Agenda::armed() const {
+  std::vector<Armed> all;
+  for (const Entry& e : entries) all.push_back({e.time, e.fired, e.done, e.since, e.resting});
+  return all;
+}
+
+void Agenda::restore(std::span<const Armed> armed, double now) {
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    Entry& e = entries[k];
+    if (k < armed.size()) {
+      const Armed& a = armed[k];
+      e.time = a.time, e.fired = a.fired, e.done = a.done, e.since = a.since, e.resting = a.resting;
+    } else {
+      e.fired = 0, e.since = -1, e.resting = false;
+      if (!e.after.empty()) e.time = HUGE_VAL;
+      e.done = !e.condition && e.time < now;
+    }
+  }
+  look_ahead();
+}
+
+}  // namespace momentree

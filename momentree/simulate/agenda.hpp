@@ -1,0 +1,67 @@
+#pragma once
+// What is to happen: events with their instants or conditions, and what became of them so far.
+#include <cmath>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <momentree/simulate/condition.hpp>
+#include <momentree/simulate/instant.hpp>
+#include <momentree/simulate/stops.hpp>
+
+namespace momentree {
+
+class Agenda {
+ public:
+  struct Entry {
+    DueEvent event;
+    double time = HUGE_VAL;              ///< when it is due, as far as that is known
+    std::optional<Condition> condition;  ///< or when it comes true
+    std::string after;                   ///< or after the event of that name,
+    double delay = 0;                    ///< by this (s)
+    double period = 0;                   ///< and again every so often (s); 0: once
+    int fired = 0;
+    bool done = false;
+    double since = -1;     ///< since when the condition holds, −1: it does not
+    bool resting = false;  ///< it repeats, and is not armed again yet
+  };
+
+  std::vector<Entry> entries;  ///< in the order of scheduling
+
+  /// Adds an entry and finds the next instant; returns its place.
+  std::size_t add(Entry entry);
+  /// The next instant at which something may be due.
+  double next_time() const { return next_; }
+  void look_ahead();
+
+  /// Places of what is due at an instant, or was.
+  std::vector<std::size_t> due(double time) const;
+  /// The condition that is true now and comes first: the largest ratio of load to threshold, else the first scheduled. Keeps
+  /// account of since when conditions hold.
+  std::optional<std::size_t> urgent(const World& world, std::span<const Event> now);
+  /// What is to be located in the next step.
+  std::vector<Watch> watches(const World& world) const;
+  /// True where conditions are to be looked at after a step.
+  bool watching() const;
+
+  /// An entry happened: it is done, or armed again; what follows it has its instant now.
+  void happened(std::size_t place, double time);
+
+  /// By entry, what a snapshot keeps of it.
+  struct Armed {
+    double time = 0;
+    int fired = 0;
+    bool done = false;
+    double since = -1;
+    bool resting = false;
+  };
+  std::vector<Armed> armed() const;
+  /// Entries that the list does not have stay scheduled where they are not past at `now`.
+  void restore(std::span<const Armed> armed, double now);
+
+ private:
+  double next_ = HUGE_VAL;
+};
+
+}  // namespace momentree

@@ -1,0 +1,120 @@
+#pragma once
+// When something happens: a quantity of the world, a threshold, and the instant at which the one passes the other. Each quantity
+// stands in its own file in quantities/.
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <momentree/base/error.hpp>
+#include <momentree/base/units.hpp>
+#include <momentree/math/vec.hpp>
+#include <momentree/simulate/event.hpp>
+
+namespace momentree {
+
+class World;
+
+/// What a quantity is told, field by field, by readers of files.
+class QuantityFields {
+ public:
+  virtual ~QuantityFields() = default;
+  virtual void joint(std::string& name) = 0;
+  virtual void mechanism(std::string& name) = 0;
+  /// A point of a body, in its frame; the `number`-th of `count`.
+  virtual void point(int number, int count, std::string& body, Vec3& point) = 0;
+  virtual void component(std::string& name) = 0;
+};
+
+/// A number that the world has at an instant.
+class Quantity {
+ public:
+  virtual ~Quantity() = default;
+  /// As in scenario files: "reaction_force".
+  virtual std::string_view key() const = 0;
+  virtual void fields(QuantityFields& fields) = 0;
+  virtual Dimension dimension() const = 0;
+  virtual std::vector<std::string> joints() const { return {}; }
+  virtual std::vector<std::string> bodies() const { return {}; }
+  /// True for loads on joints: of several at one instant the largest ratio to its threshold comes first.
+  virtual bool is_load() const { return false; }
+  /// True for what exists at instants only (impulses), and is not looked for between them.
+  virtual bool is_impulsive() const { return false; }
+  /// Nothing where its joint, body or mechanism is gone. `now`: the events of this instant so far.
+  virtual std::optional<double> value(const World& world, std::span<const Event> now) const = 0;
+};
+
+/// A quantity with its threshold. Happens at the instant of crossing, located to the run's event_tolerance, also at the start if
+/// it is past already; once, unless it repeats.
+class Condition {
+ public:
+  Condition(std::shared_ptr<const Quantity> what_, double threshold_, bool above_)
+      : what(std::move(what_)), threshold(threshold_), above(above_) {}
+
+  /// Armed again once it is back past the threshold by that share of it.
+  Condition repeated(double share = 0.01) && {
+    repeats = true, hysteresis = share;
+    return std::move(*this);
+  }
+  /// Only after it has held for that long (s).
+  Condition lasting(double seconds) && {
+    duration = seconds;
+    return std::move(*this);
+  }
+  /// Looked at after each step alone: cheaper, and as exact as the step.
+  Condition per_step() && {
+    exact = false;
+    return std::move(*this);
+  }
+
+  /// Positive where it holds; nothing where the quantity is gone.
+  std::optional<double> excess(const World& world, std::span<const Event> now) const;
+  /// Load over threshold, or for what falls below it threshold over load.
+  double ratio(double value) const { return above ? value / threshold : threshold / value; }
+
+  std::shared_ptr<const Quantity> what;
+  double threshold;
+  bool above;
+  bool repeats = false, exact = true;
+  double hysteresis = 0.01, duration = 0;
+};
+
+/// A quantity before it has a threshold: `reaction_force("crane/hook").exceeds(4e3)`.
+class Measure {
+ public:
+  explicit Measure(std::shared_ptr<const Quantity> what) : what_(std::move(what)) {}
+  Condition exceeds(double threshold) const { return {what_, threshold, true}; }
+  Condition below(double threshold) const { return {what_, threshold, false}; }
+
+ private:
+  std::shared_ptr<const Quantity> what_;
+};
+
+/// Norm of the force (N), of the torque (N m) that a joint transmits, about the child's origin.
+Measure reaction_force(std::string joint);
+Measure reaction_torque(std::string joint);
+/// One component of them, in the child's axes: "fx", "fy", "fz", "mx", "my" or "mz".
+Measure reaction(std::string joint, std::string component);
+/// Norm of the linear impulse (N s) through a joint at an instantaneous change.
+Measure reaction_impulse(std::string joint);
+/// Coordinate and speed of a joint with one freedom.
+Measure position_of(std::string joint);
+Measure speed_of(std::string joint);
+/// Between two points of bodies, each in its body's frame (m); "ground" is a body.
+Measure distance_between(std::string one, std::string other, Vec3 point_of_one = {}, Vec3 point_of_other = {});
+/// Of a point of a body above the world's origin, against gravity (m); along z where there is none.
+Measure height_of(std::string body, Vec3 point = {});
+/// Of the bodies of a mechanism (J).
+Measure kinetic_energy_of(std::string mechanism);
+/// Any function of the world's state, continuous where its crossing is to be found.
+Measure measured(std::function<double(const World&)> function);
+
+/// A quantity of that key, its fields still empty; null if there is none.
+std::shared_ptr<Quantity> make_quantity(std::string_view key);
+/// Keys of all quantities.
+std::vector<std::string> quantity_keys();
+
+}  // namespace momentree

@@ -1,0 +1,163 @@
+// Events that wait for a condition: the instant of crossing, whatever the step; order, repetition, duration.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/base/error.hpp>
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+using namespace momentree;
+
+namespace {
+
+constexpr double g = 9.81;
+
+Model falling(double v = 0) {
+  Model model;
+  model.add({.name = "ball", .mass = 2, .inertia = diagonal(0.1), .joint = Prismatic{}, .v = v});
+  return model;
+}
+
+// Rods of 1 kg and 1 m that hang from one another, at rest.
+Model hanging(int links) {
+  Model model;
+  Body last = ground;
+  for (int k = 1; k <= links; ++k)
+    last = model.add({.name = "rod/" + std::to_string(k),
+                      .mass = 1,
+                      .com = {0, 0, -0.5},
+                      .inertia = diagonal(1.0 / 12, 1.0 / 12, 0.001),
+                      .parent = last,
+                      .at = {0, 0, k == 1 ? 0.0 : -1.0},
+                      .joint = Revolute{.axis = {0, 1, 0}}});
+  return model;
+}
+
+}  // namespace
+
+TEST_CASE("the instant of a crossing does not depend on the step") {
+  for (const double step : {1e-3, 5e-3, 0.05}) {
+    Simulation sim(falling(), {.step = step});
+    sim.when(height_of("ball").below(-1.0)).then(impulse("ball", {0, 0, 2})).named("low");
+    sim.when(speed_of("ball").below(-3.0)).then(impulse("ball", {0, 0, 1})).named("fast");
+    REQUIRE(sim.run_until(1) == Status::ok);
+    REQUIRE(sim.events().size() == 2);
+    CHECK(sim.events()[0].name == "fast");
+    CHECK(std::fabs(sim.events()[0].time - 3 / g) < 1e-9);
+    // From there with a speed of 2.5 m/s, at 3²/2g below the start.
+    const double fallen = 9 / (2 * g), t = (-2.5 + std::sqrt(2.5 * 2.5 + 2 * g * (1 - fallen))) / g;
+    CHECK(std::fabs(sim.events()[1].time - (3 / g + t)) < 2e-9);
+  }
+}
+
+TEST_CASE("a pendulum breaks where the force in its pin reaches a threshold") {
+  // Point mass on a massless rod of 1 m, released level: the force is 3 m g sin φ, φ the angle fallen; 2 m g at sin φ = 2/3.
+  Model model;
+  model.add({.name = "bob", .mass = 1, .com = {1, 0, 0}, .inertia = {}, .joint = Revolute{.axis = {0, 1, 0}}});
+  for (const double step : {1e-3, 5e-3}) {
+    Simulation sim(model, {.step = step});
+    sim.when(reaction_force("bob").exceeds(2 * g)).then(free_joint("bob"));
+    REQUIRE(sim.run_until(0.1) == Status::ok);
+    const Status status = sim.run_until(2);
+    CHECK(status == Status::refused);  // a point has no inertia of its own to fly off with
+    CHECK(std::fabs(std::sin(sim.world().joint({0}).q[0]) - 2.0 / 3) < 1e-7);
+  }
+}
+
+TEST_CASE("already past at the start: at once; the largest load first; a cascade at one instant") {
+  Simulation sim(hanging(5), {.step = 1e-3});
+  // The pins carry 5, 4, 3, 2, 1 rods. All but the last are overloaded; the third the most, then, with what is left, the first.
+  const double limits[5] = {4.2, 3.9, 2.0, 1.9, 5};
+  for (int k = 1; k <= 5; ++k) {
+    const std::string rod = "rod/" + std::to_string(k);
+    sim.when(reaction_force(rod).exceeds(limits[k - 1] * g)).then(break_joint(rod)).named("snap " + std::to_string(k));
+  }
+  REQUIRE(sim.run_until(0.01) == Status::ok);
+  REQUIRE(sim.events().size() == 1);  // rid of three rods no other pin is overloaded, in free fall neither
+  CHECK(sim.events()[0].name == "snap 3");
+  CHECK(sim.events()[0].time == 0);
+
+  Simulation all(hanging(12), {.step = 1e-3});
+  for (int k = 12; k >= 1; --k) {
+    // From the bottom to the top, each a little more overloaded than the one above it will be after the break.
+    const std::string rod = "rod/" + std::to_string(k);
+    all.when(position_of(rod).exceeds(-1)).then(break_joint(rod));
+  }
+  REQUIRE(all.run_until(0) == Status::ok);
+  CHECK(all.events().size() == 12);  // each true at once, one after the other, in the order of scheduling
+  CHECK(all.events()[0].actions[0] == "break rod/12");
+  CHECK(all.world().mechanisms().size() == 12);
+}
+
+TEST_CASE("a peak between the ends of a step is found") {
+  const double v = 1, top = v * v / (2 * g);
+  Simulation sim(falling(v), {.step = 0.3});  // up and down again within the first step
+  sim.when(position_of("ball").exceeds(0.95 * top)).then(impulse("ball", {0.0, 0, 0}));
+  REQUIRE(sim.run_until(0.3) == Status::ok);
+  REQUIRE(sim.events().size() == 1);
+  CHECK(std::fabs(sim.events()[0].time - v / g * (1 - std::sqrt(0.05))) < 1e-9);
+}
+
+TEST_CASE("repetition, duration, delays, periods") {
+  Model model({.gravity = {}});
+  model.add({.name = "swing",
+             .mass = 1,
+             .inertia = diagonal(1),
+             .joint = Prismatic{.stiffness = 4 * 9.869604401089358},  // a period of one second
+             .q = 1.0});
+  Simulation sim(model, {.step = 1e-3});
+  const Action nothing = impulse("swing", {});
+  sim.when(position_of("swing").exceeds(0.5).repeated()).then(nothing).named("out");
+  sim.when(position_of("swing").exceeds(0.5).lasting(0.2)).then(nothing).named("long");
+  sim.when(position_of("swing").exceeds(0.5).lasting(0.4)).then(nothing).named("too long");
+  sim.after("out", 0.1).then(nothing).named("later");
+  sim.every(0.75, 0.5).then(nothing).named("clock");
+  REQUIRE(sim.run_until(2.2) == Status::ok);
+  std::vector<std::pair<std::string, double>> expected = {
+      {"out", 0},          {"later", 0.1},  {"clock", 0.5},    {"out", 5.0 / 6},     {"later", 14.0 / 15},
+      {"long", 31.0 / 30}, {"clock", 1.25}, {"out", 11.0 / 6}, {"later", 29.0 / 15}, {"clock", 2.0}};
+  REQUIRE(sim.events().size() == expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    CHECK(sim.events()[i].name == expected[i].first);
+    CHECK(std::fabs(sim.events()[i].time - expected[i].second) < 1e-8);
+  }
+}
+
+TEST_CASE("snapshots know what is armed; a runaway is stopped with its story; impulses trigger") {
+  Simulation sim(falling(), {.step = 1e-3});
+  sim.when(height_of("ball").below(-0.5)).then(impulse("ball", {0, 0, 1}));
+  const SimulationSnapshot start = sim.snapshot();
+  sim.run_until(0.5);
+  const double t = sim.events().at(0).time;
+  sim.restore(start);
+  sim.run_until(0.5);
+  REQUIRE(sim.events().size() == 1);
+  CHECK(sim.events()[0].time == t);
+
+  Simulation runaway(falling());
+  runaway.at(0.1).then(impulse("ball", {})).named("a");
+  runaway.after("a").then(impulse("ball", {})).named("b");
+  runaway.after("b").then(impulse("ball", {})).named("a");
+  CHECK(runaway.run_until(1) == Status::refused);
+  CHECK(runaway.message().find("more than 10000 events at t = 0.1 s") != std::string::npos);
+
+  Simulation jerk(hanging(3));
+  jerk.when(reaction_impulse("rod/2").exceeds(0.5)).then(break_joint("rod/2"));
+  jerk.at(0.1).then(impulse("rod/3", {0, 0, -1}, {}, {0, 0, -1}));
+  REQUIRE(jerk.run_until(0.2) == Status::ok);
+  REQUIRE(jerk.events().size() == 2);
+  CHECK(jerk.events()[1].time == 0.1);
+}
+
+TEST_CASE("conditions that can't be are errors") {
+  Simulation sim(hanging(2));
+  CHECK_THROWS_AS(sim.when(reaction_force("rod/3").exceeds(1)), Error);
+  CHECK_THROWS_AS(sim.when(reaction_force("rod/1").exceeds(0)), Error);
+  CHECK_THROWS_AS(sim.when(height_of("rope").below(1)), Error);
+  CHECK_THROWS_AS(reaction("rod/1", "fw"), Error);
+  CHECK_THROWS_AS(sim.after("never", 1), Error);
+  CHECK_THROWS_AS(sim.every(0), Error);
+}

@@ -1,0 +1,21 @@
+#pragma once
+// What the quantities that are loads on a joint share.
+#include <momentree/simulate/condition.hpp>
+#include <momentree/simulate/world.hpp>
+
+namespace momentree::quantities {
+
+struct Load : Quantity {
+  std::string joint;
+
+  void fields(QuantityFields& fields) override { fields.joint(joint); }
+  std::vector<std::string> joints() const override { return {joint}; }
+  bool is_load() const override { return true; }
+  virtual std::optional<double> of(const Wrench& wrench) const = 0;
+  std::optional<double> value(const World& world, std::span<const Event>) const override {
+    const int number = world.find_joint(joint);
+    return number < 0 ? std::nullopt : of(world.joint_forces({number}).reaction);
+  }
+};
+
+}  // namespace momentree::quantities

@@ -1,0 +1,26 @@
+#pragma once
+// Height of a point of a body, against gravity.
+#include <momentree/simulate/condition.hpp>
+#include <momentree/simulate/world.hpp>
+
+namespace momentree::quantities {
+
+struct Height : Quantity {
+  std::string name;
+  Vec3 point{};
+
+  std::string_view key() const override { return "height"; }
+  Dimension dimension() const override { return dimension::length; }
+  void fields(QuantityFields& fields) override { fields.point(0, 1, name, point); }
+  std::vector<std::string> bodies() const override { return {name}; }
+  std::optional<double> value(const World& world, std::span<const Event>) const override {
+    const Body body = world.model().body(name);
+    if (!world.alive(body)) return std::nullopt;
+    const Vec3 place = world.motions()[static_cast<std::size_t>(body.index)].pose * point;
+    const Vec3 g = world.model().gravity();
+    const double size = norm(g);
+    return size == 0 ? place.z : -dot(g, place) / size;
+  }
+};
+
+}  // namespace momentree::quantities

@@ -1,0 +1,31 @@
+#pragma once
+// Kinetic energy of the bodies of a mechanism.
+#include <momentree/simulate/condition.hpp>
+#include <momentree/simulate/world.hpp>
+
+namespace momentree::quantities {
+
+struct KineticEnergy : Quantity {
+  std::string name;
+
+  std::string_view key() const override { return "kinetic_energy"; }
+  Dimension dimension() const override { return dimension::torque; }
+  void fields(QuantityFields& fields) override { fields.mechanism(name); }
+  std::optional<double> value(const World& world, std::span<const Event>) const override {
+    for (const Mechanism& mechanism : world.mechanisms()) {
+      if (mechanism.name != name) continue;
+      double energy = 0;
+      for (const Body body : mechanism.bodies) {
+        const BodySpec& spec = world.model()[body];
+        const BodyMotion& m = world.motions()[static_cast<std::size_t>(body.index)];
+        const Mat3 R = rotation_matrix(m.pose.rotation);
+        const Vec3 v = m.linear + cross(m.angular, R * spec.com), w = transpose_times(R, m.angular);
+        energy += 0.5 * (spec.mass * dot(v, v) + dot(w, spec.inertia * w));
+      }
+      return energy;
+    }
+    return std::nullopt;
+  }
+};
+
+}  // namespace momentree::quantities

@@ -1,0 +1,22 @@
+#pragma once
+// One component of the wrench through a joint, in the child's axes.
+#include <momentree/simulate/load.hpp>
+
+namespace momentree::quantities {
+
+struct Reaction : Load {
+  std::string component = "fx";
+
+  std::string_view key() const override { return "reaction"; }
+  Dimension dimension() const override { return component.starts_with('m') ? dimension::torque : dimension::force; }
+  void fields(QuantityFields& fields) override {
+    fields.joint(joint);
+    fields.component(component);
+  }
+  std::optional<double> of(const Wrench& wrench) const override {
+    const Vec3& v = component[0] == 'm' ? wrench.torque : wrench.force;
+    return component[1] == 'x' ? v.x : component[1] == 'y' ? v.y : v.z;
+  }
+};
+
+}  // namespace momentree::quantities

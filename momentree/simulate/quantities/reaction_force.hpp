@@ -1,0 +1,13 @@
+#pragma once
+// Norm of the whole force through a joint.
+#include <momentree/simulate/load.hpp>
+
+namespace momentree::quantities {
+
+struct ReactionForce : Load {
+  std::string_view key() const override { return "reaction_force"; }
+  Dimension dimension() const override { return dimension::force; }
+  std::optional<double> of(const Wrench& wrench) const override { return norm(wrench.force); }
+};
+
+}  // namespace momentree::quantities

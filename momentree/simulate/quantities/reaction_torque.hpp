@@ -1,0 +1,13 @@
+#pragma once
+// Norm of the whole torque through a joint, about the origin of the child's frame.
+#include <momentree/simulate/load.hpp>
+
+namespace momentree::quantities {
+
+struct ReactionTorque : Load {
+  std::string_view key() const override { return "reaction_torque"; }
+  Dimension dimension() const override { return dimension::torque; }
+  std::optional<double> of(const Wrench& wrench) const override { return norm(wrench.torque); }
+};
+
+}  // namespace momentree::quantities

@@ -1,0 +1,396 @@
+#pragma once
+// What a Simulation is inside: how it steps from event to event. Included by simulation.cpp alone.
+#include <momentree/simulate/simulation.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+#include <momentree/base/error.hpp>
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/simulate/agenda.hpp>
+#include <momentree/simulate/instant.hpp>
+#include <momentree/simulate/stops.hpp>
+
+namespace momentree {
+
+namespace detail {
+
+using Clock = std::chrono::steady_clock;
+inline double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// Events times bodies, beyond which a rehearsal would take longer than it is worth.
+inline constexpr std::size_t most_rehearsed = 10'000'000;
+
+inline std::string text(double x) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.9g", x);
+  return buffer;
+}
+
+}  // namespace detail
+
+struct Simulation::Impl {
+  using Clock = detail::Clock;
+  Impl(const Model& model, const Integration& how)
+      : integration(how), world(model), evaluate(world.tree_, world.work_), method(new_method()), stops(world, evaluate) {
+    if (method == nullptr)
+      fail({"unknown integration method '" + how.method + "'", "", did_you_mean(how.method, integration_methods())});
+    if (!(how.step > 0) || !std::isfinite(how.step))
+      fail({"the step must be a positive time, not " + detail::text(how.step), "", ""});
+    if (!(how.rtol > 0 && how.atol > 0 && how.max_step > 0)) fail({"rtol, atol and max_step must be positive", "", ""});
+    begin();
+  }
+
+  std::unique_ptr<Integrator> new_method() const {
+    return make_integrator(integration.method, world.tree_,
+                           {integration.step, integration.rtol, integration.atol, integration.max_step});
+  }
+
+  void begin() {
+    evaluate_state();
+    balance = {};
+    books = {};
+    const Totals t = world.totals();
+    balance.initial = t.kinetic + t.potential;
+    events.clear();
+    observed = false;
+  }
+
+  // Clock and evaluations since the last call go to the phase, before or after the first change, in which they were spent.
+  void book() {
+    const auto p = static_cast<std::size_t>(statistics.changes > 0);
+    statistics.evaluations[p] += evaluate.count;
+    statistics.evaluation_seconds[p] += evaluate.seconds;
+    statistics.total_seconds[p] += detail::seconds_since(lap);
+    evaluate.count = 0;
+    evaluate.seconds = 0;
+    lap = Clock::now();
+  }
+
+  void evaluate_state() { evaluate(world.state_); }
+
+  // Exactly; a clock that is right already leaves what was evaluated as it is.
+  void set_time(double time) {
+    if (world.time() != time) world.state_.edit().time = time;
+  }
+
+  // One step that ends at `end`; a step of almost the full length takes what is left, so that no sliver follows.
+  bool step_towards(double end) {
+    const double left = end - world.time();
+    const double usual = method->next_step(left);
+    const bool last = usual == left;
+    // What the clock advances, which is rounded, is what the state advances: else they part by up to an ulp of the time per step,
+    // always to the same side.
+    const double h = last ? left : (world.time() + usual) - world.time();
+    const auto start = Clock::now();
+    evaluate_state();
+    if (stops.any() || agenda.watching()) return step_and_look(h, last ? end : HUGE_VAL, start);
+    const double stepped = method->advance(evaluate, world.state_, books, h);
+    if (stepped == 0) {
+      report_divergence(h);
+      return false;
+    }
+    if (last && stepped == h) set_time(end);
+    ++statistics.steps;
+    const double taken = detail::seconds_since(start);
+    statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, taken);
+    return true;
+  }
+
+  // The same where joints have stops or events conditions: the step may end earlier, and something happen there. `end`: what a
+  // whole step ends at.
+  bool step_and_look(double h, double end, Clock::time_point start) {
+    const std::optional<double> stepped = stops.step(*method, books, h, integration.event_tolerance, agenda.watches(world));
+    if (!stepped) {
+      report_divergence(h);
+      return false;
+    }
+    if (*stepped == h && std::isfinite(end)) set_time(end);
+    ++statistics.steps;
+    settle();
+    statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, detail::seconds_since(start));
+    return true;
+  }
+
+  std::size_t schedule(Agenda::Entry entry) {
+    entry.event.name = "#" + std::to_string(agenda.entries.size() + 1);
+    return agenda.add(std::move(entry));
+  }
+
+  // What touches a stop is dealt with, and told.
+  void settle() {
+    const std::size_t before = events.size();
+    stops.settle(events);
+    for (std::size_t i = before; i < events.size(); ++i)
+      balance.lost_in_impacts += events[i].lost, balance.released += events[i].released;
+  }
+
+  void report_divergence(double h) {
+    evaluate_state();  // of the last good state
+    const Tree& tree = world.tree_;
+    int worst = 0;
+    double fastest = -1;
+    for (const int carrier : tree.order()) {
+      const int b = tree.joint_of(carrier);
+      for (double v : world.joint({b}).v) {
+        const double speed = std::isfinite(v) ? std::fabs(v) : HUGE_VAL;
+        if (speed > fastest) fastest = speed, worst = b;
+      }
+    }
+    message = "diverged at t = " + detail::text(world.time()) + " s: joint '" + std::string(world.joint_name({worst})) +
+              "' reached a speed of " + detail::text(fastest) + " rad/s or m/s within a step of " + detail::text(h) + " s; use " +
+              (method->adaptive() ? "larger tolerances rtol and atol"
+                                  : "a smaller step, such as " + detail::text(integration.step / 4) + " s") +
+              ", or more damping or inertia at that joint";
+    diverged = true;
+  }
+
+  // Everything that is due now, then one by one what comes true by it. False: it was refused, and nothing of that happened.
+  bool happen() {
+    for (std::size_t count = 0;; ++count) {
+      std::vector<std::size_t> places = agenda.due(world.time());
+      if (places.empty() && agenda.watching()) {
+        evaluate_state();
+        if (const std::optional<std::size_t> place = agenda.urgent(world, events_now())) places = {*place};
+      }
+      if (places.empty()) return true;
+      if (count > most_actions_at_once) {
+        message = "more than 10000 events at t = " + detail::text(world.time()) + " s, the last of them '" + events.back().name +
+                  "', '" + events[events.size() - 2].name + "'; does one bring about the other, at no delay?";
+        return false;
+      }
+      std::vector<DueEvent> due;
+      for (const std::size_t k : places) due.push_back(agenda.entries[k].event);
+      if (keeps_history) history.push_back({events.size(), snapshot(), places});
+      if (!carry_out_now(due)) {
+        if (keeps_history) history.pop_back();
+        return false;
+      }
+      for (const std::size_t k : places) agenda.happened(k, world.time());
+    }
+  }
+
+  std::span<const Event> events_now() const {
+    std::size_t first = events.size();
+    while (first > 0 && events[first - 1].time == world.time()) --first;
+    return {events.data() + first, events.size() - first};
+  }
+
+  bool carry_out_now(std::span<const DueEvent> due) {
+    evaluate_state();
+    if (statistics.changes == 0) book();
+    WorldSnapshot before;
+    const bool stopped = stops.any();
+    if (stopped) before = world.snapshot();
+    InstantReport report = carry_out(world, due);
+    // A stop that would have had to pull in an impact was let go of before it: once more, without it.
+    for (bool again = stopped; again && !report.refused;) {
+      const WorldSnapshot after = world.snapshot();
+      world.restore(before);
+      again = stops.release_pulled(report.events);
+      if (again) {
+        before = world.snapshot();
+        report = carry_out(world, due);
+      } else {
+        world.restore(after);
+      }
+    }
+    statistics.changes += report.changes;
+    statistics.topology_seconds += report.seconds;
+    if (report.refused) {
+      message = report.message;
+      return false;
+    }
+    evaluate_state();
+    for (Event& event : report.events) {
+      balance.released += event.released;
+      balance.lost_in_impacts += event.lost;
+      balance.work += event.work;
+      events.push_back(std::move(event));
+    }
+    settle();
+    return true;
+  }
+
+  // What bodies bring into the world and take out of it is work; the event's certificate says how much.
+  template <class Act>
+  void populate(std::string what, Act act) {
+    Event event;
+    event.time = world.time();
+    event.name = what.substr(0, what.find(' '));
+    event.mechanisms_before = world.mechanism_names();
+    event.before = world.totals();
+    if (keeps_history) history.push_back({events.size(), snapshot(), {}});
+    act();
+    method = new_method();
+    evaluate_state();
+    event.after = world.totals();
+    event.mechanisms_after = world.mechanism_names();
+    event.work = event.after.kinetic + event.after.potential - event.before.kinetic - event.before.potential;
+    event.actions = {std::move(what)};
+    balance.work += event.work;
+    events.push_back(std::move(event));
+    settle();
+  }
+
+  Rehearsal rehearse() {
+    Rehearsal found;
+    const WorldSnapshot start = world.snapshot();
+    std::set<std::pair<std::string, Kind>> joints;
+    const auto look_at_joints = [&] {
+      for (const int b : world.tree_.order())
+        joints.emplace(world.names_.joint(world.tree_.joint_of(b)), world.tree_.joint(b).kind);
+    };
+    look_at_joints();
+    // Instants that are known come first, in their order; the others follow one by one, where nothing can be said of troubles.
+    std::vector<std::pair<double, std::size_t>> order;
+    bool certain = true;
+    for (std::size_t k = 0; k < agenda.entries.size(); ++k) {
+      const Agenda::Entry& e = agenda.entries[k];
+      if (e.done) continue;
+      double time = e.time;
+      for (const Agenda::Entry& other : agenda.entries)
+        if (!e.after.empty() && other.event.name == e.after) time = std::min(time, other.time + e.delay);
+      certain = certain && std::isfinite(time);
+      order.emplace_back(time, k);
+    }
+    std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    found.complete = order.size() * static_cast<std::size_t>(world.tree_.bodies()) <= detail::most_rehearsed;
+    for (std::size_t i = 0; found.complete && i < order.size();) {
+      std::vector<DueEvent> due;
+      const std::size_t begin = i;
+      const double time = order[i].first;
+      do {
+        due.push_back(agenda.entries[order[i].second].event);
+      } while (++i < order.size() && order[i].first == time && std::isfinite(time));
+      if (std::isfinite(time)) world.state_.edit().time = time;
+      const InstantReport report = carry_out(world, due);
+      for (const ActionReport& action : report.actions)
+        if (certain && action.verdict.outcome != Verdict::Outcome::done)
+          found.troubles.push_back({order[begin + action.event].second, action.action, action.verdict,
+                                    action.verdict.outcome == Verdict::Outcome::refused ? report.message : ""});
+      look_at_joints();
+    }
+    world.restore(start);
+    found.joints.assign(joints.begin(), joints.end());
+    return found;
+  }
+
+  SimulationSnapshot snapshot() const {
+    SimulationSnapshot all{world.snapshot(), {}, events.size(), balance};
+    all.proposal = method->proposal();
+    all.balance.dissipated = books.dissipated;
+    all.balance.work = books.work;
+    all.impulsive_work = balance.work;
+    all.armed = agenda.armed();
+    return all;
+  }
+
+  void go_back(const SimulationSnapshot& to) {
+    const int bodies = world.tree_.bodies();
+    world.restore(to.world);
+    if (world.tree_.bodies() != bodies) method = new_method();
+    method->set_proposal(to.proposal);
+    balance = to.balance;
+    books.dissipated = to.balance.dissipated;
+    books.work = to.balance.work;
+    balance.dissipated = 0;
+    balance.work = to.impulsive_work;
+    agenda.restore(to.armed, world.time());
+    events.resize(std::min(events.size(), to.events));
+    while (!history.empty() && history.back().events >= to.events) history.pop_back();
+    diverged = false;
+    message.clear();
+    observed = false;
+    if (every > 0) next_look = std::floor(world.time() / every * (1 + 1e-12)) * every;
+    evaluate_state();
+  }
+
+  // Names that can never be: of no joint that is, was or is to be made, of no body.
+  void check_names(const std::vector<std::string>& joints, const std::vector<std::string>& bodies) const {
+    const Model& model = world.model();
+    for (const std::string& body : bodies)
+      if (body != "ground") model.body(body);  // throws
+    for (const std::string& joint : joints) {
+      if (model.has_joint(joint) || world.find_joint(joint) >= 0) continue;
+      const std::size_t tail = joint.rfind("~free");
+      if (model.has_body(tail == std::string::npos ? joint : joint.substr(0, tail))) continue;
+      const auto made = [&](const Agenda::Entry& e) {
+        for (std::size_t a = 0; a < e.event.actions.size(); ++a)
+          if (made_joint_name(e.event, a) == joint) return true;
+        return false;
+      };
+      if (std::none_of(agenda.entries.begin(), agenda.entries.end(), made)) model.joint(joint);  // throws
+    }
+  }
+
+  bool look(bool force) {
+    if (!observer || (observed && observed_at == world.time())) return true;
+    if (!force && every > 0 && world.time() < next_look) return true;
+    observed = true;
+    observed_at = world.time();
+    if (every > 0) next_look = (std::floor(world.time() / every * (1 + 1e-12)) + 1) * every;
+    evaluate_state();
+    return observer(world);
+  }
+
+  Status run(double until) {
+    if (diverged) return Status::diverged;
+    lap = Clock::now();
+    Status status = Status::ok;
+    settle();
+    if (!happen())
+      status = Status::refused;
+    else if (!look(!observed))
+      status = Status::interrupted;
+    while (status == Status::ok && world.time() < until) {
+      double end = until;
+      end = std::min(end, agenda.next_time());
+      if (observer && every > 0) end = std::min(end, next_look);
+      if (!step_towards(end)) {
+        status = Status::diverged;
+        break;
+      }
+      if (!happen()) {
+        status = Status::refused;
+        break;
+      }
+      if (!look(false) || (watcher && !watcher(world.time()))) status = Status::interrupted;
+    }
+    if (status != Status::interrupted && !look(true)) status = Status::interrupted;
+    evaluate_state();
+    book();
+    return status;
+  }
+
+  Integration integration;
+  World world;
+  Evaluator evaluate;
+  std::unique_ptr<Integrator> method;
+  Stops stops;
+  Books books;
+  EnergyBalance balance;
+  RunStatistics statistics;
+  Agenda agenda;
+  struct Past {
+    std::size_t events;  ///< how many had happened before
+    SimulationSnapshot before;
+    std::vector<std::size_t> places;  ///< of what was due, in the agenda
+  };
+  bool keeps_history = false;
+  std::vector<Past> history;
+  std::vector<Event> events;
+  std::string message;
+  bool diverged = false;
+  double every = 0, next_look = 0, observed_at = 0;
+  bool observed = false;
+  std::function<bool(const World&)> observer;
+  std::function<bool(double)> watcher;
+  Clock::time_point lap = Clock::now();
+};
+
+}  // namespace momentree
