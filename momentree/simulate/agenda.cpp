@@ -46,6 +46,8 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
       continue;
     }
     const double excess = c.above ? *value - c.threshold : c.threshold - *value;
+    if (world.time() > e.looked) e.excess_before = e.excess, e.looked_before = e.looked, e.looked = world.time();
+    e.excess = excess;
     if (e.resting && excess < -c.hysteresis * std::fabs(c.threshold)) e.resting = false;
     if (e.resting || !(excess > 0)) {
       e.since = -1;
@@ -68,8 +70,8 @@ std::vector<Watch> Agenda::watches(const World& world) const {
     if (!c.exact || c.what->is_impulsive()) continue;
     const std::optional<double> excess = c.excess(world, {});
     if (!excess || *excess > 0) continue;
-    all.push_back({[&world, &c, start = *excess] { return c.excess(world, {}).value_or(start); }, *excess,
-                   std::max(std::fabs(c.threshold), 1e-12)});
+    all.push_back({[&world, &c, start = *excess] { return c.excess(world, {}).value_or(start); }, *excess, e.excess_before,
+                   e.looked == world.time() && e.looked_before >= 0 ? e.looked - e.looked_before : 0});
   }
   return all;
 }
@@ -89,6 +91,7 @@ void Agenda::happened(std::size_t place, double time) {
     e.time = HUGE_VAL;
   }
   const std::string name = e.event.name;
+  for (Entry& other : entries) other.looked = other.looked_before = -1;  // what it looks at may have jumped
   for (Entry& other : entries)
     if (other.after == name) other.time = std::min(other.time, time + other.delay);
   look_ahead();
@@ -103,6 +106,7 @@ std::vector<Agenda::Armed> Agenda::armed() const {
 void Agenda::restore(std::span<const Armed> armed, double now) {
   for (std::size_t k = 0; k < entries.size(); ++k) {
     Entry& e = entries[k];
+    e.looked = e.looked_before = -1;
     if (k < armed.size()) {
       const Armed& a = armed[k];
       e.time = a.time, e.fired = a.fired, e.done = a.done, e.since = a.since, e.resting = a.resting;

@@ -23,8 +23,9 @@ class Agenda {
     double period = 0;                   ///< and again every so often (s); 0: once
     int fired = 0;
     bool done = false;
-    double since = -1;     ///< since when the condition holds, −1: it does not
-    bool resting = false;  ///< it repeats, and is not armed again yet
+    double since = -1;                                                      ///< since when the condition holds, −1: it does not
+    bool resting = false;                                                   ///< it repeats, and is not armed again yet
+    double excess = 0, excess_before = 0, looked = -1, looked_before = -1;  ///< at the last two looks, and when; −1: none
   };
 
   std::vector<Entry> entries;  ///< in the order of scheduling

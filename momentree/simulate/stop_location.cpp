@@ -75,9 +75,17 @@ std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) co
     const Peak found = peak_between(end, w.q, w.v, w.side->sign * coordinate(*w.side), speed(*w.side));
     return found.value < w.limit - 1e-2 * w.v * end ? -1 : found.time;
   }
-  // Values at the ends say whether it is near, slopes there whether it rose and fell: two short steps, seldom.
-  const double last = w.watch->excess(), near = -0.2 * w.watch->scale;
-  if (w.watch->start < near && last < near) return -1;
+  // The parabola through the last three looks says whether it may have risen and fallen; slopes then say where: two short steps,
+  // seldom, and in the first step after something happened.
+  const double last = w.watch->excess();
+  if (w.watch->ago > 0) {
+    const double ahead = (last - w.watch->start) / end, behind = (w.watch->start - w.watch->before) / w.watch->ago;
+    const double curvature = (ahead - behind) / (end + w.watch->ago),
+                 slope = ahead - curvature * end;  // at the start of the step
+    const double time = curvature < 0 ? std::clamp(-slope / (2 * curvature), 0.0, end) : 0;
+    const double value = w.watch->start + time * (slope + curvature * time);
+    if (curvature >= 0 || value < curvature * end * end) return -1;
+  }
   const double bit = end / 64;
   if (!trial.go(bit)) return std::nullopt;
   const double rise = (w.watch->excess() - w.watch->start) / bit;
@@ -86,7 +94,7 @@ std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) co
   const double fall = (last - w.watch->excess()) / bit;
   if (!(fall < 0)) return -1;
   const Peak found = peak_between(end, w.watch->start, rise, last, fall);
-  return found.value < -0.02 * w.watch->scale ? -1 : found.time;
+  return found.value < -0.05 * (found.value - std::min(w.watch->start, last)) ? -1 : found.time;
 }
 
 // The first crossing in (0, end], −1 where there is none; nothing where the method failed.

@@ -19,7 +19,7 @@ namespace momentree {
 struct Watch {
   std::function<double()> excess;  ///< at the world's state as it is
   double start;                    ///< now, not positive
-  double scale;                    ///< what is far from zero
+  double before = 0, ago = 0;      ///< its value at the last look, and how long ago that was (s); 0: something happened since
 };
 
 class Stops {
