@@ -26,15 +26,25 @@ std::string evaluation_text(const World& world, const Style& style) {
   sums.row({"potential energy", format("%.9g J", totals.potential)});
   sums.row({"linear momentum (N s)", vector_text(totals.linear)});
   sums.row({"angular momentum (N m s)", vector_text(totals.angular)});
-  Table joints;
-  joints.row({"joint", "kind", "q", "v", "p", "dp/dt"});
-  for (int b = 0; b < world.model().size(); ++b) {
+  Table joints, reactions, bodies;
+  joints.row({"joint", "kind", "q", "v", "p", "dp/dt", "a"});
+  reactions.row({"joint", "on", "force", "torque"});
+  bodies.row({"body", "linear", "angular"});
+  const Model& model = world.model();
+  for (int b = 0; b < model.size(); ++b) {
     const JointView joint = world.joint({b});
+    const JointForces forces = world.joint_forces({b});
     joints.row({std::string(joint.name), info(joint.kind).name, numbers(joint.q), numbers(joint.v), numbers(joint.p),
-                numbers(joint.pdot)});
+                numbers(joint.pdot), numbers(forces.a)});
+    reactions.row({std::string(joint.name), model[joint.child].name, vector_text(forces.reaction.force),
+                   vector_text(forces.reaction.torque)});
+    const BodyAcceleration& a = world.accelerations()[static_cast<std::size_t>(b)];
+    bodies.row({model[Body{b}].name, vector_text(a.linear), vector_text(a.angular)});
   }
   return style.heading("World") + '\n' + sums.text("  ") + '\n' + style.heading("Joints") + " (m, rad, s, kg)\n" +
-         joints.text("  ");
+         joints.text("  ") + '\n' + style.heading("Reactions") + " (N, N m; about the body's origin, in its axes)\n" +
+         reactions.text("  ") + '\n' + style.heading("Accelerations") +
+         " (m/s², rad/s²; of the body's origin, in the world's axes)\n" + bodies.text("  ");
 }
 
 }  // namespace

@@ -73,7 +73,8 @@ CommandLine::CommandLine() {
   run_command->add_option("--until", run_options.until, "End the run at this time instead")->type_name("T");
   run_command->add_option("--format", run_options.format, "csv, or hdf5 (not supported yet)")->type_name("csv|hdf5");
   run_command->add_flag("--report", run_options.report, "Write report.html (not supported yet)");
-  run_command->add_flag("--reactions", run_options.reactions, "Record the reactions of the joints (not supported yet)");
+  run_command->add_flag("--reactions", run_options.reactions,
+                        "Add to joints.csv what each joint carries: fx, fy, fz, mx, my, mz");
   run_command->add_option("--checkpoint", run_options.checkpoint, "Save the run now and then (not supported yet)")
       ->type_name("EVERY");
   run_command->add_flag("--resume", run_options.resume, "Go on from a checkpoint (not supported yet)");

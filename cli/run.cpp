@@ -19,7 +19,6 @@ void refuse_unsupported(const RunOptions& options) {
     if (given) fail({"`" + std::string(option) + "` is not supported yet", "", ""});
   };
   refuse(options.report, "--report");
-  refuse(options.reactions, "--reactions");
   refuse(!options.checkpoint.empty(), "--checkpoint");
   refuse(options.resume, "--resume");
   refuse(options.format == "hdf5", "--format hdf5");
@@ -47,7 +46,7 @@ int run(const RunOptions& options) {
   const double start = simulation.time();
   const int freedoms = simulation.world().tree().nv();
   io::Recorder recorder(scenario->model, session.joints(), scenario->output_every,
-                        options.out.empty() ? "results/" + scenario->name : options.out);
+                        options.out.empty() ? "results/" + scenario->name : options.out, options.reactions);
 
   Progress progress(start, scenario->until, !options.quiet && errors_on_terminal());
   const InterruptGuard guard;

@@ -94,7 +94,8 @@ std::vector<JointKinds> joints_of(const Simulation& simulation, const Rehearsal&
   return joints;
 }
 
-JointColumns::JointColumns(std::vector<JointKinds> joints) : groups_(std::move(joints)), quaternions_(groups_.size() + 1) {
+JointColumns::JointColumns(std::vector<JointKinds> joints, bool reactions)
+    : reactions_(reactions), groups_(std::move(joints)), quaternions_(groups_.size() + 1) {
   for (std::size_t g = 0; g < groups_.size(); ++g) by_name_.emplace(groups_[g].name, g);
   joint_of_group_.resize(groups_.size() + 1);
 }
@@ -105,6 +106,8 @@ void JointColumns::header(std::string& text) const {
     for (int k = 0; k < group.nq; ++k) append_column(text, group.name, ".q" + std::to_string(k));
     for (int k = 0; k < group.nv; ++k) append_column(text, group.name, ".v" + std::to_string(k));
     for (int k = 0; k < group.nv; ++k) append_column(text, group.name, ".p" + std::to_string(k));
+    if (reactions_)
+      for (const char* suffix : {".fx", ".fy", ".fz", ".mx", ".my", ".mz"}) append_column(text, group.name, suffix);
   }
   text += '\n';
 }
@@ -135,7 +138,7 @@ void JointColumns::row(std::string& text, const World& world) {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const JointKinds& group = groups_[g];
     const int number = joint_of_group_[g];
-    const auto width = static_cast<std::size_t>(group.nq + 2 * group.nv);
+    const auto width = static_cast<std::size_t>(group.nq + 2 * group.nv + (reactions_ ? 6 : 0));
     if (number < 0) {
       text.append(width, ',');
       continue;
@@ -156,6 +159,9 @@ void JointColumns::row(std::string& text, const World& world) {
     append_cells(text, {q, joint.q.size()}, group.nq);
     append_cells(text, joint.v, group.nv);
     append_cells(text, joint.p, group.nv);
+    if (!reactions_) continue;
+    const auto& [force, torque] = world.joint_forces(Body{number}).reaction;
+    for (const double x : {force.x, force.y, force.z, torque.x, torque.y, torque.z}) append_cell(text, x);
   }
   text += '\n';
 }

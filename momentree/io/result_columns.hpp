@@ -43,16 +43,18 @@ struct JointKinds {
 std::vector<JointKinds> joints_of(const Simulation& simulation, const Rehearsal& rehearsal, const Scenario& scenario);
 
 /// `time`, then per joint its coordinates q0…, velocities v0… and momenta p0…; empty where it has no such coordinate at that
-/// time, or is not there. A joint that is none of the columns' is left out.
+/// time, or is not there. A joint that is none of the columns' is left out. With `reactions` also fx, fy, fz, mx, my, mz: the
+/// whole wrench by which its declared parent holds its declared child (JointForces).
 class JointColumns {
  public:
-  explicit JointColumns(std::vector<JointKinds> joints);
+  explicit JointColumns(std::vector<JointKinds> joints, bool reactions = false);
   void header(std::string& text) const;
   void row(std::string& text, const World& world);
 
  private:
   std::size_t group_of(std::size_t joint, std::string_view name);
 
+  bool reactions_;
   std::vector<JointKinds> groups_;  ///< the last one stands for joints without columns
   std::unordered_map<std::string, std::size_t> by_name_;
   std::vector<std::size_t> group_of_joint_;  ///< where the joint of that number was in the last row

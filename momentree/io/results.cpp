@@ -5,12 +5,12 @@
 
 namespace momentree::io {
 
-Recorder::Recorder(const Model& model, std::vector<JointKinds> joints, double every, const std::string& directory)
+Recorder::Recorder(const Model& model, std::vector<JointKinds> joints, double every, const std::string& directory, bool reactions)
     : directory_(directory),
       bodies_(directory_.file("bodies.csv")),
       joints_(directory_.file("joints.csv")),
       body_columns_(model),
-      joint_columns_(std::move(joints)),
+      joint_columns_(std::move(joints), reactions),
       every_(every) {
   BodyColumns::header(bodies_.text(), model);
   joint_columns_.header(joints_.text());

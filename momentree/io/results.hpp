@@ -33,8 +33,9 @@ std::string event_json(const Event& event);
 class Recorder {
  public:
   /// Makes the folder and the heads of the tables. `joints`: those that have columns; `every`: time between rows (s), 0 for each
-  /// observation. Throws Error where the folder can't be had.
-  Recorder(const Model& model, std::vector<JointKinds> joints, double every, const std::string& directory);
+  /// observation; `reactions`: joints.csv has them, too. Throws Error where the folder can't be had.
+  Recorder(const Model& model, std::vector<JointKinds> joints, double every, const std::string& directory,
+           bool reactions = false);
 
   /// A row of each table where one is due. Of several observations at one instant the last counts: the state after the events.
   /// Returns false where it could not be written (a full disk): `error` says why.

@@ -97,15 +97,17 @@ void write_joint(JsonWriter& json, const World& world, int number) {
   json.end_object();
   write_coordinates(json, joint);
   json.member("v", joint.v).member("p", joint.p).member("pdot", joint.pdot);
-  json.key("a").null().key("reaction").null();
-  json.end_object();
+  const JointForces forces = world.joint_forces({number});
+  json.member("a", forces.a).key("reaction").begin_object();
+  json.member("force", forces.reaction.force).member("torque", forces.reaction.torque);
+  json.end_object().end_object();
 }
 
-void write_body(JsonWriter& json, const std::string& name, const BodyMotion& motion) {
+void write_body(JsonWriter& json, const std::string& name, const BodyMotion& motion, const BodyAcceleration& acceleration) {
   json.key(name).begin_object();
   json.member("position", motion.pose.position).member("quaternion", motion.pose.rotation);
   json.member("linear", motion.linear).member("angular", motion.angular);
-  json.key("linear_acceleration").null().key("angular_acceleration").null();
+  json.member("linear_acceleration", acceleration.linear).member("angular_acceleration", acceleration.angular);
   json.end_object();
 }
 
@@ -114,7 +116,7 @@ void write_body(JsonWriter& json, const std::string& name, const BodyMotion& mot
 std::string state_json(const World& world, const Armed& armed) {
   const Model& model = world.model();
   std::string text;
-  text.reserve(700 * model.bodies().size() + 500);
+  text.reserve(1000 * model.bodies().size() + 500);
   JsonWriter json(text, 2);
   json.begin_object().member("time", world.time());
 
@@ -132,8 +134,9 @@ std::string state_json(const World& world, const Armed& armed) {
   json.end_object();
 
   const std::vector<BodyMotion>& motions = world.motions();
+  const std::vector<BodyAcceleration>& accelerations = world.accelerations();
   json.key("bodies").begin_object();
-  for (std::size_t b = 0; b < motions.size(); ++b) write_body(json, model.bodies()[b].name, motions[b]);
+  for (std::size_t b = 0; b < motions.size(); ++b) write_body(json, model.bodies()[b].name, motions[b], accelerations[b]);
   json.end_object();
 
   json.key("armed").begin_object();

@@ -58,7 +58,7 @@ void World::remove(Body body) {
 void World::make_room() {
   work_ = Work<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
-  motions_of_ = {};
+  motions_of_ = accelerations_of_ = {};
 }
 
 }  // namespace momentree

@@ -25,7 +25,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   State state(tree_);
   work_ = Work<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
-  motions_of_ = {};
+  motions_of_ = accelerations_of_ = {};
 
   std::vector<double> v(static_cast<std::size_t>(tree_.nv()));
   const State::Edit edit = state.edit();
@@ -98,11 +98,34 @@ const std::vector<BodyMotion>& World::motions() const {
   return motions_;
 }
 
-JointView World::joint(Body number) const {
+const std::vector<BodyAcceleration>& World::accelerations() const {
+  if (accelerations_of_ == state_.stamp()) return accelerations_;
+  locate_bodies(tree_, state_, work_);
+  accelerate(tree_, state_, work_);
+  accelerations_.assign(static_cast<std::size_t>(model_.size()), {});
+  for (const int b : tree_.order()) accelerations_[static_cast<std::size_t>(b)] = body_acceleration(tree_, state_, work_, b);
+  accelerations_of_ = state_.stamp();
+  return accelerations_;
+}
+
+int World::carrier(Body number) const {
   MT_REQUIRE(number.index >= 0 && number.index < tree_.bodies() && tree_.carrier(number.index) >= 0,
              "the joint is in this world");
+  return tree_.carrier(number.index);
+}
+
+JointForces World::joint_forces(Body number) const {
+  const int b = carrier(number);
+  accelerate(tree_, state_, work_);
+  const Force<double> whole = reaction(tree_, state_, work_, b), pure = pure_reaction(tree_, state_, work_, b);
+  return {{work_.a.get() + tree_.first_p(b), static_cast<std::size_t>(info(tree_.joint(b).kind).nv)},
+          {whole.l, whole.h},
+          {pure.l, pure.h}};
+}
+
+JointView World::joint(Body number) const {
+  const int b = carrier(number);
   evaluate();
-  const int b = tree_.carrier(number.index);
   const Joint& j = tree_.joint(b);
   const KindInfo& kind = info(j.kind);
   const bool reversed = tree_.reversed(b);

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/totals.hpp>
 #include <momentree/dynamics/work.hpp>
 #include <momentree/simulate/names.hpp>
@@ -34,6 +35,19 @@ struct JointView {
   double pitch = 0;
   const JointParameters* parameters = nullptr;
   std::span<const double> q, v, p, pdot;  ///< nq, nv, nv, nv numbers
+};
+
+struct Wrench {
+  Vec3 force, torque;  ///< N, N m
+};
+
+/// What a joint does and carries at an instant.
+struct JointForces {
+  std::span<const double> a;  ///< time derivative of v: nv numbers (m/s², rad/s²); points into the world as in JointView
+  /// By which the declared parent holds the declared child: about the origin of the child's frame (not of `at`), in its axes.
+  /// `reaction`: all that goes through the joint, drive, spring and damping included; `pure`: without what acts along the
+  /// joint's freedoms (momentree::pure_reaction), what its bearings and locks carry.
+  Wrench reaction, pure;
 };
 
 struct Mechanism {
@@ -95,6 +109,10 @@ class World {
   /// The joint of that number: at the start that of the body's, and the same joint for as long as it is there, whatever carries
   /// it then. Every world has a joint for each of its bodies.
   JointView joint(Body number) const;
+  /// These cost another half of an evaluation, once for each state of which they are asked for, and nothing where they are not.
+  /// By body number: time derivatives of `linear` and `angular` of its motion; zeros for a body that was removed.
+  const std::vector<BodyAcceleration>& accelerations() const;
+  JointForces joint_forces(Body number) const;  ///< of the joint of that number
   /// Number of the present joint of that name, −1 if there is none.
   int find_joint(std::string_view name) const { return names_.find_joint(name); }
   Totals totals() const;
@@ -126,6 +144,7 @@ class World {
   friend class Stops;
   void put_together(const Forest& forest);
   void evaluate() const;
+  int carrier(Body number) const;
   Body add(BodySpec spec);
   void remove(Body body);
   void make_room();
@@ -141,7 +160,8 @@ class World {
   State state_;
   mutable Work<double> work_;
   mutable std::vector<BodyMotion> motions_;
-  mutable Stamp motions_of_;
+  mutable std::vector<BodyAcceleration> accelerations_;  // none until they are asked for
+  mutable Stamp motions_of_, accelerations_of_;
 };
 
 }  // namespace momentree
