@@ -37,9 +37,15 @@ void Evaluator::operator()(const State& state) noexcept {
   forward_dynamics(*tree_, state, *work_);
 }
 
-std::unique_ptr<Integrator> make_integrator(std::string_view method, const Tree& tree) {
+void Evaluator::solve(const double* q, const double* p, Work<double>& other) noexcept {
+  const Stopwatch watch(seconds);
+  ++count;
+  evaluate_rates<double>(*tree_, q, p, other);
+}
+
+std::unique_ptr<Integrator> make_integrator(std::string_view method, const Tree& tree, const StepControl& control) {
 #define MOMENTREE_METHOD(name, Type) \
-  if (method == #name) return std::make_unique<Type>(tree);
+  if (method == #name) return std::make_unique<Type>(tree, control);
   MOMENTREE_METHODS(MOMENTREE_METHOD)
 #undef MOMENTREE_METHOD
   return nullptr;
