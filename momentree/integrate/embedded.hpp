@@ -18,6 +18,7 @@ namespace momentree {
 template <class Tableau>
 class Embedded : public Integrator {
  public:
+  static constexpr bool chooses_steps = true;
   Embedded(const Tree& tree, const StepControl& control)
       : Integrator(control),
         nq_max_(7L * tree.bodies()),
