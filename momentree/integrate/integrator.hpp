@@ -50,7 +50,7 @@ struct StepControl {
 
 class Integrator {
  public:
-  explicit Integrator(const StepControl& control) : control_(control), proposal_(std::min(control.step, control.max_step)) {}
+  explicit Integrator(const StepControl& control) : control_(control), proposal_(control.step) {}
   virtual ~Integrator() = default;
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;

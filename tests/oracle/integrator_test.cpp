@@ -206,6 +206,31 @@ TEST_CASE("adaptive methods land on events, start anew there, and agree through 
   for (std::size_t i = 0; i < ends[0].size(); ++i) check_near(ends[0][i], ends[1][i], 1e-8, "coordinate");
 }
 
+TEST_CASE("methods keep their order through events between their steps") {
+  const auto end = [](const std::string& method, double h, double tolerance) {
+    Simulation run(chain(),
+                   {.method = method, .step = h, .rtol = tolerance, .atol = tolerance, .max_step = tolerance > 1 ? h : HUGE_VAL});
+    run.at(0.1234567).then(break_joint("2"));
+    run.at(0.2111111).then(lock("1"));
+    REQUIRE(run.run_until(0.4) == Status::ok);
+    Outcome found;
+    for (int b = 0; b < 4; ++b)
+      for (const double q : run.world().joint({b}).q) found.values.push_back(q);
+    return found;
+  };
+  const Outcome exact = end("dop853", 1e-3, 1e-13);
+  const struct {
+    std::string name;
+    double order, h;
+  } methods[] = {{"midpoint", 2, 0.004}, {"rk4", 4, 0.004}, {"dopri5", 5, 0.01}};
+  for (const auto& m : methods) {
+    const double error[2] = {apart(end(m.name, m.h, 1e6), exact), apart(end(m.name, m.h / 2, 1e6), exact)};
+    const double slope = std::log2(error[0] / error[1]);
+    MESSAGE(m.name << " through events: error " << error[1] << ", slope " << slope);
+    CHECK(slope > m.order - 0.4);
+  }
+}
+
 TEST_CASE("stops are hit at the instants of the closed form, however long the steps of an adaptive method") {
   Model model;
   model.add(
