@@ -41,7 +41,7 @@ struct Reading {
   };
   std::vector<JointUse> joint_uses{};
   std::vector<LateEntry> late{};
-  Place rtol{};  ///< of the tolerance, or of [integrate]
+  Place rtol{};                       ///< of the tolerance, or of [integrate]
   long suggestions_left = 2'000'000;  ///< names that may yet be compared to find the nearest
   int bodies_left = 1'000'000;
 
