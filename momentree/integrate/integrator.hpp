@@ -1,6 +1,9 @@
 #pragma once
 // Steps of a state by a method. The methods stand in kinds/, one file each.
+#include <algorithm>
+#include <cmath>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +23,8 @@ class Evaluator {
   void operator()(const double* q, const double* p) noexcept;
   /// The same for a state; nothing to do if the work is of it already.
   void operator()(const State& state) noexcept;
+  /// Velocities H⁻¹ p at q into other.v; rates there are meaningless. Counts as an evaluation.
+  void solve(const double* q, const double* p, Work<double>& other) noexcept;
 
   long count = 0;
   double seconds = 0;
@@ -34,16 +39,63 @@ struct Books {
   double dissipated = 0, work = 0;
 };
 
+/// How long steps are. Methods of fixed step read `step` alone; for adaptive ones it is the first step.
+struct StepControl {
+  double step = 1e-3;  ///< s
+  /// Error of one step that is allowed, in every coordinate q and every velocity u: atol + rtol·|value|. A tolerance on momenta
+  /// would say nothing: theirs are the units of mass times those of velocity, and light parts have tiny ones.
+  double rtol = 1e-8, atol = 1e-10;
+  double max_step = HUGE_VAL;  ///< s
+};
+
 class Integrator {
  public:
+  explicit Integrator(const StepControl& control) : control_(control), proposal_(control.step) {}
   virtual ~Integrator() = default;
+  Integrator(const Integrator&) = delete;
+  Integrator& operator=(const Integrator&) = delete;
+
   /// One step of h seconds from `state`, at which `evaluate` was last called. Neither allocates nor throws.
   /// Returns false, and leaves the state, where the motion ran away: see `plausible`.
   virtual bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept = 0;
+
+  /// One step of at most h seconds: an adaptive method takes less where its error asks for it, and changes its proposal. Returns
+  /// the seconds stepped; 0 where the motion ran away or no step is short enough (the state is then what it was).
+  virtual double advance(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
+    return step(evaluate, state, books, h) ? h : 0;
+  }
+  virtual bool adaptive() const { return false; }
+
+  /// The step to try where `left` seconds are left to an instant that is to be hit: the method's own, `left` where that is not
+  /// more; adaptive methods halve what would leave a sliver.
+  double next_step(double left) const {
+    if (left <= proposal_ * (1 + 1e-9)) return left;
+    return adaptive() && left < 2 * proposal_ ? left / 2 : proposal_;
+  }
+  /// All that an adaptive method remembers from step to step (s): to come back to with the very bits.
+  double proposal() const { return proposal_; }
+  void set_proposal(double seconds) { proposal_ = seconds; }
+
+  /// The state at fraction theta (0 … 1) of the last step, from the rates of its stages; quaternions of length one. False where
+  /// the method keeps nothing for that. What was changed after the step is not seen.
+  virtual bool interpolate(const Tree&, [[maybe_unused]] double theta, [[maybe_unused]] double* q,
+                           [[maybe_unused]] double* p) const noexcept {
+    return false;
+  }
+
+ protected:
+  const StepControl control_;
+  double proposal_;
 };
 
 /// The method of that name for trees of this many bodies; null if there is none.
-std::unique_ptr<Integrator> make_integrator(std::string_view method, const Tree& tree);
+std::unique_ptr<Integrator> make_integrator(std::string_view method, const Tree& tree, const StepControl& control = {});
+/// How well velocities are known, at coordinates q, where momenta are what is stored: velocities of one become momenta and then
+/// velocities again, and the largest error is returned. About 1e-16 on a single body; long chains of light links lose digits with
+/// the fourth power of their number. A relative tolerance below that asks for what is not there. Set-up only: allocates.
+double velocity_resolution(const Tree& tree, std::span<const double> q);
+/// True for a method that chooses its steps.
+bool is_adaptive(std::string_view method);
 /// Names of all methods.
 std::vector<std::string> integration_methods();
 
@@ -53,5 +105,10 @@ void normalise(const Tree& tree, double* q) noexcept;
 inline constexpr double runaway = 1e6;
 /// True where a step from coordinates q0 to (q, p) is one of a motion that did not run away: finite, and within `runaway`.
 bool plausible(const Tree& tree, const double* q0, const double* q, const double* p) noexcept;
+
+/// Scratch of a method, not written yet: pages that no topology needs cost nothing.
+inline std::unique_ptr<double[]> scratch(long n) {
+  return std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(std::max(n, 1L)));
+}
 
 }  // namespace momentree

@@ -38,15 +38,17 @@ std::string text(double x) {
 
 struct Simulation::Impl {
   Impl(const Model& model, const Integration& how)
-      : integration(how),
-        world(model),
-        evaluate(world.tree_, world.work_),
-        method(make_integrator(how.method, world.tree_)),
-        stops(world, evaluate) {
+      : integration(how), world(model), evaluate(world.tree_, world.work_), method(new_method()), stops(world, evaluate) {
     if (method == nullptr)
       fail({"unknown integration method '" + how.method + "'", "", did_you_mean(how.method, integration_methods())});
     if (!(how.step > 0) || !std::isfinite(how.step)) fail({"the step must be a positive time, not " + text(how.step), "", ""});
+    if (!(how.rtol > 0 && how.atol > 0 && how.max_step > 0)) fail({"rtol, atol and max_step must be positive", "", ""});
     begin();
+  }
+
+  std::unique_ptr<Integrator> new_method() const {
+    return make_integrator(integration.method, world.tree_,
+                           {integration.step, integration.rtol, integration.atol, integration.max_step});
   }
 
   void begin() {
@@ -72,21 +74,28 @@ struct Simulation::Impl {
 
   void evaluate_state() { evaluate(world.state_); }
 
+  // Exactly; a clock that is right already leaves what was evaluated as it is.
+  void set_time(double time) {
+    if (world.time() != time) world.state_.edit().time = time;
+  }
+
   // One step that ends at `end`; a step of almost the full length takes what is left, so that no sliver follows.
   bool step_towards(double end) {
     const double left = end - world.time();
-    const bool last = left <= integration.step * (1 + 1e-9);
+    const double usual = method->next_step(left);
+    const bool last = usual == left;
     // What the clock advances, which is rounded, is what the state advances: else they part by up to an ulp of the time per step,
     // always to the same side.
-    const double h = last ? left : (world.time() + integration.step) - world.time();
+    const double h = last ? left : (world.time() + usual) - world.time();
     const auto start = Clock::now();
     evaluate_state();
     if (stops.any()) return step_between_stops(h, last ? end : HUGE_VAL, start);
-    if (!method->step(evaluate, world.state_, books, h)) {
+    const double stepped = method->advance(evaluate, world.state_, books, h);
+    if (stepped == 0) {
       report_divergence(h);
       return false;
     }
-    if (last) world.state_.edit().time = end;  // exactly
+    if (last && stepped == h) set_time(end);
     ++statistics.steps;
     const double taken = seconds_since(start);
     statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, taken);
@@ -100,7 +109,7 @@ struct Simulation::Impl {
       report_divergence(h);
       return false;
     }
-    if (*stepped == h && std::isfinite(end)) world.state_.edit().time = end;
+    if (*stepped == h && std::isfinite(end)) set_time(end);
     ++statistics.steps;
     settle();
     statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, seconds_since(start));
@@ -128,8 +137,10 @@ struct Simulation::Impl {
       }
     }
     message = "diverged at t = " + text(world.time()) + " s: joint '" + std::string(world.joint_name({worst})) +
-              "' reached a speed of " + text(fastest) + " rad/s or m/s within a step of " + text(h) +
-              " s; use a smaller step, such as " + text(integration.step / 4) + " s, or more damping or inertia at that joint";
+              "' reached a speed of " + text(fastest) + " rad/s or m/s within a step of " + text(h) + " s; use " +
+              (method->adaptive() ? "larger tolerances rtol and atol"
+                                  : "a smaller step, such as " + text(integration.step / 4) + " s") +
+              ", or more damping or inertia at that joint";
     diverged = true;
   }
 
@@ -207,7 +218,7 @@ struct Simulation::Impl {
     event.before = world.totals();
     if (keeps_history) history.push_back({events.size(), snapshot()});
     act();
-    method = make_integrator(integration.method, world.tree_);
+    method = new_method();
     evaluate_state();
     event.after = world.totals();
     event.mechanisms_after = world.mechanism_names();
@@ -253,6 +264,7 @@ struct Simulation::Impl {
 
   SimulationSnapshot snapshot() const {
     SimulationSnapshot all{world.snapshot(), {}, events.size(), balance};
+    all.proposal = method->proposal();
     all.balance.dissipated = books.dissipated;
     all.balance.work = books.work;
     all.impulsive_work = balance.work;
@@ -263,7 +275,8 @@ struct Simulation::Impl {
   void go_back(const SimulationSnapshot& to) {
     const int bodies = world.tree_.bodies();
     world.restore(to.world);
-    if (world.tree_.bodies() != bodies) method = make_integrator(integration.method, world.tree_);
+    if (world.tree_.bodies() != bodies) method = new_method();
+    method->set_proposal(to.proposal);
     balance = to.balance;
     books.dissipated = to.balance.dissipated;
     books.work = to.balance.work;
@@ -458,7 +471,7 @@ void Simulation::watch(std::function<bool(double)> watcher) { impl_->watcher = s
 
 void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
   impl_->world.restore(time, forest, joints);
-  impl_->method = make_integrator(impl_->integration.method, impl_->world.tree_);
+  impl_->method = impl_->new_method();
   impl_->begin();
 }
 

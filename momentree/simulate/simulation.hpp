@@ -1,5 +1,6 @@
 #pragma once
 // A world that runs: model, state, scheduled events, books.
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <span>
@@ -13,11 +14,15 @@
 
 namespace momentree {
 
-/// How to step. `method`: "rk4".
+/// How to step. `method`: "rk4", "midpoint", of fixed steps; "dopri5", "dop853", which choose theirs.
 struct Integration {
   std::string method = "rk4";
-  double step = 1e-3;              ///< s
+  double step = 1e-3;              ///< s; for adaptive methods the first one
   double event_tolerance = 1e-10;  ///< s
+  // Adaptive methods: see StepControl.
+  double rtol = 1e-8;
+  double atol = 1e-10;         ///< in the unit of each coordinate and velocity
+  double max_step = HUGE_VAL;  ///< s
 };
 
 /// `refused`: an action was impossible; the world is as it was before its instant, and message() says which and why.
@@ -43,6 +48,7 @@ struct SimulationSnapshot {
   std::size_t events = 0;   ///< how many had happened
   EnergyBalance balance;    ///< with what was dissipated and done by forces since the start
   double impulsive_work = 0;
+  double proposal = 0;  ///< the next step of an adaptive method (s)
 };
 
 /// What all that is scheduled would do to the topology, tried at once where the world stands now.
@@ -62,7 +68,7 @@ class Simulation {
   struct Impl;
 
  public:
-  /// Compiles the model. Throws Error: an unknown method, step ≤ 0, a singular joint-space mass.
+  /// Compiles the model. Throws Error: an unknown method, a step or tolerance ≤ 0, a singular joint-space mass.
   explicit Simulation(const Model& model, const Integration& integration = {});
   ~Simulation();
   Simulation(Simulation&&) noexcept;

@@ -34,12 +34,20 @@ struct Stops::Trial {
   bool accelerations;
   double at = 0;  ///< seconds from the start to where the world is
 
+  // As far as the method itself goes; nothing where it failed.
+  bool first(double most) {
+    evaluate(world.state_);
+    at = method.advance(evaluate, world.state_, books, most);
+    return at > 0 && look();
+  }
   bool go(double s) {
     world.state_ = start;
     books = books_at_start;
     at = s;
     evaluate(world.state_);
-    if (!method.step(evaluate, world.state_, books, s)) return false;
+    return method.step(evaluate, world.state_, books, s) && look();
+  }
+  bool look() {
     evaluate(world.state_);
     if (accelerations) accelerate(world.tree_, world.state_, world.work_);
     return true;
@@ -99,8 +107,8 @@ std::optional<double> Stops::step(Integrator& method, Books& books, double h, do
     holding = holding || holds(s);
   }
   Trial trial{*world_, *evaluate_, method, books, world_->state_, books, holding};
-  double end = h;
-  bool fine = trial.go(h);
+  bool fine = trial.first(h);
+  double end = trial.at;
   for (std::size_t i = 0; fine && i < watched.size(); ++i) {
     const std::optional<double> found = crossing(trial, watched[i], end, tolerance);
     fine = found.has_value();

@@ -7,10 +7,6 @@
 namespace momentree {
 
 namespace detail {
-inline std::unique_ptr<double[]> scratch(int n) {
-  return std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(std::max(n, 1)));
-}
-
 // sum += weight·rate, stage = start + h·rate
 inline void advance(int n, const double* start, const double* rate, double weight, double h, double* sum, double* stage) {
   for (int i = 0; i < n; ++i) {
@@ -22,7 +18,8 @@ inline void advance(int n, const double* start, const double* rate, double weigh
 
 class Rk4 final : public Integrator {
  public:
-  explicit Rk4(const Tree& tree);
+  static constexpr bool chooses_steps = false;
+  Rk4(const Tree& tree, const StepControl& control);
   bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept override;
 
  private:
@@ -30,11 +27,12 @@ class Rk4 final : public Integrator {
   std::unique_ptr<double[]> q_sum_, p_sum_;  // weighted rates
 };
 
-inline Rk4::Rk4(const Tree& tree)
-    : q_(detail::scratch(7 * tree.bodies())),
-      p_(detail::scratch(6 * tree.bodies())),
-      q_sum_(detail::scratch(7 * tree.bodies())),
-      p_sum_(detail::scratch(6 * tree.bodies())) {}
+inline Rk4::Rk4(const Tree& tree, const StepControl& control)
+    : Integrator(control),
+      q_(scratch(7 * tree.bodies())),
+      p_(scratch(6 * tree.bodies())),
+      q_sum_(scratch(7 * tree.bodies())),
+      p_sum_(scratch(6 * tree.bodies())) {}
 
 inline bool Rk4::step(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
   const Work<double>& work = evaluate.work();

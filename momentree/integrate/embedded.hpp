@@ -1,0 +1,206 @@
+#pragma once
+// Explicit Runge–Kutta methods with embedded error estimates and a step of their own choice. A tableau is one file in kinds/.
+//
+// Error is measured in coordinates and velocities. What the estimate says of momenta, Δp, becomes velocities by one solve,
+// Δu = H⁻¹ Δp: an evaluation in a work of its own, linear in Δp, so that nothing cancels.
+//
+// The last stage is the first of the next step: it is evaluated on the new state itself, whose stamp the caller's work then
+// bears. Where something changes the state afterwards, an event or a stop, the stamp is stale and the caller evaluates anew.
+#include <algorithm>
+#include <cmath>
+
+#include <momentree/integrate/integrator.hpp>
+
+namespace momentree {
+
+/// A tableau has `stages` (the last one at the new state), `order`, `lower` (order of the estimate), a[i][j] for i < stages − 1,
+/// b[j] for j < stages − 1, `estimates` and error[e][j] for j < stages; and, where it has dense output, `dense`.
+template <class Tableau>
+class Embedded : public Integrator {
+ public:
+  static constexpr bool chooses_steps = true;
+  Embedded(const Tree& tree, const StepControl& control)
+      : Integrator(control),
+        nq_max_(7L * tree.bodies()),
+        nv_max_(6L * tree.bodies()),
+        q0_(scratch(nq_max_)),
+        p0_(scratch(nv_max_)),
+        u0_(scratch(nv_max_)),
+        q_(scratch(nq_max_)),
+        p_(scratch(nv_max_)),
+        kq_(scratch(Tableau::stages * nq_max_)),
+        kp_(scratch(Tableau::stages * nv_max_)),
+        solver_(tree) {
+    proposal_ = std::min(control.step, control.max_step);
+  }
+
+  bool adaptive() const final { return true; }
+
+  bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept final {
+    begin(evaluate, state);
+    stages(evaluate, h);
+    if (!plausible(evaluate.tree(), q0_.get(), q_.get(), p_.get())) return false;
+    accept(state, books, h);
+    evaluate(state);
+    keep(Tableau::stages - 1, evaluate.work());
+    return true;
+  }
+
+  double advance(Evaluator& evaluate, State& state, Books& books, double most) noexcept final {
+    begin(evaluate, state);
+    const double start = state.time();
+    constexpr double longest_growth = 5, longest_cut = 0.2, safety = 0.9;
+    double h = std::min({most, control_.max_step});
+    bool rejected = false;
+    const Books before = books;
+    for (;;) {
+      h = h < most ? (start + h) - start : h;  // what the clock advances
+      if (!(h > shortest * std::max(std::fabs(start), control_.step))) break;
+      stages(evaluate, h);
+      double error = HUGE_VAL;
+      const bool fine = plausible(evaluate.tree(), q0_.get(), q_.get(), p_.get());
+      if (fine) {
+        accept(state, books, h);
+        evaluate(state);
+        keep(Tableau::stages - 1, evaluate.work());
+        error = estimate(evaluate, h);
+      }
+      const double wanted = safety * std::pow(error, -1.0 / (Tableau::lower + 1));  // NaN where the error is
+      const double factor = wanted >= longest_cut ? std::min(wanted, longest_growth) : longest_cut;
+      if (error <= 1) {
+        const double next = h * (rejected ? std::min(factor, 1.0) : factor);
+        // A step that was short only because it had to end somewhere says nothing against a longer one.
+        const bool cut = h < 0.99 * proposal_ && !rejected && factor >= 1;
+        proposal_ = std::min(cut ? std::max(next, proposal_) : next, control_.max_step);
+        return h;
+      }
+      if (fine) {
+        books = before;
+        const State::Edit edit = state.edit();
+        std::copy_n(q0_.get(), nq_, edit.q.begin());
+        std::copy_n(p0_.get(), nv_, edit.p.begin());
+        edit.time = start;
+      }
+      rejected = true;
+      h *= factor;
+    }
+    last_ = 0;
+    return 0;
+  }
+
+  bool interpolate(const Tree& tree, double theta, double* q, double* p) const noexcept final {
+    if constexpr (requires { Tableau::dense(theta); }) {
+      if (last_ == 0 || tree.nq() != nq_ || tree.nv() != nv_) return false;
+      const auto weights = Tableau::dense(theta);
+      std::copy_n(q0_.get(), nq_, q);
+      std::copy_n(p0_.get(), nv_, p);
+      for (int j = 0; j < Tableau::stages; ++j) {
+        const double w = last_ * weights[static_cast<std::size_t>(j)];
+        if (w == 0) continue;
+        for (int i = 0; i < nq_; ++i) q[i] += w * kq(j)[i];
+        for (int i = 0; i < nv_; ++i) p[i] += w * kp(j)[i];
+      }
+      normalise(tree, q);
+      return true;
+    } else {
+      return false;
+    }
+  }
+
+ private:
+  static constexpr double shortest = 1e-14;  // no step shorter than that part of the time, or of the first step
+
+  double* kq(int j) const { return kq_.get() + j * nq_max_; }
+  double* kp(int j) const { return kp_.get() + j * nv_max_; }
+
+  void keep(int stage, const Work<double>& work) noexcept {
+    std::copy_n(work.qdot.get(), nq_, kq(stage));
+    std::copy_n(work.pdot.get(), nv_, kp(stage));
+    power_[stage] = work.power;
+  }
+
+  void begin(const Evaluator& evaluate, const State& state) noexcept {
+    MT_REQUIRE(evaluate.work().evaluated == state.stamp(), "the first stage was evaluated on this state");
+    nq_ = evaluate.tree().nq();
+    nv_ = evaluate.tree().nv();
+    std::copy_n(state.q().data(), nq_, q0_.get());
+    std::copy_n(state.p().data(), nv_, p0_.get());
+    std::copy_n(evaluate.work().v.get(), nv_, u0_.get());
+    keep(0, evaluate.work());
+  }
+
+  // out = start + h Σ weights[j] k[j]
+  static void combine(int n, const double* start, const double* weights, int count, double h, const double* k, long stride,
+                      double* out) noexcept {
+    std::copy_n(start, n, out);
+    for (int j = 0; j < count; ++j) {
+      if (weights[j] == 0) continue;
+      const double w = h * weights[j], *rate = k + j * stride;
+      for (int i = 0; i < n; ++i) out[i] += w * rate[i];
+    }
+  }
+
+  // All stages but the last, and the result in q_, p_.
+  void stages(Evaluator& evaluate, double h) noexcept {
+    constexpr int inner = Tableau::stages - 1;
+    for (int s = 1; s <= inner; ++s) {
+      const double* weights = s < inner ? Tableau::a[s] : Tableau::b;
+      combine(nq_, q0_.get(), weights, s, h, kq_.get(), nq_max_, q_.get());
+      combine(nv_, p0_.get(), weights, s, h, kp_.get(), nv_max_, p_.get());
+      if (s == inner) break;
+      evaluate(q_.get(), p_.get());
+      keep(s, evaluate.work());
+    }
+    normalise(evaluate.tree(), q_.get());
+  }
+
+  void accept(State& state, Books& books, double h) noexcept {
+    const State::Edit edit = state.edit();
+    std::copy_n(q_.get(), nq_, edit.q.begin());
+    std::copy_n(p_.get(), nv_, edit.p.begin());
+    edit.time += h;
+    for (int j = 0; j < Tableau::stages - 1; ++j) {
+      books.dissipated += h * Tableau::b[j] * power_[j].dissipated;
+      books.work += h * Tableau::b[j] * power_[j].work;
+    }
+    last_ = h;
+  }
+
+  // Largest error of a coordinate or velocity in parts of what is allowed; the work is of the new state.
+  double estimate(Evaluator& evaluate, double h) noexcept {
+    const double* u1 = evaluate.work().v.get();
+    double found[2] = {};
+    for (int e = 0; e < Tableau::estimates; ++e) {
+      const double* weights = Tableau::error[e];
+      const auto measure = [&](double off, double before, double after) {
+        const double part = std::fabs(off) / (control_.atol + control_.rtol * std::max(std::fabs(before), std::fabs(after)));
+        if (!(part <= found[e])) found[e] = part;  // NaN stays
+      };
+      for (int i = 0; i < nq_; ++i) {
+        double off = 0;
+        for (int j = 0; j < Tableau::stages; ++j) off += weights[j] * kq(j)[i];
+        measure(h * off, q0_[static_cast<std::size_t>(i)], q_[static_cast<std::size_t>(i)]);
+      }
+      double* dp = solver_.impulse.get();
+      for (int i = 0; i < nv_; ++i) {
+        double off = 0;
+        for (int j = 0; j < Tableau::stages; ++j) off += weights[j] * kp(j)[i];
+        dp[i] = h * off;
+      }
+      evaluate.solve(q_.get(), dp, solver_);
+      for (int i = 0; i < nv_; ++i) measure(solver_.v[static_cast<std::size_t>(i)], u0_[static_cast<std::size_t>(i)], u1[i]);
+    }
+    return Tableau::combine(found);
+  }
+
+  long nq_max_, nv_max_;
+  int nq_ = 0, nv_ = 0;
+  std::unique_ptr<double[]> q0_, p0_, u0_;  // where the step began
+  std::unique_ptr<double[]> q_, p_;         // stage, then result
+  std::unique_ptr<double[]> kq_, kp_;       // rates of the stages
+  Power power_[Tableau::stages]{};
+  Work<double> solver_;
+  double last_ = 0;  // length of the step that kq_, kp_ are of (s)
+};
+
+}  // namespace momentree

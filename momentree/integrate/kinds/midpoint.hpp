@@ -1,0 +1,61 @@
+#pragma once
+// The implicit midpoint rule, order 2: z1 = z0 + h f((z0 + z1)/2), by fixed-point iteration on the midpoint. Symplectic in
+// joints whose velocities are rates of coordinates (holonomic ones); not in balls and free joints, whose momenta go with body
+// axes.
+#include <cmath>
+
+#include <momentree/integrate/integrator.hpp>
+
+namespace momentree {
+
+class Midpoint final : public Integrator {
+ public:
+  static constexpr bool chooses_steps = false;
+  Midpoint(const Tree& tree, const StepControl& control);
+  bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept override;
+
+ private:
+  static constexpr int most_iterations = 60;
+  static constexpr double converged = 1e-13, stalled = 1e-10;
+  std::unique_ptr<double[]> q_, p_;  // midpoint, then result
+};
+
+inline Midpoint::Midpoint(const Tree& tree, const StepControl& control)
+    : Integrator(control), q_(scratch(7L * tree.bodies())), p_(scratch(6L * tree.bodies())) {}
+
+inline bool Midpoint::step(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
+  const Work<double>& work = evaluate.work();
+  MT_REQUIRE(work.evaluated == state.stamp(), "the first guess was evaluated on this state");
+  const int nq = evaluate.tree().nq(), nv = evaluate.tree().nv();
+  const double *q = state.q().data(), *p = state.p().data();
+  std::copy_n(q, nq, q_.get());
+  double change = HUGE_VAL;
+  // Where the midpoint moves by less than `converged`, its velocities are known to that over h/2; one more round carries that on
+  // to the momenta. Round-off in long chains is more than that: what no longer gets better is good where it is small.
+  for (int i = 0, settled = 0; settled < 2; ++i) {
+    if (i == most_iterations) return false;
+    if (i > 0) evaluate(q_.get(), p_.get());
+    double moved = 0;
+    for (int k = 0; k < nq; ++k) {
+      const double next = q[k] + h / 2 * work.qdot[static_cast<std::size_t>(k)];
+      moved = std::max(moved, std::fabs(next - q_[static_cast<std::size_t>(k)]) / (1 + std::fabs(next)));
+      q_[static_cast<std::size_t>(k)] = next;
+    }
+    for (int k = 0; k < nv; ++k) p_[static_cast<std::size_t>(k)] = p[k] + h / 2 * work.pdot[static_cast<std::size_t>(k)];
+    if (i > 0 && (moved <= converged || (moved <= stalled && moved >= change))) ++settled;
+    change = moved;
+  }
+  for (int k = 0; k < nq; ++k) q_[static_cast<std::size_t>(k)] = 2 * q_[static_cast<std::size_t>(k)] - q[k];
+  for (int k = 0; k < nv; ++k) p_[static_cast<std::size_t>(k)] = 2 * p_[static_cast<std::size_t>(k)] - p[k];
+  normalise(evaluate.tree(), q_.get());
+  if (!plausible(evaluate.tree(), q, q_.get(), p_.get())) return false;
+  const State::Edit edit = state.edit();
+  std::copy_n(q_.get(), nq, edit.q.begin());
+  std::copy_n(p_.get(), nv, edit.p.begin());
+  edit.time += h;
+  books.dissipated += h * work.power.dissipated;
+  books.work += h * work.power.work;
+  return true;
+}
+
+}  // namespace momentree
