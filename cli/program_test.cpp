@@ -119,6 +119,23 @@ TEST_CASE("run --quiet and --json, --out, --set and --until") {
   CHECK(here.text("results/s/bodies.csv").find("chain/9.x") != std::string::npos);
 }
 
+TEST_CASE("run --reactions adds what joints carry, and changes nothing else") {
+  const Workplace here;
+  REQUIRE(here.call("run s.toml --out plain").code == 0);
+  const Outcome run = here.call("run s.toml --out r --reactions");
+  CHECK(run.code == 0);
+  CHECK(run.errors == "");
+  for (const char* file : {"bodies.csv", "final.json"})
+    CHECK_MESSAGE(here.text((std::string("plain/") + file).c_str()) == here.text((std::string("r/") + file).c_str()), file);
+  const std::string plain = here.text("plain/joints.csv"), table = here.text("r/joints.csv");
+  CHECK(plain.find(".fx") == std::string::npos);
+  CHECK(table.find(",chain/4.p5,chain/4.fx,chain/4.fy,chain/4.fz,chain/4.mx,chain/4.my,chain/4.mz,chain/5.q0,") !=
+        std::string::npos);
+  const auto columns = [](const std::string& text) { return std::ranges::count(text.substr(0, text.find('\n')), ','); };
+  CHECK(columns(table) == columns(plain) + 8 * 6);
+  CHECK(lines(table) == 17);
+}
+
 TEST_CASE("final.json comes back through evaluate --state, bit for bit") {
   const Workplace here;
   REQUIRE(here.call("run s.toml --out r").code == 0);
@@ -297,6 +314,25 @@ TEST_CASE("check, explain, evaluate, view") {
   CHECK(here.call("view s.toml --svg s.svg --every 0.1 --look 0,0,-1").code == 0);
   CHECK(here.text("s.svg") == here.text("r.svg"));
   CHECK_FALSE(here.has("results"));
+}
+
+TEST_CASE("evaluate tells accelerations and reactions") {
+  // A rod lets go from the horizontal: a = −m g l / (I + m l²) = −g / 2, and the pin bears half its weight.
+  const Workplace here(
+      "format = 1\n[world]\ngravity = [0, -9.81, 0]\n[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"rod\"\nmass = 2\n"
+      "inertia = 2\ncom = [1, 0, 0]\n[mechanism.body.joint]\nname = \"pin\"\nkind = \"revolute\"\naxis = [0, 0, 1]\n");
+  const Outcome text = here.call("evaluate s.toml");
+  CHECK(text.code == 0);
+  const auto row = [&text](const char* heading) {  // the second line after it
+    std::size_t at = text.output.find(heading);
+    REQUIRE(at != std::string::npos);
+    for (int line = 0; line < 2; ++line) at = text.output.find('\n', at) + 1;
+    return text.output.substr(at, text.output.find('\n', at) - at);
+  };
+  CHECK(row("Joints (").ends_with(" -19.62   -4.905"));
+  CHECK(row("Reactions (").starts_with("  m/pin   m/rod "));
+  CHECK(row("Reactions (").ends_with("   0 9.81 0    0 0 0"));
+  CHECK(row("Accelerations (").ends_with("   0 0 0   0 0 -4.905"));
 }
 
 TEST_CASE("a full standard output is noticed") {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <momentree/integrate/integrator.hpp>
+
 namespace momentree::cli {
 
 namespace {
@@ -91,9 +93,12 @@ std::string report_text(const RunReport& report, const Simulation& simulation, c
   const World& world = simulation.world();
   const RunStatistics& s = simulation.statistics();
   const double wall = s.total_seconds[0] + s.total_seconds[1], simulated = simulation.time() - report.start;
-  std::string text = style.heading(report.title) + ": " + count_text(world.model().size(), "body", "bodies") + ", " +
-                     count_text(report.freedoms, "degree of freedom", "degrees of freedom") + ", " + report.integration.method +
-                     format(" with steps of %s", duration_text(report.integration.step).c_str()) + '\n';
+  std::string text =
+      style.heading(report.title) + ": " + count_text(world.model().size(), "body", "bodies") + ", " +
+      count_text(report.freedoms, "degree of freedom", "degrees of freedom") + ", " + report.integration.method +
+      (is_adaptive(report.integration.method) ? format(", rtol %.3g, atol %.3g", report.integration.rtol, report.integration.atol)
+                                              : format(" with steps of %s", duration_text(report.integration.step).c_str())) +
+      '\n';
   text += format("%.9g s simulated in %s", simulated, duration_text(wall).c_str());
   if (wall > 0 && simulated > 0) text += format(", %.3g times real time", simulated / wall);
   text += format("; %ld steps, the slowest %s\n\n", s.steps, duration_text(s.worst_step_seconds).c_str());

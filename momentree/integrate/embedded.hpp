@@ -18,6 +18,7 @@ namespace momentree {
 template <class Tableau>
 class Embedded : public Integrator {
  public:
+  static constexpr bool chooses_steps = true;
   Embedded(const Tree& tree, const StepControl& control)
       : Integrator(control),
         nq_max_(7L * tree.bodies()),
@@ -29,7 +30,9 @@ class Embedded : public Integrator {
         p_(scratch(nv_max_)),
         kq_(scratch(Tableau::stages * nq_max_)),
         kp_(scratch(Tableau::stages * nv_max_)),
-        solver_(tree) {}
+        solver_(tree) {
+    proposal_ = std::min(control.step, control.max_step);
+  }
 
   bool adaptive() const final { return true; }
 

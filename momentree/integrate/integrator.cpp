@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/method_list.hpp>
 #include <momentree/integrate/methods.hpp>
 #include <momentree/joint/dispatch.hpp>
@@ -49,6 +50,29 @@ std::unique_ptr<Integrator> make_integrator(std::string_view method, const Tree&
   MOMENTREE_METHODS(MOMENTREE_METHOD)
 #undef MOMENTREE_METHOD
   return nullptr;
+}
+
+double velocity_resolution(const Tree& tree, std::span<const double> q) {
+  const auto nv = static_cast<std::size_t>(tree.nv());
+  std::vector<double> u(nv, 1.0), p(nv);
+  for (const int b : tree.order())
+    for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
+      if ((tree.joint(b).locked >> i & 1u) != 0) u[static_cast<std::size_t>(tree.first_p(b) + i)] = 0;
+  project_momentum(tree, q.data(), u.data(), p.data());
+  for (std::size_t i = 0; i < nv; ++i) p[i] *= u[i];
+  Work<double> work(tree);
+  evaluate_rates<double>(tree, q.data(), p.data(), work);
+  double worst = 0x1p-53;
+  for (std::size_t i = 0; i < nv; ++i) worst = std::max(worst, std::fabs(work.v[i] - 1) * u[i]);
+  return worst;
+}
+
+bool is_adaptive(std::string_view method) {
+#define MOMENTREE_METHOD(name, Type) \
+  if (method == #name) return Type::chooses_steps;
+  MOMENTREE_METHODS(MOMENTREE_METHOD)
+#undef MOMENTREE_METHOD
+  return false;
 }
 
 std::vector<std::string> integration_methods() {

@@ -45,6 +45,31 @@ TEST_CASE("impossible steps are refused") {
   });
 }
 
+TEST_CASE("tolerances must be positive, of use to the method, and such as the state can resolve") {
+  const std::string adaptive = "[integrate]\nmethod = \"dopri5\"\n";
+  check({
+      {pinned + adaptive + "rtol = 0\n", "s.toml:12:8: error: rtol: must be greater than 0"},
+      {pinned + adaptive + "atol = -1e-9\n", "s.toml:12:8: error: atol: must be greater than 0"},
+      {pinned + adaptive + "max_step = 0\n", "s.toml:12:12: error: max_step: must be greater than 0"},
+      {pinned + adaptive + "rtl = 1e-9\n", "s.toml:12:1: error: unknown key 'rtl' in [integrate]; did you mean 'rtol'?"},
+  });
+  const auto warned = [](const std::string& text) {
+    const momentree::io::ReadResult result = momentree::io::read_scenario_text(text, "s.toml");
+    CHECK(result.scenario);
+    return said(result);
+  };
+  CHECK(warned(pinned + adaptive + "rtol = 1e-9\natol = 1e-12\nmax_step = \"5 ms\"\n").empty());
+  CHECK(warned(pinned + "[integrate]\nrtol = 1e-9\n") ==
+        "s.toml:11:8: warning: 'rtol' does nothing: method 'rk4' has fixed steps; use method = \"dopri5\", which chooses its "
+        "steps");
+  CHECK(warned(pinned + adaptive + "rtol = 1e-16\n") ==
+        "s.toml:12:8: warning: rtol = 1e-16 is below what the velocities of this mechanism can be resolved to; they are known to "
+        "about 1e-16: use rtol = 1e-15 or more");
+  const std::string long_chain =
+      warned(head + "[mechanism.chain]\nlinks = 100\nlength = \"5 m\"\nmass = \"10 g\"\n" + adaptive + "rtol = 1e-11\n");
+  CHECK(long_chain.find("rtol = 1e-11 is below") != std::string::npos);
+}
+
 TEST_CASE("what is still to come is refused where it stands") {
   check({
       {pinned + "friction = { coulomb = 1, speed = 1 }\n", "s.toml:10:1: error: 'friction' is not supported yet"},
@@ -62,8 +87,8 @@ TEST_CASE("what is still to come is refused where it stands") {
        "s.toml:10:3: error: 'loop' is not supported yet; closed loops are not supported: a mechanism is a tree"},
       {head + "model = \"x.urdf\"\n[[event]]\nat = 1\nbreak = \"m/elbow\"\n",
        "s.toml:4:1: error: 'model' is not supported yet; describe the bodies in [[mechanism.body]] tables"},
-      {pinned + "[integrate]\nmethod = \"dopri5\"\n",
-       "s.toml:11:10: error: method 'dopri5' is not supported yet; this version has \"rk4\""},
-      {pinned + "[integrate]\nrtol = 1e-9\n", "s.toml:11:1: error: 'rtol' is not supported yet"},
+      {pinned + "[integrate]\nmethod = \"damped\"\n",
+       "s.toml:11:10: error: method 'damped' is not supported yet; this version has \"dop853\", \"dopri5\", \"midpoint\", "
+       "\"rk4\""},
   });
 }

@@ -1,7 +1,10 @@
 // [world], [integrate] and [output].
 #include <algorithm>
+#include <cstdio>
 
 #include <momentree/base/error.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/integrate/integrator.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
@@ -17,21 +20,48 @@ void read_integrate(const Value& table, Reading& reading) {
   Fields fields(table, "[integrate]", out);
   Integration& integration = reading.scenario.integration;
   if (const auto method = fields.string("method")) {
-    const std::vector<std::string> later{"dopri5", "dop853", "midpoint", "damped"},
-        all{"rk4", "dopri5", "dop853", "midpoint", "damped"};
-    if (std::find(later.begin(), later.end(), *method) != later.end())
-      out.error(fields.place_of("method"), "method " + in_quotes(*method) + " is not supported yet", "this version has \"rk4\"");
-    else if (*method != "rk4") {
-      const std::string hint = did_you_mean(*method, all);
-      out.error(fields.place_of("method"), "unknown method " + in_quotes(*method),
-                hint.empty() ? "this version has \"rk4\"" : hint);
+    const std::vector<std::string> known = integration_methods();
+    const auto in = [&](const std::vector<std::string>& names) {
+      return std::find(names.begin(), names.end(), *method) != names.end();
+    };
+    std::string all;
+    for (const std::string& name : known) all += (all.empty() ? "this version has \"" : ", \"") + name + '"';
+    if (in(known)) {
+      integration.method = *method;
+    } else if (in({"damped"})) {
+      out.error(fields.place_of("method"), "method " + in_quotes(*method) + " is not supported yet", all);
+    } else {
+      const std::string hint = did_you_mean(*method, known);
+      out.error(fields.place_of("method"), "unknown method " + in_quotes(*method), hint.empty() ? all : hint);
     }
   }
   integration.step = fields.positive("step", dimension::time).value_or(integration.step);
   integration.event_tolerance = fields.positive("event_tolerance", dimension::time).value_or(integration.event_tolerance);
   reading.scenario.until = fields.not_negative("until", dimension::time).value_or(reading.scenario.until);
-  fields.later({"rtol", "atol", "max_step"});
+  integration.rtol = fields.positive("rtol", dimension::number).value_or(integration.rtol);
+  integration.atol = fields.positive("atol", dimension::number).value_or(integration.atol);
+  integration.max_step = fields.positive("max_step", dimension::time).value_or(integration.max_step);
+  if (!is_adaptive(integration.method))
+    for (const char* key : {"rtol", "atol", "max_step"})
+      if (fields.has(key))
+        out.warning(fields.place_of(key),
+                    in_quotes(key) + " does nothing: method " + in_quotes(integration.method) + " has fixed steps",
+                    "use method = \"dopri5\", which chooses its steps");
+  reading.rtol = fields.has("rtol") ? fields.place_of("rtol") : fields.place();
   fields.finish();
+}
+
+void check_tolerance(Reading& reading) {
+  const Integration& integration = reading.scenario.integration;
+  if (!is_adaptive(integration.method)) return;
+  const Tree tree(reading.scenario.model);
+  const double resolved = velocity_resolution(tree, start_state(reading.scenario.model, tree).q());
+  if (integration.rtol >= 10 * resolved) return;
+  char text[64], mend[64];
+  std::snprintf(text, sizeof text, "rtol = %.3g is below", integration.rtol);
+  std::snprintf(mend, sizeof mend, "%.1g: use rtol = %.0e or more", resolved, 10 * resolved);
+  reading.out.warning(reading.rtol, std::string(text) + " what the velocities of this mechanism can be resolved to",
+                      std::string("they are known to about ") + mend);
 }
 
 void read_output(const Value& table, Reading& reading) {

@@ -31,11 +31,11 @@ std::size_t column(const Rows& rows, const std::string& name) {
 }
 
 // The whole run of two_mechanisms with a break at 0.105 s, rows every `every`.
-Rows run(const std::string& out, double every, const char* file, double until = 0.5) {
+Rows run(const std::string& out, double every, const char* file, double until = 0.5, bool reactions = false) {
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});
   simulation.at(0.105).then(break_joint("arm/shoulder"));
-  Recorder recorder(model, joints_of(simulation, simulation.rehearse(), {}), every, out);
+  Recorder recorder(model, joints_of(simulation, simulation.rehearse(), {}), every, out, reactions);
   simulation.observe(every, [&](const World& world) { return recorder.observe(world); });
   REQUIRE(simulation.run_until(until) == Status::ok);
   RunOrigin origin;
@@ -79,6 +79,30 @@ TEST_CASE("columns for every joint that can be, as wide as its widest kind") {
   CHECK(rows[3][before] == "");  // 0.2 s
   CHECK(rows[3][after] != "");
   CHECK(rows[1][column(rows, "arm/wrist.q0")] == "0.7");
+}
+
+TEST_CASE("reactions where they are asked for: after the other columns of their joint, empty where it is not there") {
+  const test::TemporaryFolder folder;
+  const Rows plain = run(folder / "r", 0.1, "joints.csv");
+  const Rows rows = run(folder / "r", 0.1, "joints.csv", 0.5, true);
+  REQUIRE(rows.size() == plain.size());
+  REQUIRE(rows[0].size() == plain[0].size() + 5 * 6);
+  CHECK(rows[0][column(rows, "arm/shoulder.p2") + 1] == "arm/shoulder.fx");
+  CHECK(rows[0][column(rows, "arm/shoulder.fx") + 5] == "arm/shoulder.mz");
+  const auto number = [&](std::size_t row, const char* name) { return std::stod(rows[row][column(rows, name)]); };
+  for (std::size_t r = 1; r < rows.size(); ++r) {
+    REQUIRE(rows[r].size() == rows[0].size());
+    for (std::size_t c = 0; c < plain[0].size(); ++c) CHECK(rows[r][column(rows, plain[0][c])] == plain[r][c]);
+    CHECK((rows[r][column(rows, "arm/shoulder.mz")] == "") == (number(r, "time") > 0.105));
+    CHECK((rows[r][column(rows, "arm/link.fx")] == "") == (number(r, "time") < 0.105));
+    // A point mass of 1 kg at 1 m: the pull is along the rod.
+    const double v = number(r, "pendulum.v0");
+    CHECK(number(r, "pendulum.fz") == doctest::Approx(9.81 * std::cos(number(r, "pendulum.q0")) + v * v).epsilon(1e-12));
+    for (const char* none : {"pendulum.fx", "pendulum.fy", "pendulum.mx", "pendulum.my", "pendulum.mz"})
+      CHECK(std::fabs(number(r, none)) < 1e-12);
+  }
+  for (const char* free : {"arm/link.fx", "arm/link.fz", "arm/link.my"}) CHECK(std::fabs(number(3, free)) < 1e-10);
+  CHECK(std::fabs(number(3, "arm/wrist.fx")) > 1e-3);
 }
 
 TEST_CASE("quaternions are continuous in sign") {

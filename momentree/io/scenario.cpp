@@ -56,7 +56,10 @@ void check_whole(Reading& reading) {
     const std::string& joint = reading.scenario.model[singular.body].joint_name;
     out.error(reading.joints.at(joint), "joint " + in_quotes(joint) + ": " + singular.what, singular.hint);
   }
-  if (errors == 0 && errors == out.errors()) check_events(reading);
+  if (errors == 0 && errors == out.errors()) {
+    check_tolerance(reading);
+    check_events(reading);
+  }
 }
 
 void read_document(const Value& document, Reading& reading) {

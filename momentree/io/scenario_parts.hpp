@@ -41,6 +41,7 @@ struct Reading {
   };
   std::vector<JointUse> joint_uses{};
   std::vector<LateEntry> late{};
+  Place rtol{};                       ///< of the tolerance, or of [integrate]
   long suggestions_left = 2'000'000;  ///< names that may yet be compared to find the nearest
   int bodies_left = 1'000'000;
 
@@ -115,6 +116,8 @@ void check_events(Reading& reading);
 
 void read_world(const Value& table, Reading& reading);
 void read_integrate(const Value& table, Reading& reading);
+/// Warns where a tolerance asks for more than the momenta of this mechanism can tell.
+void check_tolerance(Reading& reading);
 void read_output(const Value& table, Reading& reading);
 
 }  // namespace momentree::io

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include <momentree/io/json_document.hpp>
 #include <momentree/io/test_support.hpp>
 
 namespace momentree::io {
@@ -61,7 +62,32 @@ TEST_CASE("what it says of the joint that broke") {
   CHECK(text.find("arm/shoulder") == std::string::npos);
   CHECK(text.find("{\"name\": \"arm/link\", \"root\": \"arm/link\", \"bodies\": [\"arm/link\", \"arm/hand\"]}") !=
         std::string::npos);
-  CHECK(text.find("\"a\": null, \"reaction\": null") != std::string::npos);
+}
+
+TEST_CASE("accelerations and reactions are written; what a document says of them is not read") {
+  const Simulation simulation = broken_arm();
+  const World& world = simulation.world();
+  const std::string text = state_json(world, {});
+  const JsonDocument document = parse_json(text, "s.json");
+  const auto numbers = [&document](const JsonNode& of, const char* key) { return document.numbers(*of.find(key), key); };
+  const auto same = [](const std::vector<double>& x, const Vec3& v) { return x == std::vector<double>{v.x, v.y, v.z}; };
+  for (int j = 0; j < 4; ++j) {
+    const JointForces forces = world.joint_forces({j});
+    const JsonNode& joint = *document.root.find("joints")->find(std::string(world.joint_name({j})));
+    CHECK(numbers(joint, "a") == std::vector<double>(forces.a.begin(), forces.a.end()));
+    CHECK(same(numbers(*joint.find("reaction"), "force"), forces.reaction.force));
+    CHECK(same(numbers(*joint.find("reaction"), "torque"), forces.reaction.torque));
+    const BodyAcceleration& a = world.accelerations()[static_cast<std::size_t>(j)];
+    const JsonNode& body = *document.root.find("bodies")->find(world.model()[Body{j}].name);
+    CHECK(same(numbers(body, "linear_acceleration"), a.linear));
+    CHECK(same(numbers(body, "angular_acceleration"), a.angular));
+  }
+  const std::size_t from = text.rfind("\"a\": ["), to = text.find("}}", from) + 1;
+  for (const char* other : {"\"a\": null, \"reaction\": null", "\"a\": [99], \"reaction\": {}", "\"a\": [1, 2, 3]"}) {
+    Simulation again(test::two_mechanisms());
+    restore(again, {read_state(std::string(text).replace(from, to - from, other), "s.json", again.world().model())});
+    CHECK(state_json(again.world(), {}) == text);
+  }
 }
 
 // What happens to two_mechanisms, one after the other: every kind of change, a joint on its stop, a re-rooted tree.

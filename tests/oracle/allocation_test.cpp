@@ -132,17 +132,20 @@ TEST_CASE("no change allocates, in a copy either") {
   CHECK(changes > 200);
 }
 
-TEST_CASE("a simulation steps without allocating") {
+TEST_CASE("a simulation steps without allocating, by every method") {
   const Model model = oracle::random_tree(2, {.min_bodies = 30, .max_bodies = 30}).model;
-  Simulation run(model, {.step = 1e-5});
-  REQUIRE(run.step(1e-5) == Status::ok);
-  const long before = allocations;
-  Status status = Status::ok;
-  for (int i = 0; i < 100 && status == Status::ok; ++i) status = run.step(1e-5);
-  const long stepping = allocations - before;
-  status = run.run_until(3e-3);
-  const long running = allocations - before - stepping;
-  CHECK(status == Status::ok);
-  CHECK(stepping == 0);
-  CHECK(running == 0);
+  for (const std::string& method : integration_methods()) {
+    CAPTURE(method);
+    Simulation run(model, {.method = method, .step = 1e-5});
+    REQUIRE(run.step(1e-5) == Status::ok);
+    const long before = allocations;
+    Status status = Status::ok;
+    for (int i = 0; i < 100 && status == Status::ok; ++i) status = run.step(1e-5);
+    const long stepping = allocations - before;
+    status = run.run_until(3e-3);
+    const long running = allocations - before - stepping;
+    CHECK(status == Status::ok);
+    CHECK(stepping == 0);
+    CHECK(running == 0);
+  }
 }

@@ -10,6 +10,7 @@ namespace momentree {
 
 class Midpoint final : public Integrator {
  public:
+  static constexpr bool chooses_steps = false;
   Midpoint(const Tree& tree, const StepControl& control);
   bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept override;
 

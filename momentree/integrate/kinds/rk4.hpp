@@ -18,6 +18,7 @@ inline void advance(int n, const double* start, const double* rate, double weigh
 
 class Rk4 final : public Integrator {
  public:
+  static constexpr bool chooses_steps = false;
   Rk4(const Tree& tree, const StepControl& control);
   bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept override;
 

@@ -1,0 +1,140 @@
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+using namespace momentree;
+
+namespace {
+
+// A point mass at 2 m from a pin on y, driven and damped.
+Model pendulum() {
+  Model model({.gravity = {0, 0, -9.81}});
+  model.add({.name = "bob",
+             .mass = 3,
+             .com = {0, 0, -2},
+             .joint = Revolute{.axis = y_axis, .damping = 0.5, .effort = 4},
+             .q = 0.7,
+             .v = 1.5,
+             .joint_name = "pin"});
+  return model;
+}
+
+// Three bodies that float, none of them an end of the other's joint alone.
+Model floating() {
+  Model model({.gravity = {0, 0, -9.81}});
+  const Body hull = model.add({.name = "hull",
+                               .mass = 2,
+                               .com = {0.1, 0, 0.2},
+                               .inertia = diagonal(0.3, 0.4, 0.5),
+                               .joint = Free{},
+                               .v = {0.1, -0.2, 0.3, 1, 2, -3}});
+  const Body arm = model.add({.name = "arm",
+                              .mass = 1,
+                              .com = {0.25, 0, 0},
+                              .inertia = diagonal(0.1, 0.2, 0.3),
+                              .parent = hull,
+                              .at = {0, 0, 0.5},
+                              .joint = Ball{.damping = {0.1, 0.2, 0.3}},
+                              .v = {0.5, 0.25, -0.125}});
+  model.add({.name = "hand",
+             .mass = 0.5,
+             .com = {0, 0.1, 0},
+             .inertia = diagonal(0.01),
+             .parent = arm,
+             .at = {0.5, 0, 0},
+             .joint = Revolute{.axis = y_axis, .stiffness = 2},
+             .q = 0.7,
+             .v = -1});
+  return model;
+}
+
+double distance(const Wrench& a, const Wrench& b) { return norm(a.force - b.force) + norm(a.torque - b.torque); }
+
+}  // namespace
+
+TEST_CASE("a pendulum: its acceleration, the pull of the pin, and the drive's share of it, step by step") {
+  Simulation sim(pendulum(), {.step = 1e-2});
+  for (int k = 0; k < 10; ++k) {
+    const World& world = sim.world();
+    const JointView pin = world.joint({0});
+    const JointForces forces = world.joint_forces({0});
+    const double q = pin.q[0], v = pin.v[0], drive = 4 - 0.5 * v;
+    const double a = (drive - 3 * 9.81 * 2 * std::sin(q)) / 12;
+    REQUIRE(forces.a.size() == 1);
+    CHECK(forces.a[0] == doctest::Approx(a).epsilon(1e-13));
+    // In the bob's axes: along the rod what keeps it on its circle, across it what the drive's torque takes.
+    const Vec3 pull{-drive / 2, 0, 3 * (9.81 * std::cos(q) + 2 * v * v)};
+    CHECK(distance(forces.reaction, {pull, {0, drive, 0}}) < 1e-12 * norm(pull));
+    CHECK(distance(forces.pure, {pull, {}}) < 1e-12 * norm(pull));
+    CHECK(norm(world.accelerations()[0].linear) < 1e-13);
+    CHECK(norm(world.accelerations()[0].angular - Vec3{0, a, 0}) < 1e-13);
+    sim.step(0.1);
+  }
+}
+
+TEST_CASE("accelerations are the rates of what motions and joints tell") {
+  const double h = 1e-5;
+  Simulation sim(floating(), {.step = h});
+  sim.run_until(0.02);
+  const auto velocities = [&] {
+    std::vector<double> v;
+    for (int j = 0; j < 3; ++j)
+      for (const double x : sim.world().joint({j}).v) v.push_back(x);
+    return v;
+  };
+  const std::vector<BodyMotion> before = sim.world().motions();
+  const std::vector<double> v_before = velocities();
+  sim.step(h);
+  const std::vector<BodyAcceleration> accelerations = sim.world().accelerations();
+  std::vector<double> a;
+  for (int j = 0; j < 3; ++j)
+    for (const double x : sim.world().joint_forces({j}).a) a.push_back(x);
+  sim.step(h);
+  const std::vector<BodyMotion> after = sim.world().motions();
+  for (std::size_t b = 0; b < 3; ++b) {
+    CHECK(norm(0.5 / h * (after[b].linear - before[b].linear) - accelerations[b].linear) < 1e-5);
+    CHECK(norm(0.5 / h * (after[b].angular - before[b].angular) - accelerations[b].angular) < 1e-5);
+    CHECK(norm(accelerations[b].linear) > 1);
+  }
+  const std::vector<double> v_after = velocities();
+  REQUIRE(a.size() == 10);
+  for (std::size_t i = 0; i < a.size(); ++i) CHECK(std::fabs((v_after[i] - v_before[i]) / (2 * h) - a[i]) < 1e-5);
+}
+
+TEST_CASE("a joint carries the same, whichever way round the tree is; a lock carries what moved") {
+  Simulation sim(floating(), {.step = 1e-3});
+  sim.run_until(0.1);
+  const Wrench arm = sim.world().joint_forces({1}).reaction, hand = sim.world().joint_forces({2}).reaction;
+  const BodyAcceleration hull = sim.world().accelerations()[0];
+  sim.apply(reroot("hand"));
+  REQUIRE(sim.world().joint({1}).reversed);
+  CHECK(distance(sim.world().joint_forces({1}).reaction, arm) < 1e-11 * norm(arm.force));
+  CHECK(distance(sim.world().joint_forces({2}).reaction, hand) < 1e-11 * norm(arm.force));
+  CHECK(norm(sim.world().accelerations()[0].linear - hull.linear) < 1e-11 * norm(hull.linear));
+  sim.apply(lock("hand"));
+  const JointForces locked = sim.world().joint_forces({2});
+  REQUIRE(locked.a.size() == 1);
+  CHECK(locked.a[0] == 0);
+  CHECK(std::fabs(locked.pure.torque.y) > 0.01);
+  CHECK(distance(locked.pure, locked.reaction) == 0);
+}
+
+TEST_CASE("they belong to the state: after going back they are the same to the last bit, and a body that left has none") {
+  Simulation sim(floating(), {.step = 1e-3});
+  sim.run_until(0.05);
+  const WorldSnapshot then = sim.world().snapshot();
+  const std::vector<BodyAcceleration> accelerations = sim.world().accelerations();
+  const Wrench arm = sim.world().joint_forces({1}).reaction;
+  World world(floating());
+  CHECK(norm(world.accelerations()[1].linear - accelerations[1].linear) > 1e-3);
+  world.restore(then);
+  CHECK(world.accelerations()[1].linear == accelerations[1].linear);
+  CHECK(distance(world.joint_forces({1}).reaction, arm) == 0);
+  sim.remove({2});
+  REQUIRE_FALSE(sim.world().alive({2}));
+  CHECK(sim.world().accelerations()[2].linear == Vec3{});
+  CHECK(norm(sim.world().accelerations()[1].linear - accelerations[1].linear) > 1e-3);
+}
