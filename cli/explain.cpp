@@ -138,6 +138,19 @@ std::string totals_text(const World& world) {
 
 }  // namespace
 
+namespace {
+
+std::string when_text(const io::ScenarioEvent& event) {
+  if (event.condition)
+    return "when " + std::string(event.condition->what->key()) +
+           format(event.condition->above ? " exceeds %g" : " is below %g", event.condition->threshold);
+  if (!event.after.empty()) return event.delay > 0 ? format("%g s after ", event.delay) + event.after : "after " + event.after;
+  if (event.period > 0) return format("every %g s from %g s on", event.period, event.time);
+  return format("at %g s", event.time);
+}
+
+}  // namespace
+
 int explain(const ExplainOptions& options) {
   const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides);
   if (!scenario) return bad_input;
@@ -161,7 +174,7 @@ int explain(const ExplainOptions& options) {
   }
   if (!scenario->events.empty()) text += '\n' + style.heading("Events") + '\n';
   for (const io::ScenarioEvent& event : scenario->events)
-    for (const Action& action : event.actions) text += format("  at %g s: %s\n", event.time, action.text().c_str());
+    for (const Action& action : event.actions) text += "  " + when_text(event) + ": " + action.text() + '\n';
   std::fputs(text.c_str(), stdout);
   return done;
 }

@@ -58,7 +58,9 @@ void Session::schedule() {
   std::vector<const io::ScenarioEvent*> events;
   for (const io::ScenarioEvent& event : scenario_.events) {
     const bool fired = std::ranges::find(armed_at_start_, event.name, &std::pair<std::string, int>::first)->second > 0;
-    if (event.time < start || (event.time == start && fired)) {
+    const bool once = !(event.condition && event.condition->repeats) && event.after.empty() && event.period == 0;
+    if (event.condition && fired && once) continue;
+    if (event.period == 0 && (event.time < start || (event.time == start && fired))) {
       if (!fired)
         std::fprintf(stderr, "%s:%d: warning: event '%s' at %g s does not happen: the run starts at %g s\n",
                      scenario_.path.c_str(), event.place.line, event.name.c_str(), event.time, start);

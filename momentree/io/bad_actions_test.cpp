@@ -157,6 +157,6 @@ TEST_CASE("wrong types, units and freedoms are refused") {
        "s.toml:42:1: error: event '#1' does nothing; for example break = \"chain/41\"\n"
        "s.toml:44:1: error: unknown key 'reroot' in [[event]]"},
       {first + "after = { event = \"x\" }\nlock = \"m/j\"\n",
-       "s.toml:44:1: error: 'after' is not supported yet; this version has events at an instant: at = \"1.8 s\""},
+       "s.toml:42:1: error: event '#1' has more than one of at, when, after and every; write two events"},
   });
 }

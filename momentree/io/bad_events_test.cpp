@@ -17,7 +17,9 @@ TEST_CASE("impossible events are refused") {
        "s.toml:12:9: error: break: no joint matches 'x/*'; * matches within a name: \"chain/*\""},
       {pinned + "[[event]]\nat = 1\nbreak = []\n", "s.toml:12:9: error: break: names no joint"},
       {pinned + "[[event]]\nat = 1\nbreak = 3\n", "s.toml:12:9: error: break: expected a string, found a number"},
-      {pinned + "[[event]]\nbreak = \"m/a\"\n", "s.toml:10:1: error: event '#1' has no instant; for example at = \"1.8 s\""},
+      {pinned + "[[event]]\nbreak = \"m/a\"\n",
+       "s.toml:10:1: error: event '#1' has no instant; for example at = \"1.8 s\", or when = { "
+       "reaction_force = \"crane/hook\", exceeds = \"4 kN\" }"},
       {pinned + "[[event]]\nat = 1\n", "s.toml:10:1: error: event '#1' does nothing; for example break = \"chain/41\""},
       {pinned + "[[event]]\nat = 1\nbreak = \"m/a\"\n[[event]]\nat = 2\nbreak = \"m/a\"\n",
        "s.toml:15:9: error: break: joint 'm/a' is broken already on line 12; a joint breaks once"},
@@ -80,8 +82,6 @@ TEST_CASE("what is still to come is refused where it stands") {
       {pinned + "drive = { motion = 1 }\n", "s.toml:10:11: error: 'motion' is not supported yet"},
       {pinned + "drive = { effort = { table = [[0, 1]] } }\n",
        "s.toml:10:20: error: an effort that changes with time is not supported yet"},
-      {pinned + "[[event]]\nevery = 1\nbreak = \"m/a\"\n",
-       "s.toml:11:1: error: 'every' is not supported yet; this version has events at an instant: at = \"1.8 s\""},
       {pinned + "[[force]]\nbody = \"m/a\"\n", "s.toml:10:3: error: 'force' is not supported yet"},
       {pinned + "[[loop]]\n",
        "s.toml:10:3: error: 'loop' is not supported yet; closed loops are not supported: a mechanism is a tree"},
@@ -90,5 +90,33 @@ TEST_CASE("what is still to come is refused where it stands") {
       {pinned + "[integrate]\nmethod = \"damped\"\n",
        "s.toml:11:10: error: method 'damped' is not supported yet; this version has \"dop853\", \"dopri5\", \"midpoint\", "
        "\"rk4\""},
+  });
+}
+
+TEST_CASE("conditions that mean nothing are refused") {
+  const std::string event = pinned + "[[event]]\nbreak = \"m/a\"\n";
+  check({
+      {event + "at = 1\nevery = 1\n",
+       "s.toml:10:1: error: event '#1' has more than one of at, when, after and every; write two events"},
+      {event + "when = { reaction_force = \"m/b\", exceeds = 1 }\n",
+       "s.toml:12:27: error: reaction_force: there is no joint 'm/b'; did you mean 'm/a'?"},
+      {event + "when = { reaction_farce = \"m/a\", exceeds = 1 }\n",
+       "s.toml:12:10: error: unknown key 'reaction_farce' in when; did you mean 'reaction_force'?"},
+      {event + "when = { reaction_force = \"m/a\" }\n", "s.toml:12:8: error: when: has no threshold; exceeds = … or below = …"},
+      {event + "when = { reaction_force = \"m/a\", exceeds = 0 }\n",
+       "s.toml:12:44: error: when: reaction_force is never negative: the threshold must be positive"},
+      {event + "when = { reaction_force = \"m/a\", exceeds = \"4 N m\" }\n",
+       "s.toml:12:44: error: exceeds: '4 N m' is a torque (N m), not a force (N)"},
+      {event + "when = { speed = \"m/a\", exceeds = \"2 m/s\" }\n",
+       "s.toml:12:35: error: exceeds: '2 m/s' is a speed (m/s), not an angular speed (rad/s)"},
+      {event + "when = { distance = [\"m/a\"], below = 1 }\n",
+       "s.toml:12:21: error: distance: expected a list of two bodies; for example [\"tug/gripper\", \"satellite/hull\"]"},
+      {event + "when = { reaction = { joint = \"m/a\", component = \"fw\" }, exceeds = 1 }\n",
+       "s.toml:12:50: error: component: there is no 'fw'; one of: fx fy fz mx my mz"},
+      {event + "at = 1\nfor = 1\n", "s.toml:13:7: error: 'for' goes with 'when'"},
+      {event + "after = { event = \"gone\", delay = 1 }\n",
+       "s.toml:12:9: error: after: there is no event 'gone' that could come before"},
+      {event + "when = { kinetic_energy = \"n\", exceeds = 1 }\n",
+       "s.toml:12:27: error: kinetic_energy: there is no mechanism 'n'"},
   });
 }

@@ -1,5 +1,6 @@
 // Which joints the events of a scenario make, of which kinds they are when, and which names of joints mean nothing.
 #include <algorithm>
+#include <cmath>
 
 #include <momentree/io/read_action.hpp>
 #include <momentree/simulate/actions/attach.hpp>
@@ -51,6 +52,7 @@ class Names {
   bool still_to_come(const Reading::JointUse& use) const {
     if (!reading_.made.contains(use.name) || reading_.joints.contains(use.name)) return false;
     const double first = became_.at(use.name).front().time;
+    if (!std::isfinite(first)) return false;  // by an event whose instant is not known
     return first > use.time || (first == use.time && use.key != "set");
   }
 

@@ -151,3 +151,32 @@ TEST_CASE("limits of joints, infinite where there is no stop") {
   CHECK(two.upper_of(1) == 0.05);
   CHECK(as<actions::Set>(s.events.at(0).actions.at(0)).parameters.limits.lower.size() == 2);
 }
+
+TEST_CASE("events wait for conditions, follow others, and come back") {
+  const Scenario s =
+      read(arm +
+           "[[event]]\nname = \"snap\"\nwhen = { reaction_force = \"m/a\", exceeds = \"40 N\" }\nfor = \"5 ms\"\n"
+           "break = \"m/a\"\n"
+           "[[event]]\nafter = { event = \"snap\", delay = \"0.5 s\" }\nlock = \"m/j\"\n"
+           "[[event]]\nevery = \"1 s\"\nfrom = 2\nimpulse = { body = \"f/x\", force = [1, 0, 0] }\n"
+           "[[event]]\nwhen = { distance = [{ body = \"m/b\", point = [0, 0, 1] }, \"f/x\"], below = \"10 cm\" }\n"
+           "repeat = true\nhysteresis = \"1 cm\"\nlocate = \"per step\"\nimpulse = { body = \"f/x\", force = [1, 0, 0] }\n");
+  REQUIRE(s.events.size() == 4);
+  REQUIRE(s.events[0].condition.has_value());
+  CHECK(s.events[0].condition->threshold == 40);
+  CHECK(s.events[0].condition->duration == 0.005);
+  CHECK(s.events[0].condition->above);
+  CHECK(s.events[1].after == "snap");
+  CHECK(s.events[1].delay == 0.5);
+  CHECK(s.events[2].period == 1);
+  CHECK(s.events[2].time == 2);
+  CHECK(s.events[3].condition->repeats);
+  CHECK(s.events[3].condition->hysteresis == 0.01);
+  CHECK_FALSE(s.events[3].condition->exact);
+  Simulation simulation(s.model, {.step = 1e-2});
+  std::vector<const ScenarioEvent*> events;
+  for (const ScenarioEvent& event : s.events) events.push_back(&event);
+  CHECK(schedule(simulation, std::move(events)).problems.empty());
+  CHECK(simulation.rehearse().troubles.empty());
+  REQUIRE(simulation.run_until(2.5) == Status::ok);
+}

@@ -16,11 +16,7 @@ void read_event(const Value& table, int number, Reading& reading) {
     event.named = true;
     reading.note(reading.events, *name, fields.place_of("name"), "event");
   }
-  if (const auto at = fields.not_negative("at", dimension::time)) event.time = *at;
-  const bool other_trigger = fields.later({"when", "after", "every"}, "this version has events at an instant: at = \"1.8 s\"");
-  fields.later({"from", "repeat", "hysteresis", "for", "locate"});
-  if (!fields.has("at") && !other_trigger)
-    out.error(fields.place(), "event " + in_quotes(event.name) + " has no instant", "for example at = \"1.8 s\"");
+  read_trigger(fields, event, reading);
 
   bool acts = false;
   std::vector<ScenarioEvent> wild;

@@ -17,10 +17,15 @@ namespace momentree::io {
 /// An event at an instant: what `[[event]]` says, names complete and wildcards resolved. An event whose names have a wildcard is
 /// one event for each match, all of the same name.
 struct ScenarioEvent {
-  std::string name;    ///< its name, or #1, #2 … by its place in the file
-  bool named = false;  ///< by its user: a joint that it makes then has that name
-  bool wild = false;   ///< one of the matches of a name with a wildcard
-  double time = 0;     ///< s
+  std::string name;                    ///< its name, or #1, #2 … by its place in the file
+  bool named = false;                  ///< by its user: a joint that it makes then has that name
+  bool wild = false;                   ///< one of the matches of a name with a wildcard
+  double time = 0;                     ///< s; infinite where it is not known
+  std::optional<Condition> condition;  ///< when it happens, or
+  std::string after;                   ///< after which event,
+  double delay = 0;                    ///< and how long after it (s), or
+  double period = 0;                   ///< every so often from `time` on (s)
+  Place after_place;
   std::vector<Action> actions;
   std::vector<Place> places;  ///< of the actions in the file
   Place place;                ///< of the event

@@ -104,6 +104,8 @@ bool report_problems(const JointSpec& joint, const Fields& fields, Diagnostics& 
 std::vector<std::string> matching_joints(const std::string& pattern, Reading& reading);
 std::vector<std::string> matching_bodies(const std::string& pattern, Reading& reading);
 
+/// at, when, after or every, and what goes with them.
+void read_trigger(Fields& fields, ScenarioEvent& event, Reading& reading);
 void read_event(const Value& table, int number, Reading& reading);
 /// One key of an event with all that it holds: names, tables, or a list of them. Actions whose names have a wildcard become
 /// events of their own, behind `wild`.

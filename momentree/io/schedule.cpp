@@ -1,6 +1,7 @@
 #include <momentree/io/schedule.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -121,11 +122,54 @@ class Judge {
 
 }  // namespace
 
+namespace {
+
+// What comes after an event is scheduled after it; what comes after none is a problem.
+Schedule with_followers(std::vector<const ScenarioEvent*> events) {
+  Schedule all;
+  std::set<std::string> names;
+  std::vector<const ScenarioEvent*> waiting;
+  for (const ScenarioEvent* event : events) {
+    if (!event->after.empty()) {
+      waiting.push_back(event);
+      continue;
+    }
+    names.insert(event->name);
+    all.events.push_back(event);
+  }
+  for (bool more = true; more;) {
+    more = false;
+    for (const ScenarioEvent*& event : waiting) {
+      if (event == nullptr || !names.contains(event->after)) continue;
+      names.insert(event->name);
+      all.events.push_back(event);
+      event = nullptr;
+      more = true;
+    }
+  }
+  for (const ScenarioEvent* event : waiting)
+    if (event != nullptr)
+      all.problems.push_back({event->after_place,
+                              "after: there is no event " + in_quotes(event->after) + " that could come before",
+                              did_you_mean(event->after, {names.begin(), names.end()})});
+  return all;
+}
+
+}  // namespace
+
 Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> events) {
   std::stable_sort(events.begin(), events.end(), [](const auto* a, const auto* b) { return a->time < b->time; });
-  Schedule all{std::move(events), {}};
+  Schedule all = with_followers(std::move(events));
   for (const ScenarioEvent* event : all.events) {
-    Simulation::Scheduled scheduled = simulation.at(event->time);
+    Simulation::Scheduled scheduled = [&] {
+      if (event->condition) return simulation.when(*event->condition);
+      if (!event->after.empty()) return simulation.after(event->after, event->delay);
+      if (event->period > 0) {
+        const double past = std::max(0.0, std::ceil((simulation.time() - event->time) / event->period));
+        return simulation.every(event->period, event->time + past * event->period);
+      }
+      return simulation.at(event->time);
+    }();
     scheduled.named(event->name, event->named);
     for (std::size_t a = 0; a < event->actions.size(); ++a) {
       try {

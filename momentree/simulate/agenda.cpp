@@ -48,7 +48,7 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
     const double excess = c.above ? *value - c.threshold : c.threshold - *value;
     if (world.time() > e.looked) e.excess_before = e.excess, e.looked_before = e.looked, e.looked = world.time();
     e.excess = excess;
-    if (e.resting && excess < -c.hysteresis * std::fabs(c.threshold)) e.resting = false;
+    if (e.resting && excess < -c.width()) e.resting = false;
     if (e.resting || !(excess > 0)) {
       e.since = -1;
       continue;

@@ -54,11 +54,12 @@ class Condition {
   Condition(std::shared_ptr<const Quantity> what_, double threshold_, bool above_)
       : what(std::move(what_)), threshold(threshold_), above(above_) {}
 
-  /// Armed again once it is back past the threshold by that share of it.
-  Condition repeated(double share = 0.01) && {
-    repeats = true, hysteresis = share;
+  /// Armed again once it is back past the threshold by that much; negative: by 1 % of it.
+  Condition repeated(double width = -1) && {
+    repeats = true, hysteresis = width;
     return std::move(*this);
   }
+  double width() const { return hysteresis >= 0 ? hysteresis : 0.01 * (threshold < 0 ? -threshold : threshold); }
   /// Only after it has held for that long (s).
   Condition lasting(double seconds) && {
     duration = seconds;
@@ -79,7 +80,7 @@ class Condition {
   double threshold;
   bool above;
   bool repeats = false, exact = true;
-  double hysteresis = 0.01, duration = 0;
+  double hysteresis = -1, duration = 0;
 };
 
 /// A quantity before it has a threshold: `reaction_force("crane/hook").exceeds(4e3)`.

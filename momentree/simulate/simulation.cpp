@@ -24,7 +24,7 @@ Simulation::Scheduled Simulation::when(Condition condition) {
   if (condition.what->is_load() && condition.above && condition.what->key() != "reaction" && !(condition.threshold > 0))
     fail({"a threshold of " + detail::text(condition.threshold) + " for a load, which is never negative, must be positive", "",
           ""});
-  if (!(condition.duration >= 0) || !(condition.hysteresis >= 0)) fail({"durations and hysteresis can't be negative", "", ""});
+  if (!(condition.duration >= 0)) fail({"a duration can't be negative", "", ""});
   Agenda::Entry entry;
   entry.condition = std::move(condition);
   return Scheduled(*impl_, impl_->schedule(std::move(entry)));
