@@ -50,7 +50,11 @@ void BodyColumns::header(std::string& text, const Model& model) {
 void BodyColumns::row(std::string& text, const World& world) {
   append_number(text, world.time());
   const std::vector<BodyMotion>& motions = world.motions();
-  for (std::size_t i = 0; i < motions.size(); ++i) {
+  for (std::size_t i = 0; i < quaternions_.size(); ++i) {  // bodies that came later have no columns
+    if (!world.alive({static_cast<int>(i)})) {
+      text.append(7, ',');
+      continue;
+    }
     const Vec3& r = motions[i].pose.position;
     const Quat q = quaternions_.next(i, motions[i].pose.rotation);
     for (const double x : {r.x, r.y, r.z, q.w, q.x, q.y, q.z}) append_cell(text, x);

@@ -16,6 +16,7 @@ class ContinuousQuaternions {
   explicit ContinuousQuaternions(std::size_t count) : last_(count, Quat{0, 0, 0, 0}) {}
   /// `q`, or −q if that is nearer to the last one of this `index`; the first one has w >= 0.
   Quat next(std::size_t index, const Quat& q);
+  std::size_t size() const { return last_.size(); }
 
  private:
   std::vector<Quat> last_;

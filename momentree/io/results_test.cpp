@@ -7,6 +7,7 @@
 
 #include <momentree/io/json_document.hpp>
 #include <momentree/io/test_support.hpp>
+#include <momentree/joint/kinds.hpp>
 
 namespace momentree::io {
 namespace {
@@ -154,6 +155,28 @@ TEST_CASE("a run that is not done stays beside its place") {
   CHECK(table(folder / "r.partial/bodies.csv").size() == 12);
   CHECK(read_text_file(folder / "r.partial/events.jsonl") == "");
   CHECK(read_text_file(folder / "r.partial/summary.json").find("interrupted at t = 0.1 s") != std::string::npos);
+}
+
+TEST_CASE("a world that bodies left and came to is recorded: empty cells for the ones, no columns for the others") {
+  const test::TemporaryFolder folder;
+  const Model model = test::two_mechanisms();
+  Simulation simulation(model, {.step = 0.01});
+  Recorder recorder(model, joints_of(simulation, simulation.rehearse(), {}), 0, folder / "r");
+  simulation.observe(0, [&](const World& world) { return recorder.observe(world); });
+  REQUIRE(simulation.run_until(0.02) == Status::ok);
+  simulation.remove(model.body("arm/link"));
+  simulation.add({.name = "guest", .mass = 1, .inertia = diagonal(1), .joint = Free{}});
+  REQUIRE(simulation.run_until(0.04) == Status::ok);
+  recorder.finish({}, "done", simulation, {}, "{}");
+  const Rows rows = table(folder / "r/bodies.csv");
+  const std::size_t gone = column(rows, "arm/link.x");
+  CHECK(rows[1][gone] != "");
+  CHECK(rows.back()[gone] == "");
+  CHECK(column(rows, "guest.x") == rows[0].size());
+  for (const auto& row : rows) CHECK(row.size() == rows[0].size());
+  const std::string text = state_json(simulation.world(), {});
+  CHECK(text.find("\"arm/link\"") == std::string::npos);
+  CHECK(text.find("\"guest\"") != std::string::npos);
 }
 
 }  // namespace

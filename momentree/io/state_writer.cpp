@@ -130,13 +130,15 @@ std::string state_json(const World& world, const Armed& armed) {
   json.end_array();
 
   json.key("joints").begin_object();
-  for (int j = 0; j < model.size(); ++j) write_joint(json, world, j);
+  for (int j = 0; j < model.size(); ++j)
+    if (world.tree().carrier(j) >= 0) write_joint(json, world, j);
   json.end_object();
 
   const std::vector<BodyMotion>& motions = world.motions();
   const std::vector<BodyAcceleration>& accelerations = world.accelerations();
   json.key("bodies").begin_object();
-  for (std::size_t b = 0; b < motions.size(); ++b) write_body(json, model.bodies()[b].name, motions[b], accelerations[b]);
+  for (std::size_t b = 0; b < motions.size(); ++b)
+    if (world.alive({static_cast<int>(b)})) write_body(json, model.bodies()[b].name, motions[b], accelerations[b]);
   json.end_object();
 
   json.key("armed").begin_object();
