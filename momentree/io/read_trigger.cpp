@@ -3,8 +3,7 @@
 #include <limits>
 
 #include <momentree/io/scenario_parts.hpp>
-#include <momentree/simulate/quantities/position.hpp>
-#include <momentree/simulate/quantities/speed.hpp>
+#include <momentree/simulate/one_freedom.hpp>
 
 namespace momentree::io {
 
@@ -67,7 +66,7 @@ class QuantityReader final : public QuantityFields {
     const Value* value = field("component");
     const auto text = value ? read_string(*value, "component", out_) : std::nullopt;
     if (!text) return;
-    if (text->size() != 2 || (*text)[0] == 0 || std::string("fm").find((*text)[0]) == std::string::npos ||
+    if (text->size() != 2 || std::string("fm").find((*text)[0]) == std::string::npos ||
         std::string("xyz").find((*text)[1]) == std::string::npos)
       return out_.error(value->place, "component: there is no " + in_quotes(*text), "one of: fx fy fz mx my mz");
     name = *text;
@@ -93,9 +92,8 @@ class QuantityReader final : public QuantityFields {
 };
 
 // Units of a coordinate are those of the joint's kind, where the file's model has it.
-template <class Q>
 void know_unit(Quantity& quantity, const Value& value, Reading& reading) {
-  auto* of_joint = dynamic_cast<Q*>(&quantity);
+  auto* of_joint = dynamic_cast<quantities::OneFreedom*>(&quantity);
   const Model& model = reading.scenario.model;
   if (of_joint == nullptr || !model.has_joint(of_joint->joint)) return;
   const KindInfo& kind = info(model[model.joint(of_joint->joint)].joint.kind);
@@ -126,8 +124,7 @@ std::optional<Condition> read_condition(const Value& when, Reading& reading) {
     QuantityReader reader(*value, key, reading);
     quantity->fields(reader);
     reader.finish();
-    if (out.errors() == errors) know_unit<quantities::Position>(*quantity, *value, reading);
-    if (out.errors() == errors) know_unit<quantities::Speed>(*quantity, *value, reading);
+    if (out.errors() == errors) know_unit(*quantity, *value, reading);
   }
   const bool above = fields.has("exceeds"), below = fields.has("below");
   const Value* threshold = fields.find(below ? "below" : "exceeds");

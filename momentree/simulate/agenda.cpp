@@ -62,18 +62,18 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
   return load ? load : first;
 }
 
-std::vector<Watch> Agenda::watches(const World& world) const {
-  std::vector<Watch> all;
+std::span<const Watch> Agenda::watches(const World& world) {
+  watches_.clear();
   for (const Entry& e : entries) {
     if (!e.condition || e.done || e.resting || e.since >= 0) continue;
     const Condition& c = *e.condition;
     if (!c.exact || c.what->is_impulsive()) continue;
     const std::optional<double> excess = c.excess(world, {});
     if (!excess || *excess > 0) continue;
-    all.push_back({[&world, &c, start = *excess] { return c.excess(world, {}).value_or(start); }, *excess, e.excess_before,
-                   e.looked == world.time() && e.looked_before >= 0 ? e.looked - e.looked_before : 0});
+    const double ago = e.looked == world.time() && e.looked_before >= 0 ? e.looked - e.looked_before : 0;
+    watches_.push_back({&c, *excess, e.excess_before, ago});
   }
-  return all;
+  return watches_;
 }
 
 void Agenda::happened(std::size_t place, double time) {

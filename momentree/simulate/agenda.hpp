@@ -41,8 +41,8 @@ class Agenda {
   /// The condition that is true now and comes first: the largest ratio of load to threshold, else the first scheduled. Keeps
   /// account of since when conditions hold.
   std::optional<std::size_t> urgent(const World& world, std::span<const Event> now);
-  /// What is to be located in the next step.
-  std::vector<Watch> watches(const World& world) const;
+  /// What is to be located in the next step; good until the next call and the next entry.
+  std::span<const Watch> watches(const World& world);
   /// True where conditions are to be looked at after a step.
   bool watching() const;
 
@@ -63,6 +63,7 @@ class Agenda {
 
  private:
   double next_ = HUGE_VAL;
+  std::vector<Watch> watches_;
 };
 
 }  // namespace momentree

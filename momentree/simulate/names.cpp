@@ -13,7 +13,7 @@ Names::Names(const Model& model) : mechanisms_(static_cast<std::size_t>(model.si
 }
 
 int Names::find_joint(std::string_view name) const {
-  const auto found = numbers_.find(std::string(name));
+  const auto found = numbers_.find(name);
   return found == numbers_.end() ? -1 : found->second;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // What joints and mechanisms are called, whatever became of the topology that they were given in.
+#include <functional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -39,7 +40,7 @@ class Names {
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   std::vector<std::string> joints_;
   std::vector<std::string> mechanisms_;  // of bodies that are roots
-  std::unordered_map<std::string, int> numbers_;
+  std::unordered_map<std::string, int, NameHash, std::equal_to<>> numbers_;
 };
 
 }  // namespace momentree

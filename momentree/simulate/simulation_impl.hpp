@@ -224,8 +224,10 @@ struct Simulation::Impl {
     event.name = what.substr(0, what.find(' '));
     event.mechanisms_before = world.mechanism_names();
     event.before = world.totals();
-    if (keeps_history) history.push_back({events.size(), snapshot(), {}});
-    act();
+    std::optional<SimulationSnapshot> past;
+    if (keeps_history) past = snapshot();
+    act();  // or throws, and nothing happened
+    if (past) history.push_back({events.size(), std::move(*past), {}});
     method = new_method();
     evaluate_state();
     event.after = world.totals();
@@ -348,8 +350,7 @@ struct Simulation::Impl {
     else if (!look(!observed))
       status = Status::interrupted;
     while (status == Status::ok && world.time() < until) {
-      double end = until;
-      end = std::min(end, agenda.next_time());
+      double end = std::min(until, agenda.next_time());
       if (observer && every > 0) end = std::min(end, next_look);
       if (!step_towards(end)) {
         status = Status::diverged;

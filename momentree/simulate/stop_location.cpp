@@ -29,7 +29,7 @@ struct Stops::Trial {
   Evaluator& evaluate;
   Integrator& method;
   Books& books;
-  State start;
+  const State& start;
   Books books_at_start;
   bool accelerations;
   double at = 0;  ///< seconds from the start to where the world is
@@ -54,16 +54,9 @@ struct Stops::Trial {
   }
 };
 
-struct Stops::Watched {
-  const Side* side = nullptr;      ///< a stop, or else
-  const Watch* watch = nullptr;    ///< a condition
-  double limit = 0, q = 0, v = 0;  ///< where it counts as crossed; at the start
-  bool held = false;
-};
-
 // Positive beyond the stop, or where it would have to pull.
 double Stops::excess(const Watched& w) const {
-  if (w.watch != nullptr) return w.watch->excess();
+  if (w.watch != nullptr) return w.watch->condition->excess(*world_, {}).value_or(w.watch->start);
   return w.held ? pull(*w.side) : w.side->sign * coordinate(*w.side) - w.limit;
 }
 
@@ -77,7 +70,7 @@ std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) co
   }
   // The parabola through the last three looks says whether it may have risen and fallen; slopes then say where: two short steps,
   // seldom, and in the first step after something happened.
-  const double last = w.watch->excess();
+  const double last = excess(w);
   if (w.watch->ago > 0) {
     const double ahead = (last - w.watch->start) / end, behind = (w.watch->start - w.watch->before) / w.watch->ago;
     const double curvature = (ahead - behind) / (end + w.watch->ago),
@@ -88,10 +81,10 @@ std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) co
   }
   const double bit = end / 64;
   if (!trial.go(bit)) return std::nullopt;
-  const double rise = (w.watch->excess() - w.watch->start) / bit;
+  const double rise = (excess(w) - w.watch->start) / bit;
   if (!(rise > 0)) return -1;
   if (!trial.go(end - bit)) return std::nullopt;
-  const double fall = (last - w.watch->excess()) / bit;
+  const double fall = (last - excess(w)) / bit;
   if (!(fall < 0)) return -1;
   const Peak found = peak_between(end, w.watch->start, rise, last, fall);
   return found.value < -0.05 * (found.value - std::min(w.watch->start, last)) ? -1 : found.time;
@@ -130,22 +123,23 @@ std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end
 
 std::optional<double> Stops::step(Integrator& method, Books& books, double h, double tolerance, std::span<const Watch> watches) {
   (*evaluate_)(world_->state_);
-  std::vector<Watched> watched;
+  watched_.clear();
   bool holding = false;
   for (const Side& s : sides_) {
     if (locked(s) && !holds(s)) continue;
     const double q = s.sign * coordinate(s);
     // What stands on the stop, or beyond it by the tolerance of the last impact, leaves from there: only its return counts.
     const double limit = std::max(s.sign * s.limit, q) + 1e-13 * (1 + std::fabs(s.limit));
-    watched.push_back({&s, nullptr, limit, q, speed(s), holds(s)});
+    watched_.push_back({&s, nullptr, limit, q, speed(s), holds(s)});
     holding = holding || holds(s);
   }
-  for (const Watch& watch : watches) watched.push_back({nullptr, &watch});
-  Trial trial{*world_, *evaluate_, method, books, world_->state_, books, holding};
+  for (const Watch& watch : watches) watched_.push_back({nullptr, &watch});
+  start_ = world_->state_;
+  Trial trial{*world_, *evaluate_, method, books, start_, books, holding};
   bool fine = trial.first(h);
   double end = trial.at;
-  for (std::size_t i = 0; fine && i < watched.size(); ++i) {
-    const std::optional<double> found = crossing(trial, watched[i], end, tolerance);
+  for (std::size_t i = 0; fine && i < watched_.size(); ++i) {
+    const std::optional<double> found = crossing(trial, watched_[i], end, tolerance);
     fine = found.has_value();
     if (fine && *found > 0) end = *found;
   }

@@ -11,7 +11,7 @@ namespace momentree {
 
 namespace {
 
-// So many impacts at one instant without coming to rest are taken for rest.
+// After so many impacts at one instant without coming to rest the next step goes on from where they led.
 constexpr int most_impacts = 1000;
 
 }  // namespace
@@ -68,7 +68,8 @@ double Stops::pull(const Side& s) const {
   return s.sign * stop - noise;
 }
 
-void Stops::act(std::vector<Event>& events, const Side& s, const char* verb, double restitution) {
+void Stops::act(std::vector<Event>& events, const Side& s, Deed deed, double restitution) {
+  static constexpr const char* verbs[] = {"hit", "rest", "leave"};
   Surgery surgery(*world_);
   Event event;
   event.time = world_->time();
@@ -76,18 +77,17 @@ void Stops::act(std::vector<Event>& events, const Side& s, const char* verb, dou
   event.mechanisms_before = event.mechanisms_after = world_->mechanism_names();
   event.before = world_->totals();
   surgery.begin(event, "");
-  if (verb[0] == 'h')
-    surgery.strike(s.joint, s.freedom, restitution);
-  else if (verb[0] == 'r')
-    surgery.hold(s.joint, s.freedom, s.sign);
-  else
-    surgery.leave(s.joint, s.freedom);
+  switch (deed) {
+    case Deed::hit: surgery.strike(s.joint, s.freedom, restitution); break;
+    case Deed::rest: surgery.hold(s.joint, s.freedom, s.sign); break;
+    case Deed::leave: surgery.leave(s.joint, s.freedom); break;
+  }
   event.after = world_->totals();
   const int nv = info(surgery.declared(s.joint).kind).nv;
-  event.actions = {std::string(verb) + " " + surgery.joint_name(s.joint) +
+  event.actions = {std::string(verbs[static_cast<int>(deed)]) + " " + surgery.joint_name(s.joint) +
                    (nv > 1 ? " [" + std::to_string(s.freedom) + "]" : std::string()) + (s.sign > 0 ? " upper" : " lower")};
   surgery.certify(event);
-  if (revision_ != world_->tree_.revision()) revision_ = world_->tree_.revision();  // locks move no limit
+  revision_ = world_->tree_.revision();  // locks move no limit
   events.push_back(std::move(event));
 }
 
@@ -100,12 +100,8 @@ bool Stops::release_pulled(const std::vector<Event>& events) {
       for (const auto& [name, S] : event.impulse) {
         if (world_->find_joint(name) != s.joint) continue;
         const Joint& joint = world_->tree_.joint(world_->tree_.carrier(s.joint));
-        JointSpec spec;
-        spec.kind = joint.kind, spec.axis = joint.axis, spec.axis2 = joint.axis2, spec.pitch = joint.pitch;
         const double* q = world_->state_.q().data() + world_->tree_.first_q(world_->tree_.carrier(s.joint));
-        const Motion<double> e = joint_freedoms(spec, q)[static_cast<std::size_t>(s.freedom)];
-        const Mat3 R = rotation_matrix(joint.child_at.rotation);
-        const Vec3 w = R * e.w, v = R * e.v + cross(joint.child_at.position, w);
+        const auto [v, w] = seen_from_child(joint, joint_freedoms(spec_of(joint), q)[static_cast<std::size_t>(s.freedom)]);
         through += dot(v, Vec3{S[0], S[1], S[2]}) + dot(w, Vec3{S[3], S[4], S[5]});
         size += norm(Vec3{S[0], S[1], S[2]}) * norm(v) + norm(Vec3{S[3], S[4], S[5]}) * norm(w);
       }
@@ -134,7 +130,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
     const WorldSnapshot before = world_->snapshot();
     const std::size_t count = events.size();
     for (;;) {
-      act(events, side, "hit", side.restitution);
+      act(events, side, Deed::hit, side.restitution);
       const std::vector<Event> last{events.back()};
       bool pulled = false;
       for (const Side& s : sides_) pulled = pulled || holds(s);
@@ -156,7 +152,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
   for (const Side& s : sides_) {
     if (!holds(s) || pull(s) <= 0) continue;
     const Side side = s;
-    act(events, side, "leave", 0);
+    act(events, side, Deed::leave, 0);
     return true;
   }
   for (const Side& s : sides_) {
@@ -164,7 +160,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
     const bool pressed = acceleration(s) > 0;
     if (!pressed && speed(s) <= 1e-6 * s.rest_speed) continue;  // drawn off, or touching at no speed
     const Side side = s;
-    act(events, side, pressed ? "rest" : "hit", 0);
+    act(events, side, pressed ? Deed::rest : Deed::hit, 0);
     return true;
   }
   return false;

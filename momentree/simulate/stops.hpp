@@ -3,23 +3,23 @@
 //
 // A stop pushes and never pulls. Hit faster than its rest speed, the joint's freedom is thrown back with its restitution; slower,
 // it rests: the freedom is locked, until the stop would have to pull to hold it.
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/surgery.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
 
-/// Something else to be located in a step: positive where it has happened.
+/// A condition to be located in a step.
 struct Watch {
-  std::function<double()> excess;  ///< at the world's state as it is
-  double start;                    ///< now, not positive
-  double before = 0, ago = 0;      ///< its value at the last look, and how long ago that was (s); 0: something happened since
+  const Condition* condition;
+  double start;                ///< its excess now, not positive
+  double before = 0, ago = 0;  ///< its value at the last look, and how long ago that was (s); 0: something happened since
 };
 
 class Stops {
@@ -46,7 +46,12 @@ class Stops {
     double limit, restitution, rest_speed;
   };
   struct Trial;
-  struct Watched;
+  struct Watched {
+    const Side* side = nullptr;      ///< a stop, or else
+    const Watch* watch = nullptr;    ///< a condition
+    double limit = 0, q = 0, v = 0;  ///< where it counts as crossed; at the start
+    bool held = false;
+  };
   double excess(const Watched& watched) const;
   std::optional<double> crossing(Trial& trial, const Watched& watched, double end, double tolerance) const;
   std::optional<double> peak(Trial& trial, const Watched& watched, double end) const;
@@ -58,11 +63,15 @@ class Stops {
   bool holds(const Side& side) const;
   bool locked(const Side& side) const;
   bool one_thing(std::vector<Event>& events);
-  void act(std::vector<Event>& events, const Side& side, const char* verb, double restitution);
+  enum class Deed { hit, rest, leave };
+  void act(std::vector<Event>& events, const Side& side, Deed deed, double restitution);
 
   World* world_;
   Evaluator* evaluate_;
   std::vector<Side> sides_;
+  // Of one step, kept so that the next one allocates nothing.
+  std::vector<Watched> watched_;
+  State start_;
   std::optional<std::uint64_t> revision_;
 };
 

@@ -9,16 +9,6 @@
 
 namespace momentree {
 
-namespace {
-
-JointSpec spec_of(const Joint& joint) {
-  JointSpec spec;
-  spec.kind = joint.kind, spec.axis = joint.axis, spec.axis2 = joint.axis2, spec.pitch = joint.pitch;
-  return spec;
-}
-
-}  // namespace
-
 Surgery::Surgery(World& world) : world_(world) {}
 
 void Surgery::begin(Event& event, std::string made_name) {
@@ -56,15 +46,17 @@ Pose Surgery::joint_pose(int joint) {
   return tree().reversed(b) ? inverse(own) * outer : inverse(outer) * own;
 }
 
-std::vector<Motion<double>> Surgery::freedoms(const Joint& joint, const Values& q) const {
+Motion<double> seen_from_child(const Joint& joint, const Motion<double>& freedom) {
   const Mat3 R = rotation_matrix(joint.child_at.rotation);
+  const Vec3 w = R * freedom.w;
+  return {R * freedom.v + cross(joint.child_at.position, w), w};
+}
+
+std::vector<Motion<double>> Surgery::freedoms(const Joint& joint, const Values& q) const {
   std::vector<Motion<double>> all;
   const std::vector<Motion<double>> own = joint_freedoms(spec_of(joint), q.begin());
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    if ((joint.locked >> i & 1u) != 0) continue;
-    const Vec3 w = R * own[i].w;
-    all.push_back({R * own[i].v + cross(joint.child_at.position, w), w});
-  }
+  for (std::size_t i = 0; i < own.size(); ++i)
+    if ((joint.locked >> i & 1u) == 0) all.push_back(seen_from_child(joint, own[i]));
   return all;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 // Changes of one world at one instant, with their books: what actions are made of.
-#include <array>
 #include <map>
 #include <set>
 #include <string>
@@ -19,6 +18,9 @@ struct JointPlan {
   Joint joint;
   Values q;
 };
+
+/// A freedom of a joint, from the joint's frame after its motion to the declared child's: about its origin, in its axes.
+Motion<double> seen_from_child(const Joint& joint, const Motion<double>& freedom);
 
 class Surgery {
  public:

@@ -8,15 +8,6 @@ namespace momentree {
 
 namespace {
 
-JointSpec spec_of(const Joint& joint) {
-  JointSpec spec;
-  spec.kind = joint.kind;
-  spec.axis = joint.axis;
-  spec.axis2 = joint.axis2;
-  spec.pitch = joint.pitch;
-  return spec;
-}
-
 Mat3 joint_axes(const Joint& joint, double* geometry) {
   return dispatch(joint.kind, [&](auto tag) { return decltype(tag)::type::Kernels::frame(spec_of(joint), geometry); });
 }

@@ -49,7 +49,7 @@ void complete(BodySpec& spec) {
 
 std::string prefix(const std::string& name) { return name.substr(0, name.find('/')); }
 
-std::vector<std::string> names(const std::unordered_map<std::string, int>& by_name) {
+std::vector<std::string> names(const auto& by_name) {
   std::vector<std::string> all;
   all.reserve(by_name.size());
   for (const auto& [name, index] : by_name) all.push_back(name);
@@ -57,8 +57,8 @@ std::vector<std::string> names(const std::unordered_map<std::string, int>& by_na
   return all;
 }
 
-Body look_up(const std::unordered_map<std::string, int>& by_name, std::string_view name, const char* what) {
-  const auto found = by_name.find(std::string(name));
+Body look_up(const auto& by_name, std::string_view name, const char* what) {
+  const auto found = by_name.find(name);
   if (found == by_name.end())
     fail({"there is no " + std::string(what) + " '" + std::string(name) + "'", "", did_you_mean(name, names(by_name))});
   return {found->second};

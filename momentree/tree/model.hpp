@@ -1,5 +1,6 @@
 #pragma once
 // What the user said: named bodies, joints, placements. Checked as it is built; never used inside a step.
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -36,6 +37,12 @@ struct BodySpec {
   std::string joint_name{};  ///< "mechanism/joint"; empty: the body's name
 };
 
+/// Names are looked up without being copied.
+struct NameHash {
+  using is_transparent = void;
+  std::size_t operator()(std::string_view name) const { return std::hash<std::string_view>{}(name); }
+};
+
 /// The mechanisms of one world. `add` throws Error for what is wrong with one body; `validate` finds what only the whole shows
 /// (a joint-space mass that would be singular).
 class Model {
@@ -66,8 +73,8 @@ class Model {
   /// The body or joint of that name; throws Error with a suggestion. A joint is given by its child body.
   Body body(std::string_view name) const;
   Body joint(std::string_view name) const;
-  bool has_body(std::string_view name) const { return by_body_.contains(std::string(name)); }
-  bool has_joint(std::string_view name) const { return by_joint_.contains(std::string(name)); }
+  bool has_body(std::string_view name) const { return by_body_.find(name) != by_body_.end(); }
+  bool has_joint(std::string_view name) const { return by_joint_.find(name) != by_joint_.end(); }
 
   /// Name of the mechanism rooted at `root` at the start: what stands before the first '/' of its name; all of it where there is
   /// none, or where an earlier root has that name already.
@@ -76,7 +83,8 @@ class Model {
  private:
   Vec3 gravity_{0, 0, -9.81};
   std::vector<BodySpec> bodies_;
-  std::unordered_map<std::string, int> by_body_, by_joint_, by_mechanism_;  // the last: first root with that name
+  std::unordered_map<std::string, int, NameHash, std::equal_to<>> by_body_, by_joint_,
+      by_mechanism_;  // the last: first root with that name
 };
 
 /// What is wrong with a body by itself, its inertia apart. `field` names the scenario key at fault: of the body or of its joint.

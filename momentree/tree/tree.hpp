@@ -31,6 +31,12 @@ struct Joint {
   unsigned locked = 0;  ///< a bit per freedom that is frozen, in the order of v
   bool made = false;    ///< a free root joint that a change made: its place in a mechanism is that of no declared joint
 };
+/// Kind and geometry of a joint, without placements and parameters.
+inline JointSpec spec_of(const Joint& joint) {
+  JointSpec spec;
+  spec.kind = joint.kind, spec.axis = joint.axis, spec.axis2 = joint.axis2, spec.pitch = joint.pitch;
+  return spec;
+}
 
 /// Mass (kg), centre of mass and inertia about it, in the user's frame of the body.
 struct MassProperties {

@@ -10,6 +10,7 @@
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/topology/change.hpp>
 #include <tests/oracle/random_model.hpp>
@@ -148,4 +149,31 @@ TEST_CASE("a simulation steps without allocating, by every method") {
     CHECK(stepping == 0);
     CHECK(running == 0);
   }
+}
+
+TEST_CASE("steps between stops and towards conditions allocate nothing") {
+  Model model;
+  Body last = ground;
+  for (int k = 0; k < 6; ++k)
+    last = model.add({.name = "a mechanism with a long name/link " + std::to_string(k),
+                      .mass = 1,
+                      .com = {0.2, 0, 0},
+                      .inertia = diagonal(0.01),
+                      .parent = last,
+                      .at = {k == 0 ? 0.0 : 0.4, 0, 0},
+                      .joint = Revolute{.axis = {0, 1, 0}, .limits = {.lower = -3, .upper = 3}}});
+  Simulation sim(model, {.step = 1e-4});
+  const std::string joint = model[Body{2}].joint_name, body = model[Body{5}].name;
+  for (const Condition& c :
+       {reaction_force(joint).exceeds(1e6), reaction_torque(joint).exceeds(1e6), reaction(joint, "fx").exceeds(1e6),
+        position_of(joint).exceeds(2), speed_of(joint).exceeds(100), distance_between(body, "ground").below(0.01),
+        height_of(body).below(-50), kinetic_energy_of("a mechanism with a long name").exceeds(1e6)})
+    sim.when(c).then(lock(joint));
+  REQUIRE(sim.run_until(0.01) == Status::ok);  // room is made
+  const long before = allocations;
+  const Status status = sim.run_until(0.05);
+  const long during = allocations - before;
+  CHECK(status == Status::ok);
+  CHECK(sim.events().empty());
+  CHECK(during == 0);
 }

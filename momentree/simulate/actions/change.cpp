@@ -40,12 +40,6 @@ Vec3 axis_in_child(const Joint& joint, const Pose& motion) {
   return rotation_matrix(joint.child_at.rotation) * turned;
 }
 
-JointSpec spec_of(const Joint& joint) {
-  JointSpec spec;
-  spec.kind = joint.kind, spec.axis = joint.axis, spec.axis2 = joint.axis2, spec.pitch = joint.pitch;
-  return spec;
-}
-
 // The present value of what unwraps angles: the first coordinate that is one.
 double angle_hint(const KindInfo& kind, const Values& q) {
   for (int i = 0; i < kind.nq; ++i)

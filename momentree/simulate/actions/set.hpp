@@ -30,9 +30,7 @@ struct Set : ActionBase {
     take(all.armature, parameters.armature);
     take(all.effort, parameters.effort);
     if (parameters.limits.any()) all.limits = parameters.limits;
-    const Joint& declared = surgery.declared(joint);
-    JointSpec spec;
-    spec.kind = declared.kind, spec.axis = declared.axis, spec.axis2 = declared.axis2, spec.pitch = declared.pitch;
+    JointSpec spec = spec_of(surgery.declared(joint));
     spec.parameters = all;
     for (const JointProblem& problem : check_joint(spec))
       return Verdict::refused(problem.field + ": " + problem.what, problem.hint);

@@ -12,19 +12,19 @@ struct KineticEnergy : Quantity {
   Dimension dimension() const override { return dimension::torque; }
   void fields(QuantityFields& fields) override { fields.mechanism(name); }
   std::optional<double> value(const World& world, std::span<const Event>) const override {
-    for (const Mechanism& mechanism : world.mechanisms()) {
-      if (mechanism.name != name) continue;
-      double energy = 0;
-      for (const Body body : mechanism.bodies) {
-        const BodySpec& spec = world.model()[body];
-        const BodyMotion& m = world.motions()[static_cast<std::size_t>(body.index)];
-        const Mat3 R = rotation_matrix(m.pose.rotation);
-        const Vec3 v = m.linear + cross(m.angular, R * spec.com), w = transpose_times(R, m.angular);
-        energy += 0.5 * (spec.mass * dot(v, v) + dot(w, spec.inertia * w));
-      }
-      return energy;
+    double energy = 0;
+    bool found = false, inside = false;
+    for (const int b : world.tree().order()) {  // a mechanism after the other, root first
+      if (world.tree().parent(b) < 0) inside = world.mechanism_name({b}) == name;
+      if (!inside) continue;
+      found = true;
+      const BodySpec& spec = world.model()[Body{b}];
+      const BodyMotion& m = world.motions()[static_cast<std::size_t>(b)];
+      const Mat3 R = rotation_matrix(m.pose.rotation);
+      const Vec3 v = m.linear + cross(m.angular, R * spec.com), w = transpose_times(R, m.angular);
+      energy += 0.5 * (spec.mass * dot(v, v) + dot(w, spec.inertia * w));
     }
-    return std::nullopt;
+    return found ? std::optional(energy) : std::nullopt;
   }
 };
 

@@ -1,25 +1,13 @@
 #pragma once
 // Coordinate of a joint with one freedom.
-#include <momentree/simulate/condition.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/one_freedom.hpp>
 
 namespace momentree::quantities {
 
-struct Position : Quantity {
-  std::string joint;
-  bool turns = true;  ///< for its unit; readers of files know
-
+struct Position : OneFreedom {
   std::string_view key() const override { return "position"; }
   Dimension dimension() const override { return turns ? dimension::angle : dimension::length; }
-  void fields(QuantityFields& fields) override { fields.joint(joint); }
-  std::vector<std::string> joints() const override { return {joint}; }
-  std::optional<double> value(const World& world, std::span<const Event>) const override {
-    const int number = world.find_joint(joint);
-    if (number < 0) return std::nullopt;
-    const JointView view = world.joint({number});
-    if (view.q.size() != 1 || view.v.size() != 1) return std::nullopt;
-    return view.q[0];
-  }
+  double of(const JointView& view) const override { return view.q[0]; }
 };
 
 }  // namespace momentree::quantities
