@@ -39,8 +39,8 @@ struct RecordedEvent {
   std::string name;
   std::vector<std::string> actions;
   std::vector<std::string> before, after;  ///< names of mechanisms; empty where the file does not say them
-  std::vector<int> broken;  ///< bodies whose inboard joint it broke
-  RecordedFrame frame;      ///< where the bodies were: the row next to its time; empty if there is none
+  std::vector<int> broken;                 ///< bodies whose inboard joint it broke
+  RecordedFrame frame;                     ///< where the bodies were: the row next to its time; empty if there is none
 };
 
 struct Recording {
