@@ -23,7 +23,7 @@ Force<double> on_declared_child(const Tree& tree, const State& state, const Work
 void accelerate(const Tree& tree, const State& state, Work<double>& work) noexcept {
   forward_dynamics(tree, state, work);
   if (work.accelerated == state.stamp()) return;
-  joint_forces(tree, state.q().data(), work, work.a.get());
+  joint_forces(tree, state.time(), state.q().data(), work, work.a.get());
   evaluate_accelerations<double>(tree, state.q().data(), work);
   work.accelerated = state.stamp();
 }

@@ -16,7 +16,7 @@ void add_springs(const Tree& tree, const double* q, double* force) noexcept {
 }
 }  // namespace
 
-void add_joint_forces(const Tree& tree, const double* q, Work<double>& work) noexcept {
+void add_joint_forces(const Tree& tree, [[maybe_unused]] double t, const double* q, Work<double>& work) noexcept {
   work.power = {};
   if (tree.has_forces()) {
     const double *damping = tree.damping(), *effort = tree.effort(), *v = work.v.get();
@@ -33,7 +33,7 @@ void add_joint_forces(const Tree& tree, const double* q, Work<double>& work) noe
   add_springs(tree, q, work.pdot.get());
 }
 
-void joint_forces(const Tree& tree, const double* q, const Work<double>& work, double* tau) noexcept {
+void joint_forces(const Tree& tree, [[maybe_unused]] double t, const double* q, const Work<double>& work, double* tau) noexcept {
   const double *damping = tree.damping(), *effort = tree.effort(), *v = work.v.get();
   for (int i = 0; i < tree.nv(); ++i) tau[i] = tree.has_forces() ? effort[i] - damping[i] * v[i] : 0.0;
   add_springs(tree, q, tau);
@@ -56,7 +56,7 @@ void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) 
   MT_REQUIRE(state.topology() == tree.revision(), "the state is of this tree's present topology");
   if (work.evaluated == state.stamp()) return;
   evaluate_motions<double>(tree, state.q().data(), state.p().data(), work);
-  add_joint_forces(tree, state.q().data(), work);
+  add_joint_forces(tree, state.time(), state.q().data(), work);
   work.evaluated = state.stamp();
 }
 

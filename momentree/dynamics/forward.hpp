@@ -16,11 +16,11 @@ void evaluate_motions(const Tree& tree, const T* q, const T* p, Work<T>& work) n
 /// The same for a state: work then carries the state's stamp. A work that carries it already is left as it is.
 void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
-/// Joint forces of dampers, springs and efforts, added to pdot; their power is work.power.
-void add_joint_forces(const Tree& tree, const double* q, Work<double>& work) noexcept;
+/// Joint forces of dampers, springs and efforts at time t, added to pdot; their power is work.power.
+void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work) noexcept;
 
 /// The same forces τ (nv numbers), for velocities work.v; zero where a freedom is locked.
-void joint_forces(const Tree& tree, const double* q, const Work<double>& work, double* tau) noexcept;
+void joint_forces(const Tree& tree, double t, const double* q, const Work<double>& work, double* tau) noexcept;
 
 /// The spring of body b's joint: writes its generalised force (nv numbers) and returns its energy (J). The joint must have one.
 double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept;

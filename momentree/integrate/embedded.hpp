@@ -13,8 +13,8 @@
 
 namespace momentree {
 
-/// A tableau has `stages` (the last one at the new state), `order`, `lower` (order of the estimate), a[i][j] for i < stages − 1,
-/// b[j] for j < stages − 1, `estimates` and error[e][j] for j < stages; and, where it has dense output, `dense`.
+/// A tableau has `stages` (the last one at the new state), `order`, `lower` (order of the estimate), a[i][j] and c[i] for i <
+/// stages − 1, b[j] for j < stages − 1, `estimates` and error[e][j] for j < stages; and, where it has dense output, `dense`.
 template <class Tableau>
 class Embedded : public Integrator {
  public:
@@ -38,7 +38,7 @@ class Embedded : public Integrator {
 
   bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept final {
     begin(evaluate, state);
-    stages(evaluate, h);
+    stages(evaluate, state.time(), h);
     if (!plausible(evaluate.tree(), q0_.get(), q_.get(), p_.get())) return false;
     accept(state, books, h);
     evaluate(state);
@@ -56,7 +56,7 @@ class Embedded : public Integrator {
     for (;;) {
       h = h < most ? (start + h) - start : h;  // what the clock advances
       if (!(h > shortest * std::max(std::fabs(start), control_.step))) break;
-      stages(evaluate, h);
+      stages(evaluate, state.time(), h);
       double error = HUGE_VAL;
       const bool fine = plausible(evaluate.tree(), q0_.get(), q_.get(), p_.get());
       if (fine) {
@@ -141,14 +141,14 @@ class Embedded : public Integrator {
   }
 
   // All stages but the last, and the result in q_, p_.
-  void stages(Evaluator& evaluate, double h) noexcept {
+  void stages(Evaluator& evaluate, double t, double h) noexcept {
     constexpr int inner = Tableau::stages - 1;
     for (int s = 1; s <= inner; ++s) {
       const double* weights = s < inner ? Tableau::a[s] : Tableau::b;
       combine(nq_, q0_.get(), weights, s, h, kq_.get(), nq_max_, q_.get());
       combine(nv_, p0_.get(), weights, s, h, kp_.get(), nv_max_, p_.get());
       if (s == inner) break;
-      evaluate(q_.get(), p_.get());
+      evaluate(t + Tableau::c[s] * h, q_.get(), p_.get());
       keep(s, evaluate.work());
     }
     normalise(evaluate.tree(), q_.get());

@@ -24,11 +24,11 @@ class Stopwatch {
 };
 }  // namespace
 
-void Evaluator::operator()(const double* q, const double* p) noexcept {
+void Evaluator::operator()(double t, const double* q, const double* p) noexcept {
   const Stopwatch watch(seconds);
   ++count;
   evaluate_rates<double>(*tree_, q, p, *work_);
-  add_joint_forces(*tree_, q, *work_);
+  add_joint_forces(*tree_, t, q, *work_);
 }
 
 void Evaluator::operator()(const State& state) noexcept {

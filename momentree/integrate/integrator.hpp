@@ -19,8 +19,8 @@ class Evaluator {
 
   const Tree& tree() const { return *tree_; }
   Work<double>& work() const { return *work_; }
-  /// Rates at (q, p) into work().qdot, work().pdot, their power into work().power: a stage, of no state.
-  void operator()(const double* q, const double* p) noexcept;
+  /// Rates at (q, p) and the time t into work().qdot, work().pdot, their power into work().power: a stage, of no state.
+  void operator()(double t, const double* q, const double* p) noexcept;
   /// The same for a state; nothing to do if the work is of it already.
   void operator()(const State& state) noexcept;
   /// Velocities H⁻¹ p at q into other.v; rates there are meaningless. Counts as an evaluation.

@@ -1,10 +1,12 @@
 #pragma once
 // What a joint is for its user: a kind, its geometry and its parameters. The kinds themselves are in kinds/, one file each.
 #include <limits>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <momentree/math/signal.hpp>
 #include <momentree/math/values.hpp>
 #include <momentree/math/vec.hpp>
 
@@ -40,6 +42,9 @@ struct JointLimits {
   Values lower{}, upper{};   ///< rad, m
   Values restitution{};      ///< 0 (plastic, also where absent) … 1: what is left of the speed, turned about
   double rest_speed = 1e-3;  ///< below it (rad/s, m/s) the joint comes to rest on the stop, until something pulls it off
+  /// Soft stops instead, where given: passed by x at the speed u, a stop pushes back with stiffness·x + damping·u, and never
+  /// pulls. No restitution then.
+  Values stiffness{}, damping{};
   bool any() const { return !lower.empty() || !upper.empty(); }
   double lower_of(int freedom) const { return of(lower, freedom, -std::numeric_limits<double>::infinity()); }
   double upper_of(int freedom) const { return of(upper, freedom, std::numeric_limits<double>::infinity()); }
@@ -52,6 +57,39 @@ struct JointLimits {
   }
 };
 
+/// Dry friction, smoothed so that it has a derivative: torque or force −coulomb·tanh(u / speed).
+struct JointFriction {
+  Values coulomb{};  ///< N m, N
+  Values speed{};    ///< rad/s, m/s: three times it is sliding with 99.5 % of `coulomb`
+  bool any() const { return coulomb.any(); }
+  friend bool operator==(const JointFriction&, const JointFriction&) = default;
+};
+
+/// What drives a joint, beside its constant effort: signals with one entry per freedom, or one for a joint with one freedom.
+/// Only for kinds whose velocities are the rates of their coordinates (effort: any).
+struct JointDrive {
+  std::vector<Signal> effort{};  ///< torque or force that changes with time
+  /// Position control: kp·(target − q) + kd·(target_speed − u), no more than max_effort either way.
+  struct Pd {
+    Values kp{}, kd{};
+    std::vector<Signal> target{};
+    std::vector<Signal> target_speed{};  ///< empty: the rate of the target
+    Values max_effort{};                 ///< empty: unbounded
+    friend bool operator==(const Pd&, const Pd&) = default;
+  } pd{};
+  /// Prescribed motion of a joint with one freedom: it has no momentum of its own then, and takes the effort that it needs.
+  std::vector<Curve> motion{};
+  bool moves() const { return !motion.empty(); }
+  friend bool operator==(const JointDrive&, const JointDrive&) = default;
+};
+
+/// What a joint bears: it breaks by itself at that reaction (norms at the joint, N and N m); infinite: any.
+struct JointStrength {
+  double force = std::numeric_limits<double>::infinity(), torque = std::numeric_limits<double>::infinity();
+  bool any() const { return force < std::numeric_limits<double>::infinity() || torque < std::numeric_limits<double>::infinity(); }
+  friend bool operator==(const JointStrength&, const JointStrength&) = default;
+};
+
 /// Parameters of a joint. One number applies to every freedom, a list has one per freedom in the order of v
 /// (`effort` as a single number only for kinds with one freedom). SI units. They belong to the joint, not to the child body.
 struct JointParameters {
@@ -61,7 +99,14 @@ struct JointParameters {
   Values armature{};   ///< rotor inertia reflected to the joint, added to the joint-space mass
   Values effort{};     ///< constant driving force or torque
   JointLimits limits{};
-  friend bool operator==(const JointParameters&, const JointParameters&) = default;
+  JointFriction friction{};
+  JointStrength strength{};
+  std::shared_ptr<const JointDrive> drive{};  ///< null: none but `effort`; shared, so that copies do not allocate
+  friend bool operator==(const JointParameters& a, const JointParameters& b) {
+    const bool same_drive = a.drive == b.drive || (a.drive && b.drive && *a.drive == *b.drive);
+    return same_drive && a.damping == b.damping && a.stiffness == b.stiffness && a.rest == b.rest && a.armature == b.armature &&
+           a.effort == b.effort && a.limits == b.limits && a.friction == b.friction && a.strength == b.strength;
+  }
 };
 
 /// A joint of any kind.
@@ -80,7 +125,7 @@ struct JointSpec {
     if constexpr (requires { k.axis; }) axis = k.axis;
     if constexpr (requires { k.axis2; }) axis2 = k.axis2;
     if constexpr (requires { k.pitch; }) pitch = k.pitch;
-    if constexpr (requires { k.damping; }) parameters = {k.damping, k.stiffness, k.rest, k.armature, k.effort, {}};
+    if constexpr (requires { k.damping; }) parameters = {k.damping, k.stiffness, k.rest, k.armature, k.effort, {}, {}, {}, {}};
     if constexpr (requires { k.limits; }) parameters.limits = k.limits;
   }
 };

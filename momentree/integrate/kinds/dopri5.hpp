@@ -9,6 +9,7 @@ namespace momentree {
 
 struct DormandPrince5 {
   static constexpr int stages = 7, order = 5, lower = 4, estimates = 1;
+  static constexpr double c[6] = {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1};
   static constexpr double a[6][6] = {{},
                                      {1.0 / 5},
                                      {3.0 / 40, 9.0 / 40},

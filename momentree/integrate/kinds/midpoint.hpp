@@ -34,7 +34,7 @@ inline bool Midpoint::step(Evaluator& evaluate, State& state, Books& books, doub
   // to the momenta. Round-off in long chains is more than that: what no longer gets better is good where it is small.
   for (int i = 0, settled = 0; settled < 2; ++i) {
     if (i == most_iterations) return false;
-    if (i > 0) evaluate(q_.get(), p_.get());
+    if (i > 0) evaluate(state.time() + h / 2, q_.get(), p_.get());
     double moved = 0;
     for (int k = 0; k < nq; ++k) {
       const double next = q[k] + h / 2 * work.qdot[static_cast<std::size_t>(k)];

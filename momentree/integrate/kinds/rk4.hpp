@@ -38,13 +38,13 @@ inline bool Rk4::step(Evaluator& evaluate, State& state, Books& books, double h)
   const Work<double>& work = evaluate.work();
   MT_REQUIRE(work.evaluated == state.stamp(), "the first stage was evaluated on this state");
   const int nq = evaluate.tree().nq(), nv = evaluate.tree().nv();
-  const double *q = state.q().data(), *p = state.p().data();
+  const double *q = state.q().data(), *p = state.p().data(), t = state.time();
   std::fill_n(q_sum_.get(), nq, 0.0);
   std::fill_n(p_sum_.get(), nv, 0.0);
   Power sum{};
   constexpr double weights[4] = {1, 2, 2, 1}, nodes[4] = {0.5, 0.5, 1, 0};
   for (int stage = 0; stage < 4; ++stage) {
-    if (stage > 0) evaluate(q_.get(), p_.get());
+    if (stage > 0) evaluate(t + nodes[stage - 1] * h, q_.get(), p_.get());
     const double w = weights[stage], to_next = nodes[stage] * h;
     detail::advance(nq, q, work.qdot.get(), w, to_next, q_sum_.get(), q_.get());
     detail::advance(nv, p, work.pdot.get(), w, to_next, p_sum_.get(), p_.get());
