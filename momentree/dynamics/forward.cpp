@@ -1,5 +1,7 @@
 #include <momentree/dynamics/forward.hpp>
 
+#include <algorithm>
+
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -16,14 +18,19 @@ void add_springs(const Tree& tree, const double* q, double* force) noexcept {
 }
 }  // namespace
 
-void add_joint_forces(const Tree& tree, [[maybe_unused]] double t, const double* q, Work<double>& work) noexcept {
+void joint_damping(const Tree& tree, [[maybe_unused]] const double* q, [[maybe_unused]] const double* u,
+                   double* damping) noexcept {
+  std::copy_n(tree.damping(), tree.nv(), damping);
+}
+
+void add_joint_forces(const Tree& tree, [[maybe_unused]] double t, const double* q, Work<double>& work, bool dampers) noexcept {
   work.power = {};
   if (tree.has_forces()) {
     const double *damping = tree.damping(), *effort = tree.effort(), *v = work.v.get();
     double* pdot = work.pdot.get();
     double dissipated = 0, given = 0;
     for (int i = 0; i < tree.nv(); ++i) {
-      const double friction = damping[i] * v[i];
+      const double friction = dampers ? damping[i] * v[i] : 0.0;
       pdot[i] += effort[i] - friction;
       dissipated += friction * v[i];
       given += effort[i] * v[i];

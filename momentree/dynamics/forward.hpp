@@ -16,8 +16,12 @@ void evaluate_motions(const Tree& tree, const T* q, const T* p, Work<T>& work) n
 /// The same for a state: work then carries the state's stamp. A work that carries it already is left as it is.
 void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
-/// Joint forces of dampers, springs and efforts at time t, added to pdot; their power is work.power.
-void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work) noexcept;
+/// Joint forces of dampers (unless left out), springs and efforts at time t, added to pdot; their power is work.power.
+void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, bool dampers = true) noexcept;
+
+/// What resists motion, c = −∂τ/∂u per freedom (nv numbers, in the order of p) at coordinates q and velocities u: for methods
+/// that take it implicitly, and the rest of the joint forces, add_joint_forces without dampers, as it is.
+void joint_damping(const Tree& tree, const double* q, const double* u, double* damping) noexcept;
 
 /// The same forces τ (nv numbers), for velocities work.v; zero where a freedom is locked.
 void joint_forces(const Tree& tree, double t, const double* q, const Work<double>& work, double* tau) noexcept;

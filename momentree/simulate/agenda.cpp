@@ -65,13 +65,18 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
 std::span<const Watch> Agenda::watches(const World& world) {
   watches_.clear();
   for (const Entry& e : entries) {
-    if (!e.condition || e.done || e.resting || e.since >= 0) continue;
+    if (!e.condition || e.done) continue;
     const Condition& c = *e.condition;
     if (!c.exact || c.what->is_impulsive()) continue;
+    const bool holds = e.since >= 0 || e.resting;
+    if (holds && !e.resting && !(c.duration > 0)) continue;
     const std::optional<double> excess = c.excess(world, {});
-    if (!excess || *excess > 0) continue;
+    if (!excess) continue;
+    const double sign = holds ? -1 : 1, offset = e.resting ? c.width() : 0;
+    const auto counted = [&](double x) { return sign * (x + offset); };
+    if (counted(*excess) > 0) continue;
     const double ago = e.looked == world.time() && e.looked_before >= 0 ? e.looked - e.looked_before : 0;
-    watches_.push_back({&c, *excess, e.excess_before, ago});
+    watches_.push_back({&c, counted(*excess), counted(e.excess_before), ago, sign, offset});
   }
   return watches_;
 }

@@ -126,6 +126,35 @@ TEST_CASE("repetition, duration, delays, periods") {
   }
 }
 
+TEST_CASE("what has to last starts anew where it ceases within a step, however briefly") {
+  // A cosine of one second falls below -0.85 for less than a step of 0.2 s: at 0.5, 1.5, … s, by 0.0883 s to both sides.
+  constexpr double turn = 2 * 3.14159265358979323846;
+  const double gap = std::acos(0.85) / turn;
+  for (const double step : {0.2, 0.01}) {
+    CAPTURE(step);
+    Model model({.gravity = {}});
+    model.add({.name = "swing", .mass = 1, .inertia = diagonal(1), .joint = Prismatic{.stiffness = turn * turn}, .q = 1.0});
+    // Tolerances that everything meets: steps are of max_step.
+    Simulation sim(model, {.method = "dop853", .step = step, .rtol = 1e6, .atol = 1e6, .max_step = step});
+    const Action nothing = impulse("swing", {});
+    const auto over = position_of("swing").exceeds(-0.85);
+    sim.when(Condition(over).lasting(0.7)).then(nothing).named("first");
+    sim.when(Condition(over).lasting(0.7).repeated()).then(nothing).named("again");
+    sim.when(Condition(over).lasting(1 - 2 * gap - 1e-4)).then(nothing).named("just");
+    sim.when(Condition(over).lasting(1 - 2 * gap + 1e-4)).then(nothing).named("never");
+    REQUIRE(sim.run_until(2.45) == Status::ok);
+    std::vector<std::pair<std::string, double>> expected = {
+        {"first", 1.2 + gap}, {"again", 1.2 + gap}, {"just", 1.5 - gap - 1e-4}, {"again", 2.2 + gap}};
+    std::vector<std::pair<std::string, double>> found;
+    for (const Event& e : sim.events()) found.emplace_back(e.name, e.time);
+    REQUIRE(found.size() == expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      CHECK(found[i].first == expected[i].first);
+      CHECK(std::fabs(found[i].second - expected[i].second) < (step < 0.1 ? 1e-9 : 2e-5));
+    }
+  }
+}
+
 TEST_CASE("snapshots know what is armed; a runaway is stopped with its story; impulses trigger") {
   Simulation sim(falling(), {.step = 1e-3});
   sim.when(height_of("ball").below(-0.5)).then(impulse("ball", {0, 0, 1}));

@@ -89,6 +89,13 @@ void Tree::pack(int b) {
       static_cast<unsigned char>((given.spring ? spring : 0) | (given.force ? force : 0) | (kind.nq > kind.nv ? quaternion : 0));
 }
 
+void Tree::copy_with_rotors(const Tree& other) {
+  *this = other;
+  for (const int b : order_)
+    if (parameters(b) != nullptr && class_[at(b)].variant == Variant::plain) class_[at(b)].variant = Variant::rotor;
+  arrange();
+}
+
 // The joint of b was of another kind before: what is packed behind it moves. Returns whether the lists of joints are to be
 // renewed.
 bool Tree::repack(int b, Kind before) {
