@@ -40,7 +40,7 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
     Entry& e = entries[k];
     if (!e.condition || e.done) continue;
     const Condition& c = *e.condition;
-    const std::optional<double> value = c.what->value(world, now);
+    const std::optional<double> value = c.value(world, now);
     if (!value) {
       e.since = -1;
       continue;

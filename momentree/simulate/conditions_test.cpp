@@ -155,6 +155,27 @@ TEST_CASE("what has to last starts anew where it ceases within a step, however b
   }
 }
 
+TEST_CASE("a trigger far from its threshold costs no evaluation") {
+  for (const std::string method : {"rk4", "dopri5", "dop853"}) {
+    CAPTURE(method);
+    long evaluations[3] = {};
+    for (const int i : {0, 1, 2}) {
+      Model model = hanging(3);
+      Simulation sim(model, {.method = method, .step = 1e-3});
+      sim.at(0).then(impulse("rod/3", {0.4, 0, 0}, {}, {0, 0, -1}));
+      if (i == 1) sim.when(reaction_force("rod/1").exceeds(1e4)).then(break_joint("rod/1"));
+      if (i == 2) sim.when(position_of("rod/2").exceeds(3)).then(break_joint("rod/2"));
+      REQUIRE(sim.run_until(1) == Status::ok);
+      evaluations[i] = sim.statistics().evaluations[0] + sim.statistics().evaluations[1];
+    }
+    CHECK(evaluations[0] > 50);
+    // But in the first step after an event, where nothing is known of slopes.
+    CHECK(evaluations[1] - evaluations[0] <= 30);
+    CHECK(evaluations[2] - evaluations[0] <= 30);
+    MESSAGE(method << ": " << evaluations[0] << ", " << evaluations[1] << ", " << evaluations[2] << " evaluations");
+  }
+}
+
 TEST_CASE("snapshots know what is armed; a runaway is stopped with its story; impulses trigger") {
   Simulation sim(falling(), {.step = 1e-3});
   sim.when(height_of("ball").below(-0.5)).then(impulse("ball", {0, 0, 1}));
