@@ -94,11 +94,15 @@ TEST_CASE("already past at the start: at once; the largest load first; a cascade
 
 TEST_CASE("a peak between the ends of a step is found") {
   const double v = 1, top = v * v / (2 * g);
-  Simulation sim(falling(v), {.step = 0.3});  // up and down again within the first step
-  sim.when(position_of("ball").exceeds(0.95 * top)).then(impulse("ball", {0.0, 0, 0}));
-  REQUIRE(sim.run_until(0.3) == Status::ok);
-  REQUIRE(sim.events().size() == 1);
-  CHECK(std::fabs(sim.events()[0].time - v / g * (1 - std::sqrt(0.05))) < 1e-9);
+  for (const std::string method : {"rk4", "dopri5", "dop853"}) {
+    CAPTURE(method);
+    // Up and down again within the first step; tolerances that everything meets.
+    Simulation sim(falling(v), {.method = method, .step = 0.3, .rtol = 1e6, .atol = 1e6});
+    sim.when(position_of("ball").exceeds(0.95 * top)).then(impulse("ball", {0.0, 0, 0}));
+    REQUIRE(sim.run_until(0.3) == Status::ok);
+    REQUIRE(sim.events().size() == 1);
+    CHECK(std::fabs(sim.events()[0].time - v / g * (1 - std::sqrt(0.05))) < 1e-9);
+  }
 }
 
 TEST_CASE("repetition, duration, delays, periods") {
