@@ -188,6 +188,15 @@ TEST_CASE("free_robot: without a force from outside there is no momentum, and th
   CHECK(std::abs(run.table("joints.csv").at("robot/shoulder.v0").back()) < 0.05);             // the arm has come to rest
 }
 
+TEST_CASE("falling_chimney: it breaks a third of its height above the ground, once, where the closed form says when") {
+  const Run run("falling_chimney");
+  REQUIRE(run.events.size() == 1);
+  CHECK(run.events[0].at("actions") == Json{"break chimney/5"});  // 10 of 30 m
+  CHECK(std::abs(run.events[0].at("time").get<double>() - 3.8829086443661773) < 1e-8);
+  CHECK(run.events[0].at("mechanisms").at("after") == Json{"chimney", "chimney/5"});
+  CHECK(std::abs(run.energy("error")) < 1e-10 * run.events[0].at("before").at("kinetic").get<double>());
+}
+
 TEST_CASE("tree_of_joints: all nine kinds, and the energy balance closes") {
   const Run run("tree_of_joints");
   CHECK(std::abs(run.energy("error")) < 1e-7);

@@ -47,17 +47,20 @@ forces::Site site_of(const Tree& tree, double t, const double* q, const double* 
           q + tree.first_q(b),      v + tree.first_p(b),         force + tree.first_p(b), &power};
 }
 
-Power add_forces(const Tree& tree, double t, const double* q, Work<double>& work, double* force) noexcept {
+// `dampers` false: without what joint_damping stands for.
+Power add_forces(const Tree& tree, double t, const double* q, Work<double>& work, double* force, bool dampers = true) noexcept {
   Power power;
   if (tree.has_forces()) {
     const double *damping = tree.damping(), *effort = tree.effort(), *v = work.v.get();
     double dissipated = 0, given = 0;
     for (int i = 0; i < tree.nv(); ++i) {
-      const double friction = damping[i] * v[i];
+      const double friction = dampers ? damping[i] * v[i] : 0.0;
       force[i] += effort[i] - friction;
       dissipated += friction * v[i];
       given += effort[i] * v[i];
     }
+    if (!dampers)  // those of driven freedoms are never left out
+      for (const int b : tree.driven_joints()) dissipated += damping[tree.first_p(b)] * v[tree.first_p(b)] * v[tree.first_p(b)];
     power = {dissipated, given};
   }
   add_springs(tree, q, force);
@@ -94,9 +97,15 @@ void evaluate_stage(const Tree& tree, double t, const double* q, const double* p
   }
 }
 
-void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work) noexcept {
-  work.power = add_forces(tree, t, q, work, work.pdot.get());
+void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, bool dampers) noexcept {
+  work.power = add_forces(tree, t, q, work, work.pdot.get(), dampers);
   put_accelerations(tree, t, work.pdot.get());
+}
+
+void joint_damping(const Tree& tree, [[maybe_unused]] const double* q, [[maybe_unused]] const double* u,
+                   double* damping) noexcept {
+  std::copy_n(tree.damping(), tree.nv(), damping);
+  clear_driven(tree, damping);
 }
 
 void joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, double* tau) noexcept {

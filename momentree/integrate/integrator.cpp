@@ -32,6 +32,13 @@ void Evaluator::operator()(double t, const double* q, const double* p) noexcept 
   evaluate_stage(*tree_, t, q, p, *work_);
 }
 
+void Evaluator::without_dampers(const Tree& other, double t, const double* q, const double* p) noexcept {
+  const Stopwatch watch(seconds);
+  ++count;
+  evaluate_rates<double>(other, q, p, *work_);
+  add_joint_forces(other, t, q, *work_, false);
+}
+
 void Evaluator::operator()(const State& state) noexcept {
   if (work_->evaluated == state.stamp()) return;
   const Stopwatch watch(seconds);

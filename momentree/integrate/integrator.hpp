@@ -21,6 +21,9 @@ class Evaluator {
   Work<double>& work() const { return *work_; }
   /// Rates at (q, p) and the time t into work().qdot, work().pdot, their power into work().power: a stage, of no state.
   void operator()(double t, const double* q, const double* p) noexcept;
+  /// The same without what joint_damping stands for, at the velocities that p has by the mass of `other`, which is tree() but for
+  /// the numbers of its rotors.
+  void without_dampers(const Tree& other, double t, const double* q, const double* p) noexcept;
   /// The same for a state; nothing to do if the work is of it already.
   void operator()(const State& state) noexcept;
   /// Velocities H⁻¹ p at q into other.v; rates there are meaningless. Counts as an evaluation.
@@ -79,10 +82,13 @@ class Integrator {
   double proposal() const { return proposal_; }
   void set_proposal(double seconds) { proposal_ = seconds; }
 
-  /// The state at fraction theta (0 … 1) of the last step, from the rates of its stages; quaternions of length one. False where
-  /// the method keeps nothing for that. What was changed after the step is not seen.
-  virtual bool interpolate(const Tree&, [[maybe_unused]] double theta, [[maybe_unused]] double* q,
-                           [[maybe_unused]] double* p) const noexcept {
+  /// True for a method with dense output.
+  virtual bool dense() const { return false; }
+  /// The state at fraction theta (0 … 1) of the last step, from the rates of its stages; quaternions of length one. May evaluate
+  /// more stages where it is first asked for in a step, and leaves evaluate.work() as it is. False where the method keeps nothing
+  /// for that. What was changed after the step is not seen.
+  virtual bool interpolate([[maybe_unused]] Evaluator& evaluate, [[maybe_unused]] double theta, [[maybe_unused]] double* q,
+                           [[maybe_unused]] double* p) noexcept {
     return false;
   }
 

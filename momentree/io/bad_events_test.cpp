@@ -87,9 +87,7 @@ TEST_CASE("what is still to come is refused where it stands") {
        "s.toml:10:3: error: 'loop' is not supported yet; closed loops are not supported: a mechanism is a tree"},
       {head + "model = \"x.urdf\"\n[[event]]\nat = 1\nbreak = \"m/elbow\"\n",
        "s.toml:4:1: error: 'model' is not supported yet; describe the bodies in [[mechanism.body]] tables"},
-      {pinned + "[integrate]\nmethod = \"damped\"\n",
-       "s.toml:11:10: error: method 'damped' is not supported yet; this version has \"dop853\", \"dopri5\", \"midpoint\", "
-       "\"rk4\""},
+      {pinned + "[integrate]\nmethod = \"dampened\"\n", "s.toml:11:10: error: unknown method 'dampened'; did you mean 'damped'?"},
   });
 }
 

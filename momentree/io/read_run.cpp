@@ -28,8 +28,6 @@ void read_integrate(const Value& table, Reading& reading) {
     for (const std::string& name : known) all += (all.empty() ? "this version has \"" : ", \"") + name + '"';
     if (in(known)) {
       integration.method = *method;
-    } else if (in({"damped"})) {
-      out.error(fields.place_of("method"), "method " + in_quotes(*method) + " is not supported yet", all);
     } else {
       const std::string hint = did_you_mean(*method, known);
       out.error(fields.place_of("method"), "unknown method " + in_quotes(*method), hint.empty() ? all : hint);

@@ -64,7 +64,7 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
     Entry& e = at(k);
     if (!e.condition || e.done) continue;
     const Condition& c = *e.condition;
-    const std::optional<double> value = c.what->value(world, now);
+    const std::optional<double> value = c.value(world, now);
     if (!value) {
       e.since = -1;
       continue;
@@ -91,13 +91,18 @@ std::span<const Watch> Agenda::watches(const World& world) {
   renew_strengths(world);
   for (std::size_t k = 0; k < count(); ++k) {
     const Entry& e = at(k);
-    if (!e.condition || e.done || e.resting || e.since >= 0) continue;
+    if (!e.condition || e.done) continue;
     const Condition& c = *e.condition;
     if (!c.exact || c.what->is_impulsive()) continue;
+    const bool holds = e.since >= 0 || e.resting;
+    if (holds && !e.resting && !(c.duration > 0)) continue;
     const std::optional<double> excess = c.excess(world, {});
-    if (!excess || *excess > 0) continue;
+    if (!excess) continue;
+    const double sign = holds ? -1 : 1, offset = e.resting ? c.width() : 0;
+    const auto counted = [&](double x) { return sign * (x + offset); };
+    if (counted(*excess) > 0) continue;
     const double ago = e.looked == world.time() && e.looked_before >= 0 ? e.looked - e.looked_before : 0;
-    watches_.push_back({&c, *excess, e.excess_before, ago});
+    watches_.push_back({&c, counted(*excess), counted(e.excess_before), ago, sign, offset});
   }
   return watches_;
 }

@@ -17,7 +17,7 @@
 
 namespace momentree {
 
-/// How to step. `method`: "rk4", "midpoint", of fixed steps; "dopri5", "dop853", which choose theirs.
+/// How to step. `method`: "rk4", "midpoint", "damped", of fixed steps; "dopri5", "dop853", which choose theirs.
 struct Integration {
   std::string method = "rk4";
   double step = 1e-3;              ///< s; for adaptive methods the first one

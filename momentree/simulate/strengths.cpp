@@ -18,7 +18,7 @@ struct Load : Quantity {
   bool is_load() const override { return true; }
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     if (world.tree().carrier(strength.joint) < 0) return std::nullopt;
-    const Wrench wrench = world.joint_forces({strength.joint}).reaction;
+    const Wrench wrench = world.reaction({strength.joint});
     return norm(strength.torque ? wrench.torque : wrench.force);
   }
 };

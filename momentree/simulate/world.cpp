@@ -124,7 +124,7 @@ int World::carrier(Body number) const {
 JointForces World::joint_forces(Body number) const {
   const int b = carrier(number);
   accelerate(tree_, state_, work_);
-  const Force<double> whole = reaction(tree_, state_, work_, b), pure = pure_reaction(tree_, state_, work_, b);
+  const Force<double> whole = momentree::reaction(tree_, state_, work_, b), pure = pure_reaction(tree_, state_, work_, b);
   Values effort;
   double along[6];
   joint_effort(tree_, state_, work_, b, along);
@@ -133,6 +133,21 @@ JointForces World::joint_forces(Body number) const {
           {whole.l, whole.h},
           {pure.l, pure.h},
           effort};
+}
+
+Wrench World::reaction(Body number) const {
+  const int b = carrier(number);
+  accelerate(tree_, state_, work_);
+  const Force<double> whole = momentree::reaction(tree_, state_, work_, b);
+  return {whole.l, whole.h};
+}
+
+std::optional<std::pair<double, double>> World::one_freedom(Body number) const {
+  const int b = carrier(number);
+  evaluate();
+  const KindInfo& kind = info(tree_.joint(b).kind);
+  if (kind.nq != 1 || kind.nv != 1) return std::nullopt;
+  return std::pair{state_.q()[static_cast<std::size_t>(tree_.first_q(b))], work_.v[static_cast<std::size_t>(tree_.first_p(b))]};
 }
 
 JointView World::joint(Body number) const {

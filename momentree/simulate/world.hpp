@@ -1,8 +1,10 @@
 #pragma once
 // One world at one instant: model (names), tree (topology), state, and what the recursions found at this state.
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <momentree/dynamics/acceleration.hpp>
@@ -112,8 +114,13 @@ class World {
   /// By body number: time derivatives of `linear` and `angular` of its motion; zeros for a body that was removed.
   const std::vector<BodyAcceleration>& accelerations() const;
   JointForces joint_forces(Body number) const;  ///< of the joint of that number
+  Wrench reaction(Body number) const;           ///< of the same, the reaction alone
+  /// Coordinate and velocity of a joint with one freedom; nothing for others.
+  std::optional<std::pair<double, double>> one_freedom(Body number) const;
   /// Number of the present joint of that name, −1 if there is none.
   int find_joint(std::string_view name) const { return names_.find_joint(name); }
+  /// Another one whenever anything of the state or the topology has changed.
+  Stamp stamp() const { return state_.stamp(); }
   Totals totals() const;
   /// Present mechanisms, in the order of their root's body number.
   std::vector<Mechanism> mechanisms() const;

@@ -94,6 +94,13 @@ void Tree::pack(int b) {
                                  (drives ? drive : 0) | (link.driven != 0 ? driven : 0) | (given.strength ? strength : 0));
 }
 
+void Tree::copy_with_rotors(const Tree& other) {
+  *this = other;
+  for (const int b : order_)
+    if (parameters(b) != nullptr && class_[at(b)].variant == Variant::plain) class_[at(b)].variant = Variant::rotor;
+  arrange();
+}
+
 // The joint of b was of another kind before: what is packed behind it moves. Returns whether the lists of joints are to be
 // renewed.
 bool Tree::repack(int b, Kind before) {

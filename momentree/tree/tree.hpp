@@ -201,6 +201,11 @@ class Tree {
 
   /// What has changed since the model was compiled.
   Topology topology() const;
+  /// Becomes a copy of `other` in which every joint that has parameters takes a rotor, whether or not it has one: what stands in
+  /// rotors() is then its whole mass beside the bodies'. O(bodies); a copy of the same bodies as before allocates nothing.
+  void copy_with_rotors(const Tree& other);
+  /// The numbers of armature(), to change from one evaluation to the next in a tree of one's own.
+  double* rotors() { return armature_.data(); }
   /// Makes this tree, which was compiled from the same model, what `topology` says. Counts a revision, as every edit: what was
   /// evaluated before is stale, even on the same topology. O(bodies); allocates only where bodies were added.
   void restore(const Topology& topology);

@@ -102,6 +102,7 @@ struct Accelerations {
     V3<Real> force{}, torque{};    ///< of the inboard joint on the body, about the frame's origin, in its axes
   };
   std::vector<Body> bodies;
+  Real summands = 0;  ///< norm of the v̇ that forces would give which did not cancel
 };
 Accelerations accelerate(const System& system, const std::vector<double>& q, const std::vector<Real>& v, const MassMatrix& mass,
                          const std::vector<char>& locked = {}, const std::vector<Real>& given = {});

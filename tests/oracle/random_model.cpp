@@ -204,7 +204,7 @@ RandomTree random_tree(std::uint64_t seed, const RandomTreeOptions& options) {
     if (mechanism > 0 && !options.all_free) root = static_cast<Root>(random.integer(0, 2));
     Kind kind = draw_root_kind(random, root);
     if (parent >= 0 && options.kinds.empty()) kind = all[static_cast<std::size_t>(random.integer(0, 8))];
-    if (parent >= 0 && !options.kinds.empty())
+    if ((parent >= 0 || root == Root::jointed) && !options.kinds.empty())
       kind = options.kinds[static_cast<std::size_t>(random.integer(0, static_cast<int>(options.kinds.size()) - 1))];
 
     BodySpec body;
