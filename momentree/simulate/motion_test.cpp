@@ -244,6 +244,35 @@ TEST_CASE("impacts elsewhere leave a motion as it is: the drive's impulse is its
   CHECK(std::fabs(sim.energy().error) <= 1e-9 * scale(sim));
 }
 
+TEST_CASE("a driven joint that becomes another keeps its speed, if that can; a capture beside one keeps its motion") {
+  Model model = floating(Signal::sine(0.6, 1), 0);
+  model.add({.name = "prey",
+             .mass = 2,
+             .inertia = diagonal(0.3),
+             .joint = Free{},
+             .q = {3, 0, 0, 1, 0, 0, 0},
+             .v = {-1, 0.2, 0, 0.5, 0, 1}});
+  Simulation sim(model, exactly());
+  const Totals start = sim.world().totals();
+  REQUIRE(sim.run_until(0.2) == Status::ok);
+  sim.apply(weld("prey", "hand"), "grasp");
+  CHECK(sim.world().joint({1}).v[0] == Curve(Signal::sine(0.6, 1)).at(0.2).rate);
+  REQUIRE(sim.run_until(0.3) == Status::ok);
+  CHECK(sim.world().joint({1}).q[0] == Curve(Signal::sine(0.6, 1)).at(0.3).value);
+  const std::vector<BodyMotion> before = sim.world().motions();
+  sim.apply(change_joint("arm", Kind::cylindrical));
+  CHECK_FALSE(sim.world().joint({1}).driven);
+  for (std::size_t b = 0; b < 4; ++b) {
+    CHECK(norm(sim.world().motions()[b].linear - before[b].linear) <= 1e-12);
+    CHECK(norm(sim.world().motions()[b].angular - before[b].angular) <= 1e-12);
+  }
+  REQUIRE(sim.run_until(0.5) == Status::ok);
+  const Totals end = sim.world().totals();
+  CHECK(norm(end.linear - start.linear) <= 1e-9);
+  CHECK(norm(end.angular - start.angular) <= 1e-9);
+  CHECK(std::fabs(sim.energy().error) <= 1e-9 * scale(sim));
+}
+
 TEST_CASE("a rehearsal judges no motion by where joints stand before it") {
   Simulation sim(floating(Signal::sine(0.6, 1)), exactly());
   JointParameters moved, none;

@@ -31,8 +31,8 @@ struct BodySpec {
   Body parent = ground;
   Pose at{};
   JointSpec joint{};  ///< Revolute{…}, Ball{…}, …; default: a weld
-  Values q{};         ///< start coordinates in the order of the kind; empty: zero (identity)
-  Values v{};         ///< start velocities; empty: zero
+  Values q{};         ///< start coordinates in the order of the kind; empty: zero (identity); a prescribed motion says its own
+  Values v{};         ///< start velocities; empty: zero; a prescribed motion says its own
   Pose child_at{};
   std::string joint_name{};  ///< "mechanism/joint"; empty: the body's name
 };
