@@ -10,7 +10,8 @@ namespace momentree {
 /// Evaluates the state first where needed; a work that has them already is left as it is. Neither allocates nor throws.
 void accelerate(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
-/// The same passes for any scalar, at coordinates q: after evaluate_motions there, and with the joint forces τ in work.a.
+/// The same passes for any scalar, at coordinates q: after evaluate_motions there, and with the joint forces τ in work.a; where
+/// forces act on bodies, with T of every body in work.loads.
 template <class T>
 void evaluate_accelerations(const Tree& tree, const T* q, Work<T>& work) noexcept;
 

@@ -1,5 +1,6 @@
 #include <momentree/dynamics/forward.hpp>
 
+#include <momentree/dynamics/body_forces.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -57,6 +58,7 @@ void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) 
   if (work.evaluated == state.stamp()) return;
   evaluate_motions<double>(tree, state.q().data(), state.p().data(), work);
   add_joint_forces(tree, state.time(), state.q().data(), work);
+  add_body_forces(tree, state.time(), state.q().data(), work);
   work.evaluated = state.stamp();
 }
 

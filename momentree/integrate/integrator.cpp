@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include <momentree/dynamics/body_forces.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/method_list.hpp>
 #include <momentree/integrate/methods.hpp>
@@ -29,6 +30,7 @@ void Evaluator::operator()(double t, const double* q, const double* p) noexcept 
   ++count;
   evaluate_rates<double>(*tree_, q, p, *work_);
   add_joint_forces(*tree_, t, q, *work_);
+  add_body_forces(*tree_, t, q, *work_);
 }
 
 void Evaluator::operator()(const State& state) noexcept {

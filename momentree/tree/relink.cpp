@@ -186,6 +186,17 @@ void Tree::arrange() {
   }
   if (count > 0) end_segment(count);
   record_scalars_ = scalars;
+  if (forces_) list_loaded_bodies();
+}
+
+void Tree::list_loaded_bodies() {
+  std::fill(loaded_mark_.begin(), loaded_mark_.end(), static_cast<unsigned char>(0));
+  for (const BodyForce& force : *forces_)
+    for (int b = alive(force.body.index) ? force.body.index : -1; b >= 0 && loaded_mark_[at(b)] == 0; b = parent_[at(b)])
+      loaded_mark_[at(b)] = 1;
+  loaded_.clear();
+  for (const int b : order_)
+    if (loaded_mark_[at(b)] != 0) loaded_.push_back(b);
 }
 
 void Tree::end_segment(int place) {

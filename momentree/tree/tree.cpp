@@ -23,6 +23,7 @@ void Tree::resize(int bodies) {
   links_.resize(n), joints_.resize(n), frames_.resize(n), masses_.resize(n);
   angle_q_.resize(2 * n), angle_offset_.resize(2 * n), armature_.resize(6 * n), damping_.resize(6 * n), effort_.resize(6 * n);
   for (auto* list : {&order_, &spring_joints_, &quaternion_joints_}) reserve(*list, n);
+  if (forces_) reserve(loaded_, n), loaded_mark_.resize(n);
   reserve(segments_, n);
   reserve(parameters_, shared_parameters_ + n), reserve(per_freedom_, shared_parameters_ + n);
   static const std::size_t largest = [] {
@@ -49,6 +50,7 @@ bool any(const JointParameters& p) {
 }  // namespace
 
 Tree::Tree(const Model& model) : gravity_(model.gravity()) {
+  if (!model.forces().empty()) forces_ = std::make_shared<const std::vector<BodyForce>>(model.forces());
   resize(model.size());
   for (int b = 0; b < model.size(); ++b) {
     set_body(b, model[{b}]);

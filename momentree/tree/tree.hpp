@@ -171,6 +171,12 @@ class Tree {
   std::span<const int> quaternion_joints() const { return quaternion_joints_; }
   /// Bodies whose joint has a spring.
   std::span<const int> spring_joints() const { return spring_joints_; }
+  /// Forces on bodies, as the model has them; also those on bodies that were removed, which do nothing.
+  std::span<const BodyForce> body_forces() const {
+    return forces_ ? std::span<const BodyForce>(*forces_) : std::span<const BodyForce>();
+  }
+  /// Bodies on which such a force acts, and all that carry them, inboard before outboard.
+  std::span<const int> loaded_bodies() const { return loaded_; }
 
   /// Largest sizes that any topology of these bodies needs.
   std::size_t record_capacity() const { return record_capacity_; }
@@ -230,6 +236,8 @@ class Tree {
   int end_of(int b) const;
   void move_block(int begin, int end, int to);
 
+  void list_loaded_bodies();
+
   // edits.cpp
   void unlink(int b);
   void hang(int b, int parent);
@@ -277,6 +285,9 @@ class Tree {
   std::vector<unsigned char> special_;  // by joint: a bit each for a spring, a quaternion, a force
   std::vector<double> angle_offset_, armature_, damping_, effort_;
   bool has_forces_ = false;
+  std::shared_ptr<const std::vector<BodyForce>> forces_;  // null: none
+  Reserved<int> loaded_;
+  std::vector<unsigned char> loaded_mark_;  // scratch, by body
 };
 
 /// Compiles a model: `Tree tree = compile(model)`.
