@@ -43,4 +43,12 @@ Pose user_pose(const Tree& tree, const Mat3& kernel_R, const Vec3& kernel_r, int
   return {kernel_r - R * f.r, quaternion_of(R)};
 }
 
+BodyMotion user_motion(const Tree& tree, const Kinematics<double>& body, int b) noexcept {
+  BodyMotion m;
+  m.pose = user_pose(tree, body, b);
+  m.angular = body.R * body.velocity.w;
+  m.linear = body.R * body.velocity.v + cross(m.angular, m.pose.position - body.r);
+  return m;
+}
+
 }  // namespace momentree

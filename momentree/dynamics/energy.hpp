@@ -1,4 +1,5 @@
 #pragma once
+#include <momentree/dynamics/motion.hpp>
 #include <momentree/dynamics/totals.hpp>
 #include <momentree/dynamics/work.hpp>
 
@@ -19,5 +20,8 @@ inline Pose user_pose(const Tree& tree, const Kinematics<double>& body, int b) n
 inline Pose user_pose(const Tree& tree, const DenseCrossing<double>& body, int b) noexcept {
   return user_pose(tree, body.R, body.r, b);
 }
+
+/// Pose and velocities of the user's frame of body b, world axes.
+BodyMotion user_motion(const Tree& tree, const Kinematics<double>& body, int b) noexcept;
 
 }  // namespace momentree

@@ -62,6 +62,28 @@ void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) 
   work.evaluated = state.stamp();
 }
 
+void locate_stage(const Tree& tree, const double* q, Work<double>& work) noexcept {
+  for (int b : tree.order()) {
+    const int parent = tree.parent(b);
+    const DenseCrossing<double> x = joint_crossing(tree, q, work, b);
+    Kinematics<double>& own = work.bodies[static_cast<std::size_t>(b)];
+    Motion<double> velocity{};
+    if (parent < 0) {
+      own.R = x.R, own.r = x.r;
+    } else {
+      const Kinematics<double>& outer = work.bodies[static_cast<std::size_t>(parent)];
+      own.R = outer.R * x.R;
+      own.r = outer.r + outer.R * x.r;
+      velocity = outer.velocity;
+    }
+    x.outboard(velocity);
+    own.velocity = dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+      return decltype(tag)::type::template spatial_velocity<double>(tree.link(b), joint_state(tree, q, work, b), velocity,
+                                                                    work.v.get() + tree.first_p(b));
+    });
+  }
+}
+
 void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noexcept {
   forward_dynamics(tree, state, work);
   if (work.located == state.stamp()) return;
@@ -82,11 +104,11 @@ void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noe
   work.located = state.stamp();
 }
 
-DenseCrossing<double> joint_crossing(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+DenseCrossing<double> joint_crossing(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
   return dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) -> DenseCrossing<double> {
     using K = typename decltype(tag)::type;
     if constexpr (K::turns_about_z) {
-      return dense_crossing<K, double>(tree.link(b), joint_state(tree, state, work, b));
+      return dense_crossing<K, double>(tree.link(b), joint_state(tree, q, work, b));
     } else {
       return work.record<K>(tree, b).x;
     }

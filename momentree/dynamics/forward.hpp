@@ -28,12 +28,22 @@ double joint_spring(const Tree& tree, const double* q, int b, double* force) noe
 /// World poses and velocities of all bodies (kernel frames) into work.bodies; evaluates first where needed.
 void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
+/// The same at coordinates q of no state, for the velocities that the last evaluation found there: after a stage. Writes
+/// work.bodies alone.
+void locate_stage(const Tree& tree, const double* q, Work<double>& work) noexcept;
+
 /// Coordinates and trigonometry of b's joint, as the last evaluation left them in the work.
+inline JointState<double> joint_state(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
+  return {q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
+}
 inline JointState<double> joint_state(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
-  return {state.q().data() + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
+  return joint_state(tree, state.q().data(), work, b);
 }
 /// The crossing of b's joint, with its placement, as the last evaluation found it.
-DenseCrossing<double> joint_crossing(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+DenseCrossing<double> joint_crossing(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept;
+inline DenseCrossing<double> joint_crossing(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+  return joint_crossing(tree, state.q().data(), work, b);
+}
 
 extern template void evaluate_rates<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;
 extern template void evaluate_motions<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;

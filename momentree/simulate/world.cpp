@@ -88,11 +88,7 @@ const std::vector<BodyMotion>& World::motions() const {
   locate_bodies(tree_, state_, work_);
   for (const int b : tree_.order()) {
     const auto i = static_cast<std::size_t>(b);
-    const Kinematics<double>& k = work_.bodies[i];
-    BodyMotion& m = motions_[i];
-    m.pose = user_pose(tree_, k, b);
-    m.angular = k.R * k.velocity.w;
-    m.linear = k.R * k.velocity.v + cross(m.angular, m.pose.position - k.r);
+    motions_[i] = user_motion(tree_, work_.bodies[i], b);
   }
   motions_of_ = state_.stamp();
   return motions_;

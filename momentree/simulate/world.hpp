@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/motion.hpp>
 #include <momentree/dynamics/totals.hpp>
 #include <momentree/dynamics/work.hpp>
 #include <momentree/simulate/names.hpp>
@@ -15,12 +16,6 @@
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
-
-/// A body's frame: pose in the world, velocity of its origin and angular velocity, world axes.
-struct BodyMotion {
-  Pose pose;
-  Vec3 linear, angular;
-};
 
 /// A joint as its user sees it, in its declared direction. Spans point into the world; valid until it next changes.
 struct JointView {
