@@ -135,6 +135,14 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
   impl_->begin();
 }
 
+double Simulation::next_step() const { return impl_->method->proposal(); }
+void Simulation::resume(std::span<const Agenda::Armed> armed, double next_step) {
+  if (impl_->method->adaptive() && next_step > 0) impl_->method->set_proposal(next_step);
+  std::vector<Agenda::Armed> all = impl_->agenda.armed();
+  std::copy_n(armed.begin(), std::min(armed.size(), all.size()), all.begin());
+  impl_->agenda.restore(all, impl_->world.time());
+}
+
 double Simulation::time() const { return impl_->world.time(); }
 const World& Simulation::world() const { return impl_->world; }
 const std::vector<Event>& Simulation::events() const { return impl_->events; }

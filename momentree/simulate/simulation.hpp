@@ -147,6 +147,12 @@ class Simulation {
   /// A run of its own from here: world, schedule and books, without observers and history.
   Simulation branch() const;
 
+  /// What the method would try as the next step (s): all that an adaptive one remembers from step to step.
+  double next_step() const;
+  /// To go on as another run would have: for adaptive methods its next_step() (0: keep), and where its events stood, in the order
+  /// of scheduling (fewer are fine).
+  void resume(std::span<const Agenda::Armed> armed, double next_step = 0);
+
   double time() const;
   const World& world() const;
   const std::vector<Event>& events() const;

@@ -28,8 +28,11 @@ struct Set : ActionBase {
     take(all.stiffness, parameters.stiffness);
     take(all.rest, parameters.rest);
     take(all.armature, parameters.armature);
-    take(all.effort, parameters.effort);
+    // A drive is replaced as a whole.
+    if (!parameters.effort.empty() || parameters.drive) all.effort = parameters.effort, all.drive = parameters.drive;
     if (parameters.limits.any()) all.limits = parameters.limits;
+    if (!parameters.friction.coulomb.empty()) all.friction = parameters.friction;
+    if (parameters.strength.any()) all.strength = parameters.strength;
     JointSpec spec = spec_of(surgery.declared(joint));
     spec.parameters = all;
     for (const JointProblem& problem : check_joint(spec))
