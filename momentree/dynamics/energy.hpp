@@ -8,7 +8,8 @@ namespace momentree {
 /// Energies and momenta of the whole world, from the bodies (never as p·u/2). Locates the bodies where needed.
 Totals totals(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
-/// Potential energy of the spring and kinetic energy of the rotor of b's joint (J): what leaves with its freedoms.
+/// Potential energy of the spring and the soft stops and kinetic energy of the rotor of b's joint (J): what leaves with its
+/// freedoms.
 /// The work must be of this state.
 double joint_energy(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
 

@@ -16,14 +16,26 @@ void evaluate_motions(const Tree& tree, const T* q, const T* p, Work<T>& work) n
 /// The same for a state: work then carries the state's stamp. A work that carries it already is left as it is.
 void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
-/// Joint forces of dampers, springs and efforts at time t, added to pdot; their power is work.power.
+/// One evaluation with the forces at time t: pdot and power are whole then. Of no state, as evaluate_rates; worlds in which
+/// motions are prescribed take the second recursion too, for the power of their drives.
+void evaluate_stage(const Tree& tree, double t, const double* q, const double* p, Work<double>& work) noexcept;
+
+/// Joint forces of dampers, springs, efforts and all other elements at time t, added to pdot, which has s̈ of what is driven
+/// instead; their power is work.power, but for that of prescribed motions.
 void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work) noexcept;
 
-/// The same forces τ (nv numbers), for velocities work.v; zero where a freedom is locked.
-void joint_forces(const Tree& tree, double t, const double* q, const Work<double>& work, double* tau) noexcept;
+/// The same forces τ (nv numbers), for velocities work.v; zero where a freedom is locked, s̈ where it is driven.
+void joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, double* tau) noexcept;
+
+/// The forces of springs and drives on the freedoms of b's joint (nv numbers) as if none were locked: what a stop must hold.
+void unlocked_forces(const Tree& tree, double t, const double* q, Work<double>& work, int b, double* force) noexcept;
 
 /// The spring of body b's joint: writes its generalised force (nv numbers) and returns its energy (J). The joint must have one.
 double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept;
+
+/// The effort that b's driven joint takes, beside its springs, dampers and friction (N m, N): work.a and work.reactions are those
+/// of this evaluation.
+double motion_effort(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept;
 
 /// World poses and velocities of all bodies (kernel frames) into work.bodies; evaluates first where needed.
 void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noexcept;

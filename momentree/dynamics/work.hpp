@@ -43,6 +43,7 @@ class Work {
         pdot(make(6 * tree.bodies())),
         a(make(6 * tree.bodies())),
         impulse(make(6 * tree.bodies())),
+        passive(make(tree.bodies())),
         records(make(static_cast<long>(tree.record_capacity()))),
         inlets(std::make_unique_for_overwrite<Inboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         outlets(std::make_unique_for_overwrite<Outboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
@@ -73,6 +74,7 @@ class Work {
   Array cos, sin, angle;
   Array v, qdot, pdot, a;  ///< packed as p, q, p, p; a = v̇
   Array impulse;           ///< scratch of impacts, packed as p
+  Array passive;           ///< by body: what acts on its driven joint beside the motion's own effort
   Array records;
   Power power;
   std::unique_ptr<Inboard<T>[]> inlets;        ///< by junction, on the way in

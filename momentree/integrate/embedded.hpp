@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/integrate/integrator.hpp>
 
 namespace momentree {
@@ -151,7 +152,7 @@ class Embedded : public Integrator {
       evaluate(t + Tableau::c[s] * h, q_.get(), p_.get());
       keep(s, evaluate.work());
     }
-    normalise(evaluate.tree(), q_.get());
+    end_step(evaluate.tree(), t + h, q_.get(), p_.get());
   }
 
   void accept(State& state, Books& books, double h) noexcept {
@@ -187,6 +188,7 @@ class Embedded : public Integrator {
         for (int j = 0; j < Tableau::stages; ++j) off += weights[j] * kp(j)[i];
         dp[i] = h * off;
       }
+      clear_driven(evaluate.tree(), dp);
       evaluate.solve(q_.get(), dp, solver_);
       for (int i = 0; i < nv_; ++i) measure(solver_.v[static_cast<std::size_t>(i)], u0_[static_cast<std::size_t>(i)], u1[i]);
     }

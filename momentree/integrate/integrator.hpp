@@ -99,6 +99,8 @@ bool is_adaptive(std::string_view method);
 /// Names of all methods.
 std::vector<std::string> integration_methods();
 
+/// What a step ends with, at its end t: quaternions of length one, prescribed motions where their curves have them.
+void end_step(const Tree& tree, double t, double* q, double* p) noexcept;
 /// Brings quaternions back to length one: once per step, not inside stages.
 void normalise(const Tree& tree, double* q) noexcept;
 /// Further than this no coordinate moves in one step (rad, m): what does has diverged, long before its numbers overflow.

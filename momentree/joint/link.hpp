@@ -15,7 +15,8 @@ struct Link {
   Vec3 r{};
   RigidMass body{};
   double subtree_mass = 0;      ///< of the body and all outboard bodies
-  unsigned locked = 0;          ///< a bit per freedom that is frozen
+  unsigned locked = 0;          ///< a bit per freedom without a momentum of its own: frozen or driven
+  unsigned driven = 0;          ///< a bit per freedom of these whose rate is prescribed: p holds it
   double angle_0 = 0;           ///< θ0
   double geometry[2] = {0, 0};  ///< helical: metres per radian; universal: x and z components of the first axis
 };

@@ -29,15 +29,39 @@ std::vector<std::size_t> Agenda::due(double time) const {
   return places;
 }
 
-bool Agenda::watching() const {
-  return std::any_of(entries.begin(), entries.end(), [](const Entry& e) { return e.condition && !e.done; });
+bool Agenda::watching(const World& world) const {
+  return !world.tree().strength_joints().empty() ||
+         std::any_of(entries.begin(), entries.end(), [](const Entry& e) { return e.condition && !e.done; });
+}
+
+// Joints come and go, and with them their strengths; of those that stay, what is known of their loads stays.
+void Agenda::renew_strengths(const World& world) {
+  if (strengths_of_ == world.tree().revision()) return;
+  strengths_of_ = world.tree().revision();
+  if (strengths_.empty() && world.tree().strength_joints().empty()) return;
+  const std::vector<Strength> now = strengths(world);
+  std::vector<Borne> before = std::move(strengths_);
+  strengths_.clear();
+  for (const Strength& s : now) {
+    const auto known = std::find_if(before.begin(), before.end(), [&](const Borne& b) { return b.strength == s; });
+    if (known != before.end()) {
+      strengths_.push_back(std::move(*known));
+      continue;
+    }
+    Entry entry;
+    entry.event.name = event_name(world, s);
+    entry.event.actions = {break_joint(std::string(world.joint_name({s.joint})))};
+    entry.condition = condition_of(s);
+    strengths_.push_back({s, std::move(entry)});
+  }
 }
 
 std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Event> now) {
+  renew_strengths(world);
   std::optional<std::size_t> first, load;
   double largest = 0;
-  for (std::size_t k = 0; k < entries.size(); ++k) {
-    Entry& e = entries[k];
+  for (std::size_t k = 0; k < count(); ++k) {
+    Entry& e = at(k);
     if (!e.condition || e.done) continue;
     const Condition& c = *e.condition;
     const std::optional<double> value = c.what->value(world, now);
@@ -64,7 +88,9 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
 
 std::span<const Watch> Agenda::watches(const World& world) {
   watches_.clear();
-  for (const Entry& e : entries) {
+  renew_strengths(world);
+  for (std::size_t k = 0; k < count(); ++k) {
+    const Entry& e = at(k);
     if (!e.condition || e.done || e.resting || e.since >= 0) continue;
     const Condition& c = *e.condition;
     if (!c.exact || c.what->is_impulsive()) continue;
@@ -77,7 +103,7 @@ std::span<const Watch> Agenda::watches(const World& world) {
 }
 
 void Agenda::happened(std::size_t place, double time) {
-  Entry& e = entries[place];
+  Entry& e = at(place);
   ++e.fired;
   e.since = -1;
   if (e.condition) {
@@ -91,7 +117,7 @@ void Agenda::happened(std::size_t place, double time) {
     e.time = HUGE_VAL;
   }
   const std::string name = e.event.name;
-  for (Entry& other : entries) other.looked = other.looked_before = -1;  // what it looks at may have jumped
+  for (std::size_t k = 0; k < count(); ++k) at(k).looked = at(k).looked_before = -1;  // what it looks at may have jumped
   for (Entry& other : entries)
     if (other.after == name) other.time = std::min(other.time, time + other.delay);
   look_ahead();
@@ -105,6 +131,8 @@ std::vector<Agenda::Armed> Agenda::armed() const {
 }
 
 void Agenda::restore(std::span<const Armed> armed, double now) {
+  strengths_.clear();
+  strengths_of_.reset();
   for (std::size_t k = 0; k < entries.size(); ++k) {
     Entry& e = entries[k];
     e.looked = e.looked_before = -1;

@@ -102,7 +102,8 @@ void Simulation::undo(std::size_t number, bool again) {
     if (number < past.events || number >= next) continue;
     SimulationSnapshot before = past.before;
     if (!again)
-      for (const std::size_t k : past.places) before.armed[k].done = true;
+      for (const std::size_t k : past.places)
+        if (k < before.armed.size()) before.armed[k].done = true;  // a joint's strength stays what it is
     impl_->go_back(before);
     return;
   }
@@ -128,6 +129,16 @@ void Simulation::observe(double every, std::function<bool(const World&)> observe
 }
 
 void Simulation::watch(std::function<bool(double)> watcher) { impl_->watcher = std::move(watcher); }
+
+void Simulation::drive(std::string_view joint, std::function<double(const Moment&)> effort) {
+  const int number = impl_->world.find_joint(joint);
+  if (const std::size_t freedoms = number < 0 ? 1 : impl_->world.joint({number}).v.size(); freedoms > 1)
+    fail({"the joint '" + std::string(joint) + "' has " + std::to_string(freedoms) + " freedoms, which one function can't drive",
+          "", "use drive_all()"});
+  if (!effort) return impl_->drive(joint, {});
+  impl_->drive(joint, [effort = std::move(effort)](const Moment& m, std::span<double> efforts) { efforts[0] = effort(m); });
+}
+void Simulation::drive_all(std::string_view joint, JointFunction efforts) { impl_->drive(joint, std::move(efforts)); }
 
 void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
   impl_->world.restore(time, forest, joints);

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include <momentree/dynamics/moment.hpp>
 #include <momentree/simulate/action.hpp>
 #include <momentree/simulate/agenda.hpp>
 #include <momentree/simulate/condition.hpp>
@@ -118,6 +119,15 @@ class Simulation {
   /// Called after each step with the time, however rarely rows are observed: for a progress bar, or to interrupt by returning
   /// false.
   void watch(std::function<bool(double)> watcher);
+
+  /// A function of the world drives a joint from now on: it gives the torque or force (N m, N) along its one freedom, in its
+  /// declared direction, on top of what its parameters say; called at every stage of every step, it must not throw, and may
+  /// depend on the moment alone. An empty function takes it away. It belongs to the joint: topology changes, snapshots and
+  /// branches keep it, until the joint breaks or becomes another. Throws Error for a name that is none, a weld, a joint with
+  /// several freedoms, one whose motion is prescribed.
+  void drive(std::string_view joint, std::function<double(const Moment&)> effort);
+  /// The same for any number of freedoms: it fills in a list, in the order of v, that comes with zeros.
+  void drive_all(std::string_view joint, JointFunction efforts);
 
   /// Starts from a state document instead (World::restore); books and events begin anew.
   void restore(double time, const Forest& forest, std::span<const JointStart> joints);

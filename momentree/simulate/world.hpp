@@ -25,11 +25,12 @@ struct JointView {
   bool reversed = false;  ///< its child carries its parent now, seen from the root
   unsigned locked = 0;    ///< a bit per freedom that is locked
   unsigned resting = 0;   ///< a bit per freedom that rests on a stop
+  bool driven = false;    ///< its motion is prescribed, and not suspended by a lock
   Pose at, child_at;
   Vec3 axis, axis2;
   double pitch = 0;
   const JointParameters* parameters = nullptr;
-  std::span<const double> q, v, p, pdot;  ///< nq, nv, nv, nv numbers
+  std::span<const double> q, v, p, pdot;  ///< nq, nv, nv, nv numbers; p and pdot are zeros where it is driven
 };
 
 struct Wrench {
@@ -43,6 +44,9 @@ struct JointForces {
   /// `reaction`: all that goes through the joint, drive, spring and damping included; `pure`: without what acts along the
   /// joint's freedoms (momentree::pure_reaction), what its bearings and locks carry.
   Wrench reaction, pure;
+  /// What acts along each freedom (nv numbers, N m or N): momentree::joint_effort; for a driven joint the effort that its motion
+  /// takes.
+  Values effort;
 };
 
 struct Mechanism {
@@ -130,6 +134,9 @@ class World {
   /// where `joints` says nothing of them. The forest must be one: each joint carried once, no body outboard of itself.
   void restore(double time, const Forest& forest, std::span<const JointStart> joints);
 
+  /// The first instant after t at which a table bends, infinite where there is none: steps end there.
+  double next_bend(double t) const { return tree_.next_bend(t); }
+
   /// Freedoms that rest on stops.
   std::span<const Hold> holds() const { return holds_; }
 
@@ -143,6 +150,8 @@ class World {
   Body add(BodySpec spec);
   void remove(Body body);
   void make_room();
+  void drive(int joint, JointFunction function);
+  void set_time(double time);
   int held(int joint, int freedom) const;
   unsigned held(int joint) const;
   void forget_holds();

@@ -72,7 +72,6 @@ Carried carried(const Joint& joint, bool reversed, double* geometry) {
 
 void Tree::make_frame(int b) {
   Link& link = links_[at(b)];
-  link.locked = joint(b).locked;
   Carried mine = carried(joint(b), reversed(b), link.geometry);
   const Mat3 side = rotation_matrix(mine.own.rotation);
   const int c = first_child_[at(b)];
