@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <momentree/dynamics/moment.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -50,6 +51,22 @@ Force<double> wrench_of(const BodyForce& force, const KernelFrame& frame, const 
   return W;
 }
 
+// A moment that is asked for a body locates all of them, those that are loaded as they are already.
+void call_functions(const Tree& tree, double t, const double* q, Work<double>& work) noexcept {
+  const Moment moment(tree, t, q, work);
+  for (const Topology::Loaded& load : tree.body_functions()) {
+    if (!tree.alive(load.body)) continue;
+    const auto i = static_cast<std::size_t>(load.body);
+    const Wrench given = (*load.function)(moment);
+    const KernelFrame& frame = tree.frame(load.body);
+    const Kinematics<double>& body = work.bodies[i];
+    Force<double> W{transpose_times(body.R, given.force), transpose_times(body.R, given.torque)};
+    W.h += cross(transpose_times(frame.R, -frame.r), W.l);
+    work.power.work += dot(body.velocity, W);
+    work.loads[i] += W;
+  }
+}
+
 }  // namespace
 
 void add_body_forces(const Tree& tree, double t, const double* q, Work<double>& work) noexcept {
@@ -64,6 +81,7 @@ void add_body_forces(const Tree& tree, double t, const double* q, Work<double>& 
     const auto i = static_cast<std::size_t>(b);
     work.loads[i] += wrench_of(force, tree.frame(b), work.bodies[i], t, work.power);
   }
+  if (!tree.body_functions().empty()) call_functions(tree, t, q, work);
   for (const int b : loaded) gathered[b] = work.loads[static_cast<std::size_t>(b)];
   for (std::size_t k = loaded.size(); k-- > 0;) {
     const int b = loaded[k], outer = tree.parent(b);

@@ -146,3 +146,79 @@ TEST_CASE("what is wrong with a force names its field") {
         std::string::npos);
   CHECK(error_of([&] { model.add_force({.body = a, .point = {0, NAN, 0}}); }).find("point: must be finite") != std::string::npos);
 }
+
+TEST_CASE("a function of the world acts on a body as the same force told in numbers does") {
+  const auto model = [](bool told) {
+    Model m({.gravity = {0, 0, -9.81}});
+    const Body a = m.add({.name = "m/a",
+                          .mass = 1,
+                          .com = {0, 0, -0.5},
+                          .inertia = diagonal(0.1),
+                          .joint = Revolute{.axis = {0, 1, 0}},
+                          .q = 0.4,
+                          .child_at = Pose{{0.1, 0.2, 0.3}, from_rpy(0.3, 0.2, 0.1)}});
+    m.add({.name = "m/b",
+           .mass = 2,
+           .com = {0.1, 0, 0},
+           .inertia = diagonal(0.2),
+           .parent = a,
+           .at = {0, 0, -1},
+           .joint = Ball{},
+           .v = {1, 2, 3},
+           .child_at = Pose{{0.1, -0.2, 0.3}, from_rpy(-0.3, 0.2, 0.1)}});
+    if (told)
+      m.add_force({.body = {1}, .force = {Signal::sine(2, 1), 1.0, 0.5}, .torque = {0.0, 0.1, 0.0}, .drag = {.linear = 0.4}});
+    return m;
+  };
+  Simulation told(model(true)), asked(model(false));
+  asked.force("m/b", [](const Moment& m) {
+    const BodyMotion body = m.motion({1});
+    return Wrench{Vec3{Signal::sine(2, 1).value(m.time()), 1, 0.5} - 0.4 * body.linear, {0, 0.1, 0}};
+  });
+  const auto same = [&] {
+    for (std::size_t b = 0; b < 2; ++b) {
+      CHECK(norm(told.world().motions()[b].pose.position - asked.world().motions()[b].pose.position) < 1e-11);
+      CHECK(norm(told.world().motions()[b].angular - asked.world().motions()[b].angular) < 1e-10);
+    }
+    const EnergyBalance one = told.energy(), other = asked.energy();
+    CHECK(one.work - one.dissipated == doctest::Approx(other.work - other.dissipated).epsilon(1e-9));
+    CHECK(std::fabs(other.error) < 1e-6);
+  };
+  for (Simulation* s : {&told, &asked}) {
+    s->at(0.5).then(break_joint("m/b"));
+    REQUIRE(s->run_until(0.3) == Status::ok);
+  }
+  same();
+  Simulation branch = asked.branch();
+  REQUIRE(told.run_until(1) == Status::ok);
+  REQUIRE(asked.run_until(1) == Status::ok);
+  REQUIRE(branch.run_until(1) == Status::ok);
+  same();
+  CHECK(branch.world().motions()[1].pose.position == asked.world().motions()[1].pose.position);
+  asked.force("m/b", {});
+  CHECK(asked.world().tree().loaded_bodies().empty());
+  asked.remove({1});
+  CHECK(error_of([&] { asked.force("m/b", [](const Moment&) { return Wrench{}; }); }).find("is not in this world any more") !=
+        std::string::npos);
+  CHECK(error_of([&] { asked.force("m/c", {}); }).find("there is no body 'm/c'") != std::string::npos);
+}
+
+TEST_CASE("bodies that prescribed motions carry: the drive's effort holds the force on what it moves") {
+  Model model({.gravity = {}});
+  const Body a =
+      model.add({.name = "m/a",
+                 .mass = 2,
+                 .inertia = diagonal(1),
+                 .joint = Prismatic{.axis = {1, 0, 0}, .drive = motion_drive(Signal::table({{0, 0}, {1, 3}, {2, 3}}))}});
+  model.add({.name = "m/b", .mass = 1, .inertia = diagonal(1), .parent = a, .joint = Prismatic{.axis = {1, 0, 0}}});
+  model.add_force({.body = {1}, .force = {5.0, 0.0, 0.0}, .drag = {.linear = 0.3}});
+  model.add_force({.body = a, .force = {-4.0, 0.0, 0.0}});
+  Simulation sim(model);
+  REQUIRE(sim.run_until(0.4) == Status::ok);
+  const JointForces forces = sim.world().joint_forces(a);
+  const double b = 5 - 0.3 * sim.world().motions()[1].linear.x;  // on the free slider, which passes nothing on
+  CHECK(sim.world().accelerations()[1].linear.x == doctest::Approx(b));
+  CHECK(forces.effort[0] == doctest::Approx(2 * forces.a[0] + 4));
+  CHECK(std::fabs(sim.energy().error) < 1e-7);
+  CHECK(sim.energy().dissipated > 0.1);
+}

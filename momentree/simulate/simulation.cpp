@@ -140,6 +140,13 @@ void Simulation::drive(std::string_view joint, std::function<double(const Moment
 }
 void Simulation::drive_all(std::string_view joint, JointFunction efforts) { impl_->drive(joint, std::move(efforts)); }
 
+void Simulation::force(std::string_view body, BodyFunction wrench) {
+  const Body b = impl_->world.model().body(body);  // or throws
+  if (!impl_->world.alive(b)) fail({"the body '" + std::string(body) + "' is not in this world any more", "", ""});
+  impl_->world.load(b.index, std::move(wrench));
+  impl_->evaluate_state();
+}
+
 void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
   impl_->world.restore(time, forest, joints);
   impl_->method = impl_->new_method();

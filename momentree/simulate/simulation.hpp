@@ -129,6 +129,12 @@ class Simulation {
   /// The same for any number of freedoms: it fills in a list, in the order of v, that comes with zeros.
   void drive_all(std::string_view joint, JointFunction efforts);
 
+  /// A function of the world acts on a body from now on, on top of the model's forces: a wrench about the origin of the body's
+  /// frame, in world axes; called at every stage of every step, as that of a drive. What it gives counts as work. It belongs to
+  /// the body, whatever that is joined to; snapshots and branches keep it. An empty function takes it away; another replaces it.
+  /// Throws Error for a name that is none and for a body that left the world.
+  void force(std::string_view body, BodyFunction wrench);
+
   /// Starts from a state document instead (World::restore); books and events begin anew.
   void restore(double time, const Forest& forest, std::span<const JointStart> joints);
 

@@ -1,6 +1,7 @@
 #pragma once
 // What acts on a body from outside, beside gravity.
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,15 @@ struct BodyForce {
   Drag drag{};
   friend bool operator==(const BodyForce&, const BodyForce&) = default;
 };
+
+struct Wrench {
+  Vec3 force, torque;  ///< N, N m
+};
+
+class Moment;
+/// What acts on a body, as a function of the world: about the origin of the body's frame, in world axes. Called at every stage of
+/// a step; must not throw, and what it returns may depend on the moment alone.
+using BodyFunction = std::function<Wrench(const Moment&)>;
 
 /// What is wrong with a force by itself: empty if nothing. `field` names the scenario key at fault.
 struct ForceProblem {

@@ -25,7 +25,6 @@ void Tree::resize(int bodies) {
   angle_q_.resize(2 * n), angle_offset_.resize(2 * n), armature_.resize(6 * n), damping_.resize(6 * n), effort_.resize(6 * n);
   for (auto* list : {&order_, &spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_})
     reserve(*list, n);
-  if (forces_) reserve(loaded_, n), loaded_mark_.resize(n);
   reserve(segments_, n);
   reserve(parameters_, shared_parameters_ + n), reserve(per_freedom_, shared_parameters_ + n);
   static const std::size_t largest = [] {
@@ -75,6 +74,7 @@ Topology Tree::topology() const {
     if (own_parameters_[at(j)] >= 0)
       t.own[at(own_parameters_[at(j)]) - shared_parameters_] = {j, parameters_[at(own_parameters_[at(j)])]};
   t.functions = functions_;
+  t.loads = body_functions_;
   t.added.assign(masses_.begin() + static_cast<std::ptrdiff_t>(declared_->size()), masses_.end());
   return t;
 }
@@ -96,6 +96,7 @@ void Tree::restore(const Topology& topology) {
   for (int& own : own_parameters_) own = -1;
   for (const Topology::Own& own : topology.own) give_parameters(own.joint, own.parameters);
   functions_ = topology.functions;
+  body_functions_ = topology.loads;
   ++revision_;
   link_all();
 }

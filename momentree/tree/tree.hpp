@@ -22,7 +22,6 @@ struct KernelFrame {
   Vec3 r{};
 };
 
-class Moment;
 /// A drive that is a function of the world: called at every stage of a step with one entry per freedom, zeros, to be made efforts
 /// (N m, N). Must not throw; what it returns may depend on the moment alone.
 using JointFunction = std::function<void(const Moment&, std::span<double>)>;
@@ -71,11 +70,17 @@ struct Topology {
     int joint = -1;
     JointParameters parameters{};
   };
+  /// A function that acts on a body.
+  struct Loaded {
+    int body = -1;
+    std::shared_ptr<const BodyFunction> function;
+  };
   std::vector<Place> places;                                    ///< by body
   std::vector<Changed> changed;                                 ///< in the order of numbers
   std::vector<Own> own;                                         ///< in the order in which they were given
   std::vector<MassProperties> added;                            ///< of the bodies that the model did not have
   std::vector<std::shared_ptr<const JointFunction>> functions;  ///< drives that joints have numbers of
+  std::vector<Loaded> loads;                                    ///< one for a body
 };
 
 /// The free joint of what broke off, at the identity: coordinates are the pose of the body's own frame.
@@ -183,7 +188,9 @@ class Tree {
   std::span<const BodyForce> body_forces() const {
     return forces_ ? std::span<const BodyForce>(*forces_) : std::span<const BodyForce>();
   }
-  /// Bodies on which such a force acts, and all that carry them, inboard before outboard.
+  /// Functions that act on bodies, one for a body; the same goes for them.
+  std::span<const Topology::Loaded> body_functions() const { return body_functions_; }
+  /// Bodies on which such a force or function acts, and all that carry them, inboard before outboard.
   std::span<const int> loaded_bodies() const { return loaded_; }
   /// Bodies whose joint has friction, soft stops or a drive that is no constant effort.
   std::span<const int> forced_joints() const { return forced_joints_; }
@@ -231,6 +238,8 @@ class Tree {
   /// A function that drives b's joint from now on, or null: none. Goes with the joint, until that is replaced by another;
   /// allocates.
   void set_function(int b, std::shared_ptr<const JointFunction> function);
+  /// A function that acts on body b from now on, or null: none; whatever b is joined to, until it leaves. Allocates.
+  void set_body_function(int b, std::shared_ptr<const BodyFunction> function);
   /// Root b and all bodies outboard of it leave; their numbers are not used again.
   void remove(int b);
   /// A body, complete as Model::operator[] has it, joins with a new number for itself and its joint, which it returns. The
@@ -314,6 +323,7 @@ class Tree {
   std::vector<double> angle_offset_, armature_, damping_, effort_;
   bool has_forces_ = false;
   std::shared_ptr<const std::vector<BodyForce>> forces_;  // null: none
+  std::vector<Topology::Loaded> body_functions_;
   Reserved<int> loaded_;
   std::vector<unsigned char> loaded_mark_;  // scratch, by body
 };
