@@ -9,7 +9,7 @@
 
 namespace momentree {
 
-/// Power at an instant (W): what dampers take, what efforts give.
+/// Power at an instant (W): what dampers take, and soft stops (with what they store), what efforts give.
 struct Power {
   double dissipated = 0, work = 0;
 };

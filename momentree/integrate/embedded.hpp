@@ -41,7 +41,7 @@ class Embedded : public Integrator {
     begin(evaluate, state);
     stages(evaluate, state.time(), h);
     if (!plausible(evaluate.tree(), q0_.get(), q_.get(), p_.get())) return false;
-    accept(state, books, h);
+    accept(evaluate.tree(), state, books, h);
     evaluate(state);
     keep(Tableau::stages - 1, evaluate.work());
     return true;
@@ -61,10 +61,10 @@ class Embedded : public Integrator {
       double error = HUGE_VAL;
       const bool fine = plausible(evaluate.tree(), q0_.get(), q_.get(), p_.get());
       if (fine) {
-        accept(state, books, h);
+        accept(evaluate.tree(), state, books, h);
         evaluate(state);
         keep(Tableau::stages - 1, evaluate.work());
-        error = estimate(evaluate, h);
+        error = estimate(evaluate, books.work, h);
       }
       const double wanted = safety * std::pow(error, -1.0 / (Tableau::lower + 1));  // NaN where the error is
       const double factor = wanted >= longest_cut ? std::min(wanted, longest_growth) : longest_cut;
@@ -155,7 +155,8 @@ class Embedded : public Integrator {
     end_step(evaluate.tree(), t + h, q_.get(), p_.get());
   }
 
-  void accept(State& state, Books& books, double h) noexcept {
+  void accept(const Tree& tree, State& state, Books& books, double h) noexcept {
+    take_stored(tree, q0_.get(), q_.get(), books);
     const State::Edit edit = state.edit();
     std::copy_n(q_.get(), nq_, edit.q.begin());
     std::copy_n(p_.get(), nv_, edit.p.begin());
@@ -168,7 +169,9 @@ class Embedded : public Integrator {
   }
 
   // Largest error of a coordinate or velocity in parts of what is allowed; the work is of the new state.
-  double estimate(Evaluator& evaluate, double h) noexcept {
+  // Where motions are prescribed, also of the work done: what only follows says nothing of the steps that its drive's power
+  // takes.
+  double estimate(Evaluator& evaluate, double work, double h) noexcept {
     const double* u1 = evaluate.work().v.get();
     double found[2] = {};
     for (int e = 0; e < Tableau::estimates; ++e) {
@@ -181,6 +184,14 @@ class Embedded : public Integrator {
         double off = 0;
         for (int j = 0; j < Tableau::stages; ++j) off += weights[j] * kq(j)[i];
         measure(h * off, q0_[static_cast<std::size_t>(i)], q_[static_cast<std::size_t>(i)]);
+      }
+      if (!evaluate.tree().driven_joints().empty()) {
+        double off = 0, most = 0;
+        for (int j = 0; j < Tableau::stages; ++j) {
+          off += weights[j] * power_[j].work;
+          most = std::max(most, std::fabs(power_[j].work));
+        }
+        measure(h * off, work, h * most);
       }
       double* dp = solver_.impulse.get();
       for (int i = 0; i < nv_; ++i) {

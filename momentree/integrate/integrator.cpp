@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/forces/soft_stop.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/method_list.hpp>
 #include <momentree/integrate/methods.hpp>
@@ -81,6 +82,10 @@ std::vector<std::string> integration_methods() {
       MOMENTREE_METHODS(MOMENTREE_METHOD)
 #undef MOMENTREE_METHOD
   };
+}
+
+void take_stored(const Tree& tree, const double* q0, const double* q1, Books& books) noexcept {
+  if (!tree.forced_joints().empty()) books.dissipated -= forces::stored(tree, q1) - forces::stored(tree, q0);
 }
 
 void end_step(const Tree& tree, double t, double* q, double* p) noexcept {

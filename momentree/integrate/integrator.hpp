@@ -39,6 +39,9 @@ struct Books {
   double dissipated = 0, work = 0;
 };
 
+/// What a step from coordinates q0 to q1 stored in soft stops was not dissipated.
+void take_stored(const Tree& tree, const double* q0, const double* q1, Books& books) noexcept;
+
 /// How long steps are. Methods of fixed step read `step` alone; for adaptive ones it is the first step.
 struct StepControl {
   double step = 1e-3;  ///< s

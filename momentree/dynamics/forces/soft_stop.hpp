@@ -1,6 +1,8 @@
 #pragma once
-// Stops that give way: max(0, k x + c ẋ) against what has passed one by x. The spring's part is in the potential; what else the
-// stop does is the damper's: also where it lets go of a spring that is still compressed, because it never pulls.
+// Stops that give way: max(0, k x + c ẋ) against what has passed one by x. The spring's energy is in the potential; what else the
+// stop takes is the damper's: also what it lets go of in a spring that is still compressed, because it never pulls. There the
+// power has a bend that no motion shows: so a step counts all that the stop takes, and at its end what is stored less (see
+// `stored`).
 #include <algorithm>
 
 #include <momentree/dynamics/forces/site.hpp>
@@ -17,11 +19,10 @@ inline void add_soft_stop(const Site& s) noexcept {
   for (int i = 0; i < s.nv; ++i) {
     const double x = s.on(i) ? passed(limits, i, s.q[i]) : 0;
     if (x == 0) continue;
-    const double spring = limits.stiffness.of(i) * x;
-    double force = spring + limits.damping.of(i) * s.u[i];
-    if (force * x < 0) force = 0;
+    const double force = limits.stiffness.of(i) * x + limits.damping.of(i) * s.u[i];
+    if (force * x < 0) continue;
     s.force[i] -= force;
-    s.power->dissipated += (force - spring) * s.u[i];
+    s.power->dissipated += force * s.u[i];
   }
 }
 
@@ -30,6 +31,16 @@ inline double soft_stop_energy(const JointParameters& parameters, int nv, const 
   for (int i = 0; i < nv; ++i) {
     const double x = passed(parameters.limits, i, q[i]);
     energy += 0.5 * parameters.limits.stiffness.of(i) * x * x;
+  }
+  return energy;
+}
+
+/// Energy in all soft stops at packed coordinates q (J).
+inline double stored(const Tree& tree, const double* q) noexcept {
+  double energy = 0;
+  for (const int b : tree.forced_joints()) {
+    const JointParameters* p = tree.parameters(b);
+    if (p != nullptr && p->limits.soft()) energy += soft_stop_energy(*p, info(tree.joint(b).kind).nv, q + tree.first_q(b));
   }
   return energy;
 }
