@@ -24,8 +24,10 @@ io::Scenario read(const std::string& text) {
 
 struct Run {
   Session session;
+  bool adaptive;
   std::vector<std::string> events;
-  Run(const io::Scenario& scenario, const std::string& state, double until) : session(scenario, state) {
+  Run(const io::Scenario& scenario, const std::string& state, double until)
+      : session(scenario, state), adaptive(is_adaptive(scenario.integration.method)) {
     session.schedule();
     session.simulation().observe(scenario.output_every, [](const World&) { return true; });
     REQUIRE(session.simulation().run_until(until) == Status::ok);
@@ -33,7 +35,8 @@ struct Run {
       events.push_back(event.name + " " + std::to_string(event.time) + " " + event.actions.front());
   }
   std::string state() const {
-    return io::state_json(session.simulation().world(), session.armed(), session.simulation().next_step());
+    return io::state_json(session.simulation().world(), session.armed(),
+                          adaptive ? session.simulation().step_memory() : StepMemory{});
   }
 };
 
@@ -78,6 +81,26 @@ mass = 1
 inertia = 0.05
 axis = [0, 1, 0]
 angle = 0.2
+[[mechanism]]
+name = "t"
+[[mechanism.body]]
+name = "trolley"
+mass = 2
+inertia = 0.1
+[mechanism.body.joint]
+kind = "prismatic"
+axis = [1, 0, 0]
+drive = { motion = { table = [[0, 0], [0.7, 0.4], [1.6, -0.3], [2.5, 0.2]] } }
+[[mechanism.body]]
+name = "swing"
+mass = 1
+com = [0, 0, -0.6]
+inertia = 0.05
+[mechanism.body.joint]
+kind = "ball"
+parent = "trolley"
+friction = { coulomb = 0.02, speed = 0.1 }
+strength = { force = 12.5 }
 [[force]]
 body = "c/3"
 force = [{ sine = { amplitude = 3, frequency = 0.8 } }, 0, 0]

@@ -40,7 +40,7 @@ Session::Session(const io::Scenario& scenario, const std::string& state)
   from_document_ = true;
   io::restore(simulation_, documents);
   for (const io::RestoredState& document : documents) {
-    next_step_ = document.next_step.value_or(next_step_);
+    if (document.memory.next_step > 0) memory_ = document.memory;
     for (const io::ArmedEvent& event : document.armed) take_armed(event, document.file);
   }
 }
@@ -102,7 +102,7 @@ void Session::resume() {
   std::vector<Agenda::Armed> armed = simulation_.snapshot().armed;
   for (std::size_t k = 0; k < scheduled_.events.size(); ++k)
     if (const Agenda::Armed* past = past_of(*scheduled_.events[k])) armed[k] = *past;
-  simulation_.resume(armed, next_step_);
+  simulation_.resume(armed, memory_);
 }
 
 io::Armed Session::armed() const {

@@ -41,7 +41,7 @@ class Session {
   const io::Scenario& scenario_;
   Simulation simulation_;
   io::Armed armed_at_start_;
-  double next_step_ = 0;
+  StepMemory memory_;
   io::Schedule scheduled_;
   std::unordered_map<std::string, std::size_t> by_name_;                // places in armed_at_start_
   std::vector<std::vector<const io::ScenarioEvent*>> matches_;          // by place

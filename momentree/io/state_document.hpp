@@ -23,9 +23,9 @@ struct ArmedEvent {
 /// In the order of the file.
 using Armed = std::vector<ArmedEvent>;
 
-/// The document of a world. Numbers read back to the same bits; quaternions have w >= 0. `next_step`: what an adaptive method
-/// would try next (s); 0: nothing is said of it.
-std::string state_json(const World& world, const Armed& armed, double next_step = 0);
+/// The document of a world. Numbers read back to the same bits; quaternions have w >= 0. `memory`: of an
+/// adaptive method; with a next step of 0 nothing is said of it.
+std::string state_json(const World& world, const Armed& armed, const StepMemory& memory = {});
 
 /// What a document says, checked against the model that it is for.
 struct RestoredState {
@@ -35,7 +35,7 @@ struct RestoredState {
   std::vector<JointStart> joints;  ///< the joints that it names
   std::vector<std::string> where;  ///< of each of them: `file:line:col`
   Armed armed;
-  std::optional<double> next_step;  ///< of an adaptive method (s)
+  StepMemory memory;  ///< of an adaptive method; with a next step of 0: unknown
 };
 
 /// Reads a document from its text. `mechanism`: take the joints of that mechanism alone, and neither time nor topology (empty:

@@ -38,11 +38,12 @@ class Reader {
       for (const auto& [name, node] : doc_.object(*bodies, "`bodies`").members) joints_.body_named(name, node);
     if (const JsonNode* armed = root.find("armed")) read_armed(*armed);
     if (const JsonNode* integration = root.find("integration")) {
-      doc_.require_known(doc_.object(*integration, "`integration`"), {"step"});
+      doc_.require_known(doc_.object(*integration, "`integration`"), {"step", "work"});
       if (const JsonNode* step = integration->find("step")) {
-        result_.next_step = doc_.number(*step, "`step`");
-        if (!(*result_.next_step > 0)) doc_.fail_at(*step, "`step` should be positive");
+        result_.memory.next_step = doc_.number(*step, "`step`");
+        if (!(result_.memory.next_step > 0)) doc_.fail_at(*step, "`step` should be positive");
       }
+      if (const JsonNode* work = integration->find("work")) result_.memory.work = doc_.number(*work, "`work`");
     }
     if (whole) read_forest(*mechanisms);
     return std::move(result_);

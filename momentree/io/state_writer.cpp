@@ -116,7 +116,7 @@ void write_armed(JsonWriter& json, const ArmedEvent& event) {
 
 }  // namespace
 
-std::string state_json(const World& world, const Armed& armed, double next_step) {
+std::string state_json(const World& world, const Armed& armed, const StepMemory& memory) {
   const Model& model = world.model();
   std::string text;
   text.reserve(1000 * model.bodies().size() + 500);
@@ -147,7 +147,10 @@ std::string state_json(const World& world, const Armed& armed, double next_step)
   json.key("armed").begin_object();
   for (const ArmedEvent& event : armed) write_armed(json, event);
   json.end_object();
-  if (next_step > 0) json.key("integration").begin_object().member("step", next_step).end_object();
+  if (memory.next_step > 0) {
+    json.key("integration").begin_object().member("step", memory.next_step);
+    json.member("work", memory.work).end_object();
+  }
 
   const Totals totals = world.totals();
   json.key("totals").begin_object();

@@ -153,9 +153,13 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
   impl_->begin();
 }
 
-double Simulation::next_step() const { return impl_->method->proposal(); }
-void Simulation::resume(std::span<const Agenda::Armed> armed, double next_step) {
-  if (impl_->method->adaptive() && next_step > 0) impl_->method->set_proposal(next_step);
+StepMemory Simulation::step_memory() const { return {impl_->method->proposal(), impl_->books.work}; }
+void Simulation::resume(std::span<const Agenda::Armed> armed, const StepMemory& memory) {
+  if (impl_->method->adaptive() && memory.next_step > 0) {
+    impl_->method->set_proposal(memory.next_step);
+    impl_->balance.work -= memory.work - impl_->books.work;  // it was done before this run
+    impl_->books.work = memory.work;
+  }
   std::vector<Agenda::Armed> all = impl_->agenda.armed();
   std::copy_n(armed.begin(), std::min(armed.size(), all.size()), all.begin());
   impl_->agenda.restore(all, impl_->world.time());

@@ -44,6 +44,13 @@ struct EnergyBalance {
   double initial = 0, final = 0, dissipated = 0, work = 0, lost_in_impacts = 0, released = 0, error = 0;
 };
 
+/// All that an adaptive method remembers from step to step.
+struct StepMemory {
+  double next_step = 0;  ///< the step to try next (s)
+  double work = 0;       ///< what forces have done so far, beside which errors of their work are judged (J)
+  friend bool operator==(const StepMemory&, const StepMemory&) = default;
+};
+
 /// A run at an instant.
 struct SimulationSnapshot {
   WorldSnapshot world;
@@ -163,11 +170,10 @@ class Simulation {
   /// A run of its own from here: world, schedule and books, without observers and history.
   Simulation branch() const;
 
-  /// What the method would try as the next step (s): all that an adaptive one remembers from step to step.
-  double next_step() const;
-  /// To go on as another run would have: for adaptive methods its next_step() (0: keep), and where its events stood, in the order
-  /// of scheduling (fewer are fine).
-  void resume(std::span<const Agenda::Armed> armed, double next_step = 0);
+  StepMemory step_memory() const;
+  /// To go on as another run would have: with what its adaptive method remembered (a next step of 0: keep), and where its events
+  /// stood, in the order of scheduling (fewer are fine).
+  void resume(std::span<const Agenda::Armed> armed, const StepMemory& memory = {});
 
   double time() const;
   const World& world() const;
