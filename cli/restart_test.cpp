@@ -35,8 +35,8 @@ struct Run {
       events.push_back(event.name + " " + std::to_string(event.time) + " " + event.actions.front());
   }
   std::string state() const {
-    return io::state_json(session.simulation().world(), session.armed(),
-                          adaptive ? session.simulation().step_memory() : StepMemory{});
+    const double next = adaptive ? session.simulation().step_memory().next_step : 0;
+    return io::state_json(session.simulation().world(), session.armed(), {next, 0});
   }
 };
 
@@ -47,12 +47,17 @@ void check_restarts(const io::Scenario& scenario, double until, const std::vecto
     CAPTURE(stop);
     const Run first(scenario, "", stop);
     const std::string file = folder / "state.json";
-    io::write_text_file(file, first.state());
+    io::write_text_file(file, io::state_json(first.session.simulation().world(), first.session.armed(),
+                                             first.adaptive ? first.session.simulation().step_memory() : StepMemory{}));
     const Run second(scenario, file, until);
     std::vector<std::string> events = first.events;
     events.insert(events.end(), second.events.begin(), second.events.end());
     CHECK(events == whole.events);
     CHECK(second.state() == whole.state());
+    // Sums of work may differ by a rounding: steps are looked at again for peaks of what breaks a joint by itself.
+    if (whole.adaptive)
+      CHECK(second.session.simulation().step_memory().work ==
+            doctest::Approx(whole.session.simulation().step_memory().work).epsilon(1e-12));
   }
 }
 
