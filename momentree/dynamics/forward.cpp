@@ -4,9 +4,9 @@
 
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/body_forces.hpp>
-#include <momentree/dynamics/forces/effort.hpp>
 #include <momentree/dynamics/forces/friction.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/forces/position_control.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
 #include <momentree/dynamics/moment.hpp>
 #include <momentree/joint/dispatch.hpp>

@@ -48,7 +48,7 @@ std::vector<Accelerations::Body> moving(const System& system, const std::vector<
 }  // namespace
 
 Accelerations accelerate(const System& system, const std::vector<double>& q, const std::vector<Real>& v, const MassMatrix& mass,
-                         const std::vector<char>& locked) {
+                         const std::vector<char>& locked, const std::vector<Real>& given) {
   // M v̇ = τ − what the motion without v̇ takes.
   std::vector<Real> force = joint_forces(system, q, v);
   const std::vector<Real> none(v.size(), 0);
@@ -61,8 +61,12 @@ Accelerations accelerate(const System& system, const std::vector<double>& q, con
   MassMatrix free = mass;
   for (int i = 0; i < mass.size() && !locked.empty(); ++i) {
     if (!locked[static_cast<std::size_t>(i)]) continue;
-    for (int j = 0; j < mass.size(); ++j) free(i, j) = free(j, i) = i == j ? 1 : 0;
-    force[static_cast<std::size_t>(i)] = 0;
+    const Real a = given.empty() ? 0 : given[static_cast<std::size_t>(i)];
+    for (int j = 0; j < mass.size(); ++j) {
+      if (!locked[static_cast<std::size_t>(j)]) force[static_cast<std::size_t>(j)] -= mass(i, j) * a;
+      free(i, j) = free(j, i) = i == j ? 1 : 0;
+    }
+    force[static_cast<std::size_t>(i)] = a;
   }
   Accelerations out;
   out.v = solve(free, force);

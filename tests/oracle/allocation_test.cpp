@@ -112,7 +112,7 @@ TEST_CASE("no change allocates, in a copy either") {
   State state = start_state(model, tree);
   Work<double> work(tree);
   oracle::Prng draw(5);
-  const JointParameters parameters{.damping = 0.1};
+  const JointParameters parameters{.damping = 0.1, .friction = {0.1, 0.1}, .drive = effort_drive({})};
   const long before = allocations;
   int changes = 0;
   for (int k = 0; k < 400; ++k) {
@@ -158,6 +158,31 @@ TEST_CASE("a simulation steps without allocating, by every method") {
     CHECK(status == Status::ok);
     CHECK(stepping == 0);
     CHECK(running == 0);
+  }
+}
+
+TEST_CASE("steps with drives, motions, functions and strengths allocate nothing") {
+  Model model = oracle::random_tree(4, {.min_bodies = 20, .max_bodies = 20, .drives = true}).model;
+  JointStrength strength{.force = 1e9, .torque = 1e9};
+  Revolute driven{.damping = 0.1, .drive = motion_drive(Signal::sine(0.2, 1)), .strength = strength};
+  const Body moved = model.add(
+      {.name = "a mechanism with a long name/moved", .mass = 1, .inertia = diagonal(0.1), .parent = {3}, .joint = driven});
+  const Body asked = model.add({.name = "a mechanism with a long name/asked",
+                                .mass = 1,
+                                .inertia = diagonal(0.1),
+                                .parent = moved,
+                                .joint = Revolute{.axis = x_axis}});
+  for (const char* method : {"rk4", "dopri5"}) {
+    CAPTURE(method);
+    Simulation sim(model, {.method = method, .step = 1e-4});
+    sim.drive("a mechanism with a long name/asked",
+              [=](const Moment& m) { return m.motion(moved).linear.x - m.v(asked)[0] + (m.q({0}).empty() ? 0.1 : 0.2); });
+    REQUIRE(sim.run_until(0.01) == Status::ok);
+    const long before = allocations;
+    const Status status = sim.run_until(0.05);
+    const long during = allocations - before;
+    CHECK(status == Status::ok);
+    CHECK(during == 0);
   }
 }
 

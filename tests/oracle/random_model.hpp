@@ -25,6 +25,7 @@ struct RandomTreeOptions {
   bool gravity = true;
   bool parameters = true;     ///< damping, springs, armature, efforts on some joints
   bool conservative = false;  ///< of these only springs with a potential, and rotors
+  bool drives = false;        ///< friction, soft stops, efforts that change with time and position control, too
   std::vector<Kind> kinds{};  ///< drawn from for the joints that are not roots; empty: all nine
 };
 
