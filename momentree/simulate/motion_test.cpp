@@ -222,6 +222,21 @@ TEST_CASE("impacts elsewhere leave a motion as it is: the drive's impulse is its
   CHECK(std::fabs(sim.energy().error) <= 1e-9 * scale(sim));
 }
 
+TEST_CASE("a rehearsal judges no motion by where joints stand before it") {
+  Simulation sim(floating(Signal::sine(0.6, 1)), exactly());
+  JointParameters moved, none;
+  none.effort = 0;
+  moved.drive = motion_drive(Signal(5));
+  sim.at(0.1).then(set_parameters("arm", none));
+  sim.at(0.2).then(set_parameters("arm", moved));
+  const std::vector<double> q(sim.world().state().q().begin(), sim.world().state().q().end());
+  CHECK(sim.rehearse().troubles.empty());
+  CHECK(q == std::vector<double>(sim.world().state().q().begin(), sim.world().state().q().end()));
+  CHECK(sim.run_until(1) == Status::refused);
+  CHECK(sim.message().find("its motion is at 5 now") != std::string::npos);
+  CHECK(sim.time() == 0.2);
+}
+
 TEST_CASE("snapshots, branches and state documents keep motions") {
   Simulation sim(floating(Signal::table({{0.05, 0}, {0.4, 0.5}, {0.8, -0.2}})), {.method = "rk4", .step = 2e-3});
   REQUIRE(sim.run_until(0.3) == Status::ok);

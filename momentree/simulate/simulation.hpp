@@ -102,7 +102,8 @@ class Simulation {
   Scheduled at(double time);
   /// The same when a condition comes true: `when(reaction_force("crane/hook").exceeds(4e3)).then(break_joint("crane/hook"))`.
   Scheduled when(Condition condition);
-  /// `delay` seconds after the event of that name, each time that it happens.
+  /// `delay` seconds after the event of that name, each time that it happens; "strength of <joint>" is one for a joint with a
+  /// strength.
   Scheduled after(std::string event, double delay = 0);
   /// At `from` and every `period` seconds from then on.
   Scheduled every(double period, double from = 0);

@@ -56,6 +56,33 @@ TEST_CASE("strengths break joints as explicit events do, bit for bit") {
   }
 }
 
+TEST_CASE("a strength goes with a joint that is turned over, and others can follow its break") {
+  Model model({.gravity = {}});
+  const Body hull = model.add({.name = "hull", .mass = 5, .inertia = diagonal(1), .joint = Free{}});
+  model.add({.name = "arm",
+             .mass = 1,
+             .com = {0.5, 0, 0},
+             .inertia = diagonal(0.1),
+             .parent = hull,
+             .at = {0.5, 0, 0},
+             .joint = Revolute{.effort = 1, .strength = {.force = 1.5}}});
+  double times[2];
+  for (const bool turned : {false, true}) {
+    Simulation sim(model, {.method = "dopri5", .rtol = 1e-11, .atol = 1e-12});
+    sim.after("strength of arm", 0.1).then(impulse("arm", {1, 0, 0})).named("push");
+    if (turned) sim.apply(reroot("arm"), "turn");
+    REQUIRE(sim.run_until(5) == Status::ok);
+    REQUIRE(sim.events().size() == (turned ? 3 : 2));
+    CHECK(sim.events()[turned].name == "strength of arm");
+    CHECK(sim.events()[turned + 1].name == "push");
+    times[turned] = sim.events()[turned].time;
+    CHECK(times[turned] > 0.1);
+    CHECK(sim.events()[turned + 1].time == times[turned] + 0.1);
+    CHECK(sim.world().mechanism_names().size() == 2);
+  }
+  CHECK(times[0] == doctest::Approx(times[1]).epsilon(1e-7));
+}
+
 TEST_CASE("a strength changes at run time, comes back with a snapshot, and is none of the numbered events") {
   Simulation sim(chain({{.force = 200}, {}}), {.step = 2e-3});
   sim.at(0.25).then(impulse("link1", {0, 0.1, 0}));

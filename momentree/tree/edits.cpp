@@ -130,8 +130,11 @@ void Tree::set_parameters(int b, const JointParameters& parameters) {
 
 void Tree::set_function(int b, std::shared_ptr<const JointFunction> function) {
   Joint joint = this->joint(b);
-  joint.function = -1;
-  if (function != nullptr) {
+  if (function == nullptr) {
+    joint.function = -1;
+  } else if (joint.function >= 0) {  // a topology that was kept has a list of its own
+    functions_[at(joint.function)] = std::move(function);
+  } else {
     joint.function = static_cast<int>(functions_.size());
     functions_.push_back(std::move(function));
   }
