@@ -2,6 +2,7 @@
 // From a scenario file to a simulation that is ready to run: what `run`, `check`, `evaluate` and `explain` have in common.
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <momentree/io/result_columns.hpp>
@@ -33,10 +34,18 @@ class Session {
 
  private:
   void read(const std::string& file, const std::string& mechanism, std::vector<io::RestoredState>& documents) const;
+  void take_armed(const io::ArmedEvent& event, const std::string& file);
+  const Agenda::Armed* past_of(const io::ScenarioEvent& event) const;
+  void resume();
 
   const io::Scenario& scenario_;
   Simulation simulation_;
   io::Armed armed_at_start_;
+  StepMemory memory_;
+  io::Schedule scheduled_;
+  std::unordered_map<std::string, std::size_t> by_name_;                // places in armed_at_start_
+  std::vector<std::vector<const io::ScenarioEvent*>> matches_;          // by place
+  std::unordered_map<const io::ScenarioEvent*, std::size_t> match_of_;  // which of the matches it is
   bool from_document_ = false;
 };
 

@@ -1,5 +1,6 @@
 #include <momentree/dynamics/acceleration.hpp>
 
+#include <momentree/dynamics/body_forces.hpp>
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/dispatch.hpp>
@@ -24,6 +25,7 @@ void accelerate(const Tree& tree, const State& state, Work<double>& work) noexce
   forward_dynamics(tree, state, work);
   if (work.accelerated == state.stamp()) return;
   joint_forces(tree, state.time(), state.q().data(), work, work.a.get());
+  clear_other_loads(tree, work);
   evaluate_accelerations<double>(tree, state.q().data(), work);
   work.accelerated = state.stamp();
 }

@@ -12,7 +12,7 @@ namespace momentree {
 void accelerate(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
 /// The same passes for any scalar, at coordinates q: after evaluate_motions there, and with the joint forces τ (s̈ where a motion
-/// is prescribed) in work.a.
+/// is prescribed) in work.a; where forces act on bodies, with T of every body in work.loads.
 template <class T>
 void evaluate_accelerations(const Tree& tree, const T* q, Work<T>& work) noexcept;
 

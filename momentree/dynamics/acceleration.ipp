@@ -25,6 +25,7 @@ struct RateSweep {
   template <class K, bool Aligned>
   void inboard(const Segment& segment) const {
     const auto order = tree.order();
+    const Force<T>* const loads = tree.loaded_bodies().empty() ? nullptr : work.loads.get();
     Force<T> W{};  // what the children ask, and soon the body itself
     if (segment.junction >= 0) W = work.inlets[static_cast<std::size_t>(segment.junction)].D;
     for (int i = segment.end - 1; i >= segment.begin; --i) {
@@ -37,6 +38,7 @@ struct RateSweep {
       T* udot = work.a.get() + at;  // τ on entry
       const Motion<T>& velocity = work.motions[body].velocity;
       W += turning_wrench(link.body, velocity);
+      if (loads != nullptr) W = W - loads[body];
       K::template reduce_wrench<T>(link, joint, record, udot, W, udot);  // (51)
       work.reactions[body] = W;
       const Motion<T> bias = K::template acceleration_bias<T>(link, joint, velocity, work.v.get() + at);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/body_forces.hpp>
 #include <momentree/dynamics/forces/friction.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/forces/position_control.hpp>
@@ -78,6 +79,8 @@ void add_forces_and_motions(const Tree& tree, double t, const double* q, Work<do
   for (const int b : tree.driven_joints())
     work.passive[static_cast<std::size_t>(b)] = work.a[static_cast<std::size_t>(tree.first_p(b))];
   for (int i = 0; i < tree.nv(); ++i) work.pdot[static_cast<std::size_t>(i)] += work.a[static_cast<std::size_t>(i)];
+  add_body_forces(tree, t, q, work);
+  clear_other_loads(tree, work);
   put_accelerations(tree, t, work.pdot.get());
   put_accelerations(tree, t, work.a.get());
   evaluate_accelerations<double>(tree, q, work);
@@ -91,6 +94,7 @@ void evaluate_stage(const Tree& tree, double t, const double* q, const double* p
   if (tree.driven_joints().empty()) {
     evaluate_rates<double>(tree, q, p, work);
     add_joint_forces(tree, t, q, work);
+    add_body_forces(tree, t, q, work);
   } else {
     evaluate_motions<double>(tree, q, p, work);
     add_forces_and_motions(tree, t, q, work);
@@ -155,6 +159,7 @@ void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) 
   evaluate_motions<double>(tree, state.q().data(), state.p().data(), work);
   if (tree.driven_joints().empty()) {
     add_joint_forces(tree, state.time(), state.q().data(), work);
+    add_body_forces(tree, state.time(), state.q().data(), work);
   } else {
     add_forces_and_motions(tree, state.time(), state.q().data(), work);
     work.accelerated = state.stamp();

@@ -50,6 +50,7 @@ class Work {
         motions(std::make_unique_for_overwrite<BodySweep<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         accelerations(std::make_unique_for_overwrite<Motion<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         reactions(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        loads(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         path(std::make_unique_for_overwrite<int[]>(static_cast<std::size_t>(tree.bodies()))),
         bodies(std::make_unique_for_overwrite<Kinematics<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         capacity_(tree.bodies()) {}
@@ -81,6 +82,7 @@ class Work {
   std::unique_ptr<BodySweep<T>[]> motions;     ///< of the state of `evaluated`
   std::unique_ptr<Motion<T>[]> accelerations;  ///< Ω̇ of each body less gravity, as felt in the body; kernel frame
   std::unique_ptr<Force<T>[]> reactions;       ///< Tr: wrench of the inboard joint on the body, kernel frame
+  std::unique_ptr<Force<T>[]> loads;           ///< T: what acts on each of the tree's loaded bodies from outside, kernel frame
   std::unique_ptr<int[]> path;                 ///< scratch of changes that walk from a root to a body
   std::unique_ptr<Kinematics<T>[]> bodies;
 

@@ -58,7 +58,8 @@ class Embedded : public Integrator {
     const Books before = books;
     for (;;) {
       h = h < most ? (start + h) - start : h;  // what the clock advances
-      if (!(h > shortest * std::max(std::fabs(start), control_.step))) break;
+      // A step that is asked for is taken, be it the rounding between two instants; shorter ones of its own would lead nowhere.
+      if (rejected && !(h > shortest * std::max(std::fabs(start), control_.step))) break;
       stages(evaluate, state.time(), h);
       double error = HUGE_VAL;
       const bool fine = plausible(evaluate.tree(), q0_.get(), q_.get(), p_.get());

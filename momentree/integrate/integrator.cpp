@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include <momentree/dynamics/body_forces.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
 #include <momentree/dynamics/momentum.hpp>
@@ -37,6 +38,7 @@ void Evaluator::without_dampers(const Tree& other, double t, const double* q, co
   ++count;
   evaluate_rates<double>(other, q, p, *work_);
   add_joint_forces(other, t, q, *work_, false);
+  add_body_forces(other, t, q, *work_);
 }
 
 void Evaluator::operator()(const State& state) noexcept {

@@ -130,7 +130,8 @@ void Agenda::happened(std::size_t place, double time) {
 
 std::vector<Agenda::Armed> Agenda::armed() const {
   std::vector<Armed> all;
-  for (const Entry& e : entries) all.push_back({e.time, e.fired, e.done, e.since, e.resting});
+  for (const Entry& e : entries)
+    all.push_back({e.time, e.fired, e.done, e.since, e.resting, e.excess, e.excess_before, e.looked, e.looked_before});
   return all;
 }
 
@@ -143,6 +144,7 @@ void Agenda::restore(std::span<const Armed> armed, double now) {
     if (k < armed.size()) {
       const Armed& a = armed[k];
       e.time = a.time, e.fired = a.fired, e.done = a.done, e.since = a.since, e.resting = a.resting;
+      e.excess = a.excess, e.excess_before = a.excess_before, e.looked = a.looked, e.looked_before = a.looked_before;
     } else {
       e.fired = 0, e.since = -1, e.resting = false;
       if (!e.after.empty()) e.time = HUGE_VAL;

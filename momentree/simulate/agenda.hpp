@@ -59,6 +59,8 @@ class Agenda {
     bool done = false;
     double since = -1;
     bool resting = false;
+    double excess = 0, excess_before = 0, looked = -1, looked_before = -1;
+    friend bool operator==(const Armed&, const Armed&) = default;
   };
   std::vector<Armed> armed() const;
   /// Entries that the list does not have stay scheduled where they are not past at `now`.

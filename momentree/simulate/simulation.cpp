@@ -141,10 +141,29 @@ void Simulation::drive(std::string_view joint, std::function<double(const Moment
 }
 void Simulation::drive_all(std::string_view joint, JointFunction efforts) { impl_->drive(joint, std::move(efforts)); }
 
+void Simulation::force(std::string_view body, BodyFunction wrench) {
+  const Body b = impl_->world.model().body(body);  // or throws
+  if (!impl_->world.alive(b)) fail({"the body '" + std::string(body) + "' is not in this world any more", "", ""});
+  impl_->world.load(b.index, std::move(wrench));
+  impl_->evaluate_state();
+}
+
 void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
   impl_->world.restore(time, forest, joints);
   impl_->method = impl_->new_method();
   impl_->begin();
+}
+
+StepMemory Simulation::step_memory() const { return {impl_->method->proposal(), impl_->books.work}; }
+void Simulation::resume(std::span<const Agenda::Armed> armed, const StepMemory& memory) {
+  if (impl_->method->adaptive() && memory.next_step > 0) {
+    impl_->method->set_proposal(memory.next_step);
+    impl_->balance.work -= memory.work - impl_->books.work;  // it was done before this run
+    impl_->books.work = memory.work;
+  }
+  std::vector<Agenda::Armed> all = impl_->agenda.armed();
+  std::copy_n(armed.begin(), std::min(armed.size(), all.size()), all.begin());
+  impl_->agenda.restore(all, impl_->world.time());
 }
 
 double Simulation::time() const { return impl_->world.time(); }

@@ -44,6 +44,13 @@ struct EnergyBalance {
   double initial = 0, final = 0, dissipated = 0, work = 0, lost_in_impacts = 0, released = 0, error = 0;
 };
 
+/// All that an adaptive method remembers from step to step.
+struct StepMemory {
+  double next_step = 0;  ///< the step to try next (s)
+  double work = 0;       ///< what forces have done so far, beside which errors of their work are judged (J)
+  friend bool operator==(const StepMemory&, const StepMemory&) = default;
+};
+
 /// A run at an instant.
 struct SimulationSnapshot {
   WorldSnapshot world;
@@ -130,6 +137,12 @@ class Simulation {
   /// The same for any number of freedoms: it fills in a list, in the order of v, that comes with zeros.
   void drive_all(std::string_view joint, JointFunction efforts);
 
+  /// A function of the world acts on a body from now on, on top of the model's forces: a wrench about the origin of the body's
+  /// frame, in world axes; called at every stage of every step, as that of a drive. What it gives counts as work. It belongs to
+  /// the body, whatever that is joined to; snapshots and branches keep it. An empty function takes it away; another replaces it.
+  /// Throws Error for a name that is none and for a body that left the world.
+  void force(std::string_view body, BodyFunction wrench);
+
   /// Starts from a state document instead (World::restore); books and events begin anew.
   void restore(double time, const Forest& forest, std::span<const JointStart> joints);
 
@@ -157,6 +170,11 @@ class Simulation {
   void undo(std::size_t number, bool again = false);
   /// A run of its own from here: world, schedule and books, without observers and history.
   Simulation branch() const;
+
+  StepMemory step_memory() const;
+  /// To go on as another run would have: with what its adaptive method remembered (a next step of 0: keep), and where its events
+  /// stood, in the order of scheduling (fewer are fine).
+  void resume(std::span<const Agenda::Armed> armed, const StepMemory& memory = {});
 
   double time() const;
   const World& world() const;

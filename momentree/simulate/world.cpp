@@ -23,6 +23,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   for (const int b : tree_.forced_joints())
     if (const JointFunction* f = tree_.function(b))
       functions.emplace_back(tree_.joint_of(b), std::make_shared<const JointFunction>(*f));
+  const std::vector<Topology::Loaded> loads(tree_.body_functions().begin(), tree_.body_functions().end());
   tree_ = Tree(model_);
   names_ = declared_;
   holds_ = forest.holds;
@@ -31,6 +32,8 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
     const int b = tree_.carrier(joint);
     if (b >= 0 && !tree_.joint(b).made && tree_.joint(b).kind == model_[{joint}].joint.kind) tree_.set_function(b, std::move(f));
   }
+  for (const Topology::Loaded& load : loads)
+    if (load.body < tree_.bodies()) tree_.set_body_function(load.body, load.function);
   State state(tree_);
   work_ = Work<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
@@ -212,6 +215,11 @@ void World::restore(const WorldSnapshot& snapshot) {
 void World::drive(int joint, JointFunction function) {
   const int b = carrier({joint});
   tree_.set_function(b, function ? std::make_shared<const JointFunction>(std::move(function)) : nullptr);
+  state_.replace(0, 0, {}, 0, 0, {}, tree_.revision());
+}
+
+void World::load(int body, BodyFunction function) {
+  tree_.set_body_function(body, function ? std::make_shared<const BodyFunction>(std::move(function)) : nullptr);
   state_.replace(0, 0, {}, 0, 0, {}, tree_.revision());
 }
 

@@ -35,10 +35,6 @@ struct JointView {
   std::span<const double> q, v, p, pdot;  ///< nq, nv, nv, nv numbers; p and pdot are zeros where it is driven
 };
 
-struct Wrench {
-  Vec3 force, torque;  ///< N, N m
-};
-
 /// What a joint does and carries at an instant.
 struct JointForces {
   std::span<const double> a;  ///< time derivative of v: nv numbers (m/s², rad/s²); points into the world as in JointView
@@ -158,6 +154,7 @@ class World {
   void remove(Body body);
   void make_room();
   void drive(int joint, JointFunction function);
+  void load(int body, BodyFunction function);
   void set_time(double time);
   int held(int joint, int freedom) const;
   unsigned held(int joint) const;

@@ -142,6 +142,13 @@ void Tree::set_function(int b, std::shared_ptr<const JointFunction> function) {
   ++revision_;
 }
 
+void Tree::set_body_function(int b, std::shared_ptr<const BodyFunction> function) {
+  std::erase_if(body_functions_, [b](const Topology::Loaded& load) { return load.body == b; });
+  if (function != nullptr) body_functions_.push_back({b, std::move(function)});
+  list_loaded_bodies();
+  ++revision_;
+}
+
 void Tree::remove(int b) {
   MT_REQUIRE(alive(b) && parent_[at(b)] < 0, "the body is a root");
   const int begin = place_[at(b)], end = end_of(b);

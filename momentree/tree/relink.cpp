@@ -201,6 +201,23 @@ void Tree::arrange() {
   }
   if (count > 0) end_segment(count);
   record_scalars_ = scalars;
+  list_loaded_bodies();
+}
+
+// Allocates the first time, and where bodies were added.
+void Tree::list_loaded_bodies() {
+  loaded_.clear();
+  if (!forces_ && body_functions_.empty()) return;
+  loaded_.reserve(at(bodies()));
+  loaded_mark_.assign(at(bodies()), 0);
+  const auto mark = [this](int body) {
+    if (!alive(body)) return;
+    for (int b = body; b >= 0 && loaded_mark_[at(b)] == 0; b = parent_[at(b)]) loaded_mark_[at(b)] = 1;
+  };
+  for (const BodyForce& force : body_forces()) mark(force.body.index);
+  for (const Topology::Loaded& load : body_functions_) mark(load.body);
+  for (const int b : order_)
+    if (loaded_mark_[at(b)] != 0) loaded_.push_back(b);
 }
 
 void Tree::end_segment(int place) {

@@ -45,6 +45,7 @@ void Tree::set_body(int b, const BodySpec& s) {
 }
 
 Tree::Tree(const Model& model) : gravity_(model.gravity()) {
+  if (!model.forces().empty()) forces_ = std::make_shared<const std::vector<BodyForce>>(model.forces());
   resize(model.size());
   for (int b = 0; b < model.size(); ++b) {
     set_body(b, model[{b}]);
@@ -73,6 +74,7 @@ Topology Tree::topology() const {
     if (own_parameters_[at(j)] >= 0)
       t.own[at(own_parameters_[at(j)]) - shared_parameters_] = {j, parameters_[at(own_parameters_[at(j)])]};
   t.functions = functions_;
+  t.loads = body_functions_;
   t.added.assign(masses_.begin() + static_cast<std::ptrdiff_t>(declared_->size()), masses_.end());
   return t;
 }
@@ -94,6 +96,7 @@ void Tree::restore(const Topology& topology) {
   for (int& own : own_parameters_) own = -1;
   for (const Topology::Own& own : topology.own) give_parameters(own.joint, own.parameters);
   functions_ = topology.functions;
+  body_functions_ = topology.loads;
   ++revision_;
   link_all();
 }
@@ -111,6 +114,10 @@ double Tree::next_bend(double t) const {
       for (const Curve& c : p->drive->motion) next = std::min(next, c.signal().next_bend(t));
     }
   }
+  for (const BodyForce& force : body_forces())
+    if (alive(force.body.index))
+      for (const auto* signals : {&force.force, &force.torque})
+        for (const Signal& s : *signals) next = std::min(next, s.next_bend(t));
   return next;
 }
 

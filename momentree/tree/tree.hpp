@@ -22,7 +22,6 @@ struct KernelFrame {
   Vec3 r{};
 };
 
-class Moment;
 /// A drive that is a function of the world: called at every stage of a step with one entry per freedom, zeros, to be made efforts
 /// (N m, N). Must not throw; what it returns may depend on the moment alone.
 using JointFunction = std::function<void(const Moment&, std::span<double>)>;
@@ -71,11 +70,17 @@ struct Topology {
     int joint = -1;
     JointParameters parameters{};
   };
+  /// A function that acts on a body.
+  struct Loaded {
+    int body = -1;
+    std::shared_ptr<const BodyFunction> function;
+  };
   std::vector<Place> places;                                    ///< by body
   std::vector<Changed> changed;                                 ///< in the order of numbers
   std::vector<Own> own;                                         ///< in the order in which they were given
   std::vector<MassProperties> added;                            ///< of the bodies that the model did not have
   std::vector<std::shared_ptr<const JointFunction>> functions;  ///< drives that joints have numbers of
+  std::vector<Loaded> loads;                                    ///< one for a body
 };
 
 /// The free joint of what broke off, at the identity: coordinates are the pose of the body's own frame.
@@ -179,6 +184,14 @@ class Tree {
   std::span<const int> quaternion_joints() const { return quaternion_joints_; }
   /// Bodies whose joint has a spring.
   std::span<const int> spring_joints() const { return spring_joints_; }
+  /// Forces on bodies, as the model has them; also those on bodies that were removed, which do nothing.
+  std::span<const BodyForce> body_forces() const {
+    return forces_ ? std::span<const BodyForce>(*forces_) : std::span<const BodyForce>();
+  }
+  /// Functions that act on bodies, one for a body; the same goes for them.
+  std::span<const Topology::Loaded> body_functions() const { return body_functions_; }
+  /// Bodies on which such a force or function acts, and all that carry them, inboard before outboard.
+  std::span<const int> loaded_bodies() const { return loaded_; }
   /// Bodies whose joint has friction, soft stops or a drive that is no constant effort.
   std::span<const int> forced_joints() const { return forced_joints_; }
   /// Bodies whose joint's motion is prescribed and not locked.
@@ -192,7 +205,8 @@ class Tree {
     const int i = joint(b).function;
     return i < 0 ? nullptr : functions_[at(i)].get();
   }
-  /// The first instant after t at which a table of a drive bends, infinite where there is none: steps must not pass it.
+  /// The first instant after t at which a table of a drive or of a force bends, infinite where there is none: steps must not pass
+  /// it.
   double next_bend(double t) const;
 
   /// Largest sizes that any topology of these bodies needs.
@@ -229,6 +243,8 @@ class Tree {
   /// A function that drives b's joint from now on, or null: none. Goes with the joint, until that is replaced by another;
   /// allocates.
   void set_function(int b, std::shared_ptr<const JointFunction> function);
+  /// A function that acts on body b from now on, or null: none; whatever b is joined to, until it leaves. Allocates.
+  void set_body_function(int b, std::shared_ptr<const BodyFunction> function);
   /// Root b and all bodies outboard of it leave; their numbers are not used again.
   void remove(int b);
   /// A body, complete as Model::operator[] has it, joins with a new number for itself and its joint, which it returns. The
@@ -260,6 +276,8 @@ class Tree {
   void weigh_path(int b);
   int end_of(int b) const;
   void move_block(int begin, int end, int to);
+
+  void list_loaded_bodies();
 
   // edits.cpp
   void unlink(int b);
@@ -309,6 +327,10 @@ class Tree {
   std::vector<unsigned char> special_;                           // by joint: a bit each for a spring, a quaternion, a force, …
   std::vector<double> angle_offset_, armature_, damping_, effort_;
   bool has_forces_ = false;
+  std::shared_ptr<const std::vector<BodyForce>> forces_;  // null: none
+  std::vector<Topology::Loaded> body_functions_;
+  Reserved<int> loaded_;
+  std::vector<unsigned char> loaded_mark_;  // scratch, by body
 };
 
 /// Compiles a model: `Tree tree = compile(model)`.

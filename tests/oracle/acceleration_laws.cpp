@@ -48,7 +48,8 @@ bool declared(const System& system, const Tree& tree, int b) {
 
 }  // namespace
 
-double equations_of_motion(const System& system, const Tree& tree, const State& state, Work<double>& work) {
+double equations_of_motion(const System& system, const Tree& tree, const State& state, Work<double>& work,
+                           const std::vector<Load>& loads) {
   locate_bodies(tree, state, work);
   accelerate(tree, state, work);
   const auto n = system.links.size();
@@ -82,6 +83,13 @@ double equations_of_motion(const System& system, const Tree& tree, const State& 
       s.torque_summands += length(real(by.angular)) * (j.xx + j.yy + j.zz);
     }
     s.torque_summands += length(arm) * s.force_summands;
+    if (!loads.empty()) {
+      const Load& load = loads[k];
+      s.force = s.force + load.force;
+      s.torque = s.torque + load.torque - cross(arm, load.force);
+      s.force_summands += length(load.force);
+      s.torque_summands += length(load.torque) + length(arm) * length(load.force);
+    }
     frames.push_back(frame);
     coms.push_back(frame.position + arm);
   }
