@@ -126,6 +126,18 @@ name = "later"
 after = { event = "again", delay = 0.33 }
 impulse = { body = "p/bob", torque = [0, 0.05, 0] }
 [[event]]
+name = "once"
+at = 0.3
+impulse = { body = "p/bob", torque = [0, 0.01, 0] }
+[[event]]
+name = "then"
+after = { event = "once", delay = 1.1 }
+impulse = { body = "p/bob", torque = [0, 0.02, 0] }
+[[event]]
+name = "and then"
+after = { event = "then", delay = 0.2 }
+impulse = { body = "p/bob", torque = [0, 0.02, 0] }
+[[event]]
 name = "clock"
 every = 0.25
 from = 0.25

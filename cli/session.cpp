@@ -1,8 +1,10 @@
 #include <cli/session.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <unordered_set>
 #include <utility>
 
 #include <cli/text.hpp>
@@ -62,7 +64,35 @@ void Session::take_armed(const io::ArmedEvent& event, const std::string& file) {
 // What a document says of an event, or of the match of a wildcard that it is; null: it says nothing.
 const Agenda::Armed* Session::past_of(const io::ScenarioEvent& event) const {
   const std::vector<Agenda::Armed>& each = armed_at_start_[by_name_.at(event.name)].each;
-  return each.empty() ? nullptr : &each[match_of_.at(&event)];
+  return each.empty() ? nullptr : &each[match_of_.at(&original(event))];
+}
+
+const io::ScenarioEvent& Session::original(const io::ScenarioEvent& event) const {
+  const auto found = original_.find(&event);
+  return found == original_.end() ? event : *found->second;
+}
+
+// What comes after an event that was over before the run began comes when it is due, or never.
+void Session::schedule_followers(std::vector<const io::ScenarioEvent*>& events) {
+  for (bool more = true; more;) {  // what is dropped may itself have followers
+    more = false;
+    std::unordered_set<std::string> names;
+    for (const io::ScenarioEvent* event : events) names.insert(event->name);
+    for (const io::ScenarioEvent*& event : events) {
+      if (event->after.empty() || names.contains(event->after) || !by_name_.contains(event->after)) continue;
+      const Agenda::Armed* const past = past_of(*event);
+      const io::ScenarioEvent* const declared = event;
+      more = true;
+      event = nullptr;
+      if (past == nullptr || !std::isfinite(past->time)) continue;
+      pending_.push_back(*declared);
+      pending_.back().after.clear();
+      pending_.back().time = past->time;
+      event = &pending_.back();
+      original_.emplace(event, declared);
+    }
+    std::erase(events, nullptr);
+  }
 }
 
 void Session::read(const std::string& file, const std::string& mechanism, std::vector<io::RestoredState>& documents) const {
@@ -85,6 +115,7 @@ void Session::schedule() {
     }
     events.push_back(&event);
   }
+  if (from_document_) schedule_followers(events);
   scheduled_ = io::schedule(simulation_, std::move(events));
   std::vector<io::EventProblem> problems = scheduled_.problems;
   if (problems.empty() && from_document_) {  // else the reader has tried them
@@ -111,7 +142,7 @@ io::Armed Session::armed() const {
     if (const auto place = by_name_.find(event.name); place != by_name_.end()) ++armed[place->second].fired;
   const std::vector<Agenda::Armed> now = simulation_.snapshot().armed;
   std::unordered_map<const io::ScenarioEvent*, const Agenda::Armed*> scheduled;
-  for (std::size_t k = 0; k < scheduled_.events.size(); ++k) scheduled.emplace(scheduled_.events[k], &now[k]);
+  for (std::size_t k = 0; k < scheduled_.events.size(); ++k) scheduled.emplace(&original(*scheduled_.events[k]), &now[k]);
   for (std::size_t place = 0; place < armed.size(); ++place) {
     const auto& matches = matches_[place];
     const io::ScenarioEvent& first = *matches.front();
@@ -120,9 +151,11 @@ io::Armed Session::armed() const {
     for (const io::ScenarioEvent* event : matches) {
       const auto at = scheduled.find(event);
       const Agenda::Armed* const past = past_of(*event);
-      if (at != scheduled.end())
+      if (at != scheduled.end()) {
         each.push_back(*at->second);
-      else if (past != nullptr)
+        if (!event->after.empty() && each.back().done)  // only because what it comes after is over
+          each.back().done = false, each.back().time = HUGE_VAL;
+      } else if (past != nullptr)
         each.push_back(*past);
     }
     if (each.size() == matches.size()) armed[place].each = std::move(each);

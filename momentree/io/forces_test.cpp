@@ -174,3 +174,20 @@ TEST_CASE("each joint of a chain breaks at its own load") {
   CHECK(simulation.events()[0].name == "overload");
   CHECK(simulation.events()[0].actions == std::vector<std::string>{"break m/1"});
 }
+
+TEST_CASE("something may come after a joint's own strength") {
+  const std::string text =
+      "format = 1\n[world]\ngravity = [10, 0, 0]\n[[mechanism]]\nname = \"m\"\n[mechanism.chain]\nlinks = 2\nlength = 1\nmass = "
+      "1\n"
+      "inertia = 0.1\nstrength = { force = 15 }\n[[event]]\nname = \"then\"\n";
+  const Scenario s =
+      read(text + "after = { event = \"strength of m/1\", delay = 0.05 }\nimpulse = { body = \"m/2\", force = [1, 0, 0] }\n");
+  Simulation simulation(s.model, s.integration);
+  CHECK(schedule(simulation, {&s.events[0]}).problems.empty());
+  REQUIRE(simulation.run_until(0.1) == Status::ok);
+  REQUIRE(simulation.events().size() == 2);
+  CHECK(simulation.events()[0].name == "strength of m/1");
+  CHECK(simulation.events()[1].time == 0.05);
+  CHECK(said(read_scenario_text(text + "after = \"strength of m/3\"\nbreak = \"m/2\"\n", "s.toml")) ==
+        "s.toml:14:9: error: after: there is no event 'strength of m/3' that could come before; did you mean 'strength of m/1'?");
+}

@@ -34,7 +34,11 @@ Simulation::Scheduled Simulation::after(std::string event, double delay) {
   std::vector<std::string> names;
   for (const Agenda::Entry& e : impl_->agenda.entries) names.push_back(e.event.name);
   for (const Strength& s : strengths(impl_->world)) names.push_back(event_name(impl_->world, s));
-  if (std::find(names.begin(), names.end(), event) == names.end())
+  // A joint whose strength an event will give, or one that broke before this run began.
+  const std::string_view prefix = "strength of ";
+  const bool of_joint =
+      event.starts_with(prefix) && impl_->world.model().has_joint(std::string_view(event).substr(prefix.size()));
+  if (!of_joint && std::find(names.begin(), names.end(), event) == names.end())
     fail({"there is no event '" + event + "' to come after", "", did_you_mean(event, names)});
   if (!(delay >= 0) || !std::isfinite(delay)) fail({"the delay after an event can't be " + detail::text(delay) + " s", "", ""});
   Agenda::Entry entry;
