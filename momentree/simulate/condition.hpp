@@ -90,12 +90,14 @@ class Condition {
   mutable std::optional<double> last_;
 };
 
-/// A quantity before it has a threshold: `reaction_force("crane/hook").exceeds(4e3)`.
+/// A quantity before it has a threshold: `reaction_force("crane/hook").exceeds(4e3)`, or `reaction("crane/hook").force() > 4e3`.
 class Measure {
  public:
   explicit Measure(std::shared_ptr<const Quantity> what) : what_(std::move(what)) {}
   Condition exceeds(double threshold) const { return {what_, threshold, true}; }
   Condition below(double threshold) const { return {what_, threshold, false}; }
+  friend Condition operator>(const Measure& measure, double threshold) { return measure.exceeds(threshold); }
+  friend Condition operator<(const Measure& measure, double threshold) { return measure.below(threshold); }
 
  private:
   std::shared_ptr<const Quantity> what_;
@@ -106,6 +108,18 @@ Measure reaction_force(std::string joint);
 Measure reaction_torque(std::string joint);
 /// One component of them, in the child's axes: "fx", "fy", "fz", "mx", "my" or "mz".
 Measure reaction(std::string joint, std::string component);
+/// The same by the joint: `reaction("arm/wrist").torque() > 40`, `reaction("arm/wrist").component("mx") < -3`.
+class Reaction {
+ public:
+  explicit Reaction(std::string joint) : joint_(std::move(joint)) {}
+  Measure force() const { return reaction_force(joint_); }
+  Measure torque() const { return reaction_torque(joint_); }
+  Measure component(std::string name) const { return reaction(joint_, std::move(name)); }
+
+ private:
+  std::string joint_;
+};
+inline Reaction reaction(std::string joint) { return Reaction(std::move(joint)); }
 /// Norm of the linear impulse (N s) through a joint at an instantaneous change.
 Measure reaction_impulse(std::string joint);
 /// Coordinate and speed of a joint with one freedom.

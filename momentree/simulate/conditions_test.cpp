@@ -67,6 +67,27 @@ TEST_CASE("a pendulum breaks where the force in its pin reaches a threshold") {
   }
 }
 
+TEST_CASE("conditions can be written as comparisons") {
+  const auto broken_at = [](const Condition& condition) {
+    Model model;
+    model.add({.name = "rod",
+               .mass = 2,
+               .com = {0, 0, -1},
+               .inertia = diagonal(0.2, 0.2, 0.01),
+               .joint = Revolute{.axis = {0, 1, 0}},
+               .q = 1.5});
+    Simulation sim(model, {.step = 1e-3});
+    sim.when(condition).then(break_joint("rod"));
+    sim.run_until(1);
+    REQUIRE(sim.events().size() == 1);
+    return sim.events()[0].time;
+  };
+  CHECK(broken_at(reaction("rod").force() > 30) == broken_at(reaction_force("rod").exceeds(30)));
+  CHECK(broken_at(reaction("rod").component("fz") > 30) == broken_at(reaction("rod", "fz").exceeds(30)));
+  CHECK(broken_at(reaction("rod").torque() < 1) == broken_at(reaction_torque("rod").below(1)));
+  CHECK(broken_at(position_of("rod") < 1) == broken_at(position_of("rod").below(1)));
+}
+
 TEST_CASE("already past at the start: at once; the largest load first; a cascade at one instant") {
   Simulation sim(hanging(5), {.step = 1e-3});
   // The pins carry 5, 4, 3, 2, 1 rods. All but the last are overloaded; the third the most, then, with what is left, the first.
