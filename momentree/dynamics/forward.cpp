@@ -26,13 +26,13 @@ void add_springs(const Tree& tree, const double* q, double* force) noexcept {
 }
 
 // All but springs, dampers and constant efforts.
-void add_elements(const Moment& moment, const forces::Site& site, const JointFunction* function) noexcept {
+void add_elements(const Moment& moment, const forces::Site& site, const JointFunction* function, bool resisting = true) noexcept {
   const JointParameters& p = site.parameters;
-  if (p.friction.any()) forces::add_friction(site);
-  if (p.limits.soft()) forces::add_soft_stop(site);
+  if (resisting && p.friction.any()) forces::add_friction(site);
+  if (resisting && p.limits.soft()) forces::add_soft_stop(site);
   if (p.drive != nullptr) {
     if (!p.drive->effort.empty()) forces::add_efforts(site, *p.drive);
-    if (p.drive->pd.any()) forces::add_position_control(site, p.drive->pd);
+    if (resisting && p.drive->pd.any()) forces::add_position_control(site, p.drive->pd);
   }
   if (function == nullptr) return;
   double effort[6] = {};
@@ -41,26 +41,19 @@ void add_elements(const Moment& moment, const forces::Site& site, const JointFun
     if (site.on(i)) forces::add_effort(site, i, effort[i]);
 }
 
-forces::Site site_of(const Tree& tree, double t, const double* q, const double* v, int b, double* force, Power& power) noexcept {
-  static const JointParameters none;
-  const JointParameters* p = tree.parameters(b);
-  return {p != nullptr ? *p : none, info(tree.joint(b).kind).nv, ~tree.joint(b).locked,   t,
-          q + tree.first_q(b),      v + tree.first_p(b),         force + tree.first_p(b), &power};
-}
-
-// `dampers` false: without what joint_damping stands for.
-Power add_forces(const Tree& tree, double t, const double* q, Work<double>& work, double* force, bool dampers = true) noexcept {
+// `resisting` false: without what resistance.hpp has; driven freedoms keep all of it.
+Power add_forces(const Tree& tree, double t, const double* q, Work<double>& work, double* force, bool resisting = true) noexcept {
   Power power;
   if (tree.has_forces()) {
     const double *damping = tree.damping(), *effort = tree.effort(), *v = work.v.get();
     double dissipated = 0, given = 0;
     for (int i = 0; i < tree.nv(); ++i) {
-      const double friction = dampers ? damping[i] * v[i] : 0.0;
+      const double friction = resisting ? damping[i] * v[i] : 0.0;
       force[i] += effort[i] - friction;
       dissipated += friction * v[i];
       given += effort[i] * v[i];
     }
-    if (!dampers)  // those of driven freedoms are never left out
+    if (!resisting)
       for (const int b : tree.driven_joints()) dissipated += damping[tree.first_p(b)] * v[tree.first_p(b)] * v[tree.first_p(b)];
     power = {dissipated, given};
   }
@@ -68,7 +61,8 @@ Power add_forces(const Tree& tree, double t, const double* q, Work<double>& work
   if (tree.forced_joints().empty()) return power;
   const Moment moment(tree, t, q, work);
   for (const int b : tree.forced_joints())
-    add_elements(moment, site_of(tree, t, q, work.v.get(), b, force, power), tree.function(b));
+    add_elements(moment, forces::site_of(tree, t, q, work.v.get(), b, force, power), tree.function(b),
+                 resisting || tree.link(b).driven != 0);
   return power;
 }
 
@@ -101,15 +95,9 @@ void evaluate_stage(const Tree& tree, double t, const double* q, const double* p
   }
 }
 
-void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, bool dampers) noexcept {
-  work.power = add_forces(tree, t, q, work, work.pdot.get(), dampers);
+void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, bool resisting) noexcept {
+  work.power = add_forces(tree, t, q, work, work.pdot.get(), resisting);
   put_accelerations(tree, t, work.pdot.get());
-}
-
-void joint_damping(const Tree& tree, [[maybe_unused]] const double* q, [[maybe_unused]] const double* u,
-                   double* damping) noexcept {
-  std::copy_n(tree.damping(), tree.nv(), damping);
-  clear_driven(tree, damping);
 }
 
 void joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, double* tau) noexcept {
@@ -124,7 +112,7 @@ void unlocked_forces(const Tree& tree, double t, const double* q, Work<double>& 
   const JointParameters* p = tree.parameters(b);
   if (p != nullptr && p->stiffness.any()) joint_spring(tree, q, b, force);
   Power power;
-  forces::Site site = site_of(tree, t, q, work.v.get(), b, work.impulse.get(), power);
+  forces::Site site = forces::site_of(tree, t, q, work.v.get(), b, work.impulse.get(), power);
   site.force = force, site.acts = ~0u;
   for (int i = 0; i < nv; ++i) force[i] += site.parameters.effort.of(i);
   add_elements(Moment(tree, t, q, work), site, tree.function(b));

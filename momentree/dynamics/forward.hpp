@@ -20,13 +20,9 @@ void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) 
 /// motions are prescribed take the second recursion too, for the power of their drives.
 void evaluate_stage(const Tree& tree, double t, const double* q, const double* p, Work<double>& work) noexcept;
 
-/// Joint forces of dampers (unless those of joint_damping are left out), springs, efforts and all other elements at time t, added
-/// to pdot, which has s̈ of what is driven instead; their power is work.power, but for that of prescribed motions.
-void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, bool dampers = true) noexcept;
-/// What resists motion, c = −∂τ/∂u per freedom (nv numbers, in the order of p) at coordinates q and velocities u: for methods
-/// that take it implicitly, and the rest of the joint forces, add_joint_forces without dampers, as it is. Dampers; not friction,
-/// soft stops and position control, whose resistance changes with the motion; nothing where a motion is prescribed.
-void joint_damping(const Tree& tree, const double* q, const double* u, double* damping) noexcept;
+/// Joint forces of dampers, springs, efforts and all other elements at time t, added to pdot, which has s̈ of what is driven
+/// instead; their power is work.power, but for that of prescribed motions. `resisting` false: without what resistance.hpp has.
+void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, bool resisting = true) noexcept;
 
 /// The same forces τ (nv numbers), for velocities work.v; zero where a freedom is locked, s̈ where it is driven.
 void joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, double* tau) noexcept;

@@ -33,7 +33,7 @@ void Evaluator::operator()(double t, const double* q, const double* p) noexcept 
   evaluate_stage(*tree_, t, q, p, *work_);
 }
 
-void Evaluator::without_dampers(const Tree& other, double t, const double* q, const double* p) noexcept {
+void Evaluator::without_resistance(const Tree& other, double t, const double* q, const double* p) noexcept {
   const Stopwatch watch(seconds);
   ++count;
   evaluate_rates<double>(other, q, p, *work_);

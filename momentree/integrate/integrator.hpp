@@ -21,9 +21,9 @@ class Evaluator {
   Work<double>& work() const { return *work_; }
   /// Rates at (q, p) and the time t into work().qdot, work().pdot, their power into work().power: a stage, of no state.
   void operator()(double t, const double* q, const double* p) noexcept;
-  /// The same without what joint_damping stands for, at the velocities that p has by the mass of `other`, which is tree() but for
-  /// the numbers of its rotors.
-  void without_dampers(const Tree& other, double t, const double* q, const double* p) noexcept;
+  /// The same without what resists motion (resistance.hpp), at the velocities that p has by the mass of `other`, which is tree()
+  /// but for the numbers of its rotors.
+  void without_resistance(const Tree& other, double t, const double* q, const double* p) noexcept;
   /// The same for a state; nothing to do if the work is of it already.
   void operator()(const State& state) noexcept;
   /// Velocities H⁻¹ p at q into other.v; rates there are meaningless. Counts as an evaluation.

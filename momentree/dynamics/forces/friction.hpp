@@ -6,14 +6,19 @@
 
 namespace momentree::forces {
 
+inline Resistance friction(const JointFriction& f, int freedom, double u) noexcept {
+  const double coulomb = f.coulomb.of(freedom);
+  if (coulomb == 0) return {};
+  const double speed = f.speed.of(freedom), part = std::tanh(u / speed);
+  return {-coulomb * part, coulomb / speed * (1 - part * part)};
+}
+
 inline void add_friction(const Site& s) noexcept {
-  const JointFriction& f = s.parameters.friction;
   for (int i = 0; i < s.nv; ++i) {
-    const double coulomb = f.coulomb.of(i);
-    if (coulomb == 0 || !s.on(i)) continue;
-    const double force = coulomb * std::tanh(s.u[i] / f.speed.of(i));
-    s.force[i] -= force;
-    s.power->dissipated += force * s.u[i];
+    if (!s.on(i)) continue;
+    const double force = friction(s.parameters.friction, i, s.u[i]).force;
+    s.force[i] += force;
+    s.power->dissipated -= force * s.u[i];
   }
 }
 

@@ -1,21 +1,28 @@
 #pragma once
 // Position control: proportional and derivative, bounded.
-#include <algorithm>
+#include <cmath>
 
 #include <momentree/dynamics/forces/effort.hpp>
 
 namespace momentree::forces {
 
+/// What it asks for, bounded or not, at the velocity u.
+inline double asked(const JointDrive::Pd& pd, int freedom, double t, double q, double u) noexcept {
+  const Signal *target = signal_of(pd.target, freedom), *speed = signal_of(pd.target_speed, freedom);
+  const double position = target != nullptr ? target->value(t) : 0;
+  const double rate = speed != nullptr ? speed->value(t) : target != nullptr ? target->rate(t) : 0;
+  return pd.kp.of(freedom) * (position - q) + pd.kd.of(freedom) * (rate - u);
+}
+
+inline Resistance position_control(const JointDrive::Pd& pd, int freedom, double t, double q, double u) noexcept {
+  const double effort = asked(pd, freedom, t, q, u), most = pd.max_effort.of(freedom, HUGE_VAL);
+  const bool bounded = std::fabs(effort) > most;
+  return {bounded ? std::copysign(most, effort) : effort, bounded ? 0 : pd.kd.of(freedom)};
+}
+
 inline void add_position_control(const Site& s, const JointDrive::Pd& pd) noexcept {
-  for (int i = 0; i < s.nv; ++i) {
-    if (!s.on(i)) continue;
-    const Signal *target = signal_of(pd.target, i), *speed = signal_of(pd.target_speed, i);
-    const double position = target != nullptr ? target->value(s.t) : 0;
-    const double rate = speed != nullptr ? speed->value(s.t) : target != nullptr ? target->rate(s.t) : 0;
-    double effort = pd.kp.of(i) * (position - s.q[i]) + pd.kd.of(i) * (rate - s.u[i]);
-    if (!pd.max_effort.empty()) effort = std::clamp(effort, -pd.max_effort.of(i), pd.max_effort.of(i));
-    add_effort(s, i, effort);
-  }
+  for (int i = 0; i < s.nv; ++i)
+    if (s.on(i)) add_effort(s, i, position_control(pd, i, s.t, s.q[i], s.u[i]).force);
 }
 
 }  // namespace momentree::forces

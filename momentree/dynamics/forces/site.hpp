@@ -16,6 +16,18 @@ struct Site {
   bool on(int freedom) const { return (acts >> freedom & 1u) != 0; }
 };
 
+/// A force that resists motion: what it is at a velocity (N m, N), and how fast it grows against that, −∂force/∂u.
+struct Resistance {
+  double force = 0, slope = 0;
+};
+
+inline Site site_of(const Tree& tree, double t, const double* q, const double* v, int b, double* force, Power& power) noexcept {
+  static const JointParameters none;
+  const JointParameters* p = tree.parameters(b);
+  return {p != nullptr ? *p : none, info(tree.joint(b).kind).nv, ~tree.joint(b).locked,   t,
+          q + tree.first_q(b),      v + tree.first_p(b),         force + tree.first_p(b), &power};
+}
+
 /// The signal of a freedom; nothing where the list is empty.
 inline const Signal* signal_of(const std::vector<Signal>& list, int freedom) {
   if (list.empty()) return nullptr;

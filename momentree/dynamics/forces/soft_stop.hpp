@@ -14,15 +14,20 @@ inline double passed(const JointLimits& limits, int freedom, double q) noexcept 
   return q - std::clamp(q, limits.lower_of(freedom), limits.upper_of(freedom));
 }
 
+inline Resistance soft_stop(const JointLimits& limits, int freedom, double q, double u) noexcept {
+  const double x = passed(limits, freedom, q), damping = limits.damping.of(freedom);
+  if (x == 0) return {};
+  const double force = limits.stiffness.of(freedom) * x + damping * u;
+  if (force * x < 0) return {};
+  return {-force, damping};
+}
+
 inline void add_soft_stop(const Site& s) noexcept {
-  const JointLimits& limits = s.parameters.limits;
   for (int i = 0; i < s.nv; ++i) {
-    const double x = s.on(i) ? passed(limits, i, s.q[i]) : 0;
-    if (x == 0) continue;
-    const double force = limits.stiffness.of(i) * x + limits.damping.of(i) * s.u[i];
-    if (force * x < 0) continue;
-    s.force[i] -= force;
-    s.power->dissipated += force * s.u[i];
+    if (!s.on(i)) continue;
+    const double force = soft_stop(s.parameters.limits, i, s.q[i], s.u[i]).force;
+    s.force[i] += force;
+    s.power->dissipated -= force * s.u[i];
   }
 }
 

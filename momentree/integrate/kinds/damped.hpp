@@ -1,14 +1,17 @@
 #pragma once
-// For joints so strongly damped that an explicit method would have to follow how fast they come to rest: dampers are taken
-// implicitly, everything else explicitly. The implicit-explicit Runge–Kutta method (4,4,3) of Ascher, Ruuth and Spiteri (1997):
-// order 3, fixed steps, four evaluations each; its implicit part is L-stable, and the new state is its last stage.
+// For joints so strongly damped that an explicit method would have to follow how fast they come to rest: dampers, friction, soft
+// stops and position control are taken implicitly, everything else explicitly. The implicit-explicit Runge–Kutta method (4,4,3)
+// of Ascher, Ruuth and Spiteri (1997): order 3, fixed steps, four evaluations each; its implicit part is L-stable, and the new
+// state is its last stage.
 //
 // A stage finds velocities u by (H + γ h C) u = p*, where p* is all that is known of its momenta, and p = p* − γ h C u. H + γ h C
 // is the mass with larger rotors: γ h C stands beside the armature in the first recursion, so that a stage costs an evaluation.
 // The rest of that evaluation is right as well: a rotor is no part of Pb, and the rates (20) are those of the velocities u.
+// Forces that are not linear in u are linearised, f(w) − C (u − w), and −C u is what stands beside the armature.
 #include <cmath>
 #include <optional>
 
+#include <momentree/dynamics/resistance.hpp>
 #include <momentree/integrate/integrator.hpp>
 
 namespace momentree {
@@ -22,36 +25,36 @@ class Damped final : public Integrator {
  private:
   static constexpr int stages = 5;
   static constexpr double gamma = 0.5;
+  static constexpr int most_linearised = 20;  // times in a stage; one to three are usual
   static constexpr double c[stages] = {0, 1.0 / 2, 2.0 / 3, 1.0 / 2, 1};
   static constexpr double explicit_part[stages][stages] = {
       {}, {1.0 / 2}, {11.0 / 18, 1.0 / 18}, {5.0 / 6, -5.0 / 6, 1.0 / 2}, {1.0 / 4, 7.0 / 4, 3.0 / 4, -7.0 / 4}};
   static constexpr double implicit_part[stages][stages] = {
       {}, {0, gamma}, {0, 1.0 / 6, gamma}, {0, -1.0 / 2, 1.0 / 2, gamma}, {0, 3.0 / 2, -3.0 / 2, 1.0 / 2, gamma}};
 
-  double* qdot(int stage) const { return qdot_.get() + stage * nq_max_; }
-  double* pdot(int stage) const { return pdot_.get() + stage * nv_max_; }
-  double* velocity(int stage) const { return velocity_.get() + stage * nv_max_; }
+  using Array = std::unique_ptr<double[]>;
+  double* rate(const Array& of, int stage) const { return of.get() + stage * nv_max_; }
   void follow(const Tree& tree);
+  void evaluate_stage(Evaluator& evaluate, int stage, double t, double h) noexcept;
+  bool met(int nv, const double* u, const double* dissipating, const double* giving) const noexcept;
   double taken(int nv, double h, const double* u_after) const noexcept;
+  double spent(const Array& force, int nv, double h) const noexcept;
 
   long nq_max_, nv_max_;
-  std::unique_ptr<double[]> q_, p_;                   // stage, then result
-  std::unique_ptr<double[]> qdot_, pdot_, velocity_;  // of the stages; ṗ without dampers
-  std::unique_ptr<double[]> damping_;
-  Tree massive_;  // the same tree, whose rotors carry γ h C
+  Array q_, p_;                                       // stage, then result
+  Array known_;                                       // p*
+  Array qdot_, pdot_, resist_, velocity_;             // of the stages: q̇, ṗ without and of what is taken implicitly, u
+  Array dissipating_, giving_;                        // of the stages: what friction and soft stops, and position control do
+  Array damping_, slope_, point_, force_, at_point_;  // the resisting forces and their slopes at the velocities `point_`
+  Tree massive_;                                      // the same tree, whose rotors carry γ h C
   std::optional<std::uint64_t> revision_;
 };
 
 inline Damped::Damped(const Tree& tree, const StepControl& control)
-    : Integrator(control),
-      nq_max_(7L * tree.bodies()),
-      nv_max_(6L * tree.bodies()),
-      q_(scratch(nq_max_)),
-      p_(scratch(nv_max_)),
-      qdot_(scratch(stages * nq_max_)),
-      pdot_(scratch(stages * nv_max_)),
-      velocity_(scratch(stages * nv_max_)),
-      damping_(scratch(nv_max_)) {
+    : Integrator(control), nq_max_(7L * tree.bodies()), nv_max_(6L * tree.bodies()), q_(scratch(nq_max_)) {
+  for (Array* one : {&p_, &known_, &damping_, &slope_, &point_, &force_, &at_point_}) *one = scratch(nv_max_);
+  for (Array* one : {&pdot_, &resist_, &velocity_, &dissipating_, &giving_}) *one = scratch(stages * nv_max_);
+  qdot_ = scratch(stages * nq_max_);
   follow(tree);
 }
 
@@ -60,47 +63,89 @@ inline void Damped::follow(const Tree& tree) {
   revision_ = tree.revision();
 }
 
+// A stage at q_, from known_: what resists is linearised, and again where that turns out to be somewhere else (Newton). What is
+// left of the error goes to the explicit part, so that the sum is exact.
+inline void Damped::evaluate_stage(Evaluator& evaluate, int stage, double t, double h) noexcept {
+  const Tree& tree = evaluate.tree();
+  const Work<double>& work = evaluate.work();
+  const int nv = tree.nv();
+  const double *armature = tree.armature(), *u = work.v.get();
+  double *rotors = massive_.rotors(), *resist = rate(resist_, stage), *dissipating = rate(dissipating_, stage),
+         *giving = rate(giving_, stage);
+  const bool linear = tree.forced_joints().empty();
+  std::copy_n(rate(velocity_, stage - 1), nv, point_.get());
+  for (int left = most_linearised; left > 0; --left) {
+    resisting_forces(tree, t, q_.get(), point_.get(), {force_.get(), at_point_.get(), slope_.get()});
+    for (std::size_t i = 0; i < static_cast<std::size_t>(nv); ++i) {
+      at_point_[i] += force_[i];
+      rotors[i] = armature[i] + gamma * h * (damping_[i] + slope_[i]);
+      p_[i] = known_[i] + gamma * h * (at_point_[i] + slope_[i] * point_[i]);
+    }
+    evaluate.without_resistance(massive_, t, q_.get(), p_.get());
+    resisting_forces(tree, t, q_.get(), u, {dissipating, giving, force_.get()});
+    if (linear || met(nv, u, dissipating, giving)) break;
+    if (left > 1) move_point(tree, t, q_.get(), u, point_.get());
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(nv); ++i) {
+    const double found = at_point_[i] - slope_[i] * (u[i] - point_[i]);
+    resist[i] = found - damping_[i] * u[i];
+    rate(pdot_, stage)[i] = work.pdot[i] + (dissipating[i] + giving[i] - found);
+  }
+}
+
+// True where the forces at the velocities found are those that the line has there, to what rounding leaves of it.
+inline bool Damped::met(int nv, const double* u, const double* dissipating, const double* giving) const noexcept {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(nv); ++i) {
+    const double force = dissipating[i] + giving[i], line = at_point_[i] - slope_[i] * (u[i] - point_[i]);
+    const double size = std::fabs(force) + std::fabs(at_point_[i]), steep = slope_[i] * (std::fabs(u[i]) + std::fabs(point_[i]));
+    if (!(std::fabs(force - line) <= 1e-8 * size + 1e-13 * steep)) return false;
+  }
+  return true;
+}
+
 inline bool Damped::step(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
   const Tree& tree = evaluate.tree();
   const Work<double>& work = evaluate.work();
   MT_REQUIRE(work.evaluated == state.stamp(), "the first stage was evaluated on this state");
   if (revision_ != tree.revision()) follow(tree);
   const int nq = tree.nq(), nv = tree.nv();
-  const double *q = state.q().data(), *p = state.p().data(), *armature = tree.armature();
-  double *damping = damping_.get(), *rotors = massive_.rotors();
-  joint_damping(tree, q, work.v.get(), damping);
-  for (int i = 0; i < nv; ++i) rotors[i] = armature[i] + gamma * h * damping[i];
+  const double *q = state.q().data(), *p = state.p().data();
+  joint_damping(tree, damping_.get());
 
-  double done = 0, lost = 0;  // work, and what others than dampers dissipate
+  double done = 0, lost = 0;  // work, and what is dissipated, of what is taken explicitly
   for (int s = 0; s < stages; ++s) {
-    if (s > 0) {
+    const double t = state.time() + c[s] * h;
+    double *u = rate(velocity_, s), *pdot = rate(pdot_, s);
+    if (s == 0) {  // the state's own evaluation, with all that resists
+      resisting_forces(tree, t, q, work.v.get(), {rate(dissipating_, 0), rate(giving_, 0), slope_.get()});
+      for (std::size_t i = 0; i < static_cast<std::size_t>(nv); ++i)
+        pdot[i] = work.pdot[i] + damping_[i] * work.v[i] - dissipating_[i] - giving_[i];
+    } else {
       std::copy_n(q, nq, q_.get());
-      std::copy_n(p, nv, p_.get());
+      std::copy_n(p, nv, known_.get());
       for (int j = 0; j < s; ++j) {
         const double e = h * explicit_part[s][j], im = h * implicit_part[s][j];
-        const double *rate = qdot(j), *force = pdot(j), *u = velocity(j);
-        for (int i = 0; i < nq; ++i) q_[static_cast<std::size_t>(i)] += e * rate[i];
-        for (int i = 0; i < nv; ++i) p_[static_cast<std::size_t>(i)] += e * force[i] - im * damping[i] * u[i];
+        for (int i = 0; i < nq; ++i) q_[static_cast<std::size_t>(i)] += e * (qdot_.get() + j * nq_max_)[i];
+        if (j == 0)
+          for (int i = 0; i < nv; ++i) known_[static_cast<std::size_t>(i)] += e * rate(pdot_, 0)[i];
+        else
+          for (int i = 0; i < nv; ++i) known_[static_cast<std::size_t>(i)] += e * rate(pdot_, j)[i] + im * rate(resist_, j)[i];
       }
-      evaluate.without_dampers(massive_, state.time() + c[s] * h, q_.get(), p_.get());
+      evaluate_stage(evaluate, s, t, h);
+      for (std::size_t i = 0; i < static_cast<std::size_t>(nv); ++i) p_[i] = known_[i] + gamma * h * rate(resist_, s)[i];
     }
-    std::copy_n(work.qdot.get(), nq, qdot(s));
-    std::copy_n(work.v.get(), nv, velocity(s));
-    // The first stage is the state's own evaluation, with dampers.
-    for (int i = 0; i < nv; ++i)
-      pdot(s)[i] = work.pdot[static_cast<std::size_t>(i)] + (s == 0 ? damping[i] * work.v[static_cast<std::size_t>(i)] : 0.0);
+    std::copy_n(work.qdot.get(), nq, qdot_.get() + s * nq_max_);
+    std::copy_n(work.v.get(), nv, u);
     if (s + 1 == stages) continue;
     const double share = h * explicit_part[stages - 1][s];
     lost += share * work.power.dissipated;
-    for (int i = 0; i < nv && s == 0; ++i) lost -= share * damping[i] * velocity(0)[i] * velocity(0)[i];  // see `taken`
-    if (s > 0 && !tree.driven_joints().empty()) {  // what a prescribed motion takes depends on accelerations by the true mass
-      for (int i = 0; i < nv; ++i) p_[static_cast<std::size_t>(i)] -= gamma * h * damping[i] * velocity(s)[i];
-      evaluate(state.time() + c[s] * h, q_.get(), p_.get());
-    }
+    const bool driven = s > 0 && !tree.driven_joints().empty();
+    if (driven) evaluate(t, q_.get(), p_.get());  // what a motion takes depends on accelerations by the true mass
     done += share * work.power.work;
+    for (int i = 0; i < nv && s == 0; ++i)
+      lost -= share * (damping_[static_cast<std::size_t>(i)] * u[i] - rate(dissipating_, 0)[i]) * u[i];
+    for (int i = 0; i < nv && (s == 0 || driven); ++i) done -= share * rate(giving_, s)[i] * u[i];
   }
-  const double* u = velocity(stages - 1);
-  for (int i = 0; i < nv; ++i) p_[static_cast<std::size_t>(i)] -= gamma * h * damping[i] * u[i];
   end_step(tree, state.time() + h, q_.get(), p_.get());
   if (!plausible(tree, q, q_.get(), p_.get())) return false;
   take_stored(tree, q, q_.get(), books);
@@ -108,8 +153,12 @@ inline bool Damped::step(Evaluator& evaluate, State& state, Books& books, double
   std::copy_n(q_.get(), nq, edit.q.begin());
   std::copy_n(p_.get(), nv, edit.p.begin());
   edit.time += h;
-  books.dissipated += taken(nv, h, u) + lost;
+  books.dissipated += taken(nv, h, rate(velocity_, stages - 1)) + lost;
   books.work += done;
+  if (!tree.forced_joints().empty()) {
+    books.dissipated -= spent(dissipating_, nv, h);
+    books.work += spent(giving_, nv, h);
+  }
   return true;
 }
 
@@ -122,11 +171,28 @@ inline double Damped::taken(int nv, double h, const double* u_after) const noexc
     const double damping = damping_[static_cast<std::size_t>(i)];
     if (damping == 0) continue;
     double mean = 0;
-    for (int j = 0; j < stages; ++j) mean += implicit_part[stages - 1][j] * velocity(j)[i];
-    const double before = velocity(0)[i], after = u_after[i], change = after - before, bend = 0.5 * (before + after) - mean;
+    for (int j = 0; j < stages; ++j) mean += implicit_part[stages - 1][j] * rate(velocity_, j)[i];
+    const double before = velocity_[static_cast<std::size_t>(i)], after = u_after[i], change = after - before,
+                 bend = 0.5 * (before + after) - mean;
     const double square = std::fabs(change) <= std::fabs(mean) ? mean * mean + change * change / 12 + bend * bend / 5
                                                                : 0.5 * (before + after) * mean;
     sum += h * damping * square;
+  }
+  return sum;
+}
+
+// What forces of the stages did, ∫ f u dt: as their power, and where a joint all but comes to rest within the step, by their
+// impulse.
+inline double Damped::spent(const Array& force, int nv, double h) const noexcept {
+  double sum = 0;
+  for (int i = 0; i < nv; ++i) {
+    double mean = 0, impulse = 0, power = 0;
+    for (int j = 1; j < stages; ++j) {
+      const double share = implicit_part[stages - 1][j], u = rate(velocity_, j)[i], f = rate(force, j)[i];
+      mean += share * u, impulse += share * f, power += share * f * u;
+    }
+    const double before = velocity_[static_cast<std::size_t>(i)], after = rate(velocity_, stages - 1)[i];
+    sum += h * (std::fabs(after - before) <= std::fabs(mean) ? power : 0.5 * (before + after) * impulse);
   }
   return sum;
 }
