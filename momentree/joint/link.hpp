@@ -8,17 +8,38 @@
 
 namespace momentree {
 
+/// How much of a general placement a link has: kernels leave the rest out. Found when a topology is compiled.
+enum class LinkShape : unsigned char {
+  general,        ///< any turn, any offset
+  tilted,         ///< β = 0: the parent's x axis lies across both joints' axes
+  screw,          ///< and the offset is r.x along that x axis and d along the joint's own (Denavit–Hartenberg)
+  screw_a,        ///< d = 0
+  screw_d,        ///< r.x = 0: the axes meet
+  right,          ///< α = 90°, both offsets
+  right_a,        ///< …
+  right_d,        ///< …
+  right_meeting,  ///< α = 90°, no offset
+  parallel,       ///< α = 0, both offsets
+  parallel_a,     ///< …: a link in a plane
+};
+
 /// Placement of the joint in the parent's frame: R = Rz(β) Rx(α) Rz(θ0), origin at r; mass properties in the body's own frame.
 /// Rotations about one axis at a time cost half of a general one, and β = 0 where the parent's x axis could be chosen for it.
 struct Link {
-  double cos_a = 1, sin_a = 0, cos_b = 1, sin_b = 0, cos_0 = 1, sin_0 = 0;
+  double cos_a = 1, sin_a = 0;
+  double cs_a = 0, ss_a = 0;  ///< cos α sin α, sin² α
   Vec3 r{};
+  double d = 0;  ///< where the shape says so: r = r.x along the parent's x, and then d along the joint's axis
+  LinkShape shape{};
+  double cos_b = 1, sin_b = 0, cos_0 = 1, sin_0 = 0;
   RigidMass body{};
   double subtree_mass = 0;      ///< of the body and all outboard bodies
   unsigned locked = 0;          ///< a bit per freedom that is frozen
   double angle_0 = 0;           ///< θ0
   double geometry[2] = {0, 0};  ///< helical: metres per radian; universal: x and z components of the first axis
 };
+/// True where the link needs no turn about the parent's z.
+inline bool aligned(const Link& link) { return link.sin_b == 0 && link.cos_b == 1; }
 /// Rz(β) Rx(α) Rz(θ0).
 Mat3 placement_rotation(const Link& link);
 /// Rz(β) Rx(α): for kinds that add θ0 to their own angle.
