@@ -3,6 +3,7 @@
 //
 // The sweeps run along the order with their sums in locals: behind a body stands its first child, so that only where other
 // children meet do sums pass through memory. Stretches of joints that share their kernels are one loop.
+#include <momentree/dynamics/flat.ipp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/passage.hpp>
 #include <momentree/joint/dispatch.hpp>
@@ -147,16 +148,24 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
   const int angles = static_cast<int>(coordinates.size());
   for (int i = 0; i < angles; ++i)
     work.angle[static_cast<std::size_t>(i)] = q[coordinates[static_cast<std::size_t>(i)]] + offsets[static_cast<std::size_t>(i)];
+  const auto segments = tree.segments();
+  const FlatSweep<T> planar{tree, q, p, work};
+  if constexpr (!Keep)
+    for (const Segment& s : segments)
+      if (s.planar) planar.add_up_angles(s);
   sincos(angles, work.angle.get(), work.sin.get(), work.cos.get());
 
   const Sweep<T> sweep{tree, q, p, work};
-  const auto segments = tree.segments();
   const Vec3& g = tree.gravity();
   const bool falls = g.x != 0 || g.y != 0 || g.z != 0;
   const Outboard<T> base{{}, {T(g.x), T(g.y), T(g.z)}};
   Inboard<T> in{};
   for (std::size_t i = segments.size(); i-- > 0;) {
     const Segment& s = segments[i];
+    if (!Keep && s.planar) {
+      falls ? planar.template inboard<true>(s) : planar.template inboard<false>(s);
+      continue;
+    }
     dispatch_kernels(s.kind, s.variant, [&](auto tag) {
       using K = typename decltype(tag)::type;
       if constexpr (!Keep && requires { typename K::Steps; }) {
@@ -171,6 +180,10 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
   }
   Outboard<T> out = base;
   for (const Segment& s : segments) {
+    if (!Keep && s.planar) {
+      falls ? planar.template outboard<true>(s) : planar.template outboard<false>(s);
+      continue;
+    }
     dispatch_kernels(s.kind, s.variant, [&](auto tag) {
       using K = typename decltype(tag)::type;
       if constexpr (!Keep && requires { typename K::Steps; }) {

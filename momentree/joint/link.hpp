@@ -66,6 +66,34 @@ struct Outboard {
   Vector3<T> gravity;
 };
 
+/// The same in a plane, in its own axes.
+template <class T>
+struct FlatInboard {
+  T axx, axy, ayy, bx, by, J;  ///< l = A v + b ω, h = b·v + J ω
+  T lx, ly, h;
+  T mx, my;  ///< first moment of the subtree
+};
+template <class T>
+MOMENTREE_INLINE void operator+=(FlatInboard<T>& a, const FlatInboard<T>& b) {
+  a.axx = a.axx + b.axx, a.axy = a.axy + b.axy, a.ayy = a.ayy + b.ayy;
+  a.bx = a.bx + b.bx, a.by = a.by + b.by, a.J = a.J + b.J;
+  a.lx = a.lx + b.lx, a.ly = a.ly + b.ly, a.h = a.h + b.h;
+  a.mx = a.mx + b.mx, a.my = a.my + b.my;
+}
+template <class T>
+struct FlatOutboard {
+  T vx, vy, w;
+};
+/// What the sweeps keep of a body in a plane; it has the place of a pin's record.
+template <class T>
+struct FlatRecord {
+  T axx, axy, ayy, lx, ly, gx, gy, u0, rx, ry, mx, my;
+};
+struct FlatKernels {
+  template <class T>
+  using Record = FlatRecord<T>;
+};
+
 /// Across the placement after the child's joint: turn about x by α, about z by β unless the frames are aligned, shift by r.
 template <bool Aligned, class T>
 MOMENTREE_INLINE void placement_inboard(const Link& k, Force<T>& P) {

@@ -153,6 +153,7 @@ void Tree::make_link(int b) {
   const double slide = dot(off, Vec3{own.R.xz, own.R.yz, own.R.zz});
   k.r = transpose_times(outer.R, at_joint + slide * Vec3{axes.xz, axes.yz, axes.zz} - outer.r);
   find_shape(k, turns_about_z(joint(b).kind), norm(at_joint) + norm(outer.r) + std::fabs(slide));
+  class_[at(b)].parallel = k.cos_a == 1 && k.sin_a == 0;
   if (turns_about_z(joint(b).kind))
     for (int i = 0; i < shape(joint(b).kind).angles; ++i) angle_offset_[at(first_angle_[at(b)] + i)] = k.angle_0;
 }

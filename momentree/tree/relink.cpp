@@ -167,6 +167,7 @@ void Tree::arrange() {
   int* places = place_.data();
   std::size_t *records = record_.data(), scalars = 0, record = 0;
   Class same{};
+  bool planar = false;
   for (int place = 0; place < count; ++place) {
     const int b = order[place], outer = parent[b], child = first_child[b];
     places[b] = place;
@@ -182,9 +183,11 @@ void Tree::arrange() {
       f |= flow::last;
     flows_[at(place)] = static_cast<unsigned char>(f);
     const Class own = classes[b];
-    if (place == 0 || !(own == same)) {
+    const bool was_planar = planar;
+    if (outer < 0) planar = in_a_plane(place);
+    if (place == 0 || !(own == same) || (outer < 0 && (planar || was_planar))) {
       if (place > 0) segments_.back().end = place;
-      segments_.push_back({place, count, own.kind, own.variant});
+      segments_.push_back({place, count, own.kind, own.variant, planar});
       record = shape(own.kind).record[static_cast<std::size_t>(own.variant)];
       same = own;
     }
@@ -192,6 +195,18 @@ void Tree::arrange() {
     scalars += record;
   }
   record_scalars_ = scalars;
+}
+
+// The mechanism whose root has that place.
+bool Tree::in_a_plane(int place) const {
+  const int count = static_cast<int>(order_.size());
+  for (int i = place; i < count; ++i) {
+    const int b = order_[at(i)];
+    if (i > place && parent_[at(b)] < 0) return true;
+    const Class own = class_[at(b)];
+    if (own.kind != Kind::revolute || own.variant != Variant::plain || !(own.parallel || i == place)) return false;
+  }
+  return true;
 }
 
 // Mass of b and all outboard bodies, from that of its children.

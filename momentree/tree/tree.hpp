@@ -83,6 +83,7 @@ struct Segment {
   int begin = 0, end = 0;
   Kind kind = Kind::weld;
   Variant variant = Variant::plain;
+  bool planar = false;  ///< one mechanism, whole: a grounded tree of plain pins whose axes are parallel
 };
 
 /// How a body stands in the order: depth first, so that behind a body comes its first child, if it has any. On the way in its
@@ -233,6 +234,7 @@ class Tree {
   void list_special_joints();
   int walk(int root, int place);
   void arrange();
+  bool in_a_plane(int place) const;
   void weigh(int b);
   void weigh_path(int b);
   int end_of(int b) const;
@@ -259,7 +261,8 @@ class Tree {
   struct Class {  // neighbours of one class share a segment
     Kind kind = Kind::weld;
     Variant variant = Variant::plain;
-    friend bool operator==(Class a, Class b) { return std::bit_cast<std::uint16_t>(a) == std::bit_cast<std::uint16_t>(b); }
+    bool parallel = false;  // its axis is its parent's: no tilt
+    friend bool operator==(Class a, Class b) { return a.kind == b.kind && a.variant == b.variant; }
   };
   std::vector<Class> class_;  // by body
   std::vector<Link> links_;
