@@ -105,10 +105,10 @@ struct Sweep {
       const Link& link = tree.link(b);
       const int angle = tree.first_angle(b);
       auto& record = work.template record<K>(tree, b);
-      if ((flow & flow::tip) != 0) a = {};
       passage.collect(b, flow, a);
       dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-        K::Steps::template inboard<shape(), Gravity>(link, work.cos[angle], work.sin[angle], p[tree.first_p(b)], a, record);
+        K::Steps::template inboard<shape(), Gravity>(link, work.cos[angle], work.sin[angle], p[tree.first_p(b)],
+                                                     (flow & flow::tip) != 0, (flow & flow::root) != 0, a, record);
       });
       passage.deliver(b, flow, a);
     }
@@ -127,8 +127,8 @@ struct Sweep {
       const int angle = tree.first_angle(b), at = tree.first_p(b);
       passage.receive(b, flow, base, a);
       dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-        K::Steps::template outboard<shape(), Gravity>(link, work.cos[angle], work.sin[angle], work.template record<K>(tree, b), a,
-                                                      work.v[at], work.pdot[at]);
+        K::Steps::template outboard<shape(), Gravity>(link, work.cos[angle], work.sin[angle], work.template record<K>(tree, b),
+                                                      (flow & flow::root) != 0, a, work.v[at], work.pdot[at]);
       });
       work.qdot[tree.first_q(b)] = work.v[at];
       passage.hand_down(b, flow, a);

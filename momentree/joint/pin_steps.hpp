@@ -142,11 +142,19 @@ struct PinSteps {
   /// In: what the children reduced, in the body's frame; `Tip`: nothing. Out: what the parent gets, in its frame; `Root`: nobody
   /// asks for it.
   template <LinkShape S, bool Gravity, class T>
-  MOMENTREE_INLINE static void inboard(const Link& k, const T& c, const T& s, const T& p, Inboard<T>& in, PinRecord<T>& w) {
+  MOMENTREE_INLINE static void inboard(const Link& k, const T& c, const T& s, const T& p, bool tip, bool root, Inboard<T>& in,
+                                       PinRecord<T>& w) {
     SpatialMass<T>& M = in.M;
     Force<T>& D = in.D;
-    add_rigid_mass(M, k.body);  // (22), (23)
-    if constexpr (Gravity) in.mc.x += k.body.mc.x, in.mc.y += k.body.mc.y, in.mc.z += k.body.mc.z;
+    if (!late<T> && tip) {
+      M = rigid_mass<T>(k.body);
+      D = {};
+      if constexpr (Gravity) in.mc = {T(k.body.mc.x), T(k.body.mc.y), T(k.body.mc.z)};
+    } else {
+      if (tip) in = {};
+      add_rigid_mass(M, k.body);  // (22), (23)
+      if constexpr (Gravity) in.mc.x += k.body.mc.x, in.mc.y += k.body.mc.y, in.mc.z += k.body.mc.z;
+    }
     const T inverse = T(1) / M.J.zz, u = p - D.h.z;           // (24)
     const auto cross_joint = [&]() MOMENTREE_INLINE_LAMBDA {  // (16), as far as the parent's side of the joint
       if constexpr (late<T>) {
@@ -163,6 +171,7 @@ struct PinSteps {
     if constexpr (late<T>) cross_joint();
     reduce(p, u, inverse, M, D, w);  // (25), (26)
     if constexpr (Gravity) w.mc.x = in.mc.x, w.mc.y = in.mc.y;
+    if (!late<T> && root) return;
     if constexpr (!late<T>) cross_joint();
     if constexpr (Has<S>::right) {
       detail::turn_reduced_right(M);
@@ -199,14 +208,16 @@ struct PinSteps {
 
   /// In: the parent's velocity, and gravity in its axes; out: those of the body. Gives u and ṗ of the joint.
   template <LinkShape S, bool Gravity, class T>
-  MOMENTREE_INLINE static void outboard(const Link& k, const T& c, const T& s, const PinRecord<T>& w, Outboard<T>& out, T& u,
-                                        T& pdot) {
+  MOMENTREE_INLINE static void outboard(const Link& k, const T& c, const T& s, const PinRecord<T>& w, bool root, Outboard<T>& out,
+                                        T& u, T& pdot) {
     Vector3<T>&v = out.velocity.v, &o = out.velocity.w, &g = out.gravity;
     // (17): the way into the joint's frame
-    if constexpr (Has<S>::any_offset) shift_outboard(out.velocity, k.r);
+    const bool moves = late<T> || !root;  // else there is no velocity to bring
+    if constexpr (Has<S>::any_offset)
+      if (moves) shift_outboard(out.velocity, k.r);
     if constexpr (Has<S>::a) v.y = v.y + k.r.x * o.z, v.z = v.z - k.r.x * o.y;
-    const auto each = [&](auto turned) {
-      turned(v), turned(o);
+    const auto each = [&](auto turned) MOMENTREE_INLINE_LAMBDA {
+      if (moves) turned(v), turned(o);
       if constexpr (Gravity) turned(g);
     };
     if constexpr (Has<S>::turn_b) each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { turn_z(x, k.cos_b, -k.sin_b); });

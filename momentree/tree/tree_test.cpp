@@ -21,11 +21,13 @@ TEST_CASE("stretches of one kind are one segment, with forks and tips among them
   const Body d = link(model, "d", c, Ball{}), e = link(model, "e", c);
   link(model, "f", d), link(model, "g", e), link(model, "h", ground);
   const Tree tree(model);
-  // a b c | d | f e g h
-  REQUIRE(tree.segments().size() == 3);
+  // a b c | d | f e g | h, which is a mechanism in a plane
+  REQUIRE(tree.segments().size() == 4);
   CHECK(tree.segments()[0].end == 3);
   CHECK(tree.segments()[1].kind == Kind::ball);
-  CHECK(tree.segments()[2].end == 8);
+  CHECK(tree.segments()[2].end == 7);
+  CHECK_FALSE(tree.segments()[2].planar);
+  CHECK(tree.segments()[3].planar);
   const std::string order = [&] {
     std::string names;
     for (const int body : tree.order()) names += model[{body}].name;
