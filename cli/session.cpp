@@ -1,8 +1,10 @@
 #include <cli/session.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <unordered_set>
 #include <utility>
 
 #include <cli/text.hpp>
@@ -24,8 +26,11 @@ std::optional<io::Scenario> load(const std::string& path, const std::vector<std:
 Session::Session(const io::Scenario& scenario, const std::string& state)
     : scenario_(scenario), simulation_(scenario.model, scenario.integration) {
   for (const io::ScenarioEvent& event : scenario.events) {
-    const auto known = [&](const auto& entry) { return entry.first == event.name; };
-    if (std::ranges::none_of(armed_at_start_, known)) armed_at_start_.emplace_back(event.name, 0);
+    const auto [place, fresh] = by_name_.emplace(event.name, armed_at_start_.size());
+    if (fresh) armed_at_start_.push_back({event.name}), matches_.emplace_back();
+    std::vector<const io::ScenarioEvent*>& matches = matches_[place->second];
+    match_of_.emplace(&event, matches.size());
+    matches.push_back(&event);
   }
 
   std::vector<io::RestoredState> documents;
@@ -36,17 +41,58 @@ Session::Session(const io::Scenario& scenario, const std::string& state)
   if (documents.empty()) return;
   from_document_ = true;
   io::restore(simulation_, documents);
-  for (const io::RestoredState& document : documents)
-    for (const auto& [name, fired] : document.armed) {
-      const auto entry = std::ranges::find(armed_at_start_, name, &std::pair<std::string, int>::first);
-      if (entry != armed_at_start_.end()) {
-        entry->second = fired;
-        continue;
-      }
-      std::vector<std::string> names;
-      for (const auto& known : armed_at_start_) names.push_back(known.first);
-      fail({"`armed` names an unknown event '" + name + "'", document.file, did_you_mean(name, names)});
+  for (const io::RestoredState& document : documents) {
+    if (document.memory.next_step > 0) memory_ = document.memory;
+    for (const io::ArmedEvent& event : document.armed) take_armed(event, document.file);
+  }
+}
+
+void Session::take_armed(const io::ArmedEvent& event, const std::string& file) {
+  const auto place = by_name_.find(event.name);
+  if (place == by_name_.end()) {
+    std::vector<std::string> names;
+    for (const auto& known : armed_at_start_) names.push_back(known.name);
+    fail({"`armed` names an unknown event '" + event.name + "'", file, did_you_mean(event.name, names)});
+  }
+  const std::size_t matches = matches_[place->second].size();
+  if (!event.each.empty() && event.each.size() != matches)
+    fail({format("`armed` has %zu entries for event '%s', which stands for %zu", event.each.size(), event.name.c_str(), matches),
+          file, "is it a document of this scenario?"});
+  armed_at_start_[place->second] = event;
+}
+
+// What a document says of an event, or of the match of a wildcard that it is; null: it says nothing.
+const Agenda::Armed* Session::past_of(const io::ScenarioEvent& event) const {
+  const std::vector<Agenda::Armed>& each = armed_at_start_[by_name_.at(event.name)].each;
+  return each.empty() ? nullptr : &each[match_of_.at(&original(event))];
+}
+
+const io::ScenarioEvent& Session::original(const io::ScenarioEvent& event) const {
+  const auto found = original_.find(&event);
+  return found == original_.end() ? event : *found->second;
+}
+
+// What comes after an event that was over before the run began comes when it is due, or never.
+void Session::schedule_followers(std::vector<const io::ScenarioEvent*>& events) {
+  for (bool more = true; more;) {  // what is dropped may itself have followers
+    more = false;
+    std::unordered_set<std::string> names;
+    for (const io::ScenarioEvent* event : events) names.insert(event->name);
+    for (const io::ScenarioEvent*& event : events) {
+      if (event->after.empty() || names.contains(event->after) || !by_name_.contains(event->after)) continue;
+      const Agenda::Armed* const past = past_of(*event);
+      const io::ScenarioEvent* const declared = event;
+      more = true;
+      event = nullptr;
+      if (past == nullptr || !std::isfinite(past->time)) continue;
+      pending_.push_back(*declared);
+      pending_.back().after.clear();
+      pending_.back().time = past->time;
+      event = &pending_.back();
+      original_.emplace(event, declared);
     }
+    std::erase(events, nullptr);
+  }
 }
 
 void Session::read(const std::string& file, const std::string& mechanism, std::vector<io::RestoredState>& documents) const {
@@ -57,7 +103,8 @@ void Session::schedule() {
   const double start = simulation_.time();
   std::vector<const io::ScenarioEvent*> events;
   for (const io::ScenarioEvent& event : scenario_.events) {
-    const bool fired = std::ranges::find(armed_at_start_, event.name, &std::pair<std::string, int>::first)->second > 0;
+    const Agenda::Armed* const past = past_of(event);
+    const bool fired = (past != nullptr ? past->fired : armed_at_start_[by_name_.at(event.name)].fired) > 0;
     const bool once = !(event.condition && event.condition->repeats) && event.after.empty() && event.period == 0;
     if (event.condition && fired && once) continue;
     if (event.period == 0 && (event.time < start || (event.time == start && fired))) {
@@ -68,22 +115,50 @@ void Session::schedule() {
     }
     events.push_back(&event);
   }
-  const io::Schedule scheduled = io::schedule(simulation_, std::move(events));
-  std::vector<io::EventProblem> problems = scheduled.problems;
+  if (from_document_) schedule_followers(events);
+  scheduled_ = io::schedule(simulation_, std::move(events));
+  std::vector<io::EventProblem> problems = scheduled_.problems;
   if (problems.empty() && from_document_) {  // else the reader has tried them
     const auto line = [](Place place) { return format("line %d", place.line); };
-    problems = io::problems_of(simulation_.rehearse(), scheduled, line);
+    problems = io::problems_of(simulation_.rehearse(), scheduled_, line);
   }
-  if (problems.empty()) return;
+  if (problems.empty()) return resume();
   const io::EventProblem& first = problems.front();
   fail({first.what, format("%s:%d:%d", scenario_.path.c_str(), first.place.line, first.place.column), first.hint});
 }
 
+// Goes on where the run of the document stood.
+void Session::resume() {
+  if (!from_document_) return;
+  std::vector<Agenda::Armed> armed = simulation_.snapshot().armed;
+  for (std::size_t k = 0; k < scheduled_.events.size(); ++k)
+    if (const Agenda::Armed* past = past_of(*scheduled_.events[k])) armed[k] = *past;
+  simulation_.resume(armed, memory_);
+}
+
 io::Armed Session::armed() const {
   io::Armed armed = armed_at_start_;
-  for (const Event& event : simulation_.events()) {
-    const auto entry = std::ranges::find(armed, event.name, &std::pair<std::string, int>::first);
-    if (entry != armed.end()) ++entry->second;
+  for (const Event& event : simulation_.events())
+    if (const auto place = by_name_.find(event.name); place != by_name_.end()) ++armed[place->second].fired;
+  const std::vector<Agenda::Armed> now = simulation_.snapshot().armed;
+  std::unordered_map<const io::ScenarioEvent*, const Agenda::Armed*> scheduled;
+  for (std::size_t k = 0; k < scheduled_.events.size(); ++k) scheduled.emplace(&original(*scheduled_.events[k]), &now[k]);
+  for (std::size_t place = 0; place < armed.size(); ++place) {
+    const auto& matches = matches_[place];
+    const io::ScenarioEvent& first = *matches.front();
+    if (!first.condition && first.after.empty() && first.period == 0) continue;  // its instant says all
+    std::vector<Agenda::Armed> each;
+    for (const io::ScenarioEvent* event : matches) {
+      const auto at = scheduled.find(event);
+      const Agenda::Armed* const past = past_of(*event);
+      if (at != scheduled.end()) {
+        each.push_back(*at->second);
+        if (!event->after.empty() && each.back().done)  // only because what it comes after is over
+          each.back().done = false, each.back().time = HUGE_VAL;
+      } else if (past != nullptr)
+        each.push_back(*past);
+    }
+    if (each.size() == matches.size()) armed[place].each = std::move(each);
   }
   return armed;
 }

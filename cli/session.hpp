@@ -1,7 +1,9 @@
 #pragma once
 // From a scenario file to a simulation that is ready to run: what `run`, `check`, `evaluate` and `explain` have in common.
+#include <deque>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <momentree/io/result_columns.hpp>
@@ -33,10 +35,23 @@ class Session {
 
  private:
   void read(const std::string& file, const std::string& mechanism, std::vector<io::RestoredState>& documents) const;
+  void take_armed(const io::ArmedEvent& event, const std::string& file);
+  const Agenda::Armed* past_of(const io::ScenarioEvent& event) const;
+  void resume();
+  void schedule_followers(std::vector<const io::ScenarioEvent*>& events);
+  const io::ScenarioEvent& original(const io::ScenarioEvent& event) const;
 
   const io::Scenario& scenario_;
   Simulation simulation_;
   io::Armed armed_at_start_;
+  StepMemory memory_;
+  io::Schedule scheduled_;
+  std::unordered_map<std::string, std::size_t> by_name_;                // places in armed_at_start_
+  std::vector<std::vector<const io::ScenarioEvent*>> matches_;          // by place
+  std::unordered_map<const io::ScenarioEvent*, std::size_t> match_of_;  // which of the matches it is
+  // Of what comes after events that are over, and is due: as events at that instant.
+  std::deque<io::ScenarioEvent> pending_;
+  std::unordered_map<const io::ScenarioEvent*, const io::ScenarioEvent*> original_;
   bool from_document_ = false;
 };
 

@@ -60,6 +60,8 @@ constexpr Unit units[] = {
     {"kW", torque / time, 1, 3},
     {"Pa", force / (length * length), 1, 0},
     {"rpm", angular_speed, 2 * pi / 60, 0},
+    {"Hz", frequency, 1, 0},
+    {"kHz", frequency, 1, 3},
 };
 
 // What people write for a unit, and no slip of the finger would explain.
@@ -67,22 +69,14 @@ struct Habit {
   const char *written, *meant;
 };
 constexpr Habit habits[] = {
-    {"°", "deg"},     {"degree", "deg"},  {"degrees", "deg"},
-    {"º", "deg"},     {"radian", "rad"},  {"radians", "rad"},
-    {"meter", "m"},   {"meters", "m"},    {"metre", "m"},
-    {"metres", "m"},  {"M", "m"},         {"second", "s"},
-    {"seconds", "s"}, {"sec", "s"},       {"S", "s"},
-    {"gram", "g"},    {"grams", "g"},     {"G", "g"},
-    {"gr", "g"},      {"kilogram", "kg"}, {"kilograms", "kg"},
-    {"KG", "kg"},     {"Kg", "kg"},       {"newton", "N"},
-    {"n", "N"},       {"Newton", "N"},    {"Nm", "N m"},
-    {"Nms", "N m s"}, {"Nmm", "N mm"},    {"mNm", "mN m"},
-    {"kgm", "kg m"},  {"kgm2", "kg m^2"}, {"gcm2", "g cm^2"},
-    {"hr", "h"},      {"hours", "h"},     {"minutes", "min"},
-    {"inch", "in"},   {"inches", "in"},   {"Hz", "rad/s or rpm"},
-    {"turn", "rev"},  {"turns", "rev"},   {"lbs", "lb"},
-    {"m2", "m^2"},    {"cm2", "cm^2"},    {"mm2", "mm^2"},
-    {"s2", "s^2"},    {"m²", "m^2"},      {"s²", "s^2"},
+    {"°", "deg"},     {"degree", "deg"},  {"degrees", "deg"},  {"º", "deg"},     {"radian", "rad"}, {"radians", "rad"},
+    {"meter", "m"},   {"meters", "m"},    {"metre", "m"},      {"metres", "m"},  {"M", "m"},        {"second", "s"},
+    {"seconds", "s"}, {"sec", "s"},       {"S", "s"},          {"gram", "g"},    {"grams", "g"},    {"G", "g"},
+    {"gr", "g"},      {"kilogram", "kg"}, {"kilograms", "kg"}, {"KG", "kg"},     {"Kg", "kg"},      {"newton", "N"},
+    {"n", "N"},       {"Newton", "N"},    {"Nm", "N m"},       {"Nms", "N m s"}, {"Nmm", "N mm"},   {"mNm", "mN m"},
+    {"kgm", "kg m"},  {"kgm2", "kg m^2"}, {"gcm2", "g cm^2"},  {"hr", "h"},      {"hours", "h"},    {"minutes", "min"},
+    {"inch", "in"},   {"inches", "in"},   {"hz", "Hz"},        {"turn", "rev"},  {"turns", "rev"},  {"lbs", "lb"},
+    {"m2", "m^2"},    {"cm2", "cm^2"},    {"mm2", "mm^2"},     {"s2", "s^2"},    {"m²", "m^2"},     {"s²", "s^2"},
 };
 
 const Unit* find_unit(std::string_view name) {
@@ -262,6 +256,9 @@ std::string name_of(const Dimension& d) {
       {torque * time, "an angular momentum (N m s)"},
       {force * time, "a momentum (N s)"},
       {length * length, "an area (m^2)"},
+      {frequency, "a frequency (Hz)"},
+      {force / (speed * speed), "a quadratic drag (N s^2/m^2)"},
+      {mass / (length * length * length), "a density (kg/m^3)"},
   };
   for (const Named& n : named)
     if (n.dimension == d) return n.name;

@@ -21,6 +21,7 @@ struct Dimension {
 namespace dimension {
 inline constexpr Dimension number{}, length{.m = 1}, mass{.kg = 1}, time{.s = 1}, angle{.rad = 1};
 inline constexpr Dimension speed = length / time, angular_speed = angle / time, acceleration = speed / time;
+inline constexpr Dimension frequency = number / time;  // turns or events per second: no radians
 inline constexpr Dimension inertia = mass * length * length, force = mass * acceleration, torque = force * length;
 }  // namespace dimension
 

@@ -1,5 +1,6 @@
 #include <momentree/dynamics/acceleration.hpp>
 
+#include <momentree/dynamics/body_forces.hpp>
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/dispatch.hpp>
@@ -24,6 +25,7 @@ void accelerate(const Tree& tree, const State& state, Work<double>& work) noexce
   forward_dynamics(tree, state, work);
   if (work.accelerated == state.stamp()) return;
   joint_forces(tree, state.time(), state.q().data(), work, work.a.get());
+  clear_other_loads(tree, work);
   evaluate_accelerations<double>(tree, state.q().data(), work);
   work.accelerated = state.stamp();
 }
@@ -42,10 +44,18 @@ Force<double> pure_reaction(const Tree& tree, const State& state, const Work<dou
     const auto E = K::template columns<double>(tree.link(b), joint);
     double force[6] = {};
     for (std::size_t i = 0; i < E.size(); ++i)
-      if ((tree.link(b).locked >> i & 1u) == 0) force[i] = dot(E[i], Tr);
+      if ((tree.joint(b).locked >> i & 1u) == 0) force[i] = dot(E[i], Tr);
     return K::drive_wrench(tree.link(b), joint, force);
   });
   return on_declared_child(tree, state, work, b, Tr - drive);
+}
+
+void joint_effort(const Tree& tree, const State& state, const Work<double>& work, int b, double* effort) noexcept {
+  MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
+  project(tree, b, joint_state(tree, state, work, b), work.reactions[static_cast<std::size_t>(b)], effort);
+  const int at = tree.first_p(b);
+  for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
+    effort[i] += tree.armature()[at + i] * work.a[static_cast<std::size_t>(at + i)];
 }
 
 BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {

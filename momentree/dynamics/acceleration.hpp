@@ -5,12 +5,14 @@
 
 namespace momentree {
 
-/// Accelerations u̇ of all joints in work.a (packed as p; zero where a freedom is locked); of every body, in its kernel frame, Ω̇
-/// less gravity in work.accelerations and the whole wrench Tr of its inboard joint in work.reactions.
-/// Evaluates the state first where needed; a work that has them already is left as it is. Neither allocates nor throws.
+/// Accelerations u̇ of all joints in work.a (packed as p; zero where a freedom is locked, s̈ where its motion is prescribed); of
+/// every body, in its kernel frame, Ω̇ less gravity in work.accelerations and the whole wrench Tr of its inboard joint in
+/// work.reactions. Evaluates the state first where needed; a work that has them already is left as it is. Neither allocates nor
+/// throws.
 void accelerate(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
-/// The same passes for any scalar, at coordinates q: after evaluate_motions there, and with the joint forces τ in work.a.
+/// The same passes for any scalar, at coordinates q: after evaluate_motions there, and with the joint forces τ (s̈ where a motion
+/// is prescribed) in work.a; where forces act on bodies, with T of every body in work.loads.
 template <class T>
 void evaluate_accelerations(const Tree& tree, const T* q, Work<T>& work) noexcept;
 
@@ -27,6 +29,10 @@ Force<double> reaction(const Tree& tree, const State& state, const Work<double>&
 /// of the joint's child side and a torque across it; free: force and torque about that origin. What holds a locked freedom is a
 /// constraint and stays.
 Force<double> pure_reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+
+/// What acts along each freedom of b's joint, drive, spring, damping and friction together (nv numbers, N m or N): Eᵀ Tr +
+/// rotor·u̇ = τ. Where the motion is prescribed, that is the effort which it takes; where a freedom is locked, what holds it.
+void joint_effort(const Tree& tree, const State& state, const Work<double>& work, int b, double* effort) noexcept;
 
 /// Time derivatives of what a user sees of a body's motion: the velocity of its frame's origin (m/s²) and its angular velocity
 /// (rad/s²), world axes.

@@ -28,6 +28,7 @@ struct RateSweep {
   void inboard(const Segment& segment, Force<T>& through) const {
     const auto order = tree.order();
     const auto flows = tree.flows();
+    const Force<T>* const loads = tree.loaded_bodies().empty() ? nullptr : work.loads.get();
     Force<T> W = through;  // what the children ask, and soon the body itself
     for (int i = segment.end - 1; i >= segment.begin; --i) {
       const int b = order[static_cast<std::size_t>(i)];
@@ -42,6 +43,7 @@ struct RateSweep {
       if ((flow & flow::tip) != 0) W = {};
       passage.collect(b, flow, W);
       W += turning_wrench(link.body, velocity);
+      if (loads != nullptr) W = W - loads[body];
       K::template reduce_wrench<T>(link, joint, record, udot, W, udot);  // (51)
       work.reactions[body] = W;
       const Motion<T> bias = K::template acceleration_bias<T>(link, joint, velocity, work.v.get() + at);

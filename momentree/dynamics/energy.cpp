@@ -1,8 +1,17 @@
 #include <momentree/dynamics/energy.hpp>
 
+#include <momentree/dynamics/forces/soft_stop.hpp>
 #include <momentree/dynamics/forward.hpp>
 
 namespace momentree {
+
+namespace {
+double stop_energy(const Tree& tree, const State& state, int b) noexcept {
+  const JointParameters* p = tree.parameters(b);
+  if (p == nullptr || !p->limits.soft()) return 0;
+  return forces::soft_stop_energy(*p, info(tree.joint(b).kind).nv, state.q().data() + tree.first_q(b));
+}
+}  // namespace
 
 Totals totals(const Tree& tree, const State& state, Work<double>& work) noexcept {
   locate_bodies(tree, state, work);
@@ -23,6 +32,7 @@ Totals totals(const Tree& tree, const State& state, Work<double>& work) noexcept
     sum.kinetic += 0.5 * tree.armature()[i] * work.v[static_cast<std::size_t>(i)] * work.v[static_cast<std::size_t>(i)];
   double force[6];
   for (int b : tree.spring_joints()) sum.potential += joint_spring(tree, state.q().data(), b, force);
+  for (int b : tree.forced_joints()) sum.potential += stop_energy(tree, state, b);
   return sum;
 }
 
@@ -31,6 +41,7 @@ double joint_energy(const Tree& tree, const State& state, const Work<double>& wo
   double energy = 0, force[6];
   const JointParameters* p = tree.parameters(b);
   if (p != nullptr && p->stiffness.any()) energy += joint_spring(tree, state.q().data(), b, force);
+  energy += stop_energy(tree, state, b);
   const int at = tree.first_p(b);
   for (int i = at; i < at + info(tree.joint(b).kind).nv; ++i)
     energy += 0.5 * tree.armature()[i] * work.v[static_cast<std::size_t>(i)] * work.v[static_cast<std::size_t>(i)];
@@ -41,6 +52,14 @@ Pose user_pose(const Tree& tree, const Mat3& kernel_R, const Vec3& kernel_r, int
   const KernelFrame& f = tree.frame(b);
   const Mat3 R = kernel_R * transpose(f.R);
   return {kernel_r - R * f.r, quaternion_of(R)};
+}
+
+BodyMotion user_motion(const Tree& tree, const Kinematics<double>& body, int b) noexcept {
+  BodyMotion m;
+  m.pose = user_pose(tree, body, b);
+  m.angular = body.R * body.velocity.w;
+  m.linear = body.R * body.velocity.v + cross(m.angular, m.pose.position - body.r);
+  return m;
 }
 
 }  // namespace momentree

@@ -1,4 +1,5 @@
 #pragma once
+#include <momentree/dynamics/motion.hpp>
 #include <momentree/dynamics/totals.hpp>
 #include <momentree/dynamics/work.hpp>
 
@@ -7,7 +8,8 @@ namespace momentree {
 /// Energies and momenta of the whole world, from the bodies (never as p·u/2). Locates the bodies where needed.
 Totals totals(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
-/// Potential energy of the spring and kinetic energy of the rotor of b's joint (J): what leaves with its freedoms.
+/// Potential energy of the spring and the soft stops and kinetic energy of the rotor of b's joint (J): what leaves with its
+/// freedoms.
 /// The work must be of this state.
 double joint_energy(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
 
@@ -19,5 +21,8 @@ inline Pose user_pose(const Tree& tree, const Kinematics<double>& body, int b) n
 inline Pose user_pose(const Tree& tree, const DenseCrossing<double>& body, int b) noexcept {
   return user_pose(tree, body.R, body.r, b);
 }
+
+/// Pose and velocities of the user's frame of body b, world axes.
+BodyMotion user_motion(const Tree& tree, const Kinematics<double>& body, int b) noexcept;
 
 }  // namespace momentree

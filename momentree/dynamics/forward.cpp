@@ -1,10 +1,20 @@
 #include <momentree/dynamics/forward.hpp>
 
+#include <algorithm>
+
+#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/body_forces.hpp>
+#include <momentree/dynamics/forces/friction.hpp>
+#include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/forces/position_control.hpp>
+#include <momentree/dynamics/forces/soft_stop.hpp>
+#include <momentree/dynamics/moment.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
 
 namespace {
+
 void add_springs(const Tree& tree, const double* q, double* force) noexcept {
   for (int b : tree.spring_joints()) {
     double spring[6];
@@ -14,29 +24,127 @@ void add_springs(const Tree& tree, const double* q, double* force) noexcept {
       if ((locked >> i & 1u) == 0) force[tree.first_p(b) + i] += spring[i];
   }
 }
-}  // namespace
 
-void add_joint_forces(const Tree& tree, [[maybe_unused]] double t, const double* q, Work<double>& work) noexcept {
-  work.power = {};
+// All but springs, dampers and constant efforts.
+void add_elements(const Moment& moment, const forces::Site& site, const JointFunction* function) noexcept {
+  const JointParameters& p = site.parameters;
+  if (p.friction.any()) forces::add_friction(site);
+  if (p.limits.soft()) forces::add_soft_stop(site);
+  if (p.drive != nullptr) {
+    if (!p.drive->effort.empty()) forces::add_efforts(site, *p.drive);
+    if (p.drive->pd.any()) forces::add_position_control(site, p.drive->pd);
+  }
+  if (function == nullptr) return;
+  double effort[6] = {};
+  (*function)(moment, {effort, static_cast<std::size_t>(site.nv)});
+  for (int i = 0; i < site.nv; ++i)
+    if (site.on(i)) forces::add_effort(site, i, effort[i]);
+}
+
+forces::Site site_of(const Tree& tree, double t, const double* q, const double* v, int b, double* force, Power& power) noexcept {
+  static const JointParameters none;
+  const JointParameters* p = tree.parameters(b);
+  return {p != nullptr ? *p : none, info(tree.joint(b).kind).nv, ~tree.joint(b).locked,   t,
+          q + tree.first_q(b),      v + tree.first_p(b),         force + tree.first_p(b), &power};
+}
+
+// `dampers` false: without what joint_damping stands for.
+Power add_forces(const Tree& tree, double t, const double* q, Work<double>& work, double* force, bool dampers = true) noexcept {
+  Power power;
   if (tree.has_forces()) {
     const double *damping = tree.damping(), *effort = tree.effort(), *v = work.v.get();
-    double* pdot = work.pdot.get();
     double dissipated = 0, given = 0;
     for (int i = 0; i < tree.nv(); ++i) {
-      const double friction = damping[i] * v[i];
-      pdot[i] += effort[i] - friction;
+      const double friction = dampers ? damping[i] * v[i] : 0.0;
+      force[i] += effort[i] - friction;
       dissipated += friction * v[i];
       given += effort[i] * v[i];
     }
-    work.power = {dissipated, given};
+    if (!dampers)  // those of driven freedoms are never left out
+      for (const int b : tree.driven_joints()) dissipated += damping[tree.first_p(b)] * v[tree.first_p(b)] * v[tree.first_p(b)];
+    power = {dissipated, given};
   }
-  add_springs(tree, q, work.pdot.get());
+  add_springs(tree, q, force);
+  if (tree.forced_joints().empty()) return power;
+  const Moment moment(tree, t, q, work);
+  for (const int b : tree.forced_joints())
+    add_elements(moment, site_of(tree, t, q, work.v.get(), b, force, power), tree.function(b));
+  return power;
 }
 
-void joint_forces(const Tree& tree, [[maybe_unused]] double t, const double* q, const Work<double>& work, double* tau) noexcept {
-  const double *damping = tree.damping(), *effort = tree.effort(), *v = work.v.get();
-  for (int i = 0; i < tree.nv(); ++i) tau[i] = tree.has_forces() ? effort[i] - damping[i] * v[i] : 0.0;
-  add_springs(tree, q, tau);
+// Where motions are prescribed: accelerations at once, for the power of what drives them.
+void add_forces_and_motions(const Tree& tree, double t, const double* q, Work<double>& work) noexcept {
+  std::fill_n(work.a.get(), tree.nv(), 0.0);
+  work.power = add_forces(tree, t, q, work, work.a.get());
+  for (const int b : tree.driven_joints())
+    work.passive[static_cast<std::size_t>(b)] = work.a[static_cast<std::size_t>(tree.first_p(b))];
+  for (int i = 0; i < tree.nv(); ++i) work.pdot[static_cast<std::size_t>(i)] += work.a[static_cast<std::size_t>(i)];
+  add_body_forces(tree, t, q, work);
+  clear_other_loads(tree, work);
+  put_accelerations(tree, t, work.pdot.get());
+  put_accelerations(tree, t, work.a.get());
+  evaluate_accelerations<double>(tree, q, work);
+  for (const int b : tree.driven_joints())
+    work.power.work += motion_effort(tree, q, work, b) * work.v[static_cast<std::size_t>(tree.first_p(b))];
+}
+
+}  // namespace
+
+void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Work<double>& work) noexcept {
+  if (tree.loaded_bodies().empty() && !tree.has_functions())
+    evaluate_rates<double>(tree, q, p, work);
+  else
+    evaluate_motions<double>(tree, q, p, work);
+}
+
+void evaluate_stage(const Tree& tree, double t, const double* q, const double* p, Work<double>& work) noexcept {
+  if (tree.driven_joints().empty()) {
+    evaluate_for_forces(tree, q, p, work);
+    add_joint_forces(tree, t, q, work);
+    add_body_forces(tree, t, q, work);
+  } else {
+    evaluate_motions<double>(tree, q, p, work);
+    add_forces_and_motions(tree, t, q, work);
+  }
+}
+
+void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, bool dampers) noexcept {
+  work.power = add_forces(tree, t, q, work, work.pdot.get(), dampers);
+  put_accelerations(tree, t, work.pdot.get());
+}
+
+void joint_damping(const Tree& tree, [[maybe_unused]] const double* q, [[maybe_unused]] const double* u,
+                   double* damping) noexcept {
+  std::copy_n(tree.damping(), tree.nv(), damping);
+  clear_driven(tree, damping);
+}
+
+void joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, double* tau) noexcept {
+  std::fill_n(tau, tree.nv(), 0.0);
+  add_forces(tree, t, q, work, tau);
+  put_accelerations(tree, t, tau);
+}
+
+void unlocked_forces(const Tree& tree, double t, const double* q, Work<double>& work, int b, double* force) noexcept {
+  const int nv = info(tree.joint(b).kind).nv;
+  std::fill_n(force, nv, 0.0);
+  const JointParameters* p = tree.parameters(b);
+  if (p != nullptr && p->stiffness.any()) joint_spring(tree, q, b, force);
+  Power power;
+  forces::Site site = site_of(tree, t, q, work.v.get(), b, work.impulse.get(), power);
+  site.force = force, site.acts = ~0u;
+  for (int i = 0; i < nv; ++i) force[i] += site.parameters.effort.of(i);
+  add_elements(Moment(tree, t, q, work), site, tree.function(b));
+}
+
+double motion_effort(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
+  const auto at = static_cast<std::size_t>(tree.first_p(b));
+  const double through = dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+    const auto E = decltype(tag)::type::template columns<double>(tree.link(b), joint_state(tree, q, work, b));
+    if constexpr (E.size() > 0) return dot(E[0], work.reactions[static_cast<std::size_t>(b)]);
+    return 0.0;
+  });
+  return through + tree.armature()[at] * work.a[at] - work.passive[static_cast<std::size_t>(b)];
 }
 
 double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept {
@@ -45,7 +153,7 @@ double joint_spring(const Tree& tree, const double* q, int b, double* force) noe
     const JointParameters& p = *tree.parameters(b);
     double stiffness[6] = {}, rest[7] = {};
     K::Kernels::zero(rest);
-    for (int i = 0; i < K::info.nv; ++i) stiffness[i] = p.stiffness.size() == 1 ? p.stiffness[0] : p.stiffness[i];
+    for (int i = 0; i < K::info.nv; ++i) stiffness[i] = p.stiffness.of(i);
     if (!p.rest.empty())
       for (int i = 0; i < K::info.nq; ++i) rest[i] = p.rest[i];
     return K::Kernels::spring(q + tree.first_q(b), rest, stiffness, force);
@@ -56,8 +164,36 @@ void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) 
   MT_REQUIRE(state.topology() == tree.revision(), "the state is of this tree's present topology");
   if (work.evaluated == state.stamp()) return;
   evaluate_motions<double>(tree, state.q().data(), state.p().data(), work);
-  add_joint_forces(tree, state.time(), state.q().data(), work);
+  if (tree.driven_joints().empty()) {
+    add_joint_forces(tree, state.time(), state.q().data(), work);
+    add_body_forces(tree, state.time(), state.q().data(), work);
+  } else {
+    add_forces_and_motions(tree, state.time(), state.q().data(), work);
+    work.accelerated = state.stamp();
+  }
   work.evaluated = state.stamp();
+}
+
+void locate_stage(const Tree& tree, const double* q, Work<double>& work) noexcept {
+  for (int b : tree.order()) {
+    const int parent = tree.parent(b);
+    const DenseCrossing<double> x = joint_crossing(tree, q, work, b);
+    Kinematics<double>& own = work.bodies[static_cast<std::size_t>(b)];
+    Motion<double> velocity{};
+    if (parent < 0) {
+      own.R = x.R, own.r = x.r;
+    } else {
+      const Kinematics<double>& outer = work.bodies[static_cast<std::size_t>(parent)];
+      own.R = outer.R * x.R;
+      own.r = outer.r + outer.R * x.r;
+      velocity = outer.velocity;
+    }
+    x.outboard(velocity);
+    own.velocity = dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+      return decltype(tag)::type::template spatial_velocity<double>(tree.link(b), joint_state(tree, q, work, b), velocity,
+                                                                    work.v.get() + tree.first_p(b));
+    });
+  }
 }
 
 void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noexcept {
@@ -80,11 +216,11 @@ void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noe
   work.located = state.stamp();
 }
 
-DenseCrossing<double> joint_crossing(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+DenseCrossing<double> joint_crossing(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
   return dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) -> DenseCrossing<double> {
     using K = typename decltype(tag)::type;
     if constexpr (K::turns_about_z) {
-      return dense_crossing<K, double>(tree.link(b), joint_state(tree, state, work, b));
+      return dense_crossing<K, double>(tree.link(b), joint_state(tree, q, work, b));
     } else {
       return work.record<K>(tree, b).x;
     }

@@ -4,36 +4,66 @@
 
 namespace momentree {
 
-/// One evaluation at packed arrays q (nq) and p (nv): writes work.v, work.qdot, work.pdot and the records. Neither allocates nor
-/// throws. Marks the work as of no state: use `forward_dynamics` for what a change or a reader needs.
+/// One evaluation at packed arrays q (nq) and p (nv): writes work.v, work.qdot, work.pdot. Neither allocates nor throws. Marks
+/// the work as of no state, and leaves records and angles of no use to others: use `forward_dynamics` for what a change or a
+/// reader needs.
 template <class T>
 void evaluate_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept;
 
-/// The same, and keeps the motion of every body in work.motions.
+/// The same by kernels that also keep the motion of every body in work.motions, records, and sines and cosines of the joints.
 template <class T>
 void evaluate_motions(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept;
 
 /// The same for a state: work then carries the state's stamp. A work that carries it already is left as it is.
 void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
-/// Joint forces of dampers, springs and efforts at time t, added to pdot; their power is work.power.
-void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work) noexcept;
+/// evaluate_rates, or evaluate_motions where forces will ask where joints and bodies are.
+void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Work<double>& work) noexcept;
 
-/// The same forces τ (nv numbers), for velocities work.v; zero where a freedom is locked.
-void joint_forces(const Tree& tree, double t, const double* q, const Work<double>& work, double* tau) noexcept;
+/// One evaluation with the forces at time t: pdot and power are whole then. Of no state, as evaluate_rates; worlds in which
+/// motions are prescribed take the second recursion too, for the power of their drives.
+void evaluate_stage(const Tree& tree, double t, const double* q, const double* p, Work<double>& work) noexcept;
+
+/// Joint forces of dampers (unless those of joint_damping are left out), springs, efforts and all other elements at time t, added
+/// to pdot, which has s̈ of what is driven instead; their power is work.power, but for that of prescribed motions.
+void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, bool dampers = true) noexcept;
+/// What resists motion, c = −∂τ/∂u per freedom (nv numbers, in the order of p) at coordinates q and velocities u: for methods
+/// that take it implicitly, and the rest of the joint forces, add_joint_forces without dampers, as it is. Dampers; not friction,
+/// soft stops and position control, whose resistance changes with the motion; nothing where a motion is prescribed.
+void joint_damping(const Tree& tree, const double* q, const double* u, double* damping) noexcept;
+
+/// The same forces τ (nv numbers), for velocities work.v; zero where a freedom is locked, s̈ where it is driven.
+void joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, double* tau) noexcept;
+
+/// The forces of springs and drives on the freedoms of b's joint (nv numbers) as if none were locked: what a stop must hold.
+void unlocked_forces(const Tree& tree, double t, const double* q, Work<double>& work, int b, double* force) noexcept;
 
 /// The spring of body b's joint: writes its generalised force (nv numbers) and returns its energy (J). The joint must have one.
 double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept;
 
+/// The effort that b's driven joint takes, beside its springs, dampers and friction (N m, N): work.a and work.reactions are those
+/// of this evaluation.
+double motion_effort(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept;
+
 /// World poses and velocities of all bodies (kernel frames) into work.bodies; evaluates first where needed.
 void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
+/// The same at coordinates q of no state, for the velocities that the last evaluation found there: after a stage. Writes
+/// work.bodies alone.
+void locate_stage(const Tree& tree, const double* q, Work<double>& work) noexcept;
+
 /// Coordinates and trigonometry of b's joint, as the last evaluation left them in the work.
+inline JointState<double> joint_state(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
+  return {q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
+}
 inline JointState<double> joint_state(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
-  return {state.q().data() + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
+  return joint_state(tree, state.q().data(), work, b);
 }
 /// The crossing of b's joint, with its placement, as the last evaluation found it.
-DenseCrossing<double> joint_crossing(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+DenseCrossing<double> joint_crossing(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept;
+inline DenseCrossing<double> joint_crossing(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+  return joint_crossing(tree, state.q().data(), work, b);
+}
 
 extern template void evaluate_rates<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;
 extern template void evaluate_motions<double>(const Tree&, const double*, const double*, Work<double>&) noexcept;

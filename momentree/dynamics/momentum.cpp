@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/sincos.hpp>
@@ -64,9 +65,14 @@ void project_momentum(const Tree& tree, const double* q, const double* v, double
       using K = typename decltype(tag)::type;
       const auto E = K::template columns<double>(tree.link(b), joint);
       const int at = tree.first_p(b);
-      for (std::size_t c = 0; c < E.size(); ++c)
-        p[at + static_cast<int>(c)] =
-            dot(E[c], momenta[i]) + tree.armature()[at + static_cast<int>(c)] * v[at + static_cast<int>(c)];
+      const Link& link = tree.link(b);
+      for (std::size_t c = 0; c < E.size(); ++c) {
+        const int f = at + static_cast<int>(c);
+        if ((link.driven >> c & 1u) != 0)
+          p[f] = v[f];  // the prescribed rate
+        else
+          p[f] = dot(E[c], momenta[i]) + tree.armature()[f] * v[f];
+      }
     });
     if (tree.parent(b) >= 0) {
       crossings[i].inboard(momenta[i]);
@@ -89,6 +95,8 @@ void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>
         for (int i = 0; i < info(tree.joint(a).kind).nv; ++i) p[first + i] = tree.armature()[first + i] * v[i];
       }
       absorb(tree, a, joint, P, +1, p);
+      for (int i = 0; a == b && i < info(tree.joint(a).kind).nv; ++i)
+        if ((tree.link(a).driven >> i & 1u) != 0) p[first + i] = v[i];
       crossing.inboard(P);  // (29)
     });
 }
@@ -102,6 +110,7 @@ State start_state(const Model& model, const Tree& tree) {
     for (int i = 0; i < s.q.size(); ++i) edit.q[static_cast<std::size_t>(tree.first_q(b) + i)] = s.q[i];
     for (int i = 0; i < s.v.size(); ++i) v[static_cast<std::size_t>(tree.first_p(b) + i)] = s.v[i];
   }
+  follow_motions(tree, state.time(), edit.q.data(), v.data());
   project_momentum(tree, state.q().data(), v.data(), edit.p.data());
   return state;
 }

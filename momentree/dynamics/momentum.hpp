@@ -8,14 +8,14 @@
 namespace momentree {
 
 /// p from v, both packed (nv), at coordinates q: one outward pass for Ω, one inward for Pb. Set-up only: allocates.
-/// p = Eᵀ Pb + armature·v (19).
+/// p = Eᵀ Pb + armature·v (19); where a motion is prescribed, the rate v.
 void project_momentum(const Tree& tree, const double* q, const double* v, double* p);
 
 /// Body b is new: adds its momentum to the p of its joint (which is set) and of all joints inboard, so that no velocity changes.
 /// `parent`: velocity of its parent, kernel frame of the parent; v: of the new joint. Reads q, no work; p is the packed array.
 void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>& parent, const double* v, double* p) noexcept;
 
-/// The state of a model's start values q, v, at time 0.
+/// The state of a model's start values q, v, at time 0; joints whose motion is prescribed start where that says.
 State start_state(const Model& model, const Tree& tree);
 
 /// Articulated momentum Pb of body b (14): of b and all outboard bodies, kernel frame of b. The work must be of this state.
@@ -30,7 +30,7 @@ DenseCrossing<double> locate_body(const Tree& tree, const State& state, const Wo
 void shed_momentum(const Tree& tree, const State& state, const Work<double>& work, int b, Force<double> W, double sign,
                    double* p) noexcept;
 
-/// p of b's joint changes by sign·Eᵀ W, but for locked freedoms; p is the packed array, W in the kernel frame of b.
+/// p of b's joint changes by sign·Eᵀ W, but for locked and driven freedoms; p is the packed array, W in the kernel frame of b.
 void absorb(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double sign, double* p) noexcept;
 /// Writes Eᵀ W of b's joint (nv numbers), W in the kernel frame of b.
 void project(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double* p) noexcept;

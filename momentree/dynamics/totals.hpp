@@ -4,7 +4,7 @@ namespace momentree {
 /// Energies (J) and momenta of a whole world, world axes, angular momentum about the world's origin.
 struct Totals {
   double kinetic = 0;    ///< rotors included
-  double potential = 0;  ///< gravity (zero at the world's origin) and springs
+  double potential = 0;  ///< gravity (zero at the world's origin), springs and soft stops
   Vec3 linear{}, angular{};
 };
 }  // namespace momentree

@@ -9,7 +9,7 @@
 
 namespace momentree {
 
-/// Power at an instant (W): what dampers take, what efforts give.
+/// Power at an instant (W): what dampers take, and soft stops (with what they store), what efforts give.
 struct Power {
   double dissipated = 0, work = 0;
 };
@@ -43,6 +43,7 @@ class Work {
         pdot(make(6 * tree.bodies())),
         a(make(6 * tree.bodies())),
         impulse(make(6 * tree.bodies())),
+        passive(make(tree.bodies())),
         records(make(static_cast<long>(tree.record_capacity()))),
         inlets(std::make_unique_for_overwrite<Inboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         outlets(std::make_unique_for_overwrite<Outboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
@@ -53,6 +54,7 @@ class Work {
         motions(std::make_unique_for_overwrite<BodySweep<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         accelerations(std::make_unique_for_overwrite<Motion<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         reactions(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        loads(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         path(std::make_unique_for_overwrite<int[]>(static_cast<std::size_t>(tree.bodies()))),
         bodies(std::make_unique_for_overwrite<Kinematics<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         capacity_(tree.bodies()) {}
@@ -76,6 +78,7 @@ class Work {
   Array cos, sin, angle;
   Array v, qdot, pdot, a;  ///< packed as p, q, p, p; a = v̇
   Array impulse;           ///< scratch of impacts, packed as p
+  Array passive;           ///< by body: what acts on its driven joint beside the motion's own effort
   Array records;
   Power power;
   std::unique_ptr<Inboard<T>[]> inlets;       ///< by body: what its children but the first ask, on the way in
@@ -87,6 +90,7 @@ class Work {
   std::unique_ptr<BodySweep<T>[]> motions;     ///< of the state of `evaluated`
   std::unique_ptr<Motion<T>[]> accelerations;  ///< Ω̇ of each body less gravity, as felt in the body; kernel frame
   std::unique_ptr<Force<T>[]> reactions;       ///< Tr: wrench of the inboard joint on the body, kernel frame
+  std::unique_ptr<Force<T>[]> loads;           ///< T: what acts on each of the tree's loaded bodies from outside, kernel frame
   std::unique_ptr<int[]> path;                 ///< scratch of changes that walk from a root to a body
   std::unique_ptr<Kinematics<T>[]> bodies;
 

@@ -9,12 +9,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/integrate/integrator.hpp>
 
 namespace momentree {
 
 /// A tableau has `stages` (the last one at the new state), `order`, `lower` (order of the estimate), a[i][j] and c[i] for i <
-/// stages − 1, b[j] for j < stages − 1, `estimates` and error[e][j] for j < stages; and, where it has dense output, `dense`.
+/// stages − 1, b[j] for j < stages − 1, `estimates` and error[e][j] for j < stages; and, where it has dense output, `dense`, the
+/// weights of all stages at a fraction of the step. Dense output may need stages of its own, evaluated only where it is asked
+/// for: dense_stages of them with dense_c[i] and dense_a[i][j].
 template <class Tableau>
 class Embedded : public Integrator {
  public:
@@ -28,8 +31,8 @@ class Embedded : public Integrator {
         u0_(scratch(nv_max_)),
         q_(scratch(nq_max_)),
         p_(scratch(nv_max_)),
-        kq_(scratch(Tableau::stages * nq_max_)),
-        kp_(scratch(Tableau::stages * nv_max_)),
+        kq_(scratch((Tableau::stages + dense_stages()) * nq_max_)),
+        kp_(scratch((Tableau::stages + dense_stages()) * nv_max_)),
         solver_(tree) {
     proposal_ = std::min(control.step, control.max_step);
   }
@@ -40,7 +43,7 @@ class Embedded : public Integrator {
     begin(evaluate, state);
     stages(evaluate, state.time(), h);
     if (!plausible(evaluate.tree(), q0_.get(), q_.get(), p_.get())) return false;
-    accept(state, books, h);
+    accept(evaluate.tree(), state, books, h);
     evaluate(state);
     keep(Tableau::stages - 1, evaluate.work());
     return true;
@@ -50,20 +53,21 @@ class Embedded : public Integrator {
     begin(evaluate, state);
     const double start = state.time();
     constexpr double longest_growth = 5, longest_cut = 0.2, safety = 0.9;
-    double h = std::min({most, control_.max_step});
+    double h = most <= control_.max_step * (1 + 1e-9) ? most : control_.max_step;  // as next_step: no sliver is left
     bool rejected = false;
     const Books before = books;
     for (;;) {
       h = h < most ? (start + h) - start : h;  // what the clock advances
-      if (!(h > shortest * std::max(std::fabs(start), control_.step))) break;
+      // A step that is asked for is taken, be it the rounding between two instants; shorter ones of its own would lead nowhere.
+      if (rejected && !(h > shortest * std::max(std::fabs(start), control_.step))) break;
       stages(evaluate, state.time(), h);
       double error = HUGE_VAL;
       const bool fine = plausible(evaluate.tree(), q0_.get(), q_.get(), p_.get());
       if (fine) {
-        accept(state, books, h);
+        accept(evaluate.tree(), state, books, h);
         evaluate(state);
         keep(Tableau::stages - 1, evaluate.work());
-        error = estimate(evaluate, h);
+        error = estimate(evaluate, books.work, h);
       }
       const double wanted = safety * std::pow(error, -1.0 / (Tableau::lower + 1));  // NaN where the error is
       const double factor = wanted >= longest_cut ? std::min(wanted, longest_growth) : longest_cut;
@@ -88,19 +92,17 @@ class Embedded : public Integrator {
     return 0;
   }
 
-  bool interpolate(const Tree& tree, double theta, double* q, double* p) const noexcept final {
+  bool dense() const final {
+    return requires { Tableau::dense(0.5); };
+  }
+  bool interpolate(Evaluator& evaluate, double theta, double* q, double* p) noexcept final {
     if constexpr (requires { Tableau::dense(theta); }) {
-      if (last_ == 0 || tree.nq() != nq_ || tree.nv() != nv_) return false;
+      if (last_ == 0 || evaluate.tree().nq() != nq_ || evaluate.tree().nv() != nv_) return false;
+      extend(evaluate);
       const auto weights = Tableau::dense(theta);
-      std::copy_n(q0_.get(), nq_, q);
-      std::copy_n(p0_.get(), nv_, p);
-      for (int j = 0; j < Tableau::stages; ++j) {
-        const double w = last_ * weights[static_cast<std::size_t>(j)];
-        if (w == 0) continue;
-        for (int i = 0; i < nq_; ++i) q[i] += w * kq(j)[i];
-        for (int i = 0; i < nv_; ++i) p[i] += w * kp(j)[i];
-      }
-      normalise(tree, q);
+      combine(nq_, q0_.get(), weights.data(), static_cast<int>(weights.size()), last_, kq_.get(), nq_max_, q);
+      combine(nv_, p0_.get(), weights.data(), static_cast<int>(weights.size()), last_, kp_.get(), nv_max_, p);
+      normalise(evaluate.tree(), q);
       return true;
     } else {
       return false;
@@ -109,6 +111,12 @@ class Embedded : public Integrator {
 
  private:
   static constexpr double shortest = 1e-14;  // no step shorter than that part of the time, or of the first step
+  static constexpr int dense_stages() {
+    if constexpr (requires { Tableau::dense_stages; })
+      return Tableau::dense_stages;
+    else
+      return 0;
+  }
 
   double* kq(int j) const { return kq_.get() + j * nq_max_; }
   double* kp(int j) const { return kp_.get() + j * nv_max_; }
@@ -116,7 +124,7 @@ class Embedded : public Integrator {
   void keep(int stage, const Work<double>& work) noexcept {
     std::copy_n(work.qdot.get(), nq_, kq(stage));
     std::copy_n(work.pdot.get(), nv_, kp(stage));
-    power_[stage] = work.power;
+    if (stage < Tableau::stages) power_[stage] = work.power;
   }
 
   void begin(const Evaluator& evaluate, const State& state) noexcept {
@@ -126,6 +134,8 @@ class Embedded : public Integrator {
     std::copy_n(state.q().data(), nq_, q0_.get());
     std::copy_n(state.p().data(), nv_, p0_.get());
     std::copy_n(evaluate.work().v.get(), nv_, u0_.get());
+    start_ = state.time();
+    last_ = 0;
     keep(0, evaluate.work());
   }
 
@@ -151,10 +161,11 @@ class Embedded : public Integrator {
       evaluate(t + Tableau::c[s] * h, q_.get(), p_.get());
       keep(s, evaluate.work());
     }
-    normalise(evaluate.tree(), q_.get());
+    end_step(evaluate.tree(), t + h, q_.get(), p_.get());
   }
 
-  void accept(State& state, Books& books, double h) noexcept {
+  void accept(const Tree& tree, State& state, Books& books, double h) noexcept {
+    take_stored(tree, q0_.get(), q_.get(), books);
     const State::Edit edit = state.edit();
     std::copy_n(q_.get(), nq_, edit.q.begin());
     std::copy_n(p_.get(), nv_, edit.p.begin());
@@ -164,10 +175,32 @@ class Embedded : public Integrator {
       books.work += h * Tableau::b[j] * power_[j].work;
     }
     last_ = h;
+    extended_ = false;
+  }
+
+  // The stages that dense output needs beyond those of the step; in a work of their own, for the caller's may be of the new
+  // state.
+  void extend([[maybe_unused]] Evaluator& evaluate) noexcept {
+    if constexpr (dense_stages() > 0) {
+      if (extended_) return;
+      extended_ = true;
+      Evaluator other(evaluate.tree(), solver_);
+      for (int s = 0; s < dense_stages(); ++s) {
+        const double* weights = Tableau::dense_a[s];
+        combine(nq_, q0_.get(), weights, Tableau::stages + s, last_, kq_.get(), nq_max_, q_.get());
+        combine(nv_, p0_.get(), weights, Tableau::stages + s, last_, kp_.get(), nv_max_, p_.get());
+        other(start_ + Tableau::dense_c[s] * last_, q_.get(), p_.get());
+        keep(Tableau::stages + s, solver_);
+      }
+      evaluate.count += other.count;
+      evaluate.seconds += other.seconds;
+    }
   }
 
   // Largest error of a coordinate or velocity in parts of what is allowed; the work is of the new state.
-  double estimate(Evaluator& evaluate, double h) noexcept {
+  // Where motions are prescribed, also of the work done: what only follows says nothing of the steps that its drive's power
+  // takes.
+  double estimate(Evaluator& evaluate, double work, double h) noexcept {
     const double* u1 = evaluate.work().v.get();
     double found[2] = {};
     for (int e = 0; e < Tableau::estimates; ++e) {
@@ -181,12 +214,21 @@ class Embedded : public Integrator {
         for (int j = 0; j < Tableau::stages; ++j) off += weights[j] * kq(j)[i];
         measure(h * off, q0_[static_cast<std::size_t>(i)], q_[static_cast<std::size_t>(i)]);
       }
+      if (!evaluate.tree().driven_joints().empty()) {
+        double off = 0, most = 0;
+        for (int j = 0; j < Tableau::stages; ++j) {
+          off += weights[j] * power_[j].work;
+          most = std::max(most, std::fabs(power_[j].work));
+        }
+        measure(h * off, work, h * most);
+      }
       double* dp = solver_.impulse.get();
       for (int i = 0; i < nv_; ++i) {
         double off = 0;
         for (int j = 0; j < Tableau::stages; ++j) off += weights[j] * kp(j)[i];
         dp[i] = h * off;
       }
+      clear_driven(evaluate.tree(), dp);
       evaluate.solve(q_.get(), dp, solver_);
       for (int i = 0; i < nv_; ++i) measure(solver_.v[static_cast<std::size_t>(i)], u0_[static_cast<std::size_t>(i)], u1[i]);
     }
@@ -200,7 +242,8 @@ class Embedded : public Integrator {
   std::unique_ptr<double[]> kq_, kp_;       // rates of the stages
   Power power_[Tableau::stages]{};
   Work<double> solver_;
-  double last_ = 0;  // length of the step that kq_, kp_ are of (s)
+  double start_ = 0, last_ = 0;  // the step that kq_, kp_ are of: when, and how long (s)
+  bool extended_ = false;        // with the stages of dense output
 };
 
 }  // namespace momentree

@@ -3,6 +3,9 @@
 #include <chrono>
 #include <cmath>
 
+#include <momentree/dynamics/body_forces.hpp>
+#include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/forces/soft_stop.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/method_list.hpp>
 #include <momentree/integrate/methods.hpp>
@@ -27,8 +30,15 @@ class Stopwatch {
 void Evaluator::operator()(double t, const double* q, const double* p) noexcept {
   const Stopwatch watch(seconds);
   ++count;
-  evaluate_rates<double>(*tree_, q, p, *work_);
-  add_joint_forces(*tree_, t, q, *work_);
+  evaluate_stage(*tree_, t, q, p, *work_);
+}
+
+void Evaluator::without_dampers(const Tree& other, double t, const double* q, const double* p) noexcept {
+  const Stopwatch watch(seconds);
+  ++count;
+  evaluate_for_forces(other, q, p, *work_);
+  add_joint_forces(other, t, q, *work_, false);
+  add_body_forces(other, t, q, *work_);
 }
 
 void Evaluator::operator()(const State& state) noexcept {
@@ -57,7 +67,7 @@ double velocity_resolution(const Tree& tree, std::span<const double> q) {
   std::vector<double> u(nv, 1.0), p(nv);
   for (const int b : tree.order())
     for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
-      if ((tree.joint(b).locked >> i & 1u) != 0) u[static_cast<std::size_t>(tree.first_p(b) + i)] = 0;
+      if ((tree.link(b).locked >> i & 1u) != 0) u[static_cast<std::size_t>(tree.first_p(b) + i)] = 0;
   project_momentum(tree, q.data(), u.data(), p.data());
   for (std::size_t i = 0; i < nv; ++i) p[i] *= u[i];
   Work<double> work(tree);
@@ -81,6 +91,15 @@ std::vector<std::string> integration_methods() {
       MOMENTREE_METHODS(MOMENTREE_METHOD)
 #undef MOMENTREE_METHOD
   };
+}
+
+void take_stored(const Tree& tree, const double* q0, const double* q1, Books& books) noexcept {
+  if (!tree.forced_joints().empty()) books.dissipated -= forces::stored(tree, q1) - forces::stored(tree, q0);
+}
+
+void end_step(const Tree& tree, double t, double* q, double* p) noexcept {
+  normalise(tree, q);
+  follow_motions(tree, t, q, p);
 }
 
 void normalise(const Tree& tree, double* q) noexcept {

@@ -21,6 +21,9 @@ class Evaluator {
   Work<double>& work() const { return *work_; }
   /// Rates at (q, p) and the time t into work().qdot, work().pdot, their power into work().power: a stage, of no state.
   void operator()(double t, const double* q, const double* p) noexcept;
+  /// The same without what joint_damping stands for, at the velocities that p has by the mass of `other`, which is tree() but for
+  /// the numbers of its rotors.
+  void without_dampers(const Tree& other, double t, const double* q, const double* p) noexcept;
   /// The same for a state; nothing to do if the work is of it already.
   void operator()(const State& state) noexcept;
   /// Velocities H⁻¹ p at q into other.v; rates there are meaningless. Counts as an evaluation.
@@ -38,6 +41,9 @@ class Evaluator {
 struct Books {
   double dissipated = 0, work = 0;
 };
+
+/// What a step from coordinates q0 to q1 stored in soft stops was not dissipated.
+void take_stored(const Tree& tree, const double* q0, const double* q1, Books& books) noexcept;
 
 /// How long steps are. Methods of fixed step read `step` alone; for adaptive ones it is the first step.
 struct StepControl {
@@ -76,10 +82,13 @@ class Integrator {
   double proposal() const { return proposal_; }
   void set_proposal(double seconds) { proposal_ = seconds; }
 
-  /// The state at fraction theta (0 … 1) of the last step, from the rates of its stages; quaternions of length one. False where
-  /// the method keeps nothing for that. What was changed after the step is not seen.
-  virtual bool interpolate(const Tree&, [[maybe_unused]] double theta, [[maybe_unused]] double* q,
-                           [[maybe_unused]] double* p) const noexcept {
+  /// True for a method with dense output.
+  virtual bool dense() const { return false; }
+  /// The state at fraction theta (0 … 1) of the last step, from the rates of its stages; quaternions of length one. May evaluate
+  /// more stages where it is first asked for in a step, and leaves evaluate.work() as it is. False where the method keeps nothing
+  /// for that. What was changed after the step is not seen.
+  virtual bool interpolate([[maybe_unused]] Evaluator& evaluate, [[maybe_unused]] double theta, [[maybe_unused]] double* q,
+                           [[maybe_unused]] double* p) noexcept {
     return false;
   }
 
@@ -99,6 +108,8 @@ bool is_adaptive(std::string_view method);
 /// Names of all methods.
 std::vector<std::string> integration_methods();
 
+/// What a step ends with, at its end t: quaternions of length one, prescribed motions where their curves have them.
+void end_step(const Tree& tree, double t, double* q, double* p) noexcept;
 /// Brings quaternions back to length one: once per step, not inside stages.
 void normalise(const Tree& tree, double* q) noexcept;
 /// Further than this no coordinate moves in one step (rad, m): what does has diverged, long before its numbers overflow.

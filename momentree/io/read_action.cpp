@@ -133,28 +133,27 @@ void ActionReader::placement(const char* key, std::optional<Pose>& value) {
 void ActionReader::description(JointDescription& joint) {
   if (!fields_) return;
   read_description(*fields_, key_ == "change", joint, out_);
-  fields_->later({"friction", "strength"});
 }
 
 void ActionReader::parameters(const std::string& of, JointParameters& parameters) {
   if (!fields_) return;
   acts_ = false;
-  for (const char* key : {"damping", "stiffness", "rest", "armature", "drive", "limits"}) acts_ = acts_ || fields_->has(key);
+  for (const char* key : {"damping", "stiffness", "rest", "armature", "drive", "limits", "friction", "strength"})
+    acts_ = acts_ || fields_->has(key);
   const KindInfo* kind = kind_of ? kind_of(of) : nullptr;
   const std::size_t errors = out_.errors();
   if (kind)
     read_parameters(*fields_, *kind, parameters, out_);
   else
     read_plain_parameters(*fields_, parameters, out_);
-  fields_->later({"friction", "strength"});
   if (!kind || errors != out_.errors()) return;
   JointSpec spec;
   spec.kind = kind->kind, spec.axis2 = x_axis, spec.pitch = 1, spec.parameters = parameters;
   report_problems(spec, *fields_, out_);
 }
 
-void read_actions(const Value& value, const std::string& key, ScenarioEvent& event, std::vector<ScenarioEvent>& wild,
-                  Reading& reading) {
+void read_actions(const Value& value, const std::string& key, ScenarioEvent& event, const TriggerMatch* trigger,
+                  std::vector<ScenarioEvent>& wild, Reading& reading) {
   Diagnostics& out = reading.out;
   const Value::Array single = value.array() ? Value::Array{} : Value::Array{value};
   const Value::Array& entries = value.array() ? *value.array() : single;
@@ -178,11 +177,19 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
     }
     const bool bodies = entry.find("body") != nullptr;
     const std::string& name = *pattern->string();
+    if (trigger && name == trigger->pattern) {
+      add(entry, bodies ? trigger->body : trigger->joint, event);
+      continue;
+    }
     const std::vector<std::string> found = bodies ? matching_bodies(name, reading) : matching_joints(name, reading);
     if (found.empty() && !reading.opaque.contains(mechanism_of(name)))
       out.error(pattern->place, key + ": no " + (bodies ? "body" : "joint") + " matches " + in_quotes(name),
                 "* matches within a name: \"chain/*\"");
     for (const std::string& match : found) {
+      if (trigger) {
+        if (!add(entry, match, event)) break;
+        continue;
+      }
       ScenarioEvent each;
       each.name = event.name, each.wild = true, each.time = event.time, each.place = event.place;
       if (!add(entry, match, each)) break;

@@ -9,7 +9,8 @@ namespace {
 
 struct Chain {
   int links = 0;
-  double length = 1, mass = 1, damping = 0, angle = 0;
+  double length = 1, mass = 1, angle = 0;
+  JointParameters parameters{};
   bool angle_growth = false;
   Sym3 inertia{};
   Vec3 axis{0, 0, 1};
@@ -30,9 +31,13 @@ BodySpec make_link(const Chain& chain, int k, const std::string& mechanism, bool
   }
   link.joint.kind = Kind::revolute;
   link.joint.axis = chain.axis;
-  link.joint.parameters.damping = chain.damping;
+  link.joint.parameters = chain.parameters;
   link.at = k == 1 ? pose : Pose{chain.length, 0, 0};
   link.q = {chain.angle_growth ? k * chain.angle : chain.angle};
+  if (const auto& drive = chain.parameters.drive; drive && drive->moves()) {
+    const Curve::Point start = drive->motion[0].at(0);
+    link.q = start.value, link.v = start.rate;
+  }
   return link;
 }
 
@@ -57,9 +62,11 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
   if (const Value* inertia = fields.find("inertia")) chain.inertia = read_inertia(*inertia, "inertia", out).value_or(Sym3{});
   if (errors != out.errors()) chain.mass = 1, chain.inertia = {};
   chain.axis = fields.vec3("axis", dimension::number).value_or(chain.axis);
-  chain.damping = fields.number("damping", dimension::torque / dimension::angular_speed).value_or(0);
+  read_parameters(fields, info(Kind::revolute), chain.parameters, out);
   chain.angle = fields.number("angle", dimension::angle).value_or(0);
   chain.angle_growth = fields.boolean("angle_growth").value_or(false);
+  if (chain.parameters.drive && chain.parameters.drive->moves() && fields.has("angle"))
+    out.error(fields.place_of("angle"), "angle: the motion of these joints says where they start", "leave it out");
   fields.finish();
   return chain;
 }

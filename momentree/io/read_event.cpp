@@ -5,18 +5,20 @@
 
 namespace momentree::io {
 
-void read_event(const Value& table, int number, Reading& reading) {
-  Diagnostics& out = reading.out;
-  Fields fields(table, "[[event]]", out);
+namespace {
+
+constexpr std::size_t most_events = 1'000'000;
+
+// One event: that of `match`, where its condition has a wildcard. False where it does nothing.
+bool read_one(const Value& table, const std::string& name, bool named, const TriggerMatch* match, Reading& reading) {
+  Fields fields(table, "[[event]]", reading.out);
+  fields.find("name");
   ScenarioEvent event;
   event.place = fields.place();
-  event.name = "#" + std::to_string(number);
-  if (const auto name = fields.string("name"); name && check_bare_name(*name, fields.place_of("name"), "an event", out)) {
-    event.name = *name;
-    event.named = true;
-    reading.note(reading.events, *name, fields.place_of("name"), "event");
-  }
-  read_trigger(fields, event, reading);
+  event.name = name;
+  event.named = named;
+  event.wild = match != nullptr;
+  read_trigger(fields, event, match, reading);
 
   bool acts = false;
   std::vector<ScenarioEvent> wild;
@@ -27,12 +29,41 @@ void read_event(const Value& table, int number, Reading& reading) {
     for (const Value::Entry& entry : *entries) {
       if (std::find(keys.begin(), keys.end(), entry.key) == keys.end()) continue;
       acts = true;
-      read_actions(entry.value, entry.key, event, wild, reading);
+      read_actions(entry.value, entry.key, event, match, wild, reading);
     }
   fields.finish();
-  if (!acts) out.error(fields.place(), "event " + in_quotes(event.name) + " does nothing", "for example break = \"chain/41\"");
   if (!event.actions.empty()) reading.scenario.events.push_back(std::move(event));
   for (ScenarioEvent& each : wild) reading.scenario.events.push_back(std::move(each));
+  return acts;
+}
+
+}  // namespace
+
+void read_event(const Value& table, int number, Reading& reading) {
+  Diagnostics& out = reading.out;
+  Fields fields(table, "[[event]]", out);
+  std::string event = "#" + std::to_string(number);
+  bool named = false;
+  if (const auto name = fields.string("name"); name && check_bare_name(*name, fields.place_of("name"), "an event", out)) {
+    event = *name;
+    named = true;
+    reading.note(reading.events, *name, fields.place_of("name"), "event");
+  }
+  if (!table.table()) return;
+  bool acts = true;
+  if (const auto matches = matches_of_trigger(table, reading)) {
+    const std::size_t errors = out.errors();
+    for (const TriggerMatch& match : *matches) {
+      acts = read_one(table, event, named, &match, reading);
+      if (!acts || errors != out.errors()) break;  // and so it would be for the others
+      if (reading.scenario.events.size() <= most_events) continue;
+      out.error(fields.place(), "more than 1000000 events");
+      break;
+    }
+  } else {
+    acts = read_one(table, event, named, nullptr, reading);
+  }
+  if (!acts) out.error(fields.place(), "event " + in_quotes(event) + " does nothing", "for example break = \"chain/41\"");
 }
 
 }  // namespace momentree::io

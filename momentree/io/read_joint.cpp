@@ -1,65 +1,16 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <initializer_list>
+#include <optional>
 
 #include <momentree/base/error.hpp>
+#include <momentree/io/freedom_values.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
 
 namespace {
-
-enum class Quantity { q, v, damping, stiffness, armature, effort, none };
-
-// Of one coordinate or freedom, by the letter that KindInfo has for it.
-Dimension dimension_of(Quantity quantity, char letter) {
-  using namespace dimension;
-  if (quantity == Quantity::q) return letter == 'r' ? angle : letter == 'm' ? length : number;
-  const bool turns = letter == 'r';
-  const Dimension rate = turns ? angular_speed : speed, effort = turns ? torque : force;
-  switch (quantity) {
-    case Quantity::damping: return effort / rate;
-    case Quantity::stiffness: return turns ? torque / angle : force / length;
-    case Quantity::armature: return turns ? inertia : mass;
-    case Quantity::effort: return effort;
-    case Quantity::none: return number;
-    default: return rate;
-  }
-}
-
-// A list with one number per letter, or, where `single` allows it, one number for all.
-Values read_values(const Value& value, Quantity quantity, std::string_view letters, bool single, std::string_view label,
-                   Diagnostics& out) {
-  Values values;
-  if (!value.array()) {
-    if (single || letters.size() == 1) {
-      // One number for freedoms of different dimension is in SI for each; with a unit it must fit them all.
-      std::optional<double> number;
-      for (const char letter : letters.empty() ? std::string_view("r") : letters) {
-        number = read_number(value, dimension_of(quantity, letter), label, out);
-        if (!number) return {};
-      }
-      values.push_back(*number);
-      return values;
-    }
-    out.error(value.place, std::string(label) + ": expected a list of " + std::to_string(letters.size()) + " numbers, found " +
-                               value.type_name());
-    return {};
-  }
-  const Value::Array& entries = *value.array();
-  if (entries.size() != letters.size() && !(single && entries.size() == 1)) {
-    out.error(value.place,
-              std::string(label) + ": expected " + std::to_string(letters.size()) +
-                  (letters.size() == 1 ? " number" : " numbers") + ", found a list of " + std::to_string(entries.size()),
-              "one per freedom or coordinate, in the order of the kind");
-    return {};
-  }
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    const auto number = read_number(entries[i], dimension_of(quantity, letters[i]), label, out);
-    if (!number) return {};
-    values.push_back(*number);
-  }
-  return values;
-}
 
 std::vector<std::string> kind_names() {
   std::vector<std::string> names;
@@ -134,123 +85,38 @@ void read_start(Fields& fields, const KindInfo& kind, Values& q, Values& v, Diag
   }
 }
 
-void read_drive(const Value& value, const KindInfo& kind, Values& effort, Diagnostics& out) {
-  Fields drive(value, "drive", out);
-  drive.later({"pd", "motion"});
-  if (const Value* given = drive.find("effort")) {
-    if (given->table())
-      not_supported_yet(given->place, "an effort that changes with time", out);
-    else if (!given->array() && kind.nv > 1)
-      out.error(given->place,
-                "effort: a " + std::string(kind.name) + " joint has " + std::to_string(kind.nv) +
-                    " freedoms: one number could mean any",
-                "give a list, one effort per freedom");
-    else
-      effort = read_values(*given, Quantity::effort, kind.v_units, true, "effort", out);
-  }
-  drive.finish();
-}
-
-// One side of a joint's limits: as coordinates, but infinite where there is no stop.
-Values read_limit(const Value& value, const KindInfo& kind, const char* key, Diagnostics& out) {
-  const auto endless = [](const Value& entry) { return entry.real() && std::isinf(*entry.real()); };
-  const Value::Array single{value};
-  const Value::Array& entries = value.array() ? *value.array() : single;
-  if (std::none_of(entries.begin(), entries.end(), endless)) return read_values(value, Quantity::q, kind.q_units, true, key, out);
-  Values all;
-  if (value.array() && entries.size() != std::string_view(kind.q_units).size()) {
-    read_values(value, Quantity::q, kind.q_units, false, key, out);  // says how many there should be
-    return all;
-  }
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    const auto number = endless(entries[i]) ? std::optional(*entries[i].real())
-                                            : read_number(entries[i], dimension_of(Quantity::q, kind.q_units[i]), key, out);
-    if (!number) return {};
-    all.push_back(*number);
-  }
-  return all;
-}
-
-void read_limits(const Value& value, const KindInfo& kind, JointLimits& limits, Diagnostics& out) {
-  Fields fields(value, "limits", out);
-  if (kind.nq != kind.nv || kind.nv == 0) {
-    out.error(value.place, "limits: a " + std::string(kind.name) + " joint has no coordinates that could be limited");
-    return;
-  }
-  fields.later({"stiffness", "damping"}, "stops are hard: { lower, upper, restitution }");
-  if (const Value* lower = fields.find("lower")) limits.lower = read_limit(*lower, kind, "lower", out);
-  if (const Value* upper = fields.find("upper")) limits.upper = read_limit(*upper, kind, "upper", out);
-  if (!fields.has("lower") && !fields.has("upper") && value.table())
-    out.error(value.place, "limits: neither 'lower' nor 'upper'",
-              "for example limits = { lower = \"-90 deg\", upper = \"90 deg\" }");
-  if (const Value* e = fields.find("restitution"))
-    limits.restitution = read_values(*e, Quantity::none, kind.v_units, true, "restitution", out);
-  if (const Value* speed = fields.find("rest_speed")) {
-    const Values read = read_values(*speed, Quantity::v, kind.v_units, true, "rest_speed", out);
-    if (read.size() > 1)
-      out.error(speed->place, "rest_speed: expected one number");
-    else if (!read.empty())
-      limits.rest_speed = read[0];
-  }
-  fields.finish();
-}
-
-}  // namespace
-
-void read_parameters(Fields& fields, const KindInfo& kind, JointParameters& parameters, Diagnostics& out) {
-  const auto per_freedom = [&](const char* key, Quantity quantity, Values& target) {
-    if (const Value* value = fields.find(key)) target = read_values(*value, quantity, kind.v_units, true, key, out);
-  };
-  per_freedom("damping", Quantity::damping, parameters.damping);
-  per_freedom("stiffness", Quantity::stiffness, parameters.stiffness);
-  per_freedom("armature", Quantity::armature, parameters.armature);
-  if (const Value* rest = fields.find("rest"))
-    parameters.rest = read_values(*rest, Quantity::q, kind.q_units, false, "rest", out);
-  if (const Value* drive = fields.find("drive")) read_drive(*drive, kind, parameters.effort, out);
-  if (const Value* limits = fields.find("limits")) read_limits(*limits, kind, parameters.limits, out);
-}
-
-void read_plain_parameters(Fields& fields, JointParameters& parameters, Diagnostics& out) {
-  const auto read = [&out](const Value& value, const char* key, Values& target) {
-    const Value::Array single{value};
-    const Value::Array& entries = value.array() ? *value.array() : single;
-    if (entries.empty() || entries.size() > Values::capacity)
-      return out.error(value.place, std::string(key) + ": expected 1 to " + std::to_string(Values::capacity) + " numbers");
-    Values values;
-    for (const Value& entry : entries) {
-      const auto number = read_number(entry, dimension::number, key, out);
-      if (!number) return;
-      values.push_back(*number);
-    }
-    target = values;
-  };
-  const auto field = [&](const char* key, Values& target) {
-    if (const Value* value = fields.find(key)) read(*value, key, target);
-  };
-  field("damping", parameters.damping);
-  field("stiffness", parameters.stiffness);
-  field("armature", parameters.armature);
-  field("rest", parameters.rest);
-  fields.later({"limits"}, "the kind of this joint is not known here");
-  if (const Value* value = fields.find("drive")) {
-    Fields drive(*value, "drive", out);
-    drive.later({"pd", "motion"});
-    if (const Value* effort = drive.find("effort")) read(*effort, "effort", parameters.effort);
-    drive.finish();
-  }
-}
-
-namespace {
-
 void warn_of_rest(const Fields& fields, Diagnostics& out) {
   if (fields.has("rest") && !fields.has("stiffness"))
     out.warning(fields.place_of("rest"), "'rest' without 'stiffness' does nothing");
 }
 
+// A joint whose motion is prescribed starts where that starts; `q` and `v` say whether the file gives them, and where.
+void start_motion(BodySpec& spec, const std::optional<Place>& q, const std::optional<Place>& v, Diagnostics& out) {
+  const auto& drive = spec.joint.parameters.drive;
+  if (!drive || drive->motion.size() != 1 || info(spec.joint.kind).nv != 1) return;
+  const Curve::Point start = drive->motion[0].at(0);
+  const auto check = [&out](const Values& given, const std::optional<Place>& place, double is, const char* what) {
+    if (!place || given.size() != 1 || std::fabs(given[0] - is) <= 1e-9 * std::max(1.0, std::fabs(is))) return;
+    char text[80], hint[80];
+    std::snprintf(text, sizeof text, "the joint's motion starts at the %s %.9g, not %.9g", what, is, given[0]);
+    std::snprintf(hint, sizeof hint, "leave the start %s out: the motion gives it", what);
+    out.error(*place, text, hint);
+  };
+  check(spec.q, q, start.value, "position");
+  check(spec.v, v, start.rate, "speed");
+  spec.q = start.value, spec.v = start.rate;
+}
+
+std::optional<Place> first_of(const Fields& fields, std::initializer_list<const char*> keys) {
+  for (const char* key : keys)
+    if (fields.has(key)) return fields.place_of(key);
+  return {};
+}
+
 // Keys that can't be judged where the kind is not known.
 void pass_over(Fields& fields) {
   for (const char* key : {"axis", "axis2", "pitch", "q", "v", "angle", "position", "speed", "damping", "stiffness", "armature",
-                          "rest", "drive", "limits"})
+                          "rest", "drive", "limits", "friction", "strength"})
     fields.find(key);
 }
 
@@ -275,11 +141,11 @@ void read_joint(const Value& table, BodyEntry& body, Reading& reading) {
     read_geometry(fields, *kind, false, spec.joint, out);
     read_start(fields, *kind, spec.q, spec.v, out);
     read_parameters(fields, *kind, spec.joint.parameters, out);
+    start_motion(spec, first_of(fields, {"q", "angle", "position"}), first_of(fields, {"v", "speed"}), out);
     warn_of_rest(fields, out);
   } else {
     pass_over(fields);
   }
-  fields.later({"friction", "strength"});
   fields.finish();
 }
 
@@ -313,9 +179,11 @@ void read_joint_state(const Value& value, std::string_view joint, BodySpec& spec
   if (value.table()) {
     Fields fields(value, in_quotes(joint), out);
     read_start(fields, kind, spec.q, spec.v, out);
+    start_motion(spec, first_of(fields, {"q", "angle", "position"}), first_of(fields, {"v", "speed"}), out);
     fields.finish();
   } else {
     spec.q = read_values(value, Quantity::q, kind.q_units, false, joint, out);
+    start_motion(spec, value.place, std::nullopt, out);
   }
   for (const BodyProblem& problem : check_body(spec)) {
     Values& wrong = problem.field == "q" ? spec.q : spec.v;

@@ -1,5 +1,6 @@
 // [world], [integrate] and [output].
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include <momentree/base/error.hpp>
@@ -15,6 +16,23 @@ void read_world(const Value& table, Reading& reading) {
   fields.finish();
 }
 
+namespace {
+
+// The clock is a double: instants that are nearer to each other than its digits are the same one.
+void check_event_tolerance(double tolerance, Place place, Reading& reading) {
+  const double end = reading.scenario.until, apart = std::nextafter(end, HUGE_VAL) - end;
+  if (tolerance >= 4 * apart) return;
+  char text[160], hint[80];
+  std::snprintf(
+      text, sizeof text,
+      "event_tolerance = %.3g s is below what the clock can tell: at the end of the run, %.6g s, instants are %.2g s apart",
+      tolerance, end, apart);
+  std::snprintf(hint, sizeof hint, "use %.0e s or more", 10 * apart);
+  reading.out.warning(place, text, hint);
+}
+
+}  // namespace
+
 void read_integrate(const Value& table, Reading& reading) {
   Diagnostics& out = reading.out;
   Fields fields(table, "[integrate]", out);
@@ -28,8 +46,6 @@ void read_integrate(const Value& table, Reading& reading) {
     for (const std::string& name : known) all += (all.empty() ? "this version has \"" : ", \"") + name + '"';
     if (in(known)) {
       integration.method = *method;
-    } else if (in({"damped"})) {
-      out.error(fields.place_of("method"), "method " + in_quotes(*method) + " is not supported yet", all);
     } else {
       const std::string hint = did_you_mean(*method, known);
       out.error(fields.place_of("method"), "unknown method " + in_quotes(*method), hint.empty() ? all : hint);
@@ -47,6 +63,8 @@ void read_integrate(const Value& table, Reading& reading) {
         out.warning(fields.place_of(key),
                     in_quotes(key) + " does nothing: method " + in_quotes(integration.method) + " has fixed steps",
                     "use method = \"dopri5\", which chooses its steps");
+  if (fields.has("event_tolerance"))
+    check_event_tolerance(integration.event_tolerance, fields.place_of("event_tolerance"), reading);
   reading.rtol = fields.has("rtol") ? fields.place_of("rtol") : fields.place();
   fields.finish();
 }

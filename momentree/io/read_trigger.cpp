@@ -13,16 +13,14 @@ constexpr double unknown_time = std::numeric_limits<double>::infinity();
 
 class QuantityReader final : public QuantityFields {
  public:
-  QuantityReader(const Value& value, std::string key, Reading& reading)
-      : value_(value), key_(std::move(key)), reading_(reading), out_(reading.out) {}
+  QuantityReader(const Value& value, std::string key, const TriggerMatch* match, Reading& reading)
+      : value_(value), key_(std::move(key)), match_(match), reading_(reading), out_(reading.out) {}
 
   void joint(std::string& name) override {
     const Value* value = field("joint");
     const auto text = value ? read_string(*value, key_, out_) : std::nullopt;
     if (!text) return;
-    if (text->find('*') != std::string::npos)
-      return not_supported_yet(value->place, "a wildcard in a condition", out_, "write one event for each joint");
-    name = *text;
+    name = matched(*text, &TriggerMatch::joint);
     reading_.joint_uses.push_back({name, key_, value->place, unknown_time});
   }
 
@@ -56,7 +54,7 @@ class QuantityReader final : public QuantityFields {
       name = read_string(*entry, key_, out_);
     }
     if (!name) return;
-    body = *name;
+    body = matched(*name, &TriggerMatch::body);
     if (body == "ground" && count > 1) return;
     if (!reading_.bodies.contains(body))
       out_.error(place, key_ + ": there is no body " + in_quotes(body), reading_.suggest(body, reading_.bodies));
@@ -84,8 +82,13 @@ class QuantityReader final : public QuantityFields {
     return fields_->require(key);
   }
 
+  std::string matched(const std::string& name, std::string TriggerMatch::*which) const {
+    return match_ && name == match_->pattern ? match_->*which : name;
+  }
+
   const Value& value_;
   std::string key_;
+  const TriggerMatch* match_;
   Reading& reading_;
   Diagnostics& out_;
   std::optional<Fields> fields_;
@@ -105,7 +108,7 @@ void know_unit(Quantity& quantity, const Value& value, Reading& reading) {
                       "for joints with one freedom");
 }
 
-std::optional<Condition> read_condition(const Value& when, Reading& reading) {
+std::optional<Condition> read_condition(const Value& when, const TriggerMatch* match, Reading& reading) {
   Diagnostics& out = reading.out;
   const std::size_t errors = out.errors();
   Fields fields(when, "when", out);
@@ -121,7 +124,7 @@ std::optional<Condition> read_condition(const Value& when, Reading& reading) {
       continue;
     }
     quantity = make_quantity(key);
-    QuantityReader reader(*value, key, reading);
+    QuantityReader reader(*value, key, match, reading);
     quantity->fields(reader);
     reader.finish();
     if (out.errors() == errors) know_unit(*quantity, *value, reading);
@@ -147,7 +150,53 @@ std::optional<Condition> read_condition(const Value& when, Reading& reading) {
 
 }  // namespace
 
-void read_trigger(Fields& fields, ScenarioEvent& event, Reading& reading) {
+std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, Reading& reading) {
+  const Value::Entry* when = event.find("when");
+  const Value *pattern = nullptr, *another = nullptr;
+  bool bodies = false;
+  if (!when || !when->value.table()) return std::nullopt;
+  const auto look = [&](const Value& name) {
+    if (!name.string() || name.string()->find('*') == std::string::npos) return;
+    if (pattern && *pattern->string() != *name.string()) another = &name;
+    if (!pattern) pattern = &name;
+  };
+  for (const std::string& key : quantity_keys()) {
+    const Value::Entry* quantity = when->value.find(key);
+    if (!quantity || key == "kinetic_energy") continue;  // of a mechanism
+    bodies = key == "distance" || key == "height";
+    const auto look_in = [&look](const Value& entry) {
+      look(entry);
+      for (const char* field : {"joint", "body"})
+        if (const Value::Entry* name = entry.find(field)) look(name->value);
+    };
+    look_in(quantity->value);
+    if (quantity->value.array())
+      for (const Value& entry : *quantity->value.array()) look_in(entry);
+    if (pattern) break;
+  }
+  if (!pattern) return std::nullopt;
+  std::vector<TriggerMatch> matches;
+  Diagnostics& out = reading.out;
+  if (another) {
+    out.error(another->place, "when: two wildcards, " + in_quotes(*pattern->string()) + " and " + in_quotes(*another->string()),
+              "one of them should be a name");
+    return matches;
+  }
+  const std::string& name = *pattern->string();
+  const Model& model = reading.scenario.model;
+  for (const std::string& found : bodies ? matching_bodies(name, reading) : matching_joints(name, reading)) {
+    TriggerMatch match{name, found, found};
+    if (bodies && model.has_body(found)) match.joint = model[model.body(found)].joint_name;
+    if (!bodies && model.has_joint(found)) match.body = model[model.joint(found)].name;
+    matches.push_back(std::move(match));
+  }
+  if (matches.empty() && !reading.opaque.contains(name.substr(0, name.find('/'))))
+    out.error(pattern->place, std::string("when: no ") + (bodies ? "body" : "joint") + " matches " + in_quotes(name),
+              "* matches within a name: \"chain/*\"");
+  return matches;
+}
+
+void read_trigger(Fields& fields, ScenarioEvent& event, const TriggerMatch* match, Reading& reading) {
   Diagnostics& out = reading.out;
   int triggers = 0;
   for (const char* key : {"at", "when", "after", "every"}) triggers += fields.has(key);
@@ -161,7 +210,7 @@ void read_trigger(Fields& fields, ScenarioEvent& event, Reading& reading) {
   if (const auto at = fields.not_negative("at", dimension::time)) event.time = *at;
   if (const Value* when = fields.find("when")) {
     event.time = unknown_time;
-    event.condition = read_condition(*when, reading);
+    event.condition = read_condition(*when, match, reading);
   }
   if (const Value* after = fields.find("after")) {
     event.time = unknown_time;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include <momentree/integrate/integrator.hpp>
+
 namespace momentree::io {
 
 Recorder::Recorder(const Model& model, std::vector<JointKinds> joints, double every, const std::string& directory, bool reactions)
@@ -60,7 +62,9 @@ void Recorder::finish(const RunOrigin& origin, const std::string& status, const 
   for (const Event& event : simulation.events()) events += event_json(event) + '\n';
   write_text_file(directory_.file("summary.json"), summary_json(origin, status, simulation));
   write_text_file(directory_.file("events.jsonl"), events);
-  write_text_file(directory_.file("final.json"), state_json(simulation.world(), armed));
+  write_text_file(
+      directory_.file("final.json"),
+      state_json(simulation.world(), armed, is_adaptive(origin.integration.method) ? simulation.step_memory() : StepMemory{}));
   write_text_file(directory_.file("model.json"), model_json);
   write_row(simulation.world());
   bodies_.close();

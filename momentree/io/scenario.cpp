@@ -77,6 +77,12 @@ void read_document(const Value& document, Reading& reading) {
   } else {
     out.error({1, 1, 0}, "the scenario has no mechanism", "add [[mechanism]] tables");
   }
+  if (const Value* forces = fields.find("force")) {
+    for (const Value* force : tables_of(*forces, "force", out)) {
+      if (out.full()) break;
+      read_force(*force, reading);
+    }
+  }
   if (const Value* events = fields.find("event")) {
     int number = 0;
     for (const Value* event : tables_of(*events, "event", out)) {
@@ -87,7 +93,6 @@ void read_document(const Value& document, Reading& reading) {
   finish_events(reading);
   if (const Value* integrate = fields.find("integrate")) read_integrate(*integrate, reading);
   if (const Value* output = fields.find("output")) read_output(*output, reading);
-  fields.later({"force"});
   fields.later({"loop"}, "closed loops are not supported: a mechanism is a tree");
   fields.finish();
   check_whole(reading);

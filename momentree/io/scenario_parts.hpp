@@ -104,13 +104,23 @@ bool report_problems(const JointSpec& joint, const Fields& fields, Diagnostics& 
 std::vector<std::string> matching_joints(const std::string& pattern, Reading& reading);
 std::vector<std::string> matching_bodies(const std::string& pattern, Reading& reading);
 
-/// at, when, after or every, and what goes with them.
-void read_trigger(Fields& fields, ScenarioEvent& event, Reading& reading);
+void read_force(const Value& table, Reading& reading);
+
+/// One of the names that a wildcard in a condition stands for; where the event's actions have the same wildcard, they act on it:
+/// on the joint, or on the body that it carries.
+struct TriggerMatch {
+  std::string pattern, joint, body;
+};
+/// What a wildcard in an event's `when` stands for; nothing where it has none, and empty, with a report, where nothing matches.
+std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, Reading& reading);
+/// at, when, after or every, and what goes with them. `match`: for this match of the condition's wildcard; null: it has none.
+void read_trigger(Fields& fields, ScenarioEvent& event, const TriggerMatch* match, Reading& reading);
 void read_event(const Value& table, int number, Reading& reading);
 /// One key of an event with all that it holds: names, tables, or a list of them. Actions whose names have a wildcard become
-/// events of their own, behind `wild`.
-void read_actions(const Value& value, const std::string& key, ScenarioEvent& event, std::vector<ScenarioEvent>& wild,
-                  Reading& reading);
+/// events of their own, in `wild`; but where the event is itself for one `match` of its condition's wildcard, they belong to it:
+/// on what matches, where the wildcard is the same, or else on all that theirs stands for.
+void read_actions(const Value& value, const std::string& key, ScenarioEvent& event, const TriggerMatch* match,
+                  std::vector<ScenarioEvent>& wild, Reading& reading);
 /// What only all events together show: which joints they make, which names mean nothing, what is set.
 void finish_events(Reading& reading);
 /// What will be impossible or do nothing: tried by carrying all events out in their order.

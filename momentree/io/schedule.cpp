@@ -125,9 +125,11 @@ class Judge {
 namespace {
 
 // What comes after an event is scheduled after it; what comes after none is a problem.
-Schedule with_followers(std::vector<const ScenarioEvent*> events) {
+Schedule with_followers(std::vector<const ScenarioEvent*> events, const Simulation& simulation) {
   Schedule all;
   std::set<std::string> names;
+  for (const BodySpec& body : simulation.world().model().bodies())  // joints break by themselves, too
+    if (body.joint.parameters.strength.any()) names.insert("strength of " + body.joint_name);
   std::vector<const ScenarioEvent*> waiting;
   for (const ScenarioEvent* event : events) {
     if (!event->after.empty()) {
@@ -159,7 +161,7 @@ Schedule with_followers(std::vector<const ScenarioEvent*> events) {
 
 Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> events) {
   std::stable_sort(events.begin(), events.end(), [](const auto* a, const auto* b) { return a->time < b->time; });
-  Schedule all = with_followers(std::move(events));
+  Schedule all = with_followers(std::move(events), simulation);
   for (const ScenarioEvent* event : all.events) {
     Simulation::Scheduled scheduled = [&] {
       if (event->condition) return simulation.when(*event->condition);

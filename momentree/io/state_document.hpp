@@ -11,11 +11,21 @@
 
 namespace momentree::io {
 
-/// How often each event of the scenario has happened, in the order of the file.
-using Armed = std::vector<std::pair<std::string, int>>;
+/// What has become of an event of the scenario so far.
+struct ArmedEvent {
+  std::string name;
+  int fired = 0;  ///< how often it has happened
+  /// Of each match of its wildcard, in the order of the model, or of the one event: where its condition stands, when it is due.
+  /// Empty: nothing is known but the count.
+  std::vector<Agenda::Armed> each{};
+  friend bool operator==(const ArmedEvent&, const ArmedEvent&) = default;
+};
+/// In the order of the file.
+using Armed = std::vector<ArmedEvent>;
 
-/// The document of a world. Numbers read back to the same bits; quaternions have w >= 0.
-std::string state_json(const World& world, const Armed& armed);
+/// The document of a world. Numbers read back to the same bits; quaternions have w >= 0. `memory`: of an
+/// adaptive method; with a next step of 0 nothing is said of it.
+std::string state_json(const World& world, const Armed& armed, const StepMemory& memory = {});
 
 /// What a document says, checked against the model that it is for.
 struct RestoredState {
@@ -25,6 +35,7 @@ struct RestoredState {
   std::vector<JointStart> joints;  ///< the joints that it names
   std::vector<std::string> where;  ///< of each of them: `file:line:col`
   Armed armed;
+  StepMemory memory;  ///< of an adaptive method; with a next step of 0: unknown
 };
 
 /// Reads a document from its text. `mechanism`: take the joints of that mechanism alone, and neither time nor topology (empty:

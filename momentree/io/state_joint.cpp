@@ -4,13 +4,15 @@
 #include <limits>
 #include <string_view>
 
+#include <momentree/io/parameters_json.hpp>
+
 namespace momentree::io {
 
 namespace {
 
 using Type = JsonNode::Type;
 
-bool near(double a, double b) { return std::fabs(a - b) <= 1e-9 * std::max(1.0, std::fabs(b)); }
+bool near(double a, double b) { return std::isfinite(a - b) && std::fabs(a - b) <= 1e-9 * std::max(1.0, std::fabs(b)); }
 
 struct Same {
   bool exact;
@@ -32,11 +34,19 @@ struct Same {
       if (!(*this)(at(a, i), at(b, i))) return false;
     return true;
   }
+  // What was written reads back to the same bits: no tolerance.
+  static bool same_drives(const JointDrive* a, const JointDrive* b) {
+    const JointDrive none;
+    return (a != nullptr ? *a : none) == (b != nullptr ? *b : none);
+  }
   bool operator()(const JointParameters& a, const JointParameters& b) const {
     return (*this)(a.damping, b.damping) && (*this)(a.stiffness, b.stiffness) && (*this)(a.rest, b.rest) &&
            (*this)(a.armature, b.armature) && (*this)(a.effort, b.effort) && (*this)(a.limits.lower, b.limits.lower) &&
            (*this)(a.limits.upper, b.limits.upper) && (*this)(a.limits.restitution, b.limits.restitution) &&
-           (*this)(a.limits.rest_speed, b.limits.rest_speed);
+           (*this)(a.limits.rest_speed, b.limits.rest_speed) && (*this)(a.limits.stiffness, b.limits.stiffness) &&
+           (*this)(a.limits.damping, b.limits.damping) && (*this)(a.friction.coulomb, b.friction.coulomb) &&
+           (*this)(a.friction.speed, b.friction.speed) && (*this)(a.strength.force, b.strength.force) &&
+           (*this)(a.strength.torque, b.strength.torque) && same_drives(a.drive.get(), b.drive.get());
   }
 };
 
@@ -77,45 +87,6 @@ Pose JointReader::pose(const JsonNode& node, const char* what) const {
     pose.rotation = {q[0], q[1], q[2], q[3]};
   }
   return pose;
-}
-
-Values JointReader::values(const JsonNode& node, const char* key) const {
-  const JsonNode* given = node.find(key);
-  if (given == nullptr) return {};
-  if (given->is(Type::number)) return given->number;
-  Values all;
-  for (const double x : doc_.numbers(*given, '`' + std::string(key) + '`')) {
-    if (all.size() == Values::capacity) doc_.fail_at(*given, '`' + std::string(key) + "` has too many numbers");
-    all.push_back(x);
-  }
-  return all;
-}
-
-// Of numbers in JSON none is infinite: null stands for no stop.
-Values JointReader::limit(const JsonNode& limits, const char* key, double none) const {
-  const JsonNode* given = limits.find(key);
-  if (given == nullptr || !given->is(Type::array)) return given != nullptr && given->is(Type::null) ? none : values(limits, key);
-  Values all;
-  for (const JsonNode& item : given->items) {
-    if (all.size() == Values::capacity) doc_.fail_at(*given, '`' + std::string(key) + "` has too many numbers");
-    all.push_back(item.is(Type::null) ? none : doc_.number(item, "a limit"));
-  }
-  return all;
-}
-
-JointParameters JointReader::parameters(const JsonNode& node) const {
-  doc_.require_known(doc_.object(node, "`parameters`"), {"damping", "stiffness", "rest", "armature", "effort", "limits"});
-  JointParameters p;
-  p.damping = values(node, "damping"), p.stiffness = values(node, "stiffness"), p.rest = values(node, "rest");
-  p.armature = values(node, "armature"), p.effort = values(node, "effort");
-  if (const JsonNode* limits = node.find("limits")) {
-    doc_.require_known(doc_.object(*limits, "`limits`"), {"lower", "upper", "restitution", "rest_speed"});
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    p.limits.lower = limit(*limits, "lower", -infinity), p.limits.upper = limit(*limits, "upper", infinity);
-    p.limits.restitution = values(*limits, "restitution");
-    if (const JsonNode* speed = limits->find("rest_speed")) p.limits.rest_speed = doc_.number(*speed, "`rest_speed`");
-  }
-  return p;
 }
 
 // `locked`: true, false, or one of them per freedom; `resting`: per freedom 1 on its upper stop, -1 on its lower one, 0 on none.
@@ -188,7 +159,7 @@ DescribedJoint JointReader::describe(const std::string& name, const JsonNode& no
   axis("axis", spec.axis);
   axis("axis2", spec.axis2);
   if (const JsonNode* pitch = node.find("pitch")) spec.pitch = doc_.number(*pitch, "`pitch`");
-  if (const JsonNode* given = node.find("parameters")) spec.parameters = parameters(*given);
+  if (const JsonNode* given = node.find("parameters")) spec.parameters = parameters_of(doc_, *given);
   for (const JointProblem& problem : check_joint(spec)) {
     const JsonNode* at = node.find(problem.field) != nullptr ? node.find(problem.field) : node.find("parameters");
     doc_.fail_at(at != nullptr ? *at : node, '`' + problem.field + "` of joint '" + name + "': " + problem.what, problem.hint);

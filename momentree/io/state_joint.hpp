@@ -37,10 +37,7 @@ class JointReader {
  private:
   Vec3 vector(const JsonNode& node, const char* what) const;
   Pose pose(const JsonNode& node, const char* what) const;
-  Values values(const JsonNode& node, const char* key) const;
-  Values limit(const JsonNode& limits, const char* key, double none) const;
   Values numbers(const DescribedJoint& joint, const char* key, int count) const;
-  JointParameters parameters(const JsonNode& node) const;
   void read_locks(const JsonNode& node, DescribedJoint& joint) const;
 
   const JsonDocument& doc_;

@@ -23,7 +23,7 @@ class Reader {
 
   RestoredState read() {
     const JsonNode& root = doc_.object(doc_.root, "a state document");
-    doc_.require_known(root, {"time", "mechanisms", "joints", "bodies", "armed", "totals"});
+    doc_.require_known(root, {"time", "mechanisms", "joints", "bodies", "armed", "integration", "totals"});
     const JsonNode* mechanisms = root.find("mechanisms");
     const bool whole = mechanisms != nullptr && mechanism_.empty();
     if (const JsonNode* joints = root.find("joints"))
@@ -37,6 +37,14 @@ class Reader {
     if (const JsonNode* bodies = root.find("bodies"))
       for (const auto& [name, node] : doc_.object(*bodies, "`bodies`").members) joints_.body_named(name, node);
     if (const JsonNode* armed = root.find("armed")) read_armed(*armed);
+    if (const JsonNode* integration = root.find("integration")) {
+      doc_.require_known(doc_.object(*integration, "`integration`"), {"step", "work"});
+      if (const JsonNode* step = integration->find("step")) {
+        result_.memory.next_step = doc_.number(*step, "`step`");
+        if (!(result_.memory.next_step > 0)) doc_.fail_at(*step, "`step` should be positive");
+      }
+      if (const JsonNode* work = integration->find("work")) result_.memory.work = doc_.number(*work, "`work`");
+    }
     if (whole) read_forest(*mechanisms);
     return std::move(result_);
   }
@@ -79,14 +87,54 @@ class Reader {
     described_.push_back(joints_.describe(name, node, like, child));
   }
 
+  int read_count(const JsonNode& node) const {
+    const JsonNode* fired = node.find("fired");
+    const double count = fired != nullptr ? doc_.number(*fired, "`fired`") : 0;
+    if (!(count >= 0 && count <= std::numeric_limits<int>::max()) || count != std::floor(count))
+      doc_.fail_at(*fired, "`fired` should be a count");
+    return static_cast<int>(count);
+  }
+
+  bool truth(const JsonNode& node, const char* key) const {
+    const JsonNode* given = node.find(key);
+    if (given != nullptr && !given->is(Type::boolean)) doc_.fail_at(*given, '`' + std::string(key) + "` should be true or false");
+    return given != nullptr && given->number != 0;
+  }
+
+  Agenda::Armed read_condition(const JsonNode& node) const {
+    Agenda::Armed armed;
+    armed.fired = read_count(node);
+    armed.done = truth(node, "done"), armed.resting = truth(node, "resting");
+    const JsonNode *due = node.find("due"), *since = node.find("since"), *looked = node.find("looked");
+    armed.time = due != nullptr ? doc_.number(*due, "`due`") : std::numeric_limits<double>::infinity();
+    if (since != nullptr) armed.since = doc_.number(*since, "`since`");
+    if (looked == nullptr) return armed;
+    const auto& looks = doc_.array(*looked, "`looked`").items;
+    if (looks.empty() || looks.size() > 2) doc_.fail_at(*looked, "`looked` should have one look or two: [time, excess]");
+    const auto look = [&](const JsonNode& item, double& time, double& excess) {
+      const std::vector<double> pair = doc_.numbers(item, "an entry of `looked`");
+      if (pair.size() != 2) doc_.fail_at(item, "an entry of `looked` should be [time, excess]");
+      time = pair[0], excess = pair[1];
+    };
+    look(looks.back(), armed.looked, armed.excess);
+    if (looks.size() == 2) look(looks.front(), armed.looked_before, armed.excess_before);
+    return armed;
+  }
+
   void read_armed(const JsonNode& armed) {
     for (const auto& [name, node] : doc_.object(armed, "`armed`").members) {
-      doc_.require_known(doc_.object(node, "an entry of `armed`"), {"fired"});
-      const JsonNode* fired = node.find("fired");
-      const double count = fired != nullptr ? doc_.number(*fired, "`fired`") : 0;
-      if (!(count >= 0 && count <= std::numeric_limits<int>::max()) || count != std::floor(count))
-        doc_.fail_at(*fired, "`fired` should be a count");
-      result_.armed.emplace_back(name, static_cast<int>(count));
+      doc_.require_known(doc_.object(node, "an entry of `armed`"),
+                         {"fired", "done", "due", "since", "resting", "looked", "each"});
+      ArmedEvent event{name, read_count(node)};
+      if (const JsonNode* each = node.find("each")) {
+        for (const JsonNode& item : doc_.array(*each, "`each`").items) {
+          doc_.require_known(doc_.object(item, "an entry of `each`"), {"fired", "done", "due", "since", "resting", "looked"});
+          event.each.push_back(read_condition(item));
+        }
+      } else if (node.members.size() > 1) {
+        event.each.push_back(read_condition(node));
+      }
+      result_.armed.push_back(std::move(event));
     }
   }
 

@@ -1,8 +1,10 @@
 // Writes the state document.
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include <momentree/io/json_writer.hpp>
+#include <momentree/io/parameters_json.hpp>
 #include <momentree/io/state_document.hpp>
 
 namespace momentree::io {
@@ -13,15 +15,6 @@ void write_pose(JsonWriter& json, const char* key, const Pose& pose) {
   json.key(key).begin_object().member("xyz", pose.position).member("quat", pose.rotation).end_object();
 }
 
-void write_values(JsonWriter& json, const char* key, const Values& values) {
-  if (values.empty()) return;
-  json.key(key);
-  if (values.size() == 1)
-    json.value(values[0]);
-  else
-    json.value(std::span<const double>(values.begin(), values.end()));
-}
-
 void write_coordinates(JsonWriter& json, const JointView& joint) {
   double q[Values::capacity];
   std::copy(joint.q.begin(), joint.q.end(), q);
@@ -29,15 +22,6 @@ void write_coordinates(JsonWriter& json, const JointView& joint) {
   if (w != std::string_view::npos && q[w] < 0)
     for (std::size_t i = w; i < w + 4; ++i) q[i] = -q[i];
   json.member("q", std::span<const double>(q, joint.q.size()));
-}
-
-void write_limits(JsonWriter& json, const JointLimits& limits) {
-  if (!limits.any()) return;
-  json.key("limits").begin_object();
-  write_values(json, "lower", limits.lower);  // null where there is no stop
-  write_values(json, "upper", limits.upper);
-  write_values(json, "restitution", limits.restitution);
-  json.member("rest_speed", limits.rest_speed).end_object();
 }
 
 // True or false, or one of them per freedom.
@@ -85,16 +69,8 @@ void write_joint(JsonWriter& json, const World& world, int number) {
   write_locked(json, joint);
   json.member("reversed", joint.reversed);
   write_resting(json, world, number, joint);
-  json.key("parameters").begin_object();
-  if (const JointParameters* p = joint.parameters) {
-    write_values(json, "damping", p->damping);
-    write_values(json, "stiffness", p->stiffness);
-    write_values(json, "rest", p->rest);
-    write_values(json, "armature", p->armature);
-    write_values(json, "effort", p->effort);
-    write_limits(json, p->limits);
-  }
-  json.end_object();
+  json.key("parameters");
+  write_parameters(json, joint.parameters != nullptr ? *joint.parameters : JointParameters{});
   write_coordinates(json, joint);
   json.member("v", joint.v).member("p", joint.p).member("pdot", joint.pdot);
   const JointForces forces = world.joint_forces({number});
@@ -111,9 +87,36 @@ void write_body(JsonWriter& json, const std::string& name, const BodyMotion& mot
   json.end_object();
 }
 
+// Where a condition stands: what is not as at the start.
+void write_condition(JsonWriter& json, const Agenda::Armed& armed) {
+  if (armed.done) json.member("done", true);
+  if (std::isfinite(armed.time)) json.member("due", armed.time);
+  if (armed.since >= 0) json.member("since", armed.since);
+  if (armed.resting) json.member("resting", true);
+  if (armed.looked < 0) return;
+  json.key("looked").begin_array();
+  if (armed.looked_before >= 0) json.begin_array().value(armed.looked_before).value(armed.excess_before).end_array();
+  json.begin_array().value(armed.looked).value(armed.excess).end_array().end_array();
+}
+
+void write_armed(JsonWriter& json, const ArmedEvent& event) {
+  json.key(event.name).begin_object().member("fired", event.fired);
+  if (event.each.size() == 1) write_condition(json, event.each.front());
+  if (event.each.size() > 1) {
+    json.key("each").begin_array();
+    for (const Agenda::Armed& armed : event.each) {
+      json.begin_object().member("fired", armed.fired);
+      write_condition(json, armed);
+      json.end_object();
+    }
+    json.end_array();
+  }
+  json.end_object();
+}
+
 }  // namespace
 
-std::string state_json(const World& world, const Armed& armed) {
+std::string state_json(const World& world, const Armed& armed, const StepMemory& memory) {
   const Model& model = world.model();
   std::string text;
   text.reserve(1000 * model.bodies().size() + 500);
@@ -142,8 +145,12 @@ std::string state_json(const World& world, const Armed& armed) {
   json.end_object();
 
   json.key("armed").begin_object();
-  for (const auto& [name, fired] : armed) json.key(name).begin_object().member("fired", fired).end_object();
+  for (const ArmedEvent& event : armed) write_armed(json, event);
   json.end_object();
+  if (memory.next_step > 0) {
+    json.key("integration").begin_object().member("step", memory.next_step);
+    json.member("work", memory.work).end_object();
+  }
 
   const Totals totals = world.totals();
   json.key("totals").begin_object();

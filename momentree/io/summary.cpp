@@ -1,4 +1,5 @@
 // summary.json and the lines of events.jsonl.
+#include <momentree/integrate/integrator.hpp>
 #include <momentree/io/json_writer.hpp>
 #include <momentree/io/results.hpp>
 
@@ -73,6 +74,10 @@ std::string summary_json(const RunOrigin& origin, const std::string& status, con
   for (const std::string& set : origin.overrides) json.value(set);
   json.end_array().end_object();
   json.member("method", origin.integration.method).member("step", origin.integration.step);
+  if (is_adaptive(origin.integration.method)) {  // without a bound: null
+    json.member("rtol", origin.integration.rtol).member("atol", origin.integration.atol);
+    json.member("max_step", origin.integration.max_step);
+  }
   json.member("start", origin.start).member("until", origin.until).member("time", simulation.time());
   json.member("steps", run.steps).member("evaluations", run.evaluations[0] + run.evaluations[1]);
   json.member("topology_changes", run.changes).member("events", static_cast<long>(simulation.events().size()));

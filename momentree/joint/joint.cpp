@@ -1,5 +1,7 @@
 #include <momentree/joint/joint.hpp>
 
+#include <utility>
+
 #include <momentree/joint/kinds.hpp>
 #include <momentree/joint/link.hpp>
 
@@ -20,6 +22,29 @@ const KindInfo* find_kind(std::string_view name) {
   for (const KindInfo& k : all_kinds())
     if (name == k.name) return &k;
   return nullptr;
+}
+
+bool JointParameters::any() const {
+  return damping.any() || stiffness.any() || armature.any() || effort.any() || !rest.empty() || limits.any() || friction.any() ||
+         strength.any() || drive != nullptr;
+}
+
+std::shared_ptr<const JointDrive> effort_drive(std::vector<Signal> effort) {
+  JointDrive drive;
+  drive.effort = std::move(effort);
+  return std::make_shared<const JointDrive>(std::move(drive));
+}
+
+std::shared_ptr<const JointDrive> pd_drive(JointDrive::Pd pd) {
+  JointDrive drive;
+  drive.pd = std::move(pd);
+  return std::make_shared<const JointDrive>(std::move(drive));
+}
+
+std::shared_ptr<const JointDrive> motion_drive(const Signal& position) {
+  JointDrive drive;
+  drive.motion.emplace_back(position);
+  return std::make_shared<const JointDrive>(std::move(drive));
 }
 
 Mat3 tilt_rotation(const Link& k) {

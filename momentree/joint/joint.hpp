@@ -36,25 +36,23 @@ const std::vector<KindInfo>& all_kinds();
 /// The kind of that name, or null.
 const KindInfo* find_kind(std::string_view name);
 
-/// Hard stops of a joint: coordinates that its freedoms do not pass. One number applies to every freedom, a list has one per
-/// freedom in the order of v; infinite or absent: no stop. Only for kinds whose velocities are the rates of their coordinates.
+/// Stops of a joint: coordinates that its freedoms do not pass, or, soft ones, that they are pushed back from. One number applies
+/// to every freedom, a list has one per freedom in the order of v; infinite or absent: no stop. Only for kinds whose velocities
+/// are the rates of their coordinates.
 struct JointLimits {
   Values lower{}, upper{};   ///< rad, m
   Values restitution{};      ///< 0 (plastic, also where absent) … 1: what is left of the speed, turned about
   double rest_speed = 1e-3;  ///< below it (rad/s, m/s) the joint comes to rest on the stop, until something pulls it off
-  /// Soft stops instead, where given: passed by x at the speed u, a stop pushes back with stiffness·x + damping·u, and never
-  /// pulls. No restitution then.
+  /// Soft stops instead, where a stiffness is given: passed by x at the speed u, a stop pushes back with stiffness·x + damping·u
+  /// (N m/rad, N m s/rad; N/m, N s/m), and never pulls. No restitution then.
   Values stiffness{}, damping{};
   bool any() const { return !lower.empty() || !upper.empty(); }
-  double lower_of(int freedom) const { return of(lower, freedom, -std::numeric_limits<double>::infinity()); }
-  double upper_of(int freedom) const { return of(upper, freedom, std::numeric_limits<double>::infinity()); }
-  double restitution_of(int freedom) const { return of(restitution, freedom, 0); }
+  bool soft() const { return any() && !stiffness.empty(); }
+  bool hard() const { return any() && stiffness.empty(); }
+  double lower_of(int freedom) const { return lower.of(freedom, -std::numeric_limits<double>::infinity()); }
+  double upper_of(int freedom) const { return upper.of(freedom, std::numeric_limits<double>::infinity()); }
+  double restitution_of(int freedom) const { return restitution.of(freedom); }
   friend bool operator==(const JointLimits&, const JointLimits&) = default;
-
- private:
-  static double of(const Values& values, int i, double none) {
-    return values.size() == 1 ? values[0] : i < values.size() ? values[i] : none;
-  }
 };
 
 /// Dry friction, smoothed so that it has a derivative: torque or force −coulomb·tanh(u / speed).
@@ -62,26 +60,36 @@ struct JointFriction {
   Values coulomb{};  ///< N m, N
   Values speed{};    ///< rad/s, m/s: three times it is sliding with 99.5 % of `coulomb`
   bool any() const { return coulomb.any(); }
+  bool given() const { return !coulomb.empty() || !speed.empty(); }
   friend bool operator==(const JointFriction&, const JointFriction&) = default;
 };
 
-/// What drives a joint, beside its constant effort: signals with one entry per freedom, or one for a joint with one freedom.
-/// Only for kinds whose velocities are the rates of their coordinates (effort: any).
+/// What drives a joint, beside its constant effort: in lists of signals one entry per freedom in the order of v. Either efforts,
+/// with or without position control, or a motion.
 struct JointDrive {
-  std::vector<Signal> effort{};  ///< torque or force that changes with time
-  /// Position control: kp·(target − q) + kd·(target_speed − u), no more than max_effort either way.
+  /// Torque or force that changes with time; any kind. One entry alone only for joints with one freedom.
+  std::vector<Signal> effort{};
+  /// Position control: kp·(target − q) + kd·(target_speed − u), no more than max_effort either way. Only for kinds whose
+  /// velocities are the rates of their coordinates. One entry alone applies to every freedom.
   struct Pd {
     Values kp{}, kd{};
-    std::vector<Signal> target{};
+    std::vector<Signal> target{};        ///< empty: the joint's zero
     std::vector<Signal> target_speed{};  ///< empty: the rate of the target
     Values max_effort{};                 ///< empty: unbounded
+    bool any() const { return !kp.empty() || !kd.empty(); }
     friend bool operator==(const Pd&, const Pd&) = default;
   } pd{};
-  /// Prescribed motion of a joint with one freedom: it has no momentum of its own then, and takes the effort that it needs.
+  /// Prescribed motion of a joint with one freedom (one entry): its position at every instant. It has no momentum of its own
+  /// then, and takes the effort that it needs.
   std::vector<Curve> motion{};
   bool moves() const { return !motion.empty(); }
   friend bool operator==(const JointDrive&, const JointDrive&) = default;
 };
+
+/// Drives by themselves: `.drive = motion_drive(Signal::sine(0.5, 2))`.
+std::shared_ptr<const JointDrive> effort_drive(std::vector<Signal> effort);
+std::shared_ptr<const JointDrive> pd_drive(JointDrive::Pd pd);
+std::shared_ptr<const JointDrive> motion_drive(const Signal& position);
 
 /// What a joint bears: it breaks by itself at that reaction (norms at the joint, N and N m); infinite: any.
 struct JointStrength {
@@ -102,6 +110,7 @@ struct JointParameters {
   JointFriction friction{};
   JointStrength strength{};
   std::shared_ptr<const JointDrive> drive{};  ///< null: none but `effort`; shared, so that copies do not allocate
+  bool any() const;                           ///< false where all of it is nothing
   friend bool operator==(const JointParameters& a, const JointParameters& b) {
     const bool same_drive = a.drive == b.drive || (a.drive && b.drive && *a.drive == *b.drive);
     return same_drive && a.damping == b.damping && a.stiffness == b.stiffness && a.rest == b.rest && a.armature == b.armature &&
@@ -127,6 +136,8 @@ struct JointSpec {
     if constexpr (requires { k.pitch; }) pitch = k.pitch;
     if constexpr (requires { k.damping; }) parameters = {k.damping, k.stiffness, k.rest, k.armature, k.effort, {}, {}, {}, {}};
     if constexpr (requires { k.limits; }) parameters.limits = k.limits;
+    if constexpr (requires { k.drive; }) parameters.friction = k.friction, parameters.drive = k.drive;
+    if constexpr (requires { k.strength; }) parameters.strength = k.strength;
   }
 };
 

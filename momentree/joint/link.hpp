@@ -34,7 +34,8 @@ struct Link {
   double cos_b = 1, sin_b = 0, cos_0 = 1, sin_0 = 0;
   RigidMass body{};
   double subtree_mass = 0;      ///< of the body and all outboard bodies
-  unsigned locked = 0;          ///< a bit per freedom that is frozen
+  unsigned locked = 0;          ///< a bit per freedom without a momentum of its own: frozen or driven
+  unsigned driven = 0;          ///< a bit per freedom of these whose rate is prescribed: p holds it
   double angle_0 = 0;           ///< θ0
   double geometry[2] = {0, 0};  ///< helical: metres per radian; universal: x and z components of the first axis
 };

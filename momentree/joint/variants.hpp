@@ -71,11 +71,13 @@ struct ReversedKernels : GenericKernels<ReversedKernels<K, NQ, NV>, NQ, NV> {
   }
 };
 
-/// Some or all freedoms frozen where they are (Link::locked, a bit per freedom): their columns of E are dropped, u = 0, p = 0.
-/// Coordinates and the lengths of q, p stay, so that a lock moves nothing in memory.
+/// Some or all freedoms without momenta (Link::locked, a bit per freedom): frozen where they are, or driven (Link::driven). Their
+/// columns of E are dropped, and p holds their prescribed rate: u = p, nothing where they are frozen. Coordinates and the lengths
+/// of q, p stay, so that a lock moves nothing in memory.
 template <class B, int NV>
 struct LockedKernels : B {
-  /// (24)–(26) with E′ = E B: a dropped column gets a one on the diagonal of Mj instead, which leaves its u zero.
+  /// (24)–(26) with E′ = E B: a dropped column gets a one on the diagonal of Mj instead, which leaves its u what p says; the rate
+  /// of a driven one gives momentum: Db + Mb E s.
   template <class T>
   MOMENTREE_INLINE static void reduce(const Link& k, const JointState<T>& j, const T* p, const double* armature,
                                       SpatialMass<T>& M, Force<T>& D, auto& w) {
@@ -84,11 +86,12 @@ struct LockedKernels : B {
     for (std::size_t i = 0; i < E.size(); ++i) {
       const bool locked = (k.locked >> i & 1u) != 0;
       own[i] = locked ? 1.0 : armature[i];
+      if ((k.driven >> i & 1u) != 0) D += M * Motion<T>{p[i] * E[i].v, p[i] * E[i].w};
       if (locked) E[i] = Motion<T>{};
     }
     reduce_generic<T, NV>(E, p, own, M, D, w);
   }
-  /// (20): what is locked keeps p = 0.
+  /// (20): what is locked keeps p = 0; the rate of what is driven has its own, which is known outside.
   template <class T>
   MOMENTREE_INLINE static void momentum_rate(const Link& k, const JointState<T>& j, const T* u, const Force<T>& Pb,
                                              const Force<T>& wrench, T* pdot) {
@@ -96,14 +99,21 @@ struct LockedKernels : B {
     for (int i = 0; i < NV; ++i)
       if ((k.locked >> i & 1) != 0) pdot[i] = T(0);
   }
-  /// (51) with E′ = E B: what is locked has no force along it, and u̇ = 0.
+  /// (51) with E′ = E B: what is locked has no force along it, and u̇ = 0; for what is driven τ holds u̇, which M̂ resists.
   template <class T>
   MOMENTREE_INLINE static void reduce_wrench(const Link& k, const JointState<T>& j, const auto& w, const T* tau, Force<T>& W,
                                              T* udot) {
     auto E = B::template columns<T>(k, j);
-    for (std::size_t i = 0; i < E.size(); ++i)
+    Motion<T> given{};
+    for (std::size_t i = 0; i < E.size(); ++i) {
+      if ((k.driven >> i & 1u) != 0) given = given + Motion<T>{tau[i] * E[i].v, tau[i] * E[i].w};
       if ((k.locked >> i & 1u) != 0) E[i] = Motion<T>{};
+    }
     reduce_wrench_generic<T, NV>(E, w, tau, W, udot);
+    if (k.driven != 0) {
+      B::add_reduced(w, given, W);
+      B::joint_acceleration(w, given, udot);  // of the free ones: the columns of G of the others are zero
+    }
   }
 };
 

@@ -31,6 +31,10 @@ class Values {
       if (v != 0) return true;
     return false;
   }
+  /// The value of a freedom: one number is that of every freedom; `none` where there is none.
+  double of(int freedom, double none = 0) const {
+    return count_ == 1 ? at_[0] : freedom < count_ ? at_[static_cast<std::size_t>(freedom)] : none;
+  }
   friend bool operator==(const Values& a, const Values& b) {
     if (a.count_ != b.count_) return false;
     for (int i = 0; i < a.count_; ++i)

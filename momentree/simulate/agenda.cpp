@@ -29,18 +29,42 @@ std::vector<std::size_t> Agenda::due(double time) const {
   return places;
 }
 
-bool Agenda::watching() const {
-  return std::any_of(entries.begin(), entries.end(), [](const Entry& e) { return e.condition && !e.done; });
+bool Agenda::watching(const World& world) const {
+  return !world.tree().strength_joints().empty() ||
+         std::any_of(entries.begin(), entries.end(), [](const Entry& e) { return e.condition && !e.done; });
+}
+
+// Joints come and go, and with them their strengths; of those that stay, what is known of their loads stays.
+void Agenda::renew_strengths(const World& world) {
+  if (strengths_of_ == world.tree().revision()) return;
+  strengths_of_ = world.tree().revision();
+  if (strengths_.empty() && world.tree().strength_joints().empty()) return;
+  const std::vector<Strength> now = strengths(world);
+  std::vector<Borne> before = std::move(strengths_);
+  strengths_.clear();
+  for (const Strength& s : now) {
+    const auto known = std::find_if(before.begin(), before.end(), [&](const Borne& b) { return b.strength == s; });
+    if (known != before.end()) {
+      strengths_.push_back(std::move(*known));
+      continue;
+    }
+    Entry entry;
+    entry.event.name = event_name(world, s);
+    entry.event.actions = {break_joint(std::string(world.joint_name({s.joint})))};
+    entry.condition = condition_of(s);
+    strengths_.push_back({s, std::move(entry)});
+  }
 }
 
 std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Event> now) {
+  renew_strengths(world);
   std::optional<std::size_t> first, load;
   double largest = 0;
-  for (std::size_t k = 0; k < entries.size(); ++k) {
-    Entry& e = entries[k];
+  for (std::size_t k = 0; k < count(); ++k) {
+    Entry& e = at(k);
     if (!e.condition || e.done) continue;
     const Condition& c = *e.condition;
-    const std::optional<double> value = c.what->value(world, now);
+    const std::optional<double> value = c.value(world, now);
     if (!value) {
       e.since = -1;
       continue;
@@ -64,20 +88,27 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
 
 std::span<const Watch> Agenda::watches(const World& world) {
   watches_.clear();
-  for (const Entry& e : entries) {
-    if (!e.condition || e.done || e.resting || e.since >= 0) continue;
+  renew_strengths(world);
+  for (std::size_t k = 0; k < count(); ++k) {
+    const Entry& e = at(k);
+    if (!e.condition || e.done) continue;
     const Condition& c = *e.condition;
     if (!c.exact || c.what->is_impulsive()) continue;
+    const bool holds = e.since >= 0 || e.resting;
+    if (holds && !e.resting && !(c.duration > 0)) continue;
     const std::optional<double> excess = c.excess(world, {});
-    if (!excess || *excess > 0) continue;
+    if (!excess) continue;
+    const double sign = holds ? -1 : 1, offset = e.resting ? c.width() : 0;
+    const auto counted = [&](double x) { return sign * (x + offset); };
+    if (counted(*excess) > 0) continue;
     const double ago = e.looked == world.time() && e.looked_before >= 0 ? e.looked - e.looked_before : 0;
-    watches_.push_back({&c, *excess, e.excess_before, ago});
+    watches_.push_back({&c, counted(*excess), counted(e.excess_before), ago, sign, offset});
   }
   return watches_;
 }
 
 void Agenda::happened(std::size_t place, double time) {
-  Entry& e = entries[place];
+  Entry& e = at(place);
   ++e.fired;
   e.since = -1;
   if (e.condition) {
@@ -91,7 +122,7 @@ void Agenda::happened(std::size_t place, double time) {
     e.time = HUGE_VAL;
   }
   const std::string name = e.event.name;
-  for (Entry& other : entries) other.looked = other.looked_before = -1;  // what it looks at may have jumped
+  for (std::size_t k = 0; k < count(); ++k) at(k).looked = at(k).looked_before = -1;  // what it looks at may have jumped
   for (Entry& other : entries)
     if (other.after == name) other.time = std::min(other.time, time + other.delay);
   look_ahead();
@@ -99,17 +130,21 @@ void Agenda::happened(std::size_t place, double time) {
 
 std::vector<Agenda::Armed> Agenda::armed() const {
   std::vector<Armed> all;
-  for (const Entry& e : entries) all.push_back({e.time, e.fired, e.done, e.since, e.resting});
+  for (const Entry& e : entries)
+    all.push_back({e.time, e.fired, e.done, e.since, e.resting, e.excess, e.excess_before, e.looked, e.looked_before});
   return all;
 }
 
 void Agenda::restore(std::span<const Armed> armed, double now) {
+  strengths_.clear();
+  strengths_of_.reset();
   for (std::size_t k = 0; k < entries.size(); ++k) {
     Entry& e = entries[k];
     e.looked = e.looked_before = -1;
     if (k < armed.size()) {
       const Armed& a = armed[k];
       e.time = a.time, e.fired = a.fired, e.done = a.done, e.since = a.since, e.resting = a.resting;
+      e.excess = a.excess, e.excess_before = a.excess_before, e.looked = a.looked, e.looked_before = a.looked_before;
     } else {
       e.fired = 0, e.since = -1, e.resting = false;
       if (!e.after.empty()) e.time = HUGE_VAL;

@@ -9,6 +9,7 @@
 #include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/instant.hpp>
 #include <momentree/simulate/stops.hpp>
+#include <momentree/simulate/strengths.hpp>
 
 namespace momentree {
 
@@ -29,6 +30,8 @@ class Agenda {
   };
 
   std::vector<Entry> entries;  ///< in the order of scheduling
+  /// Those of places behind them are of the strengths of joints, good until the world next changes.
+  Entry& at(std::size_t place) { return place < entries.size() ? entries[place] : strengths_[place - entries.size()].entry; }
 
   /// Adds an entry and finds the next instant; returns its place.
   std::size_t add(Entry entry);
@@ -44,7 +47,7 @@ class Agenda {
   /// What is to be located in the next step; good until the next call and the next entry.
   std::span<const Watch> watches(const World& world);
   /// True where conditions are to be looked at after a step.
-  bool watching() const;
+  bool watching(const World& world) const;
 
   /// An entry happened: it is done, or armed again; what follows it has its instant now.
   void happened(std::size_t place, double time);
@@ -56,14 +59,25 @@ class Agenda {
     bool done = false;
     double since = -1;
     bool resting = false;
+    double excess = 0, excess_before = 0, looked = -1, looked_before = -1;
+    friend bool operator==(const Armed&, const Armed&) = default;
   };
   std::vector<Armed> armed() const;
   /// Entries that the list does not have stay scheduled where they are not past at `now`.
   void restore(std::span<const Armed> armed, double now);
 
  private:
+  struct Borne {
+    Strength strength;
+    Entry entry;
+  };
+  void renew_strengths(const World& world);
+  std::size_t count() const { return entries.size() + strengths_.size(); }
+
   double next_ = HUGE_VAL;
   std::vector<Watch> watches_;
+  std::vector<Borne> strengths_;
+  std::optional<std::uint64_t> strengths_of_;  // of which revision of the tree
 };
 
 }  // namespace momentree

@@ -13,6 +13,7 @@
 #include <momentree/base/units.hpp>
 #include <momentree/math/vec.hpp>
 #include <momentree/simulate/event.hpp>
+#include <momentree/tree/state.hpp>
 
 namespace momentree {
 
@@ -60,7 +61,7 @@ class Condition {
     return std::move(*this);
   }
   double width() const { return hysteresis >= 0 ? hysteresis : 0.01 * (threshold < 0 ? -threshold : threshold); }
-  /// Only after it has held for that long (s).
+  /// Only after it has held for that long (s) without a gap, be it within a step.
   Condition lasting(double seconds) && {
     duration = seconds;
     return std::move(*this);
@@ -71,6 +72,8 @@ class Condition {
     return std::move(*this);
   }
 
+  /// The quantity's value, remembered as long as the world's state stays what it is.
+  std::optional<double> value(const World& world, std::span<const Event> now) const;
   /// Positive where it holds; nothing where the quantity is gone.
   std::optional<double> excess(const World& world, std::span<const Event> now) const;
   /// Load over threshold, or for what falls below it threshold over load.
@@ -81,6 +84,10 @@ class Condition {
   bool above;
   bool repeats = false, exact = true;
   double hysteresis = -1, duration = 0;
+
+ private:
+  mutable Stamp seen_;
+  mutable std::optional<double> last_;
 };
 
 /// A quantity before it has a threshold: `reaction_force("crane/hook").exceeds(4e3)`.

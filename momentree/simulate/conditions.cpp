@@ -1,13 +1,21 @@
 #include <momentree/simulate/all_quantities.hpp>  // generated: includes the files in quantities/
 #include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/quantity_list.hpp>  // generated from them
+#include <momentree/simulate/world.hpp>
 
 namespace momentree {
 
+std::optional<double> Condition::value(const World& world, std::span<const Event> now) const {
+  if (what->is_impulsive()) return what->value(world, now);
+  const Stamp stamp = world.stamp();
+  if (!(seen_ == stamp)) last_ = what->value(world, now), seen_ = stamp;
+  return last_;
+}
+
 std::optional<double> Condition::excess(const World& world, std::span<const Event> now) const {
-  const std::optional<double> value = what->value(world, now);
-  if (!value) return std::nullopt;
-  return above ? *value - threshold : threshold - *value;
+  const std::optional<double> found = value(world, now);
+  if (!found) return std::nullopt;
+  return above ? *found - threshold : threshold - *found;
 }
 
 std::shared_ptr<Quantity> make_quantity(std::string_view key) {

@@ -52,10 +52,11 @@ std::optional<std::pair<std::size_t, Verdict>> contradiction(std::span<const Due
   return std::nullopt;
 }
 
-// What moved before still moves, and no change that only lets go or holds brings energy: else a mass is missing somewhere.
-Verdict check_energy(const Totals& before, const Totals& after, ActionPhase phase) {
+// What moved before still moves, and no change that only lets go or holds brings energy (where no joint is driven): else a mass
+// is missing somewhere.
+Verdict check_energy(const Totals& before, const Totals& after, ActionPhase phase, bool driven) {
   const bool finite = std::isfinite(after.kinetic) && std::isfinite(after.linear.x + after.linear.y + after.linear.z);
-  const bool gained = phase < ActionPhase::impulse && after.kinetic > before.kinetic * (1 + 1e-3) + 1e-30;
+  const bool gained = !driven && phase < ActionPhase::impulse && after.kinetic > before.kinetic * (1 + 1e-3) + 1e-30;
   if (finite && !gained) return Verdict::done();
   if (phase >= ActionPhase::impulse)
     return Verdict::refused("it would make the motion too fast for numbers", "is the value what you meant?");
@@ -72,9 +73,9 @@ std::string made_joint_name(const DueEvent& event, std::size_t action) {
   return std::count_if(event.actions.begin(), event.actions.end(), makes) == 1 ? event.name : own;
 }
 
-InstantReport carry_out(World& world, std::span<const DueEvent> due) {
+InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehearsal) {
   InstantReport report;
-  Surgery surgery(world);
+  Surgery surgery(world, rehearsal);
   report.events.resize(due.size());
   std::vector<Item> items;
   for (std::size_t e = 0; e < due.size(); ++e) {
@@ -116,7 +117,7 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due) {
     Verdict verdict = prepares ? action.prepare(surgery) : action.apply(surgery);
     event.after = world.totals();
     if (verdict.outcome == Verdict::Outcome::done) {
-      const Verdict sound = check_energy(before, event.after, item.phase);
+      const Verdict sound = check_energy(before, event.after, item.phase, !world.tree().driven_joints().empty());
       if (sound.outcome != Verdict::Outcome::done) verdict = sound;
       if (sound.outcome != Verdict::Outcome::done && prepares)  // between the old joint and the new one nothing holds it
         verdict = Verdict::refused("it can't be one impact with others: the child alone has not the inertia to move freely",

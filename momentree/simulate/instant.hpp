@@ -41,6 +41,7 @@ inline constexpr std::size_t most_actions_at_once = 10'000;
 /// "<to>+<body>". Empty for actions that make none.
 std::string made_joint_name(const DueEvent& event, std::size_t action);
 
-InstantReport carry_out(World& world, std::span<const DueEvent> due);
+/// `rehearsal`: see Surgery.
+InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehearsal = false);
 
 }  // namespace momentree

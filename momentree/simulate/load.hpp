@@ -14,7 +14,7 @@ struct Load : Quantity {
   virtual std::optional<double> of(const Wrench& wrench) const = 0;
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     const int number = world.find_joint(joint);
-    return number < 0 ? std::nullopt : of(world.joint_forces({number}).reaction);
+    return number < 0 ? std::nullopt : of(world.reaction({number}));
   }
 };
 

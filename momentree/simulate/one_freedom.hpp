@@ -11,12 +11,12 @@ struct OneFreedom : Quantity {
 
   void fields(QuantityFields& fields) override { fields.joint(joint); }
   std::vector<std::string> joints() const override { return {joint}; }
-  virtual double of(const JointView& view) const = 0;
+  virtual double of(double position, double speed) const = 0;
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     const int number = world.find_joint(joint);
     if (number < 0) return std::nullopt;
-    const JointView view = world.joint({number});
-    return view.q.size() == 1 && view.v.size() == 1 ? std::optional(of(view)) : std::nullopt;
+    const std::optional<std::pair<double, double>> state = world.one_freedom({number});
+    return state ? std::optional(of(state->first, state->second)) : std::nullopt;
   }
 };
 

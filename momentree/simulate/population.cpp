@@ -12,6 +12,11 @@ Body World::add(BodySpec spec) {
   if (names_.find_joint(joint) >= 0)
     fail({"there is a joint '" + joint + "' already", spec.name, "give the new one another name"});
   const WorldSnapshot before = snapshot();
+  const JointDrive* drive = spec.joint.parameters.drive.get();
+  if (drive != nullptr && drive->motion.size() == 1) {
+    const Curve::Point now = drive->motion[0].at(time());
+    spec.q = now.value, spec.v = now.rate;
+  }
   const Body body = model_.add(std::move(spec));
   evaluate();
   const double kinetic = totals().kinetic;
@@ -41,6 +46,7 @@ void World::remove(Body body) {
     surgery.break_off(joint);
   } else {  // a free joint to the ground: only what draws at it or locks it is to be taken away
     if (tree_.parameters(b) != nullptr) surgery.set(joint, {});
+    if (tree_.joint(b).function >= 0) drive(joint, {});
     if (tree_.joint(b).locked != 0) surgery.unlock(joint, ~0u);
   }
   evaluate();

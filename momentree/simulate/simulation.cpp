@@ -33,7 +33,12 @@ Simulation::Scheduled Simulation::when(Condition condition) {
 Simulation::Scheduled Simulation::after(std::string event, double delay) {
   std::vector<std::string> names;
   for (const Agenda::Entry& e : impl_->agenda.entries) names.push_back(e.event.name);
-  if (std::find(names.begin(), names.end(), event) == names.end())
+  for (const Strength& s : strengths(impl_->world)) names.push_back(event_name(impl_->world, s));
+  // A joint whose strength an event will give, or one that broke before this run began.
+  const std::string_view prefix = "strength of ";
+  const bool of_joint =
+      event.starts_with(prefix) && impl_->world.model().has_joint(std::string_view(event).substr(prefix.size()));
+  if (!of_joint && std::find(names.begin(), names.end(), event) == names.end())
     fail({"there is no event '" + event + "' to come after", "", did_you_mean(event, names)});
   if (!(delay >= 0) || !std::isfinite(delay)) fail({"the delay after an event can't be " + detail::text(delay) + " s", "", ""});
   Agenda::Entry entry;
@@ -102,7 +107,8 @@ void Simulation::undo(std::size_t number, bool again) {
     if (number < past.events || number >= next) continue;
     SimulationSnapshot before = past.before;
     if (!again)
-      for (const std::size_t k : past.places) before.armed[k].done = true;
+      for (const std::size_t k : past.places)
+        if (k < before.armed.size()) before.armed[k].done = true;  // a joint's strength stays what it is
     impl_->go_back(before);
     return;
   }
@@ -129,10 +135,39 @@ void Simulation::observe(double every, std::function<bool(const World&)> observe
 
 void Simulation::watch(std::function<bool(double)> watcher) { impl_->watcher = std::move(watcher); }
 
+void Simulation::drive(std::string_view joint, std::function<double(const Moment&)> effort) {
+  const int number = impl_->world.find_joint(joint);
+  if (const std::size_t freedoms = number < 0 ? 1 : impl_->world.joint({number}).v.size(); freedoms > 1)
+    fail({"the joint '" + std::string(joint) + "' has " + std::to_string(freedoms) + " freedoms, which one function can't drive",
+          "", "use drive_all()"});
+  if (!effort) return impl_->drive(joint, {});
+  impl_->drive(joint, [effort = std::move(effort)](const Moment& m, std::span<double> efforts) { efforts[0] = effort(m); });
+}
+void Simulation::drive_all(std::string_view joint, JointFunction efforts) { impl_->drive(joint, std::move(efforts)); }
+
+void Simulation::force(std::string_view body, BodyFunction wrench) {
+  const Body b = impl_->world.model().body(body);  // or throws
+  if (!impl_->world.alive(b)) fail({"the body '" + std::string(body) + "' is not in this world any more", "", ""});
+  impl_->world.load(b.index, std::move(wrench));
+  impl_->evaluate_state();
+}
+
 void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
   impl_->world.restore(time, forest, joints);
   impl_->method = impl_->new_method();
   impl_->begin();
+}
+
+StepMemory Simulation::step_memory() const { return {impl_->method->proposal(), impl_->books.work}; }
+void Simulation::resume(std::span<const Agenda::Armed> armed, const StepMemory& memory) {
+  if (impl_->method->adaptive() && memory.next_step > 0) {
+    impl_->method->set_proposal(memory.next_step);
+    impl_->balance.work -= memory.work - impl_->books.work;  // it was done before this run
+    impl_->books.work = memory.work;
+  }
+  std::vector<Agenda::Armed> all = impl_->agenda.armed();
+  std::copy_n(armed.begin(), std::min(armed.size(), all.size()), all.begin());
+  impl_->agenda.restore(all, impl_->world.time());
 }
 
 double Simulation::time() const { return impl_->world.time(); }

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include <momentree/dynamics/moment.hpp>
 #include <momentree/simulate/action.hpp>
 #include <momentree/simulate/agenda.hpp>
 #include <momentree/simulate/condition.hpp>
@@ -16,7 +17,7 @@
 
 namespace momentree {
 
-/// How to step. `method`: "rk4", "midpoint", of fixed steps; "dopri5", "dop853", which choose theirs.
+/// How to step. `method`: "rk4", "midpoint", "damped", of fixed steps; "dopri5", "dop853", which choose theirs.
 struct Integration {
   std::string method = "rk4";
   double step = 1e-3;              ///< s; for adaptive methods the first one
@@ -41,6 +42,13 @@ struct RunStatistics {
 /// Energy balance of the run (J). error = final + dissipated + lost_in_impacts + released − initial − work.
 struct EnergyBalance {
   double initial = 0, final = 0, dissipated = 0, work = 0, lost_in_impacts = 0, released = 0, error = 0;
+};
+
+/// All that an adaptive method remembers from step to step.
+struct StepMemory {
+  double next_step = 0;  ///< the step to try next (s)
+  double work = 0;       ///< what forces have done so far, beside which errors of their work are judged (J)
+  friend bool operator==(const StepMemory&, const StepMemory&) = default;
 };
 
 /// A run at an instant.
@@ -94,7 +102,8 @@ class Simulation {
   Scheduled at(double time);
   /// The same when a condition comes true: `when(reaction_force("crane/hook").exceeds(4e3)).then(break_joint("crane/hook"))`.
   Scheduled when(Condition condition);
-  /// `delay` seconds after the event of that name, each time that it happens.
+  /// `delay` seconds after the event of that name, each time that it happens; "strength of <joint>" is one for a joint with a
+  /// strength.
   Scheduled after(std::string event, double delay = 0);
   /// At `from` and every `period` seconds from then on.
   Scheduled every(double period, double from = 0);
@@ -118,6 +127,21 @@ class Simulation {
   /// Called after each step with the time, however rarely rows are observed: for a progress bar, or to interrupt by returning
   /// false.
   void watch(std::function<bool(double)> watcher);
+
+  /// A function of the world drives a joint from now on: it gives the torque or force (N m, N) along its one freedom, in its
+  /// declared direction, on top of what its parameters say; called at every stage of every step, it must not throw, and may
+  /// depend on the moment alone. An empty function takes it away. It belongs to the joint: topology changes, snapshots and
+  /// branches keep it, until the joint breaks or becomes another. Throws Error for a name that is none, a weld, a joint with
+  /// several freedoms, one whose motion is prescribed.
+  void drive(std::string_view joint, std::function<double(const Moment&)> effort);
+  /// The same for any number of freedoms: it fills in a list, in the order of v, that comes with zeros.
+  void drive_all(std::string_view joint, JointFunction efforts);
+
+  /// A function of the world acts on a body from now on, on top of the model's forces: a wrench about the origin of the body's
+  /// frame, in world axes; called at every stage of every step, as that of a drive. What it gives counts as work. It belongs to
+  /// the body, whatever that is joined to; snapshots and branches keep it. An empty function takes it away; another replaces it.
+  /// Throws Error for a name that is none and for a body that left the world.
+  void force(std::string_view body, BodyFunction wrench);
 
   /// Starts from a state document instead (World::restore); books and events begin anew.
   void restore(double time, const Forest& forest, std::span<const JointStart> joints);
@@ -146,6 +170,11 @@ class Simulation {
   void undo(std::size_t number, bool again = false);
   /// A run of its own from here: world, schedule and books, without observers and history.
   Simulation branch() const;
+
+  StepMemory step_memory() const;
+  /// To go on as another run would have: with what its adaptive method remembered (a next step of 0: keep), and where its events
+  /// stood, in the order of scheduling (fewer are fine).
+  void resume(std::span<const Agenda::Armed> armed, const StepMemory& memory = {});
 
   double time() const;
   const World& world() const;

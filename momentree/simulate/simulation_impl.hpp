@@ -75,12 +75,22 @@ struct Simulation::Impl {
 
   // Exactly; a clock that is right already leaves what was evaluated as it is.
   void set_time(double time) {
-    if (world.time() != time) world.state_.edit().time = time;
+    if (world.time() != time) world.set_time(time);
   }
+
+  // Where a table bends, forces are those of what follows: no stage of the step that ends there may see them. It ends so little
+  // before it that no coordinate knows, and the clock is then put right.
+  static double just_before(double bend) { return bend - 4 * (bend - std::nextafter(bend, -HUGE_VAL)); }
 
   // One step that ends at `end`; a step of almost the full length takes what is left, so that no sliver follows.
   bool step_towards(double end) {
-    const double left = end - world.time();
+    const double bend = world.next_bend(world.time());
+    end = std::min(end, bend);
+    const double left = (end < bend ? end : just_before(end)) - world.time();
+    if (left <= 0) {
+      set_time(end);
+      return true;
+    }
     const double usual = method->next_step(left);
     const bool last = usual == left;
     // What the clock advances, which is rounded, is what the state advances: else they part by up to an ulp of the time per step,
@@ -88,7 +98,7 @@ struct Simulation::Impl {
     const double h = last ? left : (world.time() + usual) - world.time();
     const auto start = Clock::now();
     evaluate_state();
-    if (stops.any() || agenda.watching()) return step_and_look(h, last ? end : HUGE_VAL, start);
+    if (stops.any() || agenda.watching(world)) return step_and_look(h, last ? end : HUGE_VAL, start);
     const double stepped = method->advance(evaluate, world.state_, books, h);
     if (stepped == 0) {
       report_divergence(h);
@@ -114,6 +124,21 @@ struct Simulation::Impl {
     settle();
     statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, detail::seconds_since(start));
     return true;
+  }
+
+  void drive(std::string_view joint, JointFunction function) {
+    const int number = world.find_joint(joint);
+    if (number < 0) {
+      world.model().joint(joint);  // throws where there never was one
+      fail({"the joint '" + std::string(joint) + "' is not there any more", "", ""});
+    }
+    const JointView view = world.joint({number});
+    if (view.v.empty()) fail({"the joint '" + std::string(joint) + "' has no freedom to drive", "", ""});
+    const JointDrive* drive = view.parameters != nullptr ? view.parameters->drive.get() : nullptr;
+    if (function && drive != nullptr && drive->moves())
+      fail({"the motion of joint '" + std::string(joint) + "' is prescribed", "", "take its drive away first"});
+    world.drive(number, std::move(function));
+    evaluate_state();
   }
 
   std::size_t schedule(Agenda::Entry entry) {
@@ -153,7 +178,7 @@ struct Simulation::Impl {
   bool happen() {
     for (std::size_t count = 0;; ++count) {
       std::vector<std::size_t> places = agenda.due(world.time());
-      if (places.empty() && agenda.watching()) {
+      if (places.empty() && agenda.watching(world)) {
         evaluate_state();
         if (const std::optional<std::size_t> place = agenda.urgent(world, events_now())) places = {*place};
       }
@@ -164,7 +189,7 @@ struct Simulation::Impl {
         return false;
       }
       std::vector<DueEvent> due;
-      for (const std::size_t k : places) due.push_back(agenda.entries[k].event);
+      for (const std::size_t k : places) due.push_back(agenda.at(k).event);
       if (keeps_history) history.push_back({events.size(), snapshot(), places});
       if (!carry_out_now(due)) {
         if (keeps_history) history.pop_back();
@@ -261,16 +286,25 @@ struct Simulation::Impl {
       order.emplace_back(time, k);
     }
     std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<DueEvent> breaks;  // what joints that can break by themselves then come to be
+    for (const Strength& s : strengths(world)) {
+      breaks.push_back({event_name(world, s), false, {break_joint(std::string(world.joint_name({s.joint})))}});
+      order.emplace_back(HUGE_VAL, agenda.entries.size() + breaks.size() - 1);
+      certain = false;
+    }
+    const auto event_at = [&](std::size_t k) {
+      return k < agenda.entries.size() ? agenda.entries[k].event : breaks[k - agenda.entries.size()];
+    };
     found.complete = order.size() * static_cast<std::size_t>(world.tree_.bodies()) <= detail::most_rehearsed;
     for (std::size_t i = 0; found.complete && i < order.size();) {
       std::vector<DueEvent> due;
       const std::size_t begin = i;
       const double time = order[i].first;
       do {
-        due.push_back(agenda.entries[order[i].second].event);
+        due.push_back(event_at(order[i].second));
       } while (++i < order.size() && order[i].first == time && std::isfinite(time));
-      if (std::isfinite(time)) world.state_.edit().time = time;
-      const InstantReport report = carry_out(world, due);
+      if (std::isfinite(time)) world.set_time(time);
+      const InstantReport report = carry_out(world, due, true);
       for (const ActionReport& action : report.actions)
         if (certain && action.verdict.outcome != Verdict::Outcome::done)
           found.troubles.push_back({order[begin + action.event].second, action.action, action.verdict,

@@ -1,5 +1,5 @@
-// When within a step a stop is hit, or must let go of a joint that rests on it, or a condition comes true: by steps of the method
-// itself, so that the state found is a state of the motion.
+// When within a step a stop is hit, or must let go of a joint that rests on it, or a condition comes true or ceases to be: by
+// steps of the method itself, so that the state found is a state of the motion.
 #include <algorithm>
 #include <cmath>
 
@@ -21,6 +21,33 @@ Peak peak_between(double h, double q0, double v0, double q1, double v1) {
   return {x * h, q0 + x * (a + x * (b + x * c))};
 }
 
+// Two instants, within something and beyond it, and by how much.
+struct Bracket {
+  double inside, within, outside, beyond;
+};
+// Narrows it to a width of `tolerance` by the secant of Illinois, kept off the ends so that both of them move; `value(s)` is
+// nothing where it can't be had, and this false. `guess`: where to look first.
+template <class Value>
+bool narrow(Bracket& b, double tolerance, std::optional<double> guess, Value value) {
+  for (int last = 0; b.outside - b.inside > tolerance; guess.reset()) {
+    const double margin = std::min(0.25 * (b.outside - b.inside), 0.4 * tolerance);
+    const double secant = (b.inside * b.beyond - b.outside * b.within) / (b.beyond - b.within);
+    const double s = std::clamp(guess.value_or(secant), b.inside + margin, b.outside - margin);
+    const std::optional<double> found = value(s);
+    if (!found) return false;
+    if (*found > 0) {
+      b.outside = s, b.beyond = *found;
+      if (last > 0) b.within /= 2;
+      last = 1;
+    } else {
+      b.inside = s, b.within = *found;
+      if (last < 0) b.beyond /= 2;
+      last = -1;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 // Steps from one start to several ends.
@@ -32,20 +59,30 @@ struct Stops::Trial {
   const State& start;
   Books books_at_start;
   bool accelerations;
-  double at = 0;  ///< seconds from the start to where the world is
+  double at = 0;     ///< seconds from the start to where the world is; NaN where it is not one of a step's ends
+  double reach = 0;  ///< how far the method's last step went
 
   // As far as the method itself goes; nothing where it failed.
   bool first(double most) {
     evaluate(world.state_);
-    at = method.advance(evaluate, world.state_, books, most);
+    at = reach = method.advance(evaluate, world.state_, books, most);
     return at > 0 && look();
   }
   bool go(double s) {
     world.state_ = start;
     books = books_at_start;
-    at = s;
+    at = reach = s;
     evaluate(world.state_);
     return method.step(evaluate, world.state_, books, s) && look();
+  }
+  // The same by dense output of the last step, where there is one: to look, not to go on from.
+  bool see(double s) {
+    if (!method.dense() || s > reach) return go(s);
+    const State::Edit edit = world.state_.edit();
+    method.interpolate(evaluate, s / reach, edit.q.data(), edit.p.data());
+    edit.time = start.time() + s;
+    at = NAN;
+    return look();
   }
   bool look() {
     evaluate(world.state_);
@@ -56,7 +93,10 @@ struct Stops::Trial {
 
 // Positive beyond the stop, or where it would have to pull.
 double Stops::excess(const Watched& w) const {
-  if (w.watch != nullptr) return w.watch->condition->excess(*world_, {}).value_or(w.watch->start);
+  if (w.watch != nullptr) {
+    const std::optional<double> value = w.watch->condition->excess(*world_, {});
+    return value ? w.watch->sign * (*value + w.watch->offset) : w.watch->start;
+  }
   return w.held ? pull(*w.side) : w.side->sign * coordinate(*w.side) - w.limit;
 }
 
@@ -80,10 +120,10 @@ std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) co
     if (curvature >= 0 || value < curvature * end * end) return -1;
   }
   const double bit = end / 64;
-  if (!trial.go(bit)) return std::nullopt;
+  if (!trial.see(bit)) return std::nullopt;
   const double rise = (excess(w) - w.watch->start) / bit;
   if (!(rise > 0)) return -1;
-  if (!trial.go(end - bit)) return std::nullopt;
+  if (!trial.see(end - bit)) return std::nullopt;
   const double fall = (last - excess(w)) / bit;
   if (!(fall < 0)) return -1;
   const Peak found = peak_between(end, w.watch->start, rise, last, fall);
@@ -101,24 +141,17 @@ std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end
     outside = *highest, beyond = excess(w);
   }
   if (!(beyond > 0)) return -1;
-  double inside = 0, within = w.watch != nullptr ? w.watch->start : w.held ? -beyond : w.q - w.limit;
-  // The secant of Illinois, kept off the ends so that both of them move.
-  for (int last = 0; outside - inside > tolerance;) {
-    const double margin = std::min(0.25 * (outside - inside), 0.4 * tolerance);
-    const double s = std::clamp((inside * beyond - outside * within) / (beyond - within), inside + margin, outside - margin);
-    if (!trial.go(s)) return std::nullopt;
-    const double g = excess(w);
-    if (g > 0) {
-      outside = s, beyond = g;
-      if (last > 0) within /= 2;
-      last = 1;
-    } else {
-      inside = s, within = g;
-      if (last < 0) beyond /= 2;
-      last = -1;
-    }
+  const double within = w.watch != nullptr ? w.watch->start : w.held ? -beyond : w.q - w.limit;
+  Bracket between{0, within, outside, beyond};
+  const auto value = [&](bool there) { return there ? std::optional(excess(w)) : std::nullopt; };
+  std::optional<double> guess;
+  if (trial.method.dense()) {
+    Bracket about = between;
+    if (!narrow(about, tolerance, {}, [&](double s) { return value(trial.see(s)); })) return std::nullopt;
+    guess = about.outside;
   }
-  return outside;
+  if (!narrow(between, tolerance, guess, [&](double s) { return value(trial.go(s)); })) return std::nullopt;
+  return between.outside;
 }
 
 std::optional<double> Stops::step(Integrator& method, Books& books, double h, double tolerance, std::span<const Watch> watches) {

@@ -27,7 +27,7 @@ void Stops::find() {
   const Tree& tree = world_->tree_;
   for (const int b : tree.order()) {
     const JointParameters* p = tree.parameters(b);
-    if (p == nullptr || !p->limits.any()) continue;
+    if (p == nullptr || !p->limits.hard()) continue;
     for (int i = 0; i < info(tree.joint(b).kind).nv; ++i) {
       const double e = p->limits.restitution_of(i), rest = p->limits.rest_speed;
       if (std::isfinite(p->limits.upper_of(i))) sides_.push_back({tree.joint_of(b), i, 1, p->limits.upper_of(i), e, rest});
@@ -56,15 +56,12 @@ bool Stops::holds(const Side& s) const { return locked(s) && world_->held(s.join
 double Stops::pull(const Side& s) const {
   const Tree& tree = world_->tree_;
   const int b = tree.carrier(s.joint);
-  double force[6] = {}, spring[6] = {};
+  double force[6] = {}, passive[6] = {};
   project(tree, b, joint_state(tree, world_->state_, world_->work_, b), world_->work_.reactions[static_cast<std::size_t>(b)],
           force);
-  const JointParameters& p = *tree.parameters(b);
-  if (p.stiffness.any()) joint_spring(tree, world_->state_.q().data(), b, spring);
-  const double effort = p.effort.size() == 1 ? p.effort[0] : s.freedom < p.effort.size() ? p.effort[s.freedom] : 0;
-  const double passive = spring[s.freedom] + effort;
-  const double stop = force[s.freedom] - passive;
-  const double noise = 1e-12 * (std::fabs(force[s.freedom]) + std::fabs(passive));
+  unlocked_forces(tree, world_->time(), world_->state_.q().data(), world_->work_, b, passive);
+  const double stop = force[s.freedom] - passive[s.freedom];
+  const double noise = 1e-12 * (std::fabs(force[s.freedom]) + std::fabs(passive[s.freedom]));
   return s.sign * stop - noise;
 }
 

@@ -15,11 +15,13 @@
 
 namespace momentree {
 
-/// A condition to be located in a step.
+/// A condition to be located in a step: when it comes true; where it holds and has to last, when it no longer does; where it is
+/// to be armed again, when it is back far enough.
 struct Watch {
   const Condition* condition;
-  double start;                ///< its excess now, not positive
-  double before = 0, ago = 0;  ///< its value at the last look, and how long ago that was (s); 0: something happened since
+  double start;                 ///< its excess now, not positive
+  double before = 0, ago = 0;   ///< its value at the last look, and how long ago that was (s); 0: something happened since
+  double sign = 1, offset = 0;  ///< what counts is sign·(excess + offset)
 };
 
 class Stops {

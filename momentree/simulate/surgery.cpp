@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
@@ -9,7 +10,7 @@
 
 namespace momentree {
 
-Surgery::Surgery(World& world) : world_(world) {}
+Surgery::Surgery(World& world, bool rehearsal) : world_(world), rehearsal_(rehearsal) {}
 
 void Surgery::begin(Event& event, std::string made_name) {
   event_ = &event;
@@ -80,12 +81,29 @@ void Surgery::carry_out(const Change& change, Nature nature) {
   evaluate();
   const Totals after = world_.totals();
   const double gone = before.kinetic + before.potential - after.kinetic - after.potential - released.energy;
-  (nature == Nature::impact ? event_->lost : event_->work) += nature == Nature::impact ? gone : -gone;
+  const double driven = nature == Nature::impact ? work_of_motions() : -gone;
+  event_->work += driven;
+  if (nature == Nature::impact) event_->lost += gone + driven;
   if constexpr (std::is_same_v<Change, Impulse>) {
     book_impulses(&change);
   } else {
     book_impulses(nullptr);
   }
+}
+
+// What prescribed motions did in the impact that just was, to be no slower and no faster for it: impulse along the freedom times
+// its speed. Pb of before it is in before_.
+double Surgery::work_of_motions() {
+  double work = 0;
+  for (const int b : tree().driven_joints()) {
+    const Force<double>&before = before_[static_cast<std::size_t>(b)],
+          after = to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.work_, b));
+    double along[6];
+    project(tree(), b, joint_state(tree(), world_.state_, world_.work_, b),
+            to_kernel_frame(tree().frame(b), {after.l - before.l, after.h - before.h}), along);
+    work += along[0] * world_.work_.v[static_cast<std::size_t>(tree().first_p(b))];
+  }
+  return work;
 }
 
 void Surgery::break_off(int joint) {
@@ -98,7 +116,9 @@ void Surgery::break_off(int joint) {
 }
 
 void Surgery::unlock(int joint, unsigned freedoms) {
-  carry_out(Unlock{{tree().carrier(joint)}, freedoms & ~world_.held(joint)}, Nature::workless);
+  const JointParameters* p = tree().parameters(tree().carrier(joint));
+  const bool resumes = p != nullptr && p->drive != nullptr && p->drive->moves();
+  carry_out(Unlock{{tree().carrier(joint)}, freedoms & ~world_.held(joint)}, resumes ? Nature::outside : Nature::workless);
 }
 void Surgery::lock(int joint, unsigned freedoms) {
   carry_out(Lock{{tree().carrier(joint)}, freedoms}, Nature::impact);
@@ -136,6 +156,20 @@ void Surgery::push(int body, const Vec3& force, const Vec3& torque, const Vec3& 
 
 void Surgery::set(int joint, const JointParameters& parameters) {
   carry_out(SetParameters{{tree().carrier(joint)}, parameters}, Nature::outside);
+}
+
+Verdict Surgery::can_follow(int joint, const JointParameters& parameters) const {
+  if (rehearsal_ || parameters.drive == nullptr || !parameters.drive->moves()) return Verdict::done();
+  const double at = parameters.drive->motion[0].at(world_.time()).value, is = coordinates(joint)[0];
+  if (std::fabs(at - is) <= motion_tolerance) return Verdict::done();
+  const auto text = [](double x) {
+    char buffer[32];
+    std::snprintf(buffer, sizeof buffer, "%.9g", x);
+    return std::string(buffer);
+  };
+  return Verdict::refused(
+      "joint '" + joint_name(joint) + "' stands at " + text(is) + ", but its motion is at " + text(at) + " now",
+      "a joint does not jump: let the motion pass there at this instant, or drive it there by 'pd' first");
 }
 
 bool Surgery::drifts(int body) const {
@@ -184,7 +218,10 @@ Verdict Surgery::attach(int body, int to, const JointSpec& spec, const std::opti
     world_.names_.name_mechanism(old_root, {});
   world_.names_.name_joint(tree().joint_of(carrier), made_name_);
   carry_out(change, Nature::impact);
-  if (!(spec.parameters == JointParameters{})) set(tree().joint_of(carrier), spec.parameters);
+  const int made = tree().joint_of(carrier);
+  const Verdict follows = can_follow(made, spec.parameters);
+  if (follows.outcome != Verdict::Outcome::done) return follows;
+  if (!(spec.parameters == JointParameters{})) set(made, spec.parameters);
   return Verdict::done();
 }
 

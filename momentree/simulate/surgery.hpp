@@ -24,7 +24,8 @@ Motion<double> seen_from_child(const Joint& joint, const Motion<double>& freedom
 
 class Surgery {
  public:
-  explicit Surgery(World& world);
+  /// `rehearsal`: coordinates are not those of the instant, and nothing is judged by them.
+  explicit Surgery(World& world, bool rehearsal = false);
 
   /// What follows belongs to this event; a joint that is made gets that name.
   void begin(Event& event, std::string made_name);
@@ -68,6 +69,8 @@ class Surgery {
   // Energy from outside.
   void push(int body, const Vec3& force, const Vec3& torque, const Vec3& point);
   void set(int joint, const JointParameters& parameters);
+  /// Whether a motion that these parameters prescribe can begin, or go on, where the joint stands now.
+  Verdict can_follow(int joint, const JointParameters& parameters) const;
 
   /// Plans by action, from before the first impact of the instant, and the joints that are let go until they are carried out:
   /// what hangs on such a joint is no less held for that.
@@ -75,6 +78,9 @@ class Surgery {
   std::set<int> loosened;
   double seconds = 0;  ///< spent in changes alone
   long changes = 0;
+
+  /// How far a joint may stand from where its motion begins (rad, m).
+  static constexpr double motion_tolerance = 1e-6;
 
  private:
   bool drifts(int body) const;
@@ -85,7 +91,10 @@ class Surgery {
   void book_impulses(const Impulse* applied);
   void evaluate() { world_.evaluate(); }
 
+  double work_of_motions();
+
   World& world_;
+  bool rehearsal_;
   Event* event_ = nullptr;
   std::string made_name_;
   std::vector<Force<double>> before_;                            // Pb by body, user's frames

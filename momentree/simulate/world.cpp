@@ -1,6 +1,7 @@
 #include <momentree/simulate/world.hpp>
 
 #include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/motion.hpp>
@@ -18,10 +19,21 @@ World::World(const Model& model) : model_(model), first_bodies_(model.size()) {
 }
 
 void World::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
+  std::vector<std::pair<int, std::shared_ptr<const JointFunction>>> functions;  // those of the model's joints stay
+  for (const int b : tree_.forced_joints())
+    if (const JointFunction* f = tree_.function(b))
+      functions.emplace_back(tree_.joint_of(b), std::make_shared<const JointFunction>(*f));
+  const std::vector<Topology::Loaded> loads(tree_.body_functions().begin(), tree_.body_functions().end());
   tree_ = Tree(model_);
   names_ = declared_;
   holds_ = forest.holds;
   put_together(forest);
+  for (auto& [joint, f] : functions) {
+    const int b = tree_.carrier(joint);
+    if (b >= 0 && !tree_.joint(b).made && tree_.joint(b).kind == model_[{joint}].joint.kind) tree_.set_function(b, std::move(f));
+  }
+  for (const Topology::Loaded& load : loads)
+    if (load.body < tree_.bodies()) tree_.set_body_function(load.body, load.function);
   State state(tree_);
   work_ = Work<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
@@ -49,11 +61,13 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
     put(j.q, first_q(j.joint.index), edit.q);
     put(j.v, first_p(j.joint.index), v);
   }
+  follow_motions(tree_, time, edit.q.data(), v.data());
   project_momentum(tree_, state.q().data(), v.data(), edit.p.data());
   for (const JointStart& j : joints) put(j.p, first_p(j.joint.index), edit.p);
   for (int b = 0; b < tree_.bodies(); ++b)  // a locked freedom has no momentum of its own
     for (int i = 0; i < info(tree_.joint(b).kind).nv; ++i)
       if ((tree_.joint(b).locked >> i & 1u) != 0) edit.p[static_cast<std::size_t>(tree_.first_p(b) + i)] = 0;
+  follow_motions(tree_, time, edit.q.data(), edit.p.data());
   state_ = state;
 }
 
@@ -88,11 +102,7 @@ const std::vector<BodyMotion>& World::motions() const {
   locate_bodies(tree_, state_, work_);
   for (const int b : tree_.order()) {
     const auto i = static_cast<std::size_t>(b);
-    const Kinematics<double>& k = work_.bodies[i];
-    BodyMotion& m = motions_[i];
-    m.pose = user_pose(tree_, k, b);
-    m.angular = k.R * k.velocity.w;
-    m.linear = k.R * k.velocity.v + cross(m.angular, m.pose.position - k.r);
+    motions_[i] = user_motion(tree_, work_.bodies[i], b);
   }
   motions_of_ = state_.stamp();
   return motions_;
@@ -117,10 +127,30 @@ int World::carrier(Body number) const {
 JointForces World::joint_forces(Body number) const {
   const int b = carrier(number);
   accelerate(tree_, state_, work_);
-  const Force<double> whole = reaction(tree_, state_, work_, b), pure = pure_reaction(tree_, state_, work_, b);
+  const Force<double> whole = momentree::reaction(tree_, state_, work_, b), pure = pure_reaction(tree_, state_, work_, b);
+  Values effort;
+  double along[6];
+  joint_effort(tree_, state_, work_, b, along);
+  for (int i = 0; i < info(tree_.joint(b).kind).nv; ++i) effort.push_back(along[i]);
   return {{work_.a.get() + tree_.first_p(b), static_cast<std::size_t>(info(tree_.joint(b).kind).nv)},
           {whole.l, whole.h},
-          {pure.l, pure.h}};
+          {pure.l, pure.h},
+          effort};
+}
+
+Wrench World::reaction(Body number) const {
+  const int b = carrier(number);
+  accelerate(tree_, state_, work_);
+  const Force<double> whole = momentree::reaction(tree_, state_, work_, b);
+  return {whole.l, whole.h};
+}
+
+std::optional<std::pair<double, double>> World::one_freedom(Body number) const {
+  const int b = carrier(number);
+  evaluate();
+  const KindInfo& kind = info(tree_.joint(b).kind);
+  if (kind.nq != 1 || kind.nv != 1) return std::nullopt;
+  return std::pair{state_.q()[static_cast<std::size_t>(tree_.first_q(b))], work_.v[static_cast<std::size_t>(tree_.first_p(b))]};
 }
 
 JointView World::joint(Body number) const {
@@ -130,6 +160,8 @@ JointView World::joint(Body number) const {
   const KindInfo& kind = info(j.kind);
   const bool reversed = tree_.reversed(b);
   const Body inner{b}, outer{tree_.parent(b)};
+  static constexpr double none[6] = {};
+  const bool driven = tree_.link(b).driven != 0;
   const auto nq = static_cast<std::size_t>(kind.nq), nv = static_cast<std::size_t>(kind.nv);
   return {joint_name(number),
           j.kind,
@@ -138,6 +170,7 @@ JointView World::joint(Body number) const {
           reversed,
           j.locked & ~held(number.index),
           held(number.index),
+          driven,
           j.at,
           j.child_at,
           j.axis,
@@ -146,8 +179,8 @@ JointView World::joint(Body number) const {
           tree_.parameters(b),
           state_.q().subspan(static_cast<std::size_t>(tree_.first_q(b)), nq),
           {work_.v.get() + tree_.first_p(b), nv},
-          state_.p().subspan(static_cast<std::size_t>(tree_.first_p(b)), nv),
-          {work_.pdot.get() + tree_.first_p(b), nv}};
+          driven ? std::span(none, nv) : state_.p().subspan(static_cast<std::size_t>(tree_.first_p(b)), nv),
+          {driven ? none : work_.pdot.get() + tree_.first_p(b), nv}};
 }
 
 Model World::first_model() const {
@@ -179,6 +212,24 @@ void World::restore(const WorldSnapshot& snapshot) {
   for (const auto& [root, name] : snapshot.mechanism_names) names_.name_mechanism(root, name);
 }
 
+void World::drive(int joint, JointFunction function) {
+  const int b = carrier({joint});
+  tree_.set_function(b, function ? std::make_shared<const JointFunction>(std::move(function)) : nullptr);
+  state_.replace(0, 0, {}, 0, 0, {}, tree_.revision());
+}
+
+void World::load(int body, BodyFunction function) {
+  tree_.set_body_function(body, function ? std::make_shared<const BodyFunction>(std::move(function)) : nullptr);
+  state_.replace(0, 0, {}, 0, 0, {}, tree_.revision());
+}
+
+// The clock is put right, by a rounding or, in a rehearsal, by more; what is driven goes with it.
+void World::set_time(double time) {
+  const State::Edit edit = state_.edit();
+  edit.time = time;
+  follow_motions(tree_, time, edit.q.data(), edit.p.data());
+}
+
 int World::held(int joint, int freedom) const {
   for (const Hold& h : holds_)
     if (h.joint == joint && h.freedom == freedom) return h.sign;
@@ -197,7 +248,7 @@ void World::forget_holds() {
   std::erase_if(holds_, [this](const Hold& h) {
     const int b = tree_.carrier(h.joint);
     const JointParameters* p = tree_.parameters(b);
-    return (tree_.joint(b).locked >> h.freedom & 1u) == 0 || p == nullptr || !p->limits.any();
+    return (tree_.joint(b).locked >> h.freedom & 1u) == 0 || p == nullptr || !p->limits.hard();
   });
 }
 

@@ -1,11 +1,14 @@
 #pragma once
 // One world at one instant: model (names), tree (topology), state, and what the recursions found at this state.
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/motion.hpp>
 #include <momentree/dynamics/totals.hpp>
 #include <momentree/dynamics/work.hpp>
 #include <momentree/simulate/names.hpp>
@@ -16,12 +19,6 @@
 
 namespace momentree {
 
-/// A body's frame: pose in the world, velocity of its origin and angular velocity, world axes.
-struct BodyMotion {
-  Pose pose;
-  Vec3 linear, angular;
-};
-
 /// A joint as its user sees it, in its declared direction. Spans point into the world; valid until it next changes.
 struct JointView {
   std::string_view name;
@@ -30,15 +27,12 @@ struct JointView {
   bool reversed = false;  ///< its child carries its parent now, seen from the root
   unsigned locked = 0;    ///< a bit per freedom that is locked
   unsigned resting = 0;   ///< a bit per freedom that rests on a stop
+  bool driven = false;    ///< its motion is prescribed, and not suspended by a lock
   Pose at, child_at;
   Vec3 axis, axis2;
   double pitch = 0;
   const JointParameters* parameters = nullptr;
-  std::span<const double> q, v, p, pdot;  ///< nq, nv, nv, nv numbers
-};
-
-struct Wrench {
-  Vec3 force, torque;  ///< N, N m
+  std::span<const double> q, v, p, pdot;  ///< nq, nv, nv, nv numbers; p and pdot are zeros where it is driven
 };
 
 /// What a joint does and carries at an instant.
@@ -48,6 +42,9 @@ struct JointForces {
   /// `reaction`: all that goes through the joint, drive, spring and damping included; `pure`: without what acts along the
   /// joint's freedoms (momentree::pure_reaction), what its bearings and locks carry.
   Wrench reaction, pure;
+  /// What acts along each freedom (nv numbers, N m or N): momentree::joint_effort; for a driven joint the effort that its motion
+  /// takes.
+  Values effort;
 };
 
 struct Mechanism {
@@ -113,8 +110,13 @@ class World {
   /// By body number: time derivatives of `linear` and `angular` of its motion; zeros for a body that was removed.
   const std::vector<BodyAcceleration>& accelerations() const;
   JointForces joint_forces(Body number) const;  ///< of the joint of that number
+  Wrench reaction(Body number) const;           ///< of the same, the reaction alone
+  /// Coordinate and velocity of a joint with one freedom; nothing for others.
+  std::optional<std::pair<double, double>> one_freedom(Body number) const;
   /// Number of the present joint of that name, −1 if there is none.
   int find_joint(std::string_view name) const { return names_.find_joint(name); }
+  /// Another one whenever anything of the state or the topology has changed.
+  Stamp stamp() const { return state_.stamp(); }
   Totals totals() const;
   /// Present mechanisms, in the order of their root's body number.
   std::vector<Mechanism> mechanisms() const;
@@ -135,6 +137,9 @@ class World {
   /// where `joints` says nothing of them. The forest must be one: each joint carried once, no body outboard of itself.
   void restore(double time, const Forest& forest, std::span<const JointStart> joints);
 
+  /// The first instant after t at which a table bends, infinite where there is none: steps end there.
+  double next_bend(double t) const { return tree_.next_bend(t); }
+
   /// Freedoms that rest on stops.
   std::span<const Hold> holds() const { return holds_; }
 
@@ -148,6 +153,9 @@ class World {
   Body add(BodySpec spec);
   void remove(Body body);
   void make_room();
+  void drive(int joint, JointFunction function);
+  void load(int body, BodyFunction function);
+  void set_time(double time);
   int held(int joint, int freedom) const;
   unsigned held(int joint) const;
   void forget_holds();

@@ -38,7 +38,8 @@ struct Lock {
   Body body;
   unsigned freedoms = ~0u;
 };
-/// Lets them move again; at rest at first: p = Eᵀ Pb. No velocity changes.
+/// Lets them move again; at rest at first: p = Eᵀ Pb. No velocity changes, but for a joint whose motion is prescribed: it is
+/// where and as fast as that says from now on, see SetParameters.
 struct Unlock {
   Body body;
   unsigned freedoms = ~0u;
@@ -81,7 +82,9 @@ struct Impact {
   double restitution = 0;  ///< 0 (plastic) to 1
 };
 
-/// New parameters of the joint that `body` carries; velocities stay, so an armature changes p.
+/// New parameters of the joint that `body` carries; velocities stay, so an armature changes p. A motion that they prescribe is
+/// followed from now on, with the impulse that its speed takes (all other momenta stay), and from where it says; one that they no
+/// longer prescribe leaves the joint its velocity, and p = Eᵀ Pb + armature·v.
 struct SetParameters {
   Body body;
   JointParameters parameters;
@@ -127,7 +130,8 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
 
 /// Root of the mechanism that a body belongs to.
 int root_of(const Tree& tree, int b) noexcept;
-/// True for a mechanism whose root hangs on a free joint to the ground without spring, damper or rotor: it can be re-rooted.
+/// True for a mechanism whose root hangs on a free joint to the ground without spring, damper, friction, drive or rotor: it can
+/// be re-rooted.
 bool floats(const Tree& tree, int b) noexcept;
 /// True where the inboard joint of `body` is there to be broken: not already a free joint to the ground.
 bool can_break(const Tree& tree, Body body) noexcept;

@@ -12,6 +12,13 @@ namespace {
 
 double rotor_inertia(const Tree& tree, int b, int i) { return tree.armature()[tree.first_p(b) + i]; }
 
+// A joint that is driven now is where its motion has it; its place in p holds the rate.
+void follow_motion(const Tree& tree, int b, double t, double* q, double* p) {
+  if (tree.link(b).driven == 0) return;
+  const Curve::Point s = tree.motion(b).at(t);
+  q[0] = s.value, p[0] = s.rate;
+}
+
 }  // namespace
 
 void new_joint_momenta(const Tree& tree, int b, const double* q, const Force<double>& Pb, double* p) noexcept {
@@ -24,9 +31,8 @@ void new_joint_momenta(const Tree& tree, int b, const double* q, const Force<dou
     }
   });
   project(tree, b, {q, c, s}, to_kernel_frame(tree.frame(b), Pb), p);
-  const Joint& joint = tree.joint(b);
-  for (int i = 0; i < info(joint.kind).nv; ++i)
-    if ((joint.locked >> i & 1u) != 0) p[i] = 0;
+  for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
+    if ((tree.link(b).locked >> i & 1u) != 0) p[i] = 0;
 }
 
 Released apply(const ChangeJoint& change, Tree& tree, State& state, Work<double>& work) noexcept {
@@ -56,8 +62,10 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
   double p[6] = {};
   new_joint_momenta(tree, b, change.q.begin(), Pb, p);
   for (int i = 0; i < now.nv && keeps; ++i)
-    if ((change.joint.locked >> i & 1u) == 0) p[i] += rotor_inertia(tree, b, i) * u[i];
-  state.replace(first_q, old.nq, {change.q.begin(), static_cast<std::size_t>(now.nq)}, first_p, old.nv,
+    if ((tree.link(b).locked >> i & 1u) == 0) p[i] += rotor_inertia(tree, b, i) * u[i];
+  Values q = change.q;
+  follow_motion(tree, b, state.time(), &q[0], p);
+  state.replace(first_q, old.nq, {q.begin(), static_cast<std::size_t>(now.nq)}, first_p, old.nv,
                 {p, static_cast<std::size_t>(now.nv)}, tree.revision());
   return released;
 }
@@ -104,6 +112,7 @@ Released apply(const Unlock& change, Tree& tree, State& state, Work<double>& wor
   double keep[7];
   for (int i = 0; i < kind.nq; ++i) keep[i] = state.q()[static_cast<std::size_t>(first_q + i)];
   tree.set_joint(b, joint);
+  follow_motion(tree, b, state.time(), keep, p);
   state.replace(first_q, kind.nq, {keep, static_cast<std::size_t>(kind.nq)}, first_p, kind.nv,
                 {p, static_cast<std::size_t>(kind.nv)}, tree.revision());
   return {};
@@ -127,13 +136,18 @@ Released apply(const SetParameters& change, Tree& tree, State& state, Work<doubl
   MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
   const KindInfo& kind = info(tree.joint(b).kind);
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
-  double q[7], p[6];
+  double q[7], p[6], all[6] = {};
+  const unsigned was_driven = tree.link(b).driven;
+  if (was_driven != 0) project(tree, b, joint_state(tree, state, work, b), articulated_momentum(tree, state, work, b), all);
   for (int i = 0; i < kind.nq; ++i) q[i] = state.q()[static_cast<std::size_t>(first_q + i)];
   for (int i = 0; i < kind.nv; ++i)
     p[i] = state.p()[static_cast<std::size_t>(first_p + i)] -
            rotor_inertia(tree, b, i) * work.v[static_cast<std::size_t>(first_p + i)];
+  for (int i = 0; i < kind.nv; ++i)
+    if ((was_driven >> i & 1u) != 0) p[i] = all[i];
   tree.set_parameters(b, change.parameters);
   for (int i = 0; i < kind.nv; ++i) p[i] += rotor_inertia(tree, b, i) * work.v[static_cast<std::size_t>(first_p + i)];
+  follow_motion(tree, b, state.time(), q, p);
   state.replace(first_q, kind.nq, {q, static_cast<std::size_t>(kind.nq)}, first_p, kind.nv,
                 {p, static_cast<std::size_t>(kind.nv)}, tree.revision());
   return {};

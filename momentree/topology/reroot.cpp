@@ -14,8 +14,9 @@ bool floats(const Tree& tree, int b) noexcept {
   if (!tree.alive(b)) return false;
   const int root = root_of(tree, b);
   const JointParameters* p = tree.parameters(root);
-  return tree.joint(root).kind == Kind::free && tree.joint(root).locked == 0 &&
-         (p == nullptr || !(p->stiffness.any() || p->damping.any() || p->armature.any() || p->effort.any()));
+  return tree.joint(root).kind == Kind::free && tree.joint(root).locked == 0 && tree.joint(root).function < 0 &&
+         (p == nullptr || !(p->stiffness.any() || p->damping.any() || p->armature.any() || p->effort.any() || p->friction.any() ||
+                            p->drive != nullptr));
 }
 
 // tot = Pb of the root; along the path, tot ← X⁻ᵀ tot, and the joint turned over keeps what is on its other side: p ← p − Eᵀ tot.

@@ -99,6 +99,98 @@ class Checks {
     if (std::any_of(l.restitution.begin(), l.restitution.end(), [](double e) { return e > 1; }))
       add("limits", "a restitution of more than 1 would make energy", "0 is plastic, 1 elastic");
     if (!(l.rest_speed > 0) || !std::isfinite(l.rest_speed)) add("limits", "'rest_speed' must be positive");
+    counted_values("limits", "stiffness", l.stiffness, kind);
+    counted_values("limits", "damping", l.damping, kind);
+    if (std::any_of(l.stiffness.begin(), l.stiffness.end(), [](double k) { return k == 0; }))
+      add("limits", "a stop without 'stiffness' holds nothing", "leave 'stiffness' out for a hard stop");
+    if (!l.damping.empty() && l.stiffness.empty())
+      add("limits", "'damping' is that of a soft stop, which needs a 'stiffness'", "for a hard stop give 'restitution' instead");
+    if (!l.restitution.empty() && !l.stiffness.empty())
+      add("limits", "a stop is hard, with 'restitution', or soft, with 'stiffness' and 'damping', not both",
+          "leave one of them out");
+  }
+
+  void friction(const JointFriction& f, const KindInfo& kind) {
+    counted_values("friction", "coulomb", f.coulomb, kind);
+    counted_values("friction", "speed", f.speed, kind);
+    if (f.coulomb.empty() && !f.speed.empty()) add("friction", "'speed' alone is no friction", "give 'coulomb' too");
+    for (int i = 0; i < kind.nv; ++i)
+      if (f.coulomb.of(i) > 0 && !(f.speed.of(i) > 0))
+        return add("friction", "needs a 'speed', over which it builds up",
+                   "a small part of the speeds at which it slides, for example 1e-3");
+  }
+
+  // Only for kinds with coordinates that something can be aimed at.
+  bool has_rates(const char* field, const char* what, const KindInfo& kind) {
+    const bool has = kind.nq == kind.nv && kind.nv > 0;
+    if (!has)
+      add(field, std::string(what) + " needs coordinates whose rates are the velocities, which a " + kind.name + " joint lacks",
+          kind.nv == 0 ? "" : "give efforts, one per freedom");
+    return has;
+  }
+  void signals(const char* what, const std::vector<Signal>& list, const KindInfo& kind) {
+    if (list.size() > 1 && static_cast<int>(list.size()) != kind.nv)
+      add("drive",
+          "a " + std::string(kind.name) + " joint has " + counted(kind.nv, "freedom") + ", but '" + what + "' has " +
+              std::to_string(list.size()) + " entries",
+          kind.nv ? "give one, or one per freedom" : "");
+    if (std::any_of(list.begin(), list.end(), [](const Signal& s) { return !finite(s.offset()); }))
+      add("drive", std::string("'") + what + "' must be finite");
+  }
+  void drive(const JointParameters& p, const KindInfo& kind) {
+    per_freedom("drive", p.effort, kind, true);
+    if (p.effort.size() == 1 && kind.nv > 1) one_effort_for_many(kind);
+    if (p.drive == nullptr) return;
+    const JointDrive& d = *p.drive;
+    if (kind.nv == 0 && (!d.effort.empty() || d.pd.any() || d.moves()))
+      return add("drive", "a " + std::string(kind.name) + " joint has no freedom to drive");
+    signals("effort", d.effort, kind);
+    if (d.effort.size() == 1 && kind.nv > 1) one_effort_for_many(kind);
+    if (d.moves()) return motion(p, kind);
+    if (!d.pd.any()) {
+      if (!d.pd.target.empty() || !d.pd.target_speed.empty() || !d.pd.max_effort.empty())
+        add("drive", "position control needs 'kp' or 'kd'");
+      return;
+    }
+    if (!has_rates("drive", "position control", kind)) return;
+    counted_values("drive", "kp", d.pd.kp, kind);
+    counted_values("drive", "kd", d.pd.kd, kind);
+    counted_values("drive", "max_effort", d.pd.max_effort, kind, true);
+    signals("target", d.pd.target, kind);
+    signals("target_speed", d.pd.target_speed, kind);
+  }
+  void motion(const JointParameters& p, const KindInfo& kind) {
+    if (kind.nq != 1 || kind.nv != 1)
+      return add(
+          "drive",
+          "a motion is that of a joint with one freedom; a " + std::string(kind.name) + " joint has " + std::to_string(kind.nv),
+          "a chain of joints with one freedom each can be moved, with massless bodies between them");
+    if (p.drive->motion.size() != 1) return add("drive", "one motion for one freedom");
+    if (!finite(p.drive->motion[0].signal().offset())) add("drive", "'motion' must be finite");
+    if (p.effort.any() || !p.drive->effort.empty() || p.drive->pd.any())
+      add("drive", "a joint whose motion is prescribed takes the effort that it needs", "leave 'effort' and 'pd' out");
+    if (p.limits.any())
+      add("drive", "a joint whose motion is prescribed can't be stopped by limits", "leave 'limits' out, or drive by 'pd'");
+  }
+  void one_effort_for_many(const KindInfo& kind) {
+    add("drive", "one effort for " + counted(kind.nv, "freedom") + " could mean anything", "give a list, one effort per freedom");
+  }
+
+  void strength(const JointStrength& s) {
+    if (!(s.force > 0) || !(s.torque > 0)) add("strength", "must be positive", "leave it out where the joint bears anything");
+  }
+
+  // A member of a table: one value for every freedom, or one per freedom; never negative.
+  void counted_values(const char* field, const char* member, const Values& values, const KindInfo& kind, bool infinite = false) {
+    if (values.size() > 1 && values.size() != kind.nv)
+      add(field,
+          "a " + std::string(kind.name) + " joint has " + counted(kind.nv, "freedom") + ", but '" + member + "' has " +
+              std::to_string(values.size()) + " numbers",
+          kind.nv ? "give one number, or one per freedom" : "");
+    for (double a : values) {
+      if (std::isnan(a) || (!infinite && !finite(a))) return add(field, std::string("'") + member + "' must be finite");
+      if (a < 0) return add(field, std::string("'") + member + "' must not be negative");
+    }
   }
 
   std::vector<Problem> problems;
@@ -120,12 +212,11 @@ std::vector<JointProblem> check_joint(const JointSpec& joint) {
   checks.per_freedom("damping", p.damping, kind, false);
   checks.per_freedom("stiffness", p.stiffness, kind, false);
   checks.per_freedom("armature", p.armature, kind, false);
-  checks.per_freedom("drive", p.effort, kind, true);
-  if (p.effort.size() == 1 && kind.nv > 1)
-    checks.add("drive", "one effort for " + counted(kind.nv, "freedom") + " could mean anything",
-               "give a list, one effort per freedom");
+  checks.drive(p, kind);
   checks.coordinates("rest", p.rest, kind);
   checks.limits(p.limits, kind);
+  checks.friction(p.friction, kind);
+  checks.strength(p.strength);
   return checks.problems;
 }
 
@@ -156,7 +247,7 @@ std::vector<BodyProblem> check_body(const BodySpec& spec) {
                         (kind.nv == 1 ? " velocity" : " velocities") + ", not " + std::to_string(spec.v.size()));
   const JointLimits& l = spec.joint.parameters.limits;
   const std::vector<JointProblem> of_joint = check_joint(spec.joint);
-  for (int k = 0; l.any() && of_joint.empty() && k < kind.nv; ++k) {
+  for (int k = 0; l.hard() && of_joint.empty() && k < kind.nv; ++k) {
     const double q = k < spec.q.size() ? spec.q[k] : 0;
     if (q < l.lower_of(k) || q > l.upper_of(k)) checks.add("q", "starts beyond its limits");
   }

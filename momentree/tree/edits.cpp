@@ -128,6 +128,27 @@ void Tree::set_parameters(int b, const JointParameters& parameters) {
   ++revision_;
 }
 
+void Tree::set_function(int b, std::shared_ptr<const JointFunction> function) {
+  Joint joint = this->joint(b);
+  if (function == nullptr) {
+    joint.function = -1;
+  } else if (joint.function >= 0) {  // a topology that was kept has a list of its own
+    functions_[at(joint.function)] = std::move(function);
+  } else {
+    joint.function = static_cast<int>(functions_.size());
+    functions_.push_back(std::move(function));
+  }
+  if (replace_joint(b, joint, reversed(b))) list_special_joints();
+  ++revision_;
+}
+
+void Tree::set_body_function(int b, std::shared_ptr<const BodyFunction> function) {
+  std::erase_if(body_functions_, [b](const Topology::Loaded& load) { return load.body == b; });
+  if (function != nullptr) body_functions_.push_back({b, std::move(function)});
+  list_loaded_bodies();
+  ++revision_;
+}
+
 void Tree::remove(int b) {
   MT_REQUIRE(alive(b) && parent_[at(b)] < 0, "the body is a root");
   const int begin = place_[at(b)], end = end_of(b);
@@ -150,7 +171,7 @@ int Tree::add(const BodySpec& spec) {
   set_body(b, spec);
   changed_[at(b)] = 1;
   const JointParameters& p = spec.joint.parameters;
-  if (p.damping.any() || p.stiffness.any() || p.armature.any() || p.effort.any() || !p.rest.empty()) {
+  if (p.any()) {
     give_parameters(b, p);
     joints_[at(b)].parameters = own_parameters_[at(b)];
   }
@@ -182,14 +203,17 @@ void Tree::give_parameters(int joint, const JointParameters& parameters) {
 Tree::PerFreedom Tree::spread(const JointParameters& parameters) {
   PerFreedom f;
   for (int i = 0; i < 6; ++i) {
-    const auto value = [i](const Values& v) { return v.size() == 1 ? v[0] : i < v.size() ? v[i] : 0.0; };
-    f.armature[at(i)] = value(parameters.armature);
-    f.damping[at(i)] = value(parameters.damping);
-    f.effort[at(i)] = value(parameters.effort);
+    f.armature[at(i)] = parameters.armature.of(i);
+    f.damping[at(i)] = parameters.damping.of(i);
+    f.effort[at(i)] = parameters.effort.of(i);
   }
   f.rotor = parameters.armature.any();
   f.spring = parameters.stiffness.any();
   f.force = parameters.damping.any() || parameters.effort.any();
+  const JointDrive* drive = parameters.drive.get();
+  f.motion = drive != nullptr && drive->moves();
+  f.drive = parameters.friction.any() || parameters.limits.soft() || (drive != nullptr && !f.motion);
+  f.strength = parameters.strength.any();
   return f;
 }
 

@@ -105,7 +105,6 @@ void find_shape(Link& k, bool turns, double scale) {
 
 void Tree::make_frame(int b) {
   Link& link = links_[at(b)];
-  link.locked = joint(b).locked;
   Carried mine = carried(joint(b), reversed(b), link.geometry);
   const Mat3 side = rotation_matrix(mine.own.rotation);
   const int c = first_child_[at(b)];

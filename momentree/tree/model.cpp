@@ -90,7 +90,16 @@ Body Model::add_unjudged(BodySpec spec) {
   return {index};
 }
 
+void Model::add_force(BodyForce force) {
+  if (force.body.index < 0 || force.body.index >= size())
+    fail({"the force acts on no body of this model", "", "give what add() returned for the body"});
+  for (const ForceProblem& problem : check_force(force))
+    fail({problem.field + ": " + problem.what, "force on " + (*this)[force.body].name, problem.hint});
+  forces_.push_back(std::move(force));
+}
+
 void Model::keep(int count) {
+  std::erase_if(forces_, [count](const BodyForce& force) { return force.body.index >= count; });
   while (size() > count) {
     const BodySpec& last = bodies_.back();
     by_body_.erase(last.name);

@@ -10,16 +10,10 @@
 #include <momentree/base/error.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/math/vec.hpp>
+#include <momentree/tree/body.hpp>
+#include <momentree/tree/body_force.hpp>
 
 namespace momentree {
-
-/// Handle of a body, and of its inboard joint: each body has exactly one.
-struct Body {
-  int index = -1;
-  friend bool operator==(Body, Body) = default;
-};
-/// The ground, as a parent.
-inline constexpr Body ground{-1};
 
 /// A body with its inboard joint, SI units. Frames: the joint's frame stands at `at` in the parent's frame, and at `child_at` in
 /// the body's own frame (identity: the body's frame is the joint's frame after its motion).
@@ -31,8 +25,8 @@ struct BodySpec {
   Body parent = ground;
   Pose at{};
   JointSpec joint{};  ///< Revolute{…}, Ball{…}, …; default: a weld
-  Values q{};         ///< start coordinates in the order of the kind; empty: zero (identity)
-  Values v{};         ///< start velocities; empty: zero
+  Values q{};         ///< start coordinates in the order of the kind; empty: zero (identity); a prescribed motion says its own
+  Values v{};         ///< start velocities; empty: zero; a prescribed motion says its own
   Pose child_at{};
   std::string joint_name{};  ///< "mechanism/joint"; empty: the body's name
 };
@@ -60,7 +54,12 @@ class Model {
   /// single links in sound groups.
   Body add_unjudged(BodySpec spec);
 
-  /// Forgets the bodies that were added after the first `count`; none of those may hang on them.
+  /// Adds a force on a body of this model: as many as one likes.
+  /// Throws Error: no such body, a number that is not finite, a negative drag.
+  void add_force(BodyForce force);
+  const std::vector<BodyForce>& forces() const { return forces_; }
+
+  /// Forgets the bodies that were added after the first `count`, and forces on them; none of those may hang on them.
   void keep(int count);
 
   Vec3 gravity() const { return gravity_; }
@@ -83,6 +82,7 @@ class Model {
  private:
   Vec3 gravity_{0, 0, -9.81};
   std::vector<BodySpec> bodies_;
+  std::vector<BodyForce> forces_;
   std::unordered_map<std::string, int, NameHash, std::equal_to<>> by_body_, by_joint_,
       by_mechanism_;  // the last: first root with that name
 };

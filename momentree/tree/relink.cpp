@@ -10,11 +10,11 @@ namespace momentree {
 
 namespace {
 
-enum Special : unsigned char { spring = 1, quaternion = 2, force = 4 };
+enum Special : unsigned char { spring = 1, quaternion = 2, force = 4, drive = 8, driven = 16, strength = 32 };
 
-Variant variant_of(const Joint& joint, bool rotor, bool reversed, bool turns_about_z) {
+Variant variant_of(unsigned locked, bool rotor, bool reversed, bool turns_about_z) {
   const bool turned = reversed && !turns_about_z;  // others are native against their direction
-  if (joint.locked != 0) return turned ? Variant::reversed_locked : Variant::locked;
+  if (locked != 0) return turned ? Variant::reversed_locked : Variant::locked;
   if (turned) return Variant::reversed;
   return rotor ? Variant::rotor : Variant::plain;
 }
@@ -72,6 +72,9 @@ void Tree::pack(int b) {
   const KindShape& kind = shape(joint.kind);
   static constexpr PerFreedom none{};
   const PerFreedom& given = joint.parameters < 0 ? none : per_freedom_[at(joint.parameters)];
+  Link& link = links_[at(b)];
+  link.driven = given.motion ? ((1u << kind.nv) - 1) & ~joint.locked : 0;
+  link.locked = joint.locked | link.driven;
   for (int i = 0; i < kind.angles; ++i) {
     angle_q_[at(first_angle_[at(b)] + i)] = first_q_[at(b)] + kind.angle[i];
     angle_offset_[at(first_angle_[at(b)] + i)] = kind.turns_about_z ? links_[at(b)].angle_0 : 0.0;
@@ -84,9 +87,18 @@ void Tree::pack(int b) {
     effort_[p] = moves ? given.effort[at(i)] : 0.0;
   }
   class_[at(b)].kind = joint.kind;
-  class_[at(b)].variant = variant_of(joint, given.rotor, reversed_[at(b)] != 0, kind.turns_about_z);
+  class_[at(b)].variant = variant_of(link.locked, given.rotor, reversed_[at(b)] != 0, kind.turns_about_z);
+  const bool drives = given.drive || joint.function >= 0;
   special_[at(joint_of_[at(b)])] =
-      static_cast<unsigned char>((given.spring ? spring : 0) | (given.force ? force : 0) | (kind.nq > kind.nv ? quaternion : 0));
+      static_cast<unsigned char>((given.spring ? spring : 0) | (given.force ? force : 0) | (kind.nq > kind.nv ? quaternion : 0) |
+                                 (drives ? drive : 0) | (link.driven != 0 ? driven : 0) | (given.strength ? strength : 0));
+}
+
+void Tree::copy_with_rotors(const Tree& other) {
+  *this = other;
+  for (const int b : order_)
+    if (parameters(b) != nullptr && class_[at(b)].variant == Variant::plain) class_[at(b)].variant = Variant::rotor;
+  arrange();
 }
 
 // The joint of b was of another kind before: what is packed behind it moves. Returns whether the lists of joints are to be
@@ -115,14 +127,17 @@ bool Tree::repack(int b, Kind before) {
 }
 
 void Tree::list_special_joints() {
-  spring_joints_.clear(), quaternion_joints_.clear();
+  for (auto* list : {&spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_}) list->clear();
   unsigned all = 0;
   for (std::size_t j = 0; j < special_.size(); ++j) {
     const unsigned s = special_[j];
     all |= s;
-    if ((s & (spring | quaternion)) == 0) continue;
+    if ((s & ~unsigned{force}) == 0) continue;
     if ((s & spring) != 0) spring_joints_.push_back(carrier_[j]);
     if ((s & quaternion) != 0) quaternion_joints_.push_back(carrier_[j]);
+    if ((s & drive) != 0) forced_joints_.push_back(carrier_[j]);
+    if ((s & driven) != 0) driven_joints_.push_back(carrier_[j]);
+    if ((s & strength) != 0) strength_joints_.push_back(carrier_[j]);
   }
   has_forces_ = (all & force) != 0;
 }
@@ -195,6 +210,23 @@ void Tree::arrange() {
     scalars += record;
   }
   record_scalars_ = scalars;
+  list_loaded_bodies();
+}
+
+// Allocates the first time, and where bodies were added.
+void Tree::list_loaded_bodies() {
+  loaded_.clear();
+  if (!forces_ && body_functions_.empty()) return;
+  loaded_.reserve(at(bodies()));
+  loaded_mark_.assign(at(bodies()), 0);
+  const auto mark = [this](int body) {
+    if (!alive(body)) return;
+    for (int b = body; b >= 0 && loaded_mark_[at(b)] == 0; b = parent_[at(b)]) loaded_mark_[at(b)] = 1;
+  };
+  for (const BodyForce& force : body_forces()) mark(force.body.index);
+  for (const Topology::Loaded& load : body_functions_) mark(load.body);
+  for (const int b : order_)
+    if (loaded_mark_[at(b)] != 0) loaded_.push_back(b);
 }
 
 // The mechanism whose root has that place.

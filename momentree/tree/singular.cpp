@@ -53,6 +53,7 @@ std::vector<SingularJoint> singular_joints(const Model& model) {
       const auto E = K::template columns<double>(tree.link(b), joint);
       // Judged one freedom after the other, each against the mass that it could move at all.
       for (std::size_t i = 0; i < E.size(); ++i) {
+        if ((tree.link(b).driven >> i & 1u) != 0) continue;  // moves whatever it moves
         const Force<double> e = M * E[i];
         const double armature = tree.armature()[tree.first_p(b) + static_cast<int>(i)];
         const double moved = dot(E[i], e) + armature;

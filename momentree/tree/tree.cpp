@@ -1,6 +1,7 @@
 #include <momentree/tree/tree.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 #include <momentree/joint/dispatch.hpp>
 
@@ -22,7 +23,8 @@ void Tree::resize(int bodies) {
   record_.resize(n), reversed_.resize(n), class_.resize(n), special_.resize(n), changed_.resize(n);
   links_.resize(n), joints_.resize(n), frames_.resize(n), masses_.resize(n);
   angle_q_.resize(2 * n), angle_offset_.resize(2 * n), armature_.resize(6 * n), damping_.resize(6 * n), effort_.resize(6 * n);
-  for (auto* list : {&order_, &spring_joints_, &quaternion_joints_}) reserve(*list, n);
+  for (auto* list : {&order_, &spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_})
+    reserve(*list, n);
   reserve(segments_, n), reserve(flows_, n);
   reserve(parameters_, shared_parameters_ + n), reserve(per_freedom_, shared_parameters_ + n);
   static const std::size_t largest = [] {
@@ -42,18 +44,13 @@ void Tree::set_body(int b, const BodySpec& s) {
   masses_[at(b)] = {s.mass, s.com, s.inertia};
 }
 
-namespace {
-bool any(const JointParameters& p) {
-  return p.damping.any() || p.stiffness.any() || p.armature.any() || p.effort.any() || !p.rest.empty() || p.limits.any();
-}
-}  // namespace
-
 Tree::Tree(const Model& model) : gravity_(model.gravity()) {
+  if (!model.forces().empty()) forces_ = std::make_shared<const std::vector<BodyForce>>(model.forces());
   resize(model.size());
   for (int b = 0; b < model.size(); ++b) {
     set_body(b, model[{b}]);
     const JointParameters& p = model[{b}].joint.parameters;
-    if (!any(p)) continue;
+    if (!p.any()) continue;
     if (parameters_.empty() || !(parameters_.back() == p)) {
       parameters_.push_back(p);
       per_freedom_.push_back(spread(p));
@@ -76,6 +73,8 @@ Topology Tree::topology() const {
   for (int j = 0; j < bodies(); ++j)
     if (own_parameters_[at(j)] >= 0)
       t.own[at(own_parameters_[at(j)]) - shared_parameters_] = {j, parameters_[at(own_parameters_[at(j)])]};
+  t.functions = functions_;
+  t.loads = body_functions_;
   t.added.assign(masses_.begin() + static_cast<std::ptrdiff_t>(declared_->size()), masses_.end());
   return t;
 }
@@ -96,8 +95,30 @@ void Tree::restore(const Topology& topology) {
   parameters_.resize(shared_parameters_), per_freedom_.resize(shared_parameters_);
   for (int& own : own_parameters_) own = -1;
   for (const Topology::Own& own : topology.own) give_parameters(own.joint, own.parameters);
+  functions_ = topology.functions;
+  body_functions_ = topology.loads;
   ++revision_;
   link_all();
+}
+
+double Tree::next_bend(double t) const {
+  double next = HUGE_VAL;
+  const auto look = [&](const std::vector<Signal>& signals) {
+    for (const Signal& s : signals) next = std::min(next, s.next_bend(t));
+  };
+  for (const auto* joints : {&forced_joints_, &driven_joints_}) {
+    for (const int b : *joints) {
+      const JointParameters* p = parameters(b);
+      if (p == nullptr || p->drive == nullptr) continue;
+      look(p->drive->effort), look(p->drive->pd.target), look(p->drive->pd.target_speed);
+      for (const Curve& c : p->drive->motion) next = std::min(next, c.signal().next_bend(t));
+    }
+  }
+  for (const BodyForce& force : body_forces())
+    if (alive(force.body.index))
+      for (const auto* signals : {&force.force, &force.torque})
+        for (const Signal& s : *signals) next = std::min(next, s.next_bend(t));
+  return next;
 }
 
 }  // namespace momentree

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -21,6 +22,10 @@ struct KernelFrame {
   Vec3 r{};
 };
 
+/// A drive that is a function of the world: called at every stage of a step with one entry per freedom, zeros, to be made efforts
+/// (N m, N). Must not throw; what it returns may depend on the moment alone.
+using JointFunction = std::function<void(const Moment&, std::span<double>)>;
+
 /// A joint as declared (or as a change made it). Parameters stay apart: most joints of a large world share few.
 struct Joint {
   Kind kind = Kind::weld;
@@ -30,6 +35,7 @@ struct Joint {
   double pitch = 0;
   unsigned locked = 0;  ///< a bit per freedom that is frozen, in the order of v
   bool made = false;    ///< a free root joint that a change made: its place in a mechanism is that of no declared joint
+  int function = -1;    ///< index of its drive for Tree::function, −1: none
 };
 /// Kind and geometry of a joint, without placements and parameters.
 inline JointSpec spec_of(const Joint& joint) {
@@ -64,10 +70,17 @@ struct Topology {
     int joint = -1;
     JointParameters parameters{};
   };
-  std::vector<Place> places;          ///< by body
-  std::vector<Changed> changed;       ///< in the order of numbers
-  std::vector<Own> own;               ///< in the order in which they were given
-  std::vector<MassProperties> added;  ///< of the bodies that the model did not have
+  /// A function that acts on a body.
+  struct Loaded {
+    int body = -1;
+    std::shared_ptr<const BodyFunction> function;
+  };
+  std::vector<Place> places;                                    ///< by body
+  std::vector<Changed> changed;                                 ///< in the order of numbers
+  std::vector<Own> own;                                         ///< in the order in which they were given
+  std::vector<MassProperties> added;                            ///< of the bodies that the model did not have
+  std::vector<std::shared_ptr<const JointFunction>> functions;  ///< drives that joints have numbers of
+  std::vector<Loaded> loads;                                    ///< one for a body
 };
 
 /// The free joint of what broke off, at the identity: coordinates are the pose of the body's own frame.
@@ -181,6 +194,32 @@ class Tree {
   std::span<const int> quaternion_joints() const { return quaternion_joints_; }
   /// Bodies whose joint has a spring.
   std::span<const int> spring_joints() const { return spring_joints_; }
+  /// Forces on bodies, as the model has them; also those on bodies that were removed, which do nothing.
+  std::span<const BodyForce> body_forces() const {
+    return forces_ ? std::span<const BodyForce>(*forces_) : std::span<const BodyForce>();
+  }
+  /// Functions that act on bodies, one for a body; the same goes for them.
+  std::span<const Topology::Loaded> body_functions() const { return body_functions_; }
+  /// Bodies on which such a force or function acts, and all that carry them, inboard before outboard.
+  std::span<const int> loaded_bodies() const { return loaded_; }
+  /// Bodies whose joint has friction, soft stops or a drive that is no constant effort.
+  std::span<const int> forced_joints() const { return forced_joints_; }
+  /// Bodies whose joint's motion is prescribed and not locked.
+  std::span<const int> driven_joints() const { return driven_joints_; }
+  /// The prescribed motion of such a joint.
+  const Curve& motion(int b) const { return parameters(b)->drive->motion.front(); }
+  /// Bodies whose joint has a strength.
+  std::span<const int> strength_joints() const { return strength_joints_; }
+  /// True where a function drives a joint or did.
+  bool has_functions() const { return !functions_.empty(); }
+  /// The function that drives b's joint, or null.
+  const JointFunction* function(int b) const {
+    const int i = joint(b).function;
+    return i < 0 ? nullptr : functions_[at(i)].get();
+  }
+  /// The first instant after t at which a table of a drive or of a force bends, infinite where there is none: steps must not pass
+  /// it.
+  double next_bend(double t) const;
 
   /// Largest sizes that any topology of these bodies needs.
   std::size_t record_capacity() const { return record_capacity_; }
@@ -188,6 +227,11 @@ class Tree {
 
   /// What has changed since the model was compiled.
   Topology topology() const;
+  /// Becomes a copy of `other` in which every joint that has parameters takes a rotor, whether or not it has one: what stands in
+  /// rotors() is then its whole mass beside the bodies'. O(bodies); a copy of the same bodies as before allocates nothing.
+  void copy_with_rotors(const Tree& other);
+  /// The numbers of armature(), to change from one evaluation to the next in a tree of one's own.
+  double* rotors() { return armature_.data(); }
   /// Makes this tree, which was compiled from the same model, what `topology` says. Counts a revision, as every edit: what was
   /// evaluated before is stale, even on the same topology. O(bodies); allocates only where bodies were added.
   void restore(const Topology& topology);
@@ -208,6 +252,11 @@ class Tree {
   void set_joint(int b, const Joint& joint, bool reversed);
   /// Parameters of b's joint alone.
   void set_parameters(int b, const JointParameters& parameters);
+  /// A function that drives b's joint from now on, or null: none. Goes with the joint, until that is replaced by another;
+  /// allocates.
+  void set_function(int b, std::shared_ptr<const JointFunction> function);
+  /// A function that acts on body b from now on, or null: none; whatever b is joined to, until it leaves. Allocates.
+  void set_body_function(int b, std::shared_ptr<const BodyFunction> function);
   /// Root b and all bodies outboard of it leave; their numbers are not used again.
   void remove(int b);
   /// A body, complete as Model::operator[] has it, joins with a new number for itself and its joint, which it returns. The
@@ -239,6 +288,8 @@ class Tree {
   void weigh_path(int b);
   int end_of(int b) const;
   void move_block(int begin, int end, int to);
+
+  void list_loaded_bodies();
 
   // edits.cpp
   void unlink(int b);
@@ -274,7 +325,7 @@ class Tree {
   Reserved<JointParameters> parameters_;  // those of the model, shared, then those that changes gave to one joint
   struct PerFreedom {                     // the same, spread over the freedoms: what relinking copies
     std::array<double, 6> armature{}, damping{}, effort{};
-    bool rotor = false, spring = false, force = false;
+    bool rotor = false, spring = false, force = false, drive = false, motion = false, strength = false;
   };
   Reserved<PerFreedom> per_freedom_;
   static PerFreedom spread(const JointParameters& parameters);
@@ -283,10 +334,15 @@ class Tree {
   Reserved<Segment> segments_;
   Reserved<unsigned char> flows_;
   std::vector<int> angle_q_;
-  Reserved<int> spring_joints_, quaternion_joints_;
-  std::vector<unsigned char> special_;  // by joint: a bit each for a spring, a quaternion, a force
+  Reserved<int> spring_joints_, quaternion_joints_, forced_joints_, driven_joints_, strength_joints_;
+  std::vector<std::shared_ptr<const JointFunction>> functions_;  // in the order in which they were given
+  std::vector<unsigned char> special_;                           // by joint: a bit each for a spring, a quaternion, a force, …
   std::vector<double> angle_offset_, armature_, damping_, effort_;
   bool has_forces_ = false;
+  std::shared_ptr<const std::vector<BodyForce>> forces_;  // null: none
+  std::vector<Topology::Loaded> body_functions_;
+  Reserved<int> loaded_;
+  std::vector<unsigned char> loaded_mark_;  // scratch, by body
 };
 
 /// Compiles a model: `Tree tree = compile(model)`.

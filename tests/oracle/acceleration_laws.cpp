@@ -31,6 +31,7 @@ Alone joint_alone(const Tree& tree, const State& state, const Work<double>& work
   if (tree.parameters(b)) spec.parameters = *tree.parameters(b);
   one.system.links.push_back({-1, spec, joint.at, joint.child_at, 1, {}, {}});
   number(one.system);
+  one.system.time = state.time();
   for (int i = 0; i < one.system.nq(); ++i) one.q.push_back(state.q()[static_cast<std::size_t>(tree.first_q(b) + i)]);
   for (int i = 0; i < one.system.nv(); ++i) one.v.push_back(work.v[static_cast<std::size_t>(tree.first_p(b) + i)]);
   return one;
@@ -47,7 +48,8 @@ bool declared(const System& system, const Tree& tree, int b) {
 
 }  // namespace
 
-double equations_of_motion(const System& system, const Tree& tree, const State& state, Work<double>& work) {
+double equations_of_motion(const System& system, const Tree& tree, const State& state, Work<double>& work,
+                           const std::vector<Load>& loads) {
   locate_bodies(tree, state, work);
   accelerate(tree, state, work);
   const auto n = system.links.size();
@@ -81,6 +83,13 @@ double equations_of_motion(const System& system, const Tree& tree, const State& 
       s.torque_summands += length(real(by.angular)) * (j.xx + j.yy + j.zz);
     }
     s.torque_summands += length(arm) * s.force_summands;
+    if (!loads.empty()) {
+      const Load& load = loads[k];
+      s.force = s.force + load.force;
+      s.torque = s.torque + load.torque - cross(arm, load.force);
+      s.force_summands += length(load.force);
+      s.torque_summands += length(load.torque) + length(arm) * length(load.force);
+    }
     frames.push_back(frame);
     coms.push_back(frame.position + arm);
   }
@@ -134,12 +143,18 @@ double work_of_reactions(const Tree& tree, const State& state, Work<double>& wor
         if (udot != 0) return std::numeric_limits<double>::infinity();
         continue;
       }
+      const Real along = std::fabs(dot(v, real(pure.l)) + dot(w, real(pure.h)));
+      if ((tree.link(b).driven >> i & 1u) != 0) {  // whatever it takes
+        const Real summands = length(e, 0) * (length(real(W.l)) + carried) + length(e, 3) * (length(real(W.h)) + carried);
+        if (summands > 0) worst = std::max(worst, along / summands);
+        continue;
+      }
       const Real rotor = tree.armature()[k] * udot;
       const Real summands = length(e, 0) * (length(real(W.l)) + carried) + length(e, 3) * (length(real(W.h)) + carried) +
                             std::fabs(force[i]) + std::fabs(rotor);
       if (summands == 0) continue;
       worst = std::max(worst, std::fabs(dot(v, real(W.l)) + dot(w, real(W.h)) - force[i] + rotor) / summands);
-      worst = std::max(worst, std::fabs(dot(v, real(pure.l)) + dot(w, real(pure.h))) / summands);
+      worst = std::max(worst, along / summands);
     }
   }
   return narrow(worst);
@@ -154,19 +169,26 @@ std::vector<Measure> measure_accelerations(const System& system, const Tree& tre
   const std::vector<double> q(state.q().begin(), state.q().end());
   const std::vector<Real> v(work.v.get(), work.v.get() + nv);
   std::vector<char> locked(static_cast<std::size_t>(nv), 0);
+  std::vector<Real> given(static_cast<std::size_t>(nv), 0);
   bool one_freedom = true;
   for (int b = 0; b < tree.bodies(); ++b)
     for (int i = 0; i < freedoms(tree.joint(b).kind); ++i) {
       locked[static_cast<std::size_t>(tree.first_p(b) + i)] = (tree.joint(b).locked >> i & 1u) != 0;
       one_freedom = one_freedom && i == 0;
+      if (tree.link(b).driven == 0) continue;
+      locked[static_cast<std::size_t>(tree.first_p(b))] = 1;
+      given[static_cast<std::size_t>(tree.first_p(b))] =
+          signal_at(tree.parameters(b)->drive->motion[0].signal(), state.time()).tt;
     }
-  const Accelerations exact = accelerate(system, q, v, mass_matrix(system, q), locked);
+  const Accelerations exact = accelerate(system, q, v, mass_matrix(system, q), locked, given);
 
   const double bound = std::max(one_freedom ? 1e-12 : 1e-10, epsilon * range.condition());
   const auto enter = [&laws](const char* law, Real error, Real scale, double within) {
     laws.push_back({law, scale > 0 ? narrow(error / scale) : narrow(error), within});
   };
-  if (nv > 0) enter("dv/dt", distance({work.a.get(), work.a.get() + nv}, exact.v), norm(exact.v), bound);
+  // Where all forces but cancel, rounding is that of the summands.
+  const double by_summands = norm(exact.v) > 0 ? 8 * epsilon * narrow(exact.summands / norm(exact.v)) : bound;
+  if (nv > 0) enter("dv/dt", distance({work.a.get(), work.a.get() + nv}, exact.v), norm(exact.v), std::max(bound, by_summands));
   Real linear = 0, angular = 0, force = 0, torque = 0, fast = 0, whirl = 0, most = 0, moment = 0, weight = 0;
   for (int b = 0; b < tree.bodies(); ++b) {
     const BodyAcceleration a = body_acceleration(tree, state, work, b);

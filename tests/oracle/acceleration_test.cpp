@@ -1,5 +1,5 @@
 // Accelerations and joint wrenches where joints are locked, re-rooted, broken and exchanged. (Of trees as they were declared:
-// random_trees.)
+// random_accelerations.)
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -23,19 +23,6 @@ void check(const std::vector<Measure>& laws) {
 }
 
 }  // namespace
-
-TEST_CASE("trees of one-dof joints: accelerations to 1e-12 of the oracle's") {
-  for (std::uint64_t seed = 0; seed < 1800; ++seed) {
-    if (seed / 3 % 3 != 0) continue;  // roots welded to the ground
-    CAPTURE(seed);
-    const RandomTree random = random_tree(seed, {.max_bodies = seed % 20 == 0 ? 200 : 30,
-                                                 .several_mechanisms = false,
-                                                 .kinds = {Kind::revolute, Kind::prismatic, Kind::helical, Kind::weld}});
-    Machine m(random.model);
-    const System system = system_of(random.model);
-    check(measure_accelerations(system, m.tree, m.state, m.work, spectrum(mass_matrix(system, start_q(random.model)))));
-  }
-}
 
 TEST_CASE("(47) locked freedoms: what is left accelerates as the oracle says, and the lock carries the rest") {
   int locks = 0, partial = 0;

@@ -1,4 +1,6 @@
 // Accelerations from second derivatives of poses, wrenches from the equations of Newton and Euler, body by body.
+#include <cmath>
+
 #include <tests/oracle/kinematics.hpp>
 
 namespace momentree::oracle {
@@ -48,23 +50,37 @@ std::vector<Accelerations::Body> moving(const System& system, const std::vector<
 }  // namespace
 
 Accelerations accelerate(const System& system, const std::vector<double>& q, const std::vector<Real>& v, const MassMatrix& mass,
-                         const std::vector<char>& locked) {
+                         const std::vector<char>& locked, const std::vector<Real>& given) {
   // M v̇ = τ − what the motion without v̇ takes.
   std::vector<Real> force = joint_forces(system, q, v);
   const std::vector<Real> none(v.size(), 0);
   const std::vector<Accelerations::Body> still = moving(system, q, v.data(), none.data());
+  std::vector<Real> size;
+  for (const Real f : force) size.push_back(std::fabs(f));
+  const auto both = [](const V3<Real>& x, const V3<Real>& y) { return std::sqrt(dot(x, x) * dot(y, y)); };
   for (std::size_t k = 0; k < system.links.size(); ++k) {
-    Real* f = force.data() + system.first_v[k];
-    for (const auto& e : joint_columns(system, q, static_cast<int>(k)))
-      *f++ -= dot({{e[0], e[1], e[2]}}, still[k].force) + dot({{e[3], e[4], e[5]}}, still[k].torque);
+    auto i = static_cast<std::size_t>(system.first_v[k]);
+    for (const auto& e : joint_columns(system, q, static_cast<int>(k))) {
+      const V3<Real> linear{{e[0], e[1], e[2]}}, angular{{e[3], e[4], e[5]}};
+      force[i] -= dot(linear, still[k].force) + dot(angular, still[k].torque);
+      size[i] += both(linear, still[k].force) + both(angular, still[k].torque);
+      ++i;
+    }
   }
   MassMatrix free = mass;
   for (int i = 0; i < mass.size() && !locked.empty(); ++i) {
     if (!locked[static_cast<std::size_t>(i)]) continue;
-    for (int j = 0; j < mass.size(); ++j) free(i, j) = free(j, i) = i == j ? 1 : 0;
-    force[static_cast<std::size_t>(i)] = 0;
+    const Real a = given.empty() ? 0 : given[static_cast<std::size_t>(i)];
+    for (int j = 0; j < mass.size(); ++j) {
+      if (!locked[static_cast<std::size_t>(j)]) force[static_cast<std::size_t>(j)] -= mass(i, j) * a;
+      free(i, j) = free(j, i) = i == j ? 1 : 0;
+    }
+    force[static_cast<std::size_t>(i)] = a;
+    size[static_cast<std::size_t>(i)] = std::fabs(a);
   }
   Accelerations out;
+  for (const Real x : solve(free, size)) out.summands += x * x;
+  out.summands = std::sqrt(out.summands);
   out.v = solve(free, force);
   out.bodies = moving(system, q, v.data(), out.v.data());
   return out;

@@ -46,6 +46,16 @@ void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { s
 
 using namespace momentree;
 
+namespace {
+// Wind on every third body.
+Model in_the_wind(Model model) {
+  for (int b = 0; b < model.size(); b += 3)
+    model.add_force(
+        {.body = {b}, .point = {0.1, 0, 0}, .force = {Signal::table({{0, 1}, {1, 2}}), 0.0, 0.0}, .drag = {.linear = 0.1}});
+  return model;
+}
+}  // namespace
+
 TEST_CASE("the counter counts") {
   const long before = allocations;
   std::vector<int> some(100);
@@ -56,7 +66,7 @@ TEST_CASE("the counter counts") {
 TEST_CASE("stepping and breaking allocate nothing, with all kinds of joints, until every body is free") {
   for (std::uint64_t seed = 0; seed < 27; ++seed) {
     CAPTURE(seed);
-    const Model model = oracle::random_tree(seed, {.min_bodies = 20, .max_bodies = 40}).model;
+    const Model model = in_the_wind(oracle::random_tree(seed, {.min_bodies = 20, .max_bodies = 40}).model);
     Tree tree(model);
     State state = start_state(model, tree);
     Work<double> work(tree);
@@ -96,13 +106,13 @@ TEST_CASE("stepping and breaking allocate nothing, with all kinds of joints, unt
 }
 
 TEST_CASE("no change allocates, in a copy either") {
-  const Model model = oracle::random_tree(12, {.min_bodies = 15, .max_bodies = 15, .all_free = true}).model;
+  const Model model = in_the_wind(oracle::random_tree(12, {.min_bodies = 15, .max_bodies = 15, .all_free = true}).model);
   const Tree original(model);
   Tree tree(original);
   State state = start_state(model, tree);
   Work<double> work(tree);
   oracle::Prng draw(5);
-  const JointParameters parameters{.damping = 0.1};
+  const JointParameters parameters{.damping = 0.1, .friction = {0.1, 0.1}, .drive = effort_drive({})};
   const long before = allocations;
   int changes = 0;
   for (int k = 0; k < 400; ++k) {
@@ -134,7 +144,7 @@ TEST_CASE("no change allocates, in a copy either") {
 }
 
 TEST_CASE("a simulation steps without allocating, by every method") {
-  const Model model = oracle::random_tree(2, {.min_bodies = 30, .max_bodies = 30}).model;
+  const Model model = in_the_wind(oracle::random_tree(2, {.min_bodies = 30, .max_bodies = 30}).model);
   for (const std::string& method : integration_methods()) {
     CAPTURE(method);
     Simulation run(model, {.method = method, .step = 1e-5});
@@ -148,6 +158,31 @@ TEST_CASE("a simulation steps without allocating, by every method") {
     CHECK(status == Status::ok);
     CHECK(stepping == 0);
     CHECK(running == 0);
+  }
+}
+
+TEST_CASE("steps with drives, motions, functions and strengths allocate nothing") {
+  Model model = oracle::random_tree(4, {.min_bodies = 20, .max_bodies = 20, .drives = true}).model;
+  JointStrength strength{.force = 1e9, .torque = 1e9};
+  Revolute driven{.damping = 0.1, .drive = motion_drive(Signal::sine(0.2, 1)), .strength = strength};
+  const Body moved = model.add(
+      {.name = "a mechanism with a long name/moved", .mass = 1, .inertia = diagonal(0.1), .parent = {3}, .joint = driven});
+  const Body asked = model.add({.name = "a mechanism with a long name/asked",
+                                .mass = 1,
+                                .inertia = diagonal(0.1),
+                                .parent = moved,
+                                .joint = Revolute{.axis = x_axis}});
+  for (const char* method : {"rk4", "dopri5"}) {
+    CAPTURE(method);
+    Simulation sim(model, {.method = method, .step = 1e-4});
+    sim.drive("a mechanism with a long name/asked",
+              [=](const Moment& m) { return m.motion(moved).linear.x - m.v(asked)[0] + (m.q({0}).empty() ? 0.1 : 0.2); });
+    REQUIRE(sim.run_until(0.01) == Status::ok);
+    const long before = allocations;
+    const Status status = sim.run_until(0.05);
+    const long during = allocations - before;
+    CHECK(status == Status::ok);
+    CHECK(during == 0);
   }
 }
 

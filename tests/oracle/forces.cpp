@@ -60,7 +60,55 @@ Dual spring_energy(const JointSpec& joint, const double* q, int freedom) {
   return energy;
 }
 
+/// How far a freedom is beyond its soft stops, negative below the lower one; 0 where it is not, or has none.
+Real beyond(const JointParameters& p, const double* q, int i) {
+  if (p.limits.stiffness.empty()) return 0;
+  if (!p.limits.upper.empty() && Real(q[i]) > value(p.limits.upper, i)) return Real(q[i]) - value(p.limits.upper, i);
+  if (!p.limits.lower.empty() && Real(q[i]) < value(p.limits.lower, i)) return Real(q[i]) - value(p.limits.lower, i);
+  return 0;
+}
+
+/// Friction, soft stops, efforts and position control.
+Real driving_force(const JointParameters& p, const double* q, Real u, int i, Real t) {
+  Real force = 0;
+  if (const Real coulomb = value(p.friction.coulomb, i); coulomb != 0) {
+    const Real e = std::exp(-2 * std::fabs(u) / value(p.friction.speed, i));  // tanh
+    force -= (u < 0 ? -1 : 1) * coulomb * (1 - e) / (1 + e);
+  }
+  if (const Real x = beyond(p, q, i); x != 0) {
+    const Real sign = x < 0 ? -1 : 1, push = value(p.limits.stiffness, i) * x * sign + value(p.limits.damping, i) * u * sign;
+    if (push > 0) force -= sign * push;
+  }
+  if (!p.drive) return force;
+  const auto pick = [i](const std::vector<Signal>& all) { return all[all.size() == 1 ? 0 : static_cast<std::size_t>(i)]; };
+  if (!p.drive->effort.empty()) force += signal_at(pick(p.drive->effort), t).r;
+  const JointDrive::Pd& pd = p.drive->pd;
+  if (pd.kp.empty() && pd.kd.empty()) return force;
+  const Curve target = pd.target.empty() ? Curve(0) : signal_at(pick(pd.target), t);
+  const Real speed = pd.target_speed.empty() ? target.t : signal_at(pick(pd.target_speed), t).r;
+  Real control = value(pd.kp, i) * (target.r - q[i]) + value(pd.kd, i) * (speed - u);
+  if (!pd.max_effort.empty() && std::fabs(control) > value(pd.max_effort, i))
+    control = control > 0 ? value(pd.max_effort, i) : -value(pd.max_effort, i);
+  return force + control;
+}
+
 }  // namespace
+
+Curve signal_at(const Signal& signal, Real t) {
+  const auto knots = signal.knots();
+  if (knots.empty()) {
+    const Real w = 8 * std::atan(Real(1)) * signal.frequency(), a = signal.amplitude();
+    const Real angle = w * t + signal.phase();
+    return {signal.offset() + a * std::sin(angle), a * w * std::cos(angle), -a * w * w * std::sin(angle)};
+  }
+  if (t < knots.front().time) return {knots.front().value};
+  for (std::size_t k = 1; k < knots.size(); ++k) {
+    if (t >= knots[k].time) continue;
+    const Real slope = (Real(knots[k].value) - knots[k - 1].value) / (Real(knots[k].time) - knots[k - 1].time);
+    return {knots[k - 1].value + slope * (t - knots[k - 1].time), slope};
+  }
+  return {knots.back().value};
+}
 
 std::vector<Real> joint_forces(const System& system, const std::vector<double>& q, const std::vector<Real>& v) {
   std::vector<Real> force(static_cast<std::size_t>(system.nv()), 0);
@@ -71,7 +119,8 @@ std::vector<Real> joint_forces(const System& system, const std::vector<double>& 
     const Real* vk = v.data() + system.first_v[k];
     Real* fk = force.data() + system.first_v[k];
     for (int i = 0; i < freedoms(joint.kind); ++i)
-      fk[i] = value(p.effort, i) - value(p.damping, i) * vk[i] - spring_energy(joint, qk, i).e;
+      fk[i] = value(p.effort, i) - value(p.damping, i) * vk[i] - spring_energy(joint, qk, i).e +
+              driving_force(p, qk, vk[i], i, system.time);
   }
   return force;
 }
@@ -88,6 +137,11 @@ Real potential(const System& system, const std::vector<double>& q) {
     const V3<Dual> com = frame[k].position + frame[k].rotation * mount[k].com;
     energy -= link.mass * (system.gravity[0] * com[0].r + system.gravity[1] * com[1].r + system.gravity[2] * com[2].r);
     energy += spring_energy(link.joint, qk, -1).r;
+    const JointParameters& p = link.joint.parameters;
+    for (int i = 0; i < freedoms(link.joint.kind); ++i) {
+      const Real x = beyond(p, qk, i);
+      energy += value(p.limits.stiffness, i) * x * x / 2;
+    }
   }
   return energy;
 }

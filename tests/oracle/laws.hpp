@@ -31,8 +31,13 @@ StateMeasures measure_state(const System& system, const Tree& tree, const State&
 std::vector<Measure> measure_accelerations(const System& system, const Tree& tree, const State& state, Work<double>& work,
                                            const Spectrum& range);
 /// Newton's and Euler's equations of every body, with masses from `system`, by what the engine says of accelerations and joint
-/// wrenches: the largest residual in terms of the equation's summands. Any topology.
-double equations_of_motion(const System& system, const Tree& tree, const State& state, Work<double>& work);
+/// wrenches: the largest residual in terms of the equation's summands. Any topology. `loads`: what acts on each body from
+/// outside, about its frame's origin, world axes; empty: nothing.
+struct Load {
+  V3<Real> force{}, torque{};
+};
+double equations_of_motion(const System& system, const Tree& tree, const State& state, Work<double>& work,
+                           const std::vector<Load>& loads = {});
 /// Eᵀ Tr against joint forces and rotors, for unlocked freedoms, in terms of the summands; columns from the oracle.
 double work_of_reactions(const Tree& tree, const State& state, Work<double>& work);
 

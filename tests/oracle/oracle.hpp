@@ -29,6 +29,7 @@ struct Link {
 /// A forest and where its coordinates stand.
 struct System {
   V3<Real> gravity{};
+  Real time = 0;  ///< for drives
   std::vector<Link> links;
   std::vector<int> first_q, first_v;  ///< per link, with the totals at the end
   int nq() const { return first_q.back(); }
@@ -93,7 +94,7 @@ struct Evaluation {
 Evaluation evaluate(const System& system, const std::vector<double>& q, const std::vector<Real>& v, bool with_rates = true);
 
 /// Accelerations and joint wrenches at (q, v), by the second derivative of forward kinematics and the equations of Newton and
-/// Euler for each body. `locked`: freedoms that rest (v = 0) and stay so; empty: none.
+/// Euler for each body. `locked`: freedoms whose acceleration is `given` (empty: they rest and stay so); empty: none.
 struct Accelerations {
   std::vector<Real> v;  ///< time derivatives of the velocities
   struct Body {
@@ -101,13 +102,16 @@ struct Accelerations {
     V3<Real> force{}, torque{};    ///< of the inboard joint on the body, about the frame's origin, in its axes
   };
   std::vector<Body> bodies;
+  Real summands = 0;  ///< norm of the v̇ that forces would give which did not cancel
 };
 Accelerations accelerate(const System& system, const std::vector<double>& q, const std::vector<Real>& v, const MassMatrix& mass,
-                         const std::vector<char>& locked = {});
+                         const std::vector<char>& locked = {}, const std::vector<Real>& given = {});
 
-/// Driving force of each freedom: effort − damping·v − spring.
+/// Force of each freedom at the system's time: drives, dampers, springs, friction, soft stops; nothing of prescribed motions.
 std::vector<Real> joint_forces(const System& system, const std::vector<double>& q, const std::vector<Real>& v);
-/// Energy of gravity and springs.
+/// Value and first two derivatives at t of a signal: of tables the straight lines.
+Curve signal_at(const Signal& signal, Real t);
+/// Energy of gravity, springs and soft stops.
 Real potential(const System& system, const std::vector<double>& q);
 
 /// Generalized velocity directions seen from the body's own frame: column i is the motion (linear; angular, body axes at the

@@ -65,6 +65,56 @@ void draw_parameters(Prng& random, JointSpec& joint, const RandomTreeOptions& op
   if (random.chance(0.3)) p.effort = random_velocities(random, joint.kind);
 }
 
+Signal random_signal(Prng& random) {
+  const int what = random.integer(0, 2);
+  if (what == 0) return {random.uniform(-1, 1)};
+  if (what == 1) {
+    const double amplitude = random.uniform(-1, 1), frequency = random.uniform(0.1, 2), phase = random.uniform(-3, 3);
+    return Signal::sine(amplitude, frequency, phase, random.uniform(-1, 1));
+  }
+  std::vector<Signal::Knot> knots;
+  double t = random.uniform(-0.5, 0.2);
+  for (int k = random.integer(2, 5); k > 0; --k) {
+    knots.push_back({t, random.uniform(-1, 1)});
+    t += random.uniform(0.1, 0.5);
+  }
+  return Signal::table(knots);
+}
+
+std::vector<Signal> random_signals(Prng& random, int count) {
+  std::vector<Signal> signals;
+  for (int i = 0; i < count; ++i) signals.push_back(random_signal(random));
+  return signals;
+}
+
+void draw_drives(Prng& random, JointSpec& joint) {
+  const int nv = freedoms_of(joint.kind);
+  if (nv == 0) return;
+  JointParameters& p = joint.parameters;
+  const auto some = [&] { return random.chance(0.5) ? 1 : nv; };
+  if (random.chance(0.4)) {
+    p.friction.coulomb = positive_values(random, some(), 0.1, 2);
+    p.friction.speed = positive_values(random, some(), 0.01, 2);
+  }
+  const bool rates = coordinates_of(joint.kind) == nv;
+  if (rates && random.chance(0.4)) {  // half of all states are beyond one
+    p.limits.lower = -random.uniform(0, 0.3);
+    p.limits.upper = random.uniform(0.01, 0.3);
+    p.limits.stiffness = positive_values(random, some(), 0.1, 10);
+    if (random.chance(0.5)) p.limits.damping = positive_values(random, some(), 0.1, 10);
+  }
+  JointDrive drive;
+  if (random.chance(0.4)) drive.effort = random_signals(random, nv);
+  if (rates && random.chance(0.4)) {
+    drive.pd.kp = positive_values(random, some(), 0.1, 10);
+    drive.pd.kd = positive_values(random, some(), 0.1, 10);
+    if (random.chance(0.7)) drive.pd.target = random_signals(random, some());
+    if (random.chance(0.3)) drive.pd.target_speed = random_signals(random, some());
+    if (random.chance(0.5)) drive.pd.max_effort = positive_values(random, some(), 0.1, 10);
+  }
+  if (random.chance(0.9)) p.drive = std::make_shared<const JointDrive>(drive);
+}
+
 int draw_parent(Prng& random, Shape shape, int k) {
   if (k == 0) return -1;
   switch (shape) {
@@ -100,6 +150,7 @@ JointSpec random_joint(Prng& random, Kind kind, const RandomTreeOptions& options
   }
   if (kind == Kind::planar || kind == Kind::ball || kind == Kind::free || kind == Kind::weld) joint.axis = {0, 0, 1};
   if (options.parameters) draw_parameters(random, joint, options);
+  if (options.drives) draw_drives(random, joint);
   return joint;
 }
 
@@ -153,7 +204,7 @@ RandomTree random_tree(std::uint64_t seed, const RandomTreeOptions& options) {
     if (mechanism > 0 && !options.all_free) root = static_cast<Root>(random.integer(0, 2));
     Kind kind = draw_root_kind(random, root);
     if (parent >= 0 && options.kinds.empty()) kind = all[static_cast<std::size_t>(random.integer(0, 8))];
-    if (parent >= 0 && !options.kinds.empty())
+    if ((parent >= 0 || root == Root::jointed) && !options.kinds.empty())
       kind = options.kinds[static_cast<std::size_t>(random.integer(0, static_cast<int>(options.kinds.size()) - 1))];
 
     BodySpec body;

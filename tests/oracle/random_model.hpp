@@ -25,7 +25,8 @@ struct RandomTreeOptions {
   bool gravity = true;
   bool parameters = true;     ///< damping, springs, armature, efforts on some joints
   bool conservative = false;  ///< of these only springs with a potential, and rotors
-  std::vector<Kind> kinds{};  ///< drawn from for the joints that are not roots; empty: all nine
+  bool drives = false;        ///< friction, soft stops, efforts that change with time and position control, too
+  std::vector<Kind> kinds{};  ///< drawn from for joints that are not free or welded roots; empty: all nine
 };
 
 /// Tree number `seed`: a third pure chains, a third bushy; of each a third welded to the ground, free, or grounded by another

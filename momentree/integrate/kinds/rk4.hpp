@@ -54,8 +54,9 @@ inline bool Rk4::step(Evaluator& evaluate, State& state, Books& books, double h)
   const double h6 = h / 6;
   for (int i = 0; i < nq; ++i) q_[static_cast<std::size_t>(i)] = q[i] + h6 * q_sum_[static_cast<std::size_t>(i)];
   for (int i = 0; i < nv; ++i) p_[static_cast<std::size_t>(i)] = p[i] + h6 * p_sum_[static_cast<std::size_t>(i)];
-  normalise(evaluate.tree(), q_.get());
+  end_step(evaluate.tree(), t + h, q_.get(), p_.get());
   if (!plausible(evaluate.tree(), q, q_.get(), p_.get())) return false;
+  take_stored(evaluate.tree(), q, q_.get(), books);
   const State::Edit edit = state.edit();
   std::copy_n(q_.get(), nq, edit.q.begin());
   std::copy_n(p_.get(), nv, edit.p.begin());

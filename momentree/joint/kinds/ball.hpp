@@ -47,6 +47,9 @@ struct Ball {
   using Kernels = BallKernels;
 
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
 };
 
 }  // namespace momentree

@@ -127,6 +127,9 @@ struct Free {
   using ArmatureKernels = FreeWithRotor;
 
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
 };
 
 }  // namespace momentree

@@ -42,6 +42,9 @@ struct Helical {
   double pitch = 0;
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
   JointLimits limits{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
 };
 
 }  // namespace momentree

@@ -39,6 +39,9 @@ struct Planar {
 
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
   JointLimits limits{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
 };
 
 }  // namespace momentree

@@ -30,6 +30,9 @@ struct Prismatic {
   Vec3 axis{0, 0, 1};
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
   JointLimits limits{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
 };
 
 }  // namespace momentree

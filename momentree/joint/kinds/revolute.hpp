@@ -109,6 +109,9 @@ struct Revolute {
   Vec3 axis{0, 0, 1};
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
   JointLimits limits{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
 };
 
 }  // namespace momentree

@@ -63,6 +63,9 @@ struct Universal {
   Vec3 axis{1, 0, 0}, axis2{0, 1, 0};
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
   JointLimits limits{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
 };
 
 }  // namespace momentree

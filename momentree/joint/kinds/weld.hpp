@@ -50,6 +50,8 @@ struct Weld {
   static constexpr Kind kind = Kind::weld;
   static constexpr KindInfo info{Kind::weld, "weld", 0, 0, false, false, false, "", ""};
   using Kernels = WeldKernels;
+
+  JointStrength strength{};
 };
 
 }  // namespace momentree

@@ -81,7 +81,10 @@ Verdict Change::plan(Surgery& surgery, JointPlan& plan) const {
   plan.joint.at = old.at, plan.joint.child_at = old.child_at;
   if (old.kind == spec.kind && (!now.pitch || old.pitch == spec.pitch)) {
     if (surgery.locked(number) == 0) return Verdict::skipped("it is that already");
-    plan.joint.parameters = old.parameters;
+    const JointParameters* own = surgery.tree().parameters(surgery.tree().carrier(number));
+    if (own != nullptr && own->drive != nullptr && own->drive->moves())
+      return Verdict::refused("its motion is prescribed, and suspended by a lock", "unlock it instead");
+    plan.joint.parameters = old.parameters, plan.joint.function = old.function;
     plan.q = q;
   } else if (const auto kept = joint_coordinates(spec, motion, angle_hint(before, q))) {
     plan.q = *kept;
@@ -135,6 +138,8 @@ Verdict Change::apply(Surgery& surgery) const {
     surgery.loosen(number, found);
   else
     surgery.become(number, found);
+  const Verdict follows = surgery.can_follow(number, to.spec.parameters);
+  if (follows.outcome != Verdict::Outcome::done) return follows;
   if (!(to.spec.parameters == JointParameters{})) surgery.set(number, to.spec.parameters);
   return Verdict::done();
 }

@@ -6,7 +6,7 @@ namespace momentree::actions {
 
 struct Set : ActionBase {
   std::string name;
-  JointParameters parameters;  ///< those that are not empty replace the joint's own
+  JointParameters parameters;  ///< those that are given replace the joint's own; a drive or an effort the whole drive
 
   std::string_view key() const override { return "set"; }
   std::string target() const override { return name; }
@@ -28,12 +28,24 @@ struct Set : ActionBase {
     take(all.stiffness, parameters.stiffness);
     take(all.rest, parameters.rest);
     take(all.armature, parameters.armature);
-    take(all.effort, parameters.effort);
+    if (!parameters.effort.empty() || parameters.drive != nullptr) {  // as a whole
+      all.effort = parameters.effort;
+      all.drive = parameters.drive;
+    }
     if (parameters.limits.any()) all.limits = parameters.limits;
+    take(all.friction.coulomb, parameters.friction.coulomb);
+    take(all.friction.speed, parameters.friction.speed);
+    if (parameters.strength.any()) all.strength = parameters.strength;
     JointSpec spec = spec_of(surgery.declared(joint));
     spec.parameters = all;
     for (const JointProblem& problem : check_joint(spec))
       return Verdict::refused(problem.field + ": " + problem.what, problem.hint);
+    if (all.drive != nullptr && all.drive->moves() && surgery.declared(joint).function >= 0)
+      return Verdict::refused("a function drives the joint: its motion can't be prescribed", "take the function away first");
+    if ((surgery.declared(joint).locked & 1u) == 0) {
+      Verdict follows = surgery.can_follow(joint, all);
+      if (follows.outcome != Verdict::Outcome::done) return follows;
+    }
     surgery.set(joint, all);
     return Verdict::done();
   }

@@ -6,15 +6,29 @@ namespace momentree::actions {
 
 struct Unlock : Lock {
   std::string_view key() const override { return "unlock"; }
-  ActionPhase phase(Surgery&) const override { return ActionPhase::release; }
+  /// A motion that goes on brings its speed, as one that is set.
+  ActionPhase phase(Surgery& surgery) const override {
+    const JointParameters* p = parameters(surgery);
+    return p != nullptr && p->drive != nullptr && p->drive->moves() ? ActionPhase::parameters : ActionPhase::release;
+  }
   Verdict apply(Surgery& surgery) const override {
     unsigned wanted = 0;
     const Verdict verdict = check(surgery, wanted);
     if (verdict.outcome != Verdict::Outcome::done) return verdict;
     const int joint = surgery.joint(name);
     if ((wanted & surgery.locked(joint)) == 0) return Verdict::skipped("it is not locked");
+    if (const JointParameters* p = parameters(surgery)) {
+      Verdict follows = surgery.can_follow(joint, *p);
+      if (follows.outcome != Verdict::Outcome::done) return follows;
+    }
     surgery.unlock(joint, wanted);
     return verdict;
+  }
+
+ private:
+  const JointParameters* parameters(const Surgery& surgery) const {
+    const int joint = surgery.joint(name);
+    return joint < 0 ? nullptr : surgery.tree().parameters(surgery.tree().carrier(joint));
   }
 };
 

@@ -7,7 +7,7 @@ namespace momentree::quantities {
 struct Position : OneFreedom {
   std::string_view key() const override { return "position"; }
   Dimension dimension() const override { return turns ? dimension::angle : dimension::length; }
-  double of(const JointView& view) const override { return view.q[0]; }
+  double of(double position, double) const override { return position; }
 };
 
 }  // namespace momentree::quantities

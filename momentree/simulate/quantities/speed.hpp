@@ -7,7 +7,7 @@ namespace momentree::quantities {
 struct Speed : OneFreedom {
   std::string_view key() const override { return "speed"; }
   Dimension dimension() const override { return turns ? dimension::angular_speed : dimension::speed; }
-  double of(const JointView& view) const override { return view.v[0]; }
+  double of(double, double speed) const override { return speed; }
 };
 
 }  // namespace momentree::quantities

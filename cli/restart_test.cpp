@@ -1,0 +1,178 @@
+// A run that ends, and one that starts from its final state, are together the run that went through: to the last bit.
+#include <cmath>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <cli/session.hpp>
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/io/state_document.hpp>
+#include <momentree/io/test_support.hpp>
+#include <momentree/io/text_file.hpp>
+
+using namespace momentree;
+using momentree::cli::Session;
+
+namespace {
+
+io::Scenario read(const std::string& text) {
+  io::ReadResult result = io::read_scenario_text(text, "s.toml");
+  INFO(io::rendered(result.diagnostics));
+  REQUIRE(result.scenario);
+  return std::move(*result.scenario);
+}
+
+struct Run {
+  Session session;
+  bool adaptive;
+  std::vector<std::string> events;
+  Run(const io::Scenario& scenario, const std::string& state, double until)
+      : session(scenario, state), adaptive(is_adaptive(scenario.integration.method)) {
+    session.schedule();
+    session.simulation().observe(scenario.output_every, [](const World&) { return true; });
+    REQUIRE(session.simulation().run_until(until) == Status::ok);
+    for (const Event& event : session.simulation().events())
+      events.push_back(event.name + " " + std::to_string(event.time) + " " + event.actions.front());
+  }
+  std::string state() const {
+    const double next = adaptive ? session.simulation().step_memory().next_step : 0;
+    return io::state_json(session.simulation().world(), session.armed(), {next, 0});
+  }
+};
+
+void check_restarts(const io::Scenario& scenario, double until, const std::vector<double>& stops) {
+  const io::test::TemporaryFolder folder;
+  const Run whole(scenario, "", until);
+  for (const double stop : stops) {
+    CAPTURE(stop);
+    const Run first(scenario, "", stop);
+    const std::string file = folder / "state.json";
+    io::write_text_file(file, io::state_json(first.session.simulation().world(), first.session.armed(),
+                                             first.adaptive ? first.session.simulation().step_memory() : StepMemory{}));
+    const Run second(scenario, file, until);
+    std::vector<std::string> events = first.events;
+    events.insert(events.end(), second.events.begin(), second.events.end());
+    CHECK(events == whole.events);
+    CHECK(second.state() == whole.state());
+    // Sums of work may differ by a rounding: steps are looked at again for peaks of what breaks a joint by itself.
+    if (whole.adaptive)
+      CHECK(second.session.simulation().step_memory().work ==
+            doctest::Approx(whole.session.simulation().step_memory().work).epsilon(1e-12));
+  }
+}
+
+// A pendulum that swings to and fro past every kind of condition, beside a chain whose joints are watched one by one.
+std::string swinging(const std::string& method) {
+  return R"(format = 1
+[[mechanism]]
+name = "p"
+[[mechanism.body]]
+name = "bob"
+mass = 1
+com = [0, 0, -1]
+inertia = 0.1
+[mechanism.body.joint]
+kind = "revolute"
+axis = [0, 1, 0]
+angle = 1
+damping = 0.05
+drive = { effort = { table = [[0, 0], [0.25, 1], [1.3, -1], [1.9, 0.5]] } }
+[[mechanism]]
+name = "c"
+[mechanism.chain]
+links = 3
+length = 0.5
+mass = 1
+inertia = 0.05
+axis = [0, 1, 0]
+angle = 0.2
+[[mechanism]]
+name = "t"
+[[mechanism.body]]
+name = "trolley"
+mass = 2
+inertia = 0.1
+[mechanism.body.joint]
+kind = "prismatic"
+axis = [1, 0, 0]
+drive = { motion = { table = [[0, 0], [0.7, 0.4], [1.6, -0.3], [2.5, 0.2]] } }
+[[mechanism.body]]
+name = "swing"
+mass = 1
+com = [0, 0, -0.6]
+inertia = 0.05
+[mechanism.body.joint]
+kind = "ball"
+parent = "trolley"
+friction = { coulomb = 0.02, speed = 0.1 }
+strength = { force = 12.5 }
+[[force]]
+body = "c/3"
+force = [{ sine = { amplitude = 3, frequency = 0.8 } }, 0, 0]
+drag = { linear = 0.2, quadratic = 0.1 }
+[[event]]
+name = "again"
+when = { position = "p/bob", below = 0.5 }
+repeat = true
+hysteresis = 1.2
+set = { joint = "p/bob", damping = 0.06 }
+[[event]]
+name = "held"
+when = { speed = "p/bob", below = -1 }
+for = "150 ms"
+impulse = { body = "c/1", torque = [0, 0.1, 0] }
+[[event]]
+name = "later"
+after = { event = "again", delay = 0.33 }
+impulse = { body = "p/bob", torque = [0, 0.05, 0] }
+[[event]]
+name = "once"
+at = 0.3
+impulse = { body = "p/bob", torque = [0, 0.01, 0] }
+[[event]]
+name = "then"
+after = { event = "once", delay = 1.1 }
+impulse = { body = "p/bob", torque = [0, 0.02, 0] }
+[[event]]
+name = "and then"
+after = { event = "then", delay = 0.2 }
+impulse = { body = "p/bob", torque = [0, 0.02, 0] }
+[[event]]
+name = "clock"
+every = 0.25
+from = 0.25
+impulse = { body = "c/2", torque = [0, 0.02, 0] }
+[[event]]
+name = "watch"
+when = { height = { body = "c/*", point = [0.5, 0, 0] }, below = -0.4 }
+set = { joint = "c/*", damping = 0.4 }
+[integrate]
+until = 3
+)" + method +
+         "[output]\nevery = 0.125\n";
+}
+
+}  // namespace
+
+TEST_CASE("a restart goes on as the run would have: conditions, delays, periods, wildcards, and the steps of a method") {
+  for (const char* method : {"method = \"rk4\"\nstep = 0.007\n", "method = \"dopri5\"\nrtol = 1e-7\n",
+                             "method = \"dop853\"\nrtol = 1e-9\n", "method = \"midpoint\"\nstep = 0.02\n"}) {
+    CAPTURE(method);
+    check_restarts(read(swinging(method)), 3, {0.125, 0.25, 0.5, 0.625, 1.0, 1.375, 1.5, 2.125});
+  }
+}
+
+TEST_CASE("what a document says of events must fit the scenario") {
+  const io::Scenario scenario = read(swinging("step = 0.01\n"));
+  const io::test::TemporaryFolder folder;
+  const std::string file = folder / "state.json";
+  const auto refused = [&](const std::string& armed) {
+    io::write_text_file(file, "{\"armed\": " + armed + "}");
+    return io::test::error_of([&] { const Session session(scenario, file); });
+  };
+  CHECK(refused(R"({"agai": {"fired": 1}})").find("names an unknown event 'agai'; did you mean 'again'?") != std::string::npos);
+  CHECK(refused(R"({"watch": {"fired": 1, "each": [{"fired": 1}]}})")
+            .find("`armed` has 1 entries for event 'watch', which stands for 3") != std::string::npos);
+  CHECK(refused(R"({"again": {"fired": 1, "resting": 1}})").find("`resting` should be true or false") != std::string::npos);
+  CHECK(refused(R"({"again": {"fired": 1, "looked": []}})").find("should have one look or two") != std::string::npos);
+}

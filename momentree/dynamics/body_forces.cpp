@@ -1,0 +1,115 @@
+#include <momentree/dynamics/body_forces.hpp>
+
+#include <cmath>
+
+#include <momentree/dynamics/moment.hpp>
+#include <momentree/joint/dispatch.hpp>
+
+namespace momentree {
+
+namespace {
+
+Vec3 value(const std::array<Signal, 3>& signals, double t) noexcept {
+  return {signals[0].value(t), signals[1].value(t), signals[2].value(t)};
+}
+
+JointState<double> joint_at(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
+  return {q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
+}
+
+// Attitudes and velocities of the loaded bodies and of all that carry them.
+void move_loaded_bodies(const Tree& tree, const double* q, Work<double>& work) noexcept {
+  for (const int b : tree.loaded_bodies()) {
+    const int outer = tree.parent(b);
+    Kinematics<double>& own = work.bodies[static_cast<std::size_t>(b)];
+    own.velocity = outer < 0 ? Motion<double>{} : work.bodies[static_cast<std::size_t>(outer)].velocity;
+    const JointState<double> joint = joint_at(tree, q, work, b);
+    dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+      using K = typename decltype(tag)::type;
+      const DenseCrossing<double> x = dense_crossing<K, double>(tree.link(b), joint);
+      own.R = outer < 0 ? x.R : work.bodies[static_cast<std::size_t>(outer)].R * x.R;
+      x.outboard(own.velocity);
+      own.velocity = K::template spatial_velocity<double>(tree.link(b), joint, own.velocity, work.v.get() + tree.first_p(b));
+    });
+  }
+}
+
+// One force: its wrench about the origin of the kernel frame, and its power.
+Force<double> wrench_of(const BodyForce& force, const KernelFrame& frame, const Kinematics<double>& body, double t,
+                        Power& power) noexcept {
+  const auto to_kernel = [&](const Vec3& a) { return transpose_times(force.body_axes ? frame.R : body.R, a); };
+  const Vec3 at = transpose_times(frame.R, force.point - frame.r);
+  const Vec3 v = body.velocity.v + cross(body.velocity.w, at);
+  Force<double> W{to_kernel(value(force.force, t)), to_kernel(value(force.torque, t))};
+  power.work += dot(W.l, v) + dot(W.h, body.velocity.w);
+  if (force.drag.any()) {
+    const double speed = std::sqrt(dot(v, v)), resistance = force.drag.linear + force.drag.quadratic * force.drag.area * speed;
+    W.l = W.l - resistance * v;
+    power.dissipated += resistance * speed * speed;
+  }
+  W.h += cross(at, W.l);
+  return W;
+}
+
+// A moment that is asked for a body locates all of them, those that are loaded as they are already.
+void call_functions(const Tree& tree, double t, const double* q, Work<double>& work) noexcept {
+  const Moment moment(tree, t, q, work);
+  for (const Topology::Loaded& load : tree.body_functions()) {
+    if (!tree.alive(load.body)) continue;
+    const auto i = static_cast<std::size_t>(load.body);
+    const Wrench given = (*load.function)(moment);
+    const KernelFrame& frame = tree.frame(load.body);
+    const Kinematics<double>& body = work.bodies[i];
+    Force<double> W{transpose_times(body.R, given.force), transpose_times(body.R, given.torque)};
+    W.h += cross(transpose_times(frame.R, -frame.r), W.l);
+    work.power.work += dot(body.velocity, W);
+    work.loads[i] += W;
+  }
+}
+
+}  // namespace
+
+void add_body_forces(const Tree& tree, double t, const double* q, Work<double>& work) noexcept {
+  const auto loaded = tree.loaded_bodies();
+  if (loaded.empty()) return;
+  move_loaded_bodies(tree, q, work);
+  Force<double>* const gathered = work.reactions.get();  // Tb; stale anyway until the next accelerations
+  for (const int b : loaded) work.loads[static_cast<std::size_t>(b)] = {};
+  for (const BodyForce& force : tree.body_forces()) {
+    const int b = force.body.index;
+    if (!tree.alive(b)) continue;
+    const auto i = static_cast<std::size_t>(b);
+    work.loads[i] += wrench_of(force, tree.frame(b), work.bodies[i], t, work.power);
+  }
+  if (!tree.body_functions().empty()) call_functions(tree, t, q, work);
+  for (const int b : loaded) gathered[b] = work.loads[static_cast<std::size_t>(b)];
+  for (std::size_t k = loaded.size(); k-- > 0;) {
+    const int b = loaded[k], outer = tree.parent(b);
+    const JointState<double> joint = joint_at(tree, q, work, b);
+    dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+      using K = typename decltype(tag)::type;
+      // (20) with u = 0 and Pb = 0 is Eᵀ Tb, and nothing for what is locked.
+      constexpr double at_rest[6] = {};
+      double rate[6] = {};
+      K::template momentum_rate<double>(tree.link(b), joint, at_rest, {}, gathered[b], rate);
+      for (int i = 0; i < info(tree.joint(b).kind).nv; ++i) work.pdot[static_cast<std::size_t>(tree.first_p(b) + i)] += rate[i];
+      if (outer < 0) return;
+      Force<double> W = gathered[b];
+      K::template crossing_again<false, double>(tree.link(b), joint, work.record<K>(tree, b)).inboard(W);  // (16)
+      gathered[outer] += W;
+    });
+  }
+}
+
+void clear_other_loads(const Tree& tree, Work<double>& work) noexcept {
+  const auto loaded = tree.loaded_bodies();
+  if (loaded.empty()) return;
+  std::size_t k = 0;  // both lists are inboard before outboard, in the same order
+  for (const int b : tree.order())
+    if (k < loaded.size() && loaded[k] == b)
+      ++k;
+    else
+      work.loads[static_cast<std::size_t>(b)] = {};
+}
+
+}  // namespace momentree

@@ -1,0 +1,17 @@
+#pragma once
+// Efforts that change with time.
+#include <momentree/dynamics/forces/site.hpp>
+
+namespace momentree::forces {
+
+inline void add_effort(const Site& s, int freedom, double effort) noexcept {
+  s.force[freedom] += effort;
+  s.power->work += effort * s.u[freedom];
+}
+
+inline void add_efforts(const Site& s, const JointDrive& drive) noexcept {
+  for (int i = 0; i < s.nv; ++i)
+    if (s.on(i)) add_effort(s, i, signal_of(drive.effort, i)->value(s.t));
+}
+
+}  // namespace momentree::forces

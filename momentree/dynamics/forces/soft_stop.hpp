@@ -1,0 +1,48 @@
+#pragma once
+// Stops that give way: max(0, k x + c ẋ) against what has passed one by x. The spring's energy is in the potential; what else the
+// stop takes is the damper's: also what it lets go of in a spring that is still compressed, because it never pulls. There the
+// power has a bend that no motion shows: so a step counts all that the stop takes, and at its end what is stored less (see
+// `stored`).
+#include <algorithm>
+
+#include <momentree/dynamics/forces/site.hpp>
+
+namespace momentree::forces {
+
+/// How far a freedom has passed a stop: positive beyond the upper one, negative beyond the lower one.
+inline double passed(const JointLimits& limits, int freedom, double q) noexcept {
+  return q - std::clamp(q, limits.lower_of(freedom), limits.upper_of(freedom));
+}
+
+inline void add_soft_stop(const Site& s) noexcept {
+  const JointLimits& limits = s.parameters.limits;
+  for (int i = 0; i < s.nv; ++i) {
+    const double x = s.on(i) ? passed(limits, i, s.q[i]) : 0;
+    if (x == 0) continue;
+    const double force = limits.stiffness.of(i) * x + limits.damping.of(i) * s.u[i];
+    if (force * x < 0) continue;
+    s.force[i] -= force;
+    s.power->dissipated += force * s.u[i];
+  }
+}
+
+inline double soft_stop_energy(const JointParameters& parameters, int nv, const double* q) noexcept {
+  double energy = 0;
+  for (int i = 0; i < nv; ++i) {
+    const double x = passed(parameters.limits, i, q[i]);
+    energy += 0.5 * parameters.limits.stiffness.of(i) * x * x;
+  }
+  return energy;
+}
+
+/// Energy in all soft stops at packed coordinates q (J).
+inline double stored(const Tree& tree, const double* q) noexcept {
+  double energy = 0;
+  for (const int b : tree.forced_joints()) {
+    const JointParameters* p = tree.parameters(b);
+    if (p != nullptr && p->limits.soft()) energy += soft_stop_energy(*p, info(tree.joint(b).kind).nv, q + tree.first_q(b));
+  }
+  return energy;
+}
+
+}  // namespace momentree::forces

@@ -1,0 +1,32 @@
+#pragma once
+// The world at an instant, for functions of the user's that drive joints or act on bodies.
+#include <span>
+
+#include <momentree/dynamics/motion.hpp>
+#include <momentree/dynamics/work.hpp>
+
+namespace momentree {
+
+/// What such a function may ask for. It is called at every stage of a step, whose coordinates are not those of any state that is
+/// kept: use none of it after the call. Bodies are located the first time that one is asked for; nothing allocates.
+class Moment {
+ public:
+  Moment(const Tree& tree, double time, const double* q, Work<double>& work) noexcept
+      : tree_(&tree), work_(&work), q_(q), time_(time) {}
+
+  double time() const { return time_; }
+  /// Coordinates and velocities of the joint of that number, in its declared direction; empty where it left the world.
+  std::span<const double> q(Body joint) const noexcept;
+  std::span<const double> v(Body joint) const noexcept;
+  /// Frame of a body; the world's origin at rest for the ground and for a body that left the world.
+  BodyMotion motion(Body body) const noexcept;
+
+ private:
+  const Tree* tree_;
+  Work<double>* work_;
+  const double* q_;
+  double time_;
+  mutable bool located_ = false;
+};
+
+}  // namespace momentree

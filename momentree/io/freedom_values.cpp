@@ -1,0 +1,54 @@
+#include <momentree/io/freedom_values.hpp>
+
+namespace momentree::io {
+
+Dimension dimension_of(Quantity quantity, char letter) {
+  using namespace dimension;
+  if (quantity == Quantity::q) return letter == 'r' ? angle : letter == 'm' ? length : number;
+  const bool turns = letter == 'r';
+  const Dimension rate = turns ? angular_speed : speed, effort = turns ? torque : force;
+  switch (quantity) {
+    case Quantity::damping: return effort / rate;
+    case Quantity::stiffness: return turns ? torque / angle : force / length;
+    case Quantity::armature: return turns ? inertia : mass;
+    case Quantity::effort: return effort;
+    case Quantity::none: return number;
+    default: return rate;
+  }
+}
+
+Values read_values(const Value& value, Quantity quantity, std::string_view letters, bool single, std::string_view label,
+                   Diagnostics& out) {
+  Values values;
+  if (!value.array()) {
+    if (single || letters.size() == 1) {
+      // One number for freedoms of different dimension is in SI for each; with a unit it must fit them all.
+      std::optional<double> number;
+      for (const char letter : letters.empty() ? std::string_view("r") : letters) {
+        number = read_number(value, dimension_of(quantity, letter), label, out);
+        if (!number) return {};
+      }
+      values.push_back(*number);
+      return values;
+    }
+    out.error(value.place, std::string(label) + ": expected a list of " + std::to_string(letters.size()) + " numbers, found " +
+                               value.type_name());
+    return {};
+  }
+  const Value::Array& entries = *value.array();
+  if (entries.size() != letters.size() && !(single && entries.size() == 1)) {
+    out.error(value.place,
+              std::string(label) + ": expected " + std::to_string(letters.size()) +
+                  (letters.size() == 1 ? " number" : " numbers") + ", found a list of " + std::to_string(entries.size()),
+              "one per freedom or coordinate, in the order of the kind");
+    return {};
+  }
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const auto number = read_number(entries[i], dimension_of(quantity, letters[i]), label, out);
+    if (!number) return {};
+    values.push_back(*number);
+  }
+  return values;
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,24 @@
+#pragma once
+// Numbers that a joint has one of per freedom or coordinate, with the units of its kind. Internal to the reader.
+#include <string_view>
+#include <vector>
+
+#include <momentree/io/fields.hpp>
+#include <momentree/joint/joint.hpp>
+
+namespace momentree::io {
+
+enum class Quantity { q, v, damping, stiffness, armature, effort, none };
+
+/// Of one coordinate or freedom, by the letter that KindInfo has for it.
+Dimension dimension_of(Quantity quantity, char letter);
+
+/// A list with one number per letter, or, where `single` allows it, one number for all. Empty, with a report, where it is wrong.
+Values read_values(const Value& value, Quantity quantity, std::string_view letters, bool single, std::string_view label,
+                   Diagnostics& out);
+
+/// A number, `{ table = [[t, value], …] }` or `{ sine = { amplitude, frequency, phase, offset } }`; nothing, with reports, where
+/// it is wrong.
+std::optional<Signal> read_signal(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out);
+
+}  // namespace momentree::io

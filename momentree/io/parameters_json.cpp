@@ -1,0 +1,204 @@
+#include <momentree/io/parameters_json.hpp>
+
+#include <cmath>
+#include <limits>
+
+namespace momentree::io {
+
+namespace {
+
+using Type = JsonNode::Type;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+void write_values(JsonWriter& json, const char* key, const Values& values) {
+  if (values.empty()) return;
+  json.key(key);
+  if (values.size() == 1)
+    json.value(values[0]);
+  else
+    json.value(std::span<const double>(values.begin(), values.end()));
+}
+
+void write_signal(JsonWriter& json, const Signal& signal) {
+  if (!signal.knots().empty()) {
+    json.begin_object().key("table").begin_array();
+    for (const Signal::Knot& knot : signal.knots()) json.begin_array().value(knot.time).value(knot.value).end_array();
+    json.end_array().end_object();
+  } else if (signal == Signal(signal.offset())) {
+    json.value(signal.offset());
+  } else {
+    json.begin_object().key("sine").begin_object();
+    json.member("amplitude", signal.amplitude()).member("frequency", signal.frequency());
+    json.member("phase", signal.phase()).member("offset", signal.offset());
+    json.end_object().end_object();
+  }
+}
+
+void write_signals(JsonWriter& json, const char* key, const std::vector<Signal>& signals) {
+  if (signals.empty()) return;
+  json.key(key).begin_array();
+  for (const Signal& signal : signals) write_signal(json, signal);
+  json.end_array();
+}
+
+// Numbers of JSON are finite: null stands for infinity.
+void write_limits(JsonWriter& json, const JointLimits& limits) {
+  json.key("limits").begin_object();
+  write_values(json, "lower", limits.lower);
+  write_values(json, "upper", limits.upper);
+  write_values(json, "restitution", limits.restitution);
+  write_values(json, "stiffness", limits.stiffness);
+  write_values(json, "damping", limits.damping);
+  json.member("rest_speed", limits.rest_speed).end_object();
+}
+
+void write_drive(JsonWriter& json, const JointDrive& drive) {
+  json.key("drive").begin_object();
+  write_signals(json, "effort", drive.effort);
+  if (!(drive.pd == JointDrive::Pd{})) {
+    json.key("pd").begin_object();
+    write_values(json, "kp", drive.pd.kp);
+    write_values(json, "kd", drive.pd.kd);
+    write_signals(json, "target", drive.pd.target);
+    write_signals(json, "target_speed", drive.pd.target_speed);
+    write_values(json, "max_effort", drive.pd.max_effort);
+    json.end_object();
+  }
+  if (drive.moves()) {
+    json.key("motion");
+    write_signal(json, drive.motion.front().signal());
+  }
+  json.end_object();
+}
+
+class Reader {
+ public:
+  explicit Reader(const JsonDocument& document) : doc_(document) {}
+
+  JointParameters read(const JsonNode& node) const {
+    doc_.require_known(doc_.object(node, "`parameters`"),
+                       {"damping", "stiffness", "rest", "armature", "effort", "limits", "friction", "strength", "drive"});
+    JointParameters p;
+    p.damping = values(node, "damping"), p.stiffness = values(node, "stiffness"), p.rest = values(node, "rest");
+    p.armature = values(node, "armature"), p.effort = values(node, "effort");
+    if (const JsonNode* limits = node.find("limits")) p.limits = read_limits(*limits);
+    if (const JsonNode* friction = node.find("friction")) {
+      doc_.require_known(doc_.object(*friction, "`friction`"), {"coulomb", "speed"});
+      p.friction = {values(*friction, "coulomb"), values(*friction, "speed")};
+    }
+    if (const JsonNode* strength = node.find("strength")) {
+      doc_.require_known(doc_.object(*strength, "`strength`"), {"force", "torque"});
+      p.strength = {number(*strength, "force", infinity), number(*strength, "torque", infinity)};
+    }
+    if (const JsonNode* drive = node.find("drive")) p.drive = read_drive(*drive);
+    return p;
+  }
+
+ private:
+  static std::string quoted(const char* key) { return '`' + std::string(key) + '`'; }
+
+  double number(const JsonNode& node, const char* key, double none) const {
+    const JsonNode* given = node.find(key);
+    return given == nullptr || given->is(Type::null) ? none : doc_.number(*given, quoted(key));
+  }
+
+  // `none`: what null stands for; where it is no number, null is refused.
+  Values values(const JsonNode& node, const char* key, double none = NAN) const {
+    const JsonNode* given = node.find(key);
+    if (given == nullptr) return {};
+    const bool nulls = !std::isnan(none);
+    if (nulls && given->is(Type::null)) return none;
+    if (given->is(Type::number)) return given->number;
+    Values all;
+    for (const JsonNode& item : doc_.array(*given, quoted(key)).items) {
+      if (all.size() == Values::capacity) doc_.fail_at(*given, quoted(key) + " has too many numbers");
+      all.push_back(nulls && item.is(Type::null) ? none : doc_.number(item, "a number of " + quoted(key)));
+    }
+    return all;
+  }
+
+  JointLimits read_limits(const JsonNode& node) const {
+    doc_.require_known(doc_.object(node, "`limits`"), {"lower", "upper", "restitution", "rest_speed", "stiffness", "damping"});
+    JointLimits limits;
+    limits.lower = values(node, "lower", -infinity), limits.upper = values(node, "upper", infinity);
+    limits.restitution = values(node, "restitution");
+    limits.stiffness = values(node, "stiffness"), limits.damping = values(node, "damping");
+    limits.rest_speed = number(node, "rest_speed", limits.rest_speed);
+    return limits;
+  }
+
+  Signal signal(const JsonNode& node) const {
+    if (node.is(Type::number)) return node.number;
+    doc_.require_known(doc_.object(node, "a value that changes with time"), {"table", "sine"});
+    try {
+      if (const JsonNode* table = node.find("table")) {
+        std::vector<Signal::Knot> knots;
+        for (const JsonNode& item : doc_.array(*table, "`table`").items) {
+          const std::vector<double> pair = doc_.numbers(item, "an entry of `table`");
+          if (pair.size() != 2) doc_.fail_at(item, "an entry of `table` should be [time, value]");
+          knots.push_back({pair[0], pair[1]});
+        }
+        return Signal::table(std::move(knots));
+      }
+      if (const JsonNode* sine = node.find("sine")) {
+        doc_.require_known(doc_.object(*sine, "`sine`"), {"amplitude", "frequency", "phase", "offset"});
+        return Signal::sine(number(*sine, "amplitude", 0), number(*sine, "frequency", 0), number(*sine, "phase", 0),
+                            number(*sine, "offset", 0));
+      }
+    } catch (const Error& error) {
+      if (!error.where.empty()) throw;
+      doc_.fail_at(node, error.what, error.hint);
+    }
+    doc_.fail_at(node, "a value that changes with time should be a number, a `table` or a `sine`");
+  }
+
+  std::vector<Signal> signals(const JsonNode& node, const char* key) const {
+    const JsonNode* given = node.find(key);
+    if (given == nullptr) return {};
+    std::vector<Signal> all;
+    for (const JsonNode& item : doc_.array(*given, quoted(key)).items) all.push_back(signal(item));
+    return all;
+  }
+
+  std::shared_ptr<const JointDrive> read_drive(const JsonNode& node) const {
+    doc_.require_known(doc_.object(node, "`drive`"), {"effort", "pd", "motion"});
+    JointDrive drive;
+    drive.effort = signals(node, "effort");
+    if (const JsonNode* pd = node.find("pd")) {
+      doc_.require_known(doc_.object(*pd, "`pd`"), {"kp", "kd", "target", "target_speed", "max_effort"});
+      drive.pd.kp = values(*pd, "kp"), drive.pd.kd = values(*pd, "kd");
+      drive.pd.target = signals(*pd, "target"), drive.pd.target_speed = signals(*pd, "target_speed");
+      drive.pd.max_effort = values(*pd, "max_effort", infinity);
+    }
+    if (const JsonNode* motion = node.find("motion")) drive.motion.emplace_back(signal(*motion));
+    return std::make_shared<const JointDrive>(std::move(drive));
+  }
+
+  const JsonDocument& doc_;
+};
+
+}  // namespace
+
+void write_parameters(JsonWriter& json, const JointParameters& p) {
+  json.begin_object();
+  write_values(json, "damping", p.damping);
+  write_values(json, "stiffness", p.stiffness);
+  write_values(json, "rest", p.rest);
+  write_values(json, "armature", p.armature);
+  write_values(json, "effort", p.effort);
+  if (p.limits.any()) write_limits(json, p.limits);
+  if (p.friction.given()) {
+    json.key("friction").begin_object();
+    write_values(json, "coulomb", p.friction.coulomb);
+    write_values(json, "speed", p.friction.speed);
+    json.end_object();
+  }
+  if (p.strength.any())
+    json.key("strength").begin_object().member("force", p.strength.force).member("torque", p.strength.torque).end_object();
+  if (p.drive) write_drive(json, *p.drive);
+  json.end_object();
+}
+
+JointParameters parameters_of(const JsonDocument& document, const JsonNode& node) { return Reader(document).read(node); }
+
+}  // namespace momentree::io

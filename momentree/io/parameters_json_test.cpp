@@ -1,0 +1,81 @@
+#include <momentree/io/parameters_json.hpp>
+
+#include <cmath>
+#include <limits>
+
+#include <doctest/doctest.h>
+
+#include <momentree/io/state_document.hpp>
+#include <momentree/io/test_support.hpp>
+
+using namespace momentree;
+using namespace momentree::io;
+
+namespace {
+
+JointParameters back(const JointParameters& p) {
+  std::string text;
+  JsonWriter json(text);
+  write_parameters(json, p);
+  const JsonDocument document = parse_json(text, "p.json");
+  return parameters_of(document, document.root);
+}
+
+JointParameters everything() {
+  JointParameters p;
+  p.damping = 1.0 / 3, p.stiffness = {0.1, 0.2}, p.rest = {0.3, -0.0}, p.armature = 1e-300, p.effort = {1, 2};
+  p.limits = {.lower = {-std::numeric_limits<double>::infinity(), 0.1}, .upper = 7, .stiffness = {2, 3}, .damping = 0.5};
+  p.friction = {{0.1, 0.7}, 1e-3};
+  p.strength.torque = 1.0 / 7;
+  JointDrive drive;
+  drive.effort = {Signal::table({{-0.1, 1.0 / 3}, {0.2, std::nextafter(1.0, 2)}}), 0.3};
+  drive.pd.kp = {1, 2}, drive.pd.kd = 0.1, drive.pd.max_effort = {3, std::numeric_limits<double>::infinity()};
+  drive.pd.target = {Signal::sine(0.1, 1.0 / 3, 0.2, 0.7), 0.1};
+  drive.pd.target_speed = {Signal::sine(0, 2, 0, 1), 0.0};
+  p.drive = std::make_shared<const JointDrive>(drive);
+  return p;
+}
+
+}  // namespace
+
+TEST_CASE("parameters of every sort come back to the same bits") {
+  const JointParameters p = everything();
+  CHECK(back(p) == p);
+  JointParameters moved;
+  moved.drive = motion_drive(Signal::table({{0, 0.1}, {1.0 / 3, 0.2}, {2, 0.3}}));
+  CHECK(back(moved) == moved);
+  CHECK(back({}) == JointParameters{});
+}
+
+TEST_CASE("a drive that an event gave is in the document of the world, and goes on from there") {
+  Model model;
+  model.add({.name = "m/a", .mass = 1, .com = {0, 0, -1}, .inertia = diagonal(0.1), .joint = Revolute{.axis = {0, 1, 0}}});
+  Simulation first(model);
+  JointParameters p;
+  p.drive = effort_drive({Signal::sine(2, 0.7)});
+  p.friction = {0.1, 0.05};
+  first.apply(set_parameters("m/a", p));
+  REQUIRE(first.run_until(0.5) == Status::ok);
+  Simulation second(model);
+  restore(second, {read_state(state_json(first.world(), {}), "s.json", model)});
+  REQUIRE(first.run_until(1) == Status::ok);
+  REQUIRE(second.run_until(1) == Status::ok);
+  CHECK(state_json(second.world(), {}) == state_json(first.world(), {}));
+  REQUIRE(second.world().joint({0}).parameters != nullptr);
+  CHECK(*second.world().joint({0}).parameters == *first.world().joint({0}).parameters);
+}
+
+TEST_CASE("what is wrong with parameters stands where it is") {
+  const auto mistake = [](const std::string& text) {
+    return test::error_of([&] {
+      const JsonDocument document = parse_json(text, "p.json");
+      parameters_of(document, document.root);
+    });
+  };
+  CHECK(mistake(R"({"drive": {"effort": [{"table": [[1, 2], [1, 3]]}]}})").find("p.json:1:23") == 0);
+  CHECK(mistake(R"({"drive": {"effort": [{"table": [[1, 2], [1, 3]]}]}})").find("times must increase") != std::string::npos);
+  CHECK(mistake(R"({"drive": {"motion": {"tabel": []}}})").find("tabel") != std::string::npos);
+  CHECK(mistake(R"({"drive": {"effort": [{}]}})").find("should be a number, a `table` or a `sine`") != std::string::npos);
+  CHECK(mistake(R"({"friction": {"coulomb": null}})").find("p.json:1:15") == 0);
+  CHECK(mistake(R"({"strenght": {}})").find("did you mean 'strength'") != std::string::npos);
+}

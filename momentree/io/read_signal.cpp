@@ -1,0 +1,84 @@
+// Values that change with time: a number, a table, a sine.
+#include <cmath>
+
+#include <momentree/io/freedom_values.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+std::string at(std::string_view label, std::string_view what) { return std::string(label) + ": " + std::string(what); }
+
+std::optional<Signal> read_table(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
+  const Value::Array* entries = value.array();
+  const char* const example = "for example table = [[0, 1], [\"2 s\", 5]]";
+  if (!entries || entries->empty()) {
+    out.error(value.place,
+              at(label, entries ? "the table is empty" : "expected a list of [time, value], found ") +
+                  (entries ? "" : value.type_name()),
+              example);
+    return {};
+  }
+  std::vector<Signal::Knot> knots;
+  bool good = true;
+  for (const Value& entry : *entries) {
+    if (!entry.array() || entry.array()->size() != 2) {
+      out.error(entry.place,
+                at(label, "expected [time, value], found ") +
+                    (entry.array() ? "a list of " + std::to_string(entry.array()->size()) : entry.type_name()),
+                example);
+      return {};
+    }
+    const auto time = read_number((*entry.array())[0], dimension::time, label, out);
+    const auto y = read_number((*entry.array())[1], expected, label, out);
+    good = good && time && y;
+    if (!good) continue;
+    if (!knots.empty() && !(*time > knots.back().time)) {
+      out.error(entry.place, at(label, "the table's times must increase: this entry is not after the one before it"),
+                "sort the entries; for a jump, let the value change within a short time");
+      return {};
+    }
+    knots.push_back({*time, *y});
+  }
+  if (!good) return {};
+  return Signal::table(std::move(knots));
+}
+
+std::optional<Signal> read_sine(const Value& value, const Dimension& expected, Diagnostics& out) {
+  Fields fields(value, "sine", out);
+  if (!value.table()) return {};
+  const std::size_t errors = out.errors();
+  fields.require("amplitude", "for example sine = { amplitude = 2, frequency = \"0.5 Hz\" }");
+  fields.require("frequency", "in Hz: turns per second");
+  const double amplitude = fields.number("amplitude", expected).value_or(0);
+  const double frequency = fields.not_negative("frequency", dimension::frequency).value_or(0);
+  const double phase = fields.number("phase", dimension::angle).value_or(0);
+  const double offset = fields.number("offset", expected).value_or(0);
+  fields.finish();
+  if (errors != out.errors()) return {};
+  return Signal::sine(amplitude, frequency, phase, offset);
+}
+
+}  // namespace
+
+std::optional<Signal> read_signal(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
+  if (!value.table()) {
+    const auto number = read_number(value, expected, label, out);
+    return number ? std::optional<Signal>(*number) : std::nullopt;
+  }
+  const std::size_t errors = out.errors();
+  Fields fields(value, std::string(label), out);
+  const Value* table = fields.find("table");
+  const Value* sine = fields.find("sine");
+  fields.finish();
+  if (errors != out.errors()) return {};
+  if ((table != nullptr) == (sine != nullptr)) {
+    out.error(value.place,
+              at(label, table ? "is a table or a sine, not both" : "expected a number, { table = … } or { sine = … }"),
+              "for example { table = [[0, 1], [2, 5]] } or { sine = { amplitude = 2, frequency = \"0.5 Hz\" } }");
+    return {};
+  }
+  return table ? read_table(*table, expected, label, out) : read_sine(*sine, expected, out);
+}
+
+}  // namespace momentree::io

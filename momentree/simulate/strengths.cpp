@@ -1,0 +1,45 @@
+#include <momentree/simulate/strengths.hpp>
+
+#include <cmath>
+
+#include <momentree/simulate/world.hpp>
+
+namespace momentree {
+
+namespace {
+
+// As the quantities reaction_force and reaction_torque, but of a joint's number: it is watched after every step.
+struct Load : Quantity {
+  Strength strength;
+  explicit Load(const Strength& s) : strength(s) {}
+  std::string_view key() const override { return strength.torque ? "reaction_torque" : "reaction_force"; }
+  void fields(QuantityFields&) override {}
+  Dimension dimension() const override { return strength.torque ? dimension::torque : dimension::force; }
+  bool is_load() const override { return true; }
+  std::optional<double> value(const World& world, std::span<const Event>) const override {
+    if (world.tree().carrier(strength.joint) < 0) return std::nullopt;
+    const Wrench wrench = world.reaction({strength.joint});
+    return norm(strength.torque ? wrench.torque : wrench.force);
+  }
+};
+
+}  // namespace
+
+std::vector<Strength> strengths(const World& world) {
+  std::vector<Strength> all;
+  const Tree& tree = world.tree();
+  for (const int b : tree.strength_joints()) {
+    const JointStrength& s = tree.parameters(b)->strength;
+    if (std::isfinite(s.force)) all.push_back({tree.joint_of(b), false, s.force});
+    if (std::isfinite(s.torque)) all.push_back({tree.joint_of(b), true, s.torque});
+  }
+  return all;
+}
+
+Condition condition_of(const Strength& strength) { return {std::make_shared<Load>(strength), strength.most, true}; }
+
+std::string event_name(const World& world, const Strength& strength) {
+  return "strength of " + std::string(world.joint_name({strength.joint}));
+}
+
+}  // namespace momentree

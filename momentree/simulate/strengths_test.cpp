@@ -1,0 +1,109 @@
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+using namespace momentree;
+
+namespace {
+
+// A chain that swings from a pin; `strength` of its links, in the order of the chain.
+Model chain(const std::vector<JointStrength>& strengths) {
+  Model model({.gravity = {0, 0, -9.81}});
+  Body parent = ground;
+  for (std::size_t k = 0; k < strengths.size(); ++k) {
+    Revolute joint{.axis = k % 2 == 0 ? y_axis : x_axis, .damping = 1e-3};
+    joint.strength = strengths[k];
+    const std::string name = "link" + std::to_string(k);
+    parent = model.add({.name = name,
+                        .mass = 1,
+                        .com = {0.5, 0, 0},
+                        .inertia = diagonal(0.01, 0.1, 0.1),
+                        .parent = parent,
+                        .at = {k == 0 ? 0.0 : 1.0, 0, 0},
+                        .joint = joint,
+                        .q = 0.02 * static_cast<double>(k)});
+  }
+  return model;
+}
+
+}  // namespace
+
+TEST_CASE("strengths break joints as explicit events do, bit for bit") {
+  for (const char* method : {"rk4", "dopri5"}) {
+    const std::vector<JointStrength> strengths{{.force = 45, .torque = 30}, {.force = 28}, {.force = 12}, {.force = 4.6}};
+    Simulation borne(chain(strengths), {.method = method, .step = 5e-3});
+    Simulation told(chain(std::vector<JointStrength>(4)), {.method = method, .step = 5e-3});
+    for (std::size_t k = 0; k < strengths.size(); ++k) {
+      const std::string name = "link" + std::to_string(k);
+      if (strengths[k].force < 1e9) told.when(reaction_force(name).exceeds(strengths[k].force)).then(break_joint(name));
+      if (strengths[k].torque < 1e9) told.when(reaction_torque(name).exceeds(strengths[k].torque)).then(break_joint(name));
+    }
+    REQUIRE(borne.run_until(1.5) == Status::ok);
+    REQUIRE(told.run_until(1.5) == Status::ok);
+    REQUIRE(borne.events().size() >= 3);
+    CHECK(borne.events()[0].name.starts_with("strength of link"));
+    std::vector<std::string> broken[2];
+    for (const Simulation* sim : {&borne, &told})
+      for (const Event& e : sim->events())
+        if (e.mechanisms_after.size() > e.mechanisms_before.size())
+          broken[sim == &told].push_back(std::to_string(e.time) + e.actions[0]);
+    CHECK(broken[0] == broken[1]);
+    const auto p = borne.world().state().p(), other = told.world().state().p();
+    const auto q = borne.world().state().q(), other_q = told.world().state().q();
+    CHECK(std::vector<double>(p.begin(), p.end()) == std::vector<double>(other.begin(), other.end()));
+    CHECK(std::vector<double>(q.begin(), q.end()) == std::vector<double>(other_q.begin(), other_q.end()));
+  }
+}
+
+TEST_CASE("a strength goes with a joint that is turned over, and others can follow its break") {
+  Model model({.gravity = {}});
+  const Body hull = model.add({.name = "hull", .mass = 5, .inertia = diagonal(1), .joint = Free{}});
+  model.add({.name = "arm",
+             .mass = 1,
+             .com = {0.5, 0, 0},
+             .inertia = diagonal(0.1),
+             .parent = hull,
+             .at = {0.5, 0, 0},
+             .joint = Revolute{.effort = 1, .strength = {.force = 1.5}}});
+  double times[2];
+  for (const bool turned : {false, true}) {
+    Simulation sim(model, {.method = "dopri5", .rtol = 1e-11, .atol = 1e-12});
+    sim.after("strength of arm", 0.1).then(impulse("arm", {1, 0, 0})).named("push");
+    if (turned) sim.apply(reroot("arm"), "turn");
+    REQUIRE(sim.run_until(5) == Status::ok);
+    REQUIRE(sim.events().size() == (turned ? 3 : 2));
+    CHECK(sim.events()[turned].name == "strength of arm");
+    CHECK(sim.events()[turned + 1].name == "push");
+    times[turned] = sim.events()[turned].time;
+    CHECK(times[turned] > 0.1);
+    CHECK(sim.events()[turned + 1].time == times[turned] + 0.1);
+    CHECK(sim.world().mechanism_names().size() == 2);
+  }
+  CHECK(times[0] == doctest::Approx(times[1]).epsilon(1e-7));
+}
+
+TEST_CASE("a strength changes at run time, comes back with a snapshot, and is none of the numbered events") {
+  Simulation sim(chain({{.force = 200}, {}}), {.step = 2e-3});
+  sim.at(0.25).then(impulse("link1", {0, 0.1, 0}));
+  JointParameters weaker;
+  weaker.strength.force = 15;
+  sim.at(0.5).then(set_parameters("link1", weaker));
+  const SimulationSnapshot start = sim.snapshot();
+  std::vector<double> times;
+  for (int round = 0; round < 2; ++round) {
+    REQUIRE(sim.run_until(2) == Status::ok);
+    REQUIRE(sim.events().size() == 3);
+    CHECK(sim.events()[0].name == "#1");
+    CHECK(sim.events()[1].name == "#2");
+    CHECK(sim.events()[2].name == "strength of link1");
+    CHECK(sim.events()[2].time >= 0.5);
+    times.push_back(sim.events()[2].time);
+    sim.restore(start);
+  }
+  CHECK(times[0] == times[1]);
+  const Rehearsal rehearsal = sim.rehearse();
+  bool found = false;
+  for (const auto& [name, kind] : rehearsal.joints) found = found || (name == "link0" && kind == Kind::free);
+  CHECK(found);
+}

@@ -1,0 +1,175 @@
+// Forces in joints, and prescribed motions, of random trees against the oracle.
+#include <cmath>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/forces/motion.hpp>
+#include <tests/oracle/laws.hpp>
+#include <tests/oracle/machine.hpp>
+
+using namespace momentree;
+using namespace momentree::oracle;
+
+namespace {
+
+void check(const std::vector<Measure>& laws) {
+  for (const Measure& m : laws) {
+    INFO(m.law, ": ", m.error, " of ", m.bound);
+    CHECK(m.holds());
+  }
+}
+
+// The model with motions for about half of its joints with one freedom.
+Model with_motions(const Model& model, Prng& random, int& motions) {
+  Model out({.gravity = model.gravity()});
+  for (BodySpec body : model.bodies()) {
+    JointParameters& p = body.joint.parameters;
+    if (info(body.joint.kind).nv == 1 && random.chance(0.5)) {
+      p.effort = {}, p.limits = {};
+      const double amplitude = random.uniform(0.1, 1), frequency = random.uniform(0.1, 1), phase = random.uniform(-3, 3);
+      p.drive = motion_drive(Signal::sine(amplitude, frequency, phase, random.uniform(-1, 1)));
+      ++motions;
+    }
+    out.add_unjudged(body);
+  }
+  return out;
+}
+
+double narrow(Real x) { return static_cast<double>(x); }
+
+// Velocities, ṗ and u̇ of a tree with motions at its state: the oracle has the driven freedoms' rates as given.
+void check_motions(const System& at_rest, Machine& m) {
+  System system = at_rest;
+  system.time = m.state.time();
+  m.evaluate();
+  const int nv = m.tree.nv();
+  const std::vector<double> q(m.state.q().begin(), m.state.q().end());
+  const MassMatrix mass = mass_matrix(system, q);
+  MassMatrix free = mass;
+  std::vector<Real> p(m.state.p().begin(), m.state.p().end());
+  std::vector<char> driven(static_cast<std::size_t>(nv), 0);
+  std::vector<Real> expected_rates(static_cast<std::size_t>(nv), 0);
+  for (const int b : m.tree.driven_joints()) {
+    const int i = m.tree.first_p(b);
+    const oracle::Curve s = signal_at(m.tree.parameters(b)->drive->motion[0].signal(), system.time);
+    driven[static_cast<std::size_t>(i)] = 1;
+    CHECK(std::fabs(narrow(q[static_cast<std::size_t>(m.tree.first_q(b))] - s.r)) <= 1e-15 * (1 + std::fabs(narrow(s.r))));
+    p[static_cast<std::size_t>(i)] = s.t, expected_rates[static_cast<std::size_t>(i)] = s.tt;
+  }
+  for (int i = 0; i < nv; ++i) {
+    if (!driven[static_cast<std::size_t>(i)]) continue;
+    for (int j = 0; j < nv; ++j) {
+      if (!driven[static_cast<std::size_t>(j)]) p[static_cast<std::size_t>(j)] -= mass(i, j) * p[static_cast<std::size_t>(i)];
+      free(i, j) = free(j, i) = i == j ? 1 : 0;
+    }
+  }
+  const double condition = spectrum(mass).condition();
+  const std::vector<Real> v = solve(free, p), is(m.work.v.get(), m.work.v.get() + nv);
+  CHECK(narrow(oracle::distance(v, is)) <= std::max(1e-13, 1e-15 * condition) * narrow(oracle::norm(v)));
+  Evaluation e = evaluate(system, q, v);
+  for (int i = 0; i < nv; ++i)
+    if (driven[static_cast<std::size_t>(i)]) e.pdot[static_cast<std::size_t>(i)] = expected_rates[static_cast<std::size_t>(i)];
+  const std::vector<Real> rates(m.work.pdot.get(), m.work.pdot.get() + nv);
+  CHECK(narrow(oracle::distance(rates, e.pdot)) <= std::max(1e-9, 1e-15 * condition) * narrow(oracle::norm(e.pdot)));
+  check(measure_accelerations(system, m.tree, m.state, m.work, spectrum(mass)));
+}
+
+}  // namespace
+
+TEST_CASE("forces of friction, soft stops, efforts and position control, and what they accelerate, are the oracle's") {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    CAPTURE(seed);
+    const Model model = random_tree(seed, {.max_bodies = 30, .drives = true}).model;
+    Machine m(model);
+    System system = system_of(model);
+    system.time = m.state.edit().time = Prng(seed).uniform(0, 1);
+    m.evaluate();
+    const StateMeasures measures = measure_state(system, m.tree, m.state, m.work);
+    check(measures.laws);
+    check(measure_accelerations(system, m.tree, m.state, m.work, measures.range));
+  }
+}
+
+TEST_CASE("prescribed motions: velocities, momenta's rates, accelerations, wrenches with the driven coordinates eliminated") {
+  int motions = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    CAPTURE(seed);
+    Prng random(seed + 5);
+    const Model model = with_motions(random_tree(seed, {.max_bodies = 30, .drives = seed % 2 == 0}).model, random, motions);
+    Machine m(model);
+    check_motions(system_of(model), m);
+    // At another instant, with the momenta that it had.
+    const State::Edit edit = m.state.edit();
+    edit.time = random.uniform(0, 1);
+    follow_motions(m.tree, edit.time, edit.q.data(), edit.p.data());
+    check_motions(system_of(model), m);
+  }
+  CHECK(motions > 500);
+}
+
+TEST_CASE(
+    "after any changes near driven joints every body's equations of motion close, and what changes no velocity changes none") {
+  int reversed = 0, driven = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    CAPTURE(seed);
+    Prng random(seed * 17 + 3);
+    int motions = 0;
+    const Model model = with_motions(random_tree(seed, {.max_bodies = 15, .all_free = seed % 2 == 0}).model, random, motions);
+    Machine m(model);
+    const System system = system_of(model);
+    for (int action = 0; action < 8; ++action) {
+      const int b = random.integer(0, m.size() - 1), what = random.integer(0, 4);
+      CAPTURE(action);
+      CAPTURE(what);
+      m.evaluate();
+      const Totals before = totals(m.tree, m.state, m.work);
+      bool steady = true, floating = true;
+      for (int k = 0; k < m.size(); ++k) floating = floating && floats(m.tree, k);
+      std::vector<Vec3> spins;
+      for (int k = 0; k < m.size(); ++k) {
+        const Kinematics<double>& body = m.work.bodies[static_cast<std::size_t>(k)];
+        spins.push_back(body.R * body.velocity.w);
+      }
+      switch (what) {
+        case 0:
+          if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.work);
+          break;
+        case 1:
+          steady = false;
+          if (info(m.tree.joint(b).kind).nv > 0) apply(Lock{{b}}, m.tree, m.state, m.work);
+          break;
+        case 2: {
+          const int to = random.integer(0, m.size() - 1);
+          if (root_of(m.tree, to) != root_of(m.tree, b) && floats(m.tree, b)) apply(Join{{b}, {to}}, m.tree, m.state, m.work);
+          break;
+        }
+        case 3:  // the motion is taken away
+          if (m.tree.link(b).driven != 0) apply(SetParameters{{b}, {}}, m.tree, m.state, m.work);
+          break;
+        default:
+          if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.work);
+      }
+      CHECK(equations_of_motion(system, m.tree, m.state, m.work) < 1e-10);
+      CHECK(work_of_reactions(m.tree, m.state, m.work) < 1e-12);
+      const Totals after = totals(m.tree, m.state, m.work);
+      double fast = 1;
+      for (const Vec3& w : spins) fast = std::max(fast, momentree::norm(w));
+      for (int k = 0; k < m.size() && steady; ++k) {
+        const Kinematics<double>& body = m.work.bodies[static_cast<std::size_t>(k)];
+        CHECK(momentree::norm(body.R * body.velocity.w - spins[static_cast<std::size_t>(k)]) <= 1e-9 * fast);
+      }
+      for (int k = 0; k < m.size(); ++k) floating = floating && floats(m.tree, k);  // a root may have been locked
+      if (floating) CHECK(momentree::norm(after.linear - before.linear) <= 1e-9 * (1 + momentree::norm(before.linear)));
+      for (int k = 0; k < m.size(); ++k) {
+        if (m.tree.link(k).driven == 0) continue;
+        ++driven, reversed += m.tree.reversed(k);
+        const double rate = m.tree.motion(k).at(m.state.time()).rate;
+        CHECK(m.work.v[static_cast<std::size_t>(m.tree.first_p(k))] == rate);
+      }
+    }
+  }
+  CHECK(driven > 1000);
+  CHECK(reversed > 50);
+}
