@@ -24,6 +24,7 @@ struct BreakingChain {
   double change = 0;       ///< s
   double whole = 0;        ///< s, the run
 };
+/// The shortest of `repeats` runs, of fewer where three seconds have passed.
 BreakingChain breaking_chain(int repeats);
 
 /// Time of one evaluation of q̇ and ṗ with joint forces; every coordinate differs from that of the evaluation before.
