@@ -1,6 +1,7 @@
 #include "models.hpp"
 
 #include <cstdint>
+#include <initializer_list>
 #include <momentree/joint/kinds.hpp>
 #include <string>
 
@@ -55,7 +56,9 @@ BodySpec general_body(int k, Random& random) {
 
 }  // namespace
 
-Model planar_chain(int bodies) {
+namespace {
+
+Model rods(int bodies, double speed) {
   Model model({.gravity = {0, -9.81, 0}});
   Body link = ground;
   for (int k = 1; k <= bodies; ++k)
@@ -67,9 +70,15 @@ Model planar_chain(int bodies) {
                       .at = {k == 1 ? 0.0 : 0.05, 0, 0},
                       .joint = Revolute{.axis = z_axis, .damping = 1e-5},
                       .q = 0.001 * k,
-                      .v = 0.1});
+                      .v = speed});
   return model;
 }
+
+}  // namespace
+
+Model planar_chain(int bodies) { return rods(bodies, 0.1); }
+
+Model breaking_chain() { return rods(100, 0); }
 
 Model spatial_chain(int bodies) {
   Random random(1);
@@ -77,6 +86,22 @@ Model spatial_chain(int bodies) {
   Body parent = ground;
   for (int k = 1; k <= bodies; ++k) {
     BodySpec body = general_body(k, random);
+    body.parent = parent;
+    parent = model.add(body);
+  }
+  return model;
+}
+
+Model twisted_chain(int bodies) {
+  Random random(3);
+  Model model;
+  Body parent = ground;
+  for (int k = 1; k <= bodies; ++k) {
+    BodySpec body = general_body(k, random);
+    const double alpha = random.between(0.6, 2.5);
+    const double turn = random.between(-3, 3);
+    body.at.rotation = from_axis_angle(z_axis, turn) * from_axis_angle(x_axis, alpha);
+    body.joint = Revolute{.axis = z_axis, .damping = 1e-3};
     body.parent = parent;
     parent = model.add(body);
   }
@@ -92,6 +117,57 @@ Model bushy_tree(int bodies) {
     body.parent = k == 1 ? ground : Body{static_cast<int>(earlier)};
     model.add(body);
   }
+  return model;
+}
+
+Model binary_tree(int bodies) {
+  Random random(4);
+  Model model;
+  for (int k = 1; k <= bodies; ++k) {
+    BodySpec body = general_body(k, random);
+    body.parent = k == 1 ? ground : Body{k / 2 - 1};
+    model.add(body);
+  }
+  return model;
+}
+
+Model humanoid() {
+  Random random(5);
+  Model model;
+  int k = 0;
+  const auto add = [&](Body parent, const JointSpec& joint, const Vec3& at) {
+    BodySpec body = general_body(++k, random);
+    body.parent = parent;
+    body.at = {at, {}};
+    body.joint = joint;
+    if (joint.kind == Kind::free) body.q = {0, 0, 1, 1, 0, 0, 0}, body.v = {0.1, -0.2, 0.3, 0.4, -0.5, 0.6};
+    return model.add(body);
+  };
+  struct Pin {
+    Vec3 axis, at;
+  };
+  const auto limb = [&](Body last, std::initializer_list<Pin> pins, double side) {
+    for (const Pin& pin : pins)
+      last = add(last, Revolute{.axis = pin.axis, .damping = 1e-3}, {pin.at.x, side * pin.at.y, pin.at.z});
+    return last;
+  };
+  const Body pelvis = add(ground, Free{}, {});
+  for (const double side : {1, -1})
+    limb(pelvis,
+         {{z_axis, {0, 0.1, -0.05}}, {x_axis, {}}, {y_axis, {}}, {y_axis, {0, 0, -0.4}}, {y_axis, {0, 0, -0.4}}, {x_axis, {}}},
+         side);
+  const Body chest = limb(pelvis, {{z_axis, {0, 0, 0.1}}, {y_axis, {}}}, 1);
+  for (const double side : {1, -1})
+    limb(chest,
+         {{y_axis, {0, 0.2, 0.3}},
+          {x_axis, {}},
+          {z_axis, {}},
+          {y_axis, {0, 0, -0.3}},
+          {z_axis, {}},
+          {y_axis, {0, 0, -0.25}},
+          {x_axis, {}}},
+         side);
+  limb(chest, {{z_axis, {0, 0, 0.4}}, {y_axis, {}}}, 1);
   return model;
 }
 

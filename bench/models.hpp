@@ -1,14 +1,22 @@
 #pragma once
-// The mechanisms that are measured: pin joints, fixed root, gravity on, gently damped.
+// The mechanisms that are measured, by the benchmarks and by `momentree bench`: pin joints, gravity on, gently damped.
 #include <momentree/tree/model.hpp>
 
 namespace momentree::bench {
 
-/// All axes parallel, links along x: the breaking chain.
+/// All axes parallel, links along x.
 Model planar_chain(int bodies);
+/// The breaking chain of Naudet and Lefeber, 2005: 100 links, at rest, curled upwards (scenarios/breaking_chain.toml).
+Model breaking_chain();
 /// Axes, placements, centres of mass and inertias in general position.
 Model spatial_chain(int bodies);
+/// The same bodies; no axis is nearly parallel to the next, which would cost a few operations more.
+Model twisted_chain(int bodies);
 /// The same bodies, each on a randomly chosen earlier one: many forks and tips.
 Model bushy_tree(int bodies);
+/// The same bodies, two on each.
+Model binary_tree(int bodies);
+/// Free pelvis, and 30 pins along the axes of the body: two legs of 6, two arms of 7, waist and neck of 2.
+Model humanoid();
 
 }  // namespace momentree::bench

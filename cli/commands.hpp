@@ -40,4 +40,12 @@ struct ViewOptions {
 };
 int view(const ViewOptions& options);
 
+struct BenchOptions {
+  bool json = false;
+  double budget = 0.15;  ///< s for each figure
+  int repeats = 5;       ///< of the breaking chain
+};
+/// `failed` where a result is wrong: no time is printed for it.
+int bench(const BenchOptions& options);
+
 }  // namespace momentree::cli

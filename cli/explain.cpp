@@ -6,6 +6,7 @@
 #include <cli/commands.hpp>
 #include <cli/session.hpp>
 #include <cli/text.hpp>
+#include <momentree/dynamics/count.hpp>
 
 namespace momentree::cli {
 
@@ -133,6 +134,11 @@ std::string totals_text(const World& world) {
   row("mass", mass_text(mass));
   const Vec3 g = world.model().gravity();
   row("gravity", format("%g %g %g m/s²", g.x, g.y, g.z));
+  const Operations operations = count_operations(world.tree());
+  row("one evaluation", format("%ld operations (%ld additions, %ld multiplications, ", operations.total(), operations.additions,
+                               operations.multiplications) +
+                            count_text(operations.divisions, "division", "divisions") + ") and " +
+                            count_text(operations.sincos, "pair", "pairs") + " of sine and cosine");
   return table.text("  ");
 }
 

@@ -31,6 +31,7 @@ struct CommandLine {
   EvaluateOptions evaluate_options;
   ExplainOptions explain_options;
   ViewOptions view_options;
+  BenchOptions bench_options;
   std::vector<std::string> files;
   std::vector<std::pair<CLI::App*, std::function<int()>>> commands;
   std::vector<const CLI::App*> without_code;  ///< they take any arguments
@@ -115,10 +116,13 @@ CommandLine::CommandLine() {
                    "overlay: all frames in one picture; multiples: one beside the other; default overlay")
       ->type_name("LAYOUT");
 
+  CLI::App* bench_command =
+      command("bench", "Measure this machine on the tables of the paper", [this] { return bench(bench_options); });
+  bench_command->add_flag("--json", bench_options.json, "Print one JSON document and nothing else");
+
   not_yet("convert", "Turn a model file into another format");
   not_yet("compile", "Write code that is specialised for one topology");
   not_yet("sweep", "Run many worlds");
-  not_yet("bench", "Measure this machine on the tables of the paper");
 }
 
 void CommandLine::require_known_arguments() const {

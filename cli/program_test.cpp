@@ -287,7 +287,9 @@ TEST_CASE("usage") {
   refused("run s.toml --format hdf5", "not supported yet");
   refused("run s.toml --format cvs", "unknown format");
   refused("view s.toml", "--svg");
-  for (const char* later : {"convert a.urdf -o b.toml", "compile a.urdf -o k.cpp", "sweep s.toml --jobs 3", "bench --json"})
+  refused("bench s.toml", "one argument too many");
+  refused("bench --jsn", "did you mean '--json'?");
+  for (const char* later : {"convert a.urdf -o b.toml", "compile a.urdf -o k.cpp", "sweep s.toml --jobs 3"})
     refused(later, "not supported yet");
   CHECK(here.files() == 1);
 }
@@ -304,6 +306,7 @@ TEST_CASE("check, explain, evaluate, view") {
   CHECK(explain.says("└─ chain/2 … chain/8"));
   CHECK(explain.says("7 × revolute about z, 10 g each"));
   CHECK(explain.says("at 0.1 s: break chain/4"));
+  CHECK(explain.says("588 operations (292 additions, 288 multiplications, 8 divisions) and 8 pairs of sine and cosine"));
   const Outcome evaluate = here.call("evaluate s.toml");
   CHECK(evaluate.code == 0);
   CHECK(evaluate.says("chain/8"));

@@ -3,12 +3,14 @@
 // that the (iterative) solver meets with impulses in the next step: btMultiBodyJointMotor, btMultiBodyFixedConstraint.
 #include <algorithm>
 #include <cstdlib>
+#include <numeric>
 
 #include <BulletDynamics/Featherstone/btMultiBodyFixedConstraint.h>
 #include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
 #include "bullet_tree.hpp"
+#include "evaluation.hpp"
 #include "measure.hpp"
 
 namespace {
@@ -170,6 +172,41 @@ std::vector<Way> ways(Change change) {
           {name + ", step of 1 ms", "10 iterations, a usual step", maker<Reduced>(1e-3, 10)}};
 }
 
+struct Forward : Evaluator {
+  explicit Forward(const EvaluationModel& m)
+      : model(m), tree(model.links, every(model.links)), n(static_cast<int>(model.links.size())), found(model.links.size()) {
+    tree.mb->setMaxCoordinateVelocity(1e30);
+    for (int i = 0; i < n; ++i) weights.push_back(btVector3(0, 0, gravity * model.links[i].mass));
+  }
+  static std::vector<int> every(const std::vector<Link>& links) {
+    std::vector<int> all(links.size());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+  }
+  void evaluate(const double* q, const double* u) override {
+    btMultiBody& mb = *tree.mb;
+    for (int i = 0; i < n; ++i) mb.setJointPos(i, q[i]), mb.setJointVel(i, u[i]);
+    mb.clearForcesAndTorques();
+    for (int i = 0; i < n; ++i) mb.addLinkForce(i, weights[i]);
+    mb.computeAccelerationsArticulatedBodyAlgorithmMultiDof(1, scalars, vectors, matrices, false, false,
+                                                            false);  // adds 1 s of it
+    for (int i = 0; i < n; ++i) found[i] = mb.getJointVel(i) - u[i];
+  }
+  std::vector<double> accelerations() override { return found; }
+  EvaluationModel model;
+  Tree tree;
+  int n;
+  std::vector<double> found;
+  std::vector<btVector3> weights;
+  btAlignedObjectArray<btScalar> scalars;
+  btAlignedObjectArray<btVector3> vectors;
+  btAlignedObjectArray<btMatrix3x3> matrices;
+};
+
 }  // namespace
 
-int main() { return run("Bullet " + std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100), ways); }
+int main(int arguments, char**) {
+  const std::string name = "Bullet " + std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100);
+  if (arguments == 1) return run(name, ways);
+  return evaluate(name, {{"btMultiBody, articulated bodies", evaluator<Forward>()}});
+}

@@ -10,6 +10,7 @@
 #include <dart/dynamics/WeldJoint.hpp>
 #include <dart/simulation/World.hpp>
 
+#include "evaluation.hpp"
 #include "measure.hpp"
 
 namespace {
@@ -123,6 +124,47 @@ std::vector<Way> ways(Change change) {
           {"moveTo<WeldJoint>", "takes on the hand's velocity", maker<Engine>(How::move_to, 0.0)}};
 }
 
+struct Forward : Evaluator {
+  explicit Forward(const EvaluationModel& model) : n(model.links.size()), q(n), u(n) {
+    skeleton->setGravity(Vector3d(0, 0, gravity));
+    std::vector<dd::BodyNode*> nodes;
+    for (const Link& link : model.links) {
+      dd::BodyNode::Properties body;
+      body.mName = link.name;
+      body.mInertia.setMass(link.mass);
+      body.mInertia.setLocalCOM(link.com);
+      body.mInertia.setMoment(link.inertia.x(), link.inertia.y(), link.inertia.z(), 0, 0, 0);
+      dd::RevoluteJoint::Properties pin;
+      pin.mName = link.name;
+      pin.mAxis = Vector3d::UnitZ();
+      pin.mT_ParentBodyToJoint.linear() = link.turn;
+      pin.mT_ParentBodyToJoint.translation() = link.at;
+      dd::BodyNode* parent = link.parent < 0 ? nullptr : nodes[link.parent];
+      const auto [joint, node] = skeleton->createJointAndBodyNodePair<dd::RevoluteJoint>(parent, pin, body);
+      nodes.push_back(node);
+      places.push_back(static_cast<int>(joint->getIndexInSkeleton(0)));
+    }
+  }
+  void evaluate(const double* from_q, const double* from_u) override {
+    for (std::size_t i = 0; i < n; ++i) q[places[i]] = from_q[i], u[places[i]] = from_u[i];
+    skeleton->setPositions(q);
+    skeleton->setVelocities(u);
+    skeleton->computeForwardDynamics();
+  }
+  std::vector<double> accelerations() override {
+    std::vector<double> a;
+    for (const int place : places) a.push_back(skeleton->getAcceleration(place));
+    return a;
+  }
+  std::size_t n;
+  dd::SkeletonPtr skeleton = dd::Skeleton::create("model");
+  std::vector<int> places;
+  Eigen::VectorXd q, u;
+};
+
 }  // namespace
 
-int main() { return run("DART " DART_VERSION, ways); }
+int main(int arguments, char**) {
+  if (arguments == 1) return run("DART " DART_VERSION, ways);
+  return evaluate("DART " DART_VERSION, {{"computeForwardDynamics", evaluator<Forward>()}});
+}

@@ -1,4 +1,5 @@
 // momentree: the changes of topology/change.hpp with the evaluations around them, by themselves, and as a user's actions.
+#include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
@@ -6,6 +7,13 @@
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/topology/change.hpp>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+#include "evaluation.hpp"
 #include "measure.hpp"
 
 namespace {
@@ -18,9 +26,9 @@ Vector3d vec(const mt::Vec3& a) { return {a.x, a.y, a.z}; }
 mt::Mat3 mat(const Matrix3d& R) { return {R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)}; }
 Matrix3d mat(const mt::Mat3& R) { return (Matrix3d() << R.xx, R.xy, R.xz, R.yx, R.yy, R.yz, R.zx, R.zy, R.zz).finished(); }
 
-mt::Model model_of(const Experiment& e) {
-  mt::Model model({.gravity = {0, 0, 0}});
-  for (const Link& link : e.links) {
+mt::Model model_of(const std::vector<Link>& links, double along_z = 0) {
+  mt::Model model({.gravity = {0, 0, along_z}});
+  for (const Link& link : links) {
     mt::BodySpec spec{.name = link.name,
                       .mass = link.mass,
                       .com = vec(link.com),
@@ -43,7 +51,7 @@ mt::Model model_of(const Experiment& e) {
 
 struct Engine : Trial {
   Engine(const Experiment& experiment, bool evaluations)
-      : e(experiment), around(evaluations), model(model_of(e)), tree(mt::compile(model)), work(tree) {
+      : e(experiment), around(evaluations), model(model_of(e.links)), tree(mt::compile(model)), work(tree) {
     state = mt::start_state(model, tree);
     if (!around) forward_dynamics(tree, state, work);
   }
@@ -87,7 +95,7 @@ struct Engine : Trial {
 };
 
 struct User : Trial {
-  explicit User(const Experiment& experiment) : e(experiment), simulation(model_of(e)) {}
+  explicit User(const Experiment& experiment) : e(experiment), simulation(model_of(e.links)) {}
   void change() override {
     const std::string& body = e.links[e.body].name;
     if (e.change == Change::cut) simulation.apply(mt::break_joint(body));
@@ -118,6 +126,73 @@ std::vector<Way> ways(Change change) {
   return found;
 }
 
+/// Momenta are the state: those of the velocities are found outside the time, as a step would have left them.
+struct Rates : Evaluator {
+  explicit Rates(const EvaluationModel& m) : model(model_of(m.links, gravity)), tree(mt::compile(model)), work(tree) {
+    for (const Link& link : m.links) rate.push_back(link.rate);
+    n = m.links.size();
+  }
+  void evaluate(const double* q, const double* u) override {
+    const int k = q == seen[0] ? 0 : q == seen[1] ? 1 : remember(q, u);
+    evaluate_rates(tree, q, momenta[k].data(), work);
+    last = k;
+  }
+  int remember(const double* q, const double* u) {
+    const int k = count++ % 2;
+    seen[k] = q;
+    momenta[k].resize(n);
+    project_momentum(tree, q, u, momenta[k].data());
+    return k;
+  }
+  /// By another way: of the state that the momenta are.
+  std::vector<double> accelerations() override {
+    mt::State state = start_state(model, tree);
+    const auto edit = state.edit();
+    std::copy_n(seen[last], n, edit.q.begin());
+    std::copy(momenta[last].begin(), momenta[last].end(), edit.p.begin());
+    mt::Work<double> other(tree);
+    accelerate(tree, state, other);
+    std::vector<double> a(n);
+    double worst = 0, largest = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      a[i] = other.a[i];
+      for (const auto& [x, y] : {std::pair(work.v[i], other.v[i]), std::pair(work.pdot[i], other.pdot[i])}) {
+        worst = std::max(worst, std::abs(x - y)), largest = std::max(largest, std::abs(y));
+      }
+    }
+    if (!(worst < 1e-7 * largest)) std::fprintf(stderr, "momentree: two ways of an evaluation differ\n"), std::exit(1);
+    return a;
+  }
+  mt::Model model;
+  mt::Tree tree;
+  mt::Work<double> work;
+  std::vector<double> rate, momenta[2];
+  const double* seen[2] = {nullptr, nullptr};
+  std::size_t n = 0;
+  int count = 0, last = 0;
+};
+
+/// The same, and accelerations and the wrenches in all joints after it.
+struct Accelerations : Rates {
+  explicit Accelerations(const EvaluationModel& m) : Rates(m) {
+    for (mt::State& state : states) state = start_state(model, tree);
+  }
+  void evaluate(const double* q, const double* u) override {
+    const int k = q == seen[0] ? 0 : q == seen[1] ? 1 : remember(q, u);
+    const auto edit = states[k].edit();
+    std::copy_n(q, n, edit.q.begin());
+    std::copy(momenta[k].begin(), momenta[k].end(), edit.p.begin());
+    accelerate(tree, states[k], work);
+    last = k;
+  }
+  std::vector<double> accelerations() override { return {work.a.get(), work.a.get() + n}; }
+  mt::State states[2];
+};
+
 }  // namespace
 
-int main() { return run("momentree", ways); }
+int main(int arguments, char**) {
+  if (arguments == 1) return run("momentree", ways);
+  return evaluate("momentree", {{"evaluate_rates", evaluator<Rates>()},
+                                {"accelerate (accelerations, all reactions)", evaluator<Accelerations>()}});
+}

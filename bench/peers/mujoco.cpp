@@ -4,6 +4,7 @@
 // they are by then), integrated by RK4 as advised where energy matters. What was not foreseen needs another model: state copied.
 #include <algorithm>
 
+#include "evaluation.hpp"
 #include "measure.hpp"
 #include "mujoco_model.hpp"
 
@@ -138,6 +139,43 @@ std::vector<Way> ways(Change change) {
            maker<Engine>(How::rebuild)}};
 }
 
+/// What of mj_forward finds free accelerations: positions, inertias, bias, and a solution with the factorised mass matrix.
+struct Forward : Evaluator {
+  explicit Forward(const EvaluationModel& m) : model(m.links, -1, ""), n(m.links.size()), bias(n) {
+    model.model->opt.gravity[2] = gravity;
+    for (const Link& link : m.links) {
+      place.push_back(static_cast<int>(model.q(link) - model.data->qpos));
+      row.push_back(static_cast<int>(model.v(link) - model.data->qvel));
+    }
+  }
+  void evaluate(const double* q, const double* u) override {
+    const mjModel* m = model.model;
+    mjData* d = model.data;
+    for (std::size_t i = 0; i < n; ++i) d->qpos[place[i]] = q[i], d->qvel[row[i]] = u[i];
+    mj_kinematics(m, d);
+    mj_comPos(m, d);
+    mj_crb(m, d);
+    mj_factorM(m, d);
+    mj_comVel(m, d);
+    mj_rne(m, d, 0, bias.data());
+    for (double& force : bias) force = -force;
+    mj_solveM(m, d, d->qacc, bias.data(), 1);
+  }
+  std::vector<double> accelerations() override {
+    std::vector<double> a;
+    for (const int r : row) a.push_back(model.data->qacc[r]);
+    return a;
+  }
+  Model model;
+  std::size_t n;
+  std::vector<int> place, row;
+  std::vector<double> bias;
+};
+
 }  // namespace
 
-int main() { return run(std::string("MuJoCo ") + mj_versionString(), ways); }
+int main(int arguments, char**) {
+  const std::string name = std::string("MuJoCo ") + mj_versionString();
+  if (arguments == 1) return run(name, ways);
+  return evaluate(name, {{"mj_kinematics … mj_solveM", evaluator<Forward>()}});
+}

@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "evaluation.hpp"
 #include "measure.hpp"
 
 namespace {
@@ -168,6 +169,41 @@ std::vector<Way> ways(Change change) {
           {"rebuild with Weld, project", "needs a rebuild; a correction, no impact", maker<Engine>(How::weld_project)}};
 }
 
+struct Forward : Evaluator {
+  explicit Forward(const EvaluationModel& model)
+      : system(model.links, -1),
+        forces(system.system),
+        fall(forces, system.matter, st::Vec3(0, 0, gravity)),
+        n(model.links.size()) {
+    system.state = system.system.realizeTopology();
+    system.system.realizeModel(system.state);
+    for (st::MobilizedBody& body : system.bodies) {
+      places.push_back(body.getFirstQIndex(system.state));
+      rows.push_back(body.getFirstUIndex(system.state));
+    }
+  }
+  void evaluate(const double* from_q, const double* from_u) override {
+    st::Vector& q = system.state.updQ();
+    for (std::size_t i = 0; i < n; ++i) q[places[i]] = from_q[i];
+    st::Vector& u = system.state.updU();
+    for (std::size_t i = 0; i < n; ++i) u[rows[i]] = from_u[i];
+    system.system.realize(system.state, st::Stage::Acceleration);
+  }
+  std::vector<double> accelerations() override {
+    std::vector<double> a;
+    for (const int row : rows) a.push_back(system.state.getUDot()[row]);
+    return a;
+  }
+  System system;
+  st::GeneralForceSubsystem forces;
+  st::Force::UniformGravity fall;
+  std::size_t n;
+  std::vector<int> places, rows;
+};
+
 }  // namespace
 
-int main() { return run("Simbody 3.7", ways); }
+int main(int arguments, char**) {
+  if (arguments == 1) return run("Simbody 3.7", ways);
+  return evaluate("Simbody 3.7", {{"realize(Acceleration)", evaluator<Forward>()}});
+}

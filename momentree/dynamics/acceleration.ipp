@@ -6,6 +6,7 @@
 // is heavy and fast. Tr itself obeys the same recursion: Tr = Mb Ω̇ + W, where W is Ω × P of the body itself and what its
 // children ask of it, and Ω̇ is less gravity; nothing is lost then.
 #include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/passage.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -15,6 +16,7 @@ struct RateSweep {
   const Tree& tree;
   const T* q;
   Work<T>& work;
+  Passage<Force<T>, Motion<T>> passage{tree, work.wrench_inlets.get(), work.rate_outlets.get()};
 
   MOMENTREE_INLINE JointState<T> joint_state(int b) const {
     return {q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
@@ -22,14 +24,15 @@ struct RateSweep {
 
   /// Tip to base. For the way out there wait: the bias in `accelerations`, Tr without M̂ a′ in `reactions`, and in `a`
   /// Mj⁻¹ (τ − Eᵀ W).
-  template <class K, bool Aligned>
-  void inboard(const Segment& segment) const {
+  template <class K>
+  void inboard(const Segment& segment, Force<T>& through) const {
     const auto order = tree.order();
+    const auto flows = tree.flows();
     const Force<T>* const loads = tree.loaded_bodies().empty() ? nullptr : work.loads.get();
-    Force<T> W{};  // what the children ask, and soon the body itself
-    if (segment.junction >= 0) W = work.inlets[static_cast<std::size_t>(segment.junction)].D;
+    Force<T> W = through;  // what the children ask, and soon the body itself
     for (int i = segment.end - 1; i >= segment.begin; --i) {
       const int b = order[static_cast<std::size_t>(i)];
+      const unsigned flow = flows[static_cast<std::size_t>(i)];
       const auto body = static_cast<std::size_t>(b);
       const Link& link = tree.link(b);
       const JointState<T> joint = joint_state(b);
@@ -37,6 +40,8 @@ struct RateSweep {
       const int at = tree.first_p(b);
       T* udot = work.a.get() + at;  // τ on entry
       const Motion<T>& velocity = work.motions[body].velocity;
+      if ((flow & flow::tip) != 0) W = {};
+      passage.collect(b, flow, W);
       W += turning_wrench(link.body, velocity);
       if (loads != nullptr) W = W - loads[body];
       K::template reduce_wrench<T>(link, joint, record, udot, W, udot);  // (51)
@@ -44,34 +49,42 @@ struct RateSweep {
       const Motion<T> bias = K::template acceleration_bias<T>(link, joint, velocity, work.v.get() + at);
       work.accelerations[body] = bias;
       K::add_reduced_bias(record, bias, W);
-      K::template crossing_again<Aligned, T>(link, joint, record).inboard(W);  // (45)
+      if (K::turns_about_z && (flow & flow::aligned) != 0)  // (45)
+        K::template crossing_again<true, T>(link, joint, record).inboard(W);
+      else
+        K::template crossing_again<false, T>(link, joint, record).inboard(W);
+      passage.deliver(b, flow, W);
     }
-    if (segment.deposit == Segment::Deposit::assign) work.inlets[static_cast<std::size_t>(segment.parent)].D = W;
-    if (segment.deposit == Segment::Deposit::add) work.inlets[static_cast<std::size_t>(segment.parent)].D += W;
+    through = W;
   }
 
   /// Base to tip. The ground accelerates against gravity: so every body has its weight, and none needs to know where down is.
-  template <class K, bool Aligned>
-  void outboard(const Segment& segment) const {
+  template <class K>
+  void outboard(const Segment& segment, const Motion<T>& base, Motion<T>& through) const {
     const auto order = tree.order();
-    const Vec3& g = tree.gravity();
-    Motion<T> a{{T(-g.x), T(-g.y), T(-g.z)}, {}};
-    if (segment.parent >= 0) a = work.outlets[static_cast<std::size_t>(segment.parent)].velocity;
+    const auto flows = tree.flows();
+    Motion<T> a = through;
     for (int i = segment.begin; i < segment.end; ++i) {
       const int b = order[static_cast<std::size_t>(i)];
+      const unsigned flow = flows[static_cast<std::size_t>(i)];
       const auto body = static_cast<std::size_t>(b);
       const Link& link = tree.link(b);
       const JointState<T> joint = joint_state(b);
       const auto& record = work.template record<K>(tree, b);
       T* udot = work.a.get() + tree.first_p(b);
-      K::template crossing_again<Aligned, T>(link, joint, record).outboard(a);
+      passage.receive(b, flow, base, a);
+      if (K::turns_about_z && (flow & flow::aligned) != 0)
+        K::template crossing_again<true, T>(link, joint, record).outboard(a);
+      else
+        K::template crossing_again<false, T>(link, joint, record).outboard(a);
       a = a + work.accelerations[body];                           // a′ = X Ω̇_parent + bias
       K::joint_acceleration(record, a, udot);                     // (47)
       K::add_reduced(record, a, work.reactions[body]);            // (44), (32)
       a = K::template spatial_velocity<T>(link, joint, a, udot);  // (39)
       work.accelerations[body] = a;
+      passage.hand_down(b, flow, a);
     }
-    if (segment.junction >= 0) work.outlets[static_cast<std::size_t>(segment.junction)].velocity = a;
+    through = a;
   }
 };
 
@@ -79,25 +92,16 @@ template <class T>
 void evaluate_accelerations(const Tree& tree, const T* q, Work<T>& work) noexcept {
   const RateSweep<T> sweep{tree, q, work};
   const auto segments = tree.segments();
+  Force<T> W{};
   for (std::size_t i = segments.size(); i-- > 0;) {
     const Segment& s = segments[i];
-    dispatch_kernels(s.kind, s.variant, [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      if constexpr (K::turns_about_z) {
-        if (s.aligned) return sweep.template inboard<K, true>(s);
-      }
-      sweep.template inboard<K, false>(s);
-    });
+    dispatch_kernels(s.kind, s.variant, [&](auto tag) { sweep.template inboard<typename decltype(tag)::type>(s, W); });
   }
-  for (const Segment& s : segments) {
-    dispatch_kernels(s.kind, s.variant, [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      if constexpr (K::turns_about_z) {
-        if (s.aligned) return sweep.template outboard<K, true>(s);
-      }
-      sweep.template outboard<K, false>(s);
-    });
-  }
+  const Vec3& g = tree.gravity();
+  const Motion<T> base{{T(-g.x), T(-g.y), T(-g.z)}, {}};
+  Motion<T> a = base;
+  for (const Segment& s : segments)
+    dispatch_kernels(s.kind, s.variant, [&](auto tag) { sweep.template outboard<typename decltype(tag)::type>(s, base, a); });
 }
 
 }  // namespace momentree

@@ -84,9 +84,16 @@ void add_forces_and_motions(const Tree& tree, double t, const double* q, Work<do
 
 }  // namespace
 
+void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Work<double>& work) noexcept {
+  if (tree.loaded_bodies().empty() && !tree.has_functions())
+    evaluate_rates<double>(tree, q, p, work);
+  else
+    evaluate_motions<double>(tree, q, p, work);
+}
+
 void evaluate_stage(const Tree& tree, double t, const double* q, const double* p, Work<double>& work) noexcept {
   if (tree.driven_joints().empty()) {
-    evaluate_rates<double>(tree, q, p, work);
+    evaluate_for_forces(tree, q, p, work);
     add_joint_forces(tree, t, q, work);
     add_body_forces(tree, t, q, work);
   } else {

@@ -4,17 +4,21 @@
 
 namespace momentree {
 
-/// One evaluation at packed arrays q (nq) and p (nv): writes work.v, work.qdot, work.pdot and the records. Neither allocates nor
-/// throws. Marks the work as of no state: use `forward_dynamics` for what a change or a reader needs.
+/// One evaluation at packed arrays q (nq) and p (nv): writes work.v, work.qdot, work.pdot. Neither allocates nor throws. Marks
+/// the work as of no state, and leaves records and angles of no use to others: use `forward_dynamics` for what a change or a
+/// reader needs.
 template <class T>
 void evaluate_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept;
 
-/// The same, and keeps the motion of every body in work.motions.
+/// The same by kernels that also keep the motion of every body in work.motions, records, and sines and cosines of the joints.
 template <class T>
 void evaluate_motions(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept;
 
 /// The same for a state: work then carries the state's stamp. A work that carries it already is left as it is.
 void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) noexcept;
+
+/// evaluate_rates, or evaluate_motions where forces will ask where joints and bodies are.
+void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Work<double>& work) noexcept;
 
 /// One evaluation with the forces at time t: pdot and power are whole then. Of no state, as evaluate_rates; worlds in which
 /// motions are prescribed take the second recursion too, for the power of their drives.

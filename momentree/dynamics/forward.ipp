@@ -1,9 +1,11 @@
 #pragma once
 // Bodies of the two recursions; included only by instantiate/*.cpp, one scalar each.
 //
-// A segment runs with its accumulators in locals: the reduced mass of a child is the next body's start. Only where paths meet
-// do they pass through memory.
+// The sweeps run along the order with their sums in locals: behind a body stands its first child, so that only where other
+// children meet do sums pass through memory. Stretches of joints that share their kernels are one loop.
+#include <momentree/dynamics/flat.ipp>
 #include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/passage.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/sincos.hpp>
 
@@ -15,53 +17,68 @@ struct Sweep {
   const T* q;
   const T* p;
   Work<T>& work;
+  Passage<Inboard<T>, Outboard<T>> passage{tree, work.inlets.get(), work.outlets.get()};
 
   MOMENTREE_INLINE JointState<T> joint_state(int b) const {
     return {q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
   }
 
-  /// Backward recursion along a segment, tip to base.
-  template <class K, bool Aligned>
-  void inboard(const Segment& segment) const {
+  /// Backward recursion over a stretch of the order.
+  template <class K>
+  void inboard(const Segment& segment, Inboard<T>& through) const {
     const auto order = tree.order();
-    Inboard<T> a{};  // a tip: Mb = M, Db = 0
-    if (segment.junction >= 0) a = work.inlets[static_cast<std::size_t>(segment.junction)];
+    const auto flows = tree.flows();
+    Inboard<T> a = through;
     for (int i = segment.end - 1; i >= segment.begin; --i) {
       const int b = order[static_cast<std::size_t>(i)];
+      const unsigned flow = flows[static_cast<std::size_t>(i)];
       const Link& link = tree.link(b);
       const JointState<T> joint = joint_state(b);
       auto& record = work.template record<K>(tree, b);
+      if ((flow & flow::tip) != 0) a = {};  // Mb = M, Db = 0
+      passage.collect(b, flow, a);
       add_rigid_mass(a.M, link.body);  // (22), (23): children are in `a` already
       a.mc.x += link.body.mc.x, a.mc.y += link.body.mc.y, a.mc.z += link.body.mc.z;
       record.mc = a.mc;
       K::template reduce<T>(link, joint, p + tree.first_p(b), tree.armature() + tree.first_p(b), a.M, a.D, record);  // (24)–(26)
-      const auto crossing = K::template crossing<Aligned, T>(link, joint, record);
-      crossing.inboard(a.M);  // (16)
-      crossing.inboard(a.D);
-      crossing.inboard(a.mc);
+      const auto over = [&](const auto& crossing) MOMENTREE_INLINE_LAMBDA {
+        crossing.inboard(a.M);  // (16)
+        crossing.inboard(a.D);
+        crossing.inboard(a.mc);
+      };
+      if (K::turns_about_z && (flow & flow::aligned) != 0)
+        over(K::template crossing<true, T>(link, joint, record));
+      else
+        over(K::template crossing<false, T>(link, joint, record));
+      passage.deliver(b, flow, a);
     }
-    if (segment.deposit == Segment::Deposit::assign) work.inlets[static_cast<std::size_t>(segment.parent)] = a;
-    if (segment.deposit == Segment::Deposit::add) work.inlets[static_cast<std::size_t>(segment.parent)] += a;
+    through = a;
   }
 
-  /// Forward recursion along a segment, base to tip. `Keep`: what changes and accelerations read, Ω and Pb, is kept; stages leave
+  /// Forward recursion over a stretch of the order. `Keep`: what changes and accelerations read, Ω and Pb, is kept; stages leave
   /// it out.
-  template <class K, bool Aligned, bool Keep>
-  void outboard(const Segment& segment) const {
+  template <class K, bool Keep>
+  void outboard(const Segment& segment, const Outboard<T>& base, Outboard<T>& through) const {
     const auto order = tree.order();
-    const Vec3& g = tree.gravity();
-    Outboard<T> a{{}, {T(g.x), T(g.y), T(g.z)}};
-    if (segment.parent >= 0) a = work.outlets[static_cast<std::size_t>(segment.parent)];
+    const auto flows = tree.flows();
+    Outboard<T> a = through;
     for (int i = segment.begin; i < segment.end; ++i) {
       const int b = order[static_cast<std::size_t>(i)];
+      const unsigned flow = flows[static_cast<std::size_t>(i)];
       const Link& link = tree.link(b);
       const JointState<T> joint = joint_state(b);
       const auto& record = work.template record<K>(tree, b);
       const int at = tree.first_p(b);
       T* u = work.v.get() + at;
-      const auto& crossing = K::template crossing_again<Aligned, T>(link, joint, record);
-      crossing.outboard(a.velocity);
-      crossing.outboard(a.gravity);
+      passage.receive(b, flow, base, a);
+      const auto over = [&](const auto& crossing) MOMENTREE_INLINE_LAMBDA {
+        crossing.outboard(a.velocity);
+        crossing.outboard(a.gravity);
+      };
+      if (K::turns_about_z && (flow & flow::aligned) != 0)
+        over(K::template crossing_again<true, T>(link, joint, record));
+      else
+        over(K::template crossing_again<false, T>(link, joint, record));
       K::joint_velocity(record, a.velocity, u);                                  // (27)
       const Force<T> Pb = K::articulated_momentum(record, p + at, a.velocity);   // (21)
       a.velocity = K::template spatial_velocity<T>(link, joint, a.velocity, u);  // (17)
@@ -70,8 +87,53 @@ struct Sweep {
       const Force<T> wrench = weight - cross(a.velocity, Pb);                             // (9), (20)
       K::template momentum_rate<T>(link, joint, u, Pb, wrench, work.pdot.get() + at);     // (20)
       K::template coordinate_rate<T>(joint.q, u, work.qdot.get() + tree.first_q(b));
+      passage.hand_down(b, flow, a);
     }
-    if (segment.junction >= 0) work.outlets[static_cast<std::size_t>(segment.junction)] = a;
+    through = a;
+  }
+
+  // The same for kinds that have whole steps by the shape of a link. What is kept is of no use to others.
+
+  template <class K, bool Gravity>
+  void inboard_steps(const Segment& segment, Inboard<T>& through) const {
+    const int* order = tree.order().data();
+    const unsigned char* flows = tree.flows().data();
+    Inboard<T> a = through;
+    for (int i = segment.end - 1; i >= segment.begin; --i) {
+      const int b = order[i];
+      const unsigned flow = flows[i];
+      const Link& link = tree.link(b);
+      const int angle = tree.first_angle(b);
+      auto& record = work.template record<K>(tree, b);
+      passage.collect(b, flow, a);
+      dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+        K::Steps::template inboard<shape(), Gravity>(link, work.cos[angle], work.sin[angle], p[tree.first_p(b)],
+                                                     (flow & flow::tip) != 0, (flow & flow::root) != 0, a, record);
+      });
+      passage.deliver(b, flow, a);
+    }
+    through = a;
+  }
+
+  template <class K, bool Gravity>
+  void outboard_steps(const Segment& segment, const Outboard<T>& base, Outboard<T>& through) const {
+    const int* order = tree.order().data();
+    const unsigned char* flows = tree.flows().data();
+    Outboard<T> a = through;
+    for (int i = segment.begin; i < segment.end; ++i) {
+      const int b = order[i];
+      const unsigned flow = flows[i];
+      const Link& link = tree.link(b);
+      const int angle = tree.first_angle(b), at = tree.first_p(b);
+      passage.receive(b, flow, base, a);
+      dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+        K::Steps::template outboard<shape(), Gravity>(link, work.cos[angle], work.sin[angle], work.template record<K>(tree, b),
+                                                      (flow & flow::root) != 0, a, work.v[at], work.pdot[at]);
+      });
+      work.qdot[tree.first_q(b)] = work.v[at];
+      passage.hand_down(b, flow, a);
+    }
+    through = a;
   }
 };
 
@@ -86,27 +148,52 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
   const int angles = static_cast<int>(coordinates.size());
   for (int i = 0; i < angles; ++i)
     work.angle[static_cast<std::size_t>(i)] = q[coordinates[static_cast<std::size_t>(i)]] + offsets[static_cast<std::size_t>(i)];
+  const auto segments = tree.segments();
+  const FlatSweep<T> planar{tree, q, p, work};
+  if constexpr (!Keep)
+    for (const Segment& s : segments)
+      if (s.planar) planar.add_up_angles(s);
   sincos(angles, work.angle.get(), work.sin.get(), work.cos.get());
 
   const Sweep<T> sweep{tree, q, p, work};
-  const auto segments = tree.segments();
+  const Vec3& g = tree.gravity();
+  const bool falls = g.x != 0 || g.y != 0 || g.z != 0;
+  const Outboard<T> base{{}, {T(g.x), T(g.y), T(g.z)}};
+  Inboard<T> in{};
   for (std::size_t i = segments.size(); i-- > 0;) {
     const Segment& s = segments[i];
+    if (!Keep && s.planar) {
+      falls ? planar.template inboard<true>(s) : planar.template inboard<false>(s);
+      continue;
+    }
     dispatch_kernels(s.kind, s.variant, [&](auto tag) {
       using K = typename decltype(tag)::type;
-      if constexpr (K::turns_about_z) {
-        if (s.aligned) return sweep.template inboard<K, true>(s);
+      if constexpr (!Keep && requires { typename K::Steps; }) {
+        if (falls)
+          sweep.template inboard_steps<K, true>(s, in);
+        else
+          sweep.template inboard_steps<K, false>(s, in);
+      } else {
+        sweep.template inboard<K>(s, in);
       }
-      sweep.template inboard<K, false>(s);
     });
   }
+  Outboard<T> out = base;
   for (const Segment& s : segments) {
+    if (!Keep && s.planar) {
+      falls ? planar.template outboard<true>(s) : planar.template outboard<false>(s);
+      continue;
+    }
     dispatch_kernels(s.kind, s.variant, [&](auto tag) {
       using K = typename decltype(tag)::type;
-      if constexpr (K::turns_about_z) {
-        if (s.aligned) return sweep.template outboard<K, true, Keep>(s);
+      if constexpr (!Keep && requires { typename K::Steps; }) {
+        if (falls)
+          sweep.template outboard_steps<K, true>(s, base, out);
+        else
+          sweep.template outboard_steps<K, false>(s, base, out);
+      } else {
+        sweep.template outboard<K, Keep>(s, base, out);
       }
-      sweep.template outboard<K, false, Keep>(s);
     });
   }
 }

@@ -47,6 +47,10 @@ class Work {
         records(make(static_cast<long>(tree.record_capacity()))),
         inlets(std::make_unique_for_overwrite<Inboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         outlets(std::make_unique_for_overwrite<Outboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        wrench_inlets(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        rate_outlets(std::make_unique_for_overwrite<Motion<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        flat_inlets(std::make_unique_for_overwrite<FlatInboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        flat_outlets(std::make_unique_for_overwrite<FlatOutboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         motions(std::make_unique_for_overwrite<BodySweep<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         accelerations(std::make_unique_for_overwrite<Motion<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         reactions(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
@@ -77,8 +81,12 @@ class Work {
   Array passive;           ///< by body: what acts on its driven joint beside the motion's own effort
   Array records;
   Power power;
-  std::unique_ptr<Inboard<T>[]> inlets;        ///< by junction, on the way in
-  std::unique_ptr<Outboard<T>[]> outlets;      ///< by junction, on the way out
+  std::unique_ptr<Inboard<T>[]> inlets;       ///< by body: what its children but the first ask, on the way in
+  std::unique_ptr<Outboard<T>[]> outlets;     ///< by body: what waits for children but the first, on the way out
+  std::unique_ptr<Force<T>[]> wrench_inlets;  ///< the same of the second recursion
+  std::unique_ptr<Motion<T>[]> rate_outlets;
+  std::unique_ptr<FlatInboard<T>[]> flat_inlets;  ///< and of mechanisms in a plane
+  std::unique_ptr<FlatOutboard<T>[]> flat_outlets;
   std::unique_ptr<BodySweep<T>[]> motions;     ///< of the state of `evaluated`
   std::unique_ptr<Motion<T>[]> accelerations;  ///< Ω̇ of each body less gravity, as felt in the body; kernel frame
   std::unique_ptr<Force<T>[]> reactions;       ///< Tr: wrench of the inboard joint on the body, kernel frame

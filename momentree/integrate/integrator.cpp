@@ -36,7 +36,7 @@ void Evaluator::operator()(double t, const double* q, const double* p) noexcept 
 void Evaluator::without_resistance(const Tree& other, double t, const double* q, const double* p) noexcept {
   const Stopwatch watch(seconds);
   ++count;
-  evaluate_rates<double>(other, q, p, *work_);
+  evaluate_for_forces(other, q, p, *work_);
   add_joint_forces(other, t, q, *work_, false);
   add_body_forces(other, t, q, *work_);
 }

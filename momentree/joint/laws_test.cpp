@@ -36,6 +36,7 @@ Link random_link(Draw& draw, bool aligned) {
   const double b = aligned ? 0 : 3 * draw();
   k.angle_0 = 3 * draw();
   k.cos_a = std::cos(a), k.sin_a = std::sin(a), k.cos_b = std::cos(b), k.sin_b = std::sin(b);
+  k.cs_a = k.cos_a * k.sin_a, k.ss_a = k.sin_a * k.sin_a;
   k.cos_0 = std::cos(k.angle_0), k.sin_0 = std::sin(k.angle_0);
   k.r = draw.vector();
   k.subtree_mass = 2 + draw();

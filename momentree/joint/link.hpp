@@ -8,11 +8,30 @@
 
 namespace momentree {
 
+/// How much of a general placement a link has: kernels leave the rest out. Found when a topology is compiled.
+enum class LinkShape : unsigned char {
+  general,        ///< any turn, any offset
+  tilted,         ///< β = 0: the parent's x axis lies across both joints' axes
+  screw,          ///< and the offset is r.x along that x axis and d along the joint's own (Denavit–Hartenberg)
+  screw_a,        ///< d = 0
+  screw_d,        ///< r.x = 0: the axes meet
+  right,          ///< α = 90°, both offsets
+  right_a,        ///< …
+  right_d,        ///< …
+  right_meeting,  ///< α = 90°, no offset
+  parallel,       ///< α = 0, both offsets
+  parallel_a,     ///< …: a link in a plane
+};
+
 /// Placement of the joint in the parent's frame: R = Rz(β) Rx(α) Rz(θ0), origin at r; mass properties in the body's own frame.
 /// Rotations about one axis at a time cost half of a general one, and β = 0 where the parent's x axis could be chosen for it.
 struct Link {
-  double cos_a = 1, sin_a = 0, cos_b = 1, sin_b = 0, cos_0 = 1, sin_0 = 0;
+  double cos_a = 1, sin_a = 0;
+  double cs_a = 0, ss_a = 0;  ///< cos α sin α, sin² α
   Vec3 r{};
+  double d = 0;  ///< where the shape says so: r = r.x along the parent's x, and then d along the joint's axis
+  LinkShape shape{};
+  double cos_b = 1, sin_b = 0, cos_0 = 1, sin_0 = 0;
   RigidMass body{};
   double subtree_mass = 0;      ///< of the body and all outboard bodies
   unsigned locked = 0;          ///< a bit per freedom without a momentum of its own: frozen or driven
@@ -20,6 +39,8 @@ struct Link {
   double angle_0 = 0;           ///< θ0
   double geometry[2] = {0, 0};  ///< helical: metres per radian; universal: x and z components of the first axis
 };
+/// True where the link needs no turn about the parent's z.
+inline bool aligned(const Link& link) { return link.sin_b == 0 && link.cos_b == 1; }
 /// Rz(β) Rx(α) Rz(θ0).
 Mat3 placement_rotation(const Link& link);
 /// Rz(β) Rx(α): for kinds that add θ0 to their own angle.
@@ -44,6 +65,34 @@ template <class T>
 struct Outboard {
   Motion<T> velocity;
   Vector3<T> gravity;
+};
+
+/// The same in a plane, in its own axes.
+template <class T>
+struct FlatInboard {
+  T axx, axy, ayy, bx, by, J;  ///< l = A v + b ω, h = b·v + J ω
+  T lx, ly, h;
+  T mx, my;  ///< first moment of the subtree
+};
+template <class T>
+MOMENTREE_INLINE void operator+=(FlatInboard<T>& a, const FlatInboard<T>& b) {
+  a.axx = a.axx + b.axx, a.axy = a.axy + b.axy, a.ayy = a.ayy + b.ayy;
+  a.bx = a.bx + b.bx, a.by = a.by + b.by, a.J = a.J + b.J;
+  a.lx = a.lx + b.lx, a.ly = a.ly + b.ly, a.h = a.h + b.h;
+  a.mx = a.mx + b.mx, a.my = a.my + b.my;
+}
+template <class T>
+struct FlatOutboard {
+  T vx, vy, w;
+};
+/// What the sweeps keep of a body in a plane; it has the place of a pin's record.
+template <class T>
+struct FlatRecord {
+  T axx, axy, ayy, lx, ly, gx, gy, u0, rx, ry, mx, my;
+};
+struct FlatKernels {
+  template <class T>
+  using Record = FlatRecord<T>;
 };
 
 /// Across the placement after the child's joint: turn about x by α, about z by β unless the frames are aligned, shift by r.

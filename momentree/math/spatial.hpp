@@ -90,6 +90,12 @@ MOMENTREE_INLINE constexpr void add_rigid_mass(SpatialMass<T>& M, const RigidMas
   M.J.xx += b.J.xx, M.J.yy += b.J.yy, M.J.zz += b.J.zz;
   M.J.xy += b.J.xy, M.J.xz += b.J.xz, M.J.yz += b.J.yz;
 }
+/// (4) by itself.
+template <class T>
+MOMENTREE_INLINE constexpr SpatialMass<T> rigid_mass(const RigidMass& b) {
+  const T o(0), m(b.m), x(b.mc.x), y(b.mc.y), z(b.mc.z);
+  return {{m, m, m, o, o, o}, {o, z, -y, -z, o, x, y, -x, o}, {T(b.J.xx), T(b.J.yy), T(b.J.zz), T(b.J.xy), T(b.J.xz), T(b.J.yz)}};
+}
 /// M Ω of a rigid body (4).
 template <class T>
 MOMENTREE_INLINE constexpr Force<T> momentum(const RigidMass& b, const Motion<T>& a) {
@@ -120,21 +126,33 @@ template <class T, class C>
 MOMENTREE_INLINE constexpr void turn_x(Vector3<T>& a, const C& c, const C& s) {
   turn(a.y, a.z, c, s);
 }
-/// The 2x2 block (xx, xy; xy, yy) of a symmetric matrix turned in its plane: the trace stays, 2·double angle rotates the rest.
+/// What a turn does to products of two components: c·s, s², and cosine and sine of the double angle.
+template <class C>
+struct Turn {
+  C cs, ss, c2, s2;
+  MOMENTREE_INLINE constexpr Turn(const C& c, const C& s) : Turn(c * s, s * s, 0) {}
+  /// From c·s and s², where these are known.
+  MOMENTREE_INLINE static constexpr Turn of_products(const C& cs, const C& ss) { return {cs, ss, 0}; }
+
+ private:
+  MOMENTREE_INLINE constexpr Turn(const C& product, const C& square, int)
+      : cs(product), ss(square), c2(C(1) - (square + square)), s2(product + product) {}
+};
+/// The 2x2 block (xx, xy; xy, yy) of a symmetric matrix turned in its plane: the trace stays, the double angle rotates the rest.
 template <class T, class C>
-MOMENTREE_INLINE constexpr void turn_block(T& xx, T& xy, T& yy, const C& cs, const C& ss) {
+MOMENTREE_INLINE constexpr void turn_block(T& xx, T& xy, T& yy, const Turn<C>& by) {
   const T d = xx - yy;
-  const T t = ss * d + (cs + cs) * xy;
-  xy = cs * d + xy - (ss + ss) * xy;
+  const T t = by.ss * d + by.s2 * xy;
+  xy = by.cs * d + by.c2 * xy;
   xx = xx - t;
   yy = yy + t;
 }
 /// The same for a general block (xx, xy; yx, yy): trace and skew part stay.
 template <class T, class C>
-MOMENTREE_INLINE constexpr void turn_block(T& xx, T& xy, T& yx, T& yy, const C& cs, const C& ss) {
+MOMENTREE_INLINE constexpr void turn_block(T& xx, T& xy, T& yx, T& yy, const Turn<C>& by) {
   const T d = xx - yy, e = xy + yx;
-  const T t = ss * d + cs * e;
-  const T o = cs * d - ss * e;
+  const T t = by.ss * d + by.cs * e;
+  const T o = by.cs * d - by.ss * e;
   xx = xx - t;
   yy = yy + t;
   xy = xy + o;
@@ -142,24 +160,24 @@ MOMENTREE_INLINE constexpr void turn_block(T& xx, T& xy, T& yx, T& yy, const C& 
 }
 template <class T, class C>
 MOMENTREE_INLINE constexpr void turn_z(SpatialMass<T>& M, const C& c, const C& s) {
-  const C cs = c * s, ss = s * s;
-  turn_block(M.A.xx, M.A.xy, M.A.yy, cs, ss);
+  const Turn<C> products(c, s);
+  turn_block(M.A.xx, M.A.xy, M.A.yy, products);
   turn(M.A.xz, M.A.yz, c, s);
-  turn_block(M.B.xx, M.B.xy, M.B.yx, M.B.yy, cs, ss);
+  turn_block(M.B.xx, M.B.xy, M.B.yx, M.B.yy, products);
   turn(M.B.xz, M.B.yz, c, s);
   turn(M.B.zx, M.B.zy, c, s);
-  turn_block(M.J.xx, M.J.xy, M.J.yy, cs, ss);
+  turn_block(M.J.xx, M.J.xy, M.J.yy, products);
   turn(M.J.xz, M.J.yz, c, s);
 }
 template <class T, class C>
 MOMENTREE_INLINE constexpr void turn_x(SpatialMass<T>& M, const C& c, const C& s) {
-  const C cs = c * s, ss = s * s;
-  turn_block(M.A.yy, M.A.yz, M.A.zz, cs, ss);
+  const Turn<C> products(c, s);
+  turn_block(M.A.yy, M.A.yz, M.A.zz, products);
   turn(M.A.xy, M.A.xz, c, s);
-  turn_block(M.B.yy, M.B.yz, M.B.zy, M.B.zz, cs, ss);
+  turn_block(M.B.yy, M.B.yz, M.B.zy, M.B.zz, products);
   turn(M.B.xy, M.B.xz, c, s);
   turn(M.B.yx, M.B.zx, c, s);
-  turn_block(M.J.yy, M.J.yz, M.J.zz, cs, ss);
+  turn_block(M.J.yy, M.J.yz, M.J.zz, products);
   turn(M.J.xy, M.J.xz, c, s);
 }
 /// R M Rᵀ for any rotation.

@@ -68,6 +68,39 @@ Carried carried(const Joint& joint, bool reversed, double* geometry) {
   return {joint.at, joint.child_at, {C.xx, -C.xy, -C.xz, C.yx, -C.yy, -C.yz, C.zx, -C.zy, -C.zz}};
 }
 
+// Where on the own axis, z, the common normal with the next one stands, which goes along d through r: there the link between them
+// has but two lengths. Where that is far off, for axes that are nearly parallel, the frame stays where the joint is.
+double foot(const Vec3& d, const Vec3& r) {
+  const double across = d.x * d.x + d.y * d.y;
+  const double z = across < 1e-18 ? r.z : r.z - d.z * (r.x * d.x + r.y * d.y) / across;
+  return z * z <= 9 * dot(r, r) ? z : 0;
+}
+
+// Lengths that are zero but for rounding, and what the link lacks of a general one.
+void find_shape(Link& k, bool turns, double scale) {
+  const double smallest = 8e-16 * scale;
+  const auto zero = [smallest](double x) { return std::fabs(x) <= smallest; };
+  k.cs_a = k.cos_a * k.sin_a, k.ss_a = k.sin_a * k.sin_a;
+  k.d = 0;
+  k.shape = LinkShape::general;
+  if (k.sin_b != 0 || k.cos_b != 1) return;
+  k.shape = LinkShape::tilted;
+  if (!turns) return;
+  // The child's axis is (0, −sin α, cos α).
+  const double d = k.cos_a * k.r.z - k.sin_a * k.r.y;
+  if (!zero(k.r.y + d * k.sin_a) || !zero(k.r.z - d * k.cos_a)) return;
+  if (zero(k.r.x)) k.r.x = 0;
+  k.d = zero(d) ? 0 : d;
+  k.r.y = -k.d * k.sin_a, k.r.z = k.d * k.cos_a;
+  const bool has_a = k.r.x != 0, has_d = k.d != 0;
+  if (k.sin_a == 1)
+    k.shape = has_a ? (has_d ? LinkShape::right : LinkShape::right_a) : has_d ? LinkShape::right_d : LinkShape::right_meeting;
+  else if (k.cos_a == 1 && has_a)
+    k.shape = has_d ? LinkShape::parallel : LinkShape::parallel_a;
+  else
+    k.shape = !has_a ? LinkShape::screw_d : has_d ? LinkShape::screw : LinkShape::screw_a;
+}
+
 }  // namespace
 
 void Tree::make_frame(int b) {
@@ -75,6 +108,7 @@ void Tree::make_frame(int b) {
   Carried mine = carried(joint(b), reversed(b), link.geometry);
   const Mat3 side = rotation_matrix(mine.own.rotation);
   const int c = first_child_[at(b)];
+  double slide = 0;
   if (turns_about_z(joint(b).kind) && c >= 0) {
     // x is free: choose it so that the first child's axis needs no turn about z (β = 0), or, if it is parallel, lies along x.
     double geometry[2];
@@ -89,8 +123,10 @@ void Tree::make_frame(int b) {
       unit_pair(cosine, sine);
       mine.C = turned_z(mine.C, cosine, sine);
     }
+    if (turns_about_z(joint(c).kind)) slide = foot(d, r);
   }
-  const KernelFrame& own = frames_[at(b)] = {side * mine.C, mine.own.position};
+  const Mat3 R = side * mine.C;
+  const KernelFrame& own = frames_[at(b)] = {R, mine.own.position + slide * Vec3{R.xz, R.yz, R.zz}};
   const MassProperties& m = masses_[at(b)];
   const Vec3 r = transpose_times(own.R, m.com - own.r);
   const double rr = dot(r, r);
@@ -109,9 +145,14 @@ void Tree::make_link(int b) {
   Link& k = links_[at(b)];
   // The joint's axes C are what the kernel frame has beyond the joint's side: with the choice of x.
   const Mat3 C = transpose(rotation_matrix(mine.own.rotation)) * own.R;
-  factorise(transpose(outer.R) * (rotation_matrix(mine.outer.rotation) * C), k);
-  k.r = transpose_times(outer.R, mine.outer.position - outer.r);
-  class_[at(b)].aligned = k.sin_b == 0 && k.cos_b == 1;
+  const Mat3 axes = rotation_matrix(mine.outer.rotation) * C;
+  factorise(transpose(outer.R) * axes, k);
+  // The frame stands `slide` along the joint's axis from its place.
+  const Vec3 off = own.r - mine.own.position, at_joint = mine.outer.position;
+  const double slide = dot(off, Vec3{own.R.xz, own.R.yz, own.R.zz});
+  k.r = transpose_times(outer.R, at_joint + slide * Vec3{axes.xz, axes.yz, axes.zz} - outer.r);
+  find_shape(k, turns_about_z(joint(b).kind), norm(at_joint) + norm(outer.r) + std::fabs(slide));
+  class_[at(b)].parallel = k.cos_a == 1 && k.sin_a == 0;
   if (turns_about_z(joint(b).kind))
     for (int i = 0; i < shape(joint(b).kind).angles; ++i) angle_offset_[at(first_angle_[at(b)] + i)] = k.angle_0;
 }

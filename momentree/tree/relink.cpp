@@ -171,35 +171,44 @@ void Tree::move_block(int begin, int end, int to) {
   if (to > end) std::rotate(o + begin, o + end, o + to);
 }
 
-// Places, records and segments, from the order.
+// Places, flows, records and segments, from the order.
 void Tree::arrange() {
   segments_.clear();
   const int count = static_cast<int>(order_.size());
-  const int *order = order_.data(), *parent = parent_.data(), *next_sibling = next_sibling_.data();
+  flows_.resize(at(count));
+  const int *order = order_.data(), *parent = parent_.data(), *first_child = first_child_.data(),
+            *next_sibling = next_sibling_.data();
   const Class* classes = class_.data();
   int* places = place_.data();
   std::size_t *records = record_.data(), scalars = 0, record = 0;
-  int before = -1;
   Class same{};
+  bool planar = false;
   for (int place = 0; place < count; ++place) {
-    const int b = order[place], outer = parent[b];
+    const int b = order[place], outer = parent[b], child = first_child[b];
     places[b] = place;
+    unsigned f = 0;
+    if (aligned(links_[at(b)])) f |= flow::aligned;
+    if (child < 0) f |= flow::tip;
+    if (child >= 0 && next_sibling[child] >= 0) f |= flow::fork;
+    if (outer < 0)
+      f |= flow::root;
+    else if (first_child[outer] == b)
+      f |= flow::first;
+    else if (next_sibling[b] < 0)
+      f |= flow::last;
+    flows_[at(place)] = static_cast<unsigned char>(f);
     const Class own = classes[b];
-    if (outer != before || outer < 0 || next_sibling[b] >= 0 || !(own == same)) {
-      if (place > 0) end_segment(place);
-      // The way in runs through the segments backwards: the last child reaches the junction first.
-      const auto deposit = outer < 0             ? Segment::Deposit::none
-                           : next_sibling[b] < 0 ? Segment::Deposit::assign
-                                                 : Segment::Deposit::add;
-      segments_.push_back({place, place + 1, outer, -1, own.kind, own.variant, own.aligned, deposit});
+    const bool was_planar = planar;
+    if (outer < 0) planar = in_a_plane(place);
+    if (place == 0 || !(own == same) || (outer < 0 && (planar || was_planar))) {
+      if (place > 0) segments_.back().end = place;
+      segments_.push_back({place, count, own.kind, own.variant, planar});
       record = shape(own.kind).record[static_cast<std::size_t>(own.variant)];
       same = own;
     }
     records[b] = scalars;
     scalars += record;
-    before = b;
   }
-  if (count > 0) end_segment(count);
   record_scalars_ = scalars;
   list_loaded_bodies();
 }
@@ -220,10 +229,16 @@ void Tree::list_loaded_bodies() {
     if (loaded_mark_[at(b)] != 0) loaded_.push_back(b);
 }
 
-void Tree::end_segment(int place) {
-  const int last = order_[at(place - 1)];
-  segments_.back().end = place;
-  segments_.back().junction = first_child_[at(last)] >= 0 ? last : -1;
+// The mechanism whose root has that place.
+bool Tree::in_a_plane(int place) const {
+  const int count = static_cast<int>(order_.size());
+  for (int i = place; i < count; ++i) {
+    const int b = order_[at(i)];
+    if (i > place && parent_[at(b)] < 0) return true;
+    const Class own = class_[at(b)];
+    if (own.kind != Kind::revolute || own.variant != Variant::plain || !(own.parallel || i == place)) return false;
+  }
+  return true;
 }
 
 // Mass of b and all outboard bodies, from that of its children.

@@ -25,7 +25,7 @@ void Tree::resize(int bodies) {
   angle_q_.resize(2 * n), angle_offset_.resize(2 * n), armature_.resize(6 * n), damping_.resize(6 * n), effort_.resize(6 * n);
   for (auto* list : {&order_, &spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_})
     reserve(*list, n);
-  reserve(segments_, n);
+  reserve(segments_, n), reserve(flows_, n);
   reserve(parameters_, shared_parameters_ + n), reserve(per_freedom_, shared_parameters_ + n);
   static const std::size_t largest = [] {
     std::size_t scalars = 0;

@@ -91,18 +91,26 @@ inline Joint made_free_joint() {
   return joint;
 }
 
-/// A maximal path of single children whose joints share their kernels: the sweeps run along it with accumulators in locals.
-/// Bodies order[begin] (inboard) … order[end − 1].
+/// A stretch of the order whose joints share their kernels: bodies order[begin] … order[end − 1], forks and tips among them.
 struct Segment {
-  enum class Deposit : unsigned char { none, assign, add };
   int begin = 0, end = 0;
-  int parent = -1;    ///< junction of the parent segment, −1: the ground
-  int junction = -1;  ///< where the children of the last body meet: the number of that body; −1: it has none
   Kind kind = Kind::weld;
   Variant variant = Variant::plain;
-  bool aligned = false;
-  Deposit deposit = Deposit::none;  ///< first child to reach the junction assigns, later ones add
+  bool planar = false;  ///< one mechanism, whole: a grounded tree of plain pins whose axes are parallel
 };
+
+/// How a body stands in the order: depth first, so that behind a body comes its first child, if it has any. On the way in its
+/// sums are then at hand, and on the way out those of its parent; only other children pass theirs through memory.
+namespace flow {
+enum : unsigned char {
+  tip = 1,       ///< it has no child
+  fork = 2,      ///< it has several
+  first = 4,     ///< it is its parent's first child, and comes right behind it
+  root = 8,      ///< it hangs on the ground
+  last = 16,     ///< its parent's last child, and not the only one: the first to be met on the way in
+  aligned = 32,  ///< its link needs no turn about the parent's z
+};
+}
 
 /// A vector whose copies keep its capacity: a copied tree changes without allocating, too.
 template <class T>
@@ -170,6 +178,8 @@ class Tree {
   /// Depth first, inboard before outboard; siblings and roots in ascending order of numbers.
   std::span<const int> order() const { return order_; }
   std::span<const Segment> segments() const { return segments_; }
+  /// Flags of the bodies in the order: see flow.
+  std::span<const unsigned char> flows() const { return flows_; }
   std::size_t record_scalars() const { return record_scalars_; }
   /// Angles of all joints: index into q, and the offset θ0 that is added to it.
   std::span<const int> angle_coordinates() const { return {angle_q_.data(), at(angles_)}; }
@@ -200,6 +210,8 @@ class Tree {
   const Curve& motion(int b) const { return parameters(b)->drive->motion.front(); }
   /// Bodies whose joint has a strength.
   std::span<const int> strength_joints() const { return strength_joints_; }
+  /// True where a function drives a joint or did.
+  bool has_functions() const { return !functions_.empty(); }
   /// The function that drives b's joint, or null.
   const JointFunction* function(int b) const {
     const int i = joint(b).function;
@@ -271,7 +283,7 @@ class Tree {
   void list_special_joints();
   int walk(int root, int place);
   void arrange();
-  void end_segment(int place);
+  bool in_a_plane(int place) const;
   void weigh(int b);
   void weigh_path(int b);
   int end_of(int b) const;
@@ -300,9 +312,8 @@ class Tree {
   struct Class {  // neighbours of one class share a segment
     Kind kind = Kind::weld;
     Variant variant = Variant::plain;
-    bool aligned = false;
-    unsigned char none = 0;
-    friend bool operator==(Class a, Class b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); }
+    bool parallel = false;  // its axis is its parent's: no tilt
+    friend bool operator==(Class a, Class b) { return a.kind == b.kind && a.variant == b.variant; }
   };
   std::vector<Class> class_;  // by body
   std::vector<Link> links_;
@@ -321,6 +332,7 @@ class Tree {
   std::size_t shared_parameters_ = 0;
   std::vector<int> own_parameters_;  // by joint: its place behind the shared ones, −1: none yet
   Reserved<Segment> segments_;
+  Reserved<unsigned char> flows_;
   std::vector<int> angle_q_;
   Reserved<int> spring_joints_, quaternion_joints_, forced_joints_, driven_joints_, strength_joints_;
   std::vector<std::shared_ptr<const JointFunction>> functions_;  // in the order in which they were given

@@ -15,23 +15,34 @@ Body link(Model& model, const char* name, Body parent, JointSpec joint = Revolut
 }
 }  // namespace
 
-TEST_CASE("runs of single children with one kind are one segment; forks meet at junctions") {
+TEST_CASE("stretches of one kind are one segment, with forks and tips among them") {
   Model model;
   const Body a = link(model, "a", ground), b = link(model, "b", a), c = link(model, "c", b);
   const Body d = link(model, "d", c, Ball{}), e = link(model, "e", c);
   link(model, "f", d), link(model, "g", e), link(model, "h", ground);
   const Tree tree(model);
-  // a b c | d | f | e g | h
-  REQUIRE(tree.segments().size() == 5);
+  // a b c | d | f e g | h, which is a mechanism in a plane
+  REQUIRE(tree.segments().size() == 4);
   CHECK(tree.segments()[0].end == 3);
-  CHECK(tree.segments()[0].junction == c.index);
-  CHECK(tree.segments()[1].parent == c.index);
-  CHECK(tree.segments()[1].deposit == Segment::Deposit::add);
-  CHECK(tree.segments()[2].parent == d.index);
-  CHECK(tree.segments()[2].deposit == Segment::Deposit::assign);
-  CHECK(tree.segments()[3].deposit == Segment::Deposit::assign);  // the last child reaches the junction first
-  CHECK(tree.segments()[3].end - tree.segments()[3].begin == 2);
-  CHECK(tree.segments()[4].parent == -1);
+  CHECK(tree.segments()[1].kind == Kind::ball);
+  CHECK(tree.segments()[2].end == 7);
+  CHECK_FALSE(tree.segments()[2].planar);
+  CHECK(tree.segments()[3].planar);
+  const std::string order = [&] {
+    std::string names;
+    for (const int body : tree.order()) names += model[{body}].name;
+    return names;
+  }();
+  CHECK(order == "abcdfegh");
+  const auto flow_of = [&](char name) { return tree.flows()[order.find(name)] & ~flow::aligned; };
+  CHECK(flow_of('a') == flow::root);
+  CHECK(flow_of('b') == flow::first);
+  CHECK(flow_of('c') == (flow::first | flow::fork));
+  CHECK(flow_of('d') == flow::first);
+  CHECK(flow_of('f') == (flow::first | flow::tip));
+  CHECK(flow_of('e') == flow::last);
+  CHECK(flow_of('g') == (flow::first | flow::tip));
+  CHECK(flow_of('h') == (flow::root | flow::tip));
   CHECK(tree.nq() == 7 + 4);
   CHECK(tree.nv() == 7 + 3);
   CHECK(tree.link(0).subtree_mass == 7);
@@ -78,8 +89,12 @@ TEST_CASE("chains of pins are aligned: no link needs a turn about its parent's z
                       .at = Pose{{0.1 * k, 0.2, 0.3}, normalized(Quat{1, 0.1 * k, -0.2, 0.3})},
                       .joint = Revolute{.axis = {1, 0.1 * k, -0.5}}});
   const Tree tree(model);
-  CHECK(tree.segments().size() <= 2);  // the first body hangs on the ground, whose axes are given
-  CHECK(tree.segments().back().aligned);
+  CHECK(tree.segments().size() == 1);
+  for (int b = 1; b < 20; ++b) {  // the first body hangs on the ground, whose axes are given
+    CHECK((tree.flows()[static_cast<std::size_t>(b)] & flow::aligned) != 0);
+    // Two lengths do for a link: along the parent's x, and along the joint's axis. The last one's frame stands at its joint.
+    CHECK(tree.link(b).shape == LinkShape::screw);
+  }
 }
 
 TEST_CASE("state: numbers of a body make room for others without moving the storage") {

@@ -47,9 +47,9 @@ void check_same(const Tree& a, const Tree& b) {
   REQUIRE(a.segments().size() == b.segments().size());
   for (std::size_t i = 0; i < a.segments().size(); ++i) {
     const Segment &s = a.segments()[i], &t = b.segments()[i];
-    CHECK((s.begin == t.begin && s.end == t.end && s.parent == t.parent && s.junction == t.junction && s.kind == t.kind &&
-           s.variant == t.variant && s.aligned == t.aligned && s.deposit == t.deposit));
+    CHECK((s.begin == t.begin && s.end == t.end && s.kind == t.kind && s.variant == t.variant && s.planar == t.planar));
   }
+  CHECK(std::equal(a.flows().begin(), a.flows().end(), b.flows().begin(), b.flows().end()));
   for (int k : a.order()) {
     INFO("body ", k);
     CHECK(a.parent(k) == b.parent(k));

@@ -2,6 +2,7 @@
 // Revolute (pin): one angle about z. E = (0; e_z), constant. The kind of the paper's tables, so the one with most structure.
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/motion.hpp>
+#include <momentree/joint/pin_steps.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
 namespace momentree {
@@ -28,81 +29,21 @@ struct PinKernels : ScrewKernels<K, 1, 1> {
 };
 struct PinWithRotor : PinKernels<PinWithRotor> {};
 
-/// What reduction about z leaves: M̂ E = 0, so B has no z column and J no z row; D̂·E = p; G·E = 1.
-template <class T>
-struct RevoluteRecord {
-  Symmetric3<T> A;
-  T Bxx, Bxy, Byx, Byy, Bzx, Bzy, Jxx, Jxy, Jyy;
-  Vector3<T> l;  // D̂
-  T hx, hy;
-  Vector3<T> gl;  // G
-  T ghx, ghy;
-  T u0, inverse_mass;
-  Vector3<T> mc;
-};
-
-/// (16) for what a pin without rotor has reduced: the zero rows stay zero while turning about z.
-template <class T, bool Aligned>
-struct RevoluteCrossing : ScrewCrossing<T, Aligned> {
-  using ScrewCrossing<T, Aligned>::inboard;
-  MOMENTREE_INLINE void inboard(SpatialMass<T>& M) const {
-    const Link& k = this->link;
-    const T cq = this->c, sq = this->s, cs = cq * sq, ss = sq * sq;
-    turn_block(M.A.xx, M.A.xy, M.A.yy, cs, ss);
-    turn(M.A.xz, M.A.yz, cq, sq);
-    turn_block(M.B.xx, M.B.xy, M.B.yx, M.B.yy, cs, ss);
-    turn(M.B.zx, M.B.zy, cq, sq);
-    turn_block(M.J.xx, M.J.xy, M.J.yy, cs, ss);
-    // About x, by the constant α; what was zero is filled.
-    const double ca = k.cos_a, sa = k.sin_a, csa = ca * sa, ssa = sa * sa;
-    turn_block(M.A.yy, M.A.yz, M.A.zz, csa, ssa);
-    turn(M.A.xy, M.A.xz, ca, sa);
-    const T a = ca * M.B.yy - sa * M.B.zy, b = sa * M.B.yy + ca * M.B.zy;  // rows y, z of the y column
-    M.B.yy = ca * a, M.B.yz = sa * a, M.B.zy = ca * b, M.B.zz = sa * b;
-    M.B.xz = sa * M.B.xy;
-    M.B.xy = ca * M.B.xy;
-    turn(M.B.yx, M.B.zx, ca, sa);
-    M.J.zz = ssa * M.J.yy;
-    M.J.yz = csa * M.J.yy;
-    M.J.yy = M.J.yy - M.J.zz;
-    M.J.xz = sa * M.J.xy;
-    M.J.xy = ca * M.J.xy;
-    if constexpr (!Aligned) turn_z(M, k.cos_b, k.sin_b);
-    shift(M, k.r);
-  }
-};
-
 struct RevoluteKernels : PinKernels<RevoluteKernels> {
   template <class T>
-  using Record = RevoluteRecord<T>;
+  using Record = PinRecord<T>;
   template <class T, bool Aligned>
-  using Crossing = RevoluteCrossing<T, Aligned>;
+  using Crossing = PinCrossing<T, Aligned>;
+  /// Whole steps of the two sweeps, by the shape of the link.
+  using Steps = PinSteps;
 
-  /// (24)–(26): Mb E is the third column of the right half.
+  /// (24)–(26)
   template <class T>
   MOMENTREE_INLINE static void reduce(const Link&, const JointState<T>&, const T* p, const double*, SpatialMass<T>& M,
                                       Force<T>& D, Record<T>& w) {
-    const Vector3<T> el{M.B.xz, M.B.yz, M.B.zz};
-    const T ex = M.J.xz, ey = M.J.yz;
     const T inverse = T(1) / M.J.zz;  // (24)
-    const Vector3<T> gl = inverse * el;
-    const T gx = inverse * ex, gy = inverse * ey;
-    M.A.xx -= el.x * gl.x, M.A.yy -= el.y * gl.y, M.A.zz -= el.z * gl.z;  // (25)
-    M.A.xy -= el.x * gl.y, M.A.xz -= el.x * gl.z, M.A.yz -= el.y * gl.z;
-    M.B.xx -= ex * gl.x, M.B.yx -= ex * gl.y, M.B.zx -= ex * gl.z;
-    M.B.xy -= ey * gl.x, M.B.yy -= ey * gl.y, M.B.zy -= ey * gl.z;
-    M.B.xz = T(0), M.B.yz = T(0), M.B.zz = T(0);
-    M.J.xx -= ex * gx, M.J.xy -= ex * gy, M.J.yy -= ey * gy;
-    M.J.xz = T(0), M.J.yz = T(0), M.J.zz = T(0);
-    const T u = p[0] - D.h.z;
-    D.l += u * gl;  // (26)
-    D.h = {D.h.x + gx * u, D.h.y + gy * u, p[0]};
-    w.A = M.A;
-    w.Bxx = M.B.xx, w.Bxy = M.B.xy, w.Byx = M.B.yx, w.Byy = M.B.yy, w.Bzx = M.B.zx, w.Bzy = M.B.zy;
-    w.Jxx = M.J.xx, w.Jxy = M.J.xy, w.Jyy = M.J.yy;
-    w.l = D.l, w.hx = D.h.x, w.hy = D.h.y;
-    w.gl = gl, w.ghx = gx, w.ghy = gy;
-    w.u0 = inverse * u, w.inverse_mass = inverse;
+    PinSteps::reduce(p[0], p[0] - D.h.z, inverse, M, D, w);
+    w.A.zz = M.A.zz, w.l.z = D.l.z, w.inverse_mass = inverse;
   }
   /// (27)
   template <class T>

@@ -1,0 +1,44 @@
+// RBDL: evaluations alone. A model is made once; another topology is another model.
+#include <rbdl/rbdl.h>
+
+#include "evaluation.hpp"
+
+namespace {
+
+namespace rb = RigidBodyDynamics;
+using namespace peers;
+
+struct Forward : Evaluator {
+  explicit Forward(const EvaluationModel& m) : n(m.links.size()), q(n), u(n), effort(n), found(n) {
+    model.gravity = rb::Math::Vector3d(0, 0, gravity);
+    effort.setZero();
+    const rb::Joint pin(rb::Math::SpatialVector(0, 0, 1, 0, 0, 0));
+    std::vector<unsigned> numbers;
+    for (const Link& link : m.links) {
+      const rb::Body body(link.mass, link.com, Matrix3d(link.inertia.asDiagonal()));
+      const rb::Math::SpatialTransform place(link.turn.transpose(), link.at);
+      numbers.push_back(model.AddBody(link.parent < 0 ? 0 : numbers[link.parent], place, pin, body, link.name));
+      places.push_back(static_cast<int>(model.mJoints[numbers.back()].q_index));
+    }
+  }
+  void evaluate(const double* from_q, const double* from_u) override {
+    for (std::size_t i = 0; i < n; ++i) q[places[i]] = from_q[i], u[places[i]] = from_u[i];
+    rb::ForwardDynamics(model, q, u, effort, found);
+  }
+  std::vector<double> accelerations() override {
+    std::vector<double> a;
+    for (const int place : places) a.push_back(found[place]);
+    return a;
+  }
+  rb::Model model;
+  std::size_t n;
+  rb::Math::VectorNd q, u, effort, found;
+  std::vector<int> places;
+};
+
+}  // namespace
+
+int main(int arguments, char**) {
+  if (arguments == 1) return 0;  // it has no changes to be measured
+  return evaluate("RBDL", {{"ForwardDynamics", evaluator<Forward>()}});
+}

@@ -1,0 +1,151 @@
+#include <cmath>
+#include <cstdio>
+
+#include <cli/bench_tables.hpp>
+#include <cli/commands.hpp>
+#include <cli/interrupt.hpp>
+#include <cli/text.hpp>
+#include <momentree/base/error.hpp>
+#include <momentree/io/json_writer.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+const char* const peers_hint =
+    "Other engines on the same models: programs in bench/peers of the sources, for those that CMake finds\n"
+    "(-DMOMENTREE_PEERS=ON; bench/peers/README.md).\n";
+
+void print(const std::string& text) {
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+std::string nanoseconds(double seconds) { return format("%.1f", seconds * 1e9); }
+
+void print_operations(const Style& style) {
+  Table table;
+  table.row({"", "additions", "multiplications", "total", "100 bodies", "source"});
+  for (const OperationsRow& row : operations_table())
+    table.row({row.algorithm, row.additions, row.multiplications, row.total, row.of_100 > 0 ? format("%ld", row.of_100) : "?",
+               row.source});
+  print(style.heading("Operations of an evaluation, n bodies joined by pins") + " (the paper's Table 1)\n" + table.text("  ") +
+        "  An ellipsis is what the print has lost. Ours: divisions are among the multiplications, sines and cosines apart.\n\n");
+  Table others;
+  others.row({"momentree, other chains", "additions", "multiplications", "total", "100 bodies"});
+  for (const OperationsRow& row : other_operations())
+    others.row({row.algorithm, row.additions, row.multiplications, row.total, format("%ld", row.of_100)});
+  print(others.text("  ") + '\n');
+}
+
+void print_breaking_chain(const BreakingChain& chain, const Style& style) {
+  Table table;
+  table.row({"", "before", "after", "the change", "the run"});
+  table.row({"paper, 2005", "54.0 µs", "52.3 µs", "0.00 s", "0.64 s"});
+  table.row({"here", duration_text(chain.evaluation[0]), duration_text(chain.evaluation[1]), duration_text(chain.change),
+             duration_text(chain.whole)});
+  print(style.heading("The breaking chain") +
+        format(" (the paper's Table 2: time per evaluation, %ld before and %ld after the break; the paper's run is its "
+               "evaluations alone)\n",
+               chain.evaluations[0], chain.evaluations[1]) +
+        table.text("  ") + '\n');
+}
+
+/// Shortest of several repeats; false if interrupted.
+bool print_times(double budget, const Style& style) {
+  const auto go_on = [] { return !InterruptGuard::interrupted(); };
+  Table evaluations;
+  evaluations.row({"", "bodies", "freedoms", "evaluation", "ns per body"});
+  evaluation_times(budget, [&](const EvaluationRow& row) {
+    evaluations.row({row.model, format("%d", row.bodies), format("%d", row.freedoms), duration_text(row.seconds),
+                     nanoseconds(row.seconds / row.bodies)});
+    return go_on();
+  });
+  if (!go_on()) return false;
+  print(style.heading("Time of an evaluation") +
+        " (one core, double; shortest of many, each at other coordinates, joint forces included)\n" + evaluations.text("  ") +
+        '\n');
+  Table changes;
+  changes.row({"", "", "bodies", "ns"});
+  change_times(budget, [&](const ChangeRow& row) {
+    changes.row({row.change, row.model, format("%d", row.bodies), format("%.0f", row.seconds * 1e9)});
+    return go_on();
+  });
+  if (!go_on()) return false;
+  print(style.heading("Time of a change") + " (by itself, without the evaluations before and after it)\n" + changes.text("  ") +
+        '\n');
+  return true;
+}
+
+void write(io::JsonWriter& json, const OperationsRow& row) {
+  json.begin_object().member("algorithm", row.algorithm).member("additions", row.additions);
+  json.member("multiplications", row.multiplications).member("total", row.total).key("of_100");
+  row.of_100 > 0 ? json.value(row.of_100) : json.null();
+  json.member("source", row.source).end_object();
+}
+
+/// One document; false if interrupted.
+bool print_json(const BenchOptions& options, double memory) {
+  std::string text;
+  io::JsonWriter json(text, 2);
+  const auto go_on = [] { return !InterruptGuard::interrupted(); };
+  json.begin_object().key("operations").begin_array();
+  for (const OperationsRow& row : operations_table()) write(json, row);
+  json.end_array().key("operations_of_other_chains").begin_array();
+  for (const OperationsRow& row : other_operations()) write(json, row);
+  json.end_array();
+
+  const BreakingChain chain = breaking_chain(options.repeats);
+  const double evaluation[] = {chain.evaluation[0] * 1e9, chain.evaluation[1] * 1e9};
+  json.key("breaking_chain").begin_object();
+  json.key("evaluations").begin_array().value(chain.evaluations[0]).value(chain.evaluations[1]).end_array();
+  json.member("evaluation_ns", std::span<const double>(evaluation)).member("change_ns", chain.change * 1e9);
+  json.member("run_s", chain.whole).end_object();
+  if (!go_on()) return false;
+
+  json.key("evaluations").begin_array();
+  evaluation_times(options.budget, [&](const EvaluationRow& row) {
+    json.begin_object().member("model", row.model).member("bodies", row.bodies).member("freedoms", row.freedoms);
+    json.member("ns", row.seconds * 1e9).member("ns_per_body", row.seconds * 1e9 / row.bodies).member("error", row.error);
+    json.end_object();
+    return go_on();
+  });
+  json.end_array().key("changes").begin_array();
+  change_times(options.budget, [&](const ChangeRow& row) {
+    json.begin_object().member("change", row.change).member("model", row.model).member("bodies", row.bodies);
+    json.member("ns", row.seconds * 1e9).end_object();
+    return go_on();
+  });
+  json.end_array().key("bytes_per_body");
+  memory > 0 ? json.value(memory) : json.null();
+  json.end_object();
+  if (go_on()) print(text + '\n');
+  return go_on();
+}
+
+int measure(const BenchOptions& options) {
+  const InterruptGuard guard;
+  const double memory = bytes_per_body();  // first, while nothing that was freed is there to be used again
+  if (options.json) return print_json(options, memory) ? done : interrupted;
+  const Style style = Style::of_output();
+  print_operations(style);
+  print_breaking_chain(breaking_chain(options.repeats), style);
+  if (InterruptGuard::interrupted() || !print_times(options.budget, style)) return interrupted;
+  print(style.heading("Memory") + ": " +
+        (memory > 0 ? format("%.0f bytes per body", memory) : std::string("not told by this system")) +
+        " (Tree, State and Work of a chain of pins, without names)\n\n" + peers_hint);
+  return done;
+}
+
+}  // namespace
+
+int bench(const BenchOptions& options) {
+  try {
+    return measure(options);
+  } catch (const Error& error) {  // no fault of the user's
+    std::fprintf(stderr, "momentree bench: %s\n", error.message().c_str());
+    return failed;
+  }
+}
+
+}  // namespace momentree::cli

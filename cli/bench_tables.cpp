@@ -1,0 +1,242 @@
+#include <cli/bench_tables.hpp>
+
+#ifdef __linux__
+#include <unistd.h>
+#endif
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include <bench/models.hpp>
+#include <cli/text.hpp>
+#include <momentree/base/error.hpp>
+#include <momentree/dynamics/count.hpp>
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/simulate/simulation.hpp>
+#include <momentree/topology/change.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+/// What the compiler may not leave out.
+void keep(const void* p) { asm volatile("" : : "g"(p) : "memory"); }
+
+/// Shortest time of one call, in batches that a clock can tell, for `budget` seconds, seven batches at least.
+template <class F>
+double shortest(double budget, F&& call) {
+  long count = 1;
+  for (;; count *= 2) {
+    const auto begin = Clock::now();
+    for (long i = 0; i < count; ++i) call();
+    if (since(begin) > 2e-4) break;
+  }
+  double best = HUGE_VAL;
+  const auto start = Clock::now();
+  for (int batch = 0; batch < 7 || since(start) < budget; ++batch) {
+    const auto begin = Clock::now();
+    for (long i = 0; i < count; ++i) call();
+    best = std::min(best, since(begin) / static_cast<double>(count));
+  }
+  return best;
+}
+
+std::string linear_text(long slope, long offset) {
+  return format("%ld n ", slope) + (offset < 0 ? "− " : "+ ") + format("%ld", std::labs(offset));
+}
+
+/// Counted for two lengths, and held to the line at a third.
+OperationsRow counted(const char* name, const Vec3& gravity, Model (*make)(int), const char* source) {
+  const auto count = [&](int bodies) {
+    Model model = make(bodies);
+    model.set_gravity(gravity);
+    return count_operations(compile(model));
+  };
+  const Operations a = count(10), b = count(20), c = count(100);
+  const auto line = [&](long at_10, long at_20, long at_100) {
+    const long slope = (at_20 - at_10) / 10;
+    if (at_100 != at_10 + 90 * slope) throw Error{std::string(name) + ": operations are not linear in n", "", ""};
+    return linear_text(slope, at_10 - 10 * slope);
+  };
+  return {name,
+          line(a.additions, b.additions, c.additions),
+          line(a.multiplications + a.divisions, b.multiplications + b.divisions, c.multiplications + c.divisions),
+          line(a.total(), b.total(), c.total()),
+          c.total(),
+          source};
+}
+
+// Largest error of the momenta that the velocities just found belong to, relative to the largest momentum.
+double momentum_error(const Tree& tree, const double* q, const double* p, const Work<double>& work) {
+  std::vector<double> again(static_cast<std::size_t>(tree.nv()));
+  project_momentum(tree, q, work.v.get(), again.data());
+  double error = 0, largest = 0;
+  for (std::size_t i = 0; i < again.size(); ++i) {
+    const double off = std::fabs(again[i] - p[i]);
+    error = off <= error ? error : off;  // NaN stays
+    largest = std::max(largest, std::fabs(p[i]));
+  }
+  return error / largest;
+}
+
+EvaluationRow evaluation_time(const std::string& name, const Model& model, double budget) {
+  const Tree tree = compile(model);
+  const State start = start_state(model, tree);
+  Work<double> work(tree);
+  const std::vector<double> p(start.p().begin(), start.p().end());
+  std::vector<double> q[2];
+  q[0].assign(start.q().begin(), start.q().end());
+  q[1] = q[0];
+  for (std::size_t i = 0; i < q[1].size(); ++i) q[1][i] += 1e-4 * static_cast<double>(i % 7 + 1);
+  for (const int b : tree.quaternion_joints()) {
+    double* u = q[1].data() + tree.first_q(b) + info(tree.joint(b).kind).nq - 4;
+    const double n = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3]);
+    for (int i = 0; i < 4; ++i) u[i] /= n;
+  }
+  int turn = 0;
+  EvaluationRow row{name, model.size(), tree.nv(), 0, 0};
+  row.seconds = shortest(budget, [&] {
+    turn ^= 1;
+    evaluate_stage(tree, 0, q[turn].data(), p.data(), work);
+    keep(work.pdot.get());
+  });
+  for (const int i : {0, 1}) {
+    evaluate_stage(tree, 0, q[i].data(), p.data(), work);
+    const double error = momentum_error(tree, q[i].data(), p.data(), work);
+    if (!(error < 1e-9)) throw Error{name + ": the velocities found do not belong to the momenta", "", ""};
+    row.error = std::max(row.error, error);
+  }
+  return row;
+}
+
+/// `ratio`: of kinetic energies that is right, or any that is no gain where it is 0.
+template <class Change>
+ChangeRow change_time(const char* name, const char* model_name, const Model& model, bool floating, double ratio, double budget,
+                      const Change& change) {
+  Tree first = compile(model);
+  State begin = start_state(model, first);
+  Work<double> work(first);
+  if (floating) {
+    forward_dynamics(first, begin, work);
+    apply(Break{{0}}, first, begin, work);
+  }
+  const double before = totals(first, begin, work).kinetic;
+  Tree tree = first;
+  State state = begin;
+  ChangeRow row{name, model_name, model.size(), HUGE_VAL, 0};
+  const auto start = Clock::now();
+  for (int repeat = 0; repeat < 15 || since(start) < budget; ++repeat) {
+    tree = first;
+    state = begin;
+    forward_dynamics(tree, state, work);
+    const auto at = Clock::now();
+    keep(&tree);
+    apply(change, tree, state, work);
+    keep(&tree);
+    row.seconds = std::min(row.seconds, since(at));
+  }
+  row.energy = totals(tree, state, work).kinetic / before;
+  const bool right = ratio == 0 ? row.energy > 0 && row.energy <= 1 + 1e-9 : std::fabs(row.energy - ratio) < 1e-8;
+  if (!right) throw Error{std::string(name) + ", " + model_name + ": the kinetic energy is wrong afterwards", "", ""};
+  return row;
+}
+
+#ifdef __linux__
+double resident_bytes() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+  std::FILE* file = std::fopen("/proc/self/statm", "r");
+  if (file == nullptr) return 0;
+  long size = 0, resident = 0;
+  const int read = std::fscanf(file, "%ld %ld", &size, &resident);
+  std::fclose(file);
+  return read == 2 ? static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) : 0;
+}
+#else
+double resident_bytes() { return 0; }
+#endif
+
+}  // namespace
+
+std::vector<OperationsRow> operations_table() {
+  const char* const paper = "as printed in Naudet and Lefeber 2005, Table 1";
+  const char* const lost = "not readable";
+  return {{"Featherstone 1987", "275 n …", lost, "… − 238", 0, paper},
+          {"Vukobratović et al. 1994", "231 n …", lost, "… − 566", 0, paper},
+          {"Stejskal and Valášek 1996", "206 n − 345", "226 n − 343", "432 n − 688", 42512, paper},
+          {"Rein 1993", "195 n …", lost, "… − 669", 0, paper},
+          {"Naudet et al. 2003", "178 n …", lost, "363 n − 475", 35825, paper},
+          counted("momentree", {}, bench::twisted_chain, "counted on the kernels")};
+}
+
+std::vector<OperationsRow> other_operations() {
+  const Vec3 down{0, -9.81, 0};
+  return {counted("general position, with gravity", down, bench::twisted_chain, "counted on the kernels"),
+          counted("in a plane, without gravity", {}, bench::planar_chain, "counted on the kernels"),
+          counted("in a plane, with gravity", down, bench::planar_chain, "counted on the kernels")};
+}
+
+BreakingChain breaking_chain(int repeats) {
+  BreakingChain best;
+  best.evaluation[0] = best.evaluation[1] = best.change = best.whole = HUGE_VAL;
+  const auto start = Clock::now();
+  for (int repeat = 0; repeat < repeats && (repeat == 0 || since(start) < 3); ++repeat) {
+    Simulation simulation(bench::breaking_chain());
+    simulation.at(1.8).then(break_joint("b/41"));
+    if (simulation.run_until(3) != Status::ok) throw Error{simulation.message(), "", ""};
+    const RunStatistics& s = simulation.statistics();
+    for (const int i : {0, 1}) {
+      best.evaluations[i] = s.evaluations[i];
+      best.evaluation[i] = std::min(best.evaluation[i], s.evaluation_seconds[i] / static_cast<double>(s.evaluations[i]));
+    }
+    best.change = std::min(best.change, s.topology_seconds);
+    best.whole = std::min(best.whole, s.total_seconds[0] + s.total_seconds[1]);
+    if (s.changes != 1 || simulation.world().mechanisms().size() != 2)
+      throw Error{"the breaking chain did not break as it should", "", ""};
+  }
+  return best;
+}
+
+void evaluation_times(double budget, const std::function<bool(const EvaluationRow&)>& row) {
+  for (const int n : {7, 10, 100, 1000})
+    if (!row(evaluation_time("planar chain", bench::planar_chain(n), budget))) return;
+  for (const int n : {7, 10, 100, 1000})
+    if (!row(evaluation_time("spatial chain", bench::spatial_chain(n), budget))) return;
+  if (!row(evaluation_time("binary tree", bench::binary_tree(63), budget))) return;
+  row(evaluation_time("humanoid", bench::humanoid(), budget));
+}
+
+void change_times(double budget, const std::function<bool(const ChangeRow&)>& row) {
+  for (const int n : {10, 100, 1000}) {
+    const Model planar = bench::planar_chain(n), spatial = bench::spatial_chain(n);
+    const Body middle{n * 2 / 5};
+    if (!row(change_time("break a joint", "planar chain", planar, false, 1, budget, Break{middle}))) return;
+    if (!row(change_time("break a joint", "spatial chain", spatial, false, 1, budget, Break{middle}))) return;
+    if (!row(change_time("lock a joint", "spatial chain", spatial, false, 0, budget, Lock{middle}))) return;
+    if (!row(change_time("re-root", "spatial chain", spatial, true, 1, budget, Reroot{Body{n - 1}}))) return;
+  }
+}
+
+double bytes_per_body() {
+  constexpr int bodies = 20000;
+  const Model model = bench::spatial_chain(bodies);
+  const double before = resident_bytes();
+  const Tree tree = compile(model);
+  const State state = start_state(model, tree);
+  Work<double> work(tree);
+  evaluate_stage(tree, 0, state.q().data(), state.p().data(), work);
+  return before == 0 ? 0 : (resident_bytes() - before) / bodies;
+}
+
+}  // namespace momentree::cli

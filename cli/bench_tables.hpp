@@ -1,0 +1,53 @@
+#pragma once
+// What `momentree bench` finds: operations that are counted, times that are measured on this machine.
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace momentree::cli {
+
+/// Operations as printed: "316 n − 209", or what of it can be read.
+struct OperationsRow {
+  std::string algorithm, additions, multiplications, total;
+  long of_100 = 0;  ///< total for 100 bodies; 0: not known
+  std::string source;
+};
+/// Rows of the paper's Table 1 as published, and ours, counted on the kernels: n pins in general position, without gravity.
+std::vector<OperationsRow> operations_table();
+/// The same kernels on other chains: what gravity adds, and what structure saves.
+std::vector<OperationsRow> other_operations();
+
+/// The breaking chain, 3 s of RK4 at 1 ms: [0] before and [1] after body 41 falls off, as in the paper's Table 2.
+struct BreakingChain {
+  long evaluations[2]{};
+  double evaluation[2]{};  ///< s per evaluation
+  double change = 0;       ///< s
+  double whole = 0;        ///< s, the run
+};
+/// The shortest of `repeats` runs, of fewer where three seconds have passed.
+BreakingChain breaking_chain(int repeats);
+
+/// Time of one evaluation of q̇ and ṗ with joint forces; every coordinate differs from that of the evaluation before.
+struct EvaluationRow {
+  std::string model;
+  int bodies = 0, freedoms = 0;
+  double seconds = 0;
+  double error = 0;  ///< of the momenta that the velocities found belong to, as a share of the largest
+};
+/// Calls `row` with each as it is measured, `budget` seconds for each; stops where that returns false.
+void evaluation_times(double budget, const std::function<bool(const EvaluationRow&)>& row);
+
+/// Time of a change alone, without the evaluations before and after it.
+struct ChangeRow {
+  std::string change, model;
+  int bodies = 0;
+  double seconds = 0;
+  double energy = 0;  ///< kinetic energy after it, as a share of what it was
+};
+void change_times(double budget, const std::function<bool(const ChangeRow&)>& row);
+
+/// Memory that Tree, State and Work of a long chain of pins take while it is evaluated, names and model apart: bytes per body; 0
+/// where the system does not tell.
+double bytes_per_body();
+
+}  // namespace momentree::cli

@@ -1,0 +1,94 @@
+// The tables of `momentree bench`, with next to no time for each figure: what is in them, never how fast.
+#include <cli/bench_tables.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <momentree/io/json_document.hpp>
+#include <momentree/io/test_support.hpp>
+
+namespace momentree::cli {
+
+TEST_CASE("operations: rows of others as they are printed, ours as counted") {
+  const std::vector<OperationsRow> rows = operations_table();
+  REQUIRE(rows.size() == 6);
+  CHECK(rows[2].total == "432 n − 688");
+  CHECK(rows[2].of_100 == 432 * 100 - 688);
+  CHECK(rows[4].total == "363 n − 475");
+  CHECK(rows[4].of_100 == 363 * 100 - 475);
+  for (const std::size_t unreadable : {0u, 1u, 3u}) {
+    CHECK(rows[unreadable].of_100 == 0);
+    CHECK(rows[unreadable].total.starts_with("…"));
+    CHECK(rows[unreadable].multiplications == "not readable");
+  }
+  const OperationsRow& ours = rows[5];
+  CHECK(ours.algorithm == "momentree");
+  CHECK(ours.total == "316 n − 209");
+  CHECK(ours.additions == "152 n − 101");
+  CHECK(ours.multiplications == "164 n − 108");
+  CHECK(ours.of_100 == 316 * 100 - 209);
+  const std::vector<OperationsRow> others = other_operations();
+  REQUIRE(others.size() == 3);
+  CHECK(others[0].total == "350 n − 221");
+  CHECK(others[1].total == "67 n − 24");
+  CHECK(others[2].total == "77 n − 28");
+}
+
+TEST_CASE("the breaking chain: four evaluations a step, one change") {
+  const BreakingChain chain = breaking_chain(1);
+  CHECK(chain.evaluations[0] >= 7200);
+  CHECK(chain.evaluations[1] >= 4800);
+  CHECK(chain.evaluations[0] + chain.evaluations[1] < 12100);
+  for (const double time : {chain.evaluation[0], chain.evaluation[1], chain.change, chain.whole}) CHECK(time > 0);
+}
+
+TEST_CASE("times of evaluations and changes: every model, results right") {
+  std::set<std::string> models, changes;
+  int rows = 0;
+  evaluation_times(0, [&](const EvaluationRow& row) {
+    models.insert(row.model);
+    CHECK(row.seconds > 0);
+    CHECK(row.error < 1e-9);
+    CHECK(row.freedoms == (row.model == "humanoid" ? 36 : row.bodies));
+    return ++rows < 100;
+  });
+  CHECK(rows == 10);
+  CHECK(models == std::set<std::string>{"planar chain", "spatial chain", "binary tree", "humanoid"});
+  change_times(0, [&](const ChangeRow& row) {
+    changes.insert(row.change);
+    CHECK(row.seconds > 0);
+    return true;
+  });
+  CHECK(changes == std::set<std::string>{"break a joint", "lock a joint", "re-root"});
+  rows = 0;
+  evaluation_times(0, [&](const EvaluationRow&) { return ++rows < 2; });  // it ends where it is told to
+  CHECK(rows == 2);
+}
+
+TEST_CASE("momentree bench: tables for people, one document for programs") {
+  const io::test::TemporaryFolder folder;
+  const auto call = [&](const char* arguments) {
+    const std::string file = folder / "out";
+    CHECK(std::system(("'" MOMENTREE_PROGRAM "' bench " + std::string(arguments) + " >'" + file + "'").c_str()) == 0);
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+  };
+  const std::string text = call("");
+  for (const char* words : {"Featherstone 1987", "275 n …", "432 n − 688", "363 n − 475", "316 n − 209", "54.0 µs",
+                            "planar chain", "humanoid", "break a joint", "per body", "bench/peers"})
+    CHECK_MESSAGE(text.find(words) != std::string::npos, words);
+  const io::JsonDocument json = io::parse_json(call("--json"), "stdout");
+  CHECK(json.root.find("operations")->items.size() == 6);
+  CHECK(json.root.find("operations")->items[0].find("of_100")->is(io::JsonNode::Type::null));
+  CHECK(json.root.find("evaluations")->items.size() == 10);
+  CHECK(json.root.find("changes")->items.size() == 12);
+  CHECK(json.root.find("breaking_chain")->find("change_ns")->number > 0);
+}
+
+}  // namespace momentree::cli

@@ -1,0 +1,26 @@
+#include <momentree/dynamics/count.hpp>
+
+#include <vector>
+
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/joint/dispatch.hpp>
+
+namespace momentree {
+
+extern template void evaluate_rates<Counted>(const Tree&, const Counted*, const Counted*, Work<Counted>&) noexcept;
+
+Operations count_operations(const Tree& tree) {
+  Work<Counted> work(tree);
+  std::vector<Counted> q(static_cast<std::size_t>(tree.nq())), p(static_cast<std::size_t>(tree.nv()), Counted(0));
+  for (const int b : tree.order())
+    dispatch(tree.joint(b).kind, [&](auto tag) {
+      double zero[7] = {};
+      decltype(tag)::type::Kernels::zero(zero);
+      for (int i = 0; i < info(tree.joint(b).kind).nq; ++i) q[static_cast<std::size_t>(tree.first_q(b) + i)] = zero[i];
+    });
+  Counted::operations() = {};
+  evaluate_rates(tree, q.data(), p.data(), work);
+  return Counted::operations();
+}
+
+}  // namespace momentree

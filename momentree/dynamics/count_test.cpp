@@ -1,0 +1,253 @@
+// Budgets: what an evaluation costs by the kernels themselves. The figures are what the kernels do now, exactly: whoever changes
+// one sees here what it costs, or saves.
+#include <momentree/dynamics/count.hpp>
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/joint/dispatch.hpp>
+#include <momentree/topology/change.hpp>
+
+using namespace momentree;
+
+namespace {
+
+constexpr Vec3 down{0.3, -0.2, -9.81}, nothing{};
+
+long operations(const Model& model) { return count_operations(compile(model)).total(); }
+
+BodySpec body(int k, Body parent, const Pose& at, const JointSpec& joint) {
+  return {.name = "b/" + std::to_string(k),
+          .mass = 1.25,
+          .com = {0.1, -0.05, 0.2},
+          .inertia = {0.05, 0.06, 0.07, 0.004, -0.003, 0.002},
+          .parent = parent,
+          .at = at,
+          .joint = joint};
+}
+
+Pose general_place(std::mt19937& random) {
+  const auto draw = [&random] { return -1 + 2e-9 * static_cast<double>(random() % 1000000001u); };
+  Pose at;
+  at.position.x = draw(), at.position.y = draw(), at.position.z = draw();
+  at.rotation.x = draw(), at.rotation.y = draw(), at.rotation.z = draw(), at.rotation.w = 1 + draw() * draw();
+  at.rotation = normalized(at.rotation);
+  return at;
+}
+
+/// Pins in general position.
+Model general_chain(int bodies, const Vec3& gravity) {
+  std::mt19937 random(static_cast<unsigned>(bodies));
+  Model model({.gravity = gravity});
+  Body last = ground;
+  for (int k = 0; k < bodies; ++k) last = model.add(body(k, last, general_place(random), Revolute{}));
+  return model;
+}
+
+/// Twist about x and lengths of a link (Denavit and Hartenberg).
+Pose link_place(double alpha, double a, double d) {
+  return {{a, -d * std::sin(alpha), d * std::cos(alpha)}, from_axis_angle(x_axis, alpha)};
+}
+/// Two pins that keep it from a plane, and `links` of one shape.
+Model shaped_chain(int links, const Pose& at, const Vec3& gravity) {
+  Model model({.gravity = gravity});
+  Body last = model.add(body(0, ground, {}, Revolute{}));
+  last = model.add(body(1, last, link_place(0.7, 0.2, 0.3), Revolute{}));
+  for (int k = 0; k < links; ++k) last = model.add(body(k + 2, last, at, Revolute{}));
+  return model;
+}
+
+template <LinkShape S, bool Gravity>
+long step_operations() {
+  const Link link;
+  const Counted c(1), s(0), p(0);
+  Inboard<Counted> in{};
+  PinRecord<Counted> record{};
+  Outboard<Counted> out{};
+  Counted u(0), pdot(0);
+  Counted::operations() = {};
+  PinSteps::inboard<S, Gravity>(link, c, s, p, false, false, in, record);
+  PinSteps::outboard<S, Gravity>(link, c, s, record, false, out, u, pdot);
+  return Counted::operations().total();
+}
+
+/// A body of the kind, and of the variant, more.
+long of_a_link(Kind kind, Variant variant, const Vec3& gravity) {
+  const bool turned = variant == Variant::reversed || variant == Variant::reversed_locked;
+  const bool locked = variant == Variant::locked || variant == Variant::reversed_locked;
+  const auto count = [&](int links) {
+    std::mt19937 random(5);
+    JointSpec joint;
+    joint.kind = kind, joint.axis = {0.1, 0.2, 0.9};
+    if (kind == Kind::universal) joint.axis2 = {1, 0.1, 0.3};
+    if (kind == Kind::helical) joint.pitch = 0.1;
+    if (variant == Variant::rotor) joint.parameters.armature = 0.1;
+    Model model({.gravity = gravity});
+    Body last = model.add(body(0, ground, {}, turned ? JointSpec(Free{}) : JointSpec(Weld{})));
+    for (int k = 1; k <= links; ++k) last = model.add(body(k, last, general_place(random), joint));
+    Tree tree = compile(model);
+    State state = start_state(model, tree);
+    Work<double> work(tree);
+    if (turned) {
+      forward_dynamics(tree, state, work);
+      apply(Reroot{last}, tree, state, work);
+    }
+    for (int b = 0; locked && b < tree.bodies(); ++b) {
+      if (tree.joint(b).kind != kind || tree.parent(b) < 0) continue;
+      forward_dynamics(tree, state, work);
+      apply(Lock{{b}}, tree, state, work);
+    }
+    return count_operations(tree).total();
+  };
+  const long step = count(6) - count(5);
+  CHECK(step == count(9) - count(8));
+  return step;
+}
+
+}  // namespace
+
+TEST_CASE("Table 1: pins in general position take no more than 316 n - 177 operations") {
+  int tilted_links = 0;
+  for (int n = 2; n <= 50; ++n) {
+    CAPTURE(n);
+    const Tree still = compile(general_chain(n, nothing)), falling = compile(general_chain(n, down));
+    // Where neighbouring axes are nearly parallel, their common normal is far off, and the link is not the cheapest.
+    long tilted = 0;
+    for (int b = 1; b < n; ++b) tilted += still.link(b).shape == LinkShape::tilted;
+    const Operations operations = count_operations(still);
+    if (tilted == 0) CHECK(operations.total() <= 316 * n - 177);
+    CHECK(operations.total() == 316 * n - 209 + 41 * tilted);
+    CHECK(operations.additions == 152 * n - 101 + 20 * tilted);
+    CHECK(operations.divisions == n);
+    CHECK(operations.sincos == n);
+    CHECK(count_operations(falling).total() == 350 * n - 221 + 41 * tilted);
+    tilted_links += static_cast<int>(tilted);
+  }
+  CHECK(tilted_links < 20);  // of 1274
+}
+
+TEST_CASE("an addition or a multiplication by a constant counts, a change of sign does not") {
+  Counted::operations() = {};
+  Counted x(2), s(0), c(0);
+  x = -x * 3.0 + (Counted(1) - x) / 4.0;
+  x += 1;
+  sincos(x, s, c);
+  CHECK(Counted::operations().additions == 3);
+  CHECK(Counted::operations().multiplications == 1);
+  CHECK(Counted::operations().divisions == 1);
+  CHECK(Counted::operations().sincos == 1);
+  CHECK(x.value() == doctest::Approx(-6 - 0.25 + 1));
+}
+
+TEST_CASE("budgets by the shape of a link") {
+  struct Budget {
+    LinkShape shape;
+    long still, falling;
+    Pose at;     ///< of a link of that shape behind another
+    bool chain;  ///< false: only behind a fork, or by chance
+  };
+  const double right = std::acos(0.0);
+  const Budget budgets[] = {
+      {LinkShape::general, 435, 481, {}, false},
+      {LinkShape::tilted, 357, 391, {{0.1, 0.3, 0}, from_axis_angle(x_axis, 0.05)}, true},
+      {LinkShape::screw, 316, 350, link_place(0.7, 0.2, 0.3), true},
+      {LinkShape::screw_a, 288, 320, link_place(0.7, 0.2, 0), true},
+      {LinkShape::screw_d, 283, 316, link_place(0.7, 0, 0.3), true},
+      {LinkShape::right, 246, 268, link_place(right, 0.2, 0.3), true},
+      {LinkShape::right_a, 218, 238, link_place(right, 0.2, 0), true},
+      {LinkShape::right_d, 221, 242, link_place(right, 0, 0.3), true},
+      {LinkShape::right_meeting, 193, 212, link_place(right, 0, 0), true},
+      {LinkShape::parallel, 247, 269, link_place(0, 0.2, 0.3), true},
+      {LinkShape::parallel_a, 219, 239, link_place(0, 0.2, 0), true},
+  };
+  for (const Budget& b : budgets) {
+    CAPTURE(static_cast<int>(b.shape));
+    dispatch_shape(b.shape, [&](auto shape) {  // and θ0 is added to the angle
+      CHECK(step_operations<shape(), false>() + 1 == b.still);
+      CHECK(step_operations<shape(), true>() + 1 == b.falling);
+    });
+    if (!b.chain) continue;
+    const Tree tree = compile(shaped_chain(5, b.at, down));
+    for (int k = 3; k + 1 < tree.bodies(); ++k) CHECK(tree.link(k).shape == b.shape);
+    CHECK(operations(shaped_chain(9, b.at, nothing)) - operations(shaped_chain(8, b.at, nothing)) == b.still);
+    CHECK(operations(shaped_chain(9, b.at, down)) - operations(shaped_chain(8, b.at, down)) == b.falling);
+  }
+}
+
+TEST_CASE("budgets of mechanisms in a plane") {
+  const auto chain = [](int links, const Vec3& gravity) {
+    Model model({.gravity = gravity});
+    Body last = ground;
+    for (int k = 0; k < links; ++k) last = model.add(body(k, last, link_place(0, 0.2, 0.1), Revolute{}));
+    return operations(model);
+  };
+  for (int n = 2; n <= 50; n += 6) {
+    CAPTURE(n);
+    CHECK(chain(n, nothing) == 67 * n - 24);
+    CHECK(chain(n, down) == 77 * n - 28);
+  }
+}
+
+TEST_CASE("budgets by the kind of a joint: as it is, with a rotor, locked, against its direction") {
+  struct Budget {
+    Kind kind;
+    long plain, rotor, locked, reversed, reversed_locked;
+  };
+  const Budget budgets[] = {
+      {Kind::ball, 1387, 1387, 1387, 2196, 2196},   {Kind::cylindrical, 934, 934, 934, 934, 934},
+      {Kind::free, 926, 2549, 2549, 4024, 4024},    {Kind::helical, 706, 706, 706, 706, 706},
+      {Kind::planar, 1372, 1372, 1372, 2035, 2035}, {Kind::prismatic, 703, 703, 703, 703, 703},
+      {Kind::revolute, 350, 704, 704, 350, 704},    {Kind::universal, 1148, 1148, 1148, 1821, 1821},
+      {Kind::weld, 516, 516, 516, 516, 516},
+  };
+  CHECK(std::size(budgets) == all_kinds().size());
+  for (const Budget& b : budgets) {
+    CAPTURE(std::string(info(b.kind).name));
+    CHECK(of_a_link(b.kind, Variant::plain, down) == b.plain);
+    CHECK(of_a_link(b.kind, Variant::rotor, down) == b.rotor);
+    CHECK(of_a_link(b.kind, Variant::locked, down) == b.locked);
+    CHECK(of_a_link(b.kind, Variant::reversed, down) == b.reversed);
+    CHECK(of_a_link(b.kind, Variant::reversed_locked, down) == b.reversed_locked);
+    if (b.kind == Kind::revolute) continue;  // only its steps leave gravity out
+    CHECK(of_a_link(b.kind, Variant::plain, nothing) == b.plain);
+    CHECK(of_a_link(b.kind, Variant::reversed, nothing) == b.reversed);
+  }
+}
+
+TEST_CASE("mechanisms add up; another branch costs what it has, and the sum at the fork") {
+  for (const Vec3& gravity : {nothing, down}) {
+    CAPTURE(gravity.z);
+    Model both = general_chain(7, gravity);
+    const Model other = shaped_chain(4, link_place(0.7, 0, 0.3), gravity);
+    for (int k = 0; k < other.size(); ++k) {
+      BodySpec spec = other[{k}];
+      spec.name = "c/" + std::to_string(k), spec.joint_name.clear();
+      spec.parent = k == 0 ? ground : Body{spec.parent.index + 7};
+      both.add(spec);
+    }
+    CHECK(operations(both) == operations(general_chain(7, gravity)) + operations(other));
+
+    // A trunk with branches alike, in general position.
+    const auto star = [&](int branches, int links) {
+      Model model({.gravity = gravity});
+      const Body trunk = model.add(body(0, ground, {}, Revolute{}));
+      for (int branch = 0, k = 1; branch < branches; ++branch) {
+        Body last = trunk;
+        const Pose first{{0.3, 0.1 + 0.1 * branch, -0.2}, normalized(Quat{0.9, 0.2 * branch, 0.4, 0.1})};
+        for (int i = 0; i < links; ++i) last = model.add(body(k++, last, i == 0 ? first : link_place(0.7, 0.2, 0.3), Revolute{}));
+      }
+      return operations(model);
+    };
+    const bool falls = gravity.z != 0;
+    const long link = falls ? 350 : 316, turned = falls ? 481 : 435;  // the first link of a branch but the first is a general one
+    const long sum = 30;               // of reduced mass, momentum and first moment (also where nothing falls)
+    const long tip = falls ? 18 : 15;  // there is nothing to add the body's own to
+    CHECK(star(1, 4) - star(1, 3) == link);
+    for (int branches = 2; branches < 5; ++branches)
+      CHECK(star(branches, 4) - star(branches - 1, 4) == 3 * link + turned + sum - tip);
+  }
+}

@@ -1,0 +1,100 @@
+#pragma once
+// Mechanisms in a plane: grounded trees of pins, all axes parallel. Three numbers do for a velocity; in the plane's own axes,
+// with absolute angles, nothing has to be turned from body to body. Included only by forward.ipp.
+#include <momentree/dynamics/passage.hpp>
+#include <momentree/dynamics/work.hpp>
+#include <momentree/joint/kinds.hpp>
+
+namespace momentree {
+
+/// Gravity in the axes of a plane: those of its root's joint, before it turns.
+inline Vec3 gravity_in_plane(const Tree& tree, int root) {
+  Vec3 g = tree.gravity();
+  const Link& k = tree.link(root);
+  turn_z(g, k.cos_b, -k.sin_b);
+  turn_x(g, k.cos_a, -k.sin_a);
+  return g;
+}
+
+template <class T>
+struct FlatSweep {
+  const Tree& tree;
+  const T* q;
+  const T* p;
+  Work<T>& work;
+  Passage<FlatInboard<T>, FlatOutboard<T>> passage{tree, work.flat_inlets.get(), work.flat_outlets.get()};
+
+  /// Angles of joints become those of bodies.
+  void add_up_angles(const Segment& segment) const {
+    for (int i = segment.begin; i < segment.end; ++i) {
+      const int b = tree.order()[static_cast<std::size_t>(i)], outer = tree.parent(b);
+      if (outer >= 0) work.angle[tree.first_angle(b)] = work.angle[tree.first_angle(b)] + work.angle[tree.first_angle(outer)];
+    }
+  }
+
+  /// (22)–(26) and (16); everything about the body's joint, in the plane's axes.
+  template <bool Gravity>
+  void inboard(const Segment& segment) const {
+    const int* order = tree.order().data();
+    const unsigned char* flows = tree.flows().data();
+    FlatInboard<T> a{};
+    for (int i = segment.end - 1; i >= segment.begin; --i) {
+      const int b = order[i], outer = tree.parent(b);
+      const unsigned flow = flows[i];
+      const Link& k = tree.link(b);
+      const int angle = tree.first_angle(b);
+      const T c = work.cos[angle], s = work.sin[angle];
+      FlatRecord<T>& w = work.template record<FlatKernels>(tree, b);
+      if ((flow & flow::tip) != 0) a = {};
+      passage.collect(b, flow, a);
+      const T mx = k.body.mc.x * c - k.body.mc.y * s, my = k.body.mc.x * s + k.body.mc.y * c;
+      const T bx = a.bx - my, by = a.by + mx, J = a.J + k.body.J.zz;  // (22), (23)
+      const T axx = a.axx + k.body.m, ayy = a.ayy + k.body.m;
+      if constexpr (Gravity) {
+        a.mx = a.mx + mx, a.my = a.my + my;
+        w.mx = a.mx, w.my = a.my;
+      }
+      const T inverse = T(1) / J, u = p[tree.first_p(b)] - a.h;  // (24)
+      const T gx = bx * inverse, gy = by * inverse;
+      w.axx = axx - bx * gx, w.axy = a.axy - bx * gy, w.ayy = ayy - by * gy;  // (25)
+      w.lx = a.lx + gx * u, w.ly = a.ly + gy * u;                             // (26)
+      w.gx = gx, w.gy = gy, w.u0 = inverse * u;
+      if ((flow & flow::root) != 0) continue;
+      const T cp = work.cos[tree.first_angle(outer)], sp = work.sin[tree.first_angle(outer)];
+      const T rx = k.r.x * cp - k.r.y * sp, ry = k.r.x * sp + k.r.y * cp;
+      w.rx = rx, w.ry = ry;
+      a.axx = w.axx, a.axy = w.axy, a.ayy = w.ayy, a.lx = w.lx, a.ly = w.ly;
+      a.bx = w.axy * rx - w.axx * ry, a.by = w.ayy * rx - w.axy * ry;  // (16)
+      a.J = rx * a.by - ry * a.bx;
+      a.h = p[tree.first_p(b)] + (rx * w.ly - ry * w.lx);
+      if constexpr (Gravity) a.mx = a.mx + k.subtree_mass * rx, a.my = a.my + k.subtree_mass * ry;
+      passage.deliver(b, flow, a);
+    }
+  }
+
+  /// (17), (27), (21), (20).
+  template <bool Gravity>
+  void outboard(const Segment& segment) const {
+    const Vec3 gravity = gravity_in_plane(tree, tree.order()[static_cast<std::size_t>(segment.begin)]);
+    const int* order = tree.order().data();
+    const unsigned char* flows = tree.flows().data();
+    FlatOutboard<T> a{};
+    for (int i = segment.begin; i < segment.end; ++i) {
+      const int b = order[i], at = tree.first_p(b);
+      const unsigned flow = flows[i];
+      const FlatRecord<T>& w = work.template record<FlatKernels>(tree, b);
+      passage.receive(b, flow, {}, a);
+      if ((flow & flow::root) == 0) a.vx = a.vx - a.w * w.ry, a.vy = a.vy + a.w * w.rx;          // (17)
+      const T turning = w.u0 - (w.gx * a.vx + w.gy * a.vy);                                      // (27)
+      const T lx = w.axx * a.vx + w.axy * a.vy + w.lx, ly = w.axy * a.vx + w.ayy * a.vy + w.ly;  // (21)
+      T pdot = a.vy * lx - a.vx * ly;                                                            // (20)
+      if constexpr (Gravity) pdot = pdot + (w.mx * gravity.y - w.my * gravity.x);
+      const T u = turning - a.w;
+      work.v[at] = u, work.qdot[tree.first_q(b)] = u, work.pdot[at] = pdot;
+      a.w = turning;
+      passage.hand_down(b, flow, a);
+    }
+  }
+};
+
+}  // namespace momentree

@@ -1,0 +1,6 @@
+#include <momentree/dynamics/forward.ipp>
+#include <momentree/math/counted.hpp>
+
+namespace momentree {
+template void evaluate_rates<Counted>(const Tree&, const Counted*, const Counted*, Work<Counted>&) noexcept;
+}  // namespace momentree

@@ -1,0 +1,184 @@
+// The ways of one evaluation against each other, on random trees: steps by the shape of the link and the sweep of plane
+// mechanisms (stages), generic kernels (motions), and the order of operations that is for many worlds at once.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/joint/dispatch.hpp>
+#include <momentree/math/counted.hpp>
+#include <momentree/topology/change.hpp>
+
+namespace momentree {
+
+extern template void evaluate_rates<Counted>(const Tree&, const Counted*, const Counted*, Work<Counted>&) noexcept;
+
+namespace {
+
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  double between(double low, double high) { return low + (high - low) * (static_cast<double>(engine_()) / 4294967295.0); }
+  bool chance(double p) { return between(0, 1) < p; }
+  int below(int n) { return static_cast<int>(engine_() % static_cast<unsigned>(n)); }
+  Vec3 vector(double size) {
+    const double x = between(-size, size), y = between(-size, size), z = between(-size, size);
+    return {x, y, z};
+  }
+
+ private:
+  std::mt19937 engine_;
+};
+
+/// Links as machines have them: twists of 0, 90° and any angle, lengths that are zero or not; some with any placement.
+Pose random_place(Random& random) {
+  if (random.chance(0.15)) {
+    const Vec3 r = random.vector(0.4), e = random.vector(0.8);
+    return {r, normalized(Quat{1, e.x, e.y, e.z})};
+  }
+  const double alphas[] = {0, std::acos(0.0), std::acos(0.0), -std::acos(0.0), 0.05, random.between(-2, 2)};
+  const double alpha = alphas[random.below(6)];
+  const double a = random.chance(0.3) ? 0 : random.between(-0.4, 0.4), d = random.chance(0.4) ? 0 : random.between(-0.4, 0.4);
+  const double aside = alpha == 0.05 ? 0.3 : 0;  // the common normal is far off
+  return {{a, aside - d * std::sin(alpha), d * std::cos(alpha)}, from_axis_angle(x_axis, alpha)};
+}
+
+JointSpec random_joint(Random& random) {
+  const int draw = random.below(16);
+  if (draw == 0) return Prismatic{.axis = {0.2, 0.4, 1}};
+  if (draw == 1) return Ball{};
+  if (draw == 2) return Revolute{.axis = {0.3, 0, 1}, .armature = 0.05};
+  if (draw == 3) return Weld{};
+  return Revolute{};
+}
+
+/// One to three mechanisms, grounded ones in a plane among them.
+Model random_model(Random& random, bool gravity) {
+  Model model({.gravity = gravity ? random.vector(10) : Vec3{}});
+  const int mechanisms = 1 + random.below(3);
+  for (int m = 0; m < mechanisms; ++m) {
+    const bool flat = random.chance(0.3), chain = random.chance(0.5);
+    const int first = model.size(), bodies = 1 + random.below(12);
+    for (int k = 0; k < bodies; ++k) {
+      BodySpec body{.name = "m" + std::to_string(m) + "/" + std::to_string(k), .mass = random.between(0.5, 2)};
+      body.com = random.vector(0.2);
+      body.inertia = diagonal(random.between(0.06, 0.1), random.between(0.06, 0.1), random.between(0.06, 0.1));
+      const int outer = chain ? k - 1 : random.below(k + 1) - 1;
+      body.parent = k == 0 ? ground : Body{first + std::max(outer, 0)};
+      body.at = random_place(random);
+      if (flat) body.at = {random.vector(0.4), k == 0 ? body.at.rotation : from_axis_angle(z_axis, random.between(-1, 1))};
+      body.joint = flat ? JointSpec(Revolute{}) : k == 0 && random.chance(0.3) ? JointSpec(Free{}) : random_joint(random);
+      model.add(body);
+    }
+  }
+  return model;
+}
+
+/// What the random trees had, so that nothing is taken for tested that never came about.
+struct Seen {
+  std::array<int, 11> shapes{};
+  int flat = 0, forks = 0, reversed = 0;
+  double worst = 0;
+
+  void note(const Tree& tree) {
+    for (const Segment& s : tree.segments())
+      for (int i = s.begin; i < s.end; ++i) {
+        const int b = tree.order()[static_cast<std::size_t>(i)];
+        forks += (tree.flows()[static_cast<std::size_t>(i)] & flow::fork) != 0;
+        reversed += tree.reversed(b);
+        if (s.planar)
+          ++flat;
+        else if (s.kind == Kind::revolute && s.variant == Variant::plain && tree.parent(b) >= 0)
+          ++shapes[static_cast<std::size_t>(tree.link(b).shape)];
+      }
+  }
+};
+
+double largest(const double* a, int n) {
+  double x = 0;
+  for (int i = 0; i < n; ++i) x = std::max(x, std::fabs(a[i]));
+  return x;
+}
+/// Largest difference, as a share of the largest number.
+double difference(const double* a, const double* b, int n) {
+  double x = 0;
+  for (int i = 0; i < n; ++i) x = std::max(x, std::fabs(a[i] - b[i]));
+  return n == 0 || x == 0 ? x : x / std::max(largest(a, n), largest(b, n));
+}
+std::vector<double> values(const Counted* a, int n) {
+  std::vector<double> x;
+  for (int i = 0; i < n; ++i) x.push_back(a[i].value());
+  return x;
+}
+
+void compare(const Tree& tree, const std::vector<double>& q, const std::vector<double>& p, Seen& seen) {
+  seen.note(tree);
+  const int nq = tree.nq(), nv = tree.nv();
+  Work<double> stage(tree), motions(tree);
+  evaluate_rates(tree, q.data(), p.data(), stage);
+  evaluate_motions(tree, q.data(), p.data(), motions);
+  Work<Counted> early(tree);
+  const std::vector<Counted> cq(q.begin(), q.end()), cp(p.begin(), p.end());
+  evaluate_rates(tree, cq.data(), cp.data(), early);
+  const auto near = [&](const double* a, const double* b, int n) {
+    const double x = difference(a, b, n);
+    seen.worst = std::max(seen.worst, std::isnan(x) ? INFINITY : x);
+    return x < 5e-12;  // the worst is 2e-13
+  };
+  CHECK(near(stage.v.get(), motions.v.get(), nv));
+  CHECK(near(stage.qdot.get(), motions.qdot.get(), nq));
+  CHECK(near(stage.pdot.get(), motions.pdot.get(), nv));
+  CHECK(near(values(early.v.get(), nv).data(), motions.v.get(), nv));
+  CHECK(near(values(early.qdot.get(), nq).data(), motions.qdot.get(), nq));
+  CHECK(near(values(early.pdot.get(), nv).data(), motions.pdot.get(), nv));
+}
+
+void compare_at_random(const Tree& tree, State& state, Random& random, Seen& seen) {
+  std::vector<double> q(state.q().begin(), state.q().end()), p(state.p().size()), v(state.p().size());
+  for (const int b : tree.order())
+    if (info(tree.joint(b).kind).nq == info(tree.joint(b).kind).nv)  // no quaternion in it
+      for (int i = 0; i < info(tree.joint(b).kind).nq; ++i)
+        q[static_cast<std::size_t>(tree.first_q(b) + i)] = random.between(-3, 3);
+  for (double& x : v) x = random.between(-1, 1);
+  project_momentum(tree, q.data(), v.data(), p.data());
+  std::copy(q.begin(), q.end(), state.edit().q.begin());
+  std::copy(p.begin(), p.end(), state.edit().p.begin());
+  compare(tree, q, p, seen);
+}
+
+}  // namespace
+
+TEST_CASE("steps by shape, the sweep in a plane and the generic kernels find the same rates, whatever changes") {
+  Seen seen;
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    CAPTURE(seed);
+    Random random(seed);
+    const Model model = random_model(random, seed % 3 != 0);
+    Tree tree = compile(model);
+    State state = start_state(model, tree);
+    Work<double> work(tree);
+    for (int change = 0; change < 4; ++change) {
+      CAPTURE(change);
+      compare_at_random(tree, state, random, seen);
+      compare_at_random(tree, state, random, seen);
+      const Body b{random.below(tree.bodies())};
+      forward_dynamics(tree, state, work);
+      if (random.chance(0.5) && can_break(tree, b))
+        apply(Break{b}, tree, state, work);
+      else if (floats(tree, b.index) && tree.parent(b.index) >= 0)
+        apply(Reroot{b}, tree, state, work);
+    }
+  }
+  CHECK(seen.worst < 5e-12);
+  for (std::size_t i = 0; i < seen.shapes.size(); ++i) CHECK_MESSAGE(seen.shapes[i] > 20, "shape ", i, ": ", seen.shapes[i]);
+  CHECK(seen.flat > 100);
+  CHECK(seen.forks > 100);
+  CHECK(seen.reversed > 100);
+}
+
+}  // namespace momentree
