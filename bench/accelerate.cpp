@@ -49,7 +49,7 @@ void accelerations(benchmark::State& run, Model (*make)(int), bool evaluated) {
     }
     work.accelerated = {};
     accelerate(tree, state, work);
-    benchmark::DoNotOptimize(work.reactions.get());
+    benchmark::DoNotOptimize(work.demands.get());
     benchmark::ClobberMemory();
   }
   if (!(force_error(model, tree, state, work) < 1e-9)) run.SkipWithError("the ground does not carry what moves");

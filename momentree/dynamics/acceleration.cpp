@@ -30,14 +30,31 @@ void accelerate(const Tree& tree, const State& state, Work<double>& work) noexce
   work.accelerated = state.stamp();
 }
 
+Motion<double> felt_acceleration(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
+  const JointState<double> joint{q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
+  return dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+    return decltype(tag)::type::template spatial_velocity<double>(
+        tree.link(b), joint, work.approaches[static_cast<std::size_t>(b)], work.a.get() + tree.first_p(b));
+  });
+}
+
+Force<double> transmitted_wrench(const Tree& tree, const Work<double>& work, int b) noexcept {
+  Force<double> Tr = work.demands[static_cast<std::size_t>(b)];
+  dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+    using K = typename decltype(tag)::type;
+    K::add_reduced(work.record<K>(tree, b), work.approaches[static_cast<std::size_t>(b)], Tr);  // (44), (32)
+  });
+  return Tr;
+}
+
 Force<double> reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
   MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
-  return on_declared_child(tree, state, work, b, work.reactions[static_cast<std::size_t>(b)]);
+  return on_declared_child(tree, state, work, b, transmitted_wrench(tree, work, b));
 }
 
 Force<double> pure_reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
   MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
-  const Force<double>& Tr = work.reactions[static_cast<std::size_t>(b)];
+  const Force<double> Tr = transmitted_wrench(tree, work, b);
   const JointState<double> joint = joint_state(tree, state, work, b);
   const Force<double> drive = dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
     using K = typename decltype(tag)::type;
@@ -52,7 +69,7 @@ Force<double> pure_reaction(const Tree& tree, const State& state, const Work<dou
 
 void joint_effort(const Tree& tree, const State& state, const Work<double>& work, int b, double* effort) noexcept {
   MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
-  project(tree, b, joint_state(tree, state, work, b), work.reactions[static_cast<std::size_t>(b)], effort);
+  project(tree, b, joint_state(tree, state, work, b), transmitted_wrench(tree, work, b), effort);
   const int at = tree.first_p(b);
   for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
     effort[i] += tree.armature()[at + i] * work.a[static_cast<std::size_t>(at + i)];
@@ -62,7 +79,7 @@ BodyAcceleration body_acceleration(const Tree& tree, const State& state, const W
   MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
   MT_REQUIRE(work.located == state.stamp(), "the bodies are located at this state");
   const Kinematics<double>& body = work.bodies[static_cast<std::size_t>(b)];
-  const Motion<double>& rate = work.accelerations[static_cast<std::size_t>(b)];
+  const Motion<double> rate = felt_acceleration(tree, state.q().data(), work, b);
   const KernelFrame& frame = tree.frame(b);
   // The components of Ω turn with the body: d(Rv)/dt = R (v̇ + ω × v). Then from the kernels' origin to the user's, and gravity.
   const Vec3 &v = body.velocity.v, &w = body.velocity.w, to = -transpose_times(frame.R, frame.r);

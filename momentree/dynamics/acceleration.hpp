@@ -6,15 +6,20 @@
 namespace momentree {
 
 /// Accelerations u̇ of all joints in work.a (packed as p; zero where a freedom is locked, s̈ where its motion is prescribed); of
-/// every body, in its kernel frame, Ω̇ less gravity in work.accelerations and the whole wrench Tr of its inboard joint in
-/// work.reactions. Evaluates the state first where needed; a work that has them already is left as it is. Neither allocates nor
-/// throws.
+/// every body a′ = Ω̇ − E u̇ in work.approaches and, of the wrench Tr = M̂ a′ + W of its joint, W in work.demands. Evaluates the
+/// state first where needed; a work that has them already is left as it is. Neither allocates nor throws.
 void accelerate(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
 /// The same passes for any scalar, at coordinates q: after evaluate_motions there, and with the joint forces τ (s̈ where a motion
 /// is prescribed) in work.a; where forces act on bodies, with T of every body in work.loads.
 template <class T>
 void evaluate_accelerations(const Tree& tree, const T* q, Work<T>& work) noexcept;
+
+/// Ω̇ of body b, less gravity, in its kernel frame (39); the work must be accelerated, or come from evaluate_accelerations.
+Motion<double> felt_acceleration(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept;
+
+/// Tr, the whole wrench of b's joint on b, in its kernel frame (44), (32); likewise.
+Force<double> transmitted_wrench(const Tree& tree, const Work<double>& work, int b) noexcept;
 
 /// A joint's wrench on its declared child: force (N) in `l`, torque (N m) in `h`, about the origin of the child's user frame, in
 /// its axes. The joint is that which body b carries; where it is carried in reverse, the child is b's parent in the tree.

@@ -22,8 +22,8 @@ struct RateSweep {
     return {q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
   }
 
-  /// Tip to base. For the way out there wait: the bias in `accelerations`, Tr without M̂ a′ in `reactions`, and in `a`
-  /// Mj⁻¹ (τ − Eᵀ W).
+  /// Tip to base. For the way out there wait: the bias in `approaches`, and in `a` Mj⁻¹ (τ − Eᵀ W). Of Tr, what is not M̂ a′
+  /// stays in `demands`: few ask for all wrenches.
   template <class K>
   void inboard(const Segment& segment, Force<T>& through) const {
     const auto order = tree.order();
@@ -45,11 +45,15 @@ struct RateSweep {
       W += turning_wrench(link.body, velocity);
       if (loads != nullptr) W = W - loads[body];
       K::template reduce_wrench<T>(link, joint, record, udot, W, udot);  // (51)
-      work.reactions[body] = W;
+      work.demands[body] = W;
       const Motion<T> bias = K::template acceleration_bias<T>(link, joint, velocity, work.v.get() + at);
-      work.accelerations[body] = bias;
+      work.approaches[body] = bias;
       K::add_reduced_bias(record, bias, W);
-      if (K::turns_about_z && (flow & flow::aligned) != 0)  // (45)
+      if constexpr (requires { typename K::Steps; })  // (45)
+        dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+          K::Steps::template cross_inboard<shape()>(link, joint.c[0], joint.s[0], W);
+        });
+      else if (K::turns_about_z && (flow & flow::aligned) != 0)
         K::template crossing_again<true, T>(link, joint, record).inboard(W);
       else
         K::template crossing_again<false, T>(link, joint, record).inboard(W);
@@ -73,15 +77,18 @@ struct RateSweep {
       const auto& record = work.template record<K>(tree, b);
       T* udot = work.a.get() + tree.first_p(b);
       passage.receive(b, flow, base, a);
-      if (K::turns_about_z && (flow & flow::aligned) != 0)
+      if constexpr (requires { typename K::Steps; })
+        dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+          K::Steps::template cross_outboard<shape()>(link, joint.c[0], joint.s[0], a);
+        });
+      else if (K::turns_about_z && (flow & flow::aligned) != 0)
         K::template crossing_again<true, T>(link, joint, record).outboard(a);
       else
         K::template crossing_again<false, T>(link, joint, record).outboard(a);
-      a = a + work.accelerations[body];                           // a′ = X Ω̇_parent + bias
-      K::joint_acceleration(record, a, udot);                     // (47)
-      K::add_reduced(record, a, work.reactions[body]);            // (44), (32)
+      a = a + work.approaches[body];           // a′ = X Ω̇_parent + bias
+      K::joint_acceleration(record, a, udot);  // (47)
+      work.approaches[body] = a;
       a = K::template spatial_velocity<T>(link, joint, a, udot);  // (39)
-      work.accelerations[body] = a;
       passage.hand_down(b, flow, a);
     }
     through = a;

@@ -73,7 +73,7 @@ void add_body_forces(const Tree& tree, double t, const double* q, Work<double>& 
   const auto loaded = tree.loaded_bodies();
   if (loaded.empty()) return;
   move_loaded_bodies(tree, q, work);
-  Force<double>* const gathered = work.reactions.get();  // Tb; stale anyway until the next accelerations
+  Force<double>* const gathered = work.demands.get();  // Tb; stale anyway until the next accelerations
   for (const int b : loaded) work.loads[static_cast<std::size_t>(b)] = {};
   for (const BodyForce& force : tree.body_forces()) {
     const int b = force.body.index;

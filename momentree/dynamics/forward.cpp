@@ -129,7 +129,7 @@ double motion_effort(const Tree& tree, const double* q, const Work<double>& work
   const auto at = static_cast<std::size_t>(tree.first_p(b));
   const double through = dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
     const auto E = decltype(tag)::type::template columns<double>(tree.link(b), joint_state(tree, q, work, b));
-    if constexpr (E.size() > 0) return dot(E[0], work.reactions[static_cast<std::size_t>(b)]);
+    if constexpr (E.size() > 0) return dot(E[0], transmitted_wrench(tree, work, b));
     return 0.0;
   });
   return through + tree.armature()[at] * work.a[at] - work.passive[static_cast<std::size_t>(b)];

@@ -37,8 +37,8 @@ void unlocked_forces(const Tree& tree, double t, const double* q, Work<double>& 
 /// The spring of body b's joint: writes its generalised force (nv numbers) and returns its energy (J). The joint must have one.
 double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept;
 
-/// The effort that b's driven joint takes, beside its springs, dampers and friction (N m, N): work.a and work.reactions are those
-/// of this evaluation.
+/// The effort that b's driven joint takes, beside its springs, dampers and friction (N m, N): work is
+/// that of this evaluation, and accelerated.
 double motion_effort(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept;
 
 /// World poses and velocities of all bodies (kernel frames) into work.bodies; evaluates first where needed.

@@ -92,9 +92,9 @@ struct Sweep {
     through = a;
   }
 
-  // The same for kinds that have whole steps by the shape of a link. What is kept is of no use to others.
+  // The same for kinds that have whole steps by the shape of a link.
 
-  template <class K, bool Gravity>
+  template <class K, bool Gravity, bool Keep>
   void inboard_steps(const Segment& segment, Inboard<T>& through) const {
     const int* order = tree.order().data();
     const unsigned char* flows = tree.flows().data();
@@ -107,15 +107,15 @@ struct Sweep {
       auto& record = work.template record<K>(tree, b);
       passage.collect(b, flow, a);
       dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-        K::Steps::template inboard<shape(), Gravity>(link, work.cos[angle], work.sin[angle], p[tree.first_p(b)],
-                                                     (flow & flow::tip) != 0, (flow & flow::root) != 0, a, record);
+        K::Steps::template inboard<shape(), Gravity, Keep>(link, work.cos[angle], work.sin[angle], p[tree.first_p(b)],
+                                                           (flow & flow::tip) != 0, (flow & flow::root) != 0, a, record);
       });
       passage.deliver(b, flow, a);
     }
     through = a;
   }
 
-  template <class K, bool Gravity>
+  template <class K, bool Gravity, bool Keep>
   void outboard_steps(const Segment& segment, const Outboard<T>& base, Outboard<T>& through) const {
     const int* order = tree.order().data();
     const unsigned char* flows = tree.flows().data();
@@ -127,8 +127,9 @@ struct Sweep {
       const int angle = tree.first_angle(b), at = tree.first_p(b);
       passage.receive(b, flow, base, a);
       dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-        K::Steps::template outboard<shape(), Gravity>(link, work.cos[angle], work.sin[angle], work.template record<K>(tree, b),
-                                                      (flow & flow::root) != 0, a, work.v[at], work.pdot[at]);
+        K::Steps::template outboard<shape(), Gravity, Keep>(
+            link, work.cos[angle], work.sin[angle], work.template record<K>(tree, b), p[at], (flow & flow::root) != 0, a,
+            work.v[at], work.pdot[at], Keep ? &work.motions[static_cast<std::size_t>(b)] : nullptr);
       });
       work.qdot[tree.first_q(b)] = work.v[at];
       passage.hand_down(b, flow, a);
@@ -168,11 +169,11 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
     }
     dispatch_kernels(s.kind, s.variant, [&](auto tag) {
       using K = typename decltype(tag)::type;
-      if constexpr (!Keep && requires { typename K::Steps; }) {
+      if constexpr (requires { typename K::Steps; }) {
         if (falls)
-          sweep.template inboard_steps<K, true>(s, in);
+          sweep.template inboard_steps<K, true, Keep>(s, in);
         else
-          sweep.template inboard_steps<K, false>(s, in);
+          sweep.template inboard_steps<K, false, Keep>(s, in);
       } else {
         sweep.template inboard<K>(s, in);
       }
@@ -186,11 +187,11 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
     }
     dispatch_kernels(s.kind, s.variant, [&](auto tag) {
       using K = typename decltype(tag)::type;
-      if constexpr (!Keep && requires { typename K::Steps; }) {
+      if constexpr (requires { typename K::Steps; }) {
         if (falls)
-          sweep.template outboard_steps<K, true>(s, base, out);
+          sweep.template outboard_steps<K, true, Keep>(s, base, out);
         else
-          sweep.template outboard_steps<K, false>(s, base, out);
+          sweep.template outboard_steps<K, false, Keep>(s, base, out);
       } else {
         sweep.template outboard<K, Keep>(s, base, out);
       }

@@ -22,13 +22,6 @@ struct Kinematics {
   Motion<T> velocity;
 };
 
-/// Spatial velocity and articulated momentum of a body, in its kernel frame.
-template <class T>
-struct BodySweep {
-  Motion<T> velocity;    ///< Ω
-  Force<T> articulated;  ///< Pb (14)
-};
-
 /// Scratch of the sweeps for one tree. Arrays are as long as any later topology needs; untouched pages cost nothing.
 template <class T>
 class Work {
@@ -52,8 +45,8 @@ class Work {
         flat_inlets(std::make_unique_for_overwrite<FlatInboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         flat_outlets(std::make_unique_for_overwrite<FlatOutboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         motions(std::make_unique_for_overwrite<BodySweep<T>[]>(static_cast<std::size_t>(tree.bodies()))),
-        accelerations(std::make_unique_for_overwrite<Motion<T>[]>(static_cast<std::size_t>(tree.bodies()))),
-        reactions(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        approaches(std::make_unique_for_overwrite<Motion<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+        demands(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         loads(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
         path(std::make_unique_for_overwrite<int[]>(static_cast<std::size_t>(tree.bodies()))),
         bodies(std::make_unique_for_overwrite<Kinematics<T>[]>(static_cast<std::size_t>(tree.bodies()))),
@@ -71,7 +64,7 @@ class Work {
   Stamp evaluated;
   /// Of which the poses and velocities in `bodies` are.
   Stamp located;
-  /// Of which a, `accelerations` and `reactions` are.
+  /// Of which a, `approaches` and `demands` are.
   Stamp accelerated;
 
   using Array = std::unique_ptr<T[]>;
@@ -87,11 +80,11 @@ class Work {
   std::unique_ptr<Motion<T>[]> rate_outlets;
   std::unique_ptr<FlatInboard<T>[]> flat_inlets;  ///< and of mechanisms in a plane
   std::unique_ptr<FlatOutboard<T>[]> flat_outlets;
-  std::unique_ptr<BodySweep<T>[]> motions;     ///< of the state of `evaluated`
-  std::unique_ptr<Motion<T>[]> accelerations;  ///< Ω̇ of each body less gravity, as felt in the body; kernel frame
-  std::unique_ptr<Force<T>[]> reactions;       ///< Tr: wrench of the inboard joint on the body, kernel frame
-  std::unique_ptr<Force<T>[]> loads;           ///< T: what acts on each of the tree's loaded bodies from outside, kernel frame
-  std::unique_ptr<int[]> path;                 ///< scratch of changes that walk from a root to a body
+  std::unique_ptr<BodySweep<T>[]> motions;  ///< of the state of `evaluated`
+  std::unique_ptr<Motion<T>[]> approaches;  ///< a′ = Ω̇ − E u̇ of each body, less gravity, as felt in the body; kernel frame
+  std::unique_ptr<Force<T>[]> demands;      ///< W of Tr = M̂ a′ + W, the wrench of the inboard joint on the body; kernel frame
+  std::unique_ptr<Force<T>[]> loads;        ///< T: what acts on each of the tree's loaded bodies from outside, kernel frame
+  std::unique_ptr<int[]> path;              ///< scratch of changes that walk from a root to a body
   std::unique_ptr<Kinematics<T>[]> bodies;
 
   /// Numbers of bodies that it has room for.

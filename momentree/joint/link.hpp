@@ -67,7 +67,14 @@ struct Outboard {
   Vector3<T> gravity;
 };
 
-/// The same in a plane, in its own axes.
+/// Spatial velocity and articulated momentum of a body, in its kernel frame.
+template <class T>
+struct BodySweep {
+  Motion<T> velocity;    ///< Ω
+  Force<T> articulated;  ///< Pb (14)
+};
+
+/// What one child contributes to its parent in a plane, in its axes.
 template <class T>
 struct FlatInboard {
   T axx, axy, ayy, bx, by, J;  ///< l = A v + b ω, h = b·v + J ω

@@ -122,9 +122,9 @@ struct PinCrossing : ScrewCrossing<T, Aligned> {
 struct PinSteps {
   /// Whether the mass is turned about z before it is reduced, while 1 / Mj is in flight: more operations, but for one world at a
   /// time less waiting. E, and what is about z, are the same on both sides of the turn. Records are then those of the parent's
-  /// side.
-  template <class T>
-  static constexpr bool late = std::is_same_v<T, double>;
+  /// side: not where they are kept for others.
+  template <class T, bool Keep>
+  static constexpr bool late = std::is_same_v<T, double> && !Keep;
 
   /// What of a link's placement a shape has.
   template <LinkShape S>
@@ -141,12 +141,12 @@ struct PinSteps {
 
   /// In: what the children reduced, in the body's frame; `Tip`: nothing. Out: what the parent gets, in its frame; `Root`: nobody
   /// asks for it.
-  template <LinkShape S, bool Gravity, class T>
+  template <LinkShape S, bool Gravity, bool Keep, class T>
   MOMENTREE_INLINE static void inboard(const Link& k, const T& c, const T& s, const T& p, bool tip, bool root, Inboard<T>& in,
                                        PinRecord<T>& w) {
     SpatialMass<T>& M = in.M;
     Force<T>& D = in.D;
-    if (!late<T> && tip) {
+    if (!late<T, Keep> && tip) {
       M = rigid_mass<T>(k.body);
       D = {};
       if constexpr (Gravity) in.mc = {T(k.body.mc.x), T(k.body.mc.y), T(k.body.mc.z)};
@@ -157,7 +157,7 @@ struct PinSteps {
     }
     const T inverse = T(1) / M.J.zz, u = p - D.h.z;           // (24)
     const auto cross_joint = [&]() MOMENTREE_INLINE_LAMBDA {  // (16), as far as the parent's side of the joint
-      if constexpr (late<T>) {
+      if constexpr (late<T, Keep>) {
         turn(M.B.xz, M.B.yz, c, s);
         turn(M.J.xz, M.J.yz, c, s);
         if constexpr (Has<S>::d) M.J.xz = M.J.xz - k.d * M.B.yz, M.J.yz = M.J.yz + k.d * M.B.xz;
@@ -168,11 +168,12 @@ struct PinSteps {
       if constexpr (Gravity) turn_z(in.mc, c, s);
       if constexpr (Has<S>::d) D.h.x = D.h.x - k.d * D.l.y, D.h.y = D.h.y + k.d * D.l.x;
     };
-    if constexpr (late<T>) cross_joint();
+    if constexpr (late<T, Keep>) cross_joint();
     reduce(p, u, inverse, M, D, w);  // (25), (26)
     if constexpr (Gravity) w.mc.x = in.mc.x, w.mc.y = in.mc.y;
-    if (!late<T> && root) return;
-    if constexpr (!late<T>) cross_joint();
+    if constexpr (Keep) w.A.zz = M.A.zz, w.l.z = D.l.z, w.inverse_mass = inverse;
+    if (!late<T, Keep> && root) return;
+    if constexpr (!late<T, Keep>) cross_joint();
     if constexpr (Has<S>::right) {
       detail::turn_reduced_right(M);
       D = {{D.l.x, -D.l.z, D.l.y}, {D.h.x, -D.h.z, D.h.y}};
@@ -206,13 +207,13 @@ struct PinSteps {
     }
   }
 
-  /// In: the parent's velocity, and gravity in its axes; out: those of the body. Gives u and ṗ of the joint.
-  template <LinkShape S, bool Gravity, class T>
-  MOMENTREE_INLINE static void outboard(const Link& k, const T& c, const T& s, const PinRecord<T>& w, bool root, Outboard<T>& out,
-                                        T& u, T& pdot) {
+  /// In: the parent's velocity, and gravity in its axes; out: those of the body. Gives u and ṗ of the joint; if kept, Ω and Pb.
+  template <LinkShape S, bool Gravity, bool Keep, class T>
+  MOMENTREE_INLINE static void outboard(const Link& k, const T& c, const T& s, const PinRecord<T>& w, const T& p, bool root,
+                                        Outboard<T>& out, T& u, T& pdot, BodySweep<T>* kept) {
     Vector3<T>&v = out.velocity.v, &o = out.velocity.w, &g = out.gravity;
     // (17): the way into the joint's frame
-    const bool moves = late<T> || !root;  // else there is no velocity to bring
+    const bool moves = late<T, Keep> || !root;  // else there is no velocity to bring
     if constexpr (Has<S>::any_offset)
       if (moves) shift_outboard(out.velocity, k.r);
     if constexpr (Has<S>::a) v.y = v.y + k.r.x * o.z, v.z = v.z - k.r.x * o.y;
@@ -229,7 +230,7 @@ struct PinSteps {
       if constexpr (Has<S>::d) v.x = v.x + k.d * o.y, v.y = v.y - k.d * o.x;
       each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { turn_z(x, c, -s); });
     };
-    if constexpr (!late<T>) cross_joint();
+    if constexpr (!late<T, Keep>) cross_joint();
     // (27): u + ω_z at once, which is all that the next joint asks for
     const T turning = w.u0 - ((w.gl.x * v.x + w.ghx * o.x) + (w.gl.y * v.y + w.ghy * o.y) + w.gl.z * v.z);
     u = turning - o.z;
@@ -245,7 +246,57 @@ struct PinSteps {
     else
       pdot = gyroscopic;
     o.z = turning;
-    if constexpr (late<T>) cross_joint();
+    if constexpr (Keep) {
+      const T lz = (w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y) + (w.A.zz * v.z + w.l.z);
+      *kept = {out.velocity, {{lx, ly, lz}, {hx, hy, p}}};
+    }
+    if constexpr (late<T, Keep>) cross_joint();
+  }
+
+  // The second recursion.
+
+  /// (45): a wrench, to the parent.
+  template <LinkShape S, class T>
+  MOMENTREE_INLINE static void cross_inboard(const Link& k, const T& c, const T& s, Force<T>& W) {
+    turn_z(W.l, c, s);
+    turn_z(W.h, c, s);
+    if constexpr (Has<S>::d) W.h.x = W.h.x - k.d * W.l.y, W.h.y = W.h.y + k.d * W.l.x;
+    if constexpr (Has<S>::right) {
+      W = {{W.l.x, -W.l.z, W.l.y}, {W.h.x, -W.h.z, W.h.y}};
+    } else if constexpr (!Has<S>::parallel) {
+      turn_x(W.l, k.cos_a, k.sin_a);
+      turn_x(W.h, k.cos_a, k.sin_a);
+    }
+    if constexpr (Has<S>::turn_b) {
+      turn_z(W.l, k.cos_b, k.sin_b);
+      turn_z(W.h, k.cos_b, k.sin_b);
+    }
+    if constexpr (Has<S>::any_offset)
+      shift(W, k.r);
+    else if constexpr (Has<S>::a)
+      W.h.y = W.h.y - k.r.x * W.l.z, W.h.z = W.h.z + k.r.x * W.l.y;
+  }
+  /// X Ω̇ of the parent.
+  template <LinkShape S, class T>
+  MOMENTREE_INLINE static void cross_outboard(const Link& k, const T& c, const T& s, Motion<T>& a) {
+    Vector3<T>&v = a.v, &o = a.w;
+    if constexpr (Has<S>::any_offset)
+      shift_outboard(a, k.r);
+    else if constexpr (Has<S>::a)
+      v.y = v.y + k.r.x * o.z, v.z = v.z - k.r.x * o.y;
+    if constexpr (Has<S>::turn_b) {
+      turn_z(v, k.cos_b, -k.sin_b);
+      turn_z(o, k.cos_b, -k.sin_b);
+    }
+    if constexpr (Has<S>::right) {
+      a = {{v.x, v.z, -v.y}, {o.x, o.z, -o.y}};
+    } else if constexpr (!Has<S>::parallel) {
+      turn_x(v, k.cos_a, -k.sin_a);
+      turn_x(o, k.cos_a, -k.sin_a);
+    }
+    if constexpr (Has<S>::d) v.x = v.x + k.d * o.y, v.y = v.y - k.d * o.x;
+    turn_z(v, c, -s);
+    turn_z(o, c, -s);
   }
 
   /// (25), (26): Mb E is the third column of the right half; u = p − Eᵀ Db, inverse = 1 / Mj. The record

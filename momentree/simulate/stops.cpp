@@ -57,8 +57,7 @@ double Stops::pull(const Side& s) const {
   const Tree& tree = world_->tree_;
   const int b = tree.carrier(s.joint);
   double force[6] = {}, passive[6] = {};
-  project(tree, b, joint_state(tree, world_->state_, world_->work_, b), world_->work_.reactions[static_cast<std::size_t>(b)],
-          force);
+  project(tree, b, joint_state(tree, world_->state_, world_->work_, b), transmitted_wrench(tree, world_->work_, b), force);
   unlocked_forces(tree, world_->time(), world_->state_.q().data(), world_->work_, b, passive);
   const double stop = force[s.freedom] - passive[s.freedom];
   const double noise = 1e-12 * (std::fabs(force[s.freedom]) + std::fabs(passive[s.freedom]));

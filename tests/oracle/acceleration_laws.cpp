@@ -126,7 +126,7 @@ double work_of_reactions(const Tree& tree, const State& state, Work<double>& wor
     // Summands of Tr = Mb Ω̇ + W: what hangs outboard, moved as the body is.
     Real felt = length(real(tree.gravity()));
     for (int k = b; k >= 0; k = k == b ? tree.parent(b) : -1) {
-      const Motion<double>& a = work.accelerations[static_cast<std::size_t>(k)];
+      const Motion<double> a = felt_acceleration(tree, state.q().data(), work, k);
       felt += length(real(a.v)) + length(real(a.w));
     }
     const Real carried = tree.link(b).subtree_mass * felt;
