@@ -95,4 +95,38 @@ Model bushy_tree(int bodies) {
   return model;
 }
 
+Model humanoid(int) {
+  Model model;
+  Body trunk = model.add({.name = "trunk", .mass = 20, .com = {0, 0, 0.2}, .inertia = diagonal(0.8, 0.7, 0.3), .joint = Free{}});
+  // Limbs: where they hang, and the axes of their joints; every third link is long.
+  struct Limb {
+    const char* name;
+    Vec3 at;
+    const char* axes;
+    double mass;
+  };
+  constexpr Limb limbs[] = {{"neck", {0, 0, 0.5}, "zyx", 2},
+                            {"torso", {0, 0, 0.25}, "z", 8},
+                            {"left_arm", {0, 0.2, 0.45}, "yxzyzyx", 1.2},
+                            {"right_arm", {0, -0.2, 0.45}, "yxzyzyx", 1.2},
+                            {"left_leg", {0, 0.1, 0}, "zxyyyx", 4},
+                            {"right_leg", {0, -0.1, 0}, "zxyyyx", 4}};
+  for (const Limb& limb : limbs) {
+    Body parent = trunk;
+    for (int k = 0; limb.axes[k] != 0; ++k) {
+      const Vec3 axis = limb.axes[k] == 'x' ? x_axis : limb.axes[k] == 'y' ? y_axis : z_axis;
+      parent = model.add({.name = std::string(limb.name) + "/" + std::to_string(k),
+                          .mass = limb.mass,
+                          .com = {0, 0, -0.1},
+                          .inertia = diagonal(0.02, 0.018, 0.005),
+                          .parent = parent,
+                          .at = Pose{k == 0 ? limb.at : Vec3{0, 0, k % 3 == 0 ? -0.35 : 0.0}},
+                          .joint = Revolute{.axis = axis, .damping = 1e-2},
+                          .q = 0.1 * (k + 1),
+                          .v = 0.05 * k});
+    }
+  }
+  return model;
+}
+
 }  // namespace momentree::bench

@@ -10,5 +10,7 @@ Model planar_chain(int bodies);
 Model spatial_chain(int bodies);
 /// The same bodies, each on a randomly chosen earlier one: many forks and tips.
 Model bushy_tree(int bodies);
+/// A floating trunk with a neck, two arms and two legs: 30 pins along x, y, z of their parents; `bodies` is 31.
+Model humanoid(int bodies);
 
 }  // namespace momentree::bench
