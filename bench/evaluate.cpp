@@ -48,6 +48,7 @@ void evaluate(benchmark::State& run, Model (*make)(int)) {
 BENCHMARK_CAPTURE(evaluate, planar_chain, planar_chain)->Arg(10)->Arg(100)->Arg(1000);
 BENCHMARK_CAPTURE(evaluate, spatial_chain, spatial_chain)->Arg(10)->Arg(100)->Arg(1000);
 BENCHMARK_CAPTURE(evaluate, bushy_tree, bushy_tree)->Arg(10)->Arg(100)->Arg(1000);
+BENCHMARK_CAPTURE(evaluate, humanoid, humanoid)->Arg(31);
 
 }  // namespace
 }  // namespace momentree::bench

@@ -131,7 +131,7 @@ Model binary_tree(int bodies) {
   return model;
 }
 
-Model humanoid() {
+Model humanoid(int /*bodies*/) {
   Random random(5);
   Model model;
   int k = 0;

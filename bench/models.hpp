@@ -16,7 +16,7 @@ Model twisted_chain(int bodies);
 Model bushy_tree(int bodies);
 /// The same bodies, two on each.
 Model binary_tree(int bodies);
-/// Free pelvis, and 30 pins along the axes of the body: two legs of 6, two arms of 7, waist and neck of 2.
-Model humanoid();
+/// Free pelvis, and 30 pins along the axes of the body: two legs of 6, two arms of 7, waist and neck of 2: 31 bodies.
+Model humanoid(int bodies = 31);
 
 }  // namespace momentree::bench

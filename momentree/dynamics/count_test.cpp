@@ -70,8 +70,8 @@ long step_operations() {
   Outboard<Counted> out{};
   Counted u(0), pdot(0);
   Counted::operations() = {};
-  PinSteps::inboard<S, Gravity>(link, c, s, p, false, false, in, record);
-  PinSteps::outboard<S, Gravity>(link, c, s, record, false, out, u, pdot);
+  PinSteps::inboard<S, Gravity, false>(link, c, s, p, false, false, in, record);
+  PinSteps::outboard<S, Gravity, false>(link, c, s, record, p, false, out, u, pdot, nullptr);
   return Counted::operations().total();
 }
 

@@ -136,6 +136,10 @@ double motion_effort(const Tree& tree, const double* q, const Work<double>& work
 }
 
 double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept {
+  return joint_spring_at(tree, q + tree.first_q(b), b, force);
+}
+
+double joint_spring_at(const Tree& tree, const double* q, int b, double* force) noexcept {
   return dispatch(tree.joint(b).kind, [&](auto tag) {
     using K = typename decltype(tag)::type;
     const JointParameters& p = *tree.parameters(b);
@@ -144,7 +148,7 @@ double joint_spring(const Tree& tree, const double* q, int b, double* force) noe
     for (int i = 0; i < K::info.nv; ++i) stiffness[i] = p.stiffness.of(i);
     if (!p.rest.empty())
       for (int i = 0; i < K::info.nq; ++i) rest[i] = p.rest[i];
-    return K::Kernels::spring(q + tree.first_q(b), rest, stiffness, force);
+    return K::Kernels::spring(q, rest, stiffness, force);
   });
 }
 

@@ -36,6 +36,8 @@ void unlocked_forces(const Tree& tree, double t, const double* q, Work<double>& 
 
 /// The spring of body b's joint: writes its generalised force (nv numbers) and returns its energy (J). The joint must have one.
 double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept;
+/// The same at coordinates q of that joint alone.
+double joint_spring_at(const Tree& tree, const double* q, int b, double* force) noexcept;
 
 /// The effort that b's driven joint takes, beside its springs, dampers and friction (N m, N): work is
 /// that of this evaluation, and accelerated.

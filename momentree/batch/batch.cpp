@@ -1,0 +1,203 @@
+#include <momentree/batch/batch.hpp>
+
+#include <algorithm>
+#include <thread>
+
+#include <momentree/base/error.hpp>
+#include <momentree/batch/group.hpp>
+#include <momentree/batch/pool.hpp>
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/momentum.hpp>
+
+namespace momentree {
+
+using batch::Group;
+
+namespace {
+int threads_of(const BatchOptions& options) {
+  const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+  return std::max(threads, 1);
+}
+}  // namespace
+
+struct Batch::Impl {
+  struct Seat {
+    Group* group;
+    int slot;
+  };
+  struct Task {
+    Group* group;
+    int block;
+  };
+  const Tree declared;
+  Isa isa;
+  Precision precision;
+  std::vector<std::unique_ptr<Group>> groups;
+  std::vector<Seat> seats;                                // by world
+  std::vector<std::vector<batch::ExtraEffort>> efforts;   // by world
+  std::vector<std::unique_ptr<batch::Stepper>> steppers;  // by thread
+  std::vector<Task> tasks;                                // of the step at hand
+  int capacity = 0, lanes = 0;
+  batch::Pool pool;
+  Out out;
+
+  Impl(const Model& model, const BatchOptions& options)
+      : declared(model),
+        isa(std::min(options.widest, batch::best_isa())),
+        precision(options.precision),
+        pool(threads_of(options)) {
+    while (!batch::available(isa)) isa = static_cast<Isa>(static_cast<int>(isa) - 1);
+  }
+
+  // Scratch for trees of that many bodies.
+  void make_room(const Tree& tree) {
+    if (tree.bodies() <= capacity) return;
+    steppers.clear();
+    for (int i = 0; i < pool.threads(); ++i) steppers.push_back(batch::make_stepper(isa, precision, tree));
+    capacity = tree.bodies();
+    lanes = steppers[0]->lanes();
+  }
+
+  Group& group_of(const Tree& tree) {
+    Topology topology = tree.topology();
+    batch::simplify(topology, declared);
+    const std::size_t key = batch::key_of(topology);
+    for (const auto& group : groups)
+      if (group->key() == key && batch::same(group->topology(), topology)) return *group;
+    make_room(tree);
+    groups.push_back(std::make_unique<Group>(std::move(topology), tree, lanes));
+    return *groups.back();
+  }
+
+  void sit(int world, Group& group) { seats[static_cast<std::size_t>(world)] = {&group, group.add(world)}; }
+  void leave(Seat seat) {
+    const int moved = seat.group->remove(seat.slot);
+    if (moved >= 0) seats[static_cast<std::size_t>(moved)].slot = seat.slot;
+    if (seat.group->worlds() > 0) return;
+    std::erase_if(groups, [&](const auto& group) { return group.get() == seat.group; });
+  }
+
+  void run() noexcept {
+    tasks.clear();
+    for (const auto& group : groups)
+      for (int i = 0; i < group->blocks(); ++i) tasks.push_back({group.get(), i});
+    pool.run(static_cast<int>(tasks.size()), [this](int thread, int i) {
+      const Task& task = tasks[static_cast<std::size_t>(i)];
+      steppers[static_cast<std::size_t>(thread)]->step(task.group->tree(), task.group->plan(), task.group->block(task.block));
+    });
+  }
+  const Seat& seat(int world) const {
+    MT_REQUIRE(world >= 0 && world < static_cast<int>(seats.size()), "the batch has this world");
+    return seats[static_cast<std::size_t>(world)];
+  }
+};
+
+Batch::Batch(const Model& model, int worlds, const BatchOptions& options) : impl_(std::make_unique<Impl>(model, options)) {
+  if (worlds < 1) fail({"a batch has at least one world", "", "give the number of worlds"});
+  const Tree& tree = impl_->declared;
+  batch::check(tree);
+  impl_->seats.resize(static_cast<std::size_t>(worlds));
+  impl_->efforts.resize(static_cast<std::size_t>(worlds));
+  Group& group = impl_->group_of(tree);
+  const State start = start_state(model, tree);
+  for (int world = 0; world < worlds; ++world) {
+    impl_->sit(world, group);
+    group.set_state(impl_->seat(world).slot, start);
+  }
+}
+
+Batch::~Batch() = default;
+Batch::Batch(Batch&&) noexcept = default;
+Batch& Batch::operator=(Batch&&) noexcept = default;
+
+int Batch::worlds() const { return static_cast<int>(impl_->seats.size()); }
+Isa Batch::isa() const { return impl_->isa; }
+int Batch::lanes() const { return impl_->lanes; }
+int Batch::threads() const { return impl_->pool.threads(); }
+int Batch::groups() const { return static_cast<int>(impl_->groups.size()); }
+
+void Batch::step(double h) noexcept {
+  for (const Impl::Seat& seat : impl_->seats) seat.group->set_step(seat.slot, h);
+  impl_->run();
+}
+
+void Batch::step(std::span<const double> h) noexcept {
+  MT_REQUIRE(h.size() == impl_->seats.size(), "one step for every world");
+  for (std::size_t world = 0; world < h.size(); ++world) impl_->seats[world].group->set_step(impl_->seats[world].slot, h[world]);
+  impl_->run();
+}
+
+double Batch::time(int world) const {
+  const Impl::Seat& seat = impl_->seat(world);
+  return seat.group->time(seat.slot);
+}
+
+bool Batch::ran_away(int world) const {
+  const Impl::Seat& seat = impl_->seat(world);
+  return seat.group->ran_away(seat.slot);
+}
+
+const Tree& Batch::tree(int world) const { return impl_->seat(world).group->tree(); }
+
+State Batch::state(int world) const {
+  const Impl::Seat& seat = impl_->seat(world);
+  State state(seat.group->tree());
+  seat.group->get_state(seat.slot, state);
+  return state;
+}
+
+void Batch::set_state(int world, const State& state) {
+  const Impl::Seat& seat = impl_->seat(world);
+  MT_REQUIRE(state.topology() == seat.group->tree().revision(), "the state is of this world's topology");
+  seat.group->set_state(seat.slot, state);
+  seat.group->set_ran_away(seat.slot, false);
+}
+
+void Batch::set_effort(int world, Body body, int freedom, double effort) {
+  const Impl::Seat& seat = impl_->seat(world);
+  const Tree& tree = seat.group->tree();
+  MT_REQUIRE(tree.alive(body.index) && freedom >= 0 && freedom < info(tree.joint(body.index).kind).nv,
+             "the body's joint has this freedom");
+  auto& efforts = impl_->efforts[static_cast<std::size_t>(world)];
+  const int joint = tree.joint_of(body.index);
+  std::erase_if(efforts, [&](const batch::ExtraEffort& e) { return e.joint == joint && e.freedom == freedom; });
+  if (effort != 0) efforts.push_back({joint, freedom, effort});
+  seat.group->set_efforts(seat.slot, efforts);
+}
+
+Batch::Out& Batch::take_out(int world) {
+  const Impl::Seat& seat = impl_->seat(world);
+  Out& out = impl_->out;
+  out.tree = seat.group->tree();
+  seat.group->get_state(seat.slot, out.state);
+  if (out.work.capacity() < out.tree.bodies()) out.work = Work<double>(out.tree);
+  forward_dynamics(out.tree, out.state, out.work);
+  return out;
+}
+
+void Batch::put_back(int world) {
+  const Impl::Seat from = impl_->seat(world);
+  const Out& out = impl_->out;
+  if (out.tree.revision() != from.group->tree().revision()) {
+    batch::check(out.tree);
+    auto& efforts = impl_->efforts[static_cast<std::size_t>(world)];
+    const Tree& before = from.group->tree();
+    std::erase_if(efforts, [&](const batch::ExtraEffort& e) {
+      const int then = before.carrier(e.joint), now = out.tree.carrier(e.joint);
+      return now < 0 || out.tree.joint(now).kind != before.joint(then).kind ||
+             out.tree.joint(now).made != before.joint(then).made;
+    });
+    Group& to = impl_->group_of(out.tree);
+    if (&to != from.group) {
+      const bool away = from.group->ran_away(from.slot);
+      impl_->sit(world, to);
+      to.set_ran_away(impl_->seat(world).slot, away);
+      impl_->leave(from);
+    }
+    to.set_efforts(impl_->seat(world).slot, efforts);
+  }
+  const Impl::Seat& seat = impl_->seat(world);
+  seat.group->set_state(seat.slot, out.state);
+}
+
+}  // namespace momentree

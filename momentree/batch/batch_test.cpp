@@ -1,0 +1,300 @@
+#include <momentree/batch/batch.hpp>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/base/error.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/joint/kinds.hpp>
+
+using namespace momentree;
+
+namespace {
+
+constexpr Isa all_sets[] = {Isa::baseline, Isa::avx2, Isa::avx512};
+
+// A chain with a branch; springs, dampers, and what acts lane by lane.
+Model mobile(bool elements = true) {
+  Model model({.gravity = {0, 0, -9.81}});
+  Body last = ground;
+  for (int k = 0; k < 7; ++k) {
+    BodySpec body{.name = "m/" + std::to_string(k),
+                  .mass = 0.5 + 0.1 * k,
+                  .com = {0.1, 0.02, -0.03},
+                  .inertia = {0.01, 0.012, 0.013, 0.001, 0, 0.0005},
+                  .parent = k == 5 ? Body{2} : last,
+                  .at = Pose{{0.2, 0.05, 0}, normalized(Quat{1, 0.1, 0.2, -0.3})}};
+    if (k == 3)
+      body.joint = Ball{.damping = 0.02, .stiffness = elements ? 0.3 : 0.0}, body.q = {1, 0, 0, 0};
+    else if (k == 5)
+      body.joint = Prismatic{.axis = {1, 0, 0.2}, .stiffness = 20.0, .rest = 0.1}, body.q = 0.05;
+    else
+      body.joint = Revolute{.axis = {1.0 - 0.3 * k, 0.2 * k, 1}, .damping = 0.01, .stiffness = k == 1 ? 2.0 : 0.0, .effort = 0.1},
+      body.q = 0.3 + 0.1 * k, body.v = 1 - 0.4 * k;
+    if (elements && k == 4) body.joint.parameters.drive = effort_drive({Signal::sine(0.2, 2)});
+    if (elements && k == 6)
+      body.joint = Revolute{.axis = y_axis, .drive = motion_drive(Signal::sine(0.3, 1, 0.4))}, body.q = {}, body.v = {};
+    if (elements && k == 2) body.joint.parameters.friction = {.coulomb = 0.05, .speed = 0.1};
+    last = model.add(body);
+  }
+  return model;
+}
+
+// Worlds are told apart by their momenta.
+void stir(int world, const Tree& tree, State& state) {
+  const State::Edit edit = state.edit();
+  for (int i = 0; i < tree.nv(); ++i) edit.p[static_cast<std::size_t>(i)] *= 1 + 0.01 * ((world * 7 + i * 3) % 11);
+}
+
+struct Change {
+  int step;
+  double part;  // of the step, before it happens
+  int body;
+  bool breaks;  // else it locks
+};
+Change change_of(int world) { return {5 + world % 7, 0.1 * (world % 5), 1 + world % 4, world % 3 != 2}; }
+
+// One world by the scalar engine.
+struct Alone {
+  Tree tree;
+  State state;
+  Work<double> work;
+  Evaluator evaluate;
+  Books books;
+  std::unique_ptr<Integrator> rk4;
+
+  explicit Alone(const Model& model)
+      : tree(compile(model)),
+        state(start_state(model, tree)),
+        work(tree),
+        evaluate(tree, work),
+        rk4(make_integrator("rk4", tree)) {}
+  Alone(const Alone&) = delete;
+  Alone& operator=(const Alone&) = delete;
+  void step(double h) {
+    if (h == 0) return;
+    evaluate(state);
+    rk4->step(evaluate, state, books, h);
+  }
+  void apply(const Change& change) {
+    evaluate(state);
+    if (change.breaks)
+      momentree::apply(Break{{change.body}}, tree, state, work);
+    else
+      momentree::apply(Lock{{change.body}}, tree, state, work);
+  }
+};
+
+constexpr double h = 1e-3;
+constexpr int steps = 40;
+
+// All worlds of a batch, by number `first` and up, each with its own change at its own instant.
+void run(Batch& batch, int first) {
+  std::vector<double> own(static_cast<std::size_t>(batch.worlds()));
+  for (int i = 0; i < batch.worlds(); ++i) {
+    State state = batch.state(i);
+    stir(first + i, batch.tree(i), state);
+    batch.set_state(i, state);
+  }
+  for (int k = 0; k < steps; ++k) {
+    for (int i = 0; i < batch.worlds(); ++i) {
+      const Change change = change_of(first + i);
+      own[static_cast<std::size_t>(i)] = change.step == k ? change.part * h : h;
+    }
+    batch.step(own);
+    for (int i = 0; i < batch.worlds(); ++i) {
+      const Change change = change_of(first + i);
+      own[static_cast<std::size_t>(i)] = 0;
+      if (change.step != k) continue;
+      if (change.breaks)
+        batch.apply(i, Break{{change.body}});
+      else
+        batch.apply(i, Lock{{change.body}});
+      own[static_cast<std::size_t>(i)] = h - change.part * h;
+    }
+    batch.step(own);
+  }
+}
+
+double difference(const State& a, const State& b) {
+  REQUIRE(a.q().size() == b.q().size());
+  REQUIRE(a.p().size() == b.p().size());
+  double worst = std::fabs(a.time() - b.time());
+  for (std::size_t i = 0; i < a.q().size(); ++i) worst = std::fmax(worst, std::fabs(a.q()[i] - b.q()[i]));
+  for (std::size_t i = 0; i < a.p().size(); ++i) worst = std::fmax(worst, std::fabs(a.p()[i] - b.p()[i]));
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("worlds of a batch move as they do alone, each with its change at an instant of its own") {
+  const Model model = mobile();
+  constexpr int worlds = 13;
+  for (const Isa isa : all_sets) {
+    if (!batch::available(isa)) continue;
+    Batch batch(model, worlds, {.widest = isa});
+    CHECK(batch.isa() == isa);
+    CHECK(batch.groups() == 1);
+    run(batch, 0);
+    CHECK(batch.groups() > 4);
+    double worst = 0;
+    for (int i = 0; i < worlds; ++i) {
+      Alone alone(model);
+      stir(i, alone.tree, alone.state);
+      const Change change = change_of(i);
+      for (int k = 0; k < steps; ++k) {
+        if (k == change.step) {
+          alone.step(change.part * h);
+          alone.apply(change);
+          alone.step(h - change.part * h);
+        } else {
+          alone.step(h);
+        }
+      }
+      CHECK(batch.time(i) == doctest::Approx(steps * h));
+      worst = std::fmax(worst, difference(batch.state(i), alone.state));
+    }
+    CHECK(worst < 1e-12);
+    CHECK(worst >= 0);
+  }
+}
+
+TEST_CASE("no bit of a world depends on who stands beside it, nor on the number of threads") {
+  const Model model = mobile();
+  for (const Precision precision : {Precision::float64, Precision::float32}) {
+    for (const Isa isa : all_sets) {
+      if (!batch::available(isa)) continue;
+      Batch together(model, 21, {.precision = precision, .threads = 3, .widest = isa});
+      CHECK(together.threads() == 3);
+      run(together, 0);
+      for (int i = 0; i < 21; ++i) {
+        Batch alone(model, 1, {.precision = precision, .widest = isa});
+        run(alone, i);
+        CHECK(difference(together.state(i), alone.state(0)) == 0);
+      }
+    }
+  }
+}
+
+TEST_CASE("worlds in float stay near those in double") {
+  const Model model = mobile();
+  Batch exact(model, 9), coarse(model, 9, {.precision = Precision::float32});
+  CHECK(coarse.lanes() == 2 * exact.lanes());
+  run(exact, 0);
+  run(coarse, 0);
+  double worst = 0;
+  for (int i = 0; i < 9; ++i) worst = std::fmax(worst, difference(exact.state(i), coarse.state(i)));
+  CHECK(worst < 2e-4);
+  CHECK(worst > 1e-9);  // they were float indeed
+}
+
+TEST_CASE("worlds that came to the same topology share lanes again") {
+  Batch batch(mobile(), 6);
+  for (int i = 0; i < 6; ++i) {
+    batch.step(h);
+    batch.apply(i, Break{{3}});
+  }
+  CHECK(batch.groups() == 1);
+  batch.apply(2, Lock{{1}});
+  CHECK(batch.groups() == 2);
+  batch.apply(2, Unlock{{1}});
+  CHECK(batch.groups() == 1);
+  const Impulse push{.body = {2}, .force = {1, 0.5, 0}, .point = {0.1, 0.2, 0}};
+  const State before = batch.state(4);
+  batch.apply(4, push);
+  CHECK(batch.groups() == 1);
+  CHECK(difference(before, batch.state(4)) > 1e-3);
+}
+
+TEST_CASE("bodies can be added to worlds of a batch") {
+  const Model model = mobile();
+  Model larger = mobile();  // completes the body
+  const Body extra = larger.add({.name = "x", .mass = 1, .inertia = diagonal(0.1), .parent = {4}, .joint = Revolute{}, .q = 0.2});
+  Batch batch(model, 3);
+  const Body added = batch.apply(1, Add{&larger[extra]});
+  CHECK(added.index == model.size());
+  CHECK(batch.groups() == 2);
+  CHECK(batch.tree(1).bodies() == model.size() + 1);
+  for (int k = 0; k < 5; ++k) batch.step(h);
+  CHECK(batch.time(1) == batch.time(0));
+  CHECK_FALSE(batch.ran_away(1));
+}
+
+TEST_CASE("an effort of a world's own is the effort that its model might have") {
+  Model model = mobile(false);
+  Batch batch(model, 5);
+  batch.set_effort(3, {4}, 0, 0.7);
+  BodySpec spec = model[{4}];
+  Model other({.gravity = {0, 0, -9.81}});
+  for (int b = 0; b < model.size(); ++b) {
+    BodySpec body = model[{b}];
+    if (b == 4) body.joint.parameters.effort = 0.8;  // 0.1 is the model's
+    other.add(body);
+  }
+  Batch with(other, 1);
+  for (int k = 0; k < 20; ++k) batch.step(h), with.step(h);
+  CHECK(difference(batch.state(3), with.state(0)) < 1e-13);
+  CHECK(difference(batch.state(3), batch.state(2)) > 1e-4);
+  batch.apply(3, Lock{{1}});  // it moves among other worlds, with its effort
+  with.apply(0, Lock{{1}});
+  for (int k = 0; k < 20; ++k) batch.step(h), with.step(h);
+  CHECK(difference(batch.state(3), with.state(0)) < 1e-13);
+  batch.apply(3, Break{{4}});  // the joint is no more
+  with.apply(0, Break{{4}});
+  for (int k = 0; k < 20; ++k) batch.step(h), with.step(h);
+  CHECK(difference(batch.state(3), with.state(0)) < 1e-13);
+}
+
+TEST_CASE("a world that runs away stays where it was, and the others go on") {
+  Batch batch(mobile(), 4), other(mobile(), 4);
+  State state = batch.state(2);
+  state.edit().p[0] = 1e13;
+  batch.set_state(2, state);
+  const State before = batch.state(2);
+  for (int k = 0; k < 3; ++k) batch.step(h), other.step(h);
+  CHECK(batch.ran_away(2));
+  CHECK(difference(batch.state(2), before) == 0);
+  CHECK(difference(batch.state(1), other.state(1)) == 0);
+  batch.set_state(2, batch.state(1));
+  CHECK_FALSE(batch.ran_away(2));
+  batch.step(h);
+  CHECK(difference(batch.state(2), batch.state(1)) == 0);
+}
+
+TEST_CASE("what batches do not have is refused, and an edit that asks for it leaves the world as it was") {
+  const auto refused = [](const Model& model, const char* what) {
+    std::string said;
+    try {
+      Batch batch(model, 1);
+    } catch (const Error& error) {
+      said = error.message();
+    }
+    INFO(said);
+    CHECK(said.find(what) != std::string::npos);
+  };
+  const auto with = [](auto&& edit) {
+    Model model;
+    BodySpec body{.name = "b", .mass = 1, .inertia = diagonal(0.1), .joint = Revolute{}};
+    edit(body);
+    model.add(body);
+    return model;
+  };
+  refused(with([](BodySpec& b) { b.joint.parameters.limits.upper = 1.0; }), "hard stops");
+  refused(with([](BodySpec& b) { b.joint.parameters.strength.force = 10; }), "strengths");
+  Model pushed = with([](BodySpec&) {});
+  pushed.add_force({.body = {0}, .force = {1.0, 0.0, 0.0}});
+  refused(pushed, "forces on bodies");
+  CHECK_THROWS_AS(Batch(mobile(), 0), Error);
+
+  Batch batch(mobile(), 2);
+  batch.step(h);
+  const State before = batch.state(1);
+  const auto function = std::make_shared<const JointFunction>([](const Moment&, std::span<double>) {});
+  CHECK_THROWS_AS(batch.edit(1, [&](Tree& tree, State&, Work<double>&) { tree.set_function(1, function); }), Error);
+  CHECK(difference(batch.state(1), before) == 0);
+  CHECK(batch.groups() == 1);
+}

@@ -1,0 +1,146 @@
+#include <momentree/batch/group.hpp>
+
+#include <algorithm>
+
+#include <momentree/base/error.hpp>
+#include <momentree/joint/joint.hpp>
+
+namespace momentree::batch {
+
+namespace {
+
+bool same(const Pose& a, const Pose& b) {
+  const Quat &x = a.rotation, &y = b.rotation;
+  return a.position == b.position && x.w == y.w && x.x == y.x && x.y == y.y && x.z == y.z;
+}
+bool same(const Joint& a, const Joint& b) {
+  return a.kind == b.kind && a.parameters == b.parameters && same(a.at, b.at) && same(a.child_at, b.child_at) &&
+         a.axis == b.axis && a.axis2 == b.axis2 && a.pitch == b.pitch && a.locked == b.locked && a.made == b.made &&
+         a.function == b.function;
+}
+bool same(const Sym3& a, const Sym3& b) {
+  return a.xx == b.xx && a.yy == b.yy && a.zz == b.zz && a.xy == b.xy && a.xz == b.xz && a.yz == b.yz;
+}
+
+template <class List, class Equal>
+bool equal_lists(const List& a, const List& b, Equal equal) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), equal);
+}
+
+[[noreturn]] void refuse(const char* what, const char* hint) { fail({what, "", hint}); }
+
+}  // namespace
+
+bool same(const Topology& a, const Topology& b) noexcept {
+  using T = Topology;
+  return equal_lists(a.places, b.places,
+                     [](const T::Place& x, const T::Place& y) {
+                       return x.parent == y.parent && x.joint == y.joint && x.reversed == y.reversed;
+                     }) &&
+         equal_lists(a.changed, b.changed,
+                     [](const T::Changed& x, const T::Changed& y) { return x.joint == y.joint && same(x.as, y.as); }) &&
+         equal_lists(a.own, b.own,
+                     [](const T::Own& x, const T::Own& y) { return x.joint == y.joint && x.parameters == y.parameters; }) &&
+         equal_lists(a.added, b.added,
+                     [](const MassProperties& x, const MassProperties& y) {
+                       return x.mass == y.mass && x.com == y.com && same(x.inertia, y.inertia);
+                     }) &&
+         a.functions == b.functions && a.loads.size() == b.loads.size();
+}
+
+void simplify(Topology& topology, const Tree& declared) {
+  std::erase_if(topology.changed,
+                [&](const Topology::Changed& c) { return c.joint < declared.bodies() && same(c.as, declared.joint(c.joint)); });
+}
+
+std::size_t key_of(const Topology& topology) noexcept {
+  std::uint64_t key = 14695981039346656037ULL;  // FNV-1a, by whole numbers
+  const auto mix = [&](std::int64_t number) { key = (key ^ static_cast<std::uint64_t>(number)) * 1099511628211ULL; };
+  for (const Topology::Place& p : topology.places) mix(p.parent), mix(2 * p.joint + (p.reversed ? 1 : 0));
+  for (const Topology::Changed& c : topology.changed) mix(c.joint), mix(static_cast<int>(c.as.kind)), mix(c.as.locked);
+  for (const Topology::Own& own : topology.own) mix(own.joint);
+  mix(static_cast<std::int64_t>(topology.added.size()));
+  return static_cast<std::size_t>(key);
+}
+
+void check(const Tree& tree) {
+  if (!tree.body_forces().empty() || !tree.body_functions().empty())
+    refuse("batches have no forces on bodies", "use efforts in joints, or a Simulation for each world");
+  if (tree.has_functions()) refuse("batches have no drives that are functions", "set efforts between steps: Batch::set_effort");
+  if (!tree.strength_joints().empty())
+    refuse("batches do not watch the strengths of joints", "leave them out and apply Break, or use a Simulation for each world");
+  for (const int b : tree.order())
+    if (tree.parameters(b) != nullptr && tree.parameters(b)->limits.hard())
+      refuse("batches have no hard stops", "give the limits a stiffness, or use a Simulation for each world");
+}
+
+Group::Group(Topology topology, const Tree& tree, int lanes)
+    : topology_(std::move(topology)), key_(key_of(topology_)), tree_(tree), plan_(tree_), lanes_(lanes) {}
+
+int Group::add(int world) {
+  const int slot = worlds();
+  world_.push_back(world);
+  if (slot % lanes_ != 0) return slot;
+  const std::size_t slots = at(slot + lanes_);
+  q_.resize(slots * at(tree_.nq())), p_.resize(slots * at(tree_.nv())), effort_.resize(slots * at(tree_.nv()));
+  time_.resize(slots), h_.resize(slots), ran_away_.resize(slots);
+  return slot;
+}
+
+void Group::copy_slot(int from, int to) {
+  for (int i = 0; i < tree_.nq(); ++i) q_[place(to, tree_.nq(), i)] = q_[place(from, tree_.nq(), i)];
+  for (int i = 0; i < tree_.nv(); ++i) {
+    p_[place(to, tree_.nv(), i)] = p_[place(from, tree_.nv(), i)];
+    effort_[place(to, tree_.nv(), i)] = effort_[place(from, tree_.nv(), i)];
+  }
+  time_[at(to)] = time_[at(from)], h_[at(to)] = h_[at(from)], ran_away_[at(to)] = ran_away_[at(from)];
+}
+
+int Group::remove(int slot) {
+  const int last = worlds() - 1, moved = slot == last ? -1 : world_[at(last)];
+  if (moved >= 0) copy_slot(last, slot), world_[at(slot)] = moved;
+  world_.pop_back();
+  if (last % lanes_ == 0) {  // its block is empty
+    q_.resize(at(last) * at(tree_.nq())), p_.resize(at(last) * at(tree_.nv())), effort_.resize(at(last) * at(tree_.nv()));
+    time_.resize(at(last)), h_.resize(at(last)), ran_away_.resize(at(last));
+  }
+  return moved;
+}
+
+void Group::set_state(int slot, const State& state) {
+  for (int i = 0; i < tree_.nq(); ++i) q_[place(slot, tree_.nq(), i)] = state.q()[at(i)];
+  for (int i = 0; i < tree_.nv(); ++i) p_[place(slot, tree_.nv(), i)] = state.p()[at(i)];
+  time_[at(slot)] = state.time();
+}
+
+void Group::get_state(int slot, State& state) const {
+  std::vector<double> q(at(tree_.nq())), p(at(tree_.nv()));
+  for (int i = 0; i < tree_.nq(); ++i) q[at(i)] = q_[place(slot, tree_.nq(), i)];
+  for (int i = 0; i < tree_.nv(); ++i) p[at(i)] = p_[place(slot, tree_.nv(), i)];
+  state.assign(time_[at(slot)], q, p, tree_.revision());
+}
+
+void Group::set_efforts(int slot, std::span<const ExtraEffort> efforts) {
+  for (int i = 0; i < tree_.nv(); ++i) effort_[place(slot, tree_.nv(), i)] = 0;
+  for (const ExtraEffort& e : efforts) {
+    const int b = tree_.carrier(e.joint);
+    if (b < 0 || (tree_.joint(b).locked >> e.freedom & 1u) != 0) continue;
+    effort_[place(slot, tree_.nv(), tree_.first_p(b) + e.freedom)] = e.value;
+    efforts_ = true;
+  }
+}
+
+// Lanes behind the last world are copies of it, and stay.
+Block Group::block(int number) {
+  const int first = number * lanes_;
+  for (int slot = std::max(worlds(), first); slot < first + lanes_; ++slot) copy_slot(worlds() - 1, slot), h_[at(slot)] = 0;
+  const std::size_t q = place(first, tree_.nq(), 0), p = place(first, tree_.nv(), 0);
+  return {q_.data() + q,
+          p_.data() + p,
+          efforts_ ? effort_.data() + p : nullptr,
+          time_.data() + at(first),
+          h_.data() + at(first),
+          ran_away_.data() + at(first)};
+}
+
+}  // namespace momentree::batch

@@ -1,0 +1,71 @@
+#pragma once
+// The worlds of a batch that have one topology, packed into blocks of lanes.
+#include <span>
+#include <vector>
+
+#include <momentree/batch/stepper.hpp>
+#include <momentree/tree/state.hpp>
+#include <momentree/tree/tree.hpp>
+
+namespace momentree::batch {
+
+/// Equal topologies have equal keys; others may, too.
+std::size_t key_of(const Topology& topology) noexcept;
+bool same(const Topology& a, const Topology& b) noexcept;
+/// Leaves out changes that lead back to the declared joints, which are those of `declared`.
+void simplify(Topology& topology, const Tree& declared);
+/// Throws Error where the tree has what batches cannot do.
+void check(const Tree& tree);
+
+/// An effort that a world has beside those of its model: on one freedom of a joint, by the joint's number (N m, N).
+struct ExtraEffort {
+  int joint, freedom;
+  double value;
+};
+
+class Group {
+ public:
+  Group(Topology topology, const Tree& tree, int lanes);
+
+  const Topology& topology() const { return topology_; }
+  std::size_t key() const { return key_; }
+  const Tree& tree() const { return tree_; }
+  const ForcePlan& plan() const { return plan_; }
+  int worlds() const { return static_cast<int>(world_.size()); }
+  int blocks() const { return (worlds() + lanes_ - 1) / lanes_; }
+  /// The world that stands in a slot; slots are filled from 0 on without gaps.
+  int world(int slot) const { return world_[at(slot)]; }
+
+  /// Takes a world in; returns its slot.
+  int add(int world);
+  /// Takes the world of that slot out; the last one moves into its place. Returns the world that moved, −1: none.
+  int remove(int slot);
+
+  void set_state(int slot, const State& state);
+  void get_state(int slot, State& state) const;
+  double time(int slot) const { return time_[at(slot)]; }
+  bool ran_away(int slot) const { return ran_away_[at(slot)] != 0; }
+  void set_ran_away(int slot, bool yes) { ran_away_[at(slot)] = yes ? 1 : 0; }
+  void set_efforts(int slot, std::span<const ExtraEffort> efforts);
+  /// The step that comes (s): 0 and worlds that ran away stay.
+  void set_step(int slot, double h) { h_[at(slot)] = ran_away(slot) ? 0 : h; }
+  Block block(int number);
+
+ private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  // Number i of `count` per world.
+  std::size_t place(int slot, int count, int i) const { return at((slot / lanes_ * count + i) * lanes_ + slot % lanes_); }
+  void copy_slot(int from, int to);
+
+  Topology topology_;
+  std::size_t key_;
+  Tree tree_;
+  ForcePlan plan_;
+  int lanes_;
+  bool efforts_ = false;
+  std::vector<int> world_;
+  std::vector<double> q_, p_, effort_, time_, h_;
+  std::vector<unsigned char> ran_away_;
+};
+
+}  // namespace momentree::batch

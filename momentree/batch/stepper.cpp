@@ -1,0 +1,89 @@
+#include <momentree/batch/stepper.hpp>
+
+#include <algorithm>
+
+#include <momentree/dynamics/forces/effort.hpp>
+#include <momentree/dynamics/forces/friction.hpp>
+#include <momentree/dynamics/forces/position_control.hpp>
+#include <momentree/dynamics/forces/soft_stop.hpp>
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/joint/dispatch.hpp>
+
+namespace momentree::batch {
+
+namespace {
+bool has_quaternion(const Tree& tree, int b) {
+  const auto joints = tree.quaternion_joints();
+  return std::find(joints.begin(), joints.end(), b) != joints.end();
+}
+}  // namespace
+
+ForcePlan::ForcePlan(const Tree& tree) : elements(tree.forced_joints().begin(), tree.forced_joints().end()) {
+  for (const int b : tree.spring_joints()) {
+    if (has_quaternion(tree, b)) {
+      if (std::find(elements.begin(), elements.end(), b) == elements.end()) elements.push_back(b);
+      continue;
+    }
+    const JointParameters& p = *tree.parameters(b);
+    for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
+      if ((tree.joint(b).locked >> i & 1u) == 0 && p.stiffness.of(i) != 0)
+        springs.push_back({tree.first_q(b) + i, tree.first_p(b) + i, p.stiffness.of(i), p.rest.empty() ? 0.0 : p.rest[i]});
+  }
+}
+
+Stepper::~Stepper() = default;
+
+bool available(Isa isa) noexcept {
+#ifdef MOMENTREE_X86_LANES
+  if (isa == Isa::avx2) return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0;
+  if (isa == Isa::avx512)
+    return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
+           __builtin_cpu_supports("avx512vl") != 0 && __builtin_cpu_supports("fma") != 0;
+#endif
+  return isa == Isa::baseline;
+}
+
+Isa best_isa() noexcept { return available(Isa::avx512) ? Isa::avx512 : available(Isa::avx2) ? Isa::avx2 : Isa::baseline; }
+
+std::unique_ptr<Stepper> make_stepper(Isa isa, Precision precision, const Tree& tree) {
+  if (!available(isa)) return nullptr;
+  const bool wide = precision == Precision::float64;
+#ifdef MOMENTREE_X86_LANES
+  if (isa == Isa::avx2) return std::unique_ptr<Stepper>(wide ? make_avx2_double(tree) : make_avx2_float(tree));
+  if (isa == Isa::avx512) return std::unique_ptr<Stepper>(wide ? make_avx512_double(tree) : make_avx512_float(tree));
+#endif
+  return std::unique_ptr<Stepper>(wide ? make_baseline_double(tree) : make_baseline_float(tree));
+}
+
+void add_element_forces(const Tree& tree, int b, double t, const double* q, const double* u, double* force) noexcept {
+  const JointParameters& p = *tree.parameters(b);
+  const int nv = info(tree.joint(b).kind).nv;
+  const unsigned locked = tree.joint(b).locked;
+  if (p.stiffness.any() && has_quaternion(tree, b)) {
+    double spring[6];
+    joint_spring_at(tree, q, b, spring);
+    for (int i = 0; i < nv; ++i)
+      if ((locked >> i & 1u) == 0) force[i] += spring[i];
+  }
+  Power power;
+  const forces::Site site{p, nv, ~locked, t, q, u, force, &power};
+  if (p.friction.any()) forces::add_friction(site);
+  if (p.limits.soft()) forces::add_soft_stop(site);
+  if (p.drive == nullptr) return;
+  if (!p.drive->effort.empty()) forces::add_efforts(site, *p.drive);
+  if (p.drive->pd.any()) forces::add_position_control(site, p.drive->pd);
+}
+
+void motion_at(const Tree& tree, int b, double t, double* point) noexcept {
+  const Curve::Point s = tree.motion(b).at(t);
+  point[0] = s.value, point[1] = s.rate, point[2] = s.acceleration;
+}
+
+void normalise_joint(const Tree& tree, int b, double* q) noexcept {
+  dispatch(tree.joint(b).kind, [&](auto tag) { decltype(tag)::type::Kernels::normalise(q); });
+}
+
+int coordinates_of(const Tree& tree, int b) noexcept { return info(tree.joint(b).kind).nq; }
+int freedoms_of(const Tree& tree, int b) noexcept { return info(tree.joint(b).kind).nv; }
+
+}  // namespace momentree::batch

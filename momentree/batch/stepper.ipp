@@ -1,0 +1,150 @@
+#pragma once
+// Steps in lanes; included only by instantiate/*.cpp, one instruction set and precision each. Nothing here may be a function that
+// other source files have too and that does not carry the pack in its name (ADR 9; tools/check_lane_symbols).
+#include <momentree/batch/stepper.hpp>
+#include <momentree/dynamics/forward.ipp>
+#include <momentree/integrate/integrator.hpp>
+
+namespace momentree::batch {
+
+template <class T>
+class PackStepper final : public Stepper {
+ public:
+  explicit PackStepper(const Tree& tree)
+      : work_(tree),
+        q0_(make(7 * tree.bodies())),
+        p0_(make(6 * tree.bodies())),
+        q_(make(7 * tree.bodies())),
+        p_(make(6 * tree.bodies())),
+        q_sum_(make(7 * tree.bodies())),
+        p_sum_(make(6 * tree.bodies())) {}
+  int lanes() const override { return N; }
+  void step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept override;
+  void rates(const Tree& tree, const double* q, const double* p, double* qdot, double* pdot, double* v) noexcept override;
+
+ private:
+  static constexpr int N = T::lanes;
+  using Array = std::unique_ptr<T[]>;
+  static Array make(int n) { return std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(n > 0 ? n : 1)); }
+
+  void evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q, const T* p) noexcept;
+  void add_elements(const Tree& tree, int b, const double* t, const T* q) noexcept;
+  void end_step(const Tree& tree, const double* t) noexcept;
+  static void advance(int n, const T* start, const T* rate, double weight, const T& h, T* sum, T* stage) noexcept;
+
+  Work<T> work_;
+  Array q0_, p0_, q_, p_, q_sum_, p_sum_;
+};
+
+template <class T>
+void PackStepper<T>::rates(const Tree& tree, const double* q, const double* p, double* qdot, double* pdot, double* v) noexcept {
+  const int nq = tree.nq(), nv = tree.nv();
+  for (int i = 0; i < nq; ++i) q_[i] = T::load(q + i * N);
+  for (int i = 0; i < nv; ++i) p_[i] = T::load(p + i * N);
+  evaluate_rates<T>(tree, q_.get(), p_.get(), work_);
+  for (int i = 0; i < nq; ++i) work_.qdot[i].store(qdot + i * N);
+  for (int i = 0; i < nv; ++i) work_.pdot[i].store(pdot + i * N), work_.v[i].store(v + i * N);
+}
+
+// Other forces in one joint, lane by lane.
+template <class T>
+void PackStepper<T>::add_elements(const Tree& tree, int b, const double* t, const T* q) noexcept {
+  const int nq = coordinates_of(tree, b), nv = freedoms_of(tree, b), at = tree.first_p(b);
+  for (int lane = 0; lane < N; ++lane) {
+    double joint_q[7], u[6], force[6] = {};
+    for (int i = 0; i < nq; ++i) joint_q[i] = q[tree.first_q(b) + i][lane];
+    for (int i = 0; i < nv; ++i) u[i] = work_.v[at + i][lane];
+    add_element_forces(tree, b, t[lane], joint_q, u, force);
+    for (int i = 0; i < nv; ++i) work_.pdot[at + i].set(lane, work_.pdot[at + i][lane] + force[i]);
+  }
+}
+
+// Rates with the forces in the joints; t by lane.
+template <class T>
+void PackStepper<T>::evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
+                              const T* p) noexcept {
+  evaluate_rates<T>(tree, q, p, work_);
+  const int nv = tree.nv();
+  T* const pdot = work_.pdot.get();
+  const T* const v = work_.v.get();
+  if (tree.has_forces())
+    for (int i = 0; i < nv; ++i) pdot[i] += tree.effort()[i] - tree.damping()[i] * v[i];
+  if (effort != nullptr)
+    for (int i = 0; i < nv; ++i) pdot[i] += T::load(effort + i * N);
+  for (const ForcePlan::Spring& s : plan.springs) pdot[s.p] -= s.stiffness * (q[s.q] - s.rest);
+  for (const int b : plan.elements) add_elements(tree, b, t, q);
+  for (const int b : tree.driven_joints())
+    for (int lane = 0; lane < N; ++lane) {
+      double point[3];
+      motion_at(tree, b, t[lane], point);
+      pdot[tree.first_p(b)].set(lane, point[2]);
+    }
+}
+
+template <class T>
+void PackStepper<T>::advance(int n, const T* start, const T* rate, double weight, const T& h, T* sum, T* stage) noexcept {
+  for (int i = 0; i < n; ++i) {
+    sum[i] += weight * rate[i];
+    stage[i] = start[i] + h * rate[i];
+  }
+}
+
+template <class T>
+void PackStepper<T>::end_step(const Tree& tree, const double* t) noexcept {
+  for (const int b : tree.quaternion_joints()) {
+    const int nq = coordinates_of(tree, b), at = tree.first_q(b);
+    for (int lane = 0; lane < N; ++lane) {
+      double joint_q[7];
+      for (int i = 0; i < nq; ++i) joint_q[i] = q_[at + i][lane];
+      normalise_joint(tree, b, joint_q);
+      for (int i = 0; i < nq; ++i) q_[at + i].set(lane, joint_q[i]);
+    }
+  }
+  for (const int b : tree.driven_joints())
+    for (int lane = 0; lane < N; ++lane) {
+      double point[3];
+      motion_at(tree, b, t[lane], point);
+      q_[tree.first_q(b)].set(lane, point[0]), p_[tree.first_p(b)].set(lane, point[1]);
+    }
+}
+
+template <class T>
+void PackStepper<T>::step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept {
+  const int nq = tree.nq(), nv = tree.nv();
+  const T h = T::load(block.h), zero(0);
+  for (int i = 0; i < nq; ++i) q0_[i] = T::load(block.q + i * N), q_sum_[i] = zero;
+  for (int i = 0; i < nv; ++i) p0_[i] = T::load(block.p + i * N), p_sum_[i] = zero;
+  constexpr double weights[4] = {1, 2, 2, 1}, nodes[4] = {0.5, 0.5, 1, 0};
+  double t[N];
+  for (int stage = 0; stage < 4; ++stage) {
+    for (int lane = 0; lane < N; ++lane) t[lane] = block.time[lane] + (stage > 0 ? nodes[stage - 1] : 0.0) * block.h[lane];
+    evaluate(tree, plan, block.effort, t, stage > 0 ? q_.get() : q0_.get(), stage > 0 ? p_.get() : p0_.get());
+    const T to_next = nodes[stage] * h;
+    advance(nq, q0_.get(), work_.qdot.get(), weights[stage], to_next, q_sum_.get(), q_.get());
+    advance(nv, p0_.get(), work_.pdot.get(), weights[stage], to_next, p_sum_.get(), p_.get());
+  }
+  const T h6 = h / 6.0;
+  for (int i = 0; i < nq; ++i) q_[i] = q0_[i] + h6 * q_sum_[i];
+  for (int i = 0; i < nv; ++i) p_[i] = p0_[i] + h6 * p_sum_[i];
+  for (int lane = 0; lane < N; ++lane) t[lane] = block.time[lane] + block.h[lane];
+  end_step(tree, t);
+
+  using Mask = typename T::Mask;
+  Mask plausible = ~Mask{};
+  for (int i = 0; i < nq; ++i) plausible &= within(q_[i] - q0_[i], runaway);
+  T sum(0);  // 0·x is NaN for what is not finite
+  for (int i = 0; i < nv; ++i) sum += 0.0 * p_[i];
+  plausible &= within(sum, 0);
+  for (int lane = 0; lane < N; ++lane) {
+    if (block.h[lane] == 0)
+      plausible[lane] = 0;
+    else if (plausible[lane] != 0)
+      block.time[lane] = t[lane];
+    else
+      block.ran_away[lane] = 1;
+  }
+  for (int i = 0; i < nq; ++i) select(plausible, q_[i], q0_[i]).store(block.q + i * N);
+  for (int i = 0; i < nv; ++i) select(plausible, p_[i], p0_[i]).store(block.p + i * N);
+}
+
+}  // namespace momentree::batch

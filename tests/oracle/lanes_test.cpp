@@ -1,0 +1,124 @@
+// Evaluations of many worlds in lanes against the same one at a time: random trees of all kinds of joint in all variants, by
+// every instruction set that this CPU has.
+#include <cmath>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/batch/stepper.hpp>
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/joint/joint.hpp>
+#include <momentree/topology/change.hpp>
+#include <tests/oracle/random_model.hpp>
+
+using namespace momentree;
+using namespace momentree::oracle;
+
+namespace {
+
+// Breaks, locks and turns over what it can: every variant of every kind comes up.
+void rearrange(Prng& random, Tree& tree, State& state, Work<double>& work) {
+  for (int i = 0; i < 4; ++i) {
+    const int b = random.integer(0, tree.bodies() - 1);
+    const int what = random.integer(0, 2);
+    forward_dynamics(tree, state, work);
+    if (what == 0 && can_break(tree, {b}))
+      apply(Break{{b}}, tree, state, work);
+    else if (what == 1 && floats(tree, b))
+      apply(Reroot{{b}}, tree, state, work);
+    else
+      apply(Lock{{b}, 1u << random.integer(0, 2)}, tree, state, work);
+  }
+}
+
+struct Worst {
+  double q = 0, p = 0;  // of q̇ and v, and of ṗ: error over what is allowed
+};
+
+double largest(const double* a, int n) {
+  double most = 0;
+  for (int i = 0; i < n; ++i) most = std::fmax(most, std::fabs(a[i]));
+  return most;
+}
+
+// One tree at as many states as there are lanes.
+Worst compare(const Tree& tree, const State& middle, Prng& random, batch::Stepper& stepper, double epsilon) {
+  const int lanes = stepper.lanes(), nq = tree.nq(), nv = tree.nv();
+  const auto numbers = [&](int n) { return std::vector<double>(static_cast<std::size_t>(n * lanes)); };
+  auto q = numbers(nq), p = numbers(nv), qdot = numbers(nq), pdot = numbers(nv), v = numbers(nv);
+  for (int lane = 0; lane < lanes; ++lane) {
+    for (int i = 0; i < nq; ++i)
+      q[static_cast<std::size_t>(i * lanes + lane)] = middle.q()[static_cast<std::size_t>(i)] + random.uniform(-0.1, 0.1);
+    for (int i = 0; i < nv; ++i)
+      p[static_cast<std::size_t>(i * lanes + lane)] = middle.p()[static_cast<std::size_t>(i)] * random.uniform(0.5, 1.5);
+  }
+  if (epsilon > 1e-10)  // what floats are given, the scalar is given
+    for (auto* list : {&q, &p})
+      for (double& x : *list) x = static_cast<float>(x);
+  stepper.rates(tree, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
+  Work<double> work(tree);
+  std::vector<double> one_q(static_cast<std::size_t>(nq)), one_p(static_cast<std::size_t>(nv));
+  Worst worst;
+  for (int lane = 0; lane < lanes; ++lane) {
+    for (int i = 0; i < nq; ++i) one_q[static_cast<std::size_t>(i)] = q[static_cast<std::size_t>(i * lanes + lane)];
+    for (int i = 0; i < nv; ++i) one_p[static_cast<std::size_t>(i)] = p[static_cast<std::size_t>(i * lanes + lane)];
+    // Velocities are known to the condition of the mass matrix times the precision; so is what is made of them.
+    const double known = epsilon * velocity_resolution(tree, one_q) / 1e-16;
+    evaluate_rates<double>(tree, one_q.data(), one_p.data(), work);
+    const double speed = largest(work.v.get(), nv) + largest(work.qdot.get(), nq) + 1e-3;
+    const double rate = largest(work.pdot.get(), nv) + 1e-3;
+    const double allowed = std::fmax(1e4 * epsilon, 30 * known);
+    for (int i = 0; i < nv; ++i) {
+      const auto at = static_cast<std::size_t>(i * lanes + lane), here = static_cast<std::size_t>(i);
+      worst.q = std::fmax(worst.q, std::fabs(v[at] - work.v[here]) / (allowed * speed));
+      worst.p = std::fmax(worst.p, std::fabs(pdot[at] - work.pdot[here]) / (allowed * rate));
+      if (!std::isfinite(v[at] + pdot[at])) worst.q = HUGE_VAL;
+    }
+    for (int i = 0; i < nq; ++i) {
+      const auto at = static_cast<std::size_t>(i * lanes + lane), here = static_cast<std::size_t>(i);
+      worst.q = std::fmax(worst.q, std::fabs(qdot[at] - work.qdot[here]) / (allowed * speed));
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("a lane finds what the scalar finds, on trees of all kinds and variants") {
+  for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
+    if (!batch::available(isa)) {
+      MESSAGE("this CPU does not have instruction set number " << static_cast<int>(isa));
+      continue;
+    }
+    for (const Precision precision : {Precision::float64, Precision::float32}) {
+      const bool wide = precision == Precision::float64;
+      // 1e-12 is allowed in double. A float tree of light and heavy bodies knows little: short ones only.
+      const double epsilon = wide ? 1e-16 : 6e-8;
+      bool seen[9][5] = {};
+      Worst all;
+      for (std::uint64_t seed = 0; seed < 150; ++seed) {
+        const RandomTree random = random_tree(seed, {.max_bodies = wide ? 40 : 6, .drives = true});
+        Tree tree(random.model);
+        Prng draw(seed + 500);
+        Work<double> work(tree);
+        State state = start_state(random.model, tree);
+        if (seed % 2 == 1) rearrange(draw, tree, state, work);
+        for (const Segment& s : tree.segments()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
+        const auto stepper = batch::make_stepper(isa, precision, tree);
+        const Worst worst = compare(tree, state, draw, *stepper, epsilon);
+        CAPTURE(seed);
+        CHECK(worst.q <= 1);
+        CHECK(worst.p <= 1);
+        all = {std::fmax(all.q, worst.q), std::fmax(all.p, worst.p)};
+      }
+      MESSAGE("instruction set " << static_cast<int>(isa) << (wide ? ", double" : ", float") << ": worst of velocities " << all.q
+                                 << " of what is allowed, of momenta's rates " << all.p);
+      int combinations = 0;
+      for (const auto& kind : seen)
+        for (const bool variant : kind) combinations += variant ? 1 : 0;
+      CHECK(combinations >= (wide ? 25 : 18));
+    }
+  }
+}
