@@ -8,6 +8,8 @@ namespace {
 namespace rb = RigidBodyDynamics;
 using namespace peers;
 
+rb::Math::Vector3d vec(const Vector3d& a) { return {a.x(), a.y(), a.z()}; }
+
 struct Forward : Evaluator {
   explicit Forward(const EvaluationModel& m) : n(m.links.size()), q(n), u(n), effort(n), found(n) {
     model.gravity = rb::Math::Vector3d(0, 0, gravity);
@@ -15,8 +17,11 @@ struct Forward : Evaluator {
     const rb::Joint pin(rb::Math::SpatialVector(0, 0, 1, 0, 0, 0));
     std::vector<unsigned> numbers;
     for (const Link& link : m.links) {
-      const rb::Body body(link.mass, link.com, Matrix3d(link.inertia.asDiagonal()));
-      const rb::Math::SpatialTransform place(link.turn.transpose(), link.at);
+      const rb::Math::Matrix3d inertia(link.inertia.x(), 0, 0, 0, link.inertia.y(), 0, 0, 0, link.inertia.z());
+      const rb::Body body(link.mass, vec(link.com), inertia);
+      const Matrix3d& R = link.turn;
+      const rb::Math::Matrix3d to_body(R(0, 0), R(1, 0), R(2, 0), R(0, 1), R(1, 1), R(2, 1), R(0, 2), R(1, 2), R(2, 2));
+      const rb::Math::SpatialTransform place(to_body, vec(link.at));
       numbers.push_back(model.AddBody(link.parent < 0 ? 0 : numbers[link.parent], place, pin, body, link.name));
       places.push_back(static_cast<int>(model.mJoints[numbers.back()].q_index));
     }
