@@ -36,7 +36,6 @@ bool Agenda::watching(const World& world) const {
 
 // Joints come and go, and with them their strengths; of those that stay, what is known of their loads stays.
 void Agenda::renew_strengths(const World& world) {
-  if (strengths_of_ == world.tree().revision()) return;
   strengths_of_ = world.tree().revision();
   if (strengths_.empty() && world.tree().strength_joints().empty()) return;
   const std::vector<Strength> now = strengths(world);
@@ -57,7 +56,7 @@ void Agenda::renew_strengths(const World& world) {
 }
 
 std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Event> now) {
-  renew_strengths(world);
+  if (strengths_of_ != world.tree().revision()) renew_strengths(world);
   std::optional<std::size_t> first, load;
   double largest = 0;
   for (std::size_t k = 0; k < count(); ++k) {
@@ -88,7 +87,7 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
 
 std::span<const Watch> Agenda::watches(const World& world) {
   watches_.clear();
-  renew_strengths(world);
+  if (strengths_of_ != world.tree().revision()) renew_strengths(world);
   for (std::size_t k = 0; k < count(); ++k) {
     const Entry& e = at(k);
     if (!e.condition || e.done) continue;

@@ -6,10 +6,11 @@
 namespace momentree {
 
 std::optional<double> Condition::value(const World& world, std::span<const Event> now) const {
-  if (what->is_impulsive()) return what->value(world, now);
   const Stamp stamp = world.stamp();
-  if (!(seen_ == stamp)) last_ = what->value(world, now), seen_ = stamp;
-  return last_;
+  if (seen_ == stamp) return last_;
+  if (what->is_impulsive()) return what->value(world, now);
+  seen_ = stamp;
+  return last_ = what->value(world, now);
 }
 
 std::optional<double> Condition::excess(const World& world, std::span<const Event> now) const {

@@ -13,9 +13,12 @@ struct Load : Quantity {
   bool is_load() const override { return true; }
   virtual std::optional<double> of(const Wrench& wrench) const = 0;
   std::optional<double> value(const World& world, std::span<const Event>) const override {
-    const int number = world.find_joint(joint);
+    const int number = world.find_joint(joint, number_);
     return number < 0 ? std::nullopt : of(world.reaction({number}));
   }
+
+ private:
+  mutable std::atomic<int> number_ = -1;  // a condition may be shared by worlds in several threads
 };
 
 }  // namespace momentree::quantities

@@ -1,5 +1,6 @@
 #pragma once
 // What joints and mechanisms are called, whatever became of the topology that they were given in.
+#include <atomic>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -22,6 +23,15 @@ class Names {
   const std::string& joint(int number) const { return joints_[at(number)]; }
   /// Number of the present joint of that name, −1 if there is none.
   int find_joint(std::string_view name) const;
+  /// The same for who asks again and again: `number`, −1 at first, remembers what was found, and is right as long as that joint
+  /// is called so.
+  int find_joint(std::string_view name, std::atomic<int>& number) const {
+    const int last = number.load(std::memory_order_relaxed);
+    if (last >= 0 && at(last) < joints_.size() && joints_[at(last)] == name) return last;
+    const int found = find_joint(name);
+    number.store(found, std::memory_order_relaxed);
+    return found;
+  }
   const std::string& mechanism(int root) const { return mechanisms_[at(root)]; }
 
   /// What a free root joint of that body, joint `number`, would be called.

@@ -13,11 +13,14 @@ struct OneFreedom : Quantity {
   std::vector<std::string> joints() const override { return {joint}; }
   virtual double of(double position, double speed) const = 0;
   std::optional<double> value(const World& world, std::span<const Event>) const override {
-    const int number = world.find_joint(joint);
+    const int number = world.find_joint(joint, number_);
     if (number < 0) return std::nullopt;
     const std::optional<std::pair<double, double>> state = world.one_freedom({number});
     return state ? std::optional(of(state->first, state->second)) : std::nullopt;
   }
+
+ private:
+  mutable std::atomic<int> number_ = -1;  // a condition may be shared by worlds in several threads
 };
 
 }  // namespace momentree::quantities

@@ -115,6 +115,7 @@ class World {
   std::optional<std::pair<double, double>> one_freedom(Body number) const;
   /// Number of the present joint of that name, −1 if there is none.
   int find_joint(std::string_view name) const { return names_.find_joint(name); }
+  int find_joint(std::string_view name, std::atomic<int>& number) const { return names_.find_joint(name, number); }
   /// Another one whenever anything of the state or the topology has changed.
   Stamp stamp() const { return state_.stamp(); }
   Totals totals() const;
