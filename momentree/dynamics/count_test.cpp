@@ -71,7 +71,7 @@ long step_operations() {
   Counted u(0), pdot(0);
   Counted::operations() = {};
   PinSteps::inboard<S, Gravity, false>(link, c, s, p, false, false, in, record);
-  PinSteps::outboard<S, Gravity, false>(link, c, s, record, p, false, out, u, pdot, nullptr);
+  PinSteps::outboard<S, Gravity, false>(link, c, s, record, p, false, out, u, pdot, static_cast<BodySweep<Counted>*>(nullptr));
   return Counted::operations().total();
 }
 
