@@ -193,8 +193,9 @@ TEST_CASE("a joint's own function is as good as a signal, sees the world, and go
   REQUIRE(told.run_until(0.5) == Status::ok);
   REQUIRE(asked.run_until(0.5) == Status::ok);
   CHECK(calls >= 200);
-  CHECK(told.world().joint({1}).q[0] == asked.world().joint({1}).q[0]);
-  CHECK(told.energy().work == asked.energy().work);
+  // Where a function may ask for bodies other kernels evaluate the stages, which round otherwise.
+  CHECK(std::fabs(told.world().joint({1}).q[0] - asked.world().joint({1}).q[0]) < 1e-13);
+  CHECK(std::fabs(told.energy().work - asked.energy().work) < 1e-13);
 
   // What a moment says of bodies is what the world says of them.
   BodyMotion seen;

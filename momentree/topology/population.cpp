@@ -36,20 +36,21 @@ Body apply(const Add& change, Tree& tree, State& state, const Work<double>& work
   MT_REQUIRE(spec.q.size() == kind.nq && spec.v.size() == kind.nv, "coordinates and velocities are given");
   const int outer = spec.parent.index;
   Motion<double> motion{};
-  Mat3 turn = identity3<double>();
   if (outer >= 0) {
     MT_REQUIRE(tree.alive(outer), "the parent is there");
-    motion = work.motions[static_cast<std::size_t>(outer)].velocity;
-    turn = tree.frame(outer).R;
+    const KernelFrame& frame = tree.frame(outer);
+    const Motion<double>& own = work.motions[static_cast<std::size_t>(outer)].velocity;
+    motion = {frame.R * own.v, frame.R * own.w};
+    motion.v += cross(frame.r, motion.w);
   }
   const int nq = tree.nq(), nv = tree.nv();
   const int b = tree.add(spec);
   const double none[6] = {};
   state.replace(nq, 0, {spec.q.begin(), static_cast<std::size_t>(kind.nq)}, nv, 0, {none, static_cast<std::size_t>(kind.nv)},
                 tree.revision());
-  if (outer >= 0) {  // the first child of a body may turn its kernel frame about the joint
-    const Mat3 R = transpose(tree.frame(outer).R) * turn;
-    motion = {R * motion.v, R * motion.w};
+  if (outer >= 0) {  // the first child of a body may turn its kernel frame about the joint, and slide it along the axis
+    const KernelFrame& frame = tree.frame(outer);
+    motion = {transpose_times(frame.R, motion.v + cross(motion.w, frame.r)), transpose_times(frame.R, motion.w)};
   }
   const State::Edit edit = state.edit();
   add_momentum(tree, edit.q.data(), b, motion, spec.v.begin(), edit.p.data());
