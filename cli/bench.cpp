@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
+#include <cli/bench_peers.hpp>
 #include <cli/bench_tables.hpp>
 #include <cli/commands.hpp>
 #include <cli/interrupt.hpp>
@@ -13,7 +15,7 @@ namespace momentree::cli {
 namespace {
 
 const char* const peers_hint =
-    "Other engines on the same models: programs in bench/peers of the sources, for those that CMake finds\n"
+    "Other engines on the same models: --peers BUILD/bench/peers, with programs for those engines that CMake finds\n"
     "(-DMOMENTREE_PEERS=ON; bench/peers/README.md).\n";
 
 void print(const std::string& text) {
@@ -77,6 +79,55 @@ bool print_times(double budget, const Style& style) {
   return true;
 }
 
+std::vector<PeerRow> measure_peers(const std::vector<std::string>& programs) {
+  std::vector<PeerRow> rows;
+  for (const std::string& program : programs) {
+    if (InterruptGuard::interrupted()) break;
+    peer_evaluations(program, [&](const PeerRow& row) {
+      rows.push_back(row);
+      return !InterruptGuard::interrupted();
+    });
+  }
+  return rows;
+}
+
+/// A column for each model, a row for each way of an engine, the first of them ours.
+void print_peers(const std::vector<PeerRow>& rows, const Style& style) {
+  std::vector<std::string> models;
+  std::vector<std::vector<const PeerRow*>> ways;
+  for (const PeerRow& row : rows) {
+    if (std::ranges::find(models, row.model) == models.end()) models.push_back(row.model);
+    const bool known = std::ranges::any_of(ways, [&](auto& way) {
+      const bool same = way[0]->engine == row.engine && way[0]->way == row.way;
+      if (same) way.push_back(&row);
+      return same;
+    });
+    if (!known) ways.push_back({&row});
+  }
+  const auto time_of = [](const std::vector<const PeerRow*>& way, const std::string& model) {
+    const auto at = std::ranges::find(way, model, &PeerRow::model);
+    return at == way.end() ? 0.0 : (*at)->ns_per_body;
+  };
+  Table table;
+  std::vector<std::string> head{""};
+  head.insert(head.end(), models.begin(), models.end());
+  table.row(head);
+  for (const auto& way : ways) {
+    std::vector<std::string> cells{way[0]->engine + ", " + way[0]->way};
+    for (const std::string& model : models) {
+      const double time = time_of(way, model), ours = time_of(ways[0], model);
+      std::string cell = time > 0 ? format("%.0f", time) : "";
+      if (&way != ways.data() && time > 0 && ours > 0) cell += format(" (%.1f)", time / ours);
+      cells.push_back(cell);
+    }
+    table.row(cells);
+  }
+  print(style.heading("Other engines") +
+        " (grounded pins and a floating humanoid, with gravity: from positions and velocities, ours from momenta, to what a step "
+        "needs; ns per body, and how many times the first row; accelerations of all checked)\n" +
+        table.text("  ") + '\n');
+}
+
 void write(io::JsonWriter& json, const OperationsRow& row) {
   json.begin_object().member("algorithm", row.algorithm).member("additions", row.additions);
   json.member("multiplications", row.multiplications).member("total", row.total).key("of_100");
@@ -85,7 +136,7 @@ void write(io::JsonWriter& json, const OperationsRow& row) {
 }
 
 /// One document; false if interrupted.
-bool print_json(const BenchOptions& options, double memory) {
+bool print_json(const BenchOptions& options, double memory, const std::vector<std::string>& peers) {
   std::string text;
   io::JsonWriter json(text, 2);
   const auto go_on = [] { return !InterruptGuard::interrupted(); };
@@ -118,30 +169,49 @@ bool print_json(const BenchOptions& options, double memory) {
   });
   json.end_array().key("bytes_per_body");
   memory > 0 ? json.value(memory) : json.null();
+  if (!peers.empty()) {
+    json.key("peers").begin_array();
+    for (const PeerRow& row : measure_peers(peers)) {
+      json.begin_object().member("engine", row.engine).member("way", row.way).member("model", row.model);
+      json.member("ns_per_body", row.ns_per_body).member("imbalance", row.imbalance).end_object();
+    }
+    json.end_array();
+  }
   json.end_object();
   if (go_on()) print(text + '\n');
   return go_on();
 }
 
-int measure(const BenchOptions& options) {
+int measure(const BenchOptions& options, const std::vector<std::string>& peers) {
   const InterruptGuard guard;
   const double memory = bytes_per_body();  // first, while nothing that was freed is there to be used again
-  if (options.json) return print_json(options, memory) ? done : interrupted;
+  if (options.json) return print_json(options, memory, peers) ? done : interrupted;
   const Style style = Style::of_output();
   print_operations(style);
   print_breaking_chain(breaking_chain(options.repeats), style);
   if (InterruptGuard::interrupted() || !print_times(options.budget, style)) return interrupted;
   print(style.heading("Memory") + ": " +
         (memory > 0 ? format("%.0f bytes per body", memory) : std::string("not told by this system")) +
-        " (Tree, State and Work of a chain of pins, without names)\n\n" + peers_hint);
+        " (Tree, State and Work of a chain of pins, without names)\n\n" + (peers.empty() ? peers_hint : ""));
+  if (peers.empty()) return done;
+  const std::vector<PeerRow> rows = measure_peers(peers);
+  if (InterruptGuard::interrupted()) return interrupted;
+  print_peers(rows, style);
   return done;
 }
 
 }  // namespace
 
 int bench(const BenchOptions& options) {
+  std::vector<std::string> peers;
   try {
-    return measure(options);
+    if (!options.peers.empty()) peers = peer_programs(options.peers);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "momentree bench: %s\n", error.message().c_str());
+    return bad_input;
+  }
+  try {
+    return measure(options, peers);
   } catch (const Error& error) {  // no fault of the user's
     std::fprintf(stderr, "momentree bench: %s\n", error.message().c_str());
     return failed;

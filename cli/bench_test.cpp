@@ -1,14 +1,17 @@
 // The tables of `momentree bench`, with next to no time for each figure: what is in them, never how fast.
+#include <cli/bench_peers.hpp>
 #include <cli/bench_tables.hpp>
 
 #include <doctest/doctest.h>
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
 
+#include <momentree/base/error.hpp>
 #include <momentree/io/json_document.hpp>
 #include <momentree/io/test_support.hpp>
 
@@ -89,6 +92,40 @@ TEST_CASE("momentree bench: tables for people, one document for programs") {
   CHECK(json.root.find("evaluations")->items.size() == 10);
   CHECK(json.root.find("changes")->items.size() == 12);
   CHECK(json.root.find("breaking_chain")->find("change_ns")->number > 0);
+}
+
+TEST_CASE("momentree bench --peers: runs the programs of a folder, and believes nothing that failed") {
+  const io::test::TemporaryFolder folder;
+  const auto program = [&](const char* name, const std::string& script) {
+    std::ofstream(folder / name) << "#!/bin/sh\n" << script;
+    std::filesystem::permissions(folder / name, std::filesystem::perms::owner_all);
+    return folder / name;
+  };
+  CHECK_THROWS_AS(peer_programs(folder / "nothing"), Error);
+  const std::string line = R"({"model": "planar chain 10", "engine": "E 1", "way": "f", "imbalance": 1e-12, "ns_per_body": 250})";
+  const std::string good = program("peer-a", "[ \"$1\" = evaluate ] && echo '" + line + "' && echo '" + line + "'\n");
+  const std::string ours = program("peer-momentree", "echo '" + line + "'\n");
+  program("other", "exit 1\n");
+  CHECK(peer_programs(folder / "") == std::vector{ours, good});
+  std::vector<PeerRow> rows;
+  const auto keep = [&](const PeerRow& row) { return rows.push_back(row), true; };
+  peer_evaluations(good, keep);
+  REQUIRE(rows.size() == 2);
+  CHECK(rows[1].engine == "E 1");
+  CHECK(rows[1].way == "f");
+  CHECK(rows[1].model == "planar chain 10");
+  CHECK(rows[1].ns_per_body == 250);
+  CHECK(rows[1].imbalance == 1e-12);
+  int count = 0;
+  peer_evaluations(program("endless", "while :; do echo '" + line + "'; done\n"), [&](const PeerRow&) { return ++count < 3; });
+  CHECK(count == 3);
+  CHECK_THROWS_AS(peer_evaluations(program("failing", "echo '" + line + "'; exit 1\n"), keep), Error);
+  CHECK_THROWS_AS(peer_evaluations(program("talking", "echo Welcome\n"), keep), Error);
+  CHECK_THROWS_AS(peer_evaluations(program("short", "echo '{\"model\": \"a\"}'\n"), keep), Error);
+  CHECK_THROWS_AS(peer_evaluations(folder / "missing", keep), Error);
+  CHECK(std::system(
+            ("'" MOMENTREE_PROGRAM "' bench --peers '" + (folder / "nothing") + "' 2>'" + (folder / "said") + "'").c_str()) ==
+        2 << 8);
 }
 
 }  // namespace momentree::cli

@@ -119,6 +119,8 @@ CommandLine::CommandLine() {
   CLI::App* bench_command =
       command("bench", "Measure this machine on the tables of the paper", [this] { return bench(bench_options); });
   bench_command->add_flag("--json", bench_options.json, "Print one JSON document and nothing else");
+  bench_command->add_option("--peers", bench_options.peers, "Run the programs peer-* in this folder, too: other engines")
+      ->type_name("FOLDER");
 
   not_yet("convert", "Turn a model file into another format");
   not_yet("compile", "Write code that is specialised for one topology");

@@ -174,9 +174,13 @@ std::vector<Way> ways(Change change) {
 
 struct Forward : Evaluator {
   explicit Forward(const EvaluationModel& m)
-      : model(m), tree(model.links, every(model.links)), n(static_cast<int>(model.links.size())), found(model.links.size()) {
+      : model(m), tree(model.links, every(model.links)), n(tree.mb->getNumLinks()), found(model.links.size()) {
     tree.mb->setMaxCoordinateVelocity(1e30);
-    for (int i = 0; i < n; ++i) weights.push_back(btVector3(0, 0, gravity * model.links[i].mass));
+    for (const Link& link : model.links) weights.push_back(btVector3(0, 0, gravity * link.mass));
+    const Link& root = model.links.front();
+    at_start = {root.turn, root.at, root.linear, root.angular};
+    omega = vec(root.angular), velocity = vec(centre_velocity(root, at_start));
+    if (m.floating()) tree.set_base(at_start, root);
   }
   static std::vector<int> every(const std::vector<Link>& links) {
     std::vector<int> all(links.size());
@@ -185,17 +189,30 @@ struct Forward : Evaluator {
   }
   void evaluate(const double* q, const double* u) override {
     btMultiBody& mb = *tree.mb;
-    for (int i = 0; i < n; ++i) mb.setJointPos(i, q[i]), mb.setJointVel(i, u[i]);
+    const int first = tree.first;
+    if (first > 0) mb.setBaseVel(velocity), mb.setBaseOmega(omega);
+    for (int i = 0; i < n; ++i) mb.setJointPos(i, q[i + first]), mb.setJointVel(i, u[i + first]);
     mb.clearForcesAndTorques();
-    for (int i = 0; i < n; ++i) mb.addLinkForce(i, weights[i]);
+    if (first > 0) mb.addBaseForce(weights[0]);
+    for (int i = 0; i < n; ++i) mb.addLinkForce(i, weights[i + first]);
     mb.computeAccelerationsArticulatedBodyAlgorithmMultiDof(1, scalars, vectors, matrices, false, false,
                                                             false);  // adds 1 s of it
-    for (int i = 0; i < n; ++i) found[i] = mb.getJointVel(i) - u[i];
+    for (int i = 0; i < n; ++i) found[i + first] = mb.getJointVel(i) - u[i + first];
   }
-  std::vector<double> accelerations() override { return found; }
+  std::vector<double> accelerations() override {
+    std::vector<double> a = found;
+    if (tree.first == 0) return a;
+    const Vector3d w = at_start.w, arm = at_start.R * model.links[0].com;
+    const Vector3d centre = vec(tree.mb->getBaseVel() - velocity), angular = vec(tree.mb->getBaseOmega() - omega);
+    const Vector3d linear = centre - angular.cross(arm) - w.cross(w.cross(arm));
+    for (const Vector3d& each : {linear, angular}) a.insert(a.end(), each.data(), each.data() + 3);
+    return a;
+  }
   EvaluationModel model;
   Tree tree;
   int n;
+  Motion at_start;
+  btVector3 omega, velocity;
   std::vector<double> found;
   std::vector<btVector3> weights;
   btAlignedObjectArray<btScalar> scalars;

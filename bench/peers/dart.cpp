@@ -125,28 +125,39 @@ std::vector<Way> ways(Change change) {
 }
 
 struct Forward : Evaluator {
-  explicit Forward(const EvaluationModel& model) : n(model.links.size()), q(n), u(n) {
+  explicit Forward(const EvaluationModel& model) : floating(model.floating()) {
     skeleton->setGravity(Vector3d(0, 0, gravity));
-    std::vector<dd::BodyNode*> nodes;
     for (const Link& link : model.links) {
       dd::BodyNode::Properties body;
       body.mName = link.name;
       body.mInertia.setMass(link.mass);
       body.mInertia.setLocalCOM(link.com);
       body.mInertia.setMoment(link.inertia.x(), link.inertia.y(), link.inertia.z(), 0, 0, 0);
+      dd::BodyNode* parent = link.parent < 0 ? nullptr : nodes[link.parent];
+      Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+      pose.linear() = link.turn;
+      pose.translation() = link.at;
+      if (link.free) {
+        const auto [joint, node] = skeleton->createJointAndBodyNodePair<dd::FreeJoint>(parent, {}, body);
+        joint->setTransform(pose);
+        joint->setSpatialVelocity((Eigen::Vector6d() << link.angular, link.linear).finished(), dd::Frame::World(),
+                                  dd::Frame::World());
+        nodes.push_back(node);
+        places.push_back(static_cast<int>(joint->getIndexInSkeleton(0)));
+        continue;
+      }
       dd::RevoluteJoint::Properties pin;
       pin.mName = link.name;
       pin.mAxis = Vector3d::UnitZ();
-      pin.mT_ParentBodyToJoint.linear() = link.turn;
-      pin.mT_ParentBodyToJoint.translation() = link.at;
-      dd::BodyNode* parent = link.parent < 0 ? nullptr : nodes[link.parent];
+      pin.mT_ParentBodyToJoint = pose;
       const auto [joint, node] = skeleton->createJointAndBodyNodePair<dd::RevoluteJoint>(parent, pin, body);
       nodes.push_back(node);
       places.push_back(static_cast<int>(joint->getIndexInSkeleton(0)));
     }
+    q = skeleton->getPositions(), u = skeleton->getVelocities();
   }
   void evaluate(const double* from_q, const double* from_u) override {
-    for (std::size_t i = 0; i < n; ++i) q[places[i]] = from_q[i], u[places[i]] = from_u[i];
+    for (std::size_t i = floating ? 1 : 0; i < places.size(); ++i) q[places[i]] = from_q[i], u[places[i]] = from_u[i];
     skeleton->setPositions(q);
     skeleton->setVelocities(u);
     skeleton->computeForwardDynamics();
@@ -154,9 +165,14 @@ struct Forward : Evaluator {
   std::vector<double> accelerations() override {
     std::vector<double> a;
     for (const int place : places) a.push_back(skeleton->getAcceleration(place));
+    if (!floating) return a;
+    a[0] = 0;
+    const Vector3d linear = nodes[0]->getLinearAcceleration(), angular = nodes[0]->getAngularAcceleration();
+    for (const Vector3d& each : {linear, angular}) a.insert(a.end(), each.data(), each.data() + 3);
     return a;
   }
-  std::size_t n;
+  bool floating;
+  std::vector<dd::BodyNode*> nodes;
   dd::SkeletonPtr skeleton = dd::Skeleton::create("model");
   std::vector<int> places;
   Eigen::VectorXd q, u;

@@ -129,64 +129,72 @@ std::vector<Way> ways(Change change) {
 /// Momenta are the state: those of the velocities are found outside the time, as a step would have left them.
 struct Rates : Evaluator {
   explicit Rates(const EvaluationModel& m) : model(model_of(m.links, gravity)), tree(mt::compile(model)), work(tree) {
-    for (const Link& link : m.links) rate.push_back(link.rate);
-    n = m.links.size();
+    for (mt::State& state : states) state = start_state(model, tree);
+    first = m.floating() ? 1 : 0;
   }
   void evaluate(const double* q, const double* u) override {
-    const int k = q == seen[0] ? 0 : q == seen[1] ? 1 : remember(q, u);
-    evaluate_rates(tree, q, momenta[k].data(), work);
-    last = k;
+    last = turn_of(q, u);
+    evaluate_rates(tree, put(last, q), states[last].p().data(), work);
   }
-  int remember(const double* q, const double* u) {
+  /// Which of the two states has these momenta, and their coordinates, set.
+  int turn_of(const double* q, const double* u) {
+    if (q == seen[0]) return 0;
+    if (q == seen[1]) return 1;
     const int k = count++ % 2;
     seen[k] = q;
-    momenta[k].resize(n);
-    project_momentum(tree, q, u, momenta[k].data());
+    const double* coordinates = put(k, q);
+    std::vector<double> v(static_cast<std::size_t>(tree.nv()));
+    if (first > 0) std::copy(model.bodies()[0].v.begin(), model.bodies()[0].v.end(), v.begin());
+    for (int b = first; b < tree.bodies(); ++b) v[tree.first_p(b)] = u[b];
+    project_momentum(tree, coordinates, v.data(), states[k].edit().p.data());
     return k;
+  }
+  const double* put(int k, const double* q) {
+    const auto coordinates = states[k].edit().q;
+    for (int b = first; b < tree.bodies(); ++b) coordinates[tree.first_q(b)] = q[b];
+    return coordinates.data();
   }
   /// By another way: of the state that the momenta are.
   std::vector<double> accelerations() override {
-    mt::State state = start_state(model, tree);
-    const auto edit = state.edit();
-    std::copy_n(seen[last], n, edit.q.begin());
-    std::copy(momenta[last].begin(), momenta[last].end(), edit.p.begin());
     mt::Work<double> other(tree);
-    accelerate(tree, state, other);
-    std::vector<double> a(n);
+    accelerate(tree, states[last], other);
     double worst = 0, largest = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      a[i] = other.a[i];
+    for (int i = 0; i < tree.nv(); ++i) {
       for (const auto& [x, y] : {std::pair(work.v[i], other.v[i]), std::pair(work.pdot[i], other.pdot[i])}) {
         worst = std::max(worst, std::abs(x - y)), largest = std::max(largest, std::abs(y));
       }
     }
     if (!(worst < 1e-7 * largest)) std::fprintf(stderr, "momentree: two ways of an evaluation differ\n"), std::exit(1);
+    return read(other);
+  }
+  std::vector<double> read(const mt::Work<double>& found) const {
+    std::vector<double> a(static_cast<std::size_t>(tree.bodies()));
+    for (int b = first; b < tree.bodies(); ++b) a[b] = found.a[tree.first_p(b)];
+    if (first == 0) return a;
+    const double *v = found.v.get(), *rate = found.a.get(), *q = states[last].q().data();  // along the body's axes
+    const Matrix3d turn = Eigen::Quaterniond(q[3], q[4], q[5], q[6]).toRotationMatrix();
+    const Matrix3d R = mat(rotation_matrix(model.bodies()[0].at.rotation)) * turn;
+    const Vector3d linear = R * (Vector3d(rate) + Vector3d(v + 3).cross(Vector3d(v))), angular = R * Vector3d(rate + 3);
+    for (const Vector3d& each : {linear, angular}) a.insert(a.end(), each.data(), each.data() + 3);
     return a;
   }
   mt::Model model;
   mt::Tree tree;
   mt::Work<double> work;
-  std::vector<double> rate, momenta[2];
+  mt::State states[2];
   const double* seen[2] = {nullptr, nullptr};
-  std::size_t n = 0;
-  int count = 0, last = 0;
+  int count = 0, last = 0, first = 0;
 };
 
 /// The same, and accelerations and the wrenches in all joints after it.
 struct Accelerations : Rates {
-  explicit Accelerations(const EvaluationModel& m) : Rates(m) {
-    for (mt::State& state : states) state = start_state(model, tree);
-  }
+  using Rates::Rates;
   void evaluate(const double* q, const double* u) override {
-    const int k = q == seen[0] ? 0 : q == seen[1] ? 1 : remember(q, u);
-    const auto edit = states[k].edit();
-    std::copy_n(q, n, edit.q.begin());
-    std::copy(momenta[k].begin(), momenta[k].end(), edit.p.begin());
-    accelerate(tree, states[k], work);
-    last = k;
+    last = turn_of(q, u);
+    put(last, q);
+    accelerate(tree, states[last], work);
   }
-  std::vector<double> accelerations() override { return {work.a.get(), work.a.get() + n}; }
-  mt::State states[2];
+  std::vector<double> accelerations() override { return read(work); }
 };
 
 }  // namespace

@@ -141,17 +141,20 @@ std::vector<Way> ways(Change change) {
 
 /// What of mj_forward finds free accelerations: positions, inertias, bias, and a solution with the factorised mass matrix.
 struct Forward : Evaluator {
-  explicit Forward(const EvaluationModel& m) : model(m.links, -1, ""), n(m.links.size()), bias(n) {
+  explicit Forward(const EvaluationModel& m) : model(m.links, -1, ""), first(m.floating() ? 1 : 0), bias(model.model->nv) {
     model.model->opt.gravity[2] = gravity;
     for (const Link& link : m.links) {
       place.push_back(static_cast<int>(model.q(link) - model.data->qpos));
       row.push_back(static_cast<int>(model.v(link) - model.data->qvel));
     }
+    const Link& root = m.links.front();
+    turn = root.turn;
+    if (root.free) Engine::put(model, root, {root.turn, root.at, root.linear, root.angular});
   }
   void evaluate(const double* q, const double* u) override {
     const mjModel* m = model.model;
     mjData* d = model.data;
-    for (std::size_t i = 0; i < n; ++i) d->qpos[place[i]] = q[i], d->qvel[row[i]] = u[i];
+    for (std::size_t i = first; i < row.size(); ++i) d->qpos[place[i]] = q[i], d->qvel[row[i]] = u[i];
     mj_kinematics(m, d);
     mj_comPos(m, d);
     mj_crb(m, d);
@@ -164,10 +167,17 @@ struct Forward : Evaluator {
   std::vector<double> accelerations() override {
     std::vector<double> a;
     for (const int r : row) a.push_back(model.data->qacc[r]);
+    if (first == 0) return a;
+    a[0] = 0;
+    const double* found = model.data->qacc;  // along the world's axes, then along the body's
+    const Vector3d angular = turn * Vector3d(found[3], found[4], found[5]);
+    a.insert(a.end(), found, found + 3);
+    a.insert(a.end(), angular.data(), angular.data() + 3);
     return a;
   }
   Model model;
-  std::size_t n;
+  std::size_t first;  // the first pin
+  Matrix3d turn;
   std::vector<int> place, row;
   std::vector<double> bias;
 };

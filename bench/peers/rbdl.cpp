@@ -11,32 +11,50 @@ using namespace peers;
 rb::Math::Vector3d vec(const Vector3d& a) { return {a.x(), a.y(), a.z()}; }
 
 struct Forward : Evaluator {
-  explicit Forward(const EvaluationModel& m) : n(m.links.size()), q(n), u(n), effort(n), found(n) {
+  explicit Forward(const EvaluationModel& m) : n(m.links.size()), floating(m.floating()) {
     model.gravity = rb::Math::Vector3d(0, 0, gravity);
-    effort.setZero();
-    const rb::Joint pin(rb::Math::SpatialVector(0, 0, 1, 0, 0, 0));
+    const rb::Joint pin(rb::Math::SpatialVector(0, 0, 1, 0, 0, 0)), base(rb::JointTypeFloatingBase);
     std::vector<unsigned> numbers;
     for (const Link& link : m.links) {
       const rb::Math::Matrix3d inertia(link.inertia.x(), 0, 0, 0, link.inertia.y(), 0, 0, 0, link.inertia.z());
       const rb::Body body(link.mass, vec(link.com), inertia);
       const Matrix3d& R = link.turn;
       const rb::Math::Matrix3d to_body(R(0, 0), R(1, 0), R(2, 0), R(0, 1), R(1, 1), R(2, 1), R(0, 2), R(1, 2), R(2, 2));
-      const rb::Math::SpatialTransform place(to_body, vec(link.at));
-      numbers.push_back(model.AddBody(link.parent < 0 ? 0 : numbers[link.parent], place, pin, body, link.name));
+      const rb::Math::SpatialTransform place =
+          link.free ? rb::Math::SpatialTransform() : rb::Math::SpatialTransform(to_body, vec(link.at));
+      const rb::Joint& joint = link.free ? base : pin;
+      numbers.push_back(model.AddBody(link.parent < 0 ? 0 : numbers[link.parent], place, joint, body, link.name));
       places.push_back(static_cast<int>(model.mJoints[numbers.back()].q_index));
     }
+    q = rb::Math::VectorNd::Zero(model.q_size);
+    u = effort = found = rb::Math::VectorNd::Zero(model.qdot_size);
+    if (!floating) return;
+    const Link& root = m.links.front();
+    turn = root.turn;
+    const Eigen::Quaterniond to_world(turn);
+    q.head<3>() = root.at;
+    model.SetQuaternion(numbers[0], rb::Math::Quaternion(to_world.x(), to_world.y(), to_world.z(), to_world.w()), q);
+    u.head<3>() = root.linear;
+    u.segment<3>(3) = turn.transpose() * root.angular;
   }
   void evaluate(const double* from_q, const double* from_u) override {
-    for (std::size_t i = 0; i < n; ++i) q[places[i]] = from_q[i], u[places[i]] = from_u[i];
+    for (std::size_t i = floating ? 1 : 0; i < n; ++i) q[places[i]] = from_q[i], u[places[i]] = from_u[i];
     rb::ForwardDynamics(model, q, u, effort, found);
   }
   std::vector<double> accelerations() override {
     std::vector<double> a;
     for (const int place : places) a.push_back(found[place]);
+    if (!floating) return a;
+    a[0] = 0;
+    const Vector3d angular = turn * Vector3d(found.segment<3>(3));  // translations along the world's axes, turns along the body's
+    a.insert(a.end(), found.data(), found.data() + 3);
+    a.insert(a.end(), angular.data(), angular.data() + 3);
     return a;
   }
   rb::Model model;
   std::size_t n;
+  bool floating;
+  Matrix3d turn;
   rb::Math::VectorNd q, u, effort, found;
   std::vector<int> places;
 };

@@ -174,30 +174,39 @@ struct Forward : Evaluator {
       : system(model.links, -1),
         forces(system.system),
         fall(forces, system.matter, st::Vec3(0, 0, gravity)),
-        n(model.links.size()) {
+        first(model.floating() ? 1 : 0) {
     system.state = system.system.realizeTopology();
     system.system.realizeModel(system.state);
     for (st::MobilizedBody& body : system.bodies) {
       places.push_back(body.getFirstQIndex(system.state));
       rows.push_back(body.getFirstUIndex(system.state));
     }
+    if (first == 0) return;
+    const Link& root = model.links.front();
+    system.bodies[0].setQToFitTransform(system.state, st::Transform(mat(root.turn), vec(root.at)));
+    system.system.realize(system.state, st::Stage::Position);
+    system.bodies[0].setUToFitVelocity(system.state, st::SpatialVec(vec(root.angular), vec(root.linear)));
   }
   void evaluate(const double* from_q, const double* from_u) override {
     st::Vector& q = system.state.updQ();
-    for (std::size_t i = 0; i < n; ++i) q[places[i]] = from_q[i];
+    for (std::size_t i = first; i < places.size(); ++i) q[places[i]] = from_q[i];
     st::Vector& u = system.state.updU();
-    for (std::size_t i = 0; i < n; ++i) u[rows[i]] = from_u[i];
+    for (std::size_t i = first; i < rows.size(); ++i) u[rows[i]] = from_u[i];
     system.system.realize(system.state, st::Stage::Acceleration);
   }
   std::vector<double> accelerations() override {
     std::vector<double> a;
     for (const int row : rows) a.push_back(system.state.getUDot()[row]);
+    if (first == 0) return a;
+    a[0] = 0;
+    const st::SpatialVec root = system.bodies[0].getBodyAcceleration(system.state);
+    for (const st::Vec3& each : {root[1], root[0]}) a.insert(a.end(), &each[0], &each[0] + 3);
     return a;
   }
   System system;
   st::GeneralForceSubsystem forces;
   st::Force::UniformGravity fall;
-  std::size_t n;
+  std::size_t first;  // the first pin
   std::vector<int> places, rows;
 };
 
