@@ -66,8 +66,10 @@ CommandLine::CommandLine() {
   app.require_subcommand(0, 1);
   app.allow_extras();
 
-  CLI::App* run_command = command("run", "Run a scenario and write its results", [this] { return run(run_options); });
-  run_command->add_option("scenario", run_options.scenario, "A scenario file (.toml)")->required()->type_name("SCENARIO");
+  CLI::App* run_command = command("run", "Run a scenario or a model and write the results", [this] { return run(run_options); });
+  run_command->add_option("scenario", run_options.scenario, "A scenario (.toml) or a model (.urdf)")
+      ->required()
+      ->type_name("SCENARIO|MODEL");
   run_command->add_option("--out", run_options.out, "Where the results go; default results/ and the scenario's name")
       ->type_name("DIR");
   overrides(run_command, run_options.overrides);
@@ -83,14 +85,14 @@ CommandLine::CommandLine() {
   run_command->add_flag("--json", run_options.json, "Print summary.json and nothing else");
 
   CLI::App* check_command =
-      command("check", "Say what is wrong with scenario files, as file:line:col", [this] { return check(files); });
-  check_command->add_option("files", files, "Scenario files (.toml)")->required()->type_name("FILE");
+      command("check", "Say what is wrong with scenarios and models, as file:line:col", [this] { return check(files); });
+  check_command->add_option("files", files, "Scenarios (.toml) or models (.urdf)")->required()->type_name("FILE");
 
-  CLI::App* evaluate_command =
-      command("evaluate", "Evaluate a scenario once, at its start or at a state", [this] { return evaluate(evaluate_options); });
-  evaluate_command->add_option("scenario", evaluate_options.scenario, "A scenario file (.toml)")
+  CLI::App* evaluate_command = command("evaluate", "Evaluate a scenario or a model once, at its start or at a state",
+                                       [this] { return evaluate(evaluate_options); });
+  evaluate_command->add_option("scenario", evaluate_options.scenario, "A scenario (.toml) or a model (.urdf)")
       ->required()
-      ->type_name("SCENARIO");
+      ->type_name("SCENARIO|MODEL");
   evaluate_command->add_option("--state", evaluate_options.state, "A state document, such as the final.json of a run")
       ->type_name("STATE.json");
   overrides(evaluate_command, evaluate_options.overrides);
@@ -98,13 +100,15 @@ CommandLine::CommandLine() {
 
   CLI::App* explain_command = command("explain", "Draw the tree in the terminal, with masses and degrees of freedom",
                                       [this] { return explain(explain_options); });
-  explain_command->add_option("scenario", explain_options.scenario, "A scenario file (.toml)")->required()->type_name("SCENARIO");
+  explain_command->add_option("scenario", explain_options.scenario, "A scenario (.toml) or a model (.urdf)")
+      ->required()
+      ->type_name("SCENARIO|MODEL");
   overrides(explain_command, explain_options.overrides);
 
   CLI::App* view_command = command("view", "Draw a run as a picture", [this] { return view(view_options); });
-  view_command->add_option("source", view_options.source, "A result directory of `momentree run`, or a scenario")
+  view_command->add_option("source", view_options.source, "A result directory of `momentree run`, or a scenario or model")
       ->required()
-      ->type_name("DIR|SCENARIO");
+      ->type_name("DIR|SCENARIO|MODEL");
   view_command->add_option("--svg", view_options.svg, "Write the picture to this file")->type_name("FILE");
   view_command->add_option("--every", view_options.every, "Time between frames in seconds; default 0.2, or what suits the run")
       ->type_name("T");

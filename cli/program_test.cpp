@@ -282,7 +282,7 @@ TEST_CASE("usage") {
   refused("run --untl 1 s.toml", "did you mean '--until'?");
   refused("run", "required");
   refused("run none.toml", "none.toml");
-  refused("run robot.urdf", "not supported yet");
+  refused("run robot.urdf", "robot.urdf: error: there is no such file");
   refused("run s.toml --report", "--report");
   refused("run s.toml --format hdf5", "not supported yet");
   refused("run s.toml --format cvs", "unknown format");
@@ -317,6 +317,40 @@ TEST_CASE("check, explain, evaluate, view") {
   CHECK(here.call("view s.toml --svg s.svg --every 0.1 --look 0,0,-1").code == 0);
   CHECK(here.text("s.svg") == here.text("r.svg"));
   CHECK_FALSE(here.has("results"));
+}
+
+TEST_CASE("every command takes a model without a scenario") {
+  const Workplace here;
+  const std::string inertial = "<inertial><mass value='2'/><inertia ixx='1' iyy='1' izz='1'/></inertial>";
+  io::write_text_file(here.path("arm.urdf"),
+                      "<robot name='An arm'><link name='base'>" + inertial + "</link><link name='rod'>" + inertial +
+                          "</link><joint name='pin' type='continuous'><parent link='base'/><child link='rod'/>"
+                          "<axis xyz='0 1 0'/></joint><gazebo/></robot>");
+  const Outcome check = here.call("check arm.urdf");
+  CHECK(check.code == 0);
+  CHECK(check.says("arm.urdf: ok: 1 mechanism, 2 bodies, 1 degree of freedom, 0 events"));
+  CHECK(check.says("note: <gazebo> is ignored"));
+  const Outcome explain = here.call("explain arm.urdf");
+  CHECK(explain.code == 0);
+  CHECK(explain.says("An arm"));
+  CHECK(explain.says("arm/rod"));
+  CHECK(explain.says("'arm/pin', revolute about y, 2 kg"));
+  CHECK(here.call("evaluate arm.urdf --json --set mechanism.arm.root=free").says("\"arm/base\""));
+  const Outcome run = here.call("run arm.urdf --until 0.1 --quiet --set world.gravity=[0,0,0]");
+  CHECK(run.code == 0);
+  CHECK(run.errors == "");  // no notes
+  CHECK(here.has("results/arm/final.json"));
+  CHECK(here.call("view arm.urdf --svg arm.svg").code == 0);
+  const Outcome broken = here.call("run s.urdf");
+  CHECK(broken.code == 2);
+  io::write_text_file(here.path("bad.urdf"),
+                      "<robot name='r'>\n<link name='a'><inertial><mass value='-1'/></inertial></link></robot>");
+  for (const char* command : {"run bad.urdf --out o", "check bad.urdf", "evaluate bad.urdf", "explain bad.urdf"}) {
+    const Outcome refused = here.call(command);
+    CHECK(refused.code == 2);
+    CHECK(refused.says("bad.urdf:2:39: error: value: must not be negative"));
+  }
+  CHECK_FALSE(here.has("o"));
 }
 
 TEST_CASE("evaluate tells accelerations and reactions") {

@@ -37,7 +37,7 @@ int run(const RunOptions& options) {
   refuse_unsupported(options);
   std::vector<std::string> overrides = options.overrides;
   if (!options.until.empty()) overrides.push_back("integrate.until=" + options.until);
-  const std::optional<io::Scenario> scenario = load(options.scenario, overrides);
+  const std::optional<io::Scenario> scenario = load(options.scenario, overrides, !options.quiet);
   if (!scenario) return bad_input;
 
   Session session(*scenario);

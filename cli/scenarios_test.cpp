@@ -1,13 +1,8 @@
 // Every file in scenarios/ is a test too: run by the program as a user would, and held to its physics.
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <numbers>
-#include <random>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -15,65 +10,14 @@
 #include <nlohmann/json.hpp>
 
 #include <momentree/math/vec.hpp>
+#include <tests/scenario_run.hpp>
 
 namespace momentree {
 namespace {
 
-using Json = nlohmann::json;
-
-/// A scenario's results, from files alone. The folder goes when the test ends.
-class Run {
- public:
-  explicit Run(const std::string& scenario) {
-    std::random_device random;  // tests may run beside each other
-    folder_ = std::filesystem::temp_directory_path() / ("momentree-" + scenario + "-" + std::to_string(random()));
-    const std::string file = MOMENTREE_SOURCE_DIR "/scenarios/" + scenario + ".toml";
-    REQUIRE(command("run '" + file + "' --quiet --out '" + folder_.string() + "' >/dev/null") == 0);
-    summary = Json::parse(text("summary.json"));
-    final_state = Json::parse(text("final.json"));
-    model = Json::parse(text("model.json"));
-    std::istringstream lines(text("events.jsonl"));
-    for (std::string line; std::getline(lines, line);) events.push_back(Json::parse(line));
-    CHECK(summary.at("status") == "done");
-  }
-  ~Run() { std::filesystem::remove_all(folder_); }
-  Run(const Run&) = delete;
-  Run& operator=(const Run&) = delete;
-
-  int command(const std::string& arguments) const { return std::system(("'" MOMENTREE_PROGRAM "' " + arguments).c_str()); }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  std::string text(const std::string& name) const {
-    std::ifstream in(folder_ / name, std::ios::binary);
-    REQUIRE_MESSAGE(in.good(), name);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-  /// The columns of a table by name; empty fields are NaN.
-  std::map<std::string, std::vector<double>> table(const std::string& name) const {
-    std::istringstream lines(text(name));
-    std::string line, field;
-    std::getline(lines, line);
-    std::vector<std::string> names;
-    for (std::istringstream head(line); std::getline(head, field, ',');) names.push_back(field);
-    std::map<std::string, std::vector<double>> columns;
-    while (std::getline(lines, line)) {
-      std::istringstream row(line);
-      for (const std::string& column : names) {
-        const bool there = static_cast<bool>(std::getline(row, field, ',')) && !field.empty();
-        columns[column].push_back(there ? std::stod(field) : NAN);
-      }
-    }
-    return columns;
-  }
-  double energy(const char* key) const { return summary.at("energy").at(key).get<double>(); }
-
-  Json summary, final_state, model;
-  std::vector<Json> events;
-
- private:
-  std::filesystem::path folder_;
-};
-
-Vec3 vec(const Json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
+using test::Json;
+using test::Run;
+using test::vec;
 
 /// Where the outer end of the breaking chain is, from row `k` of its table.
 Vec3 tip(const std::map<std::string, std::vector<double>>& bodies, std::size_t k) {

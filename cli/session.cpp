@@ -12,13 +12,9 @@
 
 namespace momentree::cli {
 
-std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::ranges::transform(ending, ending.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  for (const char* model : {".urdf", ".sdf", ".xml", ".mjcf"})
-    if (ending == model) fail({"model files (" + ending + ") are not supported yet", path, "write a scenario file (.toml)"});
+std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides, bool notes) {
   io::ReadResult result = io::read_scenario(path, overrides);
+  if (!notes) std::erase_if(result.diagnostics, [](const io::Diagnostic& d) { return d.severity == io::Severity::note; });
   std::fputs(io::rendered(result.diagnostics).c_str(), stderr);
   return std::move(result.scenario);
 }

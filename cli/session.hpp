@@ -13,9 +13,9 @@
 
 namespace momentree::cli {
 
-/// Reads a scenario; its warnings go to standard error. Where it has errors, they go there too and the result is empty.
-/// Throws Error for model files of other formats, which are not supported yet.
-std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides);
+/// Reads a scenario or a model; its warnings, and notes if asked for, go to standard error. Where it has errors, they go there
+/// too and the result is empty.
+std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides, bool notes = true);
 
 /// A scenario at its start: model compiled, state documents restored.
 class Session {

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include <momentree/base/words.hpp>
+
 namespace momentree {
 
 std::string Error::message() const {
@@ -22,8 +24,6 @@ void fail(Error error) {
 #endif
 }
 
-namespace {
-
 // Damerau–Levenshtein distance (optimal string alignment): a swap of neighbours counts as one slip.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   const std::size_t width = b.size() + 1;
@@ -40,8 +40,6 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   }
   return last[b.size()];
 }
-
-}  // namespace
 
 std::string nearest(std::string_view word, const std::vector<std::string>& known) {
   if (word.size() > 200) return {};

@@ -87,7 +87,7 @@ TEST_CASE("what is still to come is refused where it stands") {
       {pinned + "[[loop]]\n",
        "s.toml:10:3: error: 'loop' is not supported yet; closed loops are not supported: a mechanism is a tree"},
       {head + "model = \"x.urdf\"\n[[event]]\nat = 1\nbreak = \"m/elbow\"\n",
-       "s.toml:4:1: error: 'model' is not supported yet; describe the bodies in [[mechanism.body]] tables"},
+       "s.toml:4:9: error: model: a scenario that is read from a text names no files; read it from its file"},
       {pinned + "[integrate]\nmethod = \"dampened\"\n", "s.toml:11:10: error: unknown method 'dampened'; did you mean 'damped'?"},
   });
 }

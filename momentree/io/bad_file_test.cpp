@@ -103,7 +103,9 @@ TEST_CASE("what is no scenario is refused") {
        "s.toml:2:1: error: expected tables [[mechanism]], found a table; write [[mechanism]]: there may be several"},
       {"format = 1\nmechanism = 3\n", "s.toml:2:13: error: expected tables [[mechanism]], found a number"},
       {"format = 1\nmechanism = [1]\n", "s.toml:2:14: error: expected tables [[mechanism]], found a number"},
-      {head, "s.toml:2:1: error: mechanism 'm' has no bodies; add [[mechanism.body]] tables or a [mechanism.chain]"},
+      {head,
+       "s.toml:2:1: error: mechanism 'm' has no bodies; add [[mechanism.body]] tables, a [mechanism.chain] or a "
+       "model = \"robot.urdf\""},
       {one_body + "[event]\nat = 1\n",
        "s.toml:8:1: error: expected tables [[event]], found a table; write [[event]]: there may be several"},
   });

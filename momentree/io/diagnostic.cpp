@@ -37,8 +37,7 @@ std::string Diagnostic::message() const {
   std::string text = printable(file);
   if (line > 0) text += ":" + std::to_string(line);
   if (line > 0 && column > 0) text += ":" + std::to_string(column);
-  text += severity == Severity::error ? ": error: " : ": warning: ";
-  text += printable(what);
+  text += ": " + std::string(word_of(severity)) + ": " + printable(what);
   if (!hint.empty()) text += "; " + printable(hint);
   return text;
 }
@@ -61,6 +60,11 @@ std::string Diagnostic::rendered() const {
 
 bool has_errors(const std::vector<Diagnostic>& diagnostics) {
   return std::any_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.severity == Severity::error; });
+}
+
+const char* word_of(Severity severity) {
+  constexpr const char* words[] = {"error", "warning", "note"};
+  return words[static_cast<int>(severity)];
 }
 
 std::string rendered(const std::vector<Diagnostic>& diagnostics) {
@@ -91,6 +95,7 @@ std::string_view Diagnostics::line_text(int line) {
 void Diagnostics::add(Severity severity, Place place, std::string what, std::string hint) {
   if (severity == Severity::error && errors_++ >= most) return;
   if (severity == Severity::warning && warnings_++ >= most) return;
+  if (severity == Severity::note && notes_++ >= most) return;
   Diagnostic d{severity, file_, place.line, place.column, std::move(what), std::move(hint), {}};
   if (place.option > 0) {
     d.file = name_of(place);
@@ -120,6 +125,8 @@ std::vector<Diagnostic> Diagnostics::take() {
         {Severity::error, file_, 0, 0, "and " + std::to_string(errors_ - most) + " errors more or as yet unseen", "", ""});
   if (warnings_ > most)
     sorted.push_back({Severity::warning, file_, 0, 0, "and " + std::to_string(warnings_ - most) + " warnings more", "", ""});
+  if (notes_ > most)
+    sorted.push_back({Severity::note, file_, 0, 0, "and " + std::to_string(notes_ - most) + " notes more", "", ""});
   diagnostics_.clear();
   places_.clear();
   return sorted;

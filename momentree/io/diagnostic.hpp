@@ -9,7 +9,8 @@
 
 namespace momentree::io {
 
-enum class Severity { error, warning };
+/// A note tells what was left out on purpose: nothing is wrong with the file.
+enum class Severity { error, warning, note };
 
 /// One problem. `line` and `column` count from 1; 0 means that the problem has no such place (a missing file, an option).
 struct Diagnostic {
@@ -27,6 +28,8 @@ struct Diagnostic {
 };
 
 bool has_errors(const std::vector<Diagnostic>& diagnostics);
+/// "error", "warning" or "note".
+const char* word_of(Severity severity);
 /// All of them, rendered, each ending with a newline.
 std::string rendered(const std::vector<Diagnostic>& diagnostics);
 
@@ -41,6 +44,9 @@ class Diagnostics {
   }
   void warning(Place place, std::string what, std::string hint = {}) {
     add(Severity::warning, place, std::move(what), std::move(hint));
+  }
+  void note(Place place, std::string what, std::string hint = {}) {
+    add(Severity::note, place, std::move(what), std::move(hint));
   }
   std::size_t errors() const { return errors_; }
   /// No room for more: a reader may stop looking.
@@ -61,7 +67,7 @@ class Diagnostics {
   std::vector<std::size_t> line_starts_;
   std::vector<Diagnostic> diagnostics_;
   std::vector<Place> places_;
-  std::size_t errors_ = 0, warnings_ = 0;
+  std::size_t errors_ = 0, warnings_ = 0, notes_ = 0;
 };
 
 /// `name` in quotes, shortened where it is long, with control characters replaced: fit for a message.

@@ -46,6 +46,7 @@ void write_shape(JsonWriter& json, const Shape& shape) {
     json.member("radius", shape.radius);
   if (shape.kind == Kind::cylinder || shape.kind == Kind::capsule) json.member("length", shape.length);
   if (shape.kind == Kind::mesh) json.member("file", shape.mesh);
+  if (shape.kind == Kind::mesh && !(shape.scale == Vec3{1, 1, 1})) json.member("scale", shape.scale);
   write_pose(json, "at", shape.at);
   if (!shape.colour.empty()) json.member("colour", shape.colour);
   json.end_object();
@@ -110,7 +111,13 @@ std::string model_json(const Model& model, const std::string& title, const std::
     json.member("inertia", std::span<const double>(inertia)).key("extent").begin_array();
     for (const auto& [from, to] : extents[n]) json.begin_array().value(from).value(to).end_array();
     json.end_array().key("shape");
-    write_shape(json, n < shapes.size() ? shapes[n] : Shape{});
+    const Shape shape = n < shapes.size() ? shapes[n] : Shape{};
+    write_shape(json, shape);
+    if (!shape.more.empty()) {
+      json.key("more_shapes").begin_array();
+      for (const Shape& each : shape.more) write_shape(json, each);
+      json.end_array();
+    }
     json.end_object();
   }
   json.end_object().key("joints").begin_object();

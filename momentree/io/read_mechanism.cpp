@@ -32,8 +32,6 @@ MechanismState read_state(const Value& value, const std::string& mechanism, Read
   return state;
 }
 
-enum class Held { unsaid, fixed, free };
-
 Held read_root(Fields& fields, Diagnostics& out) {
   const auto text = fields.string("root");
   if (!text) return Held::unsaid;
@@ -201,24 +199,32 @@ void read_mechanism(const Value& table, Reading& reading) {
   const Value* chain = fields.find("chain");
   const Value* bodies = fields.find("body");
   const Value* given_state = fields.find("state");
-  fields.later({"limits"});
-  if (fields.later({"model"}, "describe the bodies in [[mechanism.body]] tables")) {
-    reading.opaque.insert(name);
-  } else {
-    if (given_state) state = read_state(*given_state, name, reading);
-    if (chain && bodies)
-      out.error(bodies->place, "a mechanism is a chain or bodies, not both", "give the chain a [[mechanism]] of its own");
-    if (!chain && !bodies)
-      out.error(fields.place(), "mechanism " + in_quotes(name) + " has no bodies",
-                "add [[mechanism.body]] tables or a [mechanism.chain]");
-    if (chain && held == Held::fixed)
-      out.error(fields.place_of("root"), "root: a chain has a pin to the ground",
-                "leave out 'root'; \"free\" leaves out the pin");
-    if (chain)
-      read_chain(*chain, name, held == Held::free, pose, state, errors, reading);
-    else if (bodies)
-      read_bodies(*bodies, name, held, pose, fields.place_of("root"), fields.place(), state, errors, reading);
+  const Value* model = fields.find("model");
+  const auto limits = fields.boolean("limits");
+  if (given_state) state = read_state(*given_state, name, reading);
+  const int ways = (chain ? 1 : 0) + (bodies ? 1 : 0) + (model ? 1 : 0);
+  if (ways > 1) {
+    const Value* second = bodies ? bodies : model;
+    out.error(
+        second->place,
+        model ? "a mechanism is a model, a chain or bodies, and only one of them" : "a mechanism is a chain or bodies, not both",
+        model ? "give each a [[mechanism]] of its own" : "give the chain a [[mechanism]] of its own");
   }
+  if (ways == 0)
+    out.error(fields.place(), "mechanism " + in_quotes(name) + " has no bodies",
+              "add [[mechanism.body]] tables, a [mechanism.chain] or a model = \"robot.urdf\"");
+  if (fields.has("limits") && !model)
+    out.error(fields.place_of("limits"), "limits: only a model brings limits that could be taken up or not",
+              "give the joints their limits");
+  if (chain && held == Held::fixed)
+    out.error(fields.place_of("root"), "root: a chain has a pin to the ground", "leave out 'root'; \"free\" leaves out the pin");
+  if (model)
+    read_model(*model, name, {held, pose, state, limits, model->place, fields.place_of("root"), fields.place_of("limits")},
+               errors, reading);
+  else if (chain)
+    read_chain(*chain, name, held == Held::free, pose, state, errors, reading);
+  else if (bodies)
+    read_bodies(*bodies, name, held, pose, fields.place_of("root"), fields.place(), state, errors, reading);
   fields.finish();
 }
 

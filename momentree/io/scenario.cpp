@@ -1,8 +1,6 @@
 #include <momentree/io/scenario.hpp>
 
 #include <filesystem>
-#include <fstream>
-#include <system_error>
 #include <utility>
 
 #include <momentree/io/override.hpp>
@@ -16,16 +14,19 @@ namespace {
 constexpr std::uintmax_t largest_file = 256u << 20;
 
 // FNV-1a, 64 bits: the same on every machine; names an input, protects nothing.
-std::string hash_of(std::string_view text, const std::vector<std::string>& overrides) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  const auto add = [&](std::string_view part) {
-    for (const char c : part) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  };
-  add(text);
-  for (const std::string& each : overrides) {
-    add("\n--set ");
-    add(each);
+class Hash {
+ public:
+  void add(std::string_view part) {
+    for (const char c : part) hash_ = (hash_ ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
   }
+  std::string digits() const;
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325u;
+};
+
+std::string Hash::digits() const {
+  std::uint64_t hash = hash_;
   std::string digits(16, '0');
   for (std::size_t i = 16; i-- > 0; hash >>= 4) digits[i] = "0123456789abcdef"[hash & 15];
   return digits;
@@ -51,12 +52,16 @@ void read_state_file(Fields& fields, Reading& reading) {
 // What only the whole model shows. A body that holds a name twice was never added: no more to say.
 void check_whole(Reading& reading) {
   Diagnostics& out = reading.out;
-  const std::size_t errors = out.errors();
+  const std::size_t errors = out.errors() + reading.model_errors();
   for (const SingularJoint& singular : singular_joints(reading.scenario.model)) {
     const std::string& joint = reading.scenario.model[singular.body].joint_name;
-    out.error(reading.joints.at(joint), "joint " + in_quotes(joint) + ": " + singular.what, singular.hint);
+    const std::string what = "joint " + in_quotes(joint) + ": " + singular.what;
+    if (const auto spots = reading.from_model.find(joint); spots != reading.from_model.end())
+      spots->second.file->error({spots->second.joint ? spots->second.joint : spots->second.body}, what, singular.hint);
+    else
+      out.error(reading.joints.at(joint), what, singular.hint);
   }
-  if (errors == 0 && errors == out.errors()) {
+  if (errors == 0 && out.errors() + reading.model_errors() == 0) {
     check_tolerance(reading);
     check_events(reading);
   }
@@ -98,26 +103,72 @@ void read_document(const Value& document, Reading& reading) {
   check_whole(reading);
 }
 
+// A name that a mechanism may have, from a file's.
+std::string mechanism_name(const std::string& stem) {
+  std::string name = stem.substr(0, 200);
+  for (char& c : name) {
+    const auto u = static_cast<unsigned char>(c);
+    if (u < 0x20 || u == 0x7f || c == ',' || c == '"' || c == '*' || c == '/') c = '_';
+  }
+  if (!name.empty() && name.front() == '#') name.front() = '_';
+  return name.empty() || name == "ground" || name == "." || name == ".." ? "model" : name;
+}
+
+// What a scenario of this model alone would say.
+Value document_of(const std::string& name, const std::string& file, const ImportedModel& model) {
+  const Place nowhere{};
+  const auto entry = [&](const char* key, auto value) { return Value::Entry{key, nowhere, Value(std::move(value), nowhere)}; };
+  Value::Table mechanism{entry("name", name), entry("model", file)};
+  Value::Table document{entry("format", std::int64_t{1})};
+  if (!model.title.empty()) document.push_back(entry("title", model.title));
+  if (const auto& g = model.gravity) {
+    Value::Array gravity{{g->x, nowhere}, {g->y, nowhere}, {g->z, nowhere}};
+    document.push_back(entry("world", Value::Table{entry("gravity", std::move(gravity))}));
+  }
+  document.push_back(entry("mechanism", Value::Array{Value(std::move(mechanism), nowhere)}));
+  return {std::move(document), nowhere};
+}
+
 ReadResult read_text(std::string text, const std::string& path, const std::vector<std::string>& overrides, bool looks_at_files) {
+  namespace fs = std::filesystem;
   ReadResult result;
   Scenario scenario;
   scenario.path = path;
-  scenario.name = std::filesystem::path(path).stem().string();
-  scenario.hash = hash_of(text, overrides);
+  scenario.name = fs::path(path).stem().string();
   scenario.text = std::move(text);
+  Hash hash;
+  hash.add(scenario.text);
+  for (const std::string& each : overrides) {
+    hash.add("\n--set ");
+    hash.add(each);
+  }
   Diagnostics out(path, scenario.text, overrides);
+  Reading reading{scenario, out, fs::path(path).parent_path().string(), looks_at_files};
   SyntaxError error;
-  std::optional<Value> document = parse_toml(scenario.text, error);
+  std::optional<Value> document;
+  reading.direct = is_model(path, scenario.text);
+  if (reading.direct) {
+    const std::string file = fs::path(path).filename().string(), folder = reading.folder.empty() ? "." : reading.folder;
+    reading.models.emplace_back(file, read_model_text(path, scenario.text, looks_at_files ? folder : ""));
+    const Import& import = *reading.models.back().second;
+    if (import.errors() == 0) document = document_of(mechanism_name(scenario.name), file, import.model);
+  } else {
+    document = parse_toml(scenario.text, error);
+    if (!document) out.error(error.place, error.what, error.hint);
+  }
   if (document) {
     apply_overrides(*document, overrides, out);
-    Reading reading{scenario, out, std::filesystem::path(path).parent_path().string(), looks_at_files};
     read_document(*document, reading);
-  } else {
-    out.error(error.place, error.what, error.hint);
   }
   scenario.shapes.resize(static_cast<std::size_t>(scenario.model.size()));
-  const bool good = out.errors() == 0;
+  const bool good = out.errors() + reading.model_errors() == 0;
   result.diagnostics = out.take();
+  for (const auto& [name, import] : reading.models) {
+    if (!reading.direct) hash.add("\n--model "), hash.add(import->text());
+    for (const auto& file : import->files())
+      for (Diagnostic& each : file->take()) result.diagnostics.push_back(std::move(each));
+  }
+  scenario.hash = hash.digits();
   if (good) result.scenario = std::move(scenario);
   return result;
 }
@@ -129,18 +180,11 @@ ReadResult refused(const std::string& path, std::string what, std::string hint) 
 }  // namespace
 
 ReadResult read_scenario(const std::string& path, const std::vector<std::string>& overrides) {
-  std::error_code failed;
-  const auto status = std::filesystem::status(path, failed);
-  if (!std::filesystem::exists(status)) return refused(path, "there is no such file", "");
-  if (std::filesystem::is_directory(status)) return refused(path, "is a folder, not a scenario", "name the .toml file in it");
-  if (!std::filesystem::is_regular_file(status)) return refused(path, "is not a regular file", "");
-  const std::uintmax_t size = std::filesystem::file_size(path, failed);
-  if (failed) return refused(path, "cannot be read: " + failed.message(), "");
-  if (size > largest_file) return refused(path, "is larger than 256 MiB: this is no scenario", "");
-  std::ifstream file(path, std::ios::binary);
-  std::string text(static_cast<std::size_t>(size), '\0');
-  if (!file || !file.read(text.data(), static_cast<std::streamsize>(size)))
-    return refused(path, "cannot be read", "is it yours to read?");
+  std::string text;
+  Unreadable why;
+  if (!read_whole_file(path, "scenario", largest_file, text, why)) return refused(path, why.what, why.hint);
+  if (text.size() > largest_model && is_model(path, text))
+    return refused(path, "is larger than " + std::to_string(largest_model >> 20) + " MiB: this is no model", "");
   return read_text(std::move(text), path, overrides, true);
 }
 

@@ -5,9 +5,11 @@
 #include <string_view>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include <momentree/io/fields.hpp>
+#include <momentree/io/model/model_file.hpp>
 #include <momentree/io/scenario.hpp>
 
 namespace momentree::io {
@@ -18,6 +20,11 @@ struct Reading {
   Diagnostics& out;
   std::string folder;  ///< of the scenario, for the files that it names
   bool looks_at_files = true;
+  bool direct = false;  ///< a model without a scenario
+
+  /// Model files by the names that mechanisms call them by, and where the joints of those stand.
+  std::vector<std::pair<std::string, std::unique_ptr<Import>>> models{};
+  std::unordered_map<std::string, BodySpots> from_model{};
 
   /// First places of names, complete ("mechanism/joint"): duplicates name both, events find their targets.
   std::unordered_map<std::string, Place> mechanisms{}, bodies{}, joints{}, events{};
@@ -45,6 +52,17 @@ struct Reading {
   long suggestions_left = 2'000'000;  ///< names that may yet be compared to find the nearest
   int bodies_left = 1'000'000;
 
+  std::size_t model_errors() const {
+    std::size_t count = 0;
+    for (const auto& [name, import] : models) count += import->errors();
+    return count;
+  }
+  const Import* model_named(std::string_view file) const {
+    for (const auto& [name, import] : models)
+      if (name == file) return import.get();
+    return nullptr;
+  }
+
   /// False, with a report, where the name is no name or was given before.
   bool note(std::unordered_map<std::string, Place>& names, const std::string& name, Place place, const char* what);
   /// did_you_mean over names, as long as that is cheap.
@@ -69,6 +87,18 @@ struct MechanismState {
   const Value* velocity = nullptr;
 };
 
+/// What `root` says.
+enum class Held { unsaid, fixed, free };
+
+/// What a mechanism says of its model.
+struct ModelChoice {
+  Held held = Held::unsaid;
+  Pose pose{};
+  MechanismState state{};
+  std::optional<bool> limits{};  ///< the file's are taken up
+  Place model_place{}, root_place{}, limits_place{};
+};
+
 /// Bare names of bodies and joints: what a path, a column or a wildcard could not carry is refused.
 bool check_bare_name(const std::string& name, Place place, std::string_view what, Diagnostics& out);
 
@@ -84,6 +114,8 @@ void read_mechanism(const Value& table, Reading& reading);
 /// `errors`: how many there were before this mechanism. Its bodies are added where none came since.
 void read_chain(const Value& table, const std::string& mechanism, bool free_root, const Pose& pose, const MechanismState& state,
                 std::size_t errors, Reading& reading);
+/// The bodies of a model file. `errors`: as above.
+void read_model(const Value& file, const std::string& mechanism, const ModelChoice& choice, std::size_t errors, Reading& reading);
 /// Puts the bodies of a mechanism, root first and parents before children, in the order of the file as far as that allows; empty,
 /// with reports, where there is not exactly one root, a parent is unknown or the joints go round in a circle.
 std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const std::string& mechanism, Place place,

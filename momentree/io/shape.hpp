@@ -1,21 +1,24 @@
 #pragma once
 // What a body looks like, for pictures alone: it has no mass and touches nothing.
 #include <string>
+#include <vector>
 
 #include <momentree/math/vec.hpp>
 
 namespace momentree::io {
 
-/// The optional `shape` of a body in a scenario, SI units.
+/// The optional `shape` of a body in a scenario, or one of the visuals of a model file; SI units.
 struct Shape {
   enum class Kind { none, box, sphere, cylinder, capsule, mesh };
   Kind kind = Kind::none;
-  Vec3 size{};         ///< box: its three edges (m)
-  double radius = 0;   ///< sphere, cylinder, capsule (m)
-  double length = 0;   ///< cylinder: its height; capsule: between the centres of its caps (m). Both lie along z of `at`
-  std::string mesh;    ///< a file, as written in the scenario
-  Pose at{};           ///< placement of the shape's centre in the body's frame
-  std::string colour;  ///< as CSS writes it, "#rrggbb" or a name; empty: the colour of the mechanism
+  Vec3 size{};                ///< box: its three edges (m)
+  double radius = 0;          ///< sphere, cylinder, capsule (m)
+  double length = 0;          ///< cylinder: its height; capsule: between the centres of its caps (m). Both lie along z of `at`
+  std::string mesh;           ///< a file, relative to the folder of what names it
+  Vec3 scale{1, 1, 1};        ///< of a mesh
+  Pose at{};                  ///< placement of the shape's centre in the body's frame
+  std::string colour;         ///< as CSS writes it, "#rrggbb" or a name; empty: the colour of the mechanism
+  std::vector<Shape> more{};  ///< further shapes of the same body
 };
 
 }  // namespace momentree::io

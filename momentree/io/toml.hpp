@@ -5,14 +5,9 @@
 #include <string_view>
 
 #include <momentree/base/value.hpp>
+#include <momentree/io/syntax_error.hpp>
 
 namespace momentree::io {
-
-/// The first thing that is wrong with the syntax.
-struct SyntaxError {
-  Place place;
-  std::string what, hint;
-};
 
 /// The document as a table; nothing where it is no TOML, with `error` set. A byte order mark and CRLF are fine. Refused besides
 /// what TOML refuses: nesting deeper than any scenario, so that no text can exhaust the stack.

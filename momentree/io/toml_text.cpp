@@ -3,29 +3,13 @@
 #include <algorithm>
 #include <utility>
 
+#include <momentree/io/utf8.hpp>
+
 namespace momentree::io {
 
 namespace {
 
 constexpr int deepest_key = 16;
-
-// Length of the UTF-8 character at text[i]; 0 if it is none.
-std::size_t character_length(std::string_view text, std::size_t i) {
-  const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
-  const auto continues = [&](std::size_t k) { return (byte(k) & 0xc0) == 0x80; };
-  const unsigned a = byte(i), b = byte(i + 1);
-  if (a < 0x80) return 1;
-  if (a >= 0xc2 && a < 0xe0) return continues(i + 1) ? 2 : 0;
-  if (a >= 0xe0 && a < 0xf0) {
-    const bool overlong = a == 0xe0 && b < 0xa0, surrogate = a == 0xed && b >= 0xa0;
-    return continues(i + 1) && continues(i + 2) && !overlong && !surrogate ? 3 : 0;
-  }
-  if (a >= 0xf0 && a < 0xf5) {
-    const bool overlong = a == 0xf0 && b < 0x90, beyond = a == 0xf4 && b >= 0x90;
-    return continues(i + 1) && continues(i + 2) && continues(i + 3) && !overlong && !beyond ? 4 : 0;
-  }
-  return 0;
-}
 
 // Past the string that opens at text[i]; to the end where it never closes: the parser says so.
 std::size_t past_string(std::string_view text, std::size_t i) {
@@ -74,31 +58,16 @@ std::pair<Oddity, std::size_t> first_oddity(std::string_view text) {
   return {Oddity::none, 0};
 }
 
-Place place_at(std::string_view text, std::size_t end) {
-  Place place{1, 1, 0};
-  for (std::size_t i = 0; i < end; ++i) {
-    if (text[i] == '\n')
-      ++place.line, place.column = 1;
-    else if ((static_cast<unsigned char>(text[i]) & 0xc0) != 0x80)
-      ++place.column;
-  }
-  return place;
-}
-
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 }  // namespace
 
 std::optional<SyntaxError> check_toml_text(std::string_view text) {
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = character_length(text, i);
-    if (length == 0) return SyntaxError{place_at(text, i), "the text is not UTF-8", "save the file with the encoding UTF-8"};
-    if (text[i] == '\0') return SyntaxError{place_at(text, i), "a zero byte: this is no text", ""};
-    if (static_cast<unsigned char>(text[i]) == 0xf4)  // U+100000 and beyond: shielded() needs that plane
-      return SyntaxError{place_at(text, i), "a character for private use", ""};
-    i += length;
-  }
+  if (auto problem = check_utf8(text)) return problem;
+  // U+100000 and beyond: shielded() needs that plane.
+  if (const std::size_t i = text.find('\xf4'); i != std::string_view::npos)
+    return SyntaxError{place_at(text, i), "a character for private use", ""};
   const auto [oddity, at] = first_oddity(text);
   if (oddity == Oddity::none) return {};
   if (oddity == Oddity::deep)

@@ -1,0 +1,195 @@
+// From links and joints that name each other to a tree: without recursion, because a chain may be as long as memory allows.
+#include <algorithm>
+#include <unordered_map>
+#include <unordered_set>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/model/importer.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+XmlSpot name_spot(XmlElement element) {
+  const auto i = element.find("name");
+  return {element, i ? *i : XmlSpot::no_attribute};
+}
+
+class Arranger {
+ public:
+  Arranger(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, XmlFile& file)
+      : links_(links), joints_(joints), file_(file) {}
+
+  LinkTree arrange() {
+    tree_.joint.assign(links_.size(), -1);
+    tree_.parent.assign(links_.size(), -1);
+    note_names();
+    for (std::size_t j = 0; j < joints_.size(); ++j) connect(j);
+    for (const auto& [joint, parent, child] : seconds_) report_second(joint, parent, child);
+    put_in_order();
+    if (!sound_) tree_.order.clear();
+    return std::move(tree_);
+  }
+
+ private:
+  struct Second {
+    std::size_t joint;
+    int parent, child;
+  };
+
+  void error(const XmlSpot& at, std::string what, std::string hint = {}) {
+    file_.error(at, std::move(what), std::move(hint));
+    sound_ = false;
+  }
+
+  void note_names() {
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      if (links_[i].name.empty()) continue;  // said
+      const auto [first, fresh] = by_name_.emplace(links_[i].name, i);
+      if (!fresh)
+        error(name_spot(links_[i].element), "duplicate link " + in_quotes(links_[i].name) + ": it is the name of another on " +
+                                                file_.line_of(links_[first->second].element));
+    }
+    std::unordered_map<std::string_view, std::size_t> names;
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      if (joints_[j].name.empty()) continue;
+      const auto [first, fresh] = names.emplace(joints_[j].name, j);
+      if (!fresh)
+        error(name_spot(joints_[j].element), "duplicate joint " + in_quotes(joints_[j].name) + ": it is the name of another on " +
+                                                 file_.line_of(joints_[first->second].element));
+    }
+  }
+
+  int find(const std::string& name, const XmlSpot& at, const char* end) {
+    const auto found = by_name_.find(name);
+    if (found != by_name_.end()) return static_cast<int>(found->second);
+    sound_ = false;
+    if (name.empty()) return -1;  // said
+    std::vector<std::string> names;
+    if ((suggestions_left_ -= static_cast<long>(links_.size())) > 0)
+      for (const NamedLink& link : links_) names.push_back(link.name);
+    error(at, std::string(end) + ": there is no link " + in_quotes(name), did_you_mean(name, names));
+    return -1;
+  }
+
+  void connect(std::size_t j) {
+    const NamedJoint& joint = joints_[j];
+    const int child = find(joint.child, joint.child_spot, "child");
+    const int parent = joint.from_ground ? -1 : find(joint.parent, joint.parent_spot, "parent");
+    if (child < 0 || (parent < 0 && !joint.from_ground)) return;
+    const auto c = static_cast<std::size_t>(child);
+    if (parent == child) {
+      error(joint.child_spot, "joint " + in_quotes(joint.name) + " joins link " + in_quotes(joint.child) + " to itself");
+    } else if (tree_.joint[c] >= 0) {
+      seconds_.push_back({j, parent, child});
+    } else {
+      tree_.joint[c] = static_cast<int>(j);
+      tree_.parent[c] = parent;
+    }
+  }
+
+  const std::string& name(int link) const { return links_[static_cast<std::size_t>(link)].name; }
+
+  // From a link to its root, or until it comes round.
+  std::vector<int> path_up(int link) const {
+    std::vector<int> path;
+    std::unordered_set<int> seen;
+    for (; link >= 0 && seen.insert(link).second; link = tree_.parent[static_cast<std::size_t>(link)]) path.push_back(link);
+    return path;
+  }
+
+  // A link with a second inboard joint: two ways lead to it, and close a loop where they meet.
+  void report_second(std::size_t j, int parent, int child) {
+    const NamedJoint& joint = joints_[j];
+    const NamedJoint& first = joints_[static_cast<std::size_t>(tree_.joint[static_cast<std::size_t>(child)])];
+    std::string what = "link " + in_quotes(joint.child) + " has two parents: joint " + in_quotes(joint.name) + " joins it to " +
+                       (parent < 0 ? "the ground" : in_quotes(joint.parent)) + ", and " + in_quotes(first.name) + " on " +
+                       file_.line_of(first.element) + " to " + (first.from_ground ? "the ground" : in_quotes(first.parent));
+    std::string hint = "a mechanism is a tree: leave out one of the two joints";
+    if (--loops_left_ >= 0) {
+      const std::vector<int> one = path_up(child), other = path_up(parent);
+      std::unordered_map<int, std::size_t> on_one;
+      for (std::size_t i = 0; i < one.size(); ++i) on_one.emplace(one[i], i);
+      std::size_t k = 0;
+      while (k < other.size() && !on_one.contains(other[k])) ++k;
+      std::size_t last = one.size();
+      if (k < other.size()) last = on_one.at(other[k]) + 1;
+      const bool by_ground = k == other.size() && tree_.joint[static_cast<std::size_t>(one.back())] >= 0 &&
+                             (parent < 0 || tree_.joint[static_cast<std::size_t>(other.back())] >= 0);
+      if (k < other.size() || by_ground) {
+        std::vector<std::string> loop;
+        for (std::size_t i = last; i-- > 0;) loop.push_back(in_quotes(name(one[i])));  // from where they meet down to the child
+        for (std::size_t i = 0; i < k; ++i) loop.push_back(in_quotes(name(other[i])));
+        loop.push_back(by_ground ? "the ground" : loop.front());
+        if (by_ground) loop.insert(loop.begin(), "the ground");
+        what += ". That closes the loop ";
+        constexpr std::size_t shown = 10;
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+          if (loop.size() > shown + 2 && i == shown) {
+            what += " – …";
+            i = loop.size() - 2;
+            continue;
+          }
+          what += (i == 0 ? "" : " – ") + loop[i];
+        }
+        hint = "closed loops are not supported yet: leave out one of its joints";
+      }
+    }
+    error(joint.child_spot, std::move(what), std::move(hint));
+  }
+
+  void report_circle(int start, std::vector<char>& state) {
+    std::string names = in_quotes(name(start));
+    int shown = 1;
+    for (int link = start;;) {
+      state[static_cast<std::size_t>(link)] = gone;
+      link = tree_.parent[static_cast<std::size_t>(link)];
+      if (++shown <= 8) names += " on " + in_quotes(name(link));
+      if (link == start) break;
+    }
+    if (shown > 8) names += " on …";
+    error(joints_[static_cast<std::size_t>(tree_.joint[static_cast<std::size_t>(start)])].parent_spot,
+          "the joints go round in a circle: " + names, "a mechanism is a tree with a root; closed loops are not supported yet");
+  }
+
+  enum State : char { unseen, walking, placed, gone };
+
+  void put_in_order() {
+    std::vector<char> state(links_.size(), unseen);
+    std::vector<std::size_t> path;
+    tree_.order.reserve(links_.size());
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      path.clear();
+      int at = static_cast<int>(i);
+      while (at >= 0 && state[static_cast<std::size_t>(at)] == unseen) {
+        state[static_cast<std::size_t>(at)] = walking;
+        path.push_back(static_cast<std::size_t>(at));
+        at = tree_.parent[static_cast<std::size_t>(at)];
+      }
+      if (at >= 0 && state[static_cast<std::size_t>(at)] == walking) report_circle(at, state);
+      const bool hangs = at < 0 || state[static_cast<std::size_t>(at)] == placed;
+      for (auto link = path.rbegin(); link != path.rend(); ++link) {
+        state[*link] = hangs ? placed : gone;
+        if (hangs) tree_.order.push_back(*link);
+      }
+    }
+  }
+
+  const std::vector<NamedLink>& links_;
+  const std::vector<NamedJoint>& joints_;
+  XmlFile& file_;
+  LinkTree tree_;
+  std::unordered_map<std::string_view, std::size_t> by_name_;
+  std::vector<Second> seconds_;
+  long suggestions_left_ = 2'000'000;
+  int loops_left_ = 20;  // a way up may be long
+  bool sound_ = true;
+};
+
+}  // namespace
+
+LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, XmlFile& file) {
+  return Arranger(links, joints, file).arrange();
+}
+
+}  // namespace momentree::io

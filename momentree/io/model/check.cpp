@@ -1,0 +1,83 @@
+// What can be wrong with bodies and joints whatever the format of their file.
+#include <cmath>
+
+#include <momentree/io/model/importer.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+XmlElement or_else(XmlElement first, XmlElement second) { return first ? first : second; }
+
+XmlElement place_of(const BodySpots& spots, const std::string& field) {
+  if (field == "mass" || field == "inertia" || field == "com") return or_else(spots.inertia, spots.body);
+  if (field == "name" || field == "child_at") return spots.body;
+  return or_else(spots.joint, spots.body);
+}
+
+bool report(const BodySpots& spots, const std::string& field, std::string what, std::string hint) {
+  spots.file->error({place_of(spots, field)}, std::move(what), std::move(hint));
+  return false;
+}
+
+bool check_one(const ImportedBody& body) {
+  bool sound = true;
+  for (const BodyProblem& problem : check_body(body.spec)) {
+    if (problem.field == "name" || problem.field == "joint_name") continue;  // said where they were read
+    sound = report(body.spots, problem.field, problem.field + ": " + problem.what, problem.hint);
+  }
+  return sound;
+}
+
+void check_inertias(const ImportedModel& model) {
+  std::vector<BodySpec> specs;
+  specs.reserve(model.bodies.size());
+  for (const ImportedBody& body : model.bodies) specs.push_back(body.spec);
+  for (const auto& [body, problem] : check_masses(specs)) {
+    const BodySpots& spots = model.bodies[static_cast<std::size_t>(body.index)].spots;
+    const XmlSpot at{place_of(spots, "inertia")};
+    const std::string what = problem.what + " ('" + specs[static_cast<std::size_t>(body.index)].name + "')";
+    if (problem.warning)
+      spots.file->warning(at, what, problem.hint);
+    else
+      spots.file->error(at, what, problem.hint);
+  }
+}
+
+// Legal, but seldom meant: something that moves between two masses and has none.
+void warn_of_massless(const ImportedModel& model) {
+  std::vector<char> carries(model.bodies.size(), 0), rigid(model.bodies.size(), 0);  // by a joint; a mass, by welds
+  for (std::size_t b = model.bodies.size(); b-- > 0;) {
+    const BodySpec& spec = model.bodies[b].spec;
+    if (spec.mass > 0) rigid[b] = 1;
+    if (spec.parent == ground) continue;
+    const auto parent = static_cast<std::size_t>(spec.parent.index);
+    if (spec.joint.kind == Kind::weld) {
+      rigid[parent] = rigid[parent] || rigid[b];
+      carries[parent] = carries[parent] || carries[b];
+    } else if (rigid[b] || carries[b]) {
+      carries[parent] = 1;
+    }
+  }
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const ImportedBody& body = model.bodies[b];
+    const bool carrier = body.spec.name.empty() || body.spots.body.name() == "joint";  // one that the importer made
+    if (body.spec.joint.kind == Kind::weld || rigid[b] || !carries[b] || carrier) continue;
+    body.spots.file->warning({body.spots.body}, in_quotes(body.spec.name) + " moves, carries others, and has no mass",
+                             "is its inertia missing?");
+  }
+}
+
+}  // namespace
+
+void check_imported(ImportedModel& model) {
+  bool sound = true;
+  for (const ImportedBody& body : model.bodies) {
+    if (body.spots.file->enough()) return;
+    sound = check_one(body) && sound;
+  }
+  check_inertias(model);
+  if (sound) warn_of_massless(model);
+}
+
+}  // namespace momentree::io

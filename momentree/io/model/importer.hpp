@@ -1,0 +1,59 @@
+#pragma once
+// What an importer works with. A format is a header in importers/ with a struct of the file's name (urdf.hpp: Urdf) that has
+//   static constexpr const char* name = "URDF";            // for messages
+//   static constexpr const char* root = "robot";           // the root element, by which a file is known
+//   static constexpr const char* endings[] = {".urdf"};    // by which a path is taken for a model
+//   static void read(XmlElement root, Import& import);     // fills import.model; reports in the files
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <momentree/io/model/imported.hpp>
+
+namespace momentree::io {
+
+/// One model while it is read: its file and those that it includes.
+class Import {
+ public:
+  /// `folder`: of the file; empty: no other file is looked for.
+  Import(std::string path, std::string text, std::string folder);
+
+  ImportedModel model;
+
+  XmlFile& file() { return *files_.front(); }
+  const std::string& text() const { return files_.front()->text(); }
+  const std::vector<std::unique_ptr<XmlFile>>& files() const { return files_; }
+  bool looks_at_files() const { return !folder_.empty(); }
+  std::size_t errors() const;
+
+  /// A shape's mesh as a path in the model's folder. `package://name/` and the like are looked for there too; what is not found
+  /// is a warning, and a path that leaves the folder an error.
+  void read_mesh(const std::string& name, const XmlSpot& at, Shape& shape, XmlFile& file);
+
+ private:
+  std::string folder_;
+  std::vector<std::unique_ptr<XmlFile>> files_;
+};
+
+/// A link of a model that names its joints' ends (URDF, SDF), and its joint once it is known.
+struct NamedLink {
+  std::string name;
+  XmlElement element{};
+};
+struct NamedJoint {
+  std::string name, parent, child;  ///< names of links; the child is never the ground
+  bool from_ground = false;         ///< the parent is the ground
+  XmlElement element{};
+  XmlSpot parent_spot{}, child_spot{};
+};
+struct LinkTree {
+  std::vector<std::size_t> order;  ///< of links, parents first, else as in the file; empty where something is wrong
+  std::vector<int> joint, parent;  ///< by link: its inboard joint and its parent's number, −1: none
+};
+/// Reports duplicate names, ends that are unknown, second parents (closed loops by name) and circles. More than one root is fine.
+LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, XmlFile& file);
+
+/// What is wrong with bodies whatever their format: at their places in the file. To be called last.
+void check_imported(ImportedModel& model);
+
+}  // namespace momentree::io

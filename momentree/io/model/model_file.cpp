@@ -1,0 +1,90 @@
+#include <momentree/io/model/model_file.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/all_importers.hpp>  // generated from the files in importers/, as is the list
+#include <momentree/io/importers/list.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Format {
+  const char *name, *root;
+  std::vector<std::string> endings;
+  void (*read)(XmlElement root, Import& import);
+};
+
+const std::vector<Format>& formats() {
+  static const std::vector<Format> all{
+#define MOMENTREE_IMPORTER(file, Type) \
+  {Type::name, Type::root, {std::begin(Type::endings), std::end(Type::endings)}, &Type::read},
+      MOMENTREE_IMPORTERS(MOMENTREE_IMPORTER)
+#undef MOMENTREE_IMPORTER
+  };
+  return all;
+}
+
+void read(Import& import) {
+  const XmlElement root = import.file().root();
+  if (!root) return;
+  std::vector<std::string> roots;
+  std::string known = "known are";
+  for (const Format& format : formats()) {
+    if (root.name() == format.root) {
+      format.read(root, import);
+      if (import.errors() == 0 || !import.model.bodies.empty()) check_imported(import.model);
+      return;
+    }
+    roots.emplace_back(format.root);
+    known += (roots.size() > 1 ? ", <" : " <") + std::string(format.root) + "> (" + format.name + ")";
+  }
+  const std::string meant = nearest(root.name(), roots);
+  import.file().error({root}, "no model begins with " + in_quotes(root.tag()),
+                      meant.empty() ? known : "did you mean <" + meant + ">?");
+}
+
+}  // namespace
+
+bool is_model(std::string_view path, std::string_view text) {
+  std::string ending = fs::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  if (ending == ".toml") return false;
+  if (ending == ".xml") return true;
+  for (const Format& format : formats())
+    if (std::find(format.endings.begin(), format.endings.end(), ending) != format.endings.end()) return true;
+  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  return first != std::string_view::npos && text[first] == '<';
+}
+
+std::unique_ptr<Import> read_model_text(std::string path, std::string text, std::string folder) {
+  auto import = std::make_unique<Import>(std::move(path), std::move(text), std::move(folder));
+  read(*import);
+  return import;
+}
+
+bool read_whole_file(const std::string& path, const char* what, std::uintmax_t largest, std::string& text, Unreadable& why) {
+  std::error_code failed;
+  const auto status = fs::status(path, failed);
+  if (!fs::exists(status)) return why = {"there is no such file", ""}, false;
+  if (fs::is_directory(status)) return why = {"is a folder, not a " + std::string(what), "name the file in it"}, false;
+  if (!fs::is_regular_file(status)) return why = {"is not a regular file", ""}, false;
+  const std::uintmax_t size = fs::file_size(path, failed);
+  if (failed) return why = {"cannot be read: " + failed.message(), ""}, false;
+  if (size > largest) return why = {"is larger than " + std::to_string(largest >> 20) + " MiB: this is no " + what, ""}, false;
+  std::ifstream file(path, std::ios::binary);
+  text.assign(static_cast<std::size_t>(size), '\0');
+  if (!file || !file.read(text.data(), static_cast<std::streamsize>(size)))
+    return why = {"cannot be read", "is it yours to read?"}, false;
+  return true;
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,26 @@
+#pragma once
+// Model files of whatever format: known by their root element, taken for models by the ending of their name or their first tag.
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <momentree/io/model/importer.hpp>
+
+namespace momentree::io {
+
+/// True where a file of that name or that text is a model and no scenario.
+bool is_model(std::string_view path, std::string_view text);
+
+/// Reads a model from its text; what is wrong is in the files of the result. `folder`: for the files that it names; empty: none
+/// is looked for.
+std::unique_ptr<Import> read_model_text(std::string path, std::string text, std::string folder);
+
+/// The whole text of a regular file of at most `largest` bytes, which should be a `what`. False where there is none, and why.
+struct Unreadable {
+  std::string what, hint;
+};
+bool read_whole_file(const std::string& path, const char* what, std::uintmax_t largest, std::string& text, Unreadable& why);
+
+inline constexpr std::uintmax_t largest_model = 128u << 20;
+
+}  // namespace momentree::io

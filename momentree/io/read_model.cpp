@@ -1,0 +1,168 @@
+// A mechanism that a model file describes: where it stands, how it is held and starts, what of the file is taken up.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/scenario_parts.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// The model of a file, read once; null, with a report, where there is none.
+const Import* model_of(const Value& file, Reading& reading) {
+  const auto name = read_string(file, "model", reading.out);
+  if (!name) return nullptr;
+  if (name->empty()) {
+    reading.out.error(file.place, "model: expected the name of a file", "a .urdf, relative to the scenario");
+    return nullptr;
+  }
+  if (const Import* known = reading.model_named(*name)) return known;
+  if (!reading.looks_at_files) {
+    reading.out.error(file.place, "model: a scenario that is read from a text names no files", "read it from its file");
+    return nullptr;
+  }
+  const fs::path path = fs::path(reading.folder) / *name;
+  std::string text;
+  Unreadable why;
+  if (!read_whole_file(path.string(), "model", largest_model, text, why)) {
+    reading.out.error(file.place, "model: " + in_quotes(path.string()) + ": " + why.what, why.hint);
+    return nullptr;
+  }
+  const std::string folder = path.parent_path().string();
+  auto import = read_model_text(path.string(), std::move(text), folder.empty() ? "." : folder);
+  return reading.models.emplace_back(*name, std::move(import)).second.get();
+}
+
+// Stops of the file, or a word on those that are not taken up.
+void take_limits(const Import& import, const ModelChoice& choice, std::vector<BodySpec>& specs, Reading& reading) {
+  const auto& bodies = import.model.bodies;
+  long limited = 0;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (!bodies[b].limits.any()) continue;
+    ++limited;
+    if (!choice.limits.value_or(false)) continue;
+    specs[b].joint.parameters.limits = bodies[b].limits;
+    const double q = specs[b].q.empty() ? 0 : specs[b].q[0];
+    const double lower = bodies[b].limits.lower_of(0), upper = bodies[b].limits.upper_of(0);
+    if (q >= lower && q <= upper) continue;
+    char text[120];
+    std::snprintf(text, sizeof text, " starts at %.6g, beyond its limits of %.6g and %.6g", q, lower, upper);
+    reading.out.error(choice.limits_place, "limits: joint " + in_quotes(bodies[b].spec.joint_name) + text,
+                      "give it a start in state = { joints = { … } }");
+  }
+  if (limited > 0 && !choice.limits)
+    reading.out.warning(choice.model_place,
+                        "the limits of " + std::to_string(limited) + (limited == 1 ? " joint" : " joints") + " are not taken up",
+                        "write limits = true or limits = false");
+}
+
+void hold(BodySpec& spec, bool own_joint, const ModelChoice& choice) {
+  if (own_joint) {
+    spec.at = choice.pose * spec.at;
+  } else if (choice.held == Held::free) {
+    const Pose start = choice.pose * spec.at;
+    const Quat& r = start.rotation;
+    spec.joint.kind = Kind::free;
+    spec.at = {};
+    spec.q = {start.position.x, start.position.y, start.position.z, r.w, r.x, r.y, r.z};
+  } else {
+    spec.at = choice.pose * spec.at;
+  }
+}
+
+void hold_roots(const Import& import, const ModelChoice& choice, std::vector<BodySpec>& specs, Reading& reading) {
+  std::vector<std::size_t> roots;
+  for (std::size_t b = 0; b < specs.size(); ++b)
+    if (specs[b].parent == ground) roots.push_back(b);
+  bool taken = false;
+  for (const std::size_t b : roots) {
+    const bool own = import.model.bodies[b].own_joint;
+    hold(specs[b], own, choice);
+    taken = taken || !own;
+  }
+  if (choice.held != Held::unsaid && !taken)
+    reading.out.error(choice.root_place, "root: every root of this model has a joint of its own to the ground",
+                      "leave 'root' out");
+  if (!choice.state.velocity) return;
+  if (roots.size() > 1)
+    reading.out.error(
+        choice.state.velocity->place,
+        "velocity: this model has " + std::to_string(roots.size()) + " roots, and one velocity could be any of theirs",
+        "give v of their joints in state.joints");
+  else
+    read_root_velocity(*choice.state.velocity, specs[roots.front()], reading.out);
+}
+
+void take_state(const MechanismState& state, std::vector<BodySpec>& specs, Reading& reading) {
+  if (state.joints.empty()) return;
+  std::unordered_map<std::string, Place> known;
+  for (BodySpec& spec : specs) {
+    known.emplace(spec.joint_name, Place{});
+    const auto found = state.joints.find(spec.joint_name);
+    if (found != state.joints.end()) read_joint_state(*found->second, found->first, spec, reading.out);
+  }
+  for (const auto& [name, value] : state.joints)
+    if (!known.contains(name))
+      reading.out.error(value->place, "state: there is no joint " + in_quotes(name) + " in this model",
+                        reading.suggest(name, known));
+}
+
+void warn_of_followers(const Import& import) {
+  for (const Follower& each : import.model.followers)
+    each.file->warning(
+        {each.element},
+        "joint " + in_quotes(import.model.bodies[static_cast<std::size_t>(each.body)].spec.joint_name) + " should follow " +
+            in_quotes(import.model.bodies[static_cast<std::size_t>(each.leader)].spec.joint_name) + ": it moves by itself here",
+        "joints are not coupled yet");
+}
+
+}  // namespace
+
+void read_model(const Value& file, const std::string& mechanism, const ModelChoice& choice, std::size_t errors,
+                Reading& reading) {
+  const bool fresh = reading.direct || !file.string() || !reading.model_named(*file.string());
+  const Import* import = model_of(file, reading);
+  if (!import || import->errors() > 0 || import->model.bodies.empty()) {
+    reading.opaque.insert(mechanism);
+    return;
+  }
+  if (reading.bodies_left < static_cast<int>(import->model.bodies.size())) {
+    reading.out.error(choice.model_place, "a scenario has at most 1000000 bodies");
+    reading.opaque.insert(mechanism);
+    return;
+  }
+  reading.bodies_left -= static_cast<int>(import->model.bodies.size());
+  std::vector<BodySpec> specs;
+  specs.reserve(import->model.bodies.size());
+  for (const ImportedBody& body : import->model.bodies) specs.push_back(body.spec);
+  hold_roots(*import, choice, specs, reading);
+  take_state(choice.state, specs, reading);
+  take_limits(*import, choice, specs, reading);
+  if (fresh) warn_of_followers(*import);
+
+  const int first = reading.scenario.model.size();
+  for (std::size_t b = 0; b < specs.size(); ++b) {
+    BodySpec& spec = specs[b];
+    spec.name = mechanism + "/" + spec.name;
+    spec.joint_name = mechanism + "/" + spec.joint_name;
+    if (spec.parent != ground) spec.parent.index += first;
+    reading.bodies.emplace(spec.name, choice.model_place);
+    reading.joints.emplace(spec.joint_name, choice.model_place);
+    if (spec.joint_name != spec.name) reading.body_of_joint.emplace(spec.joint_name, spec.name);
+    if (errors != reading.out.errors()) continue;
+    reading.from_model.emplace(spec.joint_name, import->model.bodies[b].spots);
+    reading.scenario.model.add_unjudged(std::move(spec));
+    auto& shapes = reading.scenario.shapes;
+    shapes.resize(static_cast<std::size_t>(reading.scenario.model.size()));
+    const std::vector<Shape>& given = import->model.bodies[b].shapes;
+    if (given.empty()) continue;
+    shapes.back() = given.front();
+    shapes.back().more.assign(given.begin() + 1, given.end());
+  }
+}
+
+}  // namespace momentree::io

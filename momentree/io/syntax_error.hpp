@@ -1,0 +1,14 @@
+#pragma once
+#include <string>
+
+#include <momentree/base/value.hpp>
+
+namespace momentree::io {
+
+/// The first thing that is wrong with the syntax of a file.
+struct SyntaxError {
+  Place place;
+  std::string what, hint;
+};
+
+}  // namespace momentree::io

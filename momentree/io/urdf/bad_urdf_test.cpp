@@ -1,0 +1,206 @@
+// Broken and hostile URDF: each is refused with its place, what is wrong, and how to mend it.
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <tests/models.hpp>
+
+using namespace momentree::io;
+using namespace momentree::io::models;
+
+namespace {
+
+const std::string head = "<robot name='r'>\n";
+const std::string mass = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial>";
+
+std::string a_link(const std::string& name) { return "<link name='" + name + "'>" + mass + "</link>\n"; }
+std::string joint(const std::string& name, const std::string& parent, const std::string& child,
+                  const std::string& more = "<axis xyz='0 0 1'/>", const std::string& type = "continuous") {
+  return "<joint name='" + name + "' type='" + type + "'>\n<parent link='" + parent + "'/>\n<child link='" + child + "'/>\n" +
+         more + "\n</joint>\n";
+}
+/// A link with this inertial in its third line.
+std::string inertial(const std::string& text) {
+  return head + "<link name='a'>\n<inertial>" + text + "</inertial></link></robot>";
+}
+/// Two links and their joint, whose own words are on its fourth line, the eighth of the file.
+std::string joined(const std::string& more, const std::string& type = "revolute") {
+  return head + a_link("a") + a_link("b") + joint("j", "a", "b", more, type) + "</robot>";
+}
+
+struct Case {
+  std::string text, said;
+};
+void check(const std::vector<Case>& cases) {
+  for (const Case& each : cases) {
+    CAPTURE(each.text.substr(0, 500));
+    CHECK(errors_of(each.text) == each.said);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("URDF: numbers that are none") {
+  const std::string inertia = "<inertia ixx='1' iyy='1' izz='1'/>";
+  const auto of_mass = [&](const std::string& value) { return inertial("<mass value='" + value + "'/>" + inertia); };
+  check({
+      {of_mass("nan"), "r.urdf:3:24: error: value: 'nan' is no finite number"},
+      {of_mass("-inf"), "r.urdf:3:24: error: value: '-inf' is no finite number"},
+      {of_mass("1e999"), "r.urdf:3:24: error: value: '1e999' is outside the range of numbers"},
+      {of_mass("1,5"),
+       "r.urdf:3:24: error: value: '1,5' is no number; the decimal sign is a point; blanks stand between numbers"},
+      {of_mass("1.0kg"),
+       "r.urdf:3:24: error: value: '1.0kg' is no number; no unit is written here: m, kg, s and what is made of them"},
+      {of_mass("${m}"), "r.urdf:3:24: error: value: '${m}' is no number; is this a template? expand it first (xacro)"},
+      {of_mass(""), "r.urdf:3:24: error: value: expected 1 number, found none; blanks stand between numbers"},
+      {of_mass("1 2"), "r.urdf:3:24: error: value: expected 1 number, found 2"},
+      {of_mass("0x10"),
+       "r.urdf:3:24: error: value: '0x10' is no number; no unit is written here: m, kg, s and what is made of them"},
+      {joined("<origin xyz='1 2'/>"), "r.urdf:7:14: error: xyz: expected 3 numbers, found 2"},
+      {joined("<origin xyz='1 2 3 4' rpy='0,0,0'/>"),
+       "r.urdf:7:14: error: xyz: expected 3 numbers, found 4\n"
+       "r.urdf:7:28: error: rpy: '0,0,0' is no number; the decimal sign is a point; blanks stand between numbers"},
+  });
+}
+
+TEST_CASE("URDF: masses and inertias that no body has") {
+  check({
+      {inertial("<inertia ixx='1' iyy='1' izz='1'/>"),
+       "r.urdf:3:1: error: <inertial> has no <mass>; for example <mass value=\"1.5\"/>, in kg"},
+      {inertial("<mass value='-1'/>"), "r.urdf:3:24: error: value: must not be negative"},
+      {inertial("<mass/>"), "r.urdf:3:11: error: <mass> has no 'value'; the mass in kg"},
+      {inertial("<mass value='0'/><inertia ixx='1' iyy='1' izz='1'/>"),
+       "r.urdf:3:1: error: inertia: a body without mass has none ('a'); give a mass, or an inertia of 0"},
+      {inertial("<mass value='1'/><inertia ixx='1' iyy='1'/>"),
+       "r.urdf:3:28: error: <inertia> has no 'izz'; about the centre of mass, in the axes of <origin>"},
+      {inertial("<mass value='1'/><inertia ixx='-1' iyy='1' izz='1'/>"),
+       "r.urdf:3:1: error: inertia: no body has a negative principal moment ('a'); the order is xx, yy, zz, xy, xz, yz, about "
+       "the "
+       "centre of mass"},
+      {inertial("<mass value='1'/><inertia ixx='1' iyy='1' izz='3'/>"),
+       "r.urdf:3:1: error: inertia: the largest principal moment is more than the sum of the others, which no body has ('a'); it "
+       "is "
+       "meant about the centre of mass, and products of inertia as elements of the matrix (xy = −Σ m x y)"},
+      {inertial("<mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixyy='0.5'/>"),
+       "r.urdf:3:61: error: unknown attribute 'ixyy' of <inertia>; did you mean 'ixy'?"},
+      // What moves nothing is not for want of a mass alone.
+      {head + a_link("a") + "<link name='b'/>\n" + joint("j", "a", "b") + "</robot>",
+       "r.urdf:4:1: error: joint 'r/j': the joint-space mass is singular: freedom 1 of 1 of this revolute joint moves no mass; "
+       "give the "
+       "bodies outboard of it a mass or an inertia about its axis, or give the joint an armature"},
+  });
+}
+
+TEST_CASE("URDF: joints that can't be") {
+  const std::string limit = "<limit lower='0' upper='1' effort='1' velocity='1'/>";
+  check({
+      {joined("<axis xyz='0 0 0'/>" + limit),
+       "r.urdf:7:12: error: xyz: an axis of length zero has no direction; for example xyz=\"0 0 1\""},
+      {joined("<axis xyz='1e-12 0 0'/>" + limit),
+       "r.urdf:7:12: error: xyz: an axis of length zero has no direction; for example xyz=\"0 0 1\""},
+      {joined("<limit lower='1' upper='-1' effort='1' velocity='1'/>"),
+       "r.urdf:7:15: error: limit: 'lower' is more than 'upper'; swap them"},
+      {joined("<limit lower='0' upper='1' effort='-1' veloctiy='1'/>"),
+       "r.urdf:7:36: error: effort: must not be negative\n"
+       "r.urdf:7:40: error: unknown attribute 'veloctiy' of <limit>; did you mean 'velocity'?"},
+      {joined("<dynamics damping='-0.1'/>" + limit), "r.urdf:7:20: error: damping: must not be negative"},
+      {joined("<dynamics friction='-0.1'/>" + limit), "r.urdf:7:21: error: friction: must not be negative"},
+      {joined(limit, "revolut"), "r.urdf:4:23: error: unknown type of joint 'revolut'; did you mean 'revolute'?"},
+      {joined(limit, "gearbox"),
+       "r.urdf:4:23: error: unknown type of joint 'gearbox'; one of: revolute continuous prismatic fixed floating planar"},
+      {joined(limit + "<axis/>"), "r.urdf:7:53: error: <axis> has no 'xyz'; for example xyz=\"0 0 1\""},
+      {joined(limit + limit), "r.urdf:7:53: error: a second <limit> in <joint>: the first is on line 7; leave one of them out"},
+      {joined("<mimic joint='k'/>", "continuous"), "r.urdf:7:15: error: mimic: there is no joint 'k'"},
+      {joined("<mimic joint='j'/>", "continuous"), "r.urdf:7:15: error: mimic: a joint can't follow itself"},
+      {head + a_link("a") + "<joint name='j' type='fixed'/></robot>",
+       "r.urdf:3:1: error: <joint> has no <parent>; for example <parent link=\"base\"/>\n"
+       "r.urdf:3:1: error: <joint> has no <child>; for example <child link=\"base\"/>"},
+  });
+}
+
+TEST_CASE("URDF: links and joints that are no tree") {
+  check({
+      {head + a_link("a") + a_link("a") + "</robot>",
+       "r.urdf:3:13: error: duplicate link 'a': it is the name of another on line 2"},
+      {head + a_link("a") + a_link("b") + a_link("c") + joint("j", "a", "b") + joint("j", "b", "c") + "</robot>",
+       "r.urdf:10:14: error: duplicate joint 'j': it is the name of another on line 5"},
+      {head + a_link("base") + a_link("b") + joint("j", "bass", "b") + "</robot>",
+       "r.urdf:5:15: error: parent: there is no link 'bass'; did you mean 'base'?"},
+      {head + a_link("a") + joint("j", "a", "b") + "</robot>", "r.urdf:5:14: error: child: there is no link 'b'"},
+      {head + a_link("a") + a_link("b") + joint("j", "b", "b") + joint("k", "a", "b") + "</robot>",
+       "r.urdf:6:14: error: joint 'j' joins link 'b' to itself"},
+      {head + a_link("a") + a_link("b") + joint("j", "a", "b") + joint("k", "b", "a") + "</robot>",
+       "r.urdf:10:15: error: the joints go round in a circle: 'a' on 'b' on 'a'; a mechanism is a tree with a root; closed loops "
+       "are "
+       "not supported yet"},
+      {head + a_link("a") + a_link("b") + "</robot>",
+       "r.urdf:3:1: error: a second root: link 'b' is no joint's child, as 'a' on line 2; join one to the other, or make two "
+       "files of "
+       "it"},
+      {head + a_link("a") + a_link("b") + a_link("c") + joint("j", "a", "c") + joint("k", "b", "c") + "</robot>",
+       "r.urdf:12:14: error: link 'c' has two parents: joint 'k' joins it to 'b', and 'j' on line 5 to 'a'; a mechanism is a "
+       "tree: "
+       "leave out one of the two joints"},
+      {head + a_link("a") + a_link("b") + a_link("c") + joint("ab", "a", "b") + joint("ac", "a", "c") + joint("bc", "b", "c") +
+           "</robot>",
+       "r.urdf:17:14: error: link 'c' has two parents: joint 'bc' joins it to 'b', and 'ac' on line 10 to 'a'. That closes the "
+       "loop "
+       "'a' – 'c' – 'b' – 'a'; closed loops are not supported yet: leave out one of its joints"},
+      {head + "</robot>", "r.urdf:1:1: error: the robot has no <link>"},
+      {head + "<link>" + mass + "</link></robot>", "r.urdf:2:1: error: <link> has no 'name'; for example name=\"upper_arm\""},
+      {head + a_link("") + "</robot>", "r.urdf:2:13: error: name: a link cannot be named '': that is no name"},
+      {head + a_link("a/b") + "</robot>",
+       "r.urdf:2:13: error: name: a link cannot be named 'a/b': it has a character that names do not have; not in a name: / , \" "
+       "* "
+       "and control characters"},
+      {head + "<link nmae='a'>" + mass + "</link></robot>",
+       "r.urdf:2:1: error: <link> has no 'name'; for example name=\"upper_arm\"\n"
+       "r.urdf:2:7: error: unknown attribute 'nmae' of <link>; did you mean 'name'?"},
+  });
+}
+
+TEST_CASE("URDF: meshes elsewhere are not opened") {
+  const auto visual = [](const std::string& file) {
+    return head + "<link name='a'>" + mass + "<visual><geometry><mesh filename='" + file +
+           "'/></geometry></visual></link></robot>";
+  };
+  for (const char* file : {"/etc/passwd", "/dev/zero", "../../secret.stl", "file:///dev/stdin", "package://r/../../x.stl",
+                           "meshes/../../x.stl", "..\\x.stl"})
+    CHECK(errors_of(visual(file)) == "r.urdf:2:122: error: mesh '" + std::string(file) +
+                                         "' is not in the model's folder or below it; copy it there, or leave it out");
+  CHECK(errors_of(visual("")) == "r.urdf:2:122: error: a mesh has no file's name");
+}
+
+TEST_CASE("what is no URDF") {
+  check({
+      {"", "r.urdf:1:1: error: the file is empty: there is no element in it"},
+      {"<robt/>", "r.urdf:1:1: error: no model begins with '<robt>'; did you mean <robot>?"},
+      {head + a_link("a"), "r.urdf:3:1: error: the file ends within <robot>, opened on line 1; is it complete?"},
+      {head + a_link("a") + "</robot>\n" + head + a_link("a") + "</robot>",
+       "r.urdf:4:1: error: something follows the end of the document; a file holds one root element"},
+      {"<html><body/></html>", "r.urdf:1:1: error: no model begins with '<html>'; known are <robot> (URDF)"},
+  });
+}
+
+TEST_CASE("URDF: all problems of a file come at once, and no more of them than can be read") {
+  std::string text = head;
+  for (int i = 0; i < 1000; ++i) text += "<link name='a'><inertial><mass value='x'/></inertial></link>\n";
+  const ReadResult result = read_scenario_text(text + "</robot>", "r.urdf");
+  CHECK(!result.scenario);
+  CHECK(result.diagnostics.size() == 101);
+  CHECK(result.diagnostics.back().message() == "r.urdf: error: and 1 errors more or as yet unseen");
+}
+
+TEST_CASE("URDF: thousands of loops are named in no time") {
+  std::string text = head;
+  const int n = 20'000;
+  for (int i = 0; i < n; ++i) text += a_link("l" + std::to_string(i));
+  for (int i = 1; i < n; ++i) {
+    text += joint("j" + std::to_string(i), "l" + std::to_string(i - 1), "l" + std::to_string(i));
+    text += joint("k" + std::to_string(i), "l0", "l" + std::to_string(i));
+  }
+  const ReadResult result = read_scenario_text(text + "</robot>", "r.urdf");
+  CHECK(!result.scenario);
+  CHECK(result.diagnostics.size() == 101);
+}

@@ -1,0 +1,143 @@
+#include <cmath>
+#include <optional>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/scenario_parts.hpp>
+#include <momentree/io/urdf/parts.hpp>
+
+namespace momentree::io::urdf {
+
+namespace {
+
+struct Type {
+  const char* name;
+  Kind kind;
+  bool axis, limited;
+};
+constexpr Type types[] = {{"revolute", Kind::revolute, true, true},   {"continuous", Kind::revolute, true, false},
+                          {"prismatic", Kind::prismatic, true, true}, {"fixed", Kind::weld, false, false},
+                          {"floating", Kind::free, false, false},     {"planar", Kind::planar, true, false}};
+
+const Type* read_type(XmlFields& fields, XmlFile& file) {
+  std::vector<std::string> names;
+  std::string all = "one of:";
+  for (const Type& type : types) names.emplace_back(type.name), all += std::string(" ") + type.name;
+  if (!fields.require("type", all)) return nullptr;
+  const std::string given = fields.string("type").value_or("");
+  for (const Type& type : types)
+    if (given == type.name) return &type;
+  const std::string hint = did_you_mean(given, names);
+  file.error(fields.spot("type"), "unknown type of joint " + in_quotes(given), hint.empty() ? all : hint);
+  return nullptr;
+}
+
+std::string read_end(XmlFields& fields, const char* end, XmlSpot& spot, XmlFile& file) {
+  const XmlElement element = fields.require_child(end, std::string("for example <") + end + " link=\"base\"/>");
+  if (!element) return {};
+  XmlFields of(element, file);
+  of.require("link", "the name of a link");
+  const std::string name = of.string("link").value_or("");
+  spot = of.spot("link");
+  if (of.has("link") && name.empty()) file.error(spot, std::string(end) + ": the name of a link is missing");
+  of.finish();
+  return name;
+}
+
+// The shortest rotation that takes z to `axis`.
+Quat from_z_to(const Vec3& axis) {
+  const Vec3 a = normalized(axis);
+  if (a.z < -1 + 1e-12) return {0, 1, 0, 0};
+  return normalized(Quat{1 + a.z, -a.y, a.x, 0});
+}
+
+Vec3 read_axis(XmlFields& fields, XmlFile& file) {
+  const XmlElement element = fields.child("axis");
+  Vec3 axis{1, 0, 0};  // by the format
+  if (!element) return axis;
+  XmlFields of(element, file);
+  of.require("xyz", "for example xyz=\"0 0 1\"");
+  const auto given = of.vec3("xyz");
+  const XmlSpot spot = of.spot("xyz");
+  of.finish();
+  if (!given) return axis;
+  const double length = norm(*given);
+  if (length < 1e-9) {
+    file.error(spot, "xyz: an axis of length zero has no direction", "for example xyz=\"0 0 1\"");
+    return axis;
+  }
+  if (std::fabs(length - 1) > 1e-3)
+    file.once(Severity::warning, "an axis is not of length 1: it is taken as a direction", "", spot);
+  return *given;
+}
+
+void read_limit(XmlElement limit, const Type& type, Joint& joint, XmlFile& file) {
+  XmlFields fields(limit, file);
+  const double lower = fields.number("lower").value_or(0), upper = fields.number("upper").value_or(0);
+  const auto effort = fields.not_negative("effort");
+  fields.not_negative("velocity");
+  if (effort && *effort == 0)
+    file.once(Severity::warning, "an effort limit of 0: nothing could drive this joint", "efforts are not limited here",
+              fields.spot("effort"));
+  fields.finish();
+  if (!type.limited || (!fields.has("lower") && !fields.has("upper"))) return;
+  if (lower > upper) {
+    file.error(fields.spot("lower"), "limit: 'lower' is more than 'upper'", "swap them");
+  } else if (lower == upper) {
+    file.once(Severity::warning, "the limits of this joint are equal: it could not move; they are not taken up",
+              "a joint that does not move is type=\"fixed\"", {limit});
+  } else {
+    joint.limits.lower = lower;
+    joint.limits.upper = upper;
+    joint.limit = limit;
+  }
+}
+
+void read_dynamics(XmlElement dynamics, const Type& type, JointParameters& parameters, XmlFile& file) {
+  XmlFields fields(dynamics, file);
+  const double damping = fields.not_negative("damping").value_or(0), friction = fields.not_negative("friction").value_or(0);
+  fields.finish();
+  if (info(type.kind).nv == 0) return;
+  if (damping > 0) parameters.damping = damping;
+  if (friction > 0) parameters.friction = {friction, imported_friction_speed};
+}
+
+}  // namespace
+
+Joint read_joint(XmlElement element, XmlFile& file) {
+  Joint joint;
+  XmlFields fields(element, file);
+  joint.ends.element = element;
+  if (fields.require("name", "for example name=\"elbow\"")) {
+    joint.ends.name = fields.string("name").value_or("");
+    check_bare_name(joint.ends.name, fields.spot("name").place(), "a joint", file.out());
+  }
+  joint.ends.parent = read_end(fields, "parent", joint.ends.parent_spot, file);
+  joint.ends.child = read_end(fields, "child", joint.ends.child_spot, file);
+  const Type* type = read_type(fields, file);
+  BodySpec& spec = joint.spec;
+  spec.joint_name = joint.ends.name;
+  spec.at = read_origin(fields, file);
+  const Vec3 axis = read_axis(fields, file);
+  const XmlElement limit = fields.child("limit"), dynamics = fields.child("dynamics");
+  joint.mimic = fields.child("mimic");
+  fields.leave_out({"calibration", "safety_controller"}, "it belongs to a controller");
+  fields.finish();
+  if (!type) return joint;
+  spec.joint.kind = type->kind;
+  if (type->kind == Kind::planar) {
+    const Quat turn = from_z_to(axis);
+    spec.at.rotation = spec.at.rotation * turn;
+    spec.child_at.rotation = turn;
+  } else if (type->axis) {
+    spec.joint.axis = axis;
+  }
+  if (limit)
+    read_limit(limit, *type, joint, file);
+  else if (type->limited)
+    file.once(Severity::warning, std::string("a ") + type->name + " joint without <limit>: it has none",
+              type->kind == Kind::revolute ? "type=\"continuous\" says so" : "", {element});
+  if (dynamics) read_dynamics(dynamics, *type, spec.joint.parameters, file);
+  return joint;
+}
+
+}  // namespace momentree::io::urdf

@@ -1,0 +1,168 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <momentree/io/scenario_parts.hpp>
+#include <momentree/io/urdf/parts.hpp>
+
+namespace momentree::io::urdf {
+
+Pose read_origin(XmlFields& fields, XmlFile& file) {
+  const XmlElement origin = fields.child("origin");
+  if (!origin) return {};
+  XmlFields of(origin, file);
+  Pose pose;
+  pose.position = of.vec3("xyz").value_or(Vec3{});
+  const Vec3 rpy = of.vec3("rpy").value_or(Vec3{});
+  pose.rotation = from_rpy(rpy.x, rpy.y, rpy.z);
+  if (const auto q = of.numbers("quat_xyzw", 4)) {
+    const Quat given{(*q)[3], (*q)[0], (*q)[1], (*q)[2]};
+    const double length = std::hypot(std::hypot(given.w, given.x), std::hypot(given.y, given.z));
+    if (std::fabs(length - 1) > 1e-3)
+      file.error(of.spot("quat_xyzw"), "quat_xyzw: the quaternion is not of length 1");
+    else
+      pose.rotation = normalized(given);
+    if (of.has("rpy")) file.error(of.spot("rpy"), "rpy and quat_xyzw give the rotation twice", "leave one of them out");
+  }
+  of.finish();
+  return pose;
+}
+
+std::string read_material(XmlElement material, XmlFile& file) {
+  XmlFields fields(material, file);
+  fields.known({"name"});
+  fields.known_children({"texture"});
+  std::string colour;
+  if (const XmlElement color = fields.child("color")) {
+    XmlFields of(color, file);
+    of.require("rgba", "for example rgba=\"0.8 0.2 0.1 1\"");
+    if (const auto rgba = of.numbers("rgba", 4)) {
+      unsigned levels[3];
+      for (std::size_t i = 0; i < 3; ++i) levels[i] = static_cast<unsigned>(std::lround(255 * std::clamp((*rgba)[i], 0.0, 1.0)));
+      char text[8];
+      std::snprintf(text, sizeof text, "#%02x%02x%02x", levels[0] & 255u, levels[1] & 255u, levels[2] & 255u);
+      colour = text;
+    }
+    of.finish();
+  }
+  fields.finish();
+  return colour;
+}
+
+namespace {
+
+void read_inertia(XmlElement inertia, BodySpec& spec, const Quat& axes, XmlFile& file) {
+  XmlFields fields(inertia, file);
+  for (const char* moment : {"ixx", "iyy", "izz"}) fields.require(moment, "about the centre of mass, in the axes of <origin>");
+  Sym3 m{};
+  m.xx = fields.number("ixx").value_or(0);
+  m.yy = fields.number("iyy").value_or(0);
+  m.zz = fields.number("izz").value_or(0);
+  m.xy = fields.number("ixy").value_or(0);
+  m.xz = fields.number("ixz").value_or(0);
+  m.yz = fields.number("iyz").value_or(0);
+  fields.finish();
+  const bool turned = axes.x != 0 || axes.y != 0 || axes.z != 0;
+  spec.inertia = turned ? rotate(rotation_matrix(axes), m) : m;
+}
+
+void read_inertial(XmlElement inertial, BodySpec& spec, XmlFile& file) {
+  XmlFields fields(inertial, file);
+  const std::size_t errors = file.out().errors();
+  const Pose origin = read_origin(fields, file);
+  spec.com = origin.position;
+  if (const XmlElement mass = fields.require_child("mass", "for example <mass value=\"1.5\"/>, in kg")) {
+    XmlFields of(mass, file);
+    of.require("value", "the mass in kg");
+    spec.mass = of.not_negative("value").value_or(0);
+    of.finish();
+  }
+  if (const XmlElement inertia = fields.child("inertia")) {
+    read_inertia(inertia, spec, origin.rotation, file);
+  } else if (spec.mass > 0) {
+    file.warning({inertial}, "<inertial> has no <inertia>: all the mass is in one point", "give ixx, iyy and izz");
+  }
+  fields.finish();
+  if (errors != file.out().errors()) spec.mass = 1, spec.inertia = diagonal(1);  // reported: no more to say about them
+}
+
+void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& file) {
+  XmlFields fields(geometry, file);
+  if (const XmlElement box = fields.child("box")) {
+    XmlFields of(box, file);
+    of.require("size", "its three edges");
+    shape.kind = Shape::Kind::box;
+    shape.size = of.vec3("size").value_or(Vec3{1, 1, 1});
+    if (shape.size.x < 0 || shape.size.y < 0 || shape.size.z < 0) file.error(of.spot("size"), "size: must not be negative");
+    of.finish();
+  }
+  const auto round = [&](const char* tag, Shape::Kind kind, bool has_length) {
+    const XmlElement element = fields.child(tag);
+    if (!element) return;
+    XmlFields of(element, file);
+    of.require("radius");
+    shape.kind = kind;
+    shape.radius = of.not_negative("radius").value_or(1);
+    if (has_length) {
+      of.require("length");
+      shape.length = of.not_negative("length").value_or(1);
+    }
+    of.finish();
+  };
+  round("sphere", Shape::Kind::sphere, false);
+  round("cylinder", Shape::Kind::cylinder, true);
+  round("capsule", Shape::Kind::capsule, true);
+  if (const XmlElement mesh = fields.child("mesh")) {
+    XmlFields of(mesh, file);
+    of.require("filename");
+    const auto name = of.string("filename");
+    if (const auto scale = of.numbers("scale", 1, 3)) {
+      const std::vector<double>& s = *scale;
+      shape.scale = s.size() == 3 ? Vec3{s[0], s[1], s[2]} : Vec3{s[0], s[0], s[0]};
+    }
+    if (name) import.read_mesh(*name, of.spot("filename"), shape, file);
+    of.finish();
+  }
+  fields.finish();
+}
+
+void read_visual(XmlElement visual, const Materials& materials, ImportedBody& body, Import& import, XmlFile& file) {
+  XmlFields fields(visual, file);
+  fields.known({"name"});
+  Shape shape;
+  shape.at = read_origin(fields, file);
+  if (const XmlElement geometry = fields.require_child("geometry")) read_geometry(geometry, shape, import, file);
+  if (const XmlElement material = fields.child("material")) {
+    shape.colour = read_material(material, file);
+    if (const auto name = material.find("name"); name && shape.colour.empty()) {
+      const auto known = materials.find(std::string(material.attribute(*name)));
+      if (known != materials.end()) shape.colour = known->second;
+    }
+  }
+  fields.finish();
+  if (shape.kind != Shape::Kind::none) body.shapes.push_back(std::move(shape));
+}
+
+}  // namespace
+
+ImportedBody read_link(XmlElement link, const Materials& materials, Import& import) {
+  XmlFile& file = import.file();
+  XmlFields fields(link, file);
+  ImportedBody body;
+  body.spots = {&file, link};
+  fields.known({"type"});
+  if (fields.require("name", "for example name=\"upper_arm\"")) {
+    body.spec.name = fields.string("name").value_or("");
+    check_bare_name(body.spec.name, fields.spot("name").place(), "a link", file.out());
+  }
+  if (const XmlElement inertial = fields.child("inertial")) {
+    body.spots.inertia = inertial;
+    read_inertial(inertial, body.spec, file);
+  }
+  for (const XmlElement visual : fields.children("visual")) read_visual(visual, materials, body, import, file);
+  fields.leave_out({"collision", "self_collision_checking", "collision_checking", "contact"}, "bodies do not touch here");
+  fields.finish();
+  return body;
+}
+
+}  // namespace momentree::io::urdf

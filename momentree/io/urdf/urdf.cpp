@@ -1,0 +1,138 @@
+#include <momentree/io/importers/urdf.hpp>
+
+#include <unordered_set>
+#include <utility>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/scenario_parts.hpp>
+#include <momentree/io/urdf/parts.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+using namespace urdf;
+
+Materials read_materials(XmlFields& fields, XmlFile& file) {
+  Materials materials;
+  for (const XmlElement material : fields.children("material")) {
+    const std::string colour = read_material(material, file);
+    const auto name = material.find("name");
+    if (name && !colour.empty()) materials.emplace(material.attribute(*name), colour);
+  }
+  return materials;
+}
+
+// One tree: what else has no parent is a slip.
+void check_roots(const std::vector<ImportedBody>& bodies, XmlFile& file) {
+  const ImportedBody* first = nullptr;
+  for (const ImportedBody& body : bodies) {
+    if (body.spec.parent != ground) continue;
+    if (first)
+      file.error({body.spots.body},
+                 "a second root: link " + in_quotes(body.spec.name) + " is no joint's child, as " + in_quotes(first->spec.name) +
+                     " on " + file.line_of(first->spots.body),
+                 "join one to the other, or make two files of it");
+    else
+      first = &body;
+  }
+}
+
+void read_mimics(const std::vector<Joint>& joints, const LinkTree& tree, const std::vector<int>& body_of_link, Import& import) {
+  XmlFile& file = import.file();
+  std::unordered_map<std::string_view, int> body_of_joint;
+  for (std::size_t link = 0; link < body_of_link.size(); ++link)
+    if (tree.joint[link] >= 0)
+      body_of_joint.emplace(joints[static_cast<std::size_t>(tree.joint[link])].ends.name, body_of_link[link]);
+  for (const Joint& joint : joints) {
+    if (!joint.mimic) continue;
+    XmlFields fields(joint.mimic, file);
+    fields.require("joint", "the name of the joint that it follows");
+    Follower follower;
+    follower.file = &file;
+    follower.element = joint.mimic;
+    const auto leader = fields.string("joint");
+    follower.multiplier = fields.number("multiplier").value_or(1);
+    follower.offset = fields.number("offset").value_or(0);
+    fields.finish();
+    const auto own = body_of_joint.find(joint.ends.name);
+    if (!leader || own == body_of_joint.end()) continue;
+    const auto found = body_of_joint.find(*leader);
+    if (found == body_of_joint.end()) {
+      std::vector<std::string> names;
+      for (const Joint& each : joints) names.push_back(each.ends.name);
+      if (names.size() > 10'000) names.clear();
+      file.error(fields.spot("joint"), "mimic: there is no joint " + in_quotes(*leader), did_you_mean(*leader, names));
+      continue;
+    }
+    follower.body = own->second;
+    follower.leader = found->second;
+    if (follower.body == follower.leader) {
+      file.error(fields.spot("joint"), "mimic: a joint can't follow itself");
+      continue;
+    }
+    import.model.followers.push_back(follower);
+  }
+}
+
+}  // namespace
+
+void Urdf::read(XmlElement robot, Import& import) {
+  XmlFile& file = import.file();
+  XmlFields fields(robot, file);
+  fields.known({"version"});
+  import.model.title = fields.string("name").value_or("");
+  if (import.model.title.empty()) file.warning({robot}, "<robot> has no 'name'");
+  const Materials materials = read_materials(fields, file);
+
+  std::vector<ImportedBody> bodies;
+  std::vector<NamedLink> links;
+  for (const XmlElement link : fields.children("link")) {
+    bodies.push_back(read_link(link, materials, import));
+    links.push_back({bodies.back().spec.name, link});
+    if (file.enough()) return;
+  }
+  std::vector<Joint> joints;
+  std::vector<NamedJoint> ends;
+  for (const XmlElement joint : fields.children("joint")) {
+    joints.push_back(read_joint(joint, file));
+    ends.push_back(joints.back().ends);
+    if (file.enough()) return;
+  }
+  fields.leave_out({"transmission"}, "efforts act on joints themselves");
+  fields.leave_out({"gazebo", "sensor", "ros2_control"}, "it belongs to another program");
+  fields.finish();
+  if (links.empty()) return file.error({robot}, "the robot has no <link>");
+
+  const std::size_t errors = file.out().errors();
+  const LinkTree tree = arrange(links, ends, file);
+  std::vector<int> body_of_link(links.size(), -1);
+  std::unordered_set<std::string_view> joint_names;
+  for (const NamedJoint& each : ends) joint_names.insert(each.name);
+  for (const std::size_t link : tree.order) {
+    ImportedBody& body = bodies[link];
+    if (tree.joint[link] >= 0) {
+      Joint& joint = joints[static_cast<std::size_t>(tree.joint[link])];
+      BodySpec& spec = body.spec;
+      spec.parent = {body_of_link[static_cast<std::size_t>(tree.parent[link])]};
+      spec.at = joint.spec.at;
+      spec.child_at = joint.spec.child_at;
+      spec.joint = std::move(joint.spec.joint);
+      spec.joint_name = joint.spec.joint_name;
+      body.limits = joint.limits;
+      body.spots.joint = joint.ends.element;
+      body.spots.limits = joint.limit;
+    } else {
+      body.own_joint = false;
+      body.spec.joint_name = body.spec.name;
+      if (joint_names.contains(body.spec.name)) body.spec.joint_name += "~root";
+    }
+    body_of_link[link] = static_cast<int>(import.model.bodies.size());
+    import.model.bodies.push_back(std::move(body));
+  }
+  if (errors != file.out().errors()) return;
+  check_roots(import.model.bodies, file);
+  read_mimics(joints, tree, body_of_link, import);
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,274 @@
+#include <momentree/io/xml/document.hpp>
+
+#include <expat.h>
+
+#include <algorithm>
+#include <unordered_map>
+
+#include <momentree/io/diagnostic.hpp>
+#include <momentree/io/utf8.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+struct StringHash {
+  using is_transparent = void;
+  std::size_t operator()(std::string_view s) const { return std::hash<std::string_view>{}(s); }
+};
+
+}  // namespace
+
+// What expat calls back.
+class XmlBuilder {
+ public:
+  XmlBuilder(XmlDocument& document, SyntaxError& error)
+      : document_(document), error_(error), parser_(XML_ParserCreate("UTF-8"), XML_ParserFree) {}
+
+  bool build() {
+    XML_SetUserData(parser_.get(), this);
+    XML_SetElementHandler(parser_.get(), &started, &ended);
+    XML_SetCharacterDataHandler(parser_.get(), &characters);
+    XML_SetStartDoctypeDeclHandler(parser_.get(), &document_type);
+    const std::string_view text = document_.text_;
+    if (XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), XML_TRUE) == XML_STATUS_OK) return true;
+    if (error_.what.empty()) explain();
+    return false;
+  }
+
+ private:
+  struct Open {
+    std::uint32_t node;
+    std::uint32_t last_child = XmlDocument::none;
+  };
+
+  static XmlBuilder& self(void* user) { return *static_cast<XmlBuilder*>(user); }
+  static void XMLCALL started(void* user, const char* name, const char** attributes) { self(user).start(name, attributes); }
+  static void XMLCALL ended(void* user, const char*) { self(user).end(); }
+  static void XMLCALL characters(void* user, const char* text, int size) {
+    self(user).add_text({text, static_cast<std::size_t>(size)});
+  }
+  static void XMLCALL document_type(void* user, const char*, const char*, const char*, int) {
+    XmlBuilder& builder = self(user);
+    const std::size_t begin = builder.document_.text_.rfind("<!DOCTYPE", builder.offset());
+    builder.stop_at(begin == std::string_view::npos ? builder.offset() : begin,
+                    "a document type (<!DOCTYPE …>) is not read: no entity is declared, expanded or fetched",
+                    "leave it out: a model needs none");
+  }
+
+  std::size_t offset() const { return static_cast<std::size_t>(std::max<XML_Index>(XML_GetCurrentByteIndex(parser_.get()), 0)); }
+
+  void stop(std::string what, std::string hint) { stop_at(offset(), std::move(what), std::move(hint)); }
+  void stop_at(std::size_t offset, std::string what, std::string hint) {
+    if (!error_.what.empty()) return;
+    error_ = {document_.place_at(offset), std::move(what), std::move(hint)};
+    XML_StopParser(parser_.get(), XML_FALSE);
+  }
+
+  std::uint32_t name_of(std::string_view name) {
+    const auto found = names_.find(name);
+    if (found != names_.end()) return found->second;
+    const auto index = static_cast<std::uint32_t>(document_.names_.size());
+    document_.names_.emplace_back(name);
+    names_.emplace(name, index);
+    return index;
+  }
+
+  void start(const char* name, const char** attributes) {
+    if (open_.size() >= XmlDocument::deepest)
+      return stop("elements are nested more than " + std::to_string(XmlDocument::deepest) + " deep", "no model needs that");
+    if (document_.nodes_.size() >= XmlDocument::most_elements)
+      return stop("more than " + std::to_string(XmlDocument::most_elements) + " elements", "no model is as large as that");
+    const auto index = static_cast<std::uint32_t>(document_.nodes_.size());
+    XmlDocument::Node node;
+    node.name = name_of(name);
+    node.offset = static_cast<std::uint32_t>(offset());
+    node.first_attribute = static_cast<std::uint32_t>(document_.attributes_.size());
+    for (const char** at = attributes; *at != nullptr; at += 2) {
+      const std::string_view value(at[1]);
+      document_.attributes_.push_back(
+          {name_of(at[0]), static_cast<std::uint32_t>(document_.pool_.size()), static_cast<std::uint32_t>(value.size())});
+      document_.pool_ += value;
+      ++node.attributes;
+    }
+    if (document_.attributes_.size() > XmlDocument::most_attributes)
+      return stop("more than " + std::to_string(XmlDocument::most_attributes) + " attributes", "no model is as large as that");
+    if (!open_.empty()) {
+      Open& parent = open_.back();
+      close_text(parent);
+      node.parent = parent.node;
+      std::uint32_t& link = parent.last_child == XmlDocument::none ? document_.nodes_[parent.node].first_child
+                                                                   : document_.nodes_[parent.last_child].next;
+      link = index;
+      parent.last_child = index;
+    }
+    document_.nodes_.push_back(node);
+    open_.push_back({index});
+  }
+
+  void end() {
+    if (open_.empty()) return;
+    close_text(open_.back());
+    open_.pop_back();
+  }
+
+  // What follows the first child is layout.
+  void add_text(std::string_view text) {
+    if (open_.empty() || open_.back().last_child != XmlDocument::none) return;
+    if (text_.empty()) {
+      const std::size_t skipped = static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), is_blank) - text.begin());
+      text.remove_prefix(skipped);
+      if (text.empty()) return;
+      document_.nodes_[open_.back().node].text_offset = static_cast<std::uint32_t>(offset() + skipped);
+    }
+    text_ += text;
+  }
+
+  void close_text(const Open& open) {
+    while (!text_.empty() && is_blank(text_.back())) text_.pop_back();
+    if (text_.empty()) return;
+    XmlDocument::Node& node = document_.nodes_[open.node];
+    node.text = static_cast<std::uint32_t>(document_.pool_.size());
+    node.text_size = static_cast<std::uint32_t>(text_.size());
+    document_.pool_ += text_;
+    text_.clear();
+  }
+
+  std::string opened() const {
+    const XmlDocument::Node& node = document_.nodes_[open_.back().node];
+    return "<" + document_.names_[node.name] + ">, opened on line " + std::to_string(document_.place_at(node.offset).line);
+  }
+
+  void explain() {
+    const std::size_t size = document_.text_.size();
+    const XML_Error code = XML_GetErrorCode(parser_.get());
+    error_.place = document_.place_at(std::min(offset(), size));
+    switch (code) {
+      case XML_ERROR_NO_ELEMENTS:
+      case XML_ERROR_UNCLOSED_TOKEN:
+      case XML_ERROR_UNCLOSED_CDATA_SECTION:
+        if (open_.empty() && code == XML_ERROR_NO_ELEMENTS) {
+          error_.what = "the file is empty: there is no element in it";
+        } else {
+          error_.what = open_.empty() ? "the file ends within a tag" : "the file ends within " + opened();
+          error_.hint = "is it complete?";
+        }
+        break;
+      case XML_ERROR_TAG_MISMATCH:
+        error_.what = "this closes another element than " + (open_.empty() ? std::string("is open") : opened());
+        error_.hint = "every element is closed before the one that holds it";
+        break;
+      case XML_ERROR_JUNK_AFTER_DOC_ELEMENT:
+        error_.what = "something follows the end of the document";
+        error_.hint = "a file holds one root element";
+        break;
+      case XML_ERROR_DUPLICATE_ATTRIBUTE: error_.what = "an attribute is given twice in this tag"; break;
+      case XML_ERROR_UNDEFINED_ENTITY:
+        error_.what = "an entity that XML does not define";
+        error_.hint = "there are &lt; &gt; &amp; &quot; and &apos;";
+        break;
+      case XML_ERROR_MISPLACED_XML_PI:
+        error_.what = "<?xml …?> stands at the very beginning of a file only";
+        error_.hint = "remove what is before it";
+        break;
+      case XML_ERROR_UNKNOWN_ENCODING:
+      case XML_ERROR_INCORRECT_ENCODING: error_.what = "the text is not UTF-8"; break;
+      default:
+        error_.what = "cannot read this as XML: " + std::string(XML_ErrorString(code));
+        if (size > 0 && document_.text_.find('<') == std::string_view::npos) error_.hint = "there is no tag in this file";
+    }
+  }
+
+  XmlDocument& document_;
+  SyntaxError& error_;
+  std::unique_ptr<XML_ParserStruct, void (*)(XML_Parser)> parser_;
+  std::vector<Open> open_;
+  std::string text_;
+  std::unordered_map<std::string, std::uint32_t, StringHash, std::equal_to<>> names_;
+};
+
+std::unique_ptr<const XmlDocument> XmlDocument::parse(std::string_view text, SyntaxError& error) {
+  if (text.size() > (1u << 30)) {
+    error = {{}, "more than 1 GiB: this is no model", ""};
+    return nullptr;
+  }
+  if (auto problem = check_utf8(text)) {
+    error = std::move(*problem);
+    return nullptr;
+  }
+  std::unique_ptr<XmlDocument> document(new XmlDocument(text));
+  document->line_starts_.push_back(0);
+  for (std::size_t i = text.find('\n'); i != std::string_view::npos; i = text.find('\n', i + 1))
+    document->line_starts_.push_back(static_cast<std::uint32_t>(i + 1));
+  error = {};
+  if (!XmlBuilder(*document, error).build()) return nullptr;
+  return document;
+}
+
+Place XmlDocument::place_at(std::size_t offset) const {
+  const auto line = std::upper_bound(line_starts_.begin(), line_starts_.end(), offset) - 1;
+  std::size_t start = *line;
+  if (start == 0 && text_.substr(0, 3) == "\xEF\xBB\xBF") start = 3;  // columns do not count a byte order mark
+  int column = 1;
+  for (std::size_t i = start; i < offset && i < text_.size(); ++i)
+    if ((static_cast<unsigned char>(text_[i]) & 0xc0) != 0x80) ++column;
+  return {static_cast<int>(line - line_starts_.begin()) + 1, column, 0};
+}
+
+std::string_view XmlElement::name() const { return document_->names_[document_->nodes_[index_].name]; }
+std::string_view XmlElement::text() const {
+  const auto& node = document_->nodes_[index_];
+  return document_->kept(node.text, node.text_size);
+}
+Place XmlElement::place() const { return document_->place_at(document_->nodes_[index_].offset); }
+Place XmlElement::text_place() const {
+  const auto& node = document_->nodes_[index_];
+  return document_->place_at(node.text_size > 0 ? node.text_offset : node.offset);
+}
+
+namespace {
+XmlElement element_or_none(const XmlDocument* document, std::uint32_t index) {
+  return index == 0xffffffffu ? XmlElement{} : XmlElement{document, index};
+}
+}  // namespace
+
+XmlElement XmlElement::parent() const { return element_or_none(document_, document_->nodes_[index_].parent); }
+XmlElement XmlElement::first_child() const { return element_or_none(document_, document_->nodes_[index_].first_child); }
+XmlElement XmlElement::next() const { return element_or_none(document_, document_->nodes_[index_].next); }
+
+std::size_t XmlElement::attributes() const { return document_->nodes_[index_].attributes; }
+std::string_view XmlElement::attribute_name(std::size_t i) const {
+  return document_->names_[document_->attributes_[document_->nodes_[index_].first_attribute + i].name];
+}
+std::string_view XmlElement::attribute(std::size_t i) const {
+  const auto& attribute = document_->attributes_[document_->nodes_[index_].first_attribute + i];
+  return document_->kept(attribute.value, attribute.size);
+}
+std::optional<std::size_t> XmlElement::find(std::string_view attribute) const {
+  for (std::size_t i = 0; i < attributes(); ++i)
+    if (attribute_name(i) == attribute) return i;
+  return {};
+}
+
+// The parser tells where a tag begins; its attributes stand there in their order, and are well-formed.
+Place XmlElement::attribute_place(std::size_t i, bool of_value) const {
+  const std::string_view text = document_->text_;
+  const auto at = [&](std::size_t k) { return k < text.size() ? text[k] : '\0'; };
+  std::size_t k = document_->nodes_[index_].offset;
+  while (k < text.size() && !is_blank(text[k]) && text[k] != '>') ++k;  // past the element's name
+  for (std::size_t attribute = 0;; ++attribute) {
+    while (is_blank(at(k))) ++k;
+    const std::size_t name = k;
+    while (k < text.size() && text[k] != '"' && text[k] != '\'' && text[k] != '>') ++k;
+    if (k >= text.size() || text[k] == '>') return place();
+    const std::size_t value = k + 1;
+    if (attribute == i) return document_->place_at(of_value ? value : name);
+    k = text.find(text[k], value);
+    if (k == std::string_view::npos) return place();
+    ++k;
+  }
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,117 @@
+#pragma once
+// XML 1.0 texts as elements that know their line and column. The parser itself (expat) is in document.cpp alone.
+#include <cstdint>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <momentree/base/value.hpp>
+#include <momentree/io/syntax_error.hpp>
+
+namespace momentree::io {
+
+class XmlDocument;
+
+/// One element of a document; light, to be passed by value. It is valid as long as its document stays where it is.
+class XmlElement {
+ public:
+  XmlElement() = default;
+  XmlElement(const XmlDocument* document, std::uint32_t index) : document_(document), index_(index) {}
+  /// False for what a search did not find.
+  explicit operator bool() const { return document_ != nullptr; }
+  friend bool operator==(const XmlElement&, const XmlElement&) = default;
+
+  std::string_view name() const;
+  /// Characters before the first child, entities resolved, without blanks around them.
+  std::string_view text() const;
+  Place place() const;
+  /// Of the first character of text(); of the element where it has none.
+  Place text_place() const;
+  XmlElement parent() const;
+  XmlElement first_child() const;
+  XmlElement next() const;
+
+  std::size_t attributes() const;
+  std::string_view attribute_name(std::size_t i) const;
+  std::string_view attribute(std::size_t i) const;
+  /// Of the attribute's name, or of its value.
+  Place attribute_place(std::size_t i, bool of_value = true) const;
+  /// The place of an attribute among the element's, if it has it.
+  std::optional<std::size_t> find(std::string_view attribute) const;
+
+  /// `<name>`, for messages.
+  std::string tag() const { return "<" + std::string(name()) + ">"; }
+
+  /// for (XmlElement child : element.children())
+  class Range;
+  Range children() const;
+
+ private:
+  const XmlDocument* document_ = nullptr;
+  std::uint32_t index_ = 0;
+};
+
+class XmlElement::Range {
+ public:
+  class Iterator {
+   public:
+    explicit Iterator(XmlElement at) : at_(at) {}
+    XmlElement operator*() const { return at_; }
+    Iterator& operator++() {
+      at_ = at_.next();
+      return *this;
+    }
+    bool operator!=(const Iterator& other) const { return !(at_ == other.at_); }
+
+   private:
+    XmlElement at_;
+  };
+  explicit Range(XmlElement first) : first_(first) {}
+  Iterator begin() const { return Iterator(first_); }
+  Iterator end() const { return Iterator(XmlElement{}); }
+
+ private:
+  XmlElement first_;
+};
+
+inline XmlElement::Range XmlElement::children() const { return Range(first_child()); }
+
+class XmlDocument {
+ public:
+  static constexpr std::size_t deepest = 1000, most_elements = 2'000'000, most_attributes = 4'000'000;
+
+  /// The document, or null with `error` set. `text` must outlive it, and be UTF-8: a byte order mark and CRLF are fine. Refused
+  /// besides what XML refuses: a document type (so that no entity is declared, expanded or fetched), depth and numbers of
+  /// elements and attributes beyond any model. Time and memory are linear in the text.
+  static std::unique_ptr<const XmlDocument> parse(std::string_view text, SyntaxError& error);
+
+  XmlElement root() const { return {this, 0}; }
+  Place place_at(std::size_t offset) const;
+
+ private:
+  friend class XmlElement;
+  friend class XmlBuilder;
+  static constexpr std::uint32_t none = 0xffffffffu;
+  struct Node {
+    std::uint32_t name = 0, offset = 0, parent = none, first_child = none, next = none;
+    std::uint32_t first_attribute = 0, attributes = 0, text = 0, text_size = 0, text_offset = 0;
+  };
+  struct Attribute {
+    std::uint32_t name = 0, value = 0, size = 0;
+  };
+  explicit XmlDocument(std::string_view text) : text_(text) {}
+  std::string_view kept(std::uint32_t at, std::uint32_t size) const { return std::string_view(pool_).substr(at, size); }
+
+  std::string_view text_;
+  std::string pool_;  // values and texts, one after the other
+  std::vector<std::string> names_;
+  std::vector<Node> nodes_;
+  std::vector<Attribute> attributes_;
+  std::vector<std::uint32_t> line_starts_;
+};
+
+}  // namespace momentree::io

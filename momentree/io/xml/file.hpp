@@ -1,0 +1,71 @@
+#pragma once
+// An XML file while it is read: its text, what is wrong with it, and what was left out on purpose.
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include <momentree/io/diagnostic.hpp>
+#include <momentree/io/xml/document.hpp>
+
+namespace momentree::io {
+
+/// An element, or one of its attributes. Where it stands is found out only when it is asked for.
+struct XmlSpot {
+  static constexpr std::size_t no_attribute = static_cast<std::size_t>(-1);
+  XmlElement element{};
+  std::size_t attribute = no_attribute;
+  bool of_text = false;  ///< of the element's characters
+  bool of_name = false;  ///< of the attribute's name, not of its value
+  Place place() const {
+    if (!element) return {};
+    if (attribute != no_attribute) return element.attribute_place(attribute, !of_name);
+    return of_text ? element.text_place() : element.place();
+  }
+};
+
+class XmlFile {
+ public:
+  /// Parses; where that fails, it is said, and there is no root.
+  XmlFile(std::string path, std::string text);
+  XmlFile(const XmlFile&) = delete;
+  XmlFile& operator=(const XmlFile&) = delete;
+
+  const std::string& path() const { return path_; }
+  const std::string& text() const { return text_; }
+  XmlElement root() const { return document_ ? document_->root() : XmlElement{}; }
+  Diagnostics& out() { return out_; }
+
+  void error(const XmlSpot& at, std::string what, std::string hint = {}) {
+    if (out_.full()) return out_.error({}, "", "");  // counted, no more
+    out_.error(at.place(), std::move(what), std::move(hint));
+  }
+  /// No room for more errors: a reader stops looking, and the last line says so.
+  bool enough() {
+    if (out_.full()) out_.error({}, "", "");
+    return out_.full();
+  }
+  void warning(const XmlSpot& at, std::string what, std::string hint = {}) {
+    out_.warning(at.place(), std::move(what), std::move(hint));
+  }
+  std::string line_of(XmlElement element) const { return "line " + std::to_string(element.place().line); }
+
+  /// Something like it is said once for the whole file, with the lines: "<gazebo> is ignored (lines 3, 9 and 12)".
+  void once(Severity severity, const std::string& what, const std::string& hint, const XmlSpot& at);
+  /// Everything, in the order of the file.
+  std::vector<Diagnostic> take();
+
+ private:
+  struct Repeated {
+    std::vector<XmlSpot> first;  // a few
+    std::size_t count = 0;
+  };
+  std::string path_, text_;
+  Diagnostics out_;
+  std::unique_ptr<const XmlDocument> document_;
+  std::map<std::tuple<Severity, std::string, std::string>, Repeated> repeated_;
+};
+
+}  // namespace momentree::io
