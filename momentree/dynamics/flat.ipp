@@ -24,11 +24,20 @@ struct FlatSweep {
   Work<T>& work;
   Passage<FlatInboard<T>, FlatOutboard<T>> passage{tree, work.flat_inlets.get(), work.flat_outlets.get()};
 
-  /// Angles of joints become those of bodies.
+  /// Angles of joints become those of bodies. A first child finds its parent's at hand: through memory it would wait for it.
   void add_up_angles(const Segment& segment) const {
+    T sum(0);
     for (int i = segment.begin; i < segment.end; ++i) {
       const int b = tree.order()[static_cast<std::size_t>(i)], outer = tree.parent(b);
-      if (outer >= 0) work.angle[tree.first_angle(b)] = work.angle[tree.first_angle(b)] + work.angle[tree.first_angle(outer)];
+      const unsigned flow = tree.flows()[static_cast<std::size_t>(i)];
+      T& angle = work.angle[tree.first_angle(b)];
+      if ((flow & flow::root) != 0)
+        sum = angle;
+      else if ((flow & flow::first) != 0)
+        sum = angle + sum;
+      else
+        sum = angle + work.angle[tree.first_angle(outer)];
+      angle = sum;
     }
   }
 

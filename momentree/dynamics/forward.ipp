@@ -42,7 +42,8 @@ struct Sweep {
       record.mc = a.mc;
       K::template reduce<T>(link, joint, p + tree.first_p(b), tree.armature() + tree.first_p(b), a.M, a.D, record);  // (24)–(26)
       const auto over = [&](const auto& crossing) MOMENTREE_INLINE_LAMBDA {
-        crossing.inboard(a.M);  // (16)
+        if ((flow & flow::root) != 0) return;  // nobody asks for it
+        crossing.inboard(a.M);                 // (16)
         crossing.inboard(a.D);
         crossing.inboard(a.mc);
       };
@@ -106,10 +107,11 @@ struct Sweep {
       const int angle = tree.first_angle(b);
       auto& record = work.template record<K>(tree, b);
       passage.collect(b, flow, a);
-      dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-        K::Steps::template inboard<shape(), Gravity, Keep>(link, work.cos[angle], work.sin[angle], p[tree.first_p(b)],
-                                                           (flow & flow::tip) != 0, (flow & flow::root) != 0, a, record);
-      });
+      dispatch_inboard(link.shape, (flow & flow::tip) != 0, (flow & flow::root) != 0,
+                       [&](auto shape, auto tip, auto root) MOMENTREE_INLINE_LAMBDA {
+                         K::Steps::template inboard<shape(), Gravity, Keep, tip(), root()>(link, work.cos[angle], work.sin[angle],
+                                                                                           p[tree.first_p(b)], a, record);
+                       });
       passage.deliver(b, flow, a);
     }
     through = a;

@@ -1,5 +1,6 @@
 // The ways of one evaluation against each other, on random trees: steps by the shape of the link and the sweep of plane
-// mechanisms (stages), generic kernels (motions), and the order of operations that is for many worlds at once.
+// mechanisms (stages), steps that keep what others read (motions), the order of operations that is for many worlds at once, and
+// the generic kernels, which a pin has where it takes a rotor.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -54,7 +55,7 @@ JointSpec random_joint(Random& random) {
   if (draw == 1) return Ball{};
   if (draw == 2) return Revolute{.axis = {0.3, 0, 1}, .armature = 0.05};
   if (draw == 3) return Weld{};
-  return Revolute{};
+  return Revolute{.damping = 1};  // no part of evaluate_rates; but joints with parameters can take rotors
 }
 
 /// One to three mechanisms, grounded ones in a plane among them.
@@ -72,7 +73,9 @@ Model random_model(Random& random, bool gravity) {
       body.parent = k == 0 ? ground : Body{first + std::max(outer, 0)};
       body.at = random_place(random);
       if (flat) body.at = {random.vector(0.4), k == 0 ? body.at.rotation : from_axis_angle(z_axis, random.between(-1, 1))};
-      body.joint = flat ? JointSpec(Revolute{}) : k == 0 && random.chance(0.3) ? JointSpec(Free{}) : random_joint(random);
+      body.joint = flat                           ? JointSpec(Revolute{.damping = 1})
+                   : k == 0 && random.chance(0.3) ? JointSpec(Free{})
+                                                  : random_joint(random);
       model.add(body);
     }
   }
@@ -82,7 +85,7 @@ Model random_model(Random& random, bool gravity) {
 /// What the random trees had, so that nothing is taken for tested that never came about.
 struct Seen {
   std::array<int, 11> shapes{};
-  int flat = 0, forks = 0, reversed = 0;
+  int flat = 0, forks = 0, reversed = 0, generic = 0;
   double worst = 0;
 
   void note(const Tree& tree) {
@@ -116,6 +119,13 @@ std::vector<double> values(const Counted* a, int n) {
   return x;
 }
 
+/// Pins that the generic kernels evaluate.
+int generic_pins(const Tree& tree) {
+  int n = 0;
+  for (const int b : tree.order()) n += tree.joint(b).kind == Kind::revolute && tree.variant(b) == Variant::rotor;
+  return n;
+}
+
 void compare(const Tree& tree, const std::vector<double>& q, const std::vector<double>& p, Seen& seen) {
   seen.note(tree);
   const int nq = tree.nq(), nv = tree.nv();
@@ -125,6 +135,11 @@ void compare(const Tree& tree, const std::vector<double>& q, const std::vector<d
   Work<Counted> early(tree);
   const std::vector<Counted> cq(q.begin(), q.end()), cp(p.begin(), p.end());
   evaluate_rates(tree, cq.data(), cp.data(), early);
+  Tree with_rotors = tree;
+  with_rotors.copy_with_rotors(tree);
+  seen.generic += generic_pins(with_rotors) - generic_pins(tree);
+  Work<double> generic(with_rotors);
+  evaluate_rates(with_rotors, q.data(), p.data(), generic);
   const auto near = [&](const double* a, const double* b, int n) {
     const double x = difference(a, b, n);
     seen.worst = std::max(seen.worst, std::isnan(x) ? INFINITY : x);
@@ -133,6 +148,9 @@ void compare(const Tree& tree, const std::vector<double>& q, const std::vector<d
   CHECK(near(stage.v.get(), motions.v.get(), nv));
   CHECK(near(stage.qdot.get(), motions.qdot.get(), nq));
   CHECK(near(stage.pdot.get(), motions.pdot.get(), nv));
+  CHECK(near(generic.v.get(), motions.v.get(), nv));
+  CHECK(near(generic.qdot.get(), motions.qdot.get(), nq));
+  CHECK(near(generic.pdot.get(), motions.pdot.get(), nv));
   CHECK(near(values(early.v.get(), nv).data(), motions.v.get(), nv));
   CHECK(near(values(early.qdot.get(), nq).data(), motions.qdot.get(), nq));
   CHECK(near(values(early.pdot.get(), nv).data(), motions.pdot.get(), nv));
@@ -176,6 +194,7 @@ TEST_CASE("steps by shape, the sweep in a plane and the generic kernels find the
   }
   CHECK(seen.worst < 5e-12);
   for (std::size_t i = 0; i < seen.shapes.size(); ++i) CHECK_MESSAGE(seen.shapes[i] > 20, "shape ", i, ": ", seen.shapes[i]);
+  CHECK(seen.generic > 1000);
   CHECK(seen.flat > 100);
   CHECK(seen.forks > 100);
   CHECK(seen.reversed > 100);

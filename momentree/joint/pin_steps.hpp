@@ -1,7 +1,7 @@
 #pragma once
 // Steps of the two sweeps across a pin without rotor: (22)–(26) and (16) inboard, (17), (27), (21), (20) outboard, as one piece
 // each. What reduction about z leaves has zeros, and so has the placement of most links.
-#include <momentree/joint/screw_kernels.hpp>
+#include <momentree/joint/pin_blocks.hpp>
 
 namespace momentree {
 
@@ -16,107 +16,6 @@ struct PinRecord {
   T ghx, ghy;
   T u0, inverse_mass;
   Vector3<T> mc;
-};
-
-namespace detail {
-
-/// (16), the turn about z and the slide by d along it, of what has no z column in B and no z row in J.
-template <bool Slides, class T>
-MOMENTREE_INLINE void turn_reduced_z(SpatialMass<T>& M, const T& c, const T& s, double d) {
-  const Turn<T> by(c, s);
-  turn_block(M.A.xx, M.A.xy, M.A.yy, by);
-  turn(M.A.xz, M.A.yz, c, s);
-  turn(M.B.zx, M.B.zy, c, s);
-  turn_block(M.J.xx, M.J.xy, M.J.yy, by);
-  if constexpr (!Slides) {
-    turn_block(M.B.xx, M.B.xy, M.B.yx, M.B.yy, by);
-  } else {
-    // B ← B − A r̃, J ← J + r̃ B_new + (r̃ B_old)ᵀ with r = d e_z, merged with the turn of B.
-    const T p = M.B.xx - M.B.yy, q = M.B.xy + M.B.yx;
-    const T t = by.ss * p + by.cs * q, o = by.cs * p - by.ss * q;
-    const T yy = M.B.yy + t, slid = t + d * M.A.xy;
-    M.B.xx = M.B.xx - slid, M.B.yy = M.B.yy + slid;
-    const T xy = M.B.xy + o, yx = M.B.yx + o;
-    M.B.xy = xy + d * M.A.xx, M.B.yx = yx - d * M.A.yy;
-    M.B.zx = M.B.zx - d * M.A.yz, M.B.zy = M.B.zy + d * M.A.xz;
-    M.J.xx = M.J.xx - d * (M.B.yx + yx), M.J.yy = M.J.yy + d * (M.B.xy + xy);
-    M.J.xy = M.J.xy + d * (M.B.xx - yy);
-  }
-}
-
-/// (16), the turn about x by α, of the same; what was zero is filled.
-template <class T>
-MOMENTREE_INLINE void turn_reduced_x(const Link& k, SpatialMass<T>& M) {
-  const double c = k.cos_a, s = k.sin_a;
-  const Turn<double> by = Turn<double>::of_products(k.cs_a, k.ss_a);
-  turn_block(M.A.yy, M.A.yz, M.A.zz, by);
-  turn(M.A.xy, M.A.xz, c, s);
-  const T a = c * M.B.yy - s * M.B.zy, b = s * M.B.yy + c * M.B.zy;  // rows y, z of the y column
-  M.B.yy = c * a, M.B.yz = s * a, M.B.zy = c * b, M.B.zz = s * b;
-  M.B.xz = s * M.B.xy;
-  M.B.xy = c * M.B.xy;
-  turn(M.B.yx, M.B.zx, c, s);
-  M.J.zz = by.ss * M.J.yy;
-  M.J.yz = by.cs * M.J.yy;
-  M.J.yy = (1 - by.ss) * M.J.yy;
-  M.J.xz = s * M.J.xy;
-  M.J.xy = c * M.J.xy;
-}
-/// The same by 90°: components change places, and stay zero where they come from zeros.
-template <class T>
-MOMENTREE_INLINE void turn_reduced_right(SpatialMass<T>& M) {
-  const T Ayy = M.A.yy, Axy = M.A.xy, Byx = M.B.yx;
-  M.A.yy = M.A.zz, M.A.zz = Ayy, M.A.yz = -M.A.yz;
-  M.A.xy = -M.A.xz, M.A.xz = Axy;
-  M.B.yx = -M.B.zx, M.B.zx = Byx;
-  M.B.xz = M.B.xy, M.B.yz = -M.B.zy, M.B.zz = M.B.yy;
-  M.B.xy = M.B.yy = M.B.zy = T(0);
-  M.J.zz = M.J.yy, M.J.xz = M.J.xy;
-  M.J.yy = M.J.xy = M.J.yz = T(0);
-}
-
-/// (16), the shift by a along x. `Zeros`: the column of B and the row of J that are zero before: none, those of y, those of z.
-enum class Zeros { none, y, z };
-template <Zeros Z, class T>
-MOMENTREE_INLINE void shift_x(SpatialMass<T>& M, double a) {
-  const Symmetric3<T>& A = M.A;
-  if constexpr (Z == Zeros::y) {
-    M.B.xy = -(a * A.xz), M.B.yy = -(a * A.yz), M.B.zy = -(a * A.zz);
-    const T yz = M.B.yz;
-    M.B.xz = M.B.xz + a * A.xy, M.B.yz = M.B.yz + a * A.yy, M.B.zz = M.B.zz + a * A.yz;
-    M.J.yy = -(a * M.B.zy), M.J.zz = M.J.zz + a * (yz + M.B.yz);
-    M.J.xy = -(a * M.B.zx), M.J.xz = M.J.xz + a * M.B.yx, M.J.yz = -(a * M.B.zz);
-  } else {
-    const T zy = M.B.zy, yy = M.B.yy;
-    M.B.xy = M.B.xy - a * A.xz, M.B.yy = M.B.yy - a * A.yz, M.B.zy = M.B.zy - a * A.zz;
-    M.J.yy = M.J.yy - a * (zy + M.B.zy);
-    M.J.xy = M.J.xy - a * M.B.zx;
-    if constexpr (Z == Zeros::z) {
-      M.B.xz = a * A.xy, M.B.yz = a * A.yy, M.B.zz = a * A.yz;
-      M.J.zz = a * M.B.yz, M.J.xz = a * M.B.yx, M.J.yz = a * (yy - M.B.zz);
-    } else {
-      const T yz = M.B.yz;
-      M.B.xz = M.B.xz + a * A.xy, M.B.yz = M.B.yz + a * A.yy, M.B.zz = M.B.zz + a * A.yz;
-      M.J.zz = M.J.zz + a * (yz + M.B.yz);
-      M.J.xz = M.J.xz + a * M.B.yx;
-      M.J.yz = M.J.yz + a * (yy - M.B.zz);
-    }
-  }
-}
-
-}  // namespace detail
-
-/// (16) for what a pin without rotor has reduced: the zero rows stay zero while turning about z.
-template <class T, bool Aligned>
-struct PinCrossing : ScrewCrossing<T, Aligned> {
-  using ScrewCrossing<T, Aligned>::inboard;
-  MOMENTREE_INLINE void inboard(SpatialMass<T>& M) const {
-    const Link& k = this->link;
-    detail::turn_reduced_z<false>(M, this->c, this->s, 0);
-    detail::turn_reduced_x(k, M);
-    if constexpr (!Aligned) turn_z(M, k.cos_b, k.sin_b);
-    shift(M, k.r);
-  }
 };
 
 struct PinSteps {
@@ -141,70 +40,48 @@ struct PinSteps {
 
   /// In: what the children reduced, in the body's frame; `Tip`: nothing. Out: what the parent gets, in its frame; `Root`: nobody
   /// asks for it.
-  template <LinkShape S, bool Gravity, bool Keep, class T>
-  MOMENTREE_INLINE static void inboard(const Link& k, const T& c, const T& s, const T& p, bool tip, bool root, Inboard<T>& in,
+  template <LinkShape S, bool Gravity, bool Keep, bool Tip, bool Root, class T>
+  MOMENTREE_INLINE static void inboard(const Link& k, const T& cosine, const T& sine, const T& momentum, Inboard<T>& in,
                                        PinRecord<T>& w) {
-    SpatialMass<T>& M = in.M;
-    Force<T>& D = in.D;
-    if (!late<T, Keep> && tip) {
-      M = rigid_mass<T>(k.body);
-      D = {};
-      if constexpr (Gravity) in.mc = {T(k.body.mc.x), T(k.body.mc.y), T(k.body.mc.z)};
-    } else {
-      if (tip) in = {};
-      add_rigid_mass(M, k.body);  // (22), (23)
-      if constexpr (Gravity) in.mc.x += k.body.mc.x, in.mc.y += k.body.mc.y, in.mc.z += k.body.mc.z;
-    }
-    const T inverse = T(1) / M.J.zz, u = p - D.h.z;           // (24)
-    const auto cross_joint = [&]() MOMENTREE_INLINE_LAMBDA {  // (16), as far as the parent's side of the joint
-      if constexpr (late<T, Keep>) {
-        turn(M.B.xz, M.B.yz, c, s);
-        turn(M.J.xz, M.J.yz, c, s);
-        if constexpr (Has<S>::d) M.J.xz = M.J.xz - k.d * M.B.yz, M.J.yz = M.J.yz + k.d * M.B.xz;
-      }
-      detail::turn_reduced_z<Has<S>::d>(M, c, s, k.d);
-      turn_z(D.l, c, s);
-      turn_z(D.h, c, s);
-      if constexpr (Gravity) turn_z(in.mc, c, s);
-      if constexpr (Has<S>::d) D.h.x = D.h.x - k.d * D.l.y, D.h.y = D.h.y + k.d * D.l.x;
+    constexpr bool is_late = late<T, Keep>, crosses_z = is_late || !Root, slides = Has<S>::d;
+    const T c = cosine, s = sine, p = momentum;
+    const RigidMass& b = k.body;
+    const T inverse = T(1) / with<Tip>(in.M.J.zz, b.J.zz);  // (24)
+    detail::PinColumn<T> e{with<Tip>(in.M.B.xz, -b.mc.y), with<Tip>(in.M.B.yz, b.mc.x), alone<Tip>(in.M.B.zz),
+                           with<Tip>(in.M.J.xz, b.J.xz), with<Tip>(in.M.J.yz, b.J.yz)};
+    if constexpr (is_late) detail::cross_z<slides>(e, c, s, k.d);
+    const detail::PinColumn<T> g{inverse * e.lx, inverse * e.ly, inverse * e.lz, inverse * e.hx, inverse * e.hy};
+    w.gl.x = g.lx, w.gl.y = g.ly, w.gl.z = g.lz, w.ghx = g.hx, w.ghy = g.hy;
+    if constexpr (Keep) w.inverse_mass = inverse;
+    T u = p;
+    if constexpr (!Tip) u = p - in.D.h.z;
+    if constexpr (!is_late) w.u0 = inverse * u;  // one number less to keep: compilers see to other orders of things badly
+
+    detail::ReducedMass<T> m;
+    reduce_mass<slides, is_late, crosses_z, Tip>(k, c, s, e, g, in.M, m, w);
+    if constexpr (Keep) w.A.zz = m.Azz;
+    if constexpr (!Root) mass_inboard<S>(k, m, in.M);
+
+    if constexpr (is_late) w.u0 = inverse * u;
+    Force<T> D{{alone<Tip>(in.D.l.x), alone<Tip>(in.D.l.y), alone<Tip>(in.D.l.z)},
+               {alone<Tip>(in.D.h.x), alone<Tip>(in.D.h.y), p}};
+    Vector3<T> mc;
+    if constexpr (Gravity)
+      mc.x = with<Tip>(in.mc.x, b.mc.x), mc.y = with<Tip>(in.mc.y, b.mc.y), mc.z = with<Tip>(in.mc.z, b.mc.z);
+    const auto turn = [&]() MOMENTREE_INLINE_LAMBDA {
+      detail::cross_z<slides>(D, c, s, k.d);
+      if constexpr (Gravity) turn_z(mc, c, s);
     };
-    if constexpr (late<T, Keep>) cross_joint();
-    reduce(p, u, inverse, M, D, w);  // (25), (26)
-    if constexpr (Gravity) w.mc.x = in.mc.x, w.mc.y = in.mc.y;
-    if constexpr (Keep) w.A.zz = M.A.zz, w.l.z = D.l.z, w.inverse_mass = inverse;
-    if (!late<T, Keep> && root) return;
-    if constexpr (!late<T, Keep>) cross_joint();
-    if constexpr (Has<S>::right) {
-      detail::turn_reduced_right(M);
-      D = {{D.l.x, -D.l.z, D.l.y}, {D.h.x, -D.h.z, D.h.y}};
-      if constexpr (Gravity) in.mc = {in.mc.x, -in.mc.z, in.mc.y};
-    } else if constexpr (!Has<S>::parallel) {
-      detail::turn_reduced_x(k, M);
-      turn_x(D.l, k.cos_a, k.sin_a);
-      turn_x(D.h, k.cos_a, k.sin_a);
-      if constexpr (Gravity) turn_x(in.mc, k.cos_a, k.sin_a);
-    }
-    if constexpr (Has<S>::turn_b) {
-      turn_z(M, k.cos_b, k.sin_b);
-      turn_z(D.l, k.cos_b, k.sin_b);
-      turn_z(D.h, k.cos_b, k.sin_b);
-      if constexpr (Gravity) turn_z(in.mc, k.cos_b, k.sin_b);
-    }
-    if constexpr (Has<S>::any_offset) {
-      shift(M, k.r);
-      shift(D, k.r);
-    } else if constexpr (Has<S>::a) {
-      constexpr auto zeros = Has<S>::right ? detail::Zeros::y : Has<S>::parallel ? detail::Zeros::z : detail::Zeros::none;
-      detail::shift_x<zeros>(M, k.r.x);
-      D.h.y = D.h.y - k.r.x * D.l.z, D.h.z = D.h.z + k.r.x * D.l.y;
-    } else if constexpr (Has<S>::parallel) {
-      static_assert(Has<S>::a, "a joint on its parent's axis has no kernel of its own");
-    }
-    if constexpr (Gravity) {
-      const double m = k.subtree_mass;
-      if constexpr (Has<S>::any_offset || Has<S>::a) in.mc.x += m * k.r.x;
-      if constexpr (Has<S>::any_offset || Has<S>::d) in.mc.y += m * k.r.y, in.mc.z += m * k.r.z;
-    }
+    if constexpr (is_late) turn();
+    D.l.x += u * g.lx, D.l.y += u * g.ly, D.l.z += u * g.lz, D.h.x += u * g.hx, D.h.y += u * g.hy;  // (26)
+    w.l.x = D.l.x, w.l.y = D.l.y, w.hx = D.h.x, w.hy = D.h.y;
+    if constexpr (Keep) w.l.z = D.l.z;
+    if constexpr (Gravity) w.mc.x = mc.x, w.mc.y = mc.y;
+    if constexpr (Root) return;
+    if constexpr (!is_late) turn();
+    momentum_inboard<S, Gravity>(k, D, mc);
+    in.D.l.x = D.l.x, in.D.l.y = D.l.y, in.D.l.z = D.l.z, in.D.h.x = D.h.x, in.D.h.y = D.h.y, in.D.h.z = D.h.z;
+    if constexpr (Gravity) in.mc.x = mc.x, in.mc.y = mc.y, in.mc.z = mc.z;
   }
 
   /// In: the parent's velocity, and gravity in its axes; out: those of the body. Gives u and ṗ of the joint; if kept, Ω and Pb.
@@ -299,29 +176,137 @@ struct PinSteps {
     turn_z(o, c, -s);
   }
 
-  /// (25), (26): Mb E is the third column of the right half; u = p − Eᵀ Db, inverse = 1 / Mj. The record
-  /// gets what steps outboard read.
-  template <class T>
-  MOMENTREE_INLINE static void reduce(const T& p, const T& u, const T& inverse, SpatialMass<T>& M, Force<T>& D, PinRecord<T>& w) {
-    const Vector3<T> el{M.B.xz, M.B.yz, M.B.zz};
-    const T ex = M.J.xz, ey = M.J.yz;
-    const Vector3<T> gl = inverse * el;
-    const T gx = inverse * ex, gy = inverse * ey;
-    M.A.xx -= el.x * gl.x, M.A.yy -= el.y * gl.y, M.A.zz -= el.z * gl.z;  // (25)
-    M.A.xy -= el.x * gl.y, M.A.xz -= el.x * gl.z, M.A.yz -= el.y * gl.z;
-    M.B.xx -= ex * gl.x, M.B.yx -= ex * gl.y, M.B.zx -= ex * gl.z;
-    M.B.xy -= ey * gl.x, M.B.yy -= ey * gl.y, M.B.zy -= ey * gl.z;
-    M.B.xz = T(0), M.B.yz = T(0), M.B.zz = T(0);
-    M.J.xx -= ex * gx, M.J.xy -= ex * gy, M.J.yy -= ey * gy;
-    M.J.xz = T(0), M.J.yz = T(0), M.J.zz = T(0);
-    D.l += u * gl;  // (26)
-    D.h = {D.h.x + gx * u, D.h.y + gy * u, p};
-    w.A.xx = M.A.xx, w.A.yy = M.A.yy, w.A.xy = M.A.xy, w.A.xz = M.A.xz, w.A.yz = M.A.yz;
-    w.Bxx = M.B.xx, w.Bxy = M.B.xy, w.Byx = M.B.yx, w.Byy = M.B.yy, w.Bzx = M.B.zx, w.Bzy = M.B.zy;
-    w.Jxx = M.J.xx, w.Jxy = M.J.xy, w.Jyy = M.J.yy;
-    w.l.x = D.l.x, w.l.y = D.l.y, w.hx = D.h.x, w.hy = D.h.y;
-    w.gl = gl, w.ghx = gx, w.ghy = gy;
-    w.u0 = inverse * u;
+ private:
+  // (22), (23): what the children ask, and the body's own; at a tip this alone.
+  template <bool Tip, class T>
+  MOMENTREE_INLINE static T with(const T& sum, double own) {
+    if constexpr (Tip)
+      return T(own);
+    else
+      return sum + own;
+  }
+  template <bool Tip, class T>
+  MOMENTREE_INLINE static T alone(const T& sum) {
+    if constexpr (Tip)
+      return T(0);
+    else
+      return sum;
+  }
+
+  // (25), M̂ = Mb − G (Mb E)ᵀ, and (16) as far as the parent's side of the joint, before it or, late, behind it. Piece by piece,
+  // so that few numbers are at hand; the record gets what steps outboard read.
+  template <bool Slides, bool Late, bool CrossesZ, bool Tip, class T>
+  MOMENTREE_INLINE static void reduce_mass(const Link& k, const T& c, const T& s, const detail::PinColumn<T>& e,
+                                           const detail::PinColumn<T>& g, const SpatialMass<T>& in, detail::ReducedMass<T>& m,
+                                           PinRecord<T>& w) {
+    const auto by = [&]() MOMENTREE_INLINE_LAMBDA {
+      if constexpr (CrossesZ)
+        return Turn<T>(c, s);
+      else
+        return nullptr;
+    }();
+    const double d = k.d;
+    const RigidMass& b = k.body;
+    const auto in_order = [&](auto cross, auto reduce) MOMENTREE_INLINE_LAMBDA {
+      if constexpr (Late) cross(by);
+      reduce();
+      if constexpr (!Late && CrossesZ) cross(by);
+    };
+    detail::PlaneSymmetric<T> A;  // turned, but not slid, as is B; with the reduction or without it, as the order is
+    detail::PlaneMatrix<T> B, slid;
+    detail::PlaneVector<T> Az;
+    m.A = {with<Tip>(in.A.xx, b.m), alone<Tip>(in.A.xy), with<Tip>(in.A.yy, b.m)};
+    in_order(
+        [&](const auto& turned) MOMENTREE_INLINE_LAMBDA {
+          turn_block(m.A.xx, m.A.xy, m.A.yy, turned);
+          A = m.A;
+        },
+        [&]() MOMENTREE_INLINE_LAMBDA {
+          m.A.xx -= e.lx * g.lx, m.A.xy -= e.lx * g.ly, m.A.yy -= e.ly * g.ly;
+          w.A.xx = m.A.xx, w.A.xy = m.A.xy, w.A.yy = m.A.yy;
+        });
+    m.B = {alone<Tip>(in.B.xx), with<Tip>(in.B.xy, b.mc.z), with<Tip>(in.B.yx, -b.mc.z), alone<Tip>(in.B.yy)};
+    in_order(
+        [&](const auto& turned) MOMENTREE_INLINE_LAMBDA {
+          B = detail::cross_z<Slides>(m.B, A, turned, d);
+          slid = m.B;
+        },
+        [&]() MOMENTREE_INLINE_LAMBDA {
+          m.B.xx -= e.hx * g.lx, m.B.xy -= e.hy * g.lx, m.B.yx -= e.hx * g.ly, m.B.yy -= e.hy * g.ly;
+          w.Bxx = m.B.xx, w.Bxy = m.B.xy, w.Byx = m.B.yx, w.Byy = m.B.yy;
+        });
+    m.J = {with<Tip>(in.J.xx, b.J.xx), with<Tip>(in.J.xy, b.J.xy), with<Tip>(in.J.yy, b.J.yy)};
+    in_order([&](const auto& turned) MOMENTREE_INLINE_LAMBDA { detail::cross_z<Slides>(m.J, slid, B, turned, d); },
+             [&]() MOMENTREE_INLINE_LAMBDA {
+               m.J.xx -= e.hx * g.hx, m.J.xy -= e.hx * g.hy, m.J.yy -= e.hy * g.hy;
+               w.Jxx = m.J.xx, w.Jxy = m.J.xy, w.Jyy = m.J.yy;
+             });
+    m.Az = {alone<Tip>(in.A.xz), alone<Tip>(in.A.yz)};
+    in_order(
+        [&](const auto&) MOMENTREE_INLINE_LAMBDA {
+          turn(m.Az.x, m.Az.y, c, s);
+          Az = m.Az;
+        },
+        [&]() MOMENTREE_INLINE_LAMBDA {
+          m.Az.x -= e.lx * g.lz, m.Az.y -= e.ly * g.lz;
+          w.A.xz = m.Az.x, w.A.yz = m.Az.y;
+        });
+    m.Bz = {with<Tip>(in.B.zx, b.mc.y), with<Tip>(in.B.zy, -b.mc.x)};
+    in_order(
+        [&](const auto&) MOMENTREE_INLINE_LAMBDA {
+          turn(m.Bz.x, m.Bz.y, c, s);
+          if constexpr (Slides) m.Bz.x = m.Bz.x - d * Az.y, m.Bz.y = m.Bz.y + d * Az.x;
+        },
+        [&]() MOMENTREE_INLINE_LAMBDA {
+          m.Bz.x -= e.hx * g.lz, m.Bz.y -= e.hy * g.lz;
+          w.Bzx = m.Bz.x, w.Bzy = m.Bz.y;
+        });
+    m.Azz = with<Tip>(in.A.zz, b.m);
+    m.Azz -= e.lz * g.lz;
+  }
+
+  // (16) from the parent's side of the joint to the parent.
+  template <LinkShape S, class T>
+  MOMENTREE_INLINE static void mass_inboard(const Link& k, const detail::ReducedMass<T>& m, SpatialMass<T>& out) {
+    using detail::Twist;
+    constexpr Twist twist = Has<S>::right ? Twist::right : Has<S>::parallel ? Twist::none : Twist::any;
+    SpatialMass<T> M;
+    M.A = detail::turn_x<twist>(k, m.A, m.Az, m.Azz);
+    M.B = detail::turn_x<twist>(k, m.B, m.Bz);
+    M.J = detail::turn_x<twist>(k, m.J);
+    if constexpr (Has<S>::turn_b) turn_z(M, k.cos_b, k.sin_b);
+    if constexpr (Has<S>::any_offset)
+      shift(M, k.r);
+    else if constexpr (Has<S>::a)
+      detail::shift_x<twist>(M, k.r.x);
+    // One by one: compilers take whole structs of lanes apart into bytes.
+    out.A.xx = M.A.xx, out.A.yy = M.A.yy, out.A.zz = M.A.zz, out.A.xy = M.A.xy, out.A.xz = M.A.xz, out.A.yz = M.A.yz;
+    out.B.xx = M.B.xx, out.B.xy = M.B.xy, out.B.xz = M.B.xz, out.B.yx = M.B.yx, out.B.yy = M.B.yy, out.B.yz = M.B.yz;
+    out.B.zx = M.B.zx, out.B.zy = M.B.zy, out.B.zz = M.B.zz;
+    out.J.xx = M.J.xx, out.J.yy = M.J.yy, out.J.zz = M.J.zz, out.J.xy = M.J.xy, out.J.xz = M.J.xz, out.J.yz = M.J.yz;
+  }
+  template <LinkShape S, bool Gravity, class T>
+  MOMENTREE_INLINE static void momentum_inboard(const Link& k, Force<T>& D, Vector3<T>& mc) {
+    const auto each = [&](auto turn) MOMENTREE_INLINE_LAMBDA {
+      turn(D.l), turn(D.h);
+      if constexpr (Gravity) turn(mc);
+    };
+    if constexpr (Has<S>::right)
+      each([](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { x = {x.x, -x.z, x.y}; });
+    else if constexpr (!Has<S>::parallel)
+      each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { turn_x(x, k.cos_a, k.sin_a); });
+    if constexpr (Has<S>::turn_b) each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { turn_z(x, k.cos_b, k.sin_b); });
+    if constexpr (Has<S>::any_offset)
+      shift(D, k.r);
+    else if constexpr (Has<S>::a)
+      D.h.y = D.h.y - k.r.x * D.l.z, D.h.z = D.h.z + k.r.x * D.l.y;
+    else
+      static_assert(!Has<S>::parallel, "a joint on its parent's axis has no kernel of its own");
+    if constexpr (Gravity) {
+      const double m = k.subtree_mass;
+      if constexpr (Has<S>::any_offset || Has<S>::a) mc.x += m * k.r.x;
+      if constexpr (Has<S>::any_offset || Has<S>::d) mc.y += m * k.r.y, mc.z += m * k.r.z;
+    }
   }
 };
 
@@ -343,6 +328,24 @@ MOMENTREE_INLINE void dispatch_shape(LinkShape shape, F&& f) {
     MOMENTREE_SHAPE(parallel)
     MOMENTREE_SHAPE(parallel_a)
 #undef MOMENTREE_SHAPE
+  }
+}
+/// Calls f(shape, tip, root), integral constants, for a step inboard. A root crosses its joint at most, not the link behind it.
+template <class F>
+MOMENTREE_INLINE void dispatch_inboard(LinkShape shape, bool tip, bool root, F&& f) {
+  if (root) {
+    constexpr std::integral_constant<LinkShape, LinkShape::parallel> slides{};
+    constexpr std::integral_constant<LinkShape, LinkShape::parallel_a> stays{};
+    const bool d = shape == LinkShape::screw || shape == LinkShape::screw_d || shape == LinkShape::right ||
+                   shape == LinkShape::right_d || shape == LinkShape::parallel;
+    if (tip)
+      d ? f(slides, std::true_type{}, std::true_type{}) : f(stays, std::true_type{}, std::true_type{});
+    else
+      d ? f(slides, std::false_type{}, std::true_type{}) : f(stays, std::false_type{}, std::true_type{});
+  } else if (tip) {
+    dispatch_shape(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, std::true_type{}, std::false_type{}); });
+  } else {
+    dispatch_shape(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, std::false_type{}, std::false_type{}); });
   }
 }
 

@@ -128,9 +128,9 @@ MOMENTREE_INLINE void sincos(const Pack<double, N, I>& angle, Pack<double, N, I>
   const V sine = r + (r * z * ps + e * u);
   const V cosine = u + (((1.0 - u) - h) + (z * z * pc - r * e));
   const M odd = -(n & 1);
-  const M ss = (odd & (M)cosine) | (~odd & (M)sine), cc = (odd & (M)sine) | (~odd & (M)cosine);
-  s = P((V)(ss ^ ((n & 2) << 62)));
-  c = P((V)(cc ^ (((n + 1) & 2) << 62)));
+  const M change = odd & ((M)sine ^ (M)cosine);  // places
+  s = P((V)((M)sine ^ change ^ ((n & 2) << 62)));
+  c = P((V)((M)cosine ^ change ^ (((n + 1) & 2) << 62)));
 }
 
 /// The same in float: reduction in three parts (8 + 11 + 24 bits), polynomials of degree 7 and 8. Error below 1e-7 within
@@ -152,9 +152,9 @@ MOMENTREE_INLINE void sincos(const Pack<float, N, I>& angle, Pack<float, N, I>& 
   const V sine = r + r * z * ps;
   const V cosine = (1.0F - 0.5F * z) + z * z * pc;
   const M odd = -(n & 1);
-  const M ss = (odd & (M)cosine) | (~odd & (M)sine), cc = (odd & (M)sine) | (~odd & (M)cosine);
-  s = P((V)(ss ^ ((n & 2) << 30)));
-  c = P((V)(cc ^ (((n + 1) & 2) << 30)));
+  const M change = odd & ((M)sine ^ (M)cosine);  // places
+  s = P((V)((M)sine ^ change ^ ((n & 2) << 30)));
+  c = P((V)((M)cosine ^ change ^ (((n + 1) & 2) << 30)));
 }
 
 /// n angles in every lane. Lanes whose angle is wide get theirs from libm, and no others: a lane knows nothing of its neighbours.

@@ -32,34 +32,9 @@ struct PinWithRotor : PinKernels<PinWithRotor> {};
 struct RevoluteKernels : PinKernels<RevoluteKernels> {
   template <class T>
   using Record = PinRecord<T>;
-  template <class T, bool Aligned>
-  using Crossing = PinCrossing<T, Aligned>;
-  /// Whole steps of the two sweeps, by the shape of the link.
+  /// Whole steps of the two sweeps, by the shape of the link, instead of the pieces that other kinds have: (24)–(27), (21), (20).
   using Steps = PinSteps;
 
-  /// (24)–(26)
-  template <class T>
-  MOMENTREE_INLINE static void reduce(const Link&, const JointState<T>&, const T* p, const double*, SpatialMass<T>& M,
-                                      Force<T>& D, Record<T>& w) {
-    const T inverse = T(1) / M.J.zz;  // (24)
-    PinSteps::reduce(p[0], p[0] - D.h.z, inverse, M, D, w);
-    w.A.zz = M.A.zz, w.l.z = D.l.z, w.inverse_mass = inverse;
-  }
-  /// (27)
-  template <class T>
-  MOMENTREE_INLINE static void joint_velocity(const Record<T>& w, const Motion<T>& in, T* u) {
-    u[0] = w.u0 - ((w.gl.x * in.v.x + w.ghx * in.w.x) + (w.gl.y * in.v.y + w.ghy * in.w.y) + w.gl.z * in.v.z) - in.w.z;
-  }
-  /// (21)
-  template <class T>
-  MOMENTREE_INLINE static Force<T> articulated_momentum(const Record<T>& w, const T* p, const Motion<T>& in) {
-    const Vector3<T>&v = in.v, &o = in.w;
-    return {{(w.A.xx * v.x + w.Bxx * o.x) + (w.A.xy * v.y + w.Bxy * o.y) + (w.A.xz * v.z + w.l.x),
-             (w.A.xy * v.x + w.Byx * o.x) + (w.A.yy * v.y + w.Byy * o.y) + (w.A.yz * v.z + w.l.y),
-             (w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y) + (w.A.zz * v.z + w.l.z)},
-            {(w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y) + (w.Bzx * v.z + w.hx),
-             (w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y) + (w.Bzy * v.z + w.hy), p[0]}};
-  }
   /// (17)
   template <class T>
   MOMENTREE_INLINE static Motion<T> spatial_velocity(const Link&, const JointState<T>&, const Motion<T>& in, const T* u) {

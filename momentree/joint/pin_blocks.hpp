@@ -1,0 +1,135 @@
+#pragma once
+// A reduced mass across a pin (16), piece by piece in the order of a step: what stands in the plane of the turn about z (the
+// upper left blocks of A, B and J), what couples it with z (a pair of A, a pair of B), A.zz; then the turn about x and the shift
+// along it. Few numbers are at hand at a time that way, and each is written once.
+#include <momentree/joint/link.hpp>
+
+namespace momentree::detail {
+
+/// Mb E, or G = Mb E / Mj: the third column of the right half, without what stands at Mj.
+template <class T>
+struct PinColumn {
+  T lx, ly, lz, hx, hy;
+};
+template <class T>
+struct PlaneSymmetric {
+  T xx, xy, yy;
+};
+template <class T>
+struct PlaneMatrix {
+  T xx, xy, yx, yy;
+};
+template <class T>
+struct PlaneVector {
+  T x, y;
+};
+/// M̂ with M̂ E = 0, by what a turn about z mixes.
+template <class T>
+struct ReducedMass {
+  PlaneSymmetric<T> A;
+  PlaneMatrix<T> B;
+  PlaneSymmetric<T> J;
+  PlaneVector<T> Az;  ///< A.xz, A.yz
+  PlaneVector<T> Bz;  ///< B.zx, B.zy
+  T Azz;
+};
+
+// (16), the turn about z by (c, s) and the slide along it by d: B ← B − A r̃, J ← J + r̃ B_new + (r̃ B_old)ᵀ with r = d e_z.
+
+template <bool Slides, class T>
+MOMENTREE_INLINE void cross_z(PinColumn<T>& e, const T& c, const T& s, double d) {
+  turn(e.lx, e.ly, c, s);
+  turn(e.hx, e.hy, c, s);
+  if constexpr (Slides) e.hx = e.hx - d * e.ly, e.hy = e.hy + d * e.lx;
+}
+template <bool Slides, class T>
+MOMENTREE_INLINE void cross_z(Force<T>& D, const T& c, const T& s, double d) {
+  turn_z(D.l, c, s);
+  turn_z(D.h, c, s);
+  if constexpr (Slides) D.h.x = D.h.x - d * D.l.y, D.h.y = D.h.y + d * D.l.x;
+}
+/// B with A before the slide; returns B before the slide.
+template <bool Slides, class T>
+MOMENTREE_INLINE PlaneMatrix<T> cross_z(PlaneMatrix<T>& B, const PlaneSymmetric<T>& A, const Turn<T>& by, double d) {
+  if constexpr (!Slides) {
+    turn_block(B.xx, B.xy, B.yx, B.yy, by);
+    return {};
+  } else {
+    const T p = B.xx - B.yy, q = B.xy + B.yx;
+    const T t = by.ss * p + by.cs * q, o = by.cs * p - by.ss * q;
+    const PlaneMatrix<T> turned{T(0), B.xy + o, B.yx + o, B.yy + t};
+    const T slid = t + d * A.xy;
+    B.xx = B.xx - slid, B.yy = B.yy + slid;
+    B.xy = turned.xy + d * A.xx, B.yx = turned.yx - d * A.yy;
+    return turned;
+  }
+}
+template <bool Slides, class T>
+MOMENTREE_INLINE void cross_z(PlaneSymmetric<T>& J, const PlaneMatrix<T>& B, const PlaneMatrix<T>& turned, const Turn<T>& by,
+                              double d) {
+  turn_block(J.xx, J.xy, J.yy, by);
+  if constexpr (Slides) {
+    J.xx = J.xx - d * (B.yx + turned.yx), J.yy = J.yy + d * (B.xy + turned.xy);
+    J.xy = J.xy + d * (B.xx - turned.yy);
+  }
+}
+
+// (16), the turn about x by α and the shift by a along x, of what is reduced.
+
+/// A about x, by the shape's turn.
+enum class Twist { any, right, none };
+template <Twist W, class T>
+MOMENTREE_INLINE Symmetric3<T> turn_x(const Link& k, const PlaneSymmetric<T>& A, const PlaneVector<T>& Az, const T& Azz) {
+  Symmetric3<T> R{A.xx, A.yy, Azz, A.xy, Az.x, Az.y};
+  if constexpr (W == Twist::right) {
+    R = {A.xx, Azz, A.yy, -Az.x, A.xy, -Az.y};
+  } else if constexpr (W == Twist::any) {
+    turn_block(R.yy, R.yz, R.zz, Turn<double>::of_products(k.cs_a, k.ss_a));
+    turn(R.xy, R.xz, k.cos_a, k.sin_a);
+  }
+  return R;
+}
+template <Twist W, class T>
+MOMENTREE_INLINE Matrix3<T> turn_x(const Link& k, const PlaneMatrix<T>& B, const PlaneVector<T>& Bz) {
+  const double c = k.cos_a, s = k.sin_a;
+  if constexpr (W == Twist::none) return {B.xx, B.xy, T(0), B.yx, B.yy, T(0), Bz.x, Bz.y, T(0)};
+  if constexpr (W == Twist::right) return {B.xx, T(0), B.xy, -Bz.x, T(0), -Bz.y, B.yx, T(0), B.yy};
+  const T a = c * B.yy - s * Bz.y, b = s * B.yy + c * Bz.y;  // rows y, z of the y column
+  return {B.xx, c * B.xy, s * B.xy, c * B.yx - s * Bz.x, c * a, s * a, s * B.yx + c * Bz.x, c * b, s * b};
+}
+template <Twist W, class T>
+MOMENTREE_INLINE Symmetric3<T> turn_x(const Link& k, const PlaneSymmetric<T>& J) {
+  if constexpr (W == Twist::none) return {J.xx, J.yy, T(0), J.xy, T(0), T(0)};
+  if constexpr (W == Twist::right) return {J.xx, T(0), J.yy, T(0), J.xy, T(0)};
+  return {J.xx, (1 - k.ss_a) * J.yy, k.ss_a * J.yy, k.cos_a * J.xy, k.sin_a * J.xy, k.cs_a * J.yy};
+}
+
+/// (16), the shift by a along x; A stands in M already.
+template <Twist W, class T>
+MOMENTREE_INLINE void shift_x(SpatialMass<T>& M, double a) {
+  const Symmetric3<T>& A = M.A;
+  if constexpr (W == Twist::right) {  // the y column of B and the y row of J are zero
+    M.B.xy = -(a * A.xz), M.B.yy = -(a * A.yz), M.B.zy = -(a * A.zz);
+    const T yz = M.B.yz;
+    M.B.xz = M.B.xz + a * A.xy, M.B.yz = M.B.yz + a * A.yy, M.B.zz = M.B.zz + a * A.yz;
+    M.J.yy = -(a * M.B.zy), M.J.zz = M.J.zz + a * (yz + M.B.yz);
+    M.J.xy = -(a * M.B.zx), M.J.xz = M.J.xz + a * M.B.yx, M.J.yz = -(a * M.B.zz);
+  } else {
+    const T zy = M.B.zy, yy = M.B.yy;
+    M.B.xy = M.B.xy - a * A.xz, M.B.yy = M.B.yy - a * A.yz, M.B.zy = M.B.zy - a * A.zz;
+    M.J.yy = M.J.yy - a * (zy + M.B.zy);
+    M.J.xy = M.J.xy - a * M.B.zx;
+    if constexpr (W == Twist::none) {  // those of z
+      M.B.xz = a * A.xy, M.B.yz = a * A.yy, M.B.zz = a * A.yz;
+      M.J.zz = a * M.B.yz, M.J.xz = a * M.B.yx, M.J.yz = a * (yy - M.B.zz);
+    } else {
+      const T yz = M.B.yz;
+      M.B.xz = M.B.xz + a * A.xy, M.B.yz = M.B.yz + a * A.yy, M.B.zz = M.B.zz + a * A.yz;
+      M.J.zz = M.J.zz + a * (yz + M.B.yz);
+      M.J.xz = M.J.xz + a * M.B.yx;
+      M.J.yz = M.J.yz + a * (yy - M.B.zz);
+    }
+  }
+}
+
+}  // namespace momentree::detail

@@ -1,0 +1,77 @@
+#pragma once
+// Numbers at random for the laws of joints, and how far apart two things are.
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <momentree/joint/kernels.hpp>
+
+namespace momentree {
+
+// One draw per statement: compilers order arguments differently.
+struct Draw {
+  unsigned long long state = 88172645463325252ULL;
+  double operator()() {  // (−1, 1)
+    state ^= state << 13;
+    state ^= state >> 7;
+    state ^= state << 17;
+    return static_cast<double>(state >> 11) * (2.0 / 9007199254740992.0) - 1;
+  }
+  Vec3 vector() {
+    const double x = (*this)();
+    const double y = (*this)();
+    const double z = (*this)();
+    return {x, y, z};
+  }
+};
+
+inline Link random_link(Draw& draw, bool aligned) {
+  Link k;
+  const double a = 3 * draw();
+  const double b = aligned ? 0 : 3 * draw();
+  k.angle_0 = 3 * draw();
+  k.cos_a = std::cos(a), k.sin_a = std::sin(a), k.cos_b = std::cos(b), k.sin_b = std::sin(b);
+  k.cs_a = k.cos_a * k.sin_a, k.ss_a = k.sin_a * k.sin_a;
+  k.cos_0 = std::cos(k.angle_0), k.sin_0 = std::sin(k.angle_0);
+  k.r = draw.vector();
+  k.subtree_mass = 2 + draw();
+  return k;
+}
+
+inline SpatialMass<double> random_mass(Draw& draw) {  // of three bodies: a full articulated mass
+  SpatialMass<double> M{};
+  for (int i = 0; i < 3; ++i) {
+    RigidMass body;
+    body.m = 1.5 + draw();
+    const Vec3 c = draw.vector();
+    body.mc = body.m * c;
+    const double cc = dot(c, c);
+    body.J = Sym3{body.m * (cc - c.x * c.x) + 0.3,
+                  body.m * (cc - c.y * c.y) + 0.4,
+                  body.m * (cc - c.z * c.z) + 0.5,
+                  -body.m * c.x * c.y,
+                  -body.m * c.x * c.z,
+                  -body.m * c.y * c.z};
+    add_rigid_mass(M, body);
+    // An articulated mass is not that of a rigid body: reduce along an arbitrary direction.
+    const Motion<double> e{draw.vector(), draw.vector()};
+    const Force<double> Me = M * e;
+    subtract_outer(M, (0.5 / dot(e, Me)) * Me, Me);
+  }
+  return M;
+}
+
+inline std::array<double, 6> flat(const Force<double>& f) { return {f.l.x, f.l.y, f.l.z, f.h.x, f.h.y, f.h.z}; }
+inline std::array<double, 6> flat(const Motion<double>& m) { return {m.v.x, m.v.y, m.v.z, m.w.x, m.w.y, m.w.z}; }
+inline std::vector<double> flat(const SpatialMass<double>& M) {
+  return {M.A.xx, M.A.yy, M.A.zz, M.A.xy, M.A.xz, M.A.yz, M.B.xx, M.B.xy, M.B.xz, M.B.yx, M.B.yy,
+          M.B.yz, M.B.zx, M.B.zy, M.B.zz, M.J.xx, M.J.yy, M.J.zz, M.J.xy, M.J.xz, M.J.yz};
+}
+template <class A, class B>
+double distance(const A& a, const B& b) {
+  double worst = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) worst = std::fmax(worst, std::fabs(a[i] - b[i]));
+  return worst;
+}
+
+}  // namespace momentree
