@@ -109,24 +109,25 @@ int Expressions::quotient(int a, int b) {
   return make(Operation::quotient, a, b);
 }
 
-std::vector<int> Expressions::uses(std::span<const int> results) const {
-  std::vector<int> uses(nodes_.size(), 0);
-  for (const int r : results) ++uses[static_cast<std::size_t>(r)];
+// By node: whether a result is made of it. Operands stand before what is made of them.
+std::vector<bool> Expressions::needed(std::span<const int> results) const {
+  std::vector<bool> needed(nodes_.size(), false);
+  for (const int r : results) needed[static_cast<std::size_t>(r)] = true;
   for (std::size_t i = nodes_.size(); i-- > 0;) {
-    if (uses[i] == 0) continue;
+    if (!needed[i]) continue;
     const Node& node = nodes_[i];
-    if (unary(node.operation) || binary(node.operation)) ++uses[static_cast<std::size_t>(node.a)];
-    if (binary(node.operation)) ++uses[static_cast<std::size_t>(node.b)];
+    if (unary(node.operation) || binary(node.operation)) needed[static_cast<std::size_t>(node.a)] = true;
+    if (binary(node.operation)) needed[static_cast<std::size_t>(node.b)] = true;
   }
-  return uses;
+  return needed;
 }
 
 Operations Expressions::operations(std::span<const int> results) const {
-  const std::vector<int> needed = uses(results);
+  const std::vector<bool> asked = needed(results);
   std::vector<bool> angles(nodes_.size(), false);
   Operations all;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    if (needed[i] == 0) continue;
+    if (!asked[i]) continue;
     switch (nodes_[i].operation) {
       case Operation::sum:
       case Operation::difference: ++all.additions; break;

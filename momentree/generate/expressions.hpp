@@ -39,9 +39,6 @@ class Expressions {
   int quotient(int a, int b);
 
   const std::vector<Node>& nodes() const { return nodes_; }
-  /// By node: how many nodes that some result needs have it as an operand, and how often it is a result itself; 0: it is not
-  /// needed.
-  std::vector<int> uses(std::span<const int> results) const;
   /// Operations that the results take, in the accounting of `count_operations`: changes of sign are free.
   Operations operations(std::span<const int> results) const;
 
@@ -51,6 +48,7 @@ class Expressions {
   };
   const Node& at(int i) const { return nodes_[static_cast<std::size_t>(i)]; }
   bool is(int i, Operation operation) const { return at(i).operation == operation; }
+  std::vector<bool> needed(std::span<const int> results) const;
   int make(Operation operation, int a, int b, double value = 0);
 
   std::vector<Node> nodes_;

@@ -14,7 +14,7 @@ struct KernelCacheOptions {
   /// MOMENTREE_CXX, else in CXX, else the first of c++, g++, clang++ in PATH.
   std::string compiler;
   /// Evaluations of more operations than that run the kernels themselves, which are then as fast; and a compiler would take long.
-  long most_operations = 4000;
+  long most_operations = 8000;
   /// So many topologies are compiled and no more: a world that is another one after every event would wait for nothing else.
   long most_topologies = 100;
 };
@@ -23,9 +23,9 @@ struct KernelCacheOptions {
 struct KernelCacheStatistics {
   long compiled = 0;     ///< topologies
   long found_again = 0;  ///< times that one came back
-  long left = 0;         ///< topologies that run the kernels themselves: too large, too many, or of no use (stages_take_rates)
-  long failed = 0;       ///< …, because the compiler failed
-  double seconds = 0;    ///< for writing, compiling and loading
+  long left = 0;  ///< topologies that run the kernels themselves: too large, too many; and asks where stages_take_rates is false
+  long failed = 0;     ///< …, because the compiler failed
+  double seconds = 0;  ///< for writing, compiling and loading
 };
 
 /// Code for every topology that it is asked for: written, compiled, loaded, and kept while the cache or a provider lives. What

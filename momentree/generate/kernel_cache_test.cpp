@@ -173,6 +173,9 @@ TEST_CASE("too large, or too many: left to the kernels") {
   CHECK((small.find(Tree(arm())) == nullptr));
   CHECK(small.statistics().left == 1);
   CHECK(small.message().find("100 operations") != std::string::npos);
+  const KernelCache tiny({.compiler = MOMENTREE_COMPILER, .most_operations = 30});  // not even written down
+  CHECK((tiny.find(Tree(arm())) == nullptr));
+  CHECK(tiny.message().find("30 operations") != std::string::npos);
   const KernelCache few({.compiler = MOMENTREE_COMPILER, .most_topologies = 1});
   Simulation sim = moving(arm());
   sim.use_generated(few.provider());

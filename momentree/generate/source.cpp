@@ -1,8 +1,8 @@
 #include <momentree/generate/source.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <vector>
 
 #include <momentree/generate/sincos_text.hpp>
@@ -16,13 +16,8 @@ using Node = Expressions::Node;
 std::string number(double value) {
   if (std::isnan(value)) return "NAN";
   if (std::isinf(value)) return value > 0 ? "HUGE_VAL" : "-HUGE_VAL";
-  char text[40];
-  for (int digits = 15; digits <= 17; ++digits) {  // as short as reads back to the same bits
-    std::snprintf(text, sizeof text, "%.*g", digits, value);
-    double again = 0;
-    if (std::sscanf(text, "%lf", &again) == 1 && again == value) break;
-  }
-  std::string s = text;
+  char text[40];  // as short as reads back to the same bits, in no language's own notation
+  std::string s(text, std::to_chars(text, text + sizeof text, value).ptr);
   if (s.find_first_of(".e") == std::string::npos) s += ".0";
   return s;
 }
@@ -162,9 +157,8 @@ std::string kernel_source(const KernelExpressions& kernel, const SourceText& how
   text += "const int " + how.name + "_nq = " + nq + ";  // numbers of q and qdot\n";
   text += "const int " + how.name + "_nv = " + nv + ";  // numbers of p, v and pdot\n\n";
   text += comment(
-      "Rates of a mechanism with coordinates q and canonical momenta p: in, q (nq numbers) and p (nv); out, the velocities v "
-      "(nv),\n"
-      "which belong to these momenta, and the rates of q (nq) and of p (nv). SI units. The arrays must not overlap.\n");
+      "Rates of a mechanism with coordinates q and canonical momenta p. In: q (nq numbers) and p (nv). Out: the velocities\n"
+      "v (nv), which belong to these momenta, and the rates of q (nq) and of p (nv). SI units. Arrays must not overlap.\n");
   text += "void " + how.name +
           "_rates([[maybe_unused]] const double* q, [[maybe_unused]] const double* p, "
           "[[maybe_unused]] double* v,\n    [[maybe_unused]] double* qdot, [[maybe_unused]] double* pdot) noexcept {\n";
