@@ -131,6 +131,36 @@ Model binary_tree(int bodies) {
   return model;
 }
 
+Model arm(int bodies) {
+  struct Part {
+    double mass, length;
+    Vec3 com, inertia;
+  };
+  static constexpr Part parts[] = {
+      {4.0, 0.36, {0, -0.03, 0.12}, {0.05, 0.045, 0.012}}, {4.0, 0, {0, 0.06, 0.04}, {0.05, 0.02, 0.04}},
+      {3.0, 0.42, {0, 0.03, 0.13}, {0.03, 0.028, 0.008}},  {2.7, 0, {0, 0.07, 0.03}, {0.03, 0.01, 0.025}},
+      {1.7, 0.40, {0, -0.02, 0.08}, {0.012, 0.01, 0.004}}, {1.8, 0, {0, 0, 0.01}, {0.005, 0.004, 0.005}},
+      {0.3, 0.08, {0, 0, 0.02}, {0.001, 0.001, 0.001}}};
+  constexpr double right = 1.5707963267948966;
+  Model model;
+  Body parent = ground;
+  for (int k = 0; k < bodies; ++k) {
+    const Part& part = parts[k % 7];
+    BodySpec body;
+    body.name = "b/" + std::to_string(k + 1);
+    body.mass = part.mass, body.com = part.com;
+    body.inertia = diagonal(part.inertia.x, part.inertia.y, part.inertia.z);
+    body.parent = parent;
+    // Every second axis lies across the link, the others along it; lengths are along those.
+    body.at.position = k == 0 ? Vec3{0, 0, part.length} : k % 2 == 0 ? Vec3{0, part.length, 0} : Vec3{};
+    if (k > 0) body.at.rotation = from_axis_angle(x_axis, k % 2 == 0 ? -right : right);
+    body.joint = Revolute{.axis = z_axis, .damping = 0.5};
+    body.q = 0.3 * k - 0.7, body.v = 0.1 * k;
+    parent = model.add(body);
+  }
+  return model;
+}
+
 Model humanoid(int /*bodies*/) {
   Random random(5);
   Model model;

@@ -16,6 +16,9 @@ Model twisted_chain(int bodies);
 Model bushy_tree(int bodies);
 /// The same bodies, two on each.
 Model binary_tree(int bodies);
+/// Pins at right angles, as in an arm for light work: shoulder, elbow and wrist meet in points, 0.36, 0.42, 0.40 and 0.08 m
+/// apart, over and over for more than 7.
+Model arm(int bodies = 7);
 /// Free pelvis, and 30 pins along the axes of the body: two legs of 6, two arms of 7, waist and neck of 2: 31 bodies.
 Model humanoid(int bodies = 31);
 

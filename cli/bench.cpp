@@ -67,6 +67,17 @@ bool print_times(double budget, const Style& style) {
   print(style.heading("Time of an evaluation") +
         " (one core, double; shortest of many, each at other coordinates, joint forces included)\n" + evaluations.text("  ") +
         '\n');
+  Table generated;
+  generated.row({"", "bodies", "operations", "generated", "ns per body", "generated", "faster"});
+  const std::string none = generated_times(budget, [&](const GeneratedRow& row) {
+    generated.row({row.model, format("%d", row.bodies), format("%ld", row.operations[0]), format("%ld", row.operations[1]),
+                   nanoseconds(row.seconds[0] / row.bodies), nanoseconds(row.seconds[1] / row.bodies),
+                   format("%.2f times", row.seconds[0] / row.seconds[1])});
+    return go_on();
+  });
+  if (!go_on()) return false;
+  print(style.heading("Generated code") + " (the rates alone, beside the kernels, one after the other in turn)\n" +
+        (none.empty() ? generated.text("  ") : "  " + none + '\n') + '\n');
   Table changes;
   changes.row({"", "", "bodies", "ns"});
   change_times(budget, [&](const ChangeRow& row) {
@@ -159,6 +170,14 @@ bool print_json(const BenchOptions& options, double memory, const std::vector<st
     json.begin_object().member("model", row.model).member("bodies", row.bodies).member("freedoms", row.freedoms);
     json.member("ns", row.seconds * 1e9).member("ns_per_body", row.seconds * 1e9 / row.bodies).member("error", row.error);
     json.end_object();
+    return go_on();
+  });
+  json.end_array().key("generated").begin_array();
+  generated_times(options.budget, [&](const GeneratedRow& row) {
+    json.begin_object().member("model", row.model).member("bodies", row.bodies);
+    json.key("operations").begin_array().value(row.operations[0]).value(row.operations[1]).end_array();
+    const double ns[] = {row.seconds[0] * 1e9, row.seconds[1] * 1e9};
+    json.member("ns", std::span<const double>(ns)).member("error", row.error).end_object();
     return go_on();
   });
   json.end_array().key("changes").begin_array();

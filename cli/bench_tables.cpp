@@ -19,6 +19,8 @@
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/generate/kernel.hpp>
+#include <momentree/generate/kernel_cache.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/topology/change.hpp>
 
@@ -89,20 +91,23 @@ double momentum_error(const Tree& tree, const double* q, const double* p, const 
   return error / largest;
 }
 
+// A second set of coordinates, near the first.
+std::vector<double> moved(const Tree& tree, std::vector<double> q) {
+  for (std::size_t i = 0; i < q.size(); ++i) q[i] += 1e-4 * static_cast<double>(i % 7 + 1);
+  for (const int b : tree.quaternion_joints()) {
+    double* u = q.data() + tree.first_q(b) + info(tree.joint(b).kind).nq - 4;
+    const double n = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3]);
+    for (int i = 0; i < 4; ++i) u[i] /= n;
+  }
+  return q;
+}
+
 EvaluationRow evaluation_time(const std::string& name, const Model& model, double budget) {
   const Tree tree = compile(model);
   const State start = start_state(model, tree);
   Work<double> work(tree);
   const std::vector<double> p(start.p().begin(), start.p().end());
-  std::vector<double> q[2];
-  q[0].assign(start.q().begin(), start.q().end());
-  q[1] = q[0];
-  for (std::size_t i = 0; i < q[1].size(); ++i) q[1][i] += 1e-4 * static_cast<double>(i % 7 + 1);
-  for (const int b : tree.quaternion_joints()) {
-    double* u = q[1].data() + tree.first_q(b) + info(tree.joint(b).kind).nq - 4;
-    const double n = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3]);
-    for (int i = 0; i < 4; ++i) u[i] /= n;
-  }
+  const std::vector<double> first(start.q().begin(), start.q().end()), q[2] = {first, moved(tree, first)};
   int turn = 0;
   EvaluationRow row{name, model.size(), tree.nv(), 0, 0};
   row.seconds = shortest(budget, [&] {
@@ -116,6 +121,45 @@ EvaluationRow evaluation_time(const std::string& name, const Model& model, doubl
     if (!(error < 1e-9)) throw Error{name + ": the velocities found do not belong to the momenta", "", ""};
     row.error = std::max(row.error, error);
   }
+  return row;
+}
+
+GeneratedRow generated_time(const char* name, const Model& model, const KernelCache& kernels, double budget) {
+  const Tree tree = compile(model);
+  const State start = start_state(model, tree);
+  Work<double> work(tree), other(tree);
+  const std::vector<double> p(start.p().begin(), start.p().end());
+  const std::vector<double> first(start.q().begin(), start.q().end()), q[2] = {first, moved(tree, first)};
+  const RatesFunction rates = kernels.find(tree);
+  if (rates == nullptr) throw Error{std::string(name) + ": no code was generated: " + kernels.message(), "", ""};
+  GeneratedRow row{name, model.size(), {count_operations(tree).total(), kernel_expressions(tree).operations().total()}, {}, 0};
+  int turn = 0;
+  const auto kernel = [&] {
+    turn ^= 1;
+    evaluate_rates(tree, q[turn].data(), p.data(), work);
+    keep(work.pdot.get());
+  };
+  const auto generated = [&] {
+    turn ^= 1;
+    rates(q[turn].data(), p.data(), other.v.get(), other.qdot.get(), other.pdot.get());
+    keep(other.pdot.get());
+  };
+  row.seconds[0] = row.seconds[1] = HUGE_VAL;
+  const auto begin = Clock::now();
+  do {  // in turn, so that what else the machine does befalls both
+    row.seconds[0] = std::min(row.seconds[0], shortest(0, kernel));
+    row.seconds[1] = std::min(row.seconds[1], shortest(0, generated));
+  } while (since(begin) < budget);
+  turn = 0, kernel();
+  turn = 0, generated();
+  double largest = 0, error = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const double off = std::fabs(other.pdot[i] - work.pdot[i]);
+    error = off <= error ? error : off;  // NaN stays
+    largest = std::max(largest, std::fabs(work.pdot[i]));
+  }
+  row.error = error / largest;
+  if (!(row.error < 1e-9)) throw Error{std::string(name) + ": generated code finds other rates than the kernels", "", ""};
   return row;
 }
 
@@ -215,6 +259,19 @@ void evaluation_times(double budget, const std::function<bool(const EvaluationRo
     if (!row(evaluation_time("spatial chain", bench::spatial_chain(n), budget))) return;
   if (!row(evaluation_time("binary tree", bench::binary_tree(63), budget))) return;
   row(evaluation_time("humanoid", bench::humanoid(), budget));
+}
+
+std::string generated_times(double budget, const std::function<bool(const GeneratedRow&)>& row) {
+  const KernelCache kernels({.compiler = {}, .most_operations = 20000});
+  if (kernels.compiler().empty()) return kernels.message();
+  const auto time = [&](const char* name, const Model& model) { return row(generated_time(name, model, kernels, budget)); };
+  if (!time("arm", bench::arm())) return "";
+  for (const int n : {2, 5, 10, 20})
+    if (!time("planar chain", bench::planar_chain(n))) return "";
+  for (const int n : {3, 7, 10})
+    if (!time("spatial chain", bench::spatial_chain(n))) return "";
+  time("humanoid", bench::humanoid());
+  return "";
 }
 
 void change_times(double budget, const std::function<bool(const ChangeRow&)>& row) {

@@ -46,6 +46,17 @@ struct ChangeRow {
 };
 void change_times(double budget, const std::function<bool(const ChangeRow&)>& row);
 
+/// An evaluation of the rates alone, by the kernels and by code generated for the topology; one after the other, in turn.
+struct GeneratedRow {
+  std::string model;
+  int bodies = 0;
+  long operations[2]{};  ///< of the kernels; of the generated code
+  double seconds[2]{};
+  double error = 0;  ///< of the generated code's rates of momenta, as a share of the largest
+};
+/// As above; returns why there is no such row, empty if there are.
+std::string generated_times(double budget, const std::function<bool(const GeneratedRow&)>& row);
+
 /// Memory that Tree, State and Work of a long chain of pins take while it is evaluated, names and model apart: bytes per body; 0
 /// where the system does not tell.
 double bytes_per_body();

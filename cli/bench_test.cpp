@@ -73,6 +73,19 @@ TEST_CASE("times of evaluations and changes: every model, results right") {
   CHECK(rows == 2);
 }
 
+TEST_CASE("generated code: fewer operations, the same rates") {
+  int rows = 0;
+  const std::string none = generated_times(0, [&](const GeneratedRow& row) {
+    CHECK(row.operations[1] < row.operations[0]);
+    CHECK(row.seconds[0] > 0);
+    CHECK(row.seconds[1] > 0);
+    CHECK(row.error < 1e-9);
+    return ++rows < 2;  // the arm, the shortest chain
+  });
+  CHECK(none == "");  // what built this test can be found
+  CHECK(rows == 2);
+}
+
 TEST_CASE("momentree bench: tables for people, one document for programs") {
   const io::test::TemporaryFolder folder;
   const auto call = [&](const char* arguments) {
@@ -84,13 +97,14 @@ TEST_CASE("momentree bench: tables for people, one document for programs") {
   };
   const std::string text = call("");
   for (const char* words : {"Featherstone 1987", "275 n …", "432 n − 688", "363 n − 475", "316 n − 210", "54.0 µs",
-                            "planar chain", "humanoid", "break a joint", "per body", "bench/peers"})
+                            "planar chain", "humanoid", "Generated code", "break a joint", "per body", "bench/peers"})
     CHECK_MESSAGE(text.find(words) != std::string::npos, words);
   const io::JsonDocument json = io::parse_json(call("--json"), "stdout");
   CHECK(json.root.find("operations")->items.size() == 6);
   CHECK(json.root.find("operations")->items[0].find("of_100")->is(io::JsonNode::Type::null));
   CHECK(json.root.find("evaluations")->items.size() == 10);
   CHECK(json.root.find("changes")->items.size() == 12);
+  CHECK(json.root.find("generated")->items.size() == 9);
   CHECK(json.root.find("breaking_chain")->find("change_ns")->number > 0);
 }
 

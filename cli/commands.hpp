@@ -13,7 +13,7 @@ struct RunOptions {
   std::string out;                     ///< empty: results/<scenario's name>
   std::vector<std::string> overrides;  ///< KEY=VALUE
   std::string until, format = "csv", checkpoint;
-  bool report = false, reactions = false, resume = false, quiet = false, json = false;
+  bool report = false, reactions = false, resume = false, quiet = false, json = false, generate = false;
 };
 int run(const RunOptions& options);
 
@@ -31,6 +31,14 @@ struct ExplainOptions {
   std::vector<std::string> overrides;
 };
 int explain(const ExplainOptions& options);
+
+struct CompileOptions {
+  std::string scenario, out;  ///< "-": standard output
+  std::string name;           ///< of what the code defines; empty: the scenario's
+  std::vector<std::string> overrides;
+  bool without_joint_forces = false;
+};
+int compile(const CompileOptions& options);
 
 struct ViewOptions {
   std::string source, svg;

@@ -30,6 +30,7 @@ struct CommandLine {
   RunOptions run_options;
   EvaluateOptions evaluate_options;
   ExplainOptions explain_options;
+  CompileOptions compile_options;
   ViewOptions view_options;
   BenchOptions bench_options;
   std::vector<std::string> files;
@@ -78,6 +79,8 @@ CommandLine::CommandLine() {
   run_command->add_flag("--report", run_options.report, "Write report.html (not supported yet)");
   run_command->add_flag("--reactions", run_options.reactions,
                         "Add to joints.csv what each joint carries: fx, fy, fz, mx, my, mz");
+  run_command->add_flag("--generate", run_options.generate,
+                        "Compile code for each topology as it comes, and run that (short chains and arms)");
   run_command->add_option("--checkpoint", run_options.checkpoint, "Save the run now and then (not supported yet)")
       ->type_name("EVERY");
   run_command->add_flag("--resume", run_options.resume, "Go on from a checkpoint (not supported yet)");
@@ -105,6 +108,18 @@ CommandLine::CommandLine() {
       ->type_name("SCENARIO|MODEL");
   overrides(explain_command, explain_options.overrides);
 
+  CLI::App* compile_command = command("compile", "Write code that is specialised for one topology, as a C++ file",
+                                      [this] { return compile(compile_options); });
+  compile_command->add_option("scenario", compile_options.scenario, "A scenario file (.toml)")->required()->type_name("SCENARIO");
+  compile_command->add_option("-o,--out", compile_options.out, "The file to write; - is standard output")
+      ->required()
+      ->type_name("FILE");
+  compile_command->add_option("--name", compile_options.name, "What its names begin with; default: the scenario's name")
+      ->type_name("NAME");
+  compile_command->add_flag("--without-joint-forces", compile_options.without_joint_forces,
+                            "The recursion alone, without dampers, springs and efforts");
+  overrides(compile_command, compile_options.overrides);
+
   CLI::App* view_command = command("view", "Draw a run as a picture", [this] { return view(view_options); });
   view_command->add_option("source", view_options.source, "A result directory of `momentree run`, or a scenario or model")
       ->required()
@@ -127,7 +142,6 @@ CommandLine::CommandLine() {
       ->type_name("FOLDER");
 
   not_yet("convert", "Turn a model file into another format");
-  not_yet("compile", "Write code that is specialised for one topology");
   not_yet("sweep", "Run many worlds");
 }
 

@@ -7,6 +7,7 @@
 #include <cli/progress.hpp>
 #include <cli/run_report.hpp>
 #include <cli/session.hpp>
+#include <momentree/generate/kernel_cache.hpp>
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/results.hpp>
 
@@ -29,6 +30,18 @@ std::string status_text(Status status, const Simulation& simulation) {
   if (status == Status::ok) return "done";
   if (status == Status::interrupted) return format("interrupted at t = %.9g s", simulation.time());
   return simulation.message();
+}
+
+// What became of --generate.
+void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool quiet) {
+  const KernelCacheStatistics s = kernels.statistics();
+  std::string why = kernels.message();
+  if (scenario.integration.method == "damped")
+    why = "the method damped has masses of its own, which generated code does not know";
+  if (!why.empty()) std::fprintf(stderr, "%s: warning: --generate: %s\n", scenario.path.c_str(), why.c_str());
+  if (quiet || s.compiled == 0) return;
+  std::printf("Generated code: %s compiled, found again %s, in %s\n", count_text(s.compiled, "topology", "topologies").c_str(),
+              count_text(s.found_again, "time", "times").c_str(), duration_text(s.seconds).c_str());
 }
 
 }  // namespace
@@ -59,6 +72,8 @@ int run(const RunOptions& options) {
     progress.at(time);
     return !InterruptGuard::interrupted();
   });
+  std::optional<KernelCache> kernels;
+  if (options.generate) simulation.use_generated(kernels.emplace().provider());
   const Status ended = simulation.run_until(scenario->until);
   progress.clear();
 
@@ -85,6 +100,7 @@ int run(const RunOptions& options) {
                     .c_str(),
                 recorder.directory().c_str());
 
+  if (kernels) tell_about(*kernels, *scenario, options.quiet || options.json);
   if (trouble) std::fprintf(stderr, "%s\n", trouble->message().c_str());
   if (ended == Status::ok && !trouble) return done;
   if (!trouble)

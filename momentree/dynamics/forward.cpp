@@ -84,6 +84,10 @@ void add_forces_and_motions(const Tree& tree, double t, const double* q, Work<do
 
 }  // namespace
 
+bool stages_take_rates(const Tree& tree) noexcept {
+  return tree.loaded_bodies().empty() && !tree.has_functions() && tree.driven_joints().empty();
+}
+
 void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Work<double>& work) noexcept {
   if (tree.loaded_bodies().empty() && !tree.has_functions())
     evaluate_rates<double>(tree, q, p, work);
@@ -91,8 +95,13 @@ void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Wor
     evaluate_motions<double>(tree, q, p, work);
 }
 
-void evaluate_stage(const Tree& tree, double t, const double* q, const double* p, Work<double>& work) noexcept {
-  if (tree.driven_joints().empty()) {
+void evaluate_stage(const Tree& tree, double t, const double* q, const double* p, Work<double>& work,
+                    RatesFunction generated) noexcept {
+  if (generated != nullptr && stages_take_rates(tree)) {
+    work.evaluated = work.located = work.accelerated = {};
+    generated(q, p, work.v.get(), work.qdot.get(), work.pdot.get());
+    add_joint_forces(tree, t, q, work);
+  } else if (tree.driven_joints().empty()) {
     evaluate_for_forces(tree, q, p, work);
     add_joint_forces(tree, t, q, work);
     add_body_forces(tree, t, q, work);

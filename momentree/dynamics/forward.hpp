@@ -1,5 +1,6 @@
 #pragma once
 // (q, p) → (q̇, ṗ) in two recursions, O(n): the backward one (22)–(26), the forward one (27), (17), (21), (20).
+#include <momentree/dynamics/rates_function.hpp>
 #include <momentree/dynamics/work.hpp>
 
 namespace momentree {
@@ -21,8 +22,10 @@ void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) 
 void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Work<double>& work) noexcept;
 
 /// One evaluation with the forces at time t: pdot and power are whole then. Of no state, as evaluate_rates; worlds in which
-/// motions are prescribed take the second recursion too, for the power of their drives.
-void evaluate_stage(const Tree& tree, double t, const double* q, const double* p, Work<double>& work) noexcept;
+/// motions are prescribed take the second recursion too, for the power of their drives. `generated`: code for this topology, run
+/// instead of evaluate_rates where that would do; null: none.
+void evaluate_stage(const Tree& tree, double t, const double* q, const double* p, Work<double>& work,
+                    RatesFunction generated = nullptr) noexcept;
 
 /// Joint forces of dampers, springs, efforts and all other elements at time t, added to pdot, which has s̈ of what is driven
 /// instead; their power is work.power, but for that of prescribed motions. `resisting` false: without what resistance.hpp has.

@@ -30,7 +30,7 @@ class Stopwatch {
 void Evaluator::operator()(double t, const double* q, const double* p) noexcept {
   const Stopwatch watch(seconds);
   ++count;
-  evaluate_stage(*tree_, t, q, p, *work_);
+  evaluate_stage(*tree_, t, q, p, *work_, generated_of_ == tree_->revision() ? generated_ : nullptr);
 }
 
 void Evaluator::without_resistance(const Tree& other, double t, const double* q, const double* p) noexcept {

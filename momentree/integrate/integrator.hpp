@@ -26,6 +26,8 @@ class Evaluator {
   void without_resistance(const Tree& other, double t, const double* q, const double* p) noexcept;
   /// The same for a state; nothing to do if the work is of it already.
   void operator()(const State& state) noexcept;
+  /// Code for the present topology, which stages run until the tree next changes; null: none.
+  void use(RatesFunction generated) noexcept { generated_ = generated, generated_of_ = tree_->revision(); }
   /// Velocities H⁻¹ p at q into other.v; rates there are meaningless. Counts as an evaluation.
   void solve(const double* q, const double* p, Work<double>& other) noexcept;
 
@@ -35,6 +37,8 @@ class Evaluator {
  private:
   const Tree* tree_;
   Work<double>* work_;
+  RatesFunction generated_ = nullptr;
+  std::uint64_t generated_of_ = 0;  // the revision that it is for
 };
 
 /// Extra states that are integrated with the method: energy dissipated and work done since the start (J).

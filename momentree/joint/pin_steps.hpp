@@ -18,12 +18,16 @@ struct PinRecord {
   Vector3<T> mc;
 };
 
+/// Whether a scalar stands for one world that is evaluated by itself, whose processor waits for every division.
+template <class T>
+inline constexpr bool one_world_at_a_time = std::is_same_v<T, double>;
+
 struct PinSteps {
   /// Whether the mass is turned about z before it is reduced, while 1 / Mj is in flight: more operations, but for one world at a
   /// time less waiting. E, and what is about z, are the same on both sides of the turn. Records are then those of the parent's
   /// side: not where they are kept for others.
   template <class T, bool Keep>
-  static constexpr bool late = std::is_same_v<T, double> && !Keep;
+  static constexpr bool late = one_world_at_a_time<T> && !Keep;
 
   /// What of a link's placement a shape has.
   template <LinkShape S>

@@ -121,6 +121,7 @@ Simulation Simulation::branch() const {
   other.impl_->events = impl_->events;
   other.impl_->go_back(impl_->snapshot());
   other.impl_->balance.initial = impl_->balance.initial;
+  other.impl_->generated = impl_->generated;
   return other;
 }
 
@@ -134,6 +135,12 @@ void Simulation::observe(double every, std::function<bool(const World&)> observe
 }
 
 void Simulation::watch(std::function<bool(double)> watcher) { impl_->watcher = std::move(watcher); }
+
+void Simulation::use_generated(RatesProvider provider) {
+  impl_->generated = std::move(provider);
+  impl_->asked_for.reset();
+  impl_->evaluate.use(nullptr);
+}
 
 void Simulation::drive(std::string_view joint, std::function<double(const Moment&)> effort) {
   const int number = impl_->world.find_joint(joint);

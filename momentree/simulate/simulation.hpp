@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <momentree/dynamics/moment.hpp>
+#include <momentree/dynamics/rates_function.hpp>
 #include <momentree/simulate/action.hpp>
 #include <momentree/simulate/agenda.hpp>
 #include <momentree/simulate/condition.hpp>
@@ -118,6 +119,11 @@ class Simulation {
   Status run_until(double time);
   /// One step of `dt` seconds for a loop of one's own (events inside it happen at their instants).
   Status step(double dt);
+
+  /// Stages of steps run code that was generated for the topology in the place of the kernels, where the provider has some (see
+  /// KernelCache); it is asked before the first step after each change. Results agree to round-off, and depend on which stages
+  /// ran which code. Branches keep it; an empty one ends it.
+  void use_generated(RatesProvider provider);
 
   /// Called when run_until first starts, then at every multiple of `every` seconds (after each step if 0), and when run_until
   /// ends; never twice at one time; where events happen at that time, after them. Steps land on these instants. The world may be

@@ -82,6 +82,12 @@ struct Simulation::Impl {
   // before it that no coordinate knows, and the clock is then put right.
   static double just_before(double bend) { return bend - 4 * (bend - std::nextafter(bend, -HUGE_VAL)); }
 
+  void ask_for_generated() {
+    if (!generated || asked_for == world.tree_.revision()) return;
+    asked_for = world.tree_.revision();
+    evaluate.use(generated(world.tree_));
+  }
+
   // One step that ends at `end`; a step of almost the full length takes what is left, so that no sliver follows.
   bool step_towards(double end) {
     const double bend = world.next_bend(world.time());
@@ -96,6 +102,7 @@ struct Simulation::Impl {
     // What the clock advances, which is rounded, is what the state advances: else they part by up to an ulp of the time per step,
     // always to the same side.
     const double h = last ? left : (world.time() + usual) - world.time();
+    ask_for_generated();
     const auto start = Clock::now();
     evaluate_state();
     if (stops.any() || agenda.watching(world)) return step_and_look(h, last ? end : HUGE_VAL, start);
@@ -425,6 +432,8 @@ struct Simulation::Impl {
   bool observed = false;
   std::function<bool(const World&)> observer;
   std::function<bool(double)> watcher;
+  RatesProvider generated;
+  std::optional<std::uint64_t> asked_for;  // the revision of the tree that the provider was last asked about
   Clock::time_point lap = Clock::now();
 };
 

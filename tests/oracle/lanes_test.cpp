@@ -11,28 +11,13 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/joint/joint.hpp>
-#include <momentree/topology/change.hpp>
 #include <tests/oracle/random_model.hpp>
+#include <tests/oracle/rearrange.hpp>
 
 using namespace momentree;
 using namespace momentree::oracle;
 
 namespace {
-
-// Breaks, locks and turns over what it can: every variant of every kind comes up.
-void rearrange(Prng& random, Tree& tree, State& state, Work<double>& work) {
-  for (int i = 0; i < 4; ++i) {
-    const int b = random.integer(0, tree.bodies() - 1);
-    const int what = random.integer(0, 2);
-    forward_dynamics(tree, state, work);
-    if (what == 0 && can_break(tree, {b}))
-      apply(Break{{b}}, tree, state, work);
-    else if (what == 1 && floats(tree, b))
-      apply(Reroot{{b}}, tree, state, work);
-    else
-      apply(Lock{{b}, 1u << random.integer(0, 2)}, tree, state, work);
-  }
-}
 
 struct Worst {
   double q = 0, p = 0;  // of q̇ and v, and of ṗ: error over what is allowed

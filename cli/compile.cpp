@@ -1,0 +1,101 @@
+#include <cstdio>
+#include <optional>
+
+#include <cli/commands.hpp>
+#include <cli/session.hpp>
+#include <cli/text.hpp>
+#include <momentree/base/error.hpp>
+#include <momentree/dynamics/count.hpp>
+#include <momentree/generate/source.hpp>
+#include <momentree/io/text_file.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+const char* unit_of_q(char letter) { return letter == 'r' ? "rad" : letter == 'm' ? "m" : "quaternion"; }
+const char* unit_of_p(char letter) { return letter == 'r' ? "N m s" : "N s"; }
+
+std::string range(const char* array, int first, int count) {
+  return count == 1 ? format("%s[%d]", array, first) : format("%s[%d] … %s[%d]", array, first, array, first + count - 1);
+}
+
+std::string units(const char* letters, const char* (*unit)(char)) {
+  std::string all;
+  for (const char* c = letters; *c != '\0'; ++c)
+    if (c == letters || *c != c[-1]) all += (all.empty() ? "" : ", ") + std::string(unit(*c));
+  return all;
+}
+
+/// What stands where in q and p, a line for each joint that moves.
+std::string packing(const World& world) {
+  Table table(Table::Values::left);
+  const Tree& tree = world.tree();
+  for (int number = 0; number < tree.bodies(); ++number) {
+    const int b = tree.carrier(number);
+    if (b < 0) continue;
+    const KindInfo& kind = info(tree.joint(b).kind);
+    if (kind.nv == 0) continue;
+    table.row({std::string(world.joint_name({number})) + ", " + kind.name, range("q", tree.first_q(b), kind.nq),
+               units(kind.q_units, unit_of_q), range("p", tree.first_p(b), kind.nv), units(kind.v_units, unit_of_p)});
+  }
+  return table.text("");
+}
+
+/// Throws Error where forces of the model can't be generated; all of them are told.
+void require_plain_forces(const World& world, const std::string& path) {
+  std::string all;
+  for (const OtherForce& force : other_forces(world.tree())) {
+    const Body place{force.on_body ? force.body : world.tree().joint_of(force.body)};
+    const std::string name(force.on_body ? std::string_view(world.model()[place].name) : world.joint_name(place));
+    all += (all.empty() ? "" : "; ") + std::string(force.on_body ? "body '" : "joint '") + name + "' has " + force.what;
+  }
+  if (!all.empty())
+    fail(
+        {all + ": that can't be part of generated code", path,
+         "with --without-joint-forces the code is the recursion alone, and all forces in joints and on bodies are yours to add"});
+}
+
+}  // namespace
+
+int compile(const CompileOptions& options) {
+  const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides);
+  if (!scenario) return bad_input;
+  const Session session(*scenario);
+  const World& world = session.simulation().world();
+  const Tree& tree = world.tree();
+  if (tree.nv() == 0) fail({"nothing in it moves: there is no kernel to write", scenario->path, ""});
+  if (!options.without_joint_forces) require_plain_forces(world, scenario->path);
+  if (!options.name.empty() && options.name != identifier(options.name))
+    fail({"'" + options.name + "' is no name for a function", "", "letters, digits and _, a letter first"});
+
+  KernelExpressions kernel = kernel_expressions(tree);
+  const long recursion = kernel.operations().total();
+  if (!options.without_joint_forces) add_plain_forces(tree, kernel);
+  SourceText text;
+  text.name = options.name.empty() ? identifier(scenario->name) : options.name;
+  const Vec3& g = tree.gravity();
+  text.about = (scenario->title.empty() ? scenario->name : scenario->title) +
+               format(": %s, %s, gravity %g %g %g m/s^2.\n", count_text(tree.bodies(), "body", "bodies").c_str(),
+                      count_text(tree.nv(), "degree of freedom", "degrees of freedom").c_str(), g.x, g.y, g.z) +
+               (options.without_joint_forces ? "Without forces in joints: dampers, springs, drives are yours to add to pdot.\n"
+                                             : "Dampers, springs and constant efforts of its joints are in pdot.\n") +
+               (tree.driven_joints().empty() ? "" : "Of a joint whose motion is prescribed p is the rate, and pdot zero.\n") +
+               packing(world);
+  const std::string source = kernel_source(kernel, text);
+  const bool to_output = options.out == "-";
+  if (to_output)
+    std::fputs(source.c_str(), stdout);
+  else
+    io::write_text_file(options.out, source);
+
+  const long before = count_operations(tree).total();
+  const double bodies = tree.bodies();
+  const std::string report =
+      format("%s_rates: %ld operations, %.1f per body, where the kernels take %ld, %.1f per body\n", text.name.c_str(), recursion,
+             static_cast<double>(recursion) / bodies, before, static_cast<double>(before) / bodies);
+  std::fputs(report.c_str(), to_output ? stderr : stdout);
+  return done;
+}
+
+}  // namespace momentree::cli

@@ -1,0 +1,162 @@
+// `momentree compile` and `run --generate`, called as a user would.
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+
+#include <momentree/io/test_support.hpp>
+#include <momentree/io/text_file.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+const char* const pendulums = R"(format = 1
+title = "Two pendulums"
+[world]
+gravity = [0, 0, -9.81]
+[[mechanism]]
+name = "double pendulum"
+[[mechanism.body]]
+name = "upper"
+mass = 2
+com = [0, 0, -0.3]
+inertia = 0.05
+[mechanism.body.joint]
+kind = "revolute"
+axis = [0, 1, 0]
+damping = 0.1
+angle = 0.5
+[[mechanism.body]]
+name = "lower"
+mass = 1
+com = [0, 0, -0.2]
+inertia = 0.02
+[mechanism.body.joint]
+kind = "universal"
+axis = [1, 0, 0]
+axis2 = [0, 1, 0]
+parent = "upper"
+at = { xyz = [0, 0, -0.6] }
+stiffness = 2
+[[event]]
+name = "jam"
+at = 0.05
+lock = "double pendulum/lower"
+[[event]]
+name = "free"
+at = 0.1
+unlock = "double pendulum/lower"
+[integrate]
+step = 1e-3
+until = 0.2
+)";
+
+struct Outcome {
+  int code;
+  std::string output, errors;
+};
+
+class Place {
+ public:
+  explicit Place(const std::string& scenario = pendulums) { io::write_text_file(folder_ / "two pendulums.toml", scenario); }
+  Outcome call(const std::string& arguments, const std::string& before = "") const {
+    return run(before + " '" MOMENTREE_PROGRAM "' " + arguments);
+  }
+  Outcome run(const std::string& command) const {
+    const std::string line = "cd '" + (folder_ / "") + "' && " + command + " >out 2>err";
+    const int status = std::system(line.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text("out"), text("err")};
+  }
+  std::string text(const char* name) const { return io::read_text_file(folder_ / name); }
+  bool has(const char* name) const { return std::filesystem::exists(folder_ / name); }
+
+ private:
+  io::test::TemporaryFolder folder_;
+};
+
+bool contains(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
+
+std::string with(const std::string& what, const std::string& instead) {
+  std::string text = pendulums;
+  return text.replace(text.find(what), what.size(), instead);
+}
+
+}  // namespace
+
+TEST_CASE("compile writes a file, says what stands where and how much it saves") {
+  const Place here;
+  const Outcome made = here.call("compile 'two pendulums.toml' -o kernel.cpp");
+  CHECK(made.code == 0);
+  CHECK(made.errors == "");
+  CHECK(contains(made.output, "two_pendulums_rates: "));
+  CHECK(contains(made.output, "per body, where the kernels take"));
+  const std::string text = here.text("kernel.cpp");
+  for (const char* part : {"// Two pendulums: 2 bodies, 3 degrees of freedom, gravity 0 0 -9.81 m/s^2.",
+                           "Dampers, springs and constant efforts", "double pendulum/upper, revolute", "q[1] … q[2]",
+                           "p[1] … p[2]", "N m s", "void two_pendulums_rates(", "const int two_pendulums_nq = 3;"})
+    CHECK_MESSAGE(contains(text, part), part);
+  CHECK_FALSE(contains(text, "/two"));  // no path of this machine
+
+  const Outcome printed = here.call("compile 'two pendulums.toml' -o - --name k");
+  CHECK(printed.code == 0);
+  CHECK(contains(printed.output, "void k_rates("));
+  CHECK(contains(printed.errors, "k_rates: "));
+  const Outcome alone = here.call("compile 'two pendulums.toml' -o - --without-joint-forces --set world.gravity=[0,0,0]");
+  CHECK(alone.code == 0);
+  CHECK(contains(alone.output, "Without forces in joints"));
+  CHECK(contains(alone.output, "gravity 0 0 0 m/s^2"));
+}
+
+TEST_CASE("compile: what is written compiles by itself, without a warning") {
+  const Place here;
+  REQUIRE(here.call("compile 'two pendulums.toml' -o kernel.cpp --name two").code == 0);
+  CHECK(here.run("'" MOMENTREE_COMPILER "' -std=c++20 -O1 -Wall -Wextra -Wpedantic -Wconversion -Werror -c kernel.cpp").code ==
+        0);
+  CHECK(here.text("err") == "");
+  CHECK(here.has("kernel.o"));
+}
+
+TEST_CASE("compile refuses what it can't write, with names and a way out") {
+  const Place rough(with("damping = 0.1", "friction = { coulomb = 0.1, speed = 0.01 }"));
+  const Outcome refused = rough.call("compile 'two pendulums.toml' -o kernel.cpp");
+  CHECK(refused.code == 2);
+  CHECK(refused.output == "");
+  CHECK(contains(refused.errors, "two pendulums.toml: error: joint 'double pendulum/upper' has dry friction"));
+  CHECK(contains(refused.errors, "--without-joint-forces"));
+  CHECK_FALSE(rough.has("kernel.cpp"));
+  CHECK(rough.call("compile 'two pendulums.toml' -o kernel.cpp --without-joint-forces").code == 0);
+  const Place here;
+  for (const char* wrong :
+       {"compile 'two pendulums.toml'", "compile -o k.cpp", "compile none.toml -o k.cpp",
+        "compile 'two pendulums.toml' -o no/such/folder/k.cpp", "compile 'two pendulums.toml' -o k.cpp --name 7k",
+        "compile 'two pendulums.toml' -o k.cpp --set world.gravity=3"}) {
+    const Outcome outcome = here.call(wrong);
+    CHECK_MESSAGE(outcome.code == 2, wrong);
+    CHECK_MESSAGE(contains(outcome.errors, "error"), wrong);
+    CHECK_FALSE(here.has("k.cpp"));
+  }
+}
+
+TEST_CASE("run --generate: the same motion, a line about it, and a way on without a compiler") {
+  const Place here;
+  const std::string run = "run 'two pendulums.toml' --out ";
+  REQUIRE(here.call(run + "plain").code == 0);
+  const Outcome generated = here.call(run + "generated --generate");
+  CHECK(generated.code == 0);
+  CHECK(generated.errors == "");
+  CHECK(contains(generated.output, "Generated code: 2 topologies compiled, found again 1 time, in "));
+  CHECK(here.text("generated/events.jsonl").size() > 0);
+  const Outcome without = here.call(run + "none --generate", "MOMENTREE_CXX=no-such-compiler");
+  CHECK(without.code == 0);
+  CHECK(contains(without.errors, "two pendulums.toml: warning: --generate: no C++ compiler was found"));
+  CHECK(here.text("none/bodies.csv") == here.text("plain/bodies.csv"));
+  const Outcome damped = here.call(run + "damped --generate --set integrate.method=damped");
+  CHECK(damped.code == 0);
+  CHECK(contains(damped.errors, "the method damped"));
+  const Outcome json = here.call(run + "json --generate --json");
+  CHECK(json.code == 0);
+  CHECK(json.output.starts_with("{"));
+}
+
+}  // namespace momentree::cli

@@ -1,0 +1,149 @@
+#include <momentree/generate/expressions.hpp>
+
+#include <bit>
+#include <cstdint>
+#include <utility>
+
+#include <momentree/base/check.hpp>
+#include <momentree/math/sincos.hpp>
+
+namespace momentree {
+
+std::size_t Expressions::Hash::operator()(const Node& node) const {
+  std::uint64_t h = std::bit_cast<std::uint64_t>(node.value) + static_cast<std::uint64_t>(node.operation);
+  for (const int part : {node.a, node.b}) {
+    h = (h ^ static_cast<std::uint64_t>(part)) * 0x9e3779b97f4a7c15u;
+    h ^= h >> 29;
+  }
+  return static_cast<std::size_t>(h);
+}
+
+Expressions::Expressions() { make(Operation::constant, 0, 0, 0.0); }
+
+int Expressions::make(Operation operation, int a, int b, double value) {
+  const Node node{operation, a, b, value};
+  const auto [place, fresh] = numbers_.emplace(node, static_cast<int>(nodes_.size()));
+  if (fresh) nodes_.push_back(node);
+  return place->second;
+}
+
+int Expressions::constant(double value) {
+  return make(Operation::constant, 0, 0, value == 0 ? 0.0 : value);  // −0 is 0
+}
+
+int Expressions::input(Operation array, int index) {
+  MT_REQUIRE(array == Operation::q || array == Operation::p, "q and p are the inputs");
+  return make(array, index, 0);
+}
+
+int Expressions::sine(int angle) {
+  if (!is(angle, Operation::constant)) return make(Operation::sine, angle, 0);
+  double s = 0, c = 0;
+  sincos(at(angle).value, s, c);
+  return constant(s);
+}
+int Expressions::cosine(int angle) {
+  if (!is(angle, Operation::constant)) return make(Operation::cosine, angle, 0);
+  double s = 0, c = 0;
+  sincos(at(angle).value, s, c);
+  return constant(c);
+}
+
+int Expressions::negative(int a) {
+  if (is(a, Operation::constant)) return constant(-at(a).value);
+  if (is(a, Operation::negative)) return at(a).a;
+  return make(Operation::negative, a, 0);
+}
+
+int Expressions::sum(int a, int b) {
+  if (is(a, Operation::constant) && is(b, Operation::constant)) return constant(at(a).value + at(b).value);
+  if (a == zero) return b;
+  if (b == zero) return a;
+  if (is(a, Operation::negative) && is(b, Operation::negative)) return negative(sum(at(a).a, at(b).a));
+  if (is(b, Operation::negative)) return difference(a, at(b).a);
+  if (is(a, Operation::negative)) return difference(b, at(a).a);
+  if (is(a, Operation::constant)) std::swap(a, b);
+  if (is(b, Operation::constant) && at(b).value < 0) return difference(a, constant(-at(b).value));
+  if (a > b) std::swap(a, b);
+  return make(Operation::sum, a, b);
+}
+
+int Expressions::difference(int a, int b) {
+  if (a == b) return zero;
+  if (is(a, Operation::constant) && is(b, Operation::constant)) return constant(at(a).value - at(b).value);
+  if (a == zero) return negative(b);
+  if (b == zero) return a;
+  if (is(a, Operation::negative) && is(b, Operation::negative)) return difference(at(b).a, at(a).a);
+  if (is(b, Operation::negative)) return sum(a, at(b).a);
+  if (is(a, Operation::negative)) return negative(sum(at(a).a, b));
+  if (is(b, Operation::constant) && at(b).value < 0) return sum(a, constant(-at(b).value));
+  if (is(a, Operation::constant) && at(a).value < 0) return negative(sum(constant(-at(a).value), b));
+  if (a > b) return negative(make(Operation::difference, b, a));  // a − b and b − a are one node
+  return make(Operation::difference, a, b);
+}
+
+int Expressions::product(int a, int b) {
+  if (is(a, Operation::constant) && is(b, Operation::constant)) return constant(at(a).value * at(b).value);
+  if (is(b, Operation::constant)) std::swap(a, b);
+  if (is(a, Operation::negative) && is(b, Operation::negative)) return product(at(a).a, at(b).a);
+  if (is(a, Operation::constant)) {
+    const double value = at(a).value;
+    if (value == 0) return zero;
+    if (value == 1) return b;
+    if (value < 0) return negative(product(constant(-value), b));
+    if (is(b, Operation::product) && is(at(b).a, Operation::constant))
+      return product(constant(value * at(at(b).a).value), at(b).b);
+  }
+  if (is(a, Operation::negative)) return negative(product(at(a).a, b));
+  if (is(b, Operation::negative)) return negative(product(a, at(b).a));
+  if (!is(a, Operation::constant) && a > b) std::swap(a, b);
+  return make(Operation::product, a, b);
+}
+
+int Expressions::quotient(int a, int b) {
+  if (is(a, Operation::constant) && is(b, Operation::constant)) return constant(at(a).value / at(b).value);
+  if (a == zero) return zero;
+  if (is(b, Operation::constant) && at(b).value == 1) return a;
+  if (is(a, Operation::negative)) return negative(quotient(at(a).a, b));
+  if (is(b, Operation::negative)) return negative(quotient(a, at(b).a));
+  return make(Operation::quotient, a, b);
+}
+
+// By node: whether a result is made of it. Operands stand before what is made of them.
+std::vector<bool> Expressions::needed(std::span<const int> results) const {
+  std::vector<bool> needed(nodes_.size(), false);
+  for (const int r : results) needed[static_cast<std::size_t>(r)] = true;
+  for (std::size_t i = nodes_.size(); i-- > 0;) {
+    if (!needed[i]) continue;
+    const Node& node = nodes_[i];
+    if (unary(node.operation) || binary(node.operation)) needed[static_cast<std::size_t>(node.a)] = true;
+    if (binary(node.operation)) needed[static_cast<std::size_t>(node.b)] = true;
+  }
+  return needed;
+}
+
+Operations Expressions::operations(std::span<const int> results) const {
+  const std::vector<bool> asked = needed(results);
+  std::vector<bool> angles(nodes_.size(), false);
+  Operations all;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    if (!asked[i]) continue;
+    switch (nodes_[i].operation) {
+      case Operation::sum:
+      case Operation::difference: ++all.additions; break;
+      case Operation::product: ++all.multiplications; break;
+      case Operation::quotient: ++all.divisions; break;
+      case Operation::sine:
+      case Operation::cosine: {
+        const auto angle = static_cast<std::size_t>(nodes_[i].a);
+        if (!angles[angle]) ++all.sincos;
+        angles[angle] = true;
+        break;
+      }
+      default: break;
+    }
+  }
+  return all;
+}
+
+}  // namespace momentree

@@ -1,0 +1,9 @@
+#include <momentree/dynamics/forward.ipp>
+#include <momentree/generate/symbolic.hpp>
+
+namespace momentree {
+template void evaluate_rates<Symbolic<false>>(const Tree&, const Symbolic<false>*, const Symbolic<false>*,
+                                              Work<Symbolic<false>>&) noexcept;
+template void evaluate_rates<Symbolic<true>>(const Tree&, const Symbolic<true>*, const Symbolic<true>*,
+                                             Work<Symbolic<true>>&) noexcept;
+}  // namespace momentree

@@ -1,0 +1,101 @@
+#include <momentree/generate/kernel.hpp>
+
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/generate/symbolic.hpp>
+#include <momentree/joint/dispatch.hpp>
+
+namespace momentree {
+
+extern template void evaluate_rates<Symbolic<false>>(const Tree&, const Symbolic<false>*, const Symbolic<false>*,
+                                                     Work<Symbolic<false>>&) noexcept;
+extern template void evaluate_rates<Symbolic<true>>(const Tree&, const Symbolic<true>*, const Symbolic<true>*,
+                                                    Work<Symbolic<true>>&) noexcept;
+
+namespace {
+
+template <bool Late>
+KernelExpressions expressions_of(const Tree& tree) {
+  using T = Symbolic<Late>;
+  KernelExpressions kernel;
+  Expressions& all = kernel.expressions;
+  T::graph() = &all;
+  std::vector<T> q, p;
+  for (int i = 0; i < tree.nq(); ++i) q.push_back(T::of_node(all.input(Operation::q, i)));
+  for (int i = 0; i < tree.nv(); ++i) p.push_back(T::of_node(all.input(Operation::p, i)));
+  Work<T> work(tree);
+  evaluate_rates(tree, q.data(), p.data(), work);
+  T::graph() = nullptr;
+  const auto take = [](const auto& results, int n, std::vector<int>& nodes) {
+    for (int i = 0; i < n; ++i) nodes.push_back(results[static_cast<std::size_t>(i)].node());
+  };
+  take(work.v, tree.nv(), kernel.v);
+  take(work.qdot, tree.nq(), kernel.qdot);
+  take(work.pdot, tree.nv(), kernel.pdot);
+  return kernel;
+}
+
+// A spring whose force is −stiffness·(q − rest): that of every kind whose velocities are the rates of its coordinates.
+bool plain(Kind kind) { return info(kind).nq == info(kind).nv; }
+
+}  // namespace
+
+std::vector<int> KernelExpressions::results() const {
+  std::vector<int> all = v;
+  all.insert(all.end(), qdot.begin(), qdot.end());
+  all.insert(all.end(), pdot.begin(), pdot.end());
+  return all;
+}
+
+KernelExpressions kernel_expressions(const Tree& tree, PinOrder order) {
+  if (order == PinOrder::turn_first) return expressions_of<true>(tree);
+  KernelExpressions one = expressions_of<false>(tree);
+  if (order == PinOrder::reduce_first) return one;
+  KernelExpressions other = expressions_of<true>(tree);
+  return other.operations().total() < one.operations().total() ? std::move(other) : std::move(one);
+}
+
+void add_plain_forces(const Tree& tree, KernelExpressions& kernel) {
+  Expressions& all = kernel.expressions;
+  for (std::size_t i = 0; i < kernel.pdot.size(); ++i) {
+    const int damper = all.product(all.constant(tree.damping()[i]), kernel.v[i]);
+    kernel.pdot[i] = all.difference(all.sum(kernel.pdot[i], all.constant(tree.effort()[i])), damper);
+  }
+  for (const int b : tree.spring_joints()) {
+    const Joint& joint = tree.joint(b);
+    const JointParameters& p = *tree.parameters(b);
+    for (int i = 0; i < info(joint.kind).nv; ++i) {
+      if (!plain(joint.kind) || (joint.locked >> i & 1u) != 0) continue;
+      const int q = all.input(Operation::q, tree.first_q(b) + i);
+      const int stretch = all.difference(q, all.constant(p.rest.empty() ? 0.0 : p.rest[i]));
+      int& pdot = kernel.pdot[static_cast<std::size_t>(tree.first_p(b) + i)];
+      pdot = all.difference(pdot, all.product(all.constant(p.stiffness.of(i)), stretch));
+    }
+  }
+}
+
+std::vector<OtherForce> other_forces(const Tree& tree) {
+  std::vector<OtherForce> found;
+  for (const int b : tree.order()) {
+    const auto has = [&](bool any, const char* what) {
+      if (any) found.push_back({b, what, false});
+    };
+    has(tree.function(b) != nullptr, "a function that drives it");
+    const JointParameters* p = tree.parameters(b);
+    if (p == nullptr) continue;
+    has(p->stiffness.any() && !plain(tree.joint(b).kind), "a spring about a quaternion");
+    has(p->friction.any(), "dry friction");
+    has(p->limits.soft(), "soft stops");
+    if (p->drive == nullptr) continue;
+    has(!p->drive->effort.empty(), "an effort that changes with time");
+    has(p->drive->pd.any(), "position control");
+    has(p->drive->moves(), "a prescribed motion");
+  }
+  const auto on_body = [&](int body, const char* what) {
+    if (tree.alive(body)) found.push_back({body, what, true});
+  };
+  for (const BodyForce& force : tree.body_forces()) on_body(force.body.index, "a force that acts on it");
+  for (const Topology::Loaded& load : tree.body_functions()) on_body(load.body, "a function that acts on it");
+  return found;
+}
+
+}  // namespace momentree

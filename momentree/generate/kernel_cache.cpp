@@ -1,0 +1,91 @@
+#include <momentree/generate/kernel_cache.hpp>
+
+#include <chrono>
+#include <mutex>
+#include <unordered_map>
+#include <utility>
+
+#include <momentree/generate/compiler.hpp>
+#include <momentree/generate/fingerprint.hpp>
+#include <momentree/generate/source.hpp>
+
+namespace momentree {
+
+struct KernelCache::Impl {
+  struct Code {
+    Library library;  // keeps the function where it is
+    RatesFunction function = nullptr;
+  };
+  explicit Impl(KernelCacheOptions how) : options(std::move(how)), compiler(find_compiler(options.compiler)) {
+    if (compiler.empty())
+      message = options.compiler.empty() ? "no C++ compiler was found: name one in MOMENTREE_CXX"
+                                         : "the compiler '" + options.compiler + "' was not found";
+  }
+
+  Code leave(std::string why) {
+    ++statistics.left;
+    explain(std::move(why));
+    return {};
+  }
+
+  Code make(const Tree& tree) {
+    if (statistics.compiled + statistics.failed >= options.most_topologies)
+      return leave("more than " + std::to_string(options.most_topologies) + " topologies are not compiled");
+    // No freedom of a mechanism takes as few as ten: what is far too large is not even written down.
+    const bool huge = tree.nv() > options.most_operations / 10;
+    const KernelExpressions kernel = huge ? KernelExpressions() : kernel_expressions(tree);
+    if (const long operations = kernel.operations().total(); huge || operations > options.most_operations)
+      return leave("an evaluation of more than " + std::to_string(options.most_operations) + " operations is not compiled");
+    std::string why;
+    Code code{compile_library(compiler, kernel_source(kernel), why)};
+    code.function = reinterpret_cast<RatesFunction>(code.library.symbol("kernel_rates"));
+    ++(code.function != nullptr ? statistics.compiled : statistics.failed);
+    if (code.function == nullptr) explain(why.empty() ? "the compiler left out kernel_rates" : why);
+    return code;
+  }
+
+  RatesFunction find(const Tree& tree) {
+    const std::lock_guard lock(mutex);
+    if (compiler.empty()) return nullptr;
+    if (!stages_take_rates(tree))
+      return leave("stages with forces on bodies, functions or prescribed motions run the kernels themselves").function;
+    const auto start = std::chrono::steady_clock::now();
+    const auto [place, fresh] = codes.try_emplace(fingerprint(tree));
+    if (fresh)
+      place->second = make(tree);
+    else if (place->second.function != nullptr)
+      ++statistics.found_again;
+    statistics.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return place->second.function;
+  }
+
+  void explain(std::string why) {
+    if (message.empty()) message = std::move(why);
+  }
+
+  const KernelCacheOptions options;
+  const std::vector<std::string> compiler;
+  std::mutex mutex;
+  std::unordered_map<std::string, Code> codes;  // by fingerprint
+  KernelCacheStatistics statistics;
+  std::string message;
+};
+
+KernelCache::KernelCache(KernelCacheOptions options) : impl_(std::make_shared<Impl>(std::move(options))) {}
+
+RatesProvider KernelCache::provider() const {
+  return [impl = impl_](const Tree& tree) { return impl->find(tree); };
+}
+RatesFunction KernelCache::find(const Tree& tree) const { return impl_->find(tree); }
+
+KernelCacheStatistics KernelCache::statistics() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->statistics;
+}
+std::string KernelCache::message() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->message;
+}
+std::vector<std::string> KernelCache::compiler() const { return impl_->compiler; }
+
+}  // namespace momentree

@@ -1,0 +1,264 @@
+// Generated kernels against the engine's own and against the oracle: the expressions themselves on random trees of all kinds of
+// joint in all variants, and what a compiler makes of their source on a few models.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <bench/models.hpp>
+#include <momentree/dynamics/count.hpp>
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/generate/compiler.hpp>
+#include <momentree/generate/source.hpp>
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/joint/kinds.hpp>
+#include <momentree/math/sincos.hpp>
+#include <tests/oracle/oracle.hpp>
+#include <tests/oracle/random_model.hpp>
+#include <tests/oracle/rearrange.hpp>
+
+using namespace momentree;
+using namespace momentree::oracle;
+
+namespace {
+
+struct Rates {
+  explicit Rates(const Tree& tree)
+      : v(static_cast<std::size_t>(tree.nv())), qdot(static_cast<std::size_t>(tree.nq())), pdot(v.size()) {}
+  std::vector<double> v, qdot, pdot;
+};
+
+// What the expressions say, without a compiler.
+void interpret(const KernelExpressions& kernel, const std::vector<double>& q, const std::vector<double>& p, Rates& rates) {
+  std::vector<double> x;
+  const auto at = [&](int i) { return x[static_cast<std::size_t>(i)]; };
+  for (const Expressions::Node& node : kernel.expressions.nodes()) {
+    double s = 0, c = 0;
+    if (node.operation == Operation::sine || node.operation == Operation::cosine) sincos(at(node.a), s, c);
+    switch (node.operation) {
+      case Operation::constant: x.push_back(node.value); break;
+      case Operation::q: x.push_back(q[static_cast<std::size_t>(node.a)]); break;
+      case Operation::p: x.push_back(p[static_cast<std::size_t>(node.a)]); break;
+      case Operation::sine: x.push_back(s); break;
+      case Operation::cosine: x.push_back(c); break;
+      case Operation::negative: x.push_back(-at(node.a)); break;
+      case Operation::sum: x.push_back(at(node.a) + at(node.b)); break;
+      case Operation::difference: x.push_back(at(node.a) - at(node.b)); break;
+      case Operation::product: x.push_back(at(node.a) * at(node.b)); break;
+      case Operation::quotient: x.push_back(at(node.a) / at(node.b)); break;
+    }
+  }
+  for (std::size_t i = 0; i < rates.v.size(); ++i) rates.v[i] = at(kernel.v[i]), rates.pdot[i] = at(kernel.pdot[i]);
+  for (std::size_t i = 0; i < rates.qdot.size(); ++i) rates.qdot[i] = at(kernel.qdot[i]);
+}
+
+double largest(const double* a, std::size_t n) {
+  double most = 0;
+  for (std::size_t i = 0; i < n; ++i) most = std::fmax(most, std::fabs(a[i]));
+  return most;
+}
+
+double distance(const std::vector<double>& a, const double* b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double off = std::fabs(a[i] - b[i]);
+    most = off <= most ? most : off;  // NaN stays
+  }
+  return most;
+}
+
+// Error over what is allowed. Both compute the same in another order, so that they differ by what rounding makes of the mass:
+// velocities are known to its condition times 1e-16 (velocity_resolution), and so is what is made of them.
+double error(const Tree& tree, const std::vector<double>& q, const Rates& found, const Work<double>& work) {
+  const auto nv = found.v.size(), nq = found.qdot.size();
+  const double allowed = std::fmax(1e-13, 30 * velocity_resolution(tree, q));
+  const double speed = largest(work.v.get(), nv) + largest(work.qdot.get(), nq) + 1e-3,
+               rate = largest(work.pdot.get(), nv) + 1e-3;
+  const double of_v = std::fmax(distance(found.v, work.v.get()), distance(found.qdot, work.qdot.get())) / (allowed * speed);
+  const double of_p = distance(found.pdot, work.pdot.get()) / (allowed * rate);
+  return of_v >= of_p ? of_v : of_p;
+}
+
+// Near a state; quaternions need not be of length one.
+std::vector<double> moved(Prng& random, std::span<const double> from, double by) {
+  std::vector<double> to(from.begin(), from.end());
+  for (double& x : to) x += random.uniform(-by, by);
+  return to;
+}
+
+RatesFunction compiled(const std::string& source, Library& library) {
+  std::string why;
+  library = compile_library({MOMENTREE_COMPILER}, source, why);
+  CHECK_MESSAGE(why.empty(), why);
+  return reinterpret_cast<RatesFunction>(library.symbol("kernel_rates"));
+}
+
+}  // namespace
+
+TEST_CASE("expressions are what the kernels compute, on trees of all kinds and variants") {
+  bool seen[9][5] = {};
+  double worst = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    const RandomTree random = random_tree(seed, {.max_bodies = 30});
+    Tree tree(random.model);
+    Prng draw(seed + 900);
+    Work<double> work(tree);
+    State state = start_state(random.model, tree);
+    if (seed % 2 == 1) rearrange(draw, tree, state, work);
+    for (const Segment& s : tree.segments()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
+    const KernelExpressions one = kernel_expressions(tree, PinOrder::reduce_first);
+    const KernelExpressions other = kernel_expressions(tree, PinOrder::turn_first);
+    // Nothing is added to what the kernels do, and the order that is chosen by itself is the shorter one.
+    CHECK(one.operations().total() <= count_operations(tree).total());
+    CHECK(one.operations().sincos <= count_operations(tree).sincos);
+    CHECK(kernel_expressions(tree).operations().total() == std::min(one.operations().total(), other.operations().total()));
+    Rates rates(tree);
+    for (int i = 0; i < 3; ++i) {
+      const std::vector<double> q = moved(draw, state.q(), 0.1), p = moved(draw, state.p(), 0.1);
+      evaluate_rates(tree, q.data(), p.data(), work);
+      for (const KernelExpressions* kernel : {&one, &other}) {
+        interpret(*kernel, q, p, rates);
+        const double off = error(tree, q, rates, work);
+        CAPTURE(seed);
+        CHECK(off <= 1);
+        worst = std::fmax(worst, off);
+      }
+    }
+  }
+  MESSAGE("worst: " << worst << " of what is allowed");
+  int combinations = 0;
+  for (const auto& kind : seen)
+    for (const bool variant : kind) combinations += variant ? 1 : 0;
+  CHECK(combinations >= 25);
+}
+
+TEST_CASE("a prescribed motion has the rate that p holds, in expressions too") {
+  Model model;
+  const Body arm =
+      model.add({.name = "arm", .mass = 2, .com = {0.3, 0, 0}, .inertia = diagonal(0.1), .joint = Revolute{.axis = y_axis}});
+  Revolute driven{.axis = x_axis};
+  driven.drive = motion_drive(Signal::sine(0.5, 2));
+  model.add({.name = "hand",
+             .mass = 1,
+             .com = {0, 0, 0.2},
+             .inertia = diagonal(0.02),
+             .parent = arm,
+             .at = {0.6, 0, 0},
+             .joint = driven});
+  const Tree tree(model);
+  const KernelExpressions kernel = kernel_expressions(tree);
+  Work<double> work(tree);
+  Rates rates(tree);
+  const std::vector<double> q{0.4, -0.3}, p{0.7, 1.9};
+  evaluate_rates(tree, q.data(), p.data(), work);
+  interpret(kernel, q, p, rates);
+  CHECK(rates.v[1] == 1.9);
+  CHECK(error(tree, q, rates, work) <= 1);
+}
+
+TEST_CASE("compiled source finds what the engine finds, at many states") {
+  struct Case {
+    std::string name;
+    Model model;
+    bool changed;  // by breaks, locks and re-rooting
+  };
+  const Case cases[] = {{"double pendulum in a plane", bench::planar_chain(2), false},
+                        {"planar chain", bench::planar_chain(6), false},
+                        {"arm", bench::arm(), false},
+                        {"forked tree", random_tree(7, {.min_bodies = 8, .max_bodies = 14}).model, false},
+                        {"floating tree", random_tree(9, {.min_bodies = 6, .max_bodies = 10, .all_free = true}).model, false},
+                        {"a tree after changes", random_tree(11, {.min_bodies = 8, .max_bodies = 12}).model, true}};
+  for (const Case& c : cases) {
+    CAPTURE(c.name);
+    Tree tree(c.model);
+    Work<double> work(tree);
+    State state = start_state(c.model, tree);
+    Prng random(42);
+    if (c.changed) rearrange(random, tree, state, work);
+    Library library;
+    const RatesFunction rates = compiled(kernel_source(kernel_expressions(tree)), library);
+    REQUIRE((rates != nullptr));
+    CHECK(*static_cast<const int*>(library.symbol("kernel_nq")) == tree.nq());
+    CHECK(*static_cast<const int*>(library.symbol("kernel_nv")) == tree.nv());
+    Rates found(tree);
+    double worst = 0;
+    for (int i = 0; i < 300; ++i) {
+      const double far = i % 10 == 0 ? 4e6 : 1;  // beyond sincos_range, too
+      const std::vector<double> q = moved(random, state.q(), tree.quaternion_joints().empty() ? far : 0.3);
+      const std::vector<double> p = moved(random, state.p(), 0.5 * largest(state.p().data(), state.p().size()));
+      evaluate_rates(tree, q.data(), p.data(), work);
+      rates(q.data(), p.data(), found.v.data(), found.qdot.data(), found.pdot.data());
+      const double off = error(tree, q, found, work);
+      worst = off <= worst ? worst : off;
+    }
+    CHECK(worst <= 1);
+    MESSAGE(c.name << ": worst " << worst << " of what is allowed");
+  }
+}
+
+TEST_CASE("compiled source with dampers, springs and efforts: the oracle's rates") {
+  const Model plain = bench::arm();
+  Model model;
+  for (BodySpec body : plain.bodies()) {
+    const int b = model.size();
+    JointParameters& p = body.joint.parameters;
+    if (b % 2 == 0) p.stiffness = 3.0 + b, p.rest = 0.1 * b, p.effort = 0.7 - b, p.armature = 0.02;
+    model.add(body);
+  }
+  const Tree tree(model);
+  CHECK(other_forces(tree).empty());
+  KernelExpressions kernel = kernel_expressions(tree);
+  add_plain_forces(tree, kernel);
+  Library library;
+  const RatesFunction rates = compiled(kernel_source(kernel), library);
+  REQUIRE((rates != nullptr));
+  const System system = system_of(model);
+  Prng random(3);
+  Rates found(tree);
+  for (int i = 0; i < 20; ++i) {
+    const std::vector<double> q = moved(random, start_q(model), 1), p = moved(random, std::vector<double>(7), 2);
+    rates(q.data(), p.data(), found.v.data(), found.qdot.data(), found.pdot.data());
+    // The momenta that these velocities belong to, and the rates at these velocities: no solution of a system is in between.
+    const std::vector<Real> v(found.v.begin(), found.v.end()), again = mass_matrix(system, q).times(v);
+    const std::vector<Real> expected = oracle::evaluate(system, q, v).pdot;
+    Real rate = 1;
+    for (const Real x : expected) rate = std::fmax(rate, std::fabs(x));
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      CHECK(std::fabs(again[k] - p[k]) < 1e-13);
+      CHECK(std::fabs(expected[k] - found.pdot[k]) < 1e-13 * rate);
+      CHECK(found.qdot[k] == found.v[k]);
+    }
+  }
+}
+
+TEST_CASE("what is no plain expression is named") {
+  Model model;
+  Revolute pin{.damping = 0.1, .stiffness = 2};
+  pin.friction = {.coulomb = 0.2, .speed = 0.01};
+  Ball ball{.stiffness = 1};
+  const Body a = model.add({.name = "a", .mass = 1, .inertia = diagonal(0.1), .joint = pin});
+  const Body b = model.add({.name = "b", .mass = 1, .inertia = diagonal(0.1), .parent = a, .at = {1, 0, 0}, .joint = ball});
+  const std::vector<OtherForce> found = other_forces(Tree(model));
+  REQUIRE(found.size() == 2);
+  CHECK((found[0].body == a.index && found[0].what == "dry friction" && !found[0].on_body));
+  CHECK((found[1].body == b.index && found[1].what == "a spring about a quaternion"));
+}
+
+TEST_CASE("source: identifiers, comments, constants") {
+  CHECK(identifier("breaking chain-2") == "breaking_chain_2");
+  CHECK(identifier("7dof") == "k7dof");
+  CHECK(identifier("") == "k");
+  const Tree tree(bench::arm());
+  const std::string text = kernel_source(kernel_expressions(tree), {"arm", "An arm\\\nof seven pins\n"});
+  CHECK(text.starts_with("// An arm\\ \n// of seven pins\n"));
+  for (const char* part : {"extern \"C\"", "void arm_rates(", "const int arm_nq = 7;", "const int arm_nv = 7;", "pdot[6] = "})
+    CHECK_MESSAGE(text.find(part) != std::string::npos, part);
+  // Strict about warnings, as a user's build may be.
+  Library library;
+  std::string why;
+  library =
+      compile_library({MOMENTREE_COMPILER, "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"}, text, why);
+  CHECK_MESSAGE(static_cast<bool>(library), why);
+}

@@ -1,0 +1,24 @@
+#pragma once
+// Random changes, so that every variant of every kind of joint comes up.
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/topology/change.hpp>
+#include <tests/oracle/prng.hpp>
+
+namespace momentree::oracle {
+
+/// Breaks, locks and turns over what it can, four times.
+inline void rearrange(Prng& random, Tree& tree, State& state, Work<double>& work) {
+  for (int i = 0; i < 4; ++i) {
+    const int b = random.integer(0, tree.bodies() - 1);
+    const int what = random.integer(0, 2);
+    forward_dynamics(tree, state, work);
+    if (what == 0 && can_break(tree, {b}))
+      apply(Break{{b}}, tree, state, work);
+    else if (what == 1 && floats(tree, b))
+      apply(Reroot{{b}}, tree, state, work);
+    else
+      apply(Lock{{b}, 1u << random.integer(0, 2)}, tree, state, work);
+  }
+}
+
+}  // namespace momentree::oracle
