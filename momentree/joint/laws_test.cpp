@@ -39,7 +39,6 @@ Link random_link(Draw& draw, bool aligned) {
   k.cs_a = k.cos_a * k.sin_a, k.ss_a = k.sin_a * k.sin_a;
   k.cos_0 = std::cos(k.angle_0), k.sin_0 = std::sin(k.angle_0);
   k.r = draw.vector();
-  k.subtree_mass = 2 + draw();
   return k;
 }
 
@@ -206,9 +205,10 @@ TEST_CASE("(16) (17) (18) the crossing of a kind is that of its pose, in both di
         SpatialMass<double> M1 = M, M2 = M;
         Force<double> D1 = D, D2 = D;
         Vec3 c1 = draw.vector(), c2 = c1;
+        const double mass = 2 + draw();
         const auto& own = L::template crossing<A, double>(at.link, at.joint(), record);
-        own.inboard(M1), own.inboard(D1), own.inboard(c1);
-        dense.inboard(M2), dense.inboard(D2), dense.inboard(c2);
+        own.inboard(M1), own.inboard(D1), own.inboard(c1, mass);
+        dense.inboard(M2), dense.inboard(D2), dense.inboard(c2, mass);
         CHECK(distance(flat(M1), flat(M2)) < 1e-12);
         CHECK(distance(flat(D1), flat(D2)) < 1e-13);
         CHECK(norm(c1 - c2) < 1e-13);
@@ -336,7 +336,7 @@ TEST_CASE("(24) (27) (20) locked freedoms have no velocity and no rate; the othe
       using L = typename decltype(kernels)::type;
       for (unsigned locked = 1; locked < (1u << N); ++locked) {
         Sample<K> at(draw, false, true);
-        at.link.locked = locked;
+        at.link.locked = static_cast<unsigned char>(locked);
         for (int i = 0; i < N; ++i)
           if ((locked >> i & 1u) != 0) at.p[static_cast<std::size_t>(i)] = 0;
         const SpatialMass<double> Mb = random_mass(draw);

@@ -139,11 +139,11 @@ struct PinSteps {
                               S == LinkShape::right_d || S == LinkShape::parallel;
   };
 
-  /// In: what the children reduced, in the body's frame; `Tip`: nothing. Out: what the parent gets, in its frame; `Root`: nobody
-  /// asks for it.
+  /// In: what the children reduced, in the body's frame; `tip`: nothing. Out: what the parent gets, in its frame; `root`: nobody
+  /// asks for it. `mass`: of the body and all outboard of it.
   template <LinkShape S, bool Gravity, bool Keep, class T>
-  MOMENTREE_INLINE static void inboard(const Link& k, const T& c, const T& s, const T& p, bool tip, bool root, Inboard<T>& in,
-                                       PinRecord<T>& w) {
+  MOMENTREE_INLINE static void inboard(const Link& k, double mass, const T& c, const T& s, const T& p, bool tip, bool root,
+                                       Inboard<T>& in, PinRecord<T>& w) {
     SpatialMass<T>& M = in.M;
     Force<T>& D = in.D;
     if (!late<T, Keep> && tip) {
@@ -201,9 +201,8 @@ struct PinSteps {
       static_assert(Has<S>::a, "a joint on its parent's axis has no kernel of its own");
     }
     if constexpr (Gravity) {
-      const double m = k.subtree_mass;
-      if constexpr (Has<S>::any_offset || Has<S>::a) in.mc.x += m * k.r.x;
-      if constexpr (Has<S>::any_offset || Has<S>::d) in.mc.y += m * k.r.y, in.mc.z += m * k.r.z;
+      if constexpr (Has<S>::any_offset || Has<S>::a) in.mc.x += mass * k.r.x;
+      if constexpr (Has<S>::any_offset || Has<S>::d) in.mc.y += mass * k.r.y, in.mc.z += mass * k.r.z;
     }
   }
 
