@@ -44,6 +44,7 @@ struct BenchOptions {
   bool json = false;
   double budget = 0.15;  ///< s for each figure
   int repeats = 5;       ///< of the breaking chain
+  int bodies = 1000000;  ///< of the largest chains
 };
 /// `failed` where a result is wrong: no time is printed for it.
 int bench(const BenchOptions& options);

@@ -119,6 +119,9 @@ CommandLine::CommandLine() {
   CLI::App* bench_command =
       command("bench", "Measure this machine on the tables of the paper", [this] { return bench(bench_options); });
   bench_command->add_flag("--json", bench_options.json, "Print one JSON document and nothing else");
+  bench_command->add_option("--bodies", bench_options.bodies, "Bodies of the largest chains; default 1000000, which takes 2 GB")
+      ->type_name("N")
+      ->check(CLI::Range(1000, 100000000));
 
   not_yet("convert", "Turn a model file into another format");
   not_yet("compile", "Write code that is specialised for one topology");
