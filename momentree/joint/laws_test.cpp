@@ -440,7 +440,7 @@ TEST_CASE("(39) (47) (51) accelerations and the wrench of a joint, by every kind
     if constexpr (K::info.nv > 0) {
       for (unsigned locked = 1; locked < (1u << K::info.nv); ++locked) {
         Sample<K> at(draw, false, true);
-        at.link.locked = locked;
+        at.link.locked = static_cast<unsigned char>(locked);
         acceleration_laws<K, KernelsOf<K, Variant::locked>>(draw, at);
         acceleration_laws<K, KernelsOf<K, Variant::reversed_locked>>(draw, at);
       }
