@@ -80,6 +80,22 @@ Model planar_chain(int bodies) { return rods(bodies, 0.1); }
 
 Model breaking_chain() { return rods(100, 0); }
 
+Model rope(int bodies) {
+  Model model;
+  Body link = ground;
+  for (int k = 1; k <= bodies; ++k)
+    link = model.add({.name = "b/" + std::to_string(k),
+                      .mass = 0.010,
+                      .com = {0.025, 0, 0},
+                      .inertia = {1e-7, 2.083e-6, 2.083e-6},
+                      .parent = link,
+                      .at = {k == 1 ? 0.0 : 0.05, 0, 0},
+                      .joint = Revolute{.axis = k % 2 == 0 ? y_axis : z_axis, .damping = 1e-5},
+                      .q = 0.001 * (k % 7 - 3),
+                      .v = 0.001 * (k % 5 - 2)});
+  return model;
+}
+
 Model spatial_chain(int bodies) {
   Random random(1);
   Model model;

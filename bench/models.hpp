@@ -8,6 +8,9 @@ namespace momentree::bench {
 Model planar_chain(int bodies);
 /// The breaking chain of Naudet and Lefeber, 2005: 100 links, at rest, curled upwards (scenarios/breaking_chain.toml).
 Model breaking_chain();
+/// Equal links with axes across each other in turn, nearly straight: 3D, but few placements and masses, as large worlds have
+/// them.
+Model rope(int bodies);
 /// Axes, placements, centres of mass and inertias in general position.
 Model spatial_chain(int bodies);
 /// The same bodies; no axis is nearly parallel to the next, which would cost a few operations more.

@@ -139,6 +139,19 @@ void print_peers(const std::vector<PeerRow>& rows, const Style& style) {
         table.text("  ") + '\n');
 }
 
+void print_large_worlds(const std::vector<LargeRow>& rows, const Style& style) {
+  const auto bytes = [](double value) { return value > 0 ? format("%.0f", value) : std::string("?"); };
+  Table table;
+  table.row({"chain of pins in 3D", "bodies", "ns per body", "bytes per body", "with motions"});
+  for (const LargeRow& row : rows)
+    table.row(
+        {row.model, format("%d", row.bodies), nanoseconds(row.seconds / row.bodies), bytes(row.bytes[0]), bytes(row.bytes[1])});
+  print(style.heading("Large worlds") +
+        " (an evaluation, one core; memory per body that Tree, State and Work make resident, without model and names: after\n"
+        "evaluations as a step has them, and after one for changes and results, which keeps the motions of bodies)\n" +
+        table.text("  ") + '\n');
+}
+
 void write(io::JsonWriter& json, const OperationsRow& row) {
   json.begin_object().member("algorithm", row.algorithm).member("additions", row.additions);
   json.member("multiplications", row.multiplications).member("total", row.total).key("of_100");
@@ -147,7 +160,7 @@ void write(io::JsonWriter& json, const OperationsRow& row) {
 }
 
 /// One document; false if interrupted.
-bool print_json(const BenchOptions& options, double memory, const std::vector<std::string>& peers) {
+bool print_json(const BenchOptions& options, const std::vector<LargeRow>& large, const std::vector<std::string>& peers) {
   std::string text;
   io::JsonWriter json(text, 2);
   const auto go_on = [] { return !InterruptGuard::interrupted(); };
@@ -186,8 +199,19 @@ bool print_json(const BenchOptions& options, double memory, const std::vector<st
     json.member("ns", row.seconds * 1e9).end_object();
     return go_on();
   });
-  json.end_array().key("bytes_per_body");
-  memory > 0 ? json.value(memory) : json.null();
+  json.end_array().key("large_worlds").begin_array();
+  const auto bytes = [&](const char* key, double value) {
+    json.key(key);
+    value > 0 ? json.value(value) : json.null();
+  };
+  for (const LargeRow& row : large) {
+    json.begin_object().member("model", row.model).member("bodies", row.bodies);
+    json.member("ns_per_body", row.seconds * 1e9 / row.bodies).member("error", row.error);
+    bytes("bytes_per_body", row.bytes[0]);
+    bytes("bytes_per_body_with_motions", row.bytes[1]);
+    json.end_object();
+  }
+  json.end_array();
   if (!peers.empty()) {
     json.key("peers").begin_array();
     for (const PeerRow& row : measure_peers(peers)) {
@@ -203,16 +227,19 @@ bool print_json(const BenchOptions& options, double memory, const std::vector<st
 
 int measure(const BenchOptions& options, const std::vector<std::string>& peers) {
   const InterruptGuard guard;
-  const double memory = bytes_per_body();  // first, while nothing that was freed is there to be used again
-  if (options.json) return print_json(options, memory, peers) ? done : interrupted;
+  std::vector<LargeRow> large;  // first, while nothing that was freed is there to be used again
+  large_worlds(options.bodies, [&](const LargeRow& row) {
+    large.push_back(row);
+    return !InterruptGuard::interrupted();
+  });
+  if (InterruptGuard::interrupted()) return interrupted;
+  if (options.json) return print_json(options, large, peers) ? done : interrupted;
   const Style style = Style::of_output();
   print_operations(style);
   print_breaking_chain(breaking_chain(options.repeats), style);
   if (InterruptGuard::interrupted() || !print_times(options.budget, style)) return interrupted;
-  print(style.heading("Memory") + ": " +
-        (memory > 0 ? format("%.0f bytes per body", memory) : std::string("not told by this system")) +
-        " (Tree, State and Work of a chain of pins, without names)\n\n" + (peers.empty() ? peers_hint : ""));
-  if (peers.empty()) return done;
+  print_large_worlds(large, style);
+  if (peers.empty()) return print(peers_hint), done;
   const std::vector<PeerRow> rows = measure_peers(peers);
   if (InterruptGuard::interrupted()) return interrupted;
   print_peers(rows, style);

@@ -57,8 +57,16 @@ struct GeneratedRow {
 /// As above; returns why there is no such row, empty if there are.
 std::string generated_times(double budget, const std::function<bool(const GeneratedRow&)>& row);
 
-/// Memory that Tree, State and Work of a long chain of pins take while it is evaluated, names and model apart: bytes per body; 0
-/// where the system does not tell.
-double bytes_per_body();
+/// A chain so long that it is its memory that takes the time.
+struct LargeRow {
+  std::string model;
+  int bodies = 0;
+  double seconds = 0;  ///< of an evaluation
+  double bytes[2]{};   ///< per body: after evaluations as a step has them, and after one for changes and results; 0: not told
+  double error = 0;    ///< as above
+};
+/// Resident memory of the process that Tree, State and Work make more, the model and its names apart: what evaluations have not
+/// touched is not in it. Call it before anything that frees much memory.
+void large_worlds(int bodies, const std::function<bool(const LargeRow&)>& row);
 
 }  // namespace momentree::cli

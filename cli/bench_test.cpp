@@ -95,17 +95,32 @@ TEST_CASE("momentree bench: tables for people, one document for programs") {
     text << std::ifstream(file).rdbuf();
     return text.str();
   };
-  const std::string text = call("");
-  for (const char* words : {"Featherstone 1987", "275 n …", "432 n − 688", "363 n − 475", "316 n − 210", "54.0 µs",
-                            "planar chain", "humanoid", "Generated code", "break a joint", "per body", "bench/peers"})
+  const std::string text = call("--bodies 20000");
+  for (const char* words :
+       {"Featherstone 1987", "275 n …", "432 n − 688", "363 n − 475", "316 n − 210", "54.0 µs", "planar chain", "humanoid",
+        "Generated code", "break a joint", "per body", "bench/peers", "rope", "all bodies differ"})
     CHECK_MESSAGE(text.find(words) != std::string::npos, words);
-  const io::JsonDocument json = io::parse_json(call("--json"), "stdout");
+  const io::JsonDocument json = io::parse_json(call("--json --bodies 20000"), "stdout");
   CHECK(json.root.find("operations")->items.size() == 6);
   CHECK(json.root.find("operations")->items[0].find("of_100")->is(io::JsonNode::Type::null));
   CHECK(json.root.find("evaluations")->items.size() == 10);
   CHECK(json.root.find("changes")->items.size() == 12);
   CHECK(json.root.find("generated")->items.size() == 9);
   CHECK(json.root.find("breaking_chain")->find("change_ns")->number > 0);
+  const io::JsonNode& large = *json.root.find("large_worlds");
+  REQUIRE(large.items.size() == 2);
+  for (const io::JsonNode& row : large.items) {
+    CHECK(row.find("bodies")->number == 20000);
+    CHECK(row.find("ns_per_body")->number > 0);
+#ifdef __linux__
+    CHECK(row.find("bytes_per_body")->number > 100);
+    CHECK(row.find("bytes_per_body_with_motions")->number > row.find("bytes_per_body")->number + 90);
+#endif
+  }
+#ifdef __linux__
+  CHECK(large.items[0].find("bytes_per_body")->number < 600);  // equal joints, masses and placements are stored once
+  CHECK(large.items[0].find("bytes_per_body_with_motions")->number < 600);
+#endif
 }
 
 TEST_CASE("momentree bench --peers: runs the programs of a folder, and believes nothing that failed") {

@@ -53,6 +53,7 @@ struct BenchOptions {
   double budget = 0.15;  ///< s for each figure
   int repeats = 5;       ///< of the breaking chain
   std::string peers{};   ///< folder of programs peer-*; empty: none
+  int bodies = 1000000;  ///< of the largest chains
 };
 /// `failed` where a result is wrong: no time is printed for it.
 int bench(const BenchOptions& options);

@@ -140,6 +140,9 @@ CommandLine::CommandLine() {
   bench_command->add_flag("--json", bench_options.json, "Print one JSON document and nothing else");
   bench_command->add_option("--peers", bench_options.peers, "Run the programs peer-* in this folder, too: other engines")
       ->type_name("FOLDER");
+  bench_command->add_option("--bodies", bench_options.bodies, "Bodies of the largest chains; default 1000000, which takes 2 GB")
+      ->type_name("N")
+      ->check(CLI::Range(1000, 100000000));
 
   not_yet("convert", "Turn a model file into another format");
   not_yet("sweep", "Run many worlds");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <thread>
+#include <unordered_map>
 
 #include <momentree/base/error.hpp>
 #include <momentree/batch/group.hpp>
@@ -32,11 +33,11 @@ struct Batch::Impl {
   const Tree declared;
   Isa isa;
   Precision precision;
-  std::vector<std::unique_ptr<Group>> groups;
-  std::vector<Seat> seats;                                // by world
-  std::vector<std::vector<batch::ExtraEffort>> efforts;   // by world
-  std::vector<std::unique_ptr<batch::Stepper>> steppers;  // by thread
-  std::vector<Task> tasks;                                // of the step at hand
+  std::unordered_multimap<std::size_t, std::unique_ptr<Group>> groups;  // by the key of the topology
+  std::vector<Seat> seats;                                              // by world
+  std::vector<std::vector<batch::ExtraEffort>> efforts;                 // by world
+  std::vector<std::unique_ptr<batch::Stepper>> steppers;                // by thread
+  std::vector<Task> tasks;                                              // of the step at hand
   int capacity = 0, lanes = 0;
   batch::Pool pool;
   Out out;
@@ -62,11 +63,11 @@ struct Batch::Impl {
     Topology topology = tree.topology();
     batch::simplify(topology, declared);
     const std::size_t key = batch::key_of(topology);
-    for (const auto& group : groups)
-      if (group->key() == key && batch::same(group->topology(), topology)) return *group;
+    const auto [begin, end] = groups.equal_range(key);
+    for (auto i = begin; i != end; ++i)
+      if (batch::same(i->second->topology(), topology)) return *i->second;
     make_room(tree);
-    groups.push_back(std::make_unique<Group>(std::move(topology), tree, lanes));
-    return *groups.back();
+    return *groups.emplace(key, std::make_unique<Group>(std::move(topology), tree, lanes))->second;
   }
 
   void sit(int world, Group& group) { seats[static_cast<std::size_t>(world)] = {&group, group.add(world)}; }
@@ -74,12 +75,14 @@ struct Batch::Impl {
     const int moved = seat.group->remove(seat.slot);
     if (moved >= 0) seats[static_cast<std::size_t>(moved)].slot = seat.slot;
     if (seat.group->worlds() > 0) return;
-    std::erase_if(groups, [&](const auto& group) { return group.get() == seat.group; });
+    auto i = groups.equal_range(seat.group->key()).first;
+    while (i->second.get() != seat.group) ++i;
+    groups.erase(i);
   }
 
   void run() noexcept {
     tasks.clear();
-    for (const auto& group : groups)
+    for (const auto& [key, group] : groups)
       for (int i = 0; i < group->blocks(); ++i) tasks.push_back({group.get(), i});
     pool.run(static_cast<int>(tasks.size()), [this](int thread, int i) {
       const Task& task = tasks[static_cast<std::size_t>(i)];

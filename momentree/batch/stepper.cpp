@@ -25,7 +25,7 @@ ForcePlan::ForcePlan(const Tree& tree) : elements(tree.forced_joints().begin(), 
       continue;
     }
     const JointParameters& p = *tree.parameters(b);
-    for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i)
       if ((tree.joint(b).locked >> i & 1u) == 0 && p.stiffness.of(i) != 0)
         springs.push_back({tree.first_q(b) + i, tree.first_p(b) + i, p.stiffness.of(i), p.rest.empty() ? 0.0 : p.rest[i]});
   }
@@ -57,7 +57,7 @@ std::unique_ptr<Stepper> make_stepper(Isa isa, Precision precision, const Tree& 
 
 void add_element_forces(const Tree& tree, int b, double t, const double* q, const double* u, double* force) noexcept {
   const JointParameters& p = *tree.parameters(b);
-  const int nv = info(tree.joint(b).kind).nv;
+  const int nv = info(tree.kind(b)).nv;
   const unsigned locked = tree.joint(b).locked;
   if (p.stiffness.any() && has_quaternion(tree, b)) {
     double spring[6];
@@ -80,10 +80,10 @@ void motion_at(const Tree& tree, int b, double t, double* point) noexcept {
 }
 
 void normalise_joint(const Tree& tree, int b, double* q) noexcept {
-  dispatch(tree.joint(b).kind, [&](auto tag) { decltype(tag)::type::Kernels::normalise(q); });
+  dispatch(tree.kind(b), [&](auto tag) { decltype(tag)::type::Kernels::normalise(q); });
 }
 
-int coordinates_of(const Tree& tree, int b) noexcept { return info(tree.joint(b).kind).nq; }
-int freedoms_of(const Tree& tree, int b) noexcept { return info(tree.joint(b).kind).nv; }
+int coordinates_of(const Tree& tree, int b) noexcept { return info(tree.kind(b)).nq; }
+int freedoms_of(const Tree& tree, int b) noexcept { return info(tree.kind(b)).nv; }
 
 }  // namespace momentree::batch

@@ -32,7 +32,7 @@ void accelerate(const Tree& tree, const State& state, Work<double>& work) noexce
 
 Motion<double> felt_acceleration(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
   const JointState<double> joint{q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
-  return dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+  return dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
     return decltype(tag)::type::template spatial_velocity<double>(
         tree.link(b), joint, work.approaches[static_cast<std::size_t>(b)], work.a.get() + tree.first_p(b));
   });
@@ -40,7 +40,7 @@ Motion<double> felt_acceleration(const Tree& tree, const double* q, const Work<d
 
 Force<double> transmitted_wrench(const Tree& tree, const Work<double>& work, int b) noexcept {
   Force<double> Tr = work.demands[static_cast<std::size_t>(b)];
-  dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+  dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
     using K = typename decltype(tag)::type;
     K::add_reduced(work.record<K>(tree, b), work.approaches[static_cast<std::size_t>(b)], Tr);  // (44), (32)
   });
@@ -56,7 +56,7 @@ Force<double> pure_reaction(const Tree& tree, const State& state, const Work<dou
   MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
   const Force<double> Tr = transmitted_wrench(tree, work, b);
   const JointState<double> joint = joint_state(tree, state, work, b);
-  const Force<double> drive = dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+  const Force<double> drive = dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
     using K = typename decltype(tag)::type;
     const auto E = K::template columns<double>(tree.link(b), joint);
     double force[6] = {};
@@ -71,8 +71,7 @@ void joint_effort(const Tree& tree, const State& state, const Work<double>& work
   MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
   project(tree, b, joint_state(tree, state, work, b), transmitted_wrench(tree, work, b), effort);
   const int at = tree.first_p(b);
-  for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
-    effort[i] += tree.armature()[at + i] * work.a[static_cast<std::size_t>(at + i)];
+  for (int i = 0; i < info(tree.kind(b)).nv; ++i) effort[i] += tree.armature()[at + i] * work.a[static_cast<std::size_t>(at + i)];
 }
 
 BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {

@@ -44,6 +44,12 @@ struct RateSweep {
       passage.collect(b, flow, W);
       W += turning_wrench(link.body, velocity);
       if (loads != nullptr) W = W - loads[body];
+      if constexpr (K::rigid) {
+        work.demands[body] = W;
+        work.approaches[body] = {};
+        passage.deliver(b, flow, W);
+        continue;
+      }
       K::template reduce_wrench<T>(link, joint, record, udot, W, udot);  // (51)
       work.demands[body] = W;
       const Motion<T> bias = K::template acceleration_bias<T>(link, joint, velocity, work.v.get() + at);
@@ -77,6 +83,11 @@ struct RateSweep {
       const auto& record = work.template record<K>(tree, b);
       T* udot = work.a.get() + tree.first_p(b);
       passage.receive(b, flow, base, a);
+      if constexpr (K::rigid) {
+        work.approaches[body] = a;
+        passage.hand_down(b, flow, a);
+        continue;
+      }
       if constexpr (requires { typename K::Steps; })
         dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
           K::Steps::template cross_outboard<shape()>(link, joint.c[0], joint.s[0], a);

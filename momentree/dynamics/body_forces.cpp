@@ -24,7 +24,7 @@ void move_loaded_bodies(const Tree& tree, const double* q, Work<double>& work) n
     Kinematics<double>& own = work.bodies[static_cast<std::size_t>(b)];
     own.velocity = outer < 0 ? Motion<double>{} : work.bodies[static_cast<std::size_t>(outer)].velocity;
     const JointState<double> joint = joint_at(tree, q, work, b);
-    dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+    dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
       using K = typename decltype(tag)::type;
       const DenseCrossing<double> x = dense_crossing<K, double>(tree.link(b), joint);
       own.R = outer < 0 ? x.R : work.bodies[static_cast<std::size_t>(outer)].R * x.R;
@@ -86,13 +86,13 @@ void add_body_forces(const Tree& tree, double t, const double* q, Work<double>& 
   for (std::size_t k = loaded.size(); k-- > 0;) {
     const int b = loaded[k], outer = tree.parent(b);
     const JointState<double> joint = joint_at(tree, q, work, b);
-    dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+    dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
       using K = typename decltype(tag)::type;
       // (20) with u = 0 and Pb = 0 is Eᵀ Tb, and nothing for what is locked.
       constexpr double at_rest[6] = {};
       double rate[6] = {};
       K::template momentum_rate<double>(tree.link(b), joint, at_rest, {}, gathered[b], rate);
-      for (int i = 0; i < info(tree.joint(b).kind).nv; ++i) work.pdot[static_cast<std::size_t>(tree.first_p(b) + i)] += rate[i];
+      for (int i = 0; i < info(tree.kind(b)).nv; ++i) work.pdot[static_cast<std::size_t>(tree.first_p(b) + i)] += rate[i];
       if (outer < 0) return;
       Force<double> W = gathered[b];
       K::template crossing_again<false, double>(tree.link(b), joint, work.record<K>(tree, b)).inboard(W);  // (16)

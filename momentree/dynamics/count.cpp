@@ -13,10 +13,10 @@ Operations count_operations(const Tree& tree) {
   Work<Counted> work(tree);
   std::vector<Counted> q(static_cast<std::size_t>(tree.nq())), p(static_cast<std::size_t>(tree.nv()), Counted(0));
   for (const int b : tree.order())
-    dispatch(tree.joint(b).kind, [&](auto tag) {
+    dispatch(tree.kind(b), [&](auto tag) {
       double zero[7] = {};
       decltype(tag)::type::Kernels::zero(zero);
-      for (int i = 0; i < info(tree.joint(b).kind).nq; ++i) q[static_cast<std::size_t>(tree.first_q(b) + i)] = zero[i];
+      for (int i = 0; i < info(tree.kind(b)).nq; ++i) q[static_cast<std::size_t>(tree.first_q(b) + i)] = zero[i];
     });
   Counted::operations() = {};
   evaluate_rates(tree, q.data(), p.data(), work);

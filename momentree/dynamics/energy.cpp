@@ -9,7 +9,7 @@ namespace {
 double stop_energy(const Tree& tree, const State& state, int b) noexcept {
   const JointParameters* p = tree.parameters(b);
   if (p == nullptr || !p->limits.soft()) return 0;
-  return forces::soft_stop_energy(*p, info(tree.joint(b).kind).nv, state.q().data() + tree.first_q(b));
+  return forces::soft_stop_energy(*p, info(tree.kind(b)).nv, state.q().data() + tree.first_q(b));
 }
 }  // namespace
 
@@ -43,7 +43,7 @@ double joint_energy(const Tree& tree, const State& state, const Work<double>& wo
   if (p != nullptr && p->stiffness.any()) energy += joint_spring(tree, state.q().data(), b, force);
   energy += stop_energy(tree, state, b);
   const int at = tree.first_p(b);
-  for (int i = at; i < at + info(tree.joint(b).kind).nv; ++i)
+  for (int i = at; i < at + info(tree.kind(b)).nv; ++i)
     energy += 0.5 * tree.armature()[i] * work.v[static_cast<std::size_t>(i)] * work.v[static_cast<std::size_t>(i)];
   return energy;
 }

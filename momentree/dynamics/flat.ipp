@@ -1,6 +1,9 @@
 #pragma once
 // Mechanisms in a plane: grounded trees of pins, all axes parallel. Three numbers do for a velocity; in the plane's own axes,
 // with absolute angles, nothing has to be turned from body to body. Included only by forward.ipp.
+#include <cmath>
+#include <type_traits>
+
 #include <momentree/dynamics/passage.hpp>
 #include <momentree/dynamics/work.hpp>
 #include <momentree/joint/kinds.hpp>
@@ -16,6 +19,28 @@ inline Vec3 gravity_in_plane(const Tree& tree, int root) {
   return g;
 }
 
+/// Angles of joints, in `angle`, become those of bodies. A first child finds its parent's at hand: through memory it would wait
+/// for it. What is wound up by many turns is turned back, which keeps the digits, and sines in reach: a long chain that is coiled
+/// has angles of millions.
+template <class T>
+void add_up_angles(const Tree& tree, const Segment& segment, T* angle) noexcept {
+  T sum(0);
+  for (int i = segment.begin; i < segment.end; ++i) {
+    const int b = tree.order()[static_cast<std::size_t>(i)];
+    const unsigned flow = tree.flows()[static_cast<std::size_t>(i)];
+    T& own = angle[tree.first_angle(b)];
+    if ((flow & flow::root) != 0)
+      sum = own;
+    else if ((flow & flow::first) != 0)
+      sum = own + sum;
+    else
+      sum = own + angle[tree.first_angle(tree.parent(b))];
+    if constexpr (std::is_same_v<T, double>)
+      if (std::fabs(sum) > 1000) sum = std::remainder(sum, 6.283185307179586);
+    own = sum;
+  }
+}
+
 template <class T>
 struct FlatSweep {
   const Tree& tree;
@@ -24,28 +49,12 @@ struct FlatSweep {
   Work<T>& work;
   Passage<FlatInboard<T>, FlatOutboard<T>> passage{tree, work.flat_inlets.get(), work.flat_outlets.get()};
 
-  /// Angles of joints become those of bodies. A first child finds its parent's at hand: through memory it would wait for it.
-  void add_up_angles(const Segment& segment) const {
-    T sum(0);
-    for (int i = segment.begin; i < segment.end; ++i) {
-      const int b = tree.order()[static_cast<std::size_t>(i)], outer = tree.parent(b);
-      const unsigned flow = tree.flows()[static_cast<std::size_t>(i)];
-      T& angle = work.angle[tree.first_angle(b)];
-      if ((flow & flow::root) != 0)
-        sum = angle;
-      else if ((flow & flow::first) != 0)
-        sum = angle + sum;
-      else
-        sum = angle + work.angle[tree.first_angle(outer)];
-      angle = sum;
-    }
-  }
-
   /// (22)–(26) and (16); everything about the body's joint, in the plane's axes.
   template <bool Gravity>
   void inboard(const Segment& segment) const {
     const int* order = tree.order().data();
     const unsigned char* flows = tree.flows().data();
+    FlatRecord<T>* const records = work.template records_of<FlatKernels>(tree, segment);  // closer together than those of pins
     FlatInboard<T> a{};
     for (int i = segment.end - 1; i >= segment.begin; --i) {
       const int b = order[i], outer = tree.parent(b);
@@ -53,7 +62,7 @@ struct FlatSweep {
       const Link& k = tree.link(b);
       const int angle = tree.first_angle(b);
       const T c = work.cos[angle], s = work.sin[angle];
-      FlatRecord<T>& w = work.template record<FlatKernels>(tree, b);
+      FlatRecord<T>& w = records[i - segment.begin];
       if ((flow & flow::tip) != 0) a = {};
       passage.collect(b, flow, a);
       const T mx = k.body.mc.x * c - k.body.mc.y * s, my = k.body.mc.x * s + k.body.mc.y * c;
@@ -76,7 +85,7 @@ struct FlatSweep {
       a.bx = w.axy * rx - w.axx * ry, a.by = w.ayy * rx - w.axy * ry;  // (16)
       a.J = rx * a.by - ry * a.bx;
       a.h = p[tree.first_p(b)] + (rx * w.ly - ry * w.lx);
-      if constexpr (Gravity) a.mx = a.mx + k.subtree_mass * rx, a.my = a.my + k.subtree_mass * ry;
+      if constexpr (Gravity) a.mx = a.mx + tree.subtree_mass(b) * rx, a.my = a.my + tree.subtree_mass(b) * ry;
       passage.deliver(b, flow, a);
     }
   }
@@ -87,11 +96,12 @@ struct FlatSweep {
     const Vec3 gravity = gravity_in_plane(tree, tree.order()[static_cast<std::size_t>(segment.begin)]);
     const int* order = tree.order().data();
     const unsigned char* flows = tree.flows().data();
+    const FlatRecord<T>* const records = work.template records_of<FlatKernels>(tree, segment);
     FlatOutboard<T> a{};
     for (int i = segment.begin; i < segment.end; ++i) {
       const int b = order[i], at = tree.first_p(b);
       const unsigned flow = flows[i];
-      const FlatRecord<T>& w = work.template record<FlatKernels>(tree, b);
+      const FlatRecord<T>& w = records[i - segment.begin];
       passage.receive(b, flow, {}, a);
       if ((flow & flow::root) == 0) a.vx = a.vx - a.w * w.ry, a.vy = a.vy + a.w * w.rx;          // (17)
       const T turning = w.u0 - (w.gx * a.vx + w.gy * a.vy);                                      // (27)

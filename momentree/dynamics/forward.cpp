@@ -20,7 +20,7 @@ void add_springs(const Tree& tree, const double* q, double* force) noexcept {
     double spring[6];
     joint_spring(tree, q, b, spring);
     const unsigned locked = tree.joint(b).locked;
-    for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i)
       if ((locked >> i & 1u) == 0) force[tree.first_p(b) + i] += spring[i];
   }
 }
@@ -123,7 +123,7 @@ void joint_forces(const Tree& tree, double t, const double* q, Work<double>& wor
 }
 
 void unlocked_forces(const Tree& tree, double t, const double* q, Work<double>& work, int b, double* force) noexcept {
-  const int nv = info(tree.joint(b).kind).nv;
+  const int nv = info(tree.kind(b)).nv;
   std::fill_n(force, nv, 0.0);
   const JointParameters* p = tree.parameters(b);
   if (p != nullptr && p->stiffness.any()) joint_spring(tree, q, b, force);
@@ -136,7 +136,7 @@ void unlocked_forces(const Tree& tree, double t, const double* q, Work<double>& 
 
 double motion_effort(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
   const auto at = static_cast<std::size_t>(tree.first_p(b));
-  const double through = dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+  const double through = dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
     const auto E = decltype(tag)::type::template columns<double>(tree.link(b), joint_state(tree, q, work, b));
     if constexpr (E.size() > 0) return dot(E[0], transmitted_wrench(tree, work, b));
     return 0.0;
@@ -149,7 +149,7 @@ double joint_spring(const Tree& tree, const double* q, int b, double* force) noe
 }
 
 double joint_spring_at(const Tree& tree, const double* q, int b, double* force) noexcept {
-  return dispatch(tree.joint(b).kind, [&](auto tag) {
+  return dispatch(tree.kind(b), [&](auto tag) {
     using K = typename decltype(tag)::type;
     const JointParameters& p = *tree.parameters(b);
     double stiffness[6] = {}, rest[7] = {};
@@ -190,7 +190,7 @@ void locate_stage(const Tree& tree, const double* q, Work<double>& work) noexcep
       velocity = outer.velocity;
     }
     x.outboard(velocity);
-    own.velocity = dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) {
+    own.velocity = dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
       return decltype(tag)::type::template spatial_velocity<double>(tree.link(b), joint_state(tree, q, work, b), velocity,
                                                                     work.v.get() + tree.first_p(b));
     });
@@ -218,7 +218,7 @@ void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noe
 }
 
 DenseCrossing<double> joint_crossing(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
-  return dispatch_kernels(tree.joint(b).kind, tree.variant(b), [&](auto tag) -> DenseCrossing<double> {
+  return dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) -> DenseCrossing<double> {
     using K = typename decltype(tag)::type;
     if constexpr (K::turns_about_z) {
       return dense_crossing<K, double>(tree.link(b), joint_state(tree, q, work, b));

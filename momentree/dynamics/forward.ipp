@@ -23,34 +23,40 @@ struct Sweep {
     return {q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
   }
 
-  /// Backward recursion over a stretch of the order.
-  template <class K>
+  /// Backward recursion over a stretch of the order. `Keep` as below.
+  template <class K, bool Keep>
   void inboard(const Segment& segment, Inboard<T>& through) const {
     const auto order = tree.order();
     const auto flows = tree.flows();
+    auto* const records = work.template records_of<K>(tree, segment);
     Inboard<T> a = through;
     for (int i = segment.end - 1; i >= segment.begin; --i) {
       const int b = order[static_cast<std::size_t>(i)];
       const unsigned flow = flows[static_cast<std::size_t>(i)];
       const Link& link = tree.link(b);
       const JointState<T> joint = joint_state(b);
-      auto& record = work.template record<K>(tree, b);
+      auto& record = records[i - segment.begin];
       if ((flow & flow::tip) != 0) a = {};  // Mb = M, Db = 0
       passage.collect(b, flow, a);
       add_rigid_mass(a.M, link.body);  // (22), (23): children are in `a` already
       a.mc.x += link.body.mc.x, a.mc.y += link.body.mc.y, a.mc.z += link.body.mc.z;
-      record.mc = a.mc;
-      K::template reduce<T>(link, joint, p + tree.first_p(b), tree.armature() + tree.first_p(b), a.M, a.D, record);  // (24)–(26)
-      const auto over = [&](const auto& crossing) MOMENTREE_INLINE_LAMBDA {
-        if ((flow & flow::root) != 0) return;  // nobody asks for it
-        crossing.inboard(a.M);                 // (16)
-        crossing.inboard(a.D);
-        crossing.inboard(a.mc);
-      };
-      if (K::turns_about_z && (flow & flow::aligned) != 0)
-        over(K::template crossing<true, T>(link, joint, record));
-      else
-        over(K::template crossing<false, T>(link, joint, record));
+      if constexpr (K::rigid) {
+        if constexpr (Keep) record.M = a.M, record.D = a.D;
+      } else {
+        record.mc = a.mc;
+        K::template reduce<T>(link, joint, p + tree.first_p(b), tree.armature() + tree.first_p(b), a.M, a.D,
+                              record);  // (24)–(26)
+        const auto over = [&](const auto& crossing) MOMENTREE_INLINE_LAMBDA {
+          if ((flow & flow::root) != 0) return;  // nobody asks for it
+          crossing.inboard(a.M);                 // (16)
+          crossing.inboard(a.D);
+          crossing.inboard(a.mc, tree.subtree_mass(b));
+        };
+        if (K::turns_about_z && (flow & flow::aligned) != 0)
+          over(K::template crossing<true, T>(link, joint, record));
+        else
+          over(K::template crossing<false, T>(link, joint, record));
+      }
       passage.deliver(b, flow, a);
     }
     through = a;
@@ -62,32 +68,37 @@ struct Sweep {
   void outboard(const Segment& segment, const Outboard<T>& base, Outboard<T>& through) const {
     const auto order = tree.order();
     const auto flows = tree.flows();
+    const auto* const records = work.template records_of<K>(tree, segment);
     Outboard<T> a = through;
     for (int i = segment.begin; i < segment.end; ++i) {
       const int b = order[static_cast<std::size_t>(i)];
       const unsigned flow = flows[static_cast<std::size_t>(i)];
       const Link& link = tree.link(b);
       const JointState<T> joint = joint_state(b);
-      const auto& record = work.template record<K>(tree, b);
+      const auto& record = records[i - segment.begin];
       const int at = tree.first_p(b);
       T* u = work.v.get() + at;
       passage.receive(b, flow, base, a);
-      const auto over = [&](const auto& crossing) MOMENTREE_INLINE_LAMBDA {
-        crossing.outboard(a.velocity);
-        crossing.outboard(a.gravity);
-      };
-      if (K::turns_about_z && (flow & flow::aligned) != 0)
-        over(K::template crossing_again<true, T>(link, joint, record));
-      else
-        over(K::template crossing_again<false, T>(link, joint, record));
-      K::joint_velocity(record, a.velocity, u);                                  // (27)
-      const Force<T> Pb = K::articulated_momentum(record, p + at, a.velocity);   // (21)
-      a.velocity = K::template spatial_velocity<T>(link, joint, a.velocity, u);  // (17)
-      if constexpr (Keep) work.motions[static_cast<std::size_t>(b)] = {a.velocity, Pb};
-      const Force<T> weight{link.subtree_mass * a.gravity, cross(record.mc, a.gravity)};  // (15)
-      const Force<T> wrench = weight - cross(a.velocity, Pb);                             // (9), (20)
-      K::template momentum_rate<T>(link, joint, u, Pb, wrench, work.pdot.get() + at);     // (20)
-      K::template coordinate_rate<T>(joint.q, u, work.qdot.get() + tree.first_q(b));
+      if constexpr (K::rigid) {
+        if constexpr (Keep) work.motions[static_cast<std::size_t>(b)] = {a.velocity, record.M * a.velocity + record.D};  // (21)
+      } else {
+        const auto over = [&](const auto& crossing) MOMENTREE_INLINE_LAMBDA {
+          crossing.outboard(a.velocity);
+          crossing.outboard(a.gravity);
+        };
+        if (K::turns_about_z && (flow & flow::aligned) != 0)
+          over(K::template crossing_again<true, T>(link, joint, record));
+        else
+          over(K::template crossing_again<false, T>(link, joint, record));
+        K::joint_velocity(record, a.velocity, u);                                  // (27)
+        const Force<T> Pb = K::articulated_momentum(record, p + at, a.velocity);   // (21)
+        a.velocity = K::template spatial_velocity<T>(link, joint, a.velocity, u);  // (17)
+        if constexpr (Keep) work.motions[static_cast<std::size_t>(b)] = {a.velocity, Pb};
+        const Force<T> weight{tree.subtree_mass(b) * a.gravity, cross(record.mc, a.gravity)};  // (15)
+        const Force<T> wrench = weight - cross(a.velocity, Pb);                                // (9), (20)
+        K::template momentum_rate<T>(link, joint, u, Pb, wrench, work.pdot.get() + at);        // (20)
+        K::template coordinate_rate<T>(joint.q, u, work.qdot.get() + tree.first_q(b));
+      }
       passage.hand_down(b, flow, a);
     }
     through = a;
@@ -99,18 +110,19 @@ struct Sweep {
   void inboard_steps(const Segment& segment, Inboard<T>& through) const {
     const int* order = tree.order().data();
     const unsigned char* flows = tree.flows().data();
+    auto* const records = work.template records_of<K>(tree, segment);
     Inboard<T> a = through;
     for (int i = segment.end - 1; i >= segment.begin; --i) {
       const int b = order[i];
       const unsigned flow = flows[i];
       const Link& link = tree.link(b);
       const int angle = tree.first_angle(b);
-      auto& record = work.template record<K>(tree, b);
+      auto& record = records[i - segment.begin];
       passage.collect(b, flow, a);
       dispatch_inboard(link.shape, (flow & flow::tip) != 0, (flow & flow::root) != 0,
                        [&](auto shape, auto tip, auto root) MOMENTREE_INLINE_LAMBDA {
-                         K::Steps::template inboard<shape(), Gravity, Keep, tip(), root()>(link, work.cos[angle], work.sin[angle],
-                                                                                           p[tree.first_p(b)], a, record);
+                         K::Steps::template inboard<shape(), Gravity, Keep, tip(), root()>(
+                             link, tree.subtree_mass(b), work.cos[angle], work.sin[angle], p[tree.first_p(b)], a, record);
                        });
       passage.deliver(b, flow, a);
     }
@@ -121,6 +133,7 @@ struct Sweep {
   void outboard_steps(const Segment& segment, const Outboard<T>& base, Outboard<T>& through) const {
     const int* order = tree.order().data();
     const unsigned char* flows = tree.flows().data();
+    const auto* const records = work.template records_of<K>(tree, segment);
     Outboard<T> a = through;
     for (int i = segment.begin; i < segment.end; ++i) {
       const int b = order[i];
@@ -129,9 +142,9 @@ struct Sweep {
       const int angle = tree.first_angle(b), at = tree.first_p(b);
       passage.receive(b, flow, base, a);
       dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-        K::Steps::template outboard<shape(), Gravity, Keep>(
-            link, work.cos[angle], work.sin[angle], work.template record<K>(tree, b), p[at], (flow & flow::root) != 0, a,
-            work.v[at], work.pdot[at], Keep ? &work.motions[static_cast<std::size_t>(b)] : nullptr);
+        K::Steps::template outboard<shape(), Gravity, Keep>(link, work.cos[angle], work.sin[angle], records[i - segment.begin],
+                                                            p[at], (flow & flow::root) != 0, a, work.v[at], work.pdot[at],
+                                                            Keep ? &work.motions[static_cast<std::size_t>(b)] : nullptr);
       });
       work.qdot[tree.first_q(b)] = work.v[at];
       passage.hand_down(b, flow, a);
@@ -140,24 +153,47 @@ struct Sweep {
   }
 };
 
+/// Sines and cosines of angle(0), angle(1) …, a few at a time: what was just found is still at hand.
+template <class T, class Angle>
+MOMENTREE_INLINE void sincos_in_blocks(int n, const Angle& angle, T* s, T* c) {
+  constexpr int block = 64;
+  T some[block];
+  for (int first = 0; first < n; first += block) {
+    const int count = n - first < block ? n - first : block;
+    for (int i = 0; i < count; ++i) some[i] = angle(first + i);
+    sincos(count, some, s + first, c + first);
+  }
+}
+
+/// Of the joints' angles, θ0 added; of mechanisms in a plane, at a stage, those of the bodies' angles instead.
+template <class T, bool Keep>
+MOMENTREE_INLINE void find_sines(const Tree& tree, const T* q, Work<T>& work) {
+  const int* const coordinates = tree.angle_coordinates().data();
+  const double* const offsets = tree.angle_offsets().data();
+  const int n = static_cast<int>(tree.angle_coordinates().size());
+  T *const s = work.sin.get(), *const c = work.cos.get();
+  const auto angle = [&](int i) MOMENTREE_INLINE_LAMBDA { return q[coordinates[i]] + offsets[i]; };
+  bool flat = false;
+  if constexpr (!Keep)
+    for (const Segment& segment : tree.segments()) flat = flat || segment.planar;
+  if (!flat) return sincos_in_blocks(n, angle, s, c);
+  for (int i = 0; i < n; ++i) s[i] = angle(i);
+  for (const Segment& segment : tree.segments())
+    if (segment.planar) add_up_angles(tree, segment, s);
+  sincos_in_blocks(
+      n, [s](int i) MOMENTREE_INLINE_LAMBDA { return s[i]; }, s, c);
+}
+
 template <class T, bool Keep>
 void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept {
   MT_REQUIRE(work.capacity() >= tree.bodies(), "the work has room for the bodies that were added");
   work.evaluated = {};
   work.located = {};
   work.accelerated = {};
-  const auto coordinates = tree.angle_coordinates();
-  const auto offsets = tree.angle_offsets();
-  const int angles = static_cast<int>(coordinates.size());
-  for (int i = 0; i < angles; ++i)
-    work.angle[static_cast<std::size_t>(i)] = q[coordinates[static_cast<std::size_t>(i)]] + offsets[static_cast<std::size_t>(i)];
   const auto segments = tree.segments();
-  const FlatSweep<T> planar{tree, q, p, work};
-  if constexpr (!Keep)
-    for (const Segment& s : segments)
-      if (s.planar) planar.add_up_angles(s);
-  sincos(angles, work.angle.get(), work.sin.get(), work.cos.get());
+  find_sines<T, Keep>(tree, q, work);
 
+  const FlatSweep<T> planar{tree, q, p, work};
   const Sweep<T> sweep{tree, q, p, work};
   const Vec3& g = tree.gravity();
   const bool falls = g.x != 0 || g.y != 0 || g.z != 0;
@@ -177,7 +213,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
         else
           sweep.template inboard_steps<K, false, Keep>(s, in);
       } else {
-        sweep.template inboard<K>(s, in);
+        sweep.template inboard<K, Keep>(s, in);
       }
     });
   }

@@ -134,7 +134,7 @@ TEST_CASE("a free root's rate of momentum is its weight, in its own turning axes
   const Kinematics<double>& k = f.work.bodies[static_cast<std::size_t>(base)];
   const Vec3 l{f.state.p()[static_cast<std::size_t>(at)], f.state.p()[static_cast<std::size_t>(at + 1)],
                f.state.p()[static_cast<std::size_t>(at + 2)]};
-  const Vec3 weight = f.tree.link(base).subtree_mass * transpose_times(k.R, f.tree.gravity());
+  const Vec3 weight = f.tree.subtree_mass(base) * transpose_times(k.R, f.tree.gravity());
   const Vec3 rate{f.work.pdot[static_cast<std::size_t>(at)], f.work.pdot[static_cast<std::size_t>(at + 1)],
                   f.work.pdot[static_cast<std::size_t>(at + 2)]};
   CHECK(norm(rate - (weight - cross(k.velocity.w, l))) < 1e-12);

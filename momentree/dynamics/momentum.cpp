@@ -13,7 +13,7 @@ namespace {
 
 template <class F>
 decltype(auto) with_kernels(const Tree& tree, int b, F&& f) {
-  return dispatch_kernels(tree.joint(b).kind, tree.variant(b), std::forward<F>(f));
+  return dispatch_kernels(tree.kind(b), tree.variant(b), std::forward<F>(f));
 }
 
 // One joint inward, for whatever can cross it: f(crossing) with the crossing as the kind itself has it.
@@ -92,10 +92,10 @@ void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>
         Motion<double> m = parent;
         crossing.outboard(m);
         P = momentum(tree.link(a).body, K::template spatial_velocity<double>(tree.link(a), joint, m, v));  // (4), (17)
-        for (int i = 0; i < info(tree.joint(a).kind).nv; ++i) p[first + i] = tree.armature()[first + i] * v[i];
+        for (int i = 0; i < info(tree.kind(a)).nv; ++i) p[first + i] = tree.armature()[first + i] * v[i];
       }
       absorb(tree, a, joint, P, +1, p);
-      for (int i = 0; a == b && i < info(tree.joint(a).kind).nv; ++i)
+      for (int i = 0; a == b && i < info(tree.kind(a)).nv; ++i)
         if ((tree.link(a).driven >> i & 1u) != 0) p[first + i] = v[i];
       crossing.inboard(P);  // (29)
     });
@@ -122,7 +122,7 @@ Force<double> articulated_momentum(const Tree&, const State& state, const Work<d
 
 DenseCrossing<double> locate_body(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
   MT_REQUIRE(work.evaluated == state.stamp(), "the work was evaluated on this state");
-  DenseCrossing<double> pose{identity3<double>(), {}, 0};
+  DenseCrossing<double> pose{identity3<double>(), {}};
   for (int a = b; a >= 0; a = tree.parent(a))
     cross_inboard(tree, state, work, a, [&](const auto& x) { x.place(pose.R, pose.r); });
   return pose;

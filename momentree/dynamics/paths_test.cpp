@@ -159,9 +159,8 @@ void compare(const Tree& tree, const std::vector<double>& q, const std::vector<d
 void compare_at_random(const Tree& tree, State& state, Random& random, Seen& seen) {
   std::vector<double> q(state.q().begin(), state.q().end()), p(state.p().size()), v(state.p().size());
   for (const int b : tree.order())
-    if (info(tree.joint(b).kind).nq == info(tree.joint(b).kind).nv)  // no quaternion in it
-      for (int i = 0; i < info(tree.joint(b).kind).nq; ++i)
-        q[static_cast<std::size_t>(tree.first_q(b) + i)] = random.between(-3, 3);
+    if (info(tree.kind(b)).nq == info(tree.kind(b)).nv)  // no quaternion in it
+      for (int i = 0; i < info(tree.kind(b)).nq; ++i) q[static_cast<std::size_t>(tree.first_q(b) + i)] = random.between(-3, 3);
   for (double& x : v) x = random.between(-1, 1);
   project_momentum(tree, q.data(), v.data(), p.data());
   std::copy(q.begin(), q.end(), state.edit().q.begin());

@@ -1,9 +1,12 @@
 #pragma once
 // What the recursions need per body; allocated once, reused by every evaluation.
 #include <memory>
+#include <new>
 #include <span>
+#include <type_traits>
 
 #include <momentree/base/check.hpp>
+#include <momentree/base/inline.hpp>
 #include <momentree/joint/link.hpp>
 #include <momentree/tree/state.hpp>
 
@@ -22,34 +25,49 @@ struct Kinematics {
   Motion<T> velocity;
 };
 
-/// Scratch of the sweeps for one tree. Arrays are as long as any later topology needs; untouched pages cost nothing.
+/// Memory for numbers that are written before they are read: allocated, not touched.
+struct FreeUntouched {
+  std::align_val_t alignment{};
+  MOMENTREE_INLINE void operator()(void* memory) const { ::operator delete(memory, alignment); }
+};
+template <class T>
+using Untouched = std::unique_ptr<T[], FreeUntouched>;
+template <class T>
+MOMENTREE_INLINE Untouched<T> untouched(std::size_t count) {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+  constexpr std::align_val_t alignment{alignof(T) > 16 ? alignof(T) : 16};
+  void* const memory = ::operator new((count > 0 ? count : 1) * sizeof(T), alignment);
+  return Untouched<T>(static_cast<T*>(memory), FreeUntouched{alignment});
+}
+
+/// Scratch of the sweeps for one tree. Arrays are as long as any later topology needs; pages that no evaluation has written to
+/// cost nothing. A stage writes 24 numbers per pin beside its record, forward_dynamics the motions of bodies, too.
 template <class T>
 class Work {
  public:
   Work() = default;
   explicit Work(const Tree& tree)
-      : cos(make(tree.angle_capacity())),
-        sin(make(tree.angle_capacity())),
-        angle(make(tree.angle_capacity())),
-        v(make(6 * tree.bodies())),
-        qdot(make(7 * tree.bodies())),
-        pdot(make(6 * tree.bodies())),
-        a(make(6 * tree.bodies())),
-        impulse(make(6 * tree.bodies())),
-        passive(make(tree.bodies())),
-        records(make(static_cast<long>(tree.record_capacity()))),
-        inlets(std::make_unique_for_overwrite<Inboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
-        outlets(std::make_unique_for_overwrite<Outboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
-        wrench_inlets(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
-        rate_outlets(std::make_unique_for_overwrite<Motion<T>[]>(static_cast<std::size_t>(tree.bodies()))),
-        flat_inlets(std::make_unique_for_overwrite<FlatInboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
-        flat_outlets(std::make_unique_for_overwrite<FlatOutboard<T>[]>(static_cast<std::size_t>(tree.bodies()))),
-        motions(std::make_unique_for_overwrite<BodySweep<T>[]>(static_cast<std::size_t>(tree.bodies()))),
-        approaches(std::make_unique_for_overwrite<Motion<T>[]>(static_cast<std::size_t>(tree.bodies()))),
-        demands(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
-        loads(std::make_unique_for_overwrite<Force<T>[]>(static_cast<std::size_t>(tree.bodies()))),
-        path(std::make_unique_for_overwrite<int[]>(static_cast<std::size_t>(tree.bodies()))),
-        bodies(std::make_unique_for_overwrite<Kinematics<T>[]>(static_cast<std::size_t>(tree.bodies()))),
+      : cos(make(tree, 2)),
+        sin(make(tree, 2)),
+        v(make(tree, 6)),
+        qdot(make(tree, 7)),
+        pdot(make(tree, 6)),
+        a(make(tree, 6)),
+        impulse(make(tree, 6)),
+        passive(make(tree, 1)),
+        records(untouched<T>(tree.record_capacity())),
+        inlets(by_body<Inboard<T>>(tree)),
+        outlets(by_body<Outboard<T>>(tree)),
+        wrench_inlets(by_body<Force<T>>(tree)),
+        rate_outlets(by_body<Motion<T>>(tree)),
+        flat_inlets(by_body<FlatInboard<T>>(tree)),
+        flat_outlets(by_body<FlatOutboard<T>>(tree)),
+        motions(by_body<BodySweep<T>>(tree)),
+        approaches(by_body<Motion<T>>(tree)),
+        demands(by_body<Force<T>>(tree)),
+        loads(by_body<Force<T>>(tree)),
+        path(by_body<int>(tree)),
+        bodies(by_body<Kinematics<T>>(tree)),
         capacity_(tree.bodies()) {}
 
   /// The record of body b, whose joint has kernels K.
@@ -60,6 +78,12 @@ class Work {
     return *reinterpret_cast<Record*>(records.get() + tree.record(b));
   }
 
+  /// Those of a stretch of the order, one behind the other.
+  template <class K>
+  typename K::template Record<T>* records_of(const Tree& tree, const Segment& segment) const {
+    return &record<K>(tree, tree.order()[static_cast<std::size_t>(segment.begin)]);
+  }
+
   /// Of which state and topology the records, v, qdot, pdot are; nothing after a stage of an integrator.
   Stamp evaluated;
   /// Of which the poses and velocities in `bodies` are.
@@ -67,32 +91,38 @@ class Work {
   /// Of which a, `approaches` and `demands` are.
   Stamp accelerated;
 
-  using Array = std::unique_ptr<T[]>;
-  Array cos, sin, angle;
+  using Array = Untouched<T>;
+  Array cos, sin;          ///< of the joints' angles, θ0 among them; in a mechanism in a plane, at a stage, of the bodies'
   Array v, qdot, pdot, a;  ///< packed as p, q, p, p; a = v̇
   Array impulse;           ///< scratch of impacts, packed as p
   Array passive;           ///< by body: what acts on its driven joint beside the motion's own effort
   Array records;
   Power power;
-  std::unique_ptr<Inboard<T>[]> inlets;       ///< by body: what its children but the first ask, on the way in
-  std::unique_ptr<Outboard<T>[]> outlets;     ///< by body: what waits for children but the first, on the way out
-  std::unique_ptr<Force<T>[]> wrench_inlets;  ///< the same of the second recursion
-  std::unique_ptr<Motion<T>[]> rate_outlets;
-  std::unique_ptr<FlatInboard<T>[]> flat_inlets;  ///< and of mechanisms in a plane
-  std::unique_ptr<FlatOutboard<T>[]> flat_outlets;
-  std::unique_ptr<BodySweep<T>[]> motions;  ///< of the state of `evaluated`
-  std::unique_ptr<Motion<T>[]> approaches;  ///< a′ = Ω̇ − E u̇ of each body, less gravity, as felt in the body; kernel frame
-  std::unique_ptr<Force<T>[]> demands;      ///< W of Tr = M̂ a′ + W, the wrench of the inboard joint on the body; kernel frame
-  std::unique_ptr<Force<T>[]> loads;        ///< T: what acts on each of the tree's loaded bodies from outside, kernel frame
-  std::unique_ptr<int[]> path;              ///< scratch of changes that walk from a root to a body
-  std::unique_ptr<Kinematics<T>[]> bodies;
+  Untouched<Inboard<T>> inlets;       ///< by body: what its children but the first ask, on the way in
+  Untouched<Outboard<T>> outlets;     ///< by body: what waits for children but the first, on the way out
+  Untouched<Force<T>> wrench_inlets;  ///< the same of the second recursion
+  Untouched<Motion<T>> rate_outlets;
+  Untouched<FlatInboard<T>> flat_inlets;  ///< and of mechanisms in a plane
+  Untouched<FlatOutboard<T>> flat_outlets;
+  Untouched<BodySweep<T>> motions;  ///< of the state of `evaluated`
+  Untouched<Motion<T>> approaches;  ///< a′ = Ω̇ − E u̇ of each body, less gravity, as felt in the body; kernel frame
+  Untouched<Force<T>> demands;      ///< W of Tr = M̂ a′ + W, the wrench of the inboard joint on the body; kernel frame
+  Untouched<Force<T>> loads;        ///< T: what acts on each of the tree's loaded bodies from outside, kernel frame
+  Untouched<int> path;              ///< scratch of changes that walk from a root to a body
+  Untouched<Kinematics<T>> bodies;
 
   /// Numbers of bodies that it has room for.
   int capacity() const { return capacity_; }
 
  private:
   int capacity_ = 0;
-  static Array make(long n) { return std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(n > 0 ? n : 1)); }
+  static Array make(const Tree& tree, int each) {
+    return untouched<T>(static_cast<std::size_t>(each) * static_cast<std::size_t>(tree.bodies()));
+  }
+  template <class U>
+  static Untouched<U> by_body(const Tree& tree) {
+    return untouched<U>(static_cast<std::size_t>(tree.bodies()));
+  }
 };
 
 }  // namespace momentree

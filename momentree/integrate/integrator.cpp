@@ -66,7 +66,7 @@ double velocity_resolution(const Tree& tree, std::span<const double> q) {
   const auto nv = static_cast<std::size_t>(tree.nv());
   std::vector<double> u(nv, 1.0), p(nv);
   for (const int b : tree.order())
-    for (int i = 0; i < info(tree.joint(b).kind).nv; ++i)
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i)
       if ((tree.link(b).locked >> i & 1u) != 0) u[static_cast<std::size_t>(tree.first_p(b) + i)] = 0;
   project_momentum(tree, q.data(), u.data(), p.data());
   for (std::size_t i = 0; i < nv; ++i) p[i] *= u[i];
@@ -104,7 +104,7 @@ void end_step(const Tree& tree, double t, double* q, double* p) noexcept {
 
 void normalise(const Tree& tree, double* q) noexcept {
   for (int b : tree.quaternion_joints())
-    dispatch(tree.joint(b).kind, [&](auto tag) { decltype(tag)::type::Kernels::normalise(q + tree.first_q(b)); });
+    dispatch(tree.kind(b), [&](auto tag) { decltype(tag)::type::Kernels::normalise(q + tree.first_q(b)); });
 }
 
 bool plausible(const Tree& tree, const double* q0, const double* q, const double* p) noexcept {

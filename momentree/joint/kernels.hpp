@@ -114,7 +114,7 @@ MOMENTREE_INLINE DenseCrossing<T> dense_crossing(const Link& k, const JointState
   Vector3<T> r;
   K::template pose<T>(k, j, R, r);
   const Mat3 R0 = K::turns_about_z ? tilt_rotation(k) : placement_rotation(k);
-  return {R0 * R, Vector3<T>{T(k.r.x), T(k.r.y), T(k.r.z)} + R0 * r, T(k.subtree_mass)};
+  return {R0 * R, Vector3<T>{T(k.r.x), T(k.r.y), T(k.r.z)} + R0 * r};
 }
 
 /// How a joint is used, which decides its kernels: with a rotor, with freedoms locked, against its declared direction.
@@ -130,6 +130,8 @@ struct GenericKernels {
 
   /// True where the joint turns about z, so that x may be chosen freely and θ0 is added to the angle.
   static constexpr bool turns_about_z = false;
+  /// True where the body is as one with its parent: the frames coincide, and there is nothing to cross.
+  static constexpr bool rigid = false;
   /// Axes of the kernels' frame in the joint's frame, and what the kind keeps in Link::geometry.
   static Mat3 frame(const JointSpec&, double*) { return identity3<double>(); }
 

@@ -79,7 +79,7 @@ template <class K, class L>
 void reduce_body(const Sample<K>& at, const SpatialMass<double>& Mb, const Force<double>& Db, auto& record) {
   Inboard<double> in{Mb, Db, {}};
   if constexpr (has_steps<L>)
-    L::Steps::template inboard<LinkShape::general, true, true, false, true>(at.link, at.c[0], at.s[0], at.p[0], in, record);
+    L::Steps::template inboard<LinkShape::general, true, true, false, true>(at.link, 1.0, at.c[0], at.s[0], at.p[0], in, record);
   else
     L::template reduce<double>(at.link, at.joint(), at.p.data(), at.armature.data(), in.M, in.D, record);
 }
@@ -159,9 +159,10 @@ TEST_CASE("(16) (17) (18) the crossing of a kind is that of its pose, in both di
         SpatialMass<double> M1 = M, M2 = M;
         Force<double> D1 = D, D2 = D;
         Vec3 c1 = draw.vector(), c2 = c1;
+        const double mass = 2 + draw();
         const auto& own = L::template crossing<A, double>(at.link, at.joint(), record);
-        own.inboard(M1), own.inboard(D1), own.inboard(c1);
-        dense.inboard(M2), dense.inboard(D2), dense.inboard(c2);
+        own.inboard(M1), own.inboard(D1), own.inboard(c1, mass);
+        dense.inboard(M2), dense.inboard(D2), dense.inboard(c2, mass);
         CHECK(distance(flat(M1), flat(M2)) < 1e-12);
         CHECK(distance(flat(D1), flat(D2)) < 1e-13);
         CHECK(norm(c1 - c2) < 1e-13);
@@ -289,7 +290,7 @@ TEST_CASE("(24) (27) (20) locked freedoms have no velocity and no rate; the othe
       using L = typename decltype(kernels)::type;
       for (unsigned locked = 1; locked < (1u << N); ++locked) {
         Sample<K> at(draw, false, true);
-        at.link.locked = locked;
+        at.link.locked = static_cast<unsigned char>(locked);
         for (int i = 0; i < N; ++i)
           if ((locked >> i & 1u) != 0) at.p[static_cast<std::size_t>(i)] = 0;
         const SpatialMass<double> Mb = random_mass(draw);
@@ -392,7 +393,7 @@ TEST_CASE("(39) (47) (51) accelerations and the wrench of a joint, by every kind
     if constexpr (K::info.nv > 0) {
       for (unsigned locked = 1; locked < (1u << K::info.nv); ++locked) {
         Sample<K> at(draw, false, true);
-        at.link.locked = locked;
+        at.link.locked = static_cast<unsigned char>(locked);
         acceleration_laws<K, KernelsOf<K, Variant::locked>>(draw, at);
         acceleration_laws<K, KernelsOf<K, Variant::reversed_locked>>(draw, at);
       }

@@ -25,17 +25,18 @@ enum class LinkShape : unsigned char {
 
 /// Placement of the joint in the parent's frame: R = Rz(β) Rx(α) Rz(θ0), origin at r; mass properties in the body's own frame.
 /// Rotations about one axis at a time cost half of a general one, and β = 0 where the parent's x axis could be chosen for it.
+/// Nothing in it tells one body from another that is made and placed the same: a tree keeps equal links once.
 struct Link {
   double cos_a = 1, sin_a = 0;
   double cs_a = 0, ss_a = 0;  ///< cos α sin α, sin² α
   Vec3 r{};
   double d = 0;  ///< where the shape says so: r = r.x along the parent's x, and then d along the joint's axis
-  LinkShape shape{};
-  double cos_b = 1, sin_b = 0, cos_0 = 1, sin_0 = 0;
+  double cos_b = 1, sin_b = 0;
   RigidMass body{};
-  double subtree_mass = 0;      ///< of the body and all outboard bodies
-  unsigned locked = 0;          ///< a bit per freedom without a momentum of its own: frozen or driven
-  unsigned driven = 0;          ///< a bit per freedom of these whose rate is prescribed: p holds it
+  LinkShape shape{};
+  unsigned char locked = 0;  ///< a bit per freedom without a momentum of its own: frozen or driven
+  unsigned char driven = 0;  ///< a bit per freedom of these whose rate is prescribed: p holds it
+  double cos_0 = 1, sin_0 = 0;
   double angle_0 = 0;           ///< θ0
   double geometry[2] = {0, 0};  ///< helical: metres per radian; universal: x and z components of the first axis
 };
@@ -114,10 +115,10 @@ MOMENTREE_INLINE void placement_inboard(const Link& k, Force<T>& P) {
   shift(P, k.r);
 }
 template <bool Aligned, class T>
-MOMENTREE_INLINE void placement_inboard(const Link& k, Vector3<T>& mc) {
+MOMENTREE_INLINE void placement_inboard(const Link& k, Vector3<T>& mc, double mass) {
   turn_x(mc, k.cos_a, k.sin_a);
   if constexpr (!Aligned) turn_z(mc, k.cos_b, k.sin_b);
-  mc += Vector3<T>{T(k.subtree_mass * k.r.x), T(k.subtree_mass * k.r.y), T(k.subtree_mass * k.r.z)};
+  mc += Vector3<T>{T(mass * k.r.x), T(mass * k.r.y), T(mass * k.r.z)};
 }
 template <bool Aligned, class T>
 MOMENTREE_INLINE void placement_inboard(const Link& k, SpatialMass<T>& M) {
@@ -166,10 +167,11 @@ struct ScrewCrossing {
     P.h.y = P.h.y + d * P.l.x;
     placement_inboard<Aligned>(link, P);
   }
-  MOMENTREE_INLINE void inboard(Vector3<T>& mc) const {
+  /// A first moment, of what has that mass.
+  MOMENTREE_INLINE void inboard(Vector3<T>& mc, double mass) const {
     turn_z(mc, c, s);
-    mc.z = mc.z + d * T(link.subtree_mass);
-    placement_inboard<Aligned>(link, mc);
+    mc.z = mc.z + d * T(mass);
+    placement_inboard<Aligned>(link, mc, mass);
   }
   MOMENTREE_INLINE void inboard(SpatialMass<T>& M) const {
     turn_z(M, c, s);
@@ -207,13 +209,12 @@ template <class T>
 struct DenseCrossing {
   Matrix3<T> R;
   Vector3<T> r;
-  T subtree_mass;
 
   MOMENTREE_INLINE void inboard(Force<T>& P) const {
     P = {R * P.l, R * P.h};
     shift(P, r);
   }
-  MOMENTREE_INLINE void inboard(Vector3<T>& mc) const { mc = R * mc + subtree_mass * r; }
+  MOMENTREE_INLINE void inboard(Vector3<T>& mc, double mass) const { mc = R * mc + T(mass) * r; }
   MOMENTREE_INLINE void inboard(SpatialMass<T>& M) const {
     rotate(M, R);
     shift(M, r);

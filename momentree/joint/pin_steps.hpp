@@ -43,10 +43,10 @@ struct PinSteps {
   };
 
   /// In: what the children reduced, in the body's frame; `Tip`: nothing. Out: what the parent gets, in its frame; `Root`: nobody
-  /// asks for it.
+  /// asks for it. `mass`: of the body and all outboard of it.
   template <LinkShape S, bool Gravity, bool Keep, bool Tip, bool Root, class T>
-  MOMENTREE_INLINE static void inboard(const Link& k, const T& cosine, const T& sine, const T& momentum, Inboard<T>& in,
-                                       PinRecord<T>& w) {
+  MOMENTREE_INLINE static void inboard(const Link& k, double mass, const T& cosine, const T& sine, const T& momentum,
+                                       Inboard<T>& in, PinRecord<T>& w) {
     constexpr bool is_late = late<T, Keep>, crosses_z = is_late || !Root, slides = Has<S>::d;
     const T c = cosine, s = sine, p = momentum;
     const RigidMass& b = k.body;
@@ -83,7 +83,7 @@ struct PinSteps {
     if constexpr (Gravity) w.mc.x = mc.x, w.mc.y = mc.y;
     if constexpr (Root) return;
     if constexpr (!is_late) turn();
-    momentum_inboard<S, Gravity>(k, D, mc);
+    momentum_inboard<S, Gravity>(k, mass, D, mc);
     in.D.l.x = D.l.x, in.D.l.y = D.l.y, in.D.l.z = D.l.z, in.D.h.x = D.h.x, in.D.h.y = D.h.y, in.D.h.z = D.h.z;
     if constexpr (Gravity) in.mc.x = mc.x, in.mc.y = mc.y, in.mc.z = mc.z;
   }
@@ -290,7 +290,7 @@ struct PinSteps {
     out.J.xx = M.J.xx, out.J.yy = M.J.yy, out.J.zz = M.J.zz, out.J.xy = M.J.xy, out.J.xz = M.J.xz, out.J.yz = M.J.yz;
   }
   template <LinkShape S, bool Gravity, class T>
-  MOMENTREE_INLINE static void momentum_inboard(const Link& k, Force<T>& D, Vector3<T>& mc) {
+  MOMENTREE_INLINE static void momentum_inboard(const Link& k, double mass, Force<T>& D, Vector3<T>& mc) {
     const auto each = [&](auto turn) MOMENTREE_INLINE_LAMBDA {
       turn(D.l), turn(D.h);
       if constexpr (Gravity) turn(mc);
@@ -307,9 +307,8 @@ struct PinSteps {
     else
       static_assert(!Has<S>::parallel, "a joint on its parent's axis has no kernel of its own");
     if constexpr (Gravity) {
-      const double m = k.subtree_mass;
-      if constexpr (Has<S>::any_offset || Has<S>::a) mc.x += m * k.r.x;
-      if constexpr (Has<S>::any_offset || Has<S>::d) mc.y += m * k.r.y, mc.z += m * k.r.z;
+      if constexpr (Has<S>::any_offset || Has<S>::a) mc.x += mass * k.r.x;
+      if constexpr (Has<S>::any_offset || Has<S>::d) mc.y += mass * k.r.y, mc.z += mass * k.r.z;
     }
   }
 };

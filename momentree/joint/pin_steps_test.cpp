@@ -39,7 +39,7 @@ template <LinkShape S, bool Gravity, bool Keep, bool Tip, bool Root>
 void step_laws(Draw& draw) {
   using L = PinWithRotor;
   const Link k = link_of_shape(S, draw);
-  const double q = 3 * draw(), p = draw(), c = std::cos(q), s = std::sin(q), no_rotor = 0;
+  const double mass = 2 + draw(), q = 3 * draw(), p = draw(), c = std::cos(q), s = std::sin(q), no_rotor = 0;
   const JointState<double> joint{&q, &c, &s};
   Inboard<double> in{random_mass(draw), {draw.vector(), draw.vector()}, draw.vector()};
   Inboard<double> expected = Tip ? Inboard<double>{} : in;
@@ -49,10 +49,10 @@ void step_laws(Draw& draw) {
   record.mc = expected.mc;
   L::reduce<double>(k, joint, &p, &no_rotor, expected.M, expected.D, record);  // (24)–(26)
   const DenseCrossing<double> x = dense_crossing<L, double>(k, joint);
-  x.inboard(expected.M), x.inboard(expected.D), x.inboard(expected.mc);  // (16)
+  x.inboard(expected.M), x.inboard(expected.D), x.inboard(expected.mc, mass);  // (16)
 
   PinRecord<double> w{};
-  PinSteps::inboard<S, Gravity, Keep, Tip, Root>(k, c, s, p, in, w);
+  PinSteps::inboard<S, Gravity, Keep, Tip, Root>(k, mass, c, s, p, in, w);
   if (!Root) {
     CHECK(distance(flat(in.M), flat(expected.M)) < 1e-12);
     CHECK(distance(flat(in.D), flat(expected.D)) < 1e-12);
@@ -69,7 +69,7 @@ void step_laws(Draw& draw) {
   L::joint_velocity(record, far.velocity, &u_expected);                                                   // (27)
   const Force<double> Pb = L::articulated_momentum(record, &p, far.velocity);                             // (21)
   far.velocity = L::spatial_velocity<double>(k, joint, far.velocity, &u_expected);                        // (17)
-  const Force<double> weight{k.subtree_mass * far.gravity, cross(record.mc, far.gravity)};                // (15)
+  const Force<double> weight{mass * far.gravity, cross(record.mc, far.gravity)};                          // (15)
   L::momentum_rate<double>(k, joint, &u_expected, Pb, weight - cross(far.velocity, Pb), &pdot_expected);  // (20)
   CHECK(std::fabs(u - u_expected) < 1e-12);
   CHECK(std::fabs(pdot - pdot_expected) < 1e-11);

@@ -34,7 +34,6 @@ inline Link random_link(Draw& draw, bool aligned) {
   k.cs_a = k.cos_a * k.sin_a, k.ss_a = k.sin_a * k.sin_a;
   k.cos_0 = std::cos(k.angle_0), k.sin_0 = std::sin(k.angle_0);
   k.r = draw.vector();
-  k.subtree_mass = 2 + draw();
   return k;
 }
 

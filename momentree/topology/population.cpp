@@ -19,7 +19,7 @@ Released apply(const Remove& change, Tree& tree, State& state, Work<double>& wor
   for (int j = 0; j < tree.bodies(); ++j) {  // what stays moves up, in the order of joints
     const int x = tree.carrier(j);
     if (x < 0 || work.path[static_cast<std::size_t>(x)] != 0) continue;
-    const KindInfo& kind = info(tree.joint(x).kind);
+    const KindInfo& kind = info(tree.kind(x));
     q = std::copy_n(edit.q.data() + tree.first_q(x), kind.nq, q);
     p = std::copy_n(edit.p.data() + tree.first_p(x), kind.nv, p);
   }

@@ -30,10 +30,9 @@ void Tree::move_tree(int b, int begin, int end) {
 // Returns whether the lists of joints are to be renewed.
 bool Tree::replace_joint(int b, const Joint& joint, bool reversed) {
   MT_REQUIRE(!reversed || parent_[at(b)] >= 0, "the ground is nobody's child");
-  Joint& own = joints_[at(joint_of_[at(b)])];
+  Joint& own = own_joint(joint_of_[at(b)]).joint;
   const Kind before = own.kind;
   own = joint;
-  changed_[at(joint_of_[at(b)])] = 1;
   reversed_[at(b)] = reversed ? 1 : 0;
   return repack(b, before);
 }
@@ -93,14 +92,15 @@ void Tree::attach(int b, int parent, const Joint& joint, bool reversed) {
   }
   if (replace_joint(b, joint, reversed) || root != b) list_special_joints();
   // Frames stand at the joints carried: renewed from the old root to b; then every link that touches them.
-  for (int a = root; a != b; a = parent_[at(a)]) {
-    pack(a);
-    make_frame(a);
-  }
-  for (int a = root, below = -1; a != b; below = a, a = parent_[at(a)]) {
+  // What is welded follows the body that carries it now.
+  for (int a = root; a != b; a = parent_[at(a)]) pack(a);
+  for (int a = root; a != b; a = parent_[at(a)])
+    if (!is_welded(a)) make_frames(a);
+  for (int a = root, below = -1; a != b; a = parent_[at(a)]) {
+    if (is_welded(a)) continue;
     make_link(a);
-    for (int c = first_child_[at(a)]; c >= 0; c = next_sibling_[at(c)])
-      if (c != below) make_link(c);
+    make_outboard_links(a, below);
+    below = a;
   }
   renew(b);
   walk(b, begin);
@@ -119,10 +119,9 @@ void Tree::set_joint(int b, const Joint& joint, bool reversed) {
 }
 
 void Tree::set_parameters(int b, const JointParameters& parameters) {
-  const int j = joint_of_[at(b)];
-  give_parameters(j, parameters);
-  Joint joint = joints_[at(j)];
-  joint.parameters = own_parameters_[at(j)];
+  const int number = give_parameters(joint_of_[at(b)], parameters);
+  Joint joint = this->joint(b);
+  joint.parameters = number;
   if (replace_joint(b, joint, reversed(b))) list_special_joints();
   arrange();
   ++revision_;
@@ -168,18 +167,16 @@ int Tree::add(const BodySpec& spec) {
   const int b = bodies(), outer = spec.parent.index;
   MT_REQUIRE(outer < b && (outer < 0 || alive(outer)), "the parent is there");
   resize(b + 1);
-  set_body(b, spec);
-  changed_[at(b)] = 1;
-  const JointParameters& p = spec.joint.parameters;
-  if (p.any()) {
-    give_parameters(b, p);
-    joints_[at(b)].parameters = own_parameters_[at(b)];
-  }
+  added_masses_.push_back({spec.mass, spec.com, spec.inertia});
+  parent_[at(b)] = outer;
+  joint_of_[at(b)] = carrier_[at(b)] = b;
+  joint_at_[at(b)] = no_joint;
+  Joint joint = momentree::joint_of(spec);
+  if (const JointParameters& p = spec.joint.parameters; p.any()) joint.parameters = give_parameters(b, p);
+  own_joint(b).joint = joint;
   hang(b, outer);
   order_.insert(order_.begin() + end_of(b), b);
-  const KindShape& kind = shape(spec.joint.kind);
-  first_q_[at(b)] = nq_, first_p_[at(b)] = nv_, first_angle_[at(b)] = angles_;
-  nq_ += kind.nq, nv_ += kind.nv, angles_ += kind.angles;
+  take_places(b);
   pack(b);
   list_special_joints();
   renew(b);
@@ -189,32 +186,28 @@ int Tree::add(const BodySpec& spec) {
   return b;
 }
 
-void Tree::give_parameters(int joint, const JointParameters& parameters) {
-  int& own = own_parameters_[at(joint)];
-  if (own < 0) {  // the joint's own place, once and for all: reserved at the start
-    own = static_cast<int>(parameters_.size());
-    parameters_.emplace_back();
-    per_freedom_.emplace_back();
+Tree::OwnJoint& Tree::own_joint(int joint) {
+  int& number = joint_at_[at(joint)];
+  if (number >= 0) {  // a place of its own, once and for all: reserved at the start
+    OwnJoint own;
+    if (number != no_joint) own.joint = declared_->joints[at(number)];
+    number = ~static_cast<int>(own_joints_.size());
+    own_joints_.push_back(own);
   }
-  parameters_[at(own)] = parameters;
-  per_freedom_[at(own)] = spread(parameters);
+  return own_joints_[at(~number)];
 }
 
-Tree::PerFreedom Tree::spread(const JointParameters& parameters) {
-  PerFreedom f;
-  for (int i = 0; i < 6; ++i) {
-    f.armature[at(i)] = parameters.armature.of(i);
-    f.damping[at(i)] = parameters.damping.of(i);
-    f.effort[at(i)] = parameters.effort.of(i);
+// Returns their number.
+int Tree::give_parameters(int joint, const JointParameters& parameters) {
+  OwnJoint& own = own_joint(joint);
+  if (own.parameters < 0) {
+    own.parameters = static_cast<int>(own_parameters_.size());
+    own_parameters_.emplace_back();
+    own_freedoms_.emplace_back();
   }
-  f.rotor = parameters.armature.any();
-  f.spring = parameters.stiffness.any();
-  f.force = parameters.damping.any() || parameters.effort.any();
-  const JointDrive* drive = parameters.drive.get();
-  f.motion = drive != nullptr && drive->moves();
-  f.drive = parameters.friction.any() || parameters.limits.soft() || (drive != nullptr && !f.motion);
-  f.strength = parameters.strength.any();
-  return f;
+  own_parameters_[at(own.parameters)] = parameters;
+  own_freedoms_[at(own.parameters)] = spread(parameters);
+  return shared_parameters() + own.parameters;
 }
 
 }  // namespace momentree

@@ -68,6 +68,14 @@ Carried carried(const Joint& joint, bool reversed, double* geometry) {
   return {joint.at, joint.child_at, {C.xx, -C.xy, -C.xz, C.yx, -C.yy, -C.yz, C.zx, -C.zy, -C.zz}};
 }
 
+// Where the user's frame of a body stands in that of its parent, to which it is welded.
+KernelFrame welded_at(const Joint& joint, bool reversed) {
+  const Pose &own = reversed ? joint.at : joint.child_at, &outer = reversed ? joint.child_at : joint.at;
+  const Mat3 R = rotation_matrix(outer.rotation) * transpose(rotation_matrix(own.rotation));
+  return {R, outer.position - R * own.position};
+}
+KernelFrame operator*(const KernelFrame& a, const KernelFrame& b) { return {a.R * b.R, a.r + a.R * b.r}; }
+
 // Where on the own axis, z, the common normal with the next one stands, which goes along d through r: there the link between them
 // has but two lengths. Where that is far off, for axes that are nearly parallel, the frame stays where the joint is.
 double foot(const Vec3& d, const Vec3& r) {
@@ -104,30 +112,55 @@ void find_shape(Link& k, bool turns, double scale) {
 }  // namespace
 
 void Tree::make_frame(int b) {
-  Link& link = links_[at(b)];
+  Link& link = links_.own(at(b));
+  if (is_welded(b)) {
+    // That of the body that it is welded to, so that nothing has to cross the weld.
+    const KernelFrame outer = parent_[at(b)] < 0 ? KernelFrame{} : frame(parent_[at(b)]),
+                      place = welded_at(joint(b), reversed(b));
+    links_.own_frame(at(b)) = {transpose(place.R) * outer.R, transpose_times(place.R, outer.r - place.r)};
+    const Link none;
+    const unsigned char locked = link.locked, driven = link.driven;
+    link = none;
+    link.locked = locked, link.driven = driven;
+    put_mass(b, link);
+    classify(b);
+    return;
+  }
   Carried mine = carried(joint(b), reversed(b), link.geometry);
   const Mat3 side = rotation_matrix(mine.own.rotation);
-  const int c = first_child_[at(b)];
   double slide = 0;
-  if (turns_about_z(joint(b).kind) && c >= 0) {
+  if (turns_about_z(joint(b).kind)) {
     // x is free: choose it so that the first child's axis needs no turn about z (β = 0), or, if it is parallel, lies along x.
-    double geometry[2];
-    const Carried next = carried(joint(c), reversed(c), geometry);
-    const Mat3 own = side * mine.C;
-    const Mat3 axes = rotation_matrix(next.outer.rotation) * next.C;
-    const Vec3 d = transpose_times(own, Vec3{axes.xz, axes.yz, axes.zz});
-    const Vec3 r = transpose_times(own, next.outer.position - mine.own.position);
-    double cosine = -d.y, sine = d.x;
-    if (cosine * cosine + sine * sine < 1e-18) cosine = r.x, sine = r.y;
-    if (cosine * cosine + sine * sine > 1e-18) {
-      unit_pair(cosine, sine);
-      mine.C = turned_z(mine.C, cosine, sine);
+    // A child that is welded has no axis: the first that hangs on it is looked at.
+    int c = first_child_[at(b)];
+    KernelFrame carrier;
+    for (; c >= 0 && is_welded(c); c = first_child_[at(c)]) carrier = carrier * welded_at(joint(c), reversed(c));
+    if (c >= 0) {
+      double geometry[2];
+      Carried next = carried(joint(c), reversed(c), geometry);
+      const Mat3 own = side * mine.C;
+      Mat3 axes = rotation_matrix(next.outer.rotation) * next.C;
+      if (parent_[at(c)] != b) axes = carrier.R * axes, next.outer.position = carrier.r + carrier.R * next.outer.position;
+      const Vec3 d = transpose_times(own, Vec3{axes.xz, axes.yz, axes.zz});
+      const Vec3 r = transpose_times(own, next.outer.position - mine.own.position);
+      double cosine = -d.y, sine = d.x;
+      if (cosine * cosine + sine * sine < 1e-18) cosine = r.x, sine = r.y;
+      if (cosine * cosine + sine * sine > 1e-18) {
+        unit_pair(cosine, sine);
+        mine.C = turned_z(mine.C, cosine, sine);
+      }
+      if (turns_about_z(joint(c).kind)) slide = foot(d, r);
     }
-    if (turns_about_z(joint(c).kind)) slide = foot(d, r);
   }
   const Mat3 R = side * mine.C;
-  const KernelFrame& own = frames_[at(b)] = {R, mine.own.position + slide * Vec3{R.xz, R.yz, R.zz}};
-  const MassProperties& m = masses_[at(b)];
+  links_.own_frame(at(b)) = {R, mine.own.position + slide * Vec3{R.xz, R.yz, R.zz}};
+  put_mass(b, link);
+}
+
+// The mass properties of b, in its kernel frame.
+void Tree::put_mass(int b, Link& link) const {
+  const KernelFrame& own = frame(b);
+  const MassProperties& m = mass(b);
   const Vec3 r = transpose_times(own.R, m.com - own.r);
   const double rr = dot(r, r);
   link.body.m = m.mass;
@@ -138,11 +171,12 @@ void Tree::make_frame(int b) {
 }
 
 void Tree::make_link(int b) {
+  if (is_welded(b)) return;  // there is nothing between the frames
   double geometry[2];
   const Carried mine = carried(joint(b), reversed(b), geometry);
-  const KernelFrame own = frames_[at(b)];
-  const KernelFrame outer = parent_[at(b)] < 0 ? KernelFrame{} : frames_[at(parent_[at(b)])];
-  Link& k = links_[at(b)];
+  const KernelFrame own = frame(b);
+  const KernelFrame outer = parent_[at(b)] < 0 ? KernelFrame{} : frame(parent_[at(b)]);
+  Link& k = links_.own(at(b));
   // The joint's axes C are what the kernel frame has beyond the joint's side: with the choice of x.
   const Mat3 C = transpose(rotation_matrix(mine.own.rotation)) * own.R;
   const Mat3 axes = rotation_matrix(mine.outer.rotation) * C;
@@ -152,30 +186,99 @@ void Tree::make_link(int b) {
   const double slide = dot(off, Vec3{own.R.xz, own.R.yz, own.R.zz});
   k.r = transpose_times(outer.R, at_joint + slide * Vec3{axes.xz, axes.yz, axes.zz} - outer.r);
   find_shape(k, turns_about_z(joint(b).kind), norm(at_joint) + norm(outer.r) + std::fabs(slide));
-  class_[at(b)].parallel = k.cos_a == 1 && k.sin_a == 0;
+  classify(b);
   if (turns_about_z(joint(b).kind))
     for (int i = 0; i < shape(joint(b).kind).angles; ++i) angle_offset_[at(first_angle_[at(b)] + i)] = k.angle_0;
+}
+
+// What the order is cut into segments by, of the link.
+void Tree::classify(int b) {
+  const Link& k = links_[at(b)];
+  class_[at(b)].parallel = k.cos_a == 1 && k.sin_a == 0;
+  class_[at(b)].aligned = aligned(k);
+}
+
+bool Tree::joint_as_declared(int b) const { return joint_of_[at(b)] == b && reversed_[at(b)] == 0 && joint_at_[at(b)] >= 0; }
+// Whether what the frame of b follows from is as the model has it; that of the parent is known.
+bool Tree::frame_as_declared(int b) const {
+  if (at(b) >= declared_bodies() || !joint_as_declared(b)) return false;
+  if (joint(b).kind == Kind::weld) {
+    const int outer = parent_[at(b)];
+    return outer == declared_->bodies[at(b)].parent && (outer < 0 || class_[at(outer)].as_declared);
+  }
+  for (int x = b;;) {  // as far as the frame may look
+    const int c = first_child_[at(x)];
+    if (c != declared_->bodies[at(x)].first_child || (c >= 0 && !joint_as_declared(c))) return false;
+    if (c < 0 || joint(c).kind != Kind::weld) return true;
+    x = c;
+  }
+}
+
+// f of b and of all bodies that are welded to it, each after the one that it is welded to.
+template <class F>
+void Tree::for_rigid(int b, const F& f) const {
+  f(b);
+  for (int x = b, c = first_child_[at(b)];;) {
+    while (c >= 0 && !is_welded(c)) c = next_sibling_[at(c)];
+    if (c >= 0) {
+      f(c);
+      x = c;
+      c = first_child_[at(c)];
+    } else if (x == b) {
+      return;
+    } else {
+      c = next_sibling_[at(x)];
+      x = parent_[at(x)];
+    }
+  }
+}
+
+// Of b and all that is welded to it.
+void Tree::make_frames(int b) {
+  for_rigid(b, [this](int x) { make_frame(x); });
+}
+// Those of all joints on b and on what is welded to it, but for one.
+void Tree::make_outboard_links(int b, int but) {
+  for_rigid(b, [this, but](int x) {
+    for (int c = first_child_[at(x)]; c >= 0; c = next_sibling_[at(c)])
+      if (c != but) make_link(c);
+  });
+}
+
+// The body that b is welded to, if it is: on a joint that moves, or on the ground.
+int Tree::carrier_of(int b) const {
+  while (is_welded(b) && parent_[at(b)] >= 0) b = parent_[at(b)];
+  return b;
 }
 
 // The joint of b changed: so may its frame, and that of its parent, whose x looks to the joint of its first child; and every link
 // that touches them.
 void Tree::renew(int b) {
-  make_frame(b);
   const int outer = parent_[at(b)];
-  if (outer >= 0 && first_child_[at(outer)] == b && turns_about_z(joint(outer).kind)) {
-    renew_child_changed(outer);
-  } else {
-    make_link(b);
+  if (is_welded(b) && outer >= 0) {
+    const int carrier = carrier_of(b);
+    make_frames(carrier);
+    make_link(carrier);
+    return make_outboard_links(carrier);
   }
-  for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)]) make_link(c);
+  make_frames(b);
+  if (outer < 0 || first_child_[at(outer)] != b || !renew_child_changed(outer)) make_link(b);
+  make_outboard_links(b);
 }
 
-// Another child of b is the first.
-void Tree::renew_child_changed(int b) {
-  if (!turns_about_z(joint(b).kind)) return;
-  make_frame(b);
-  make_link(b);
-  for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)]) make_link(c);
+// Another child of b is the first, or its joint is another. Returns false where nothing looks to it.
+bool Tree::renew_child_changed(int b) {
+  const int carrier = carrier_of(b);
+  if (is_welded(carrier) || !turns_about_z(kind(carrier))) return false;
+  make_frames(carrier);
+  make_link(carrier);
+  make_outboard_links(carrier);
+  return true;
+}
+
+// A link that was just made becomes one of the model's.
+void Tree::collect(int b, LinkCollector& collector) {
+  links_.give_back(at(b), at(collector.take(b, first_child_[at(b)], links_[at(b)], frame(b))));
 }
 
 }  // namespace momentree

@@ -19,17 +19,22 @@ Variant variant_of(unsigned locked, bool rotor, bool reversed, bool turns_about_
   return rotor ? Variant::rotor : Variant::plain;
 }
 
-// What stands from `first` on moves by `by` places, in an array that is long enough.
+// What stands from `first` on moves by `by` places, in a list that has room.
 template <class T>
-void shift_tail(std::vector<T>& all, int first, int count, int by) {
-  const auto begin = all.begin() + first, end = all.begin() + count;
-  if (by > 0) std::move_backward(begin, end, end + by);
-  if (by < 0) std::move(begin, end, begin + by);
+void shift_tail(std::vector<T>& all, int first, int by) {
+  const std::size_t count = all.size(), now = count + static_cast<std::size_t>(by);
+  if (by > 0) {
+    all.resize(now);
+    std::move_backward(all.begin() + first, all.begin() + static_cast<std::ptrdiff_t>(count), all.end());
+  } else if (by < 0) {
+    std::move(all.begin() + first, all.end(), all.begin() + first + by);
+    all.resize(now);
+  }
 }
 
 }  // namespace
 
-void Tree::link_all() {
+void Tree::link_all(LinkCollector* collector) {
   first_root_ = -1;
   for (int& child : first_child_) child = -1;
   int living = 0;
@@ -45,39 +50,85 @@ void Tree::link_all() {
   int place = 0;
   for (int root = first_root_; root >= 0; root = next_sibling_[at(root)]) place = walk(root, place);
   MT_REQUIRE(place == living, "every body hangs on the ground");
+  // Where the topology is the model's, so are frames and links.
+  const bool known = declared_ && collector == nullptr;
+  links_.clear(declared_ ? std::shared_ptr<const SharedLinks>(declared_, &declared_->links) : nullptr);
+  for (int b = 0; b < bodies(); ++b) links_.leave(at(b));
+  for (int b : order_) {
+    class_[at(b)].as_declared = known && frame_as_declared(b);
+    if (class_[at(b)].as_declared) links_.share(at(b), at(declared_->bodies[at(b)].link));
+  }
   pack_all();
-  for (int b : order_) make_frame(b);
-  for (int b : order_) make_link(b);
+  for (int b : order_) {  // a link looks to the frame inboard
+    const int outer = parent_[at(b)];
+    const bool frame_known = class_[at(b)].as_declared;
+    if (frame_known && outer == declared_->bodies[at(b)].parent && (outer < 0 || class_[at(outer)].as_declared)) {
+      classify(b);
+      continue;
+    }
+    if (!frame_known) make_frame(b);
+    put_locks(b);
+    make_link(b);
+    if (collector != nullptr) collect(b, *collector);
+  }
   arrange();
   for (std::size_t i = order_.size(); i-- > 0;) weigh(order_[i]);
 }
 
 void Tree::pack_all() {
   nq_ = nv_ = angles_ = 0;
+  angle_q_.clear(), angle_offset_.clear();
+  for (auto* list : {&armature_, &damping_, &effort_}) list->clear();
   for (int j = 0; j < bodies(); ++j) {
     const int b = carrier_[at(j)];
     special_[at(j)] = 0;
     if (b < 0) continue;
-    const KindShape& kind = shape(joints_[at(j)].kind);
-    first_q_[at(b)] = nq_, first_p_[at(b)] = nv_, first_angle_[at(b)] = angles_;
-    nq_ += kind.nq, nv_ += kind.nv, angles_ += kind.angles;
+    take_places(b);
     pack(b);
   }
   list_special_joints();
+}
+
+// The next coordinates, freedoms and angles are those of b's joint. Does not allocate: there is room for any joints.
+void Tree::take_places(int b) {
+  const KindShape& kind = shape(joint(b).kind);
+  first_q_[at(b)] = nq_, first_p_[at(b)] = nv_, first_angle_[at(b)] = angles_;
+  nq_ += kind.nq, nv_ += kind.nv, angles_ += kind.angles;
+  angle_q_.resize(at(angles_)), angle_offset_.resize(at(angles_));
+  for (auto* list : {&armature_, &damping_, &effort_}) list->resize(at(nv_));
+}
+
+const FreedomParameters& Tree::freedom_parameters(const Joint& joint) const {
+  static constexpr FreedomParameters none{};
+  const int own = joint.parameters - shared_parameters();
+  if (joint.parameters < 0) return none;
+  return own < 0 ? declared_->freedoms[at(joint.parameters)] : own_freedoms_[at(own)];
+}
+
+Tree::Locks Tree::locks_of(int b) const {
+  const Joint& joint = this->joint(b);
+  const unsigned all = (1u << shape(joint.kind).nv) - 1;
+  const unsigned driven = freedom_parameters(joint).motion ? all & ~joint.locked : 0;
+  return {static_cast<unsigned char>(joint.locked | driven), static_cast<unsigned char>(driven)};
+}
+
+void Tree::put_locks(int b) {
+  const Locks now = locks_of(b);
+  if (links_[at(b)].locked == now.locked && links_[at(b)].driven == now.driven) return;
+  Link& link = links_.own(at(b));
+  link.locked = now.locked, link.driven = now.driven;
 }
 
 // What stands at the offsets of b's joint.
 void Tree::pack(int b) {
   const Joint& joint = this->joint(b);
   const KindShape& kind = shape(joint.kind);
-  static constexpr PerFreedom none{};
-  const PerFreedom& given = joint.parameters < 0 ? none : per_freedom_[at(joint.parameters)];
-  Link& link = links_[at(b)];
-  link.driven = given.motion ? ((1u << kind.nv) - 1) & ~joint.locked : 0;
-  link.locked = joint.locked | link.driven;
+  const FreedomParameters& given = freedom_parameters(joint);
+  const Locks locks = locks_of(b);
+  if (links_.has(at(b))) put_locks(b);
   for (int i = 0; i < kind.angles; ++i) {
     angle_q_[at(first_angle_[at(b)] + i)] = first_q_[at(b)] + kind.angle[i];
-    angle_offset_[at(first_angle_[at(b)] + i)] = kind.turns_about_z ? links_[at(b)].angle_0 : 0.0;
+    angle_offset_[at(first_angle_[at(b)] + i)] = kind.turns_about_z && links_.has(at(b)) ? links_[at(b)].angle_0 : 0.0;
   }
   for (int i = 0; i < kind.nv; ++i) {
     const auto p = at(first_p_[at(b)] + i);
@@ -87,11 +138,11 @@ void Tree::pack(int b) {
     effort_[p] = moves ? given.effort[at(i)] : 0.0;
   }
   class_[at(b)].kind = joint.kind;
-  class_[at(b)].variant = variant_of(link.locked, given.rotor, reversed_[at(b)] != 0, kind.turns_about_z);
+  class_[at(b)].variant = variant_of(locks.locked, given.rotor, reversed_[at(b)] != 0, kind.turns_about_z);
   const bool drives = given.drive || joint.function >= 0;
   special_[at(joint_of_[at(b)])] =
       static_cast<unsigned char>((given.spring ? spring : 0) | (given.force ? force : 0) | (kind.nq > kind.nv ? quaternion : 0) |
-                                 (drives ? drive : 0) | (link.driven != 0 ? driven : 0) | (given.strength ? strength : 0));
+                                 (drives ? drive : 0) | (locks.driven != 0 ? driven : 0) | (given.strength ? strength : 0));
 }
 
 void Tree::copy_with_rotors(const Tree& other) {
@@ -114,11 +165,9 @@ bool Tree::repack(int b, Kind before) {
     }
     const int behind_p = first_p_[at(b)] + old.nv, behind_angle = first_angle_[at(b)] + old.angles;
     for (int i = behind_angle; i < angles_; ++i) angle_q_[at(i)] += q;
-    shift_tail(angle_q_, behind_angle, angles_, angles);
-    shift_tail(angle_offset_, behind_angle, angles_, angles);
-    shift_tail(armature_, behind_p, nv_, p);
-    shift_tail(damping_, behind_p, nv_, p);
-    shift_tail(effort_, behind_p, nv_, p);
+    shift_tail(angle_q_, behind_angle, angles);
+    shift_tail(angle_offset_, behind_angle, angles);
+    for (auto* list : {&armature_, &damping_, &effort_}) shift_tail(*list, behind_p, p);
     nq_ += q, nv_ += p, angles_ += angles;
   }
   const unsigned char was = special_[at(joint_of_[at(b)])];
@@ -180,14 +229,15 @@ void Tree::arrange() {
             *next_sibling = next_sibling_.data();
   const Class* classes = class_.data();
   int* places = place_.data();
-  std::size_t *records = record_.data(), scalars = 0, record = 0;
+  std::uint32_t* records = record_.data();
+  std::size_t scalars = 0, record = 0;
   Class same{};
   bool planar = false;
   for (int place = 0; place < count; ++place) {
     const int b = order[place], outer = parent[b], child = first_child[b];
     places[b] = place;
     unsigned f = 0;
-    if (aligned(links_[at(b)])) f |= flow::aligned;
+    if (classes[b].aligned) f |= flow::aligned;
     if (child < 0) f |= flow::tip;
     if (child >= 0 && next_sibling[child] >= 0) f |= flow::fork;
     if (outer < 0)
@@ -206,9 +256,10 @@ void Tree::arrange() {
       record = shape(own.kind).record[static_cast<std::size_t>(own.variant)];
       same = own;
     }
-    records[b] = scalars;
+    records[b] = static_cast<std::uint32_t>(scalars);
     scalars += record;
   }
+  MT_REQUIRE(scalars <= std::numeric_limits<std::uint32_t>::max(), "fewer than some hundred million bodies");
   record_scalars_ = scalars;
   list_loaded_bodies();
 }
@@ -216,7 +267,7 @@ void Tree::arrange() {
 // Allocates the first time, and where bodies were added.
 void Tree::list_loaded_bodies() {
   loaded_.clear();
-  if (!forces_ && body_functions_.empty()) return;
+  if (body_forces().empty() && body_functions_.empty()) return;
   loaded_.reserve(at(bodies()));
   loaded_mark_.assign(at(bodies()), 0);
   const auto mark = [this](int body) {
@@ -243,9 +294,9 @@ bool Tree::in_a_plane(int place) const {
 
 // Mass of b and all outboard bodies, from that of its children.
 void Tree::weigh(int b) {
-  double mass = links_[at(b)].body.m;
-  for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)]) mass += links_[at(c)].subtree_mass;
-  links_[at(b)].subtree_mass = mass;
+  double sum = links_[at(b)].body.m;
+  for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)]) sum += subtree_mass_[at(c)];
+  subtree_mass_[at(b)] = sum;
 }
 
 void Tree::weigh_path(int b) {

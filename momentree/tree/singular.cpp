@@ -22,7 +22,7 @@ double mass_nearby(const Tree& tree, const std::vector<SpatialMass<double>>& car
   double sum = bound(own, E);
   for (int c = tree.first_child(b); c >= 0; c = tree.next_sibling(c)) {
     const SpatialMass<double>& M = carried[static_cast<std::size_t>(c)];
-    sum += tree.joint(c).kind == Kind::weld ? bound(M, E) : dot(E, M * E);
+    sum += tree.kind(c) == Kind::weld ? bound(M, E) : dot(E, M * E);
   }
   return sum;
 }
@@ -40,7 +40,7 @@ std::vector<SingularJoint> singular_joints(const Model& model) {
     SpatialMass<double>& M = mass[static_cast<std::size_t>(b)];
     add_rigid_mass(M, tree.link(b).body);
     const SpatialMass<double> full = M;
-    dispatch(tree.joint(b).kind, [&](auto tag) {
+    dispatch(tree.kind(b), [&](auto tag) {
       using K = typename decltype(tag)::type::Kernels;
       const BodySpec& spec = model.bodies()[static_cast<std::size_t>(b)];
       double c[2] = {1, 1}, s[2] = {0, 0};

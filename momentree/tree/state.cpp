@@ -13,7 +13,7 @@ State::State(const Tree& tree) : topology_(tree.revision()) {
   q_.resize(static_cast<std::size_t>(tree.nq()));
   p_.resize(static_cast<std::size_t>(tree.nv()));
   for (int b : tree.order())
-    dispatch(tree.joint(b).kind, [&](auto tag) { decltype(tag)::type::Kernels::zero(q_.data() + tree.first_q(b)); });
+    dispatch(tree.kind(b), [&](auto tag) { decltype(tag)::type::Kernels::zero(q_.data() + tree.first_q(b)); });
 }
 
 State& State::operator=(const State& other) {

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -12,44 +13,14 @@
 #include <momentree/base/check.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/kernels.hpp>
+#include <momentree/tree/declared.hpp>
 #include <momentree/tree/model.hpp>
 
 namespace momentree {
 
-/// Where the kernels' frame of a body stands in the user's frame of that body.
-struct KernelFrame {
-  Mat3 R = identity3<double>();
-  Vec3 r{};
-};
-
 /// A drive that is a function of the world: called at every stage of a step with one entry per freedom, zeros, to be made efforts
 /// (N m, N). Must not throw; what it returns may depend on the moment alone.
 using JointFunction = std::function<void(const Moment&, std::span<double>)>;
-
-/// A joint as declared (or as a change made it). Parameters stay apart: most joints of a large world share few.
-struct Joint {
-  Kind kind = Kind::weld;
-  int parameters = -1;  ///< index for Tree::parameters, −1: none
-  Pose at{}, child_at{};
-  Vec3 axis{0, 0, 1}, axis2{};
-  double pitch = 0;
-  unsigned locked = 0;  ///< a bit per freedom that is frozen, in the order of v
-  bool made = false;    ///< a free root joint that a change made: its place in a mechanism is that of no declared joint
-  int function = -1;    ///< index of its drive for Tree::function, −1: none
-};
-/// Kind and geometry of a joint, without placements and parameters.
-inline JointSpec spec_of(const Joint& joint) {
-  JointSpec spec;
-  spec.kind = joint.kind, spec.axis = joint.axis, spec.axis2 = joint.axis2, spec.pitch = joint.pitch;
-  return spec;
-}
-
-/// Mass (kg), centre of mass and inertia about it, in the user's frame of the body.
-struct MassProperties {
-  double mass = 0;
-  Vec3 com{};
-  Sym3 inertia{};
-};
 
 /// What a topology is beyond the compiled model: a small value. Everything else of a Tree follows from it and the model, to the
 /// last bit, whatever changes led there.
@@ -112,21 +83,6 @@ enum : unsigned char {
 };
 }
 
-/// A vector whose copies keep its capacity: a copied tree changes without allocating, too.
-template <class T>
-struct Reserved : std::vector<T> {
-  Reserved() = default;
-  Reserved(const Reserved& other) : std::vector<T>() { *this = other; }
-  Reserved(Reserved&&) noexcept = default;
-  Reserved& operator=(const Reserved& other) {
-    this->reserve(other.capacity());
-    this->assign(other.begin(), other.end());
-    return *this;
-  }
-  Reserved& operator=(Reserved&&) noexcept = default;
-  ~Reserved() = default;
-};
-
 class Tree {
  public:
   Tree() = default;
@@ -153,25 +109,31 @@ class Tree {
   /// Offset of the body's record in Work, in scalars.
   std::size_t record(int b) const { return record_[at(b)]; }
   const Link& link(int b) const { return links_[at(b)]; }
+  /// Mass of body b and of all outboard of it (kg).
+  double subtree_mass(int b) const { return subtree_mass_[at(b)]; }
   /// The inboard joint of body b. Joints have numbers of their own: at the start that of their child; re-rooting makes a body
   /// carry another joint, against its declared direction.
   const Joint& joint(int b) const {
     MT_REQUIRE(alive(b), "the body was not removed");
-    return joints_[at(joint_of_[at(b)])];
+    return numbered_joint(joint_of_[at(b)]);
   }
+  /// Its kind, without a look at the rest of it.
+  Kind kind(int b) const { return class_[at(b)].kind; }
   int joint_of(int b) const { return joint_of_[at(b)]; }
   /// The body that carries the joint; −1: it left with its body.
   int carrier(int joint) const { return carrier_[at(joint)]; }
   bool reversed(int b) const { return reversed_[at(b)] != 0; }
   Variant variant(int b) const { return class_[at(b)].variant; }
-  const KernelFrame& frame(int b) const { return frames_[at(b)]; }
+  const KernelFrame& frame(int b) const { return links_.frame(at(b)); }
   /// Parameters of the joint, or null.
   const JointParameters* parameters(int b) const {
     const int i = joint(b).parameters;
-    return i < 0 ? nullptr : &parameters_[at(i)];
+    if (i < 0) return nullptr;
+    const int own = i - shared_parameters();
+    return own < 0 ? &declared_->parameters[at(i)] : &own_parameters_[at(own)];
   }
   /// How many parameters the model's joints share: those that changes gave to one joint have numbers from there on.
-  int shared_parameters() const { return static_cast<int>(shared_parameters_); }
+  int shared_parameters() const { return declared_ ? static_cast<int>(declared_->parameters.size()) : 0; }
   /// True for a body whose root joint was made by a change: named after the body.
   bool detached(int b) const { return joint(b).made; }
 
@@ -182,8 +144,8 @@ class Tree {
   std::span<const unsigned char> flows() const { return flows_; }
   std::size_t record_scalars() const { return record_scalars_; }
   /// Angles of all joints: index into q, and the offset θ0 that is added to it.
-  std::span<const int> angle_coordinates() const { return {angle_q_.data(), at(angles_)}; }
-  std::span<const double> angle_offsets() const { return {angle_offset_.data(), at(angles_)}; }
+  std::span<const int> angle_coordinates() const { return angle_q_; }
+  std::span<const double> angle_offsets() const { return angle_offset_; }
   /// Rotor inertia per freedom, in the order of p.
   const double* armature() const { return armature_.data(); }
   /// Damping and constant effort per freedom, in the order of p; zeros where there is none.
@@ -196,7 +158,7 @@ class Tree {
   std::span<const int> spring_joints() const { return spring_joints_; }
   /// Forces on bodies, as the model has them; also those on bodies that were removed, which do nothing.
   std::span<const BodyForce> body_forces() const {
-    return forces_ ? std::span<const BodyForce>(*forces_) : std::span<const BodyForce>();
+    return declared_ ? std::span<const BodyForce>(declared_->forces) : std::span<const BodyForce>();
   }
   /// Functions that act on bodies, one for a body; the same goes for them.
   std::span<const Topology::Loaded> body_functions() const { return body_functions_; }
@@ -267,18 +229,33 @@ class Tree {
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
   // frames.cpp
+  bool is_welded(int b) const { return class_[at(b)].kind == Kind::weld; }
+  template <class F>
+  void for_rigid(int b, const F& f) const;
+  int carrier_of(int b) const;
   void make_frame(int b);
+  void put_mass(int b, Link& link) const;
   void make_link(int b);
+  void make_frames(int b);
+  void make_outboard_links(int b, int but = -1);
   void renew(int b);
-  void renew_child_changed(int b);
+  bool renew_child_changed(int b);
+
+  void classify(int b);
 
   void resize(int bodies);
-  void set_body(int b, const BodySpec& spec);
 
   // relink.cpp: from parents, joints and directions, everything that follows.
-  void link_all();
+  void link_all(LinkCollector* collector = nullptr);
   void pack_all();
+  void take_places(int b);
   void pack(int b);
+  const FreedomParameters& freedom_parameters(const Joint& joint) const;
+  struct Locks {
+    unsigned char locked, driven;
+  };
+  Locks locks_of(int b) const;
+  void put_locks(int b);
   bool repack(int b, Kind before);
   void list_special_joints();
   int walk(int root, int place);
@@ -297,49 +274,62 @@ class Tree {
   void move_tree(int b, int begin, int end);
   bool replace_joint(int b, const Joint& joint, bool reversed);
   int turn_over(int b);
-  void give_parameters(int joint, const JointParameters& parameters);
+  int give_parameters(int joint, const JointParameters& parameters);
+
+  // Joints by number: the model's, or the tree's own.
+  struct OwnJoint {
+    Joint joint;
+    int parameters = -1;  // place of the joint's own parameters, once it was given some
+  };
+  const Joint& numbered_joint(int joint) const {
+    const int i = joint_at_[at(joint)];
+    return i >= 0 ? declared_->joints[at(i)] : own_joints_[at(~i)].joint;
+  }
+  OwnJoint& own_joint(int joint);
+  static constexpr int no_joint = std::numeric_limits<int>::max();  // of a body that left, which the model did not have
+  std::size_t declared_bodies() const { return declared_ ? declared_->bodies.size() : 0; }
+  bool joint_as_declared(int b) const;
+  bool frame_as_declared(int b) const;
+  const MassProperties& mass(int b) const;
+  void collect(int b, LinkCollector& collector);
 
   Vec3 gravity_{};
   int nq_ = 0, nv_ = 0, angles_ = 0, first_root_ = -1;
   std::size_t record_scalars_ = 0, record_capacity_ = 0;
   std::uint64_t revision_ = 0;
+  std::shared_ptr<const Declared> declared_;
+  // By body, or by joint where it says so.
   std::vector<int> parent_, first_child_, next_sibling_, first_q_, first_p_, first_angle_;
   Reserved<int> order_;     // of the living
-  std::vector<int> place_;  // in the order, by body
-  std::vector<std::size_t> record_;
-  std::vector<int> joint_of_, carrier_;
+  std::vector<int> place_;  // in the order
+  std::vector<std::uint32_t> record_;
+  std::vector<int> joint_of_;
+  std::vector<int> carrier_, joint_at_;  // by joint; the second: its number among the declared, or ~ that among its own
   std::vector<unsigned char> reversed_;
   struct Class {  // neighbours of one class share a segment
     Kind kind = Kind::weld;
     Variant variant = Variant::plain;
-    bool parallel = false;  // its axis is its parent's: no tilt
+    bool parallel = false;     // its axis is its parent's: no tilt
+    bool aligned = false;      // its link needs no turn about the parent's z
+    bool as_declared = false;  // while everything is linked: its frame is the model's
     friend bool operator==(Class a, Class b) { return a.kind == b.kind && a.variant == b.variant; }
   };
-  std::vector<Class> class_;  // by body
-  std::vector<Link> links_;
-  std::vector<Joint> joints_;
-  std::shared_ptr<const std::vector<Joint>> declared_;  // the model's joints, shared by copies of the tree
-  std::vector<unsigned char> changed_;                  // by joint: no longer the declared one, or none of the model's
-  std::vector<KernelFrame> frames_;
-  std::vector<MassProperties> masses_;
-  Reserved<JointParameters> parameters_;  // those of the model, shared, then those that changes gave to one joint
-  struct PerFreedom {                     // the same, spread over the freedoms: what relinking copies
-    std::array<double, 6> armature{}, damping{}, effort{};
-    bool rotor = false, spring = false, force = false, drive = false, motion = false, strength = false;
-  };
-  Reserved<PerFreedom> per_freedom_;
-  static PerFreedom spread(const JointParameters& parameters);
-  std::size_t shared_parameters_ = 0;
-  std::vector<int> own_parameters_;  // by joint: its place behind the shared ones, −1: none yet
+  std::vector<Class> class_;
+  std::vector<double> subtree_mass_;
+  LinkTable links_;
+  Reserved<OwnJoint> own_joints_;
+  std::vector<MassProperties> added_masses_;
+  Reserved<JointParameters> own_parameters_;  // those that changes gave to one joint, in the order in which they were given
+  Reserved<FreedomParameters> own_freedoms_;
   Reserved<Segment> segments_;
   Reserved<unsigned char> flows_;
-  std::vector<int> angle_q_;
   Reserved<int> spring_joints_, quaternion_joints_, forced_joints_, driven_joints_, strength_joints_;
   std::vector<std::shared_ptr<const JointFunction>> functions_;  // in the order in which they were given
   std::vector<unsigned char> special_;                           // by joint: a bit each for a spring, a quaternion, a force, …
-  std::vector<double> angle_offset_, armature_, damping_, effort_;
+  // Packed, by angle and by freedom.
+  Reserved<int> angle_q_;
+  Reserved<double> angle_offset_, armature_, damping_, effort_;
   bool has_forces_ = false;
-  std::shared_ptr<const std::vector<BodyForce>> forces_;  // null: none
   std::vector<Topology::Loaded> body_functions_;
   Reserved<int> loaded_;
   std::vector<unsigned char> loaded_mark_;  // scratch, by body

@@ -45,8 +45,35 @@ TEST_CASE("stretches of one kind are one segment, with forks and tips among them
   CHECK(flow_of('h') == (flow::root | flow::tip));
   CHECK(tree.nq() == 7 + 4);
   CHECK(tree.nv() == 7 + 3);
-  CHECK(tree.link(0).subtree_mass == 7);
-  CHECK(tree.link(7).subtree_mass == 1);
+  CHECK(tree.subtree_mass(0) == 7);
+  CHECK(tree.subtree_mass(7) == 1);
+}
+
+TEST_CASE("equal links are stored once; a changed tree has its own, and its copies have theirs") {
+  Model model;
+  Body last = link(model, "0", ground);
+  for (int k = 1; k < 20; ++k) last = link(model, std::to_string(k).c_str(), last);
+  const Tree tree(model);
+  for (int b = 2; b < 19; ++b) {
+    CHECK(&tree.link(b) == &tree.link(1));
+    CHECK(&tree.frame(b) == &tree.frame(1));
+    CHECK(&tree.joint(b) == &tree.joint(1));
+  }
+  CHECK(&tree.link(19) != &tree.link(1));  // its frame looks to no child
+  Tree changed = tree;
+  changed.detach(10);
+  CHECK(tree.joint(10).kind == Kind::revolute);
+  CHECK(changed.joint(10).kind == Kind::free);
+  CHECK(&changed.link(3) == &tree.link(3));
+  CHECK(&changed.link(10) != &tree.link(10));
+  Tree copy;
+  copy = changed;
+  CHECK(&copy.link(3) == &tree.link(3));
+  CHECK(&copy.link(10) != &changed.link(10));
+  copy.detach(5);
+  CHECK(changed.joint(5).kind == Kind::revolute);
+  changed.restore(tree.topology());
+  for (int b = 0; b < 20; ++b) CHECK(&changed.link(b) == &tree.link(b));
 }
 
 TEST_CASE("every body comes after its parent in the order, for bushy trees and after breaks") {
@@ -95,6 +122,39 @@ TEST_CASE("chains of pins are aligned: no link needs a turn about its parent's z
     // Two lengths do for a link: along the parent's x, and along the joint's axis. The last one's frame stands at its joint.
     CHECK(tree.link(b).shape == LinkShape::screw);
   }
+}
+
+TEST_CASE("what is welded has its carrier's frame, and frames look through it to the next joint") {
+  Model model;
+  const Pose askew{{0.1, 0.2, 0.3}, normalized(Quat{1, 0.1, -0.2, 0.3})};
+  const auto add = [&](Body parent, const JointSpec& joint) {
+    return model.add({.name = "b/" + std::to_string(model.size()),
+                      .mass = 1,
+                      .com = {0.1, 0, 0.2},
+                      .inertia = diagonal(1),
+                      .parent = parent,
+                      .at = askew,
+                      .joint = joint,
+                      .child_at = inverse(askew) * Pose(0, 0, 0.1)});
+  };
+  const Body base = add(ground, Weld{}), pin = add(base, Revolute{.axis = {1, 0.2, 0}}), bracket = add(pin, Weld{}),
+             plate = add(bracket, Weld{}), elbow = add(plate, Revolute{.axis = {0, 1, 0.3}});
+  add(plate, Ball{});
+  Tree tree(model);
+  const auto place = [&](Body body) { return tree.frame(body.index); };
+  const Pose step = askew * inverse(model[bracket].child_at);  // of one welded body in the next
+  const auto same = [&](const KernelFrame& inner, const KernelFrame& outer) {
+    const Vec3 r = step * inner.r, z = rotation_matrix(step.rotation) * Vec3{inner.R.xz, inner.R.yz, inner.R.zz};
+    return norm(r - outer.r) < 1e-15 && norm(z - Vec3{outer.R.xz, outer.R.yz, outer.R.zz}) < 1e-15;
+  };
+  CHECK(same(place(bracket), place(pin)));
+  CHECK(same(place(plate), place(bracket)));
+  CHECK(same(place(base), KernelFrame{}));
+  CHECK(aligned(tree.link(elbow.index)));
+  CHECK(tree.link(elbow.index).shape == LinkShape::screw);
+  tree.detach(plate.index);  // and whatever was looked at is gone
+  CHECK_FALSE(same(place(plate), place(bracket)));
+  CHECK(same(place(bracket), place(pin)));
 }
 
 TEST_CASE("state: numbers of a body make room for others without moving the storage") {

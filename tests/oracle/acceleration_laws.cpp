@@ -129,7 +129,7 @@ double work_of_reactions(const Tree& tree, const State& state, Work<double>& wor
       const Motion<double> a = felt_acceleration(tree, state.q().data(), work, k);
       felt += length(real(a.v)) + length(real(a.w));
     }
-    const Real carried = tree.link(b).subtree_mass * felt;
+    const Real carried = tree.subtree_mass(b) * felt;
     const Alone one = joint_alone(tree, state, work, b);
     const auto E = joint_columns(one.system, one.q, 0);
     const std::vector<Real> force = joint_forces(one.system, one.q, one.v);

@@ -46,7 +46,7 @@ struct Found {
       add(&m.tree.frame(b).r.x, 3);
       const auto& link = m.tree.link(b);
       for (double x : {link.cos_a, link.sin_a, link.cos_b, link.sin_b, link.cos_0, link.sin_0, link.r.x, link.r.y, link.r.z,
-                       link.body.m, link.body.mc.x, link.body.J.xy, link.subtree_mass, link.angle_0})
+                       link.body.m, link.body.mc.x, link.body.J.xy, m.tree.subtree_mass(b), link.angle_0})
         values.push_back(x);
     }
   }

@@ -24,8 +24,8 @@ struct Resistance {
 inline Site site_of(const Tree& tree, double t, const double* q, const double* v, int b, double* force, Power& power) noexcept {
   static const JointParameters none;
   const JointParameters* p = tree.parameters(b);
-  return {p != nullptr ? *p : none, info(tree.joint(b).kind).nv, ~tree.joint(b).locked,   t,
-          q + tree.first_q(b),      v + tree.first_p(b),         force + tree.first_p(b), &power};
+  return {p != nullptr ? *p : none, info(tree.kind(b)).nv, ~tree.joint(b).locked,   t,
+          q + tree.first_q(b),      v + tree.first_p(b),   force + tree.first_p(b), &power};
 }
 
 /// The signal of a freedom; nothing where the list is empty.

@@ -45,7 +45,7 @@ inline double stored(const Tree& tree, const double* q) noexcept {
   double energy = 0;
   for (const int b : tree.forced_joints()) {
     const JointParameters* p = tree.parameters(b);
-    if (p != nullptr && p->limits.soft()) energy += soft_stop_energy(*p, info(tree.joint(b).kind).nv, q + tree.first_q(b));
+    if (p != nullptr && p->limits.soft()) energy += soft_stop_energy(*p, info(tree.kind(b)).nv, q + tree.first_q(b));
   }
   return energy;
 }

@@ -1,5 +1,6 @@
 #pragma once
-// Weld: no freedom. E has no columns, M̂ = Mb, D̂ = Db.
+// Weld: no freedom. E has no columns, M̂ = Mb, D̂ = Db. The kernels' frame of what is welded is that of the body that carries it
+// (Tree::make_frame): its mass is added there, and that is all.
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
@@ -10,10 +11,10 @@ template <class T>
 struct WeldRecord {
   SpatialMass<T> M;
   Force<T> D;
-  Vector3<T> mc;
 };
 
 struct WeldKernels : ScrewKernels<WeldKernels, 0, 0> {
+  static constexpr bool rigid = true;
   static constexpr std::array<int, 0> angles{};
   static Mat3 frame(const JointSpec&, double*) { return identity3<double>(); }
   template <class T>

@@ -1,0 +1,141 @@
+// What a model is to its trees.
+#include <momentree/tree/declared.hpp>
+
+#include <bit>
+#include <cstdint>
+#include <functional>
+
+#include <momentree/tree/model.hpp>
+
+namespace momentree {
+
+namespace {
+
+// Numbers to their bits: values are the same only where nothing computed from them could differ.
+template <std::size_t N>
+class Words {
+ public:
+  Words& operator()(double x) { return (*this)(std::bit_cast<std::uint64_t>(x)); }
+  Words& operator()(std::uint64_t x) {
+    words_[count_++] = x;
+    return *this;
+  }
+  Words& operator()(const Vec3& a) { return (*this)(a.x)(a.y)(a.z); }
+  Words& operator()(const Sym3& a) { return (*this)(a.xx)(a.yy)(a.zz)(a.xy)(a.xz)(a.yz); }
+  Words& operator()(const Pose& a) { return (*this)(a.position)(a.rotation.w)(a.rotation.x)(a.rotation.y)(a.rotation.z); }
+  Words& operator()(const Mat3& a) { return (*this)(a.xx)(a.xy)(a.xz)(a.yx)(a.yy)(a.yz)(a.zx)(a.zy)(a.zz); }
+  const std::array<std::uint64_t, N>& all() const { return words_; }
+
+ private:
+  std::array<std::uint64_t, N> words_{};
+  std::size_t count_ = 0;
+};
+
+std::uint64_t pair(int high, int low) {
+  return static_cast<std::uint64_t>(static_cast<std::uint32_t>(high)) << 32 | static_cast<std::uint32_t>(low);
+}
+
+auto words(const Joint& j) {
+  return Words<24>()(j.at)(j.child_at)(j.axis)(j.axis2)(j.pitch)(pair(static_cast<int>(j.kind), j.parameters))(
+             pair(static_cast<int>(j.locked), j.function))(std::uint64_t{j.made})
+      .all();
+}
+auto words(const MassProperties& m) { return Words<10>()(m.mass)(m.com)(m.inertia).all(); }
+
+auto words(const Link& k, const KernelFrame& frame) {
+  return Words<38>()(k.cos_a)(k.sin_a)(k.cs_a)(k.ss_a)(k.r)(k.d)(k.cos_b)(k.sin_b)(k.body.m)(k.body.mc)(k.body.J)(
+             pair(static_cast<int>(k.shape), k.locked << 8 | k.driven))(k.cos_0)(k.sin_0)(k.angle_0)(k.geometry[0])(
+             k.geometry[1])(frame.R)(frame.r)
+      .all();
+}
+
+// Parameters that are equal have these equal; few that are not do.
+auto words(const JointParameters& p) {
+  Words<14> some;
+  for (const Values* v : {&p.damping, &p.stiffness, &p.rest, &p.armature, &p.effort, &p.limits.lower})
+    some(static_cast<std::uint64_t>(v->size()))(v->of(0) + 0.0);  // −0 equals 0
+  return some(p.limits.upper.of(0) + 0.0)(p.friction.coulomb.of(0) + 0.0).all();
+}
+
+// Gives back what was reserved for many more.
+template <class T>
+bool shrink(std::vector<T>& list) {
+  if (2 * list.size() >= list.capacity()) return false;
+  list.shrink_to_fit();
+  return true;
+}
+
+// Number of a value in a list that has it once.
+template <class T, class Same>
+int number_in(std::vector<T>& list, Distinct& numbers, const T& value, const Same& same) {
+  return numbers.number(
+      words(value), [&](std::size_t i) { return same(list[i], value); }, [&] { list.push_back(value); });
+}
+
+}  // namespace
+
+FreedomParameters spread(const JointParameters& parameters) {
+  FreedomParameters f;
+  for (std::size_t i = 0; i < 6; ++i) {
+    const int freedom = static_cast<int>(i);
+    f.armature[i] = parameters.armature.of(freedom);
+    f.damping[i] = parameters.damping.of(freedom);
+    f.effort[i] = parameters.effort.of(freedom);
+  }
+  f.rotor = parameters.armature.any();
+  f.spring = parameters.stiffness.any();
+  f.force = parameters.damping.any() || parameters.effort.any();
+  const JointDrive* drive = parameters.drive.get();
+  f.motion = drive != nullptr && drive->moves();
+  f.drive = parameters.friction.any() || parameters.limits.soft() || (drive != nullptr && !f.motion);
+  f.strength = parameters.strength.any();
+  return f;
+}
+
+std::shared_ptr<Declared> declare(const Model& model) {
+  const auto same_words = [](const auto& a, const auto& b) { return words(a) == words(b); };
+  auto declared = std::make_shared<Declared>();
+  Declared& d = *declared;
+  d.forces = model.forces();
+  d.bodies.resize(static_cast<std::size_t>(model.size()));
+  d.joints.reserve(d.bodies.size()), d.masses.reserve(d.bodies.size());
+  Distinct joints, masses, parameters;
+  for (std::size_t b = 0; b < d.bodies.size(); ++b) {
+    const BodySpec& s = model.bodies()[b];
+    Joint joint = joint_of(s);
+    if (s.joint.parameters.any()) joint.parameters = number_in(d.parameters, parameters, s.joint.parameters, std::equal_to<>());
+    d.bodies[b] = {s.parent.index, -1, number_in(d.joints, joints, joint, same_words),
+                   number_in(d.masses, masses, {s.mass, s.com, s.inertia}, same_words), -1};
+  }
+  shrink(d.joints), shrink(d.masses);
+  d.freedoms.reserve(d.parameters.size());
+  for (const JointParameters& p : d.parameters) d.freedoms.push_back(spread(p));
+  return declared;
+}
+
+Joint joint_of(const BodySpec& s) {
+  return {s.joint.kind, -1, s.at, s.child_at, s.joint.axis, s.joint.axis2, s.joint.pitch, 0, false, -1};
+}
+
+LinkCollector::LinkCollector(Declared& declared) : declared_(declared) {
+  declared.links.links.reserve(declared.bodies.size());
+  declared.links.frames.reserve(declared.bodies.size());
+}
+
+int LinkCollector::take(int body, int first_child, const Link& link, const KernelFrame& frame) {
+  SharedLinks& list = declared_.links;
+  const auto own = words(link, frame);
+  const int number = numbers_.number(
+      own, [&](std::size_t i) { return words(list.links[i], list.frames[i]) == own; },
+      [&] { list.links.push_back(link), list.frames.push_back(frame); });
+  Declared::Body& entry = declared_.bodies[static_cast<std::size_t>(body)];
+  entry.first_child = first_child, entry.link = number;
+  return number;
+}
+
+bool LinkCollector::finish() {
+  SharedLinks& list = declared_.links;
+  return shrink(list.links) | shrink(list.frames);
+}
+
+}  // namespace momentree
