@@ -68,7 +68,7 @@ CommandLine::CommandLine() {
   app.allow_extras();
 
   CLI::App* run_command = command("run", "Run a scenario or a model and write the results", [this] { return run(run_options); });
-  run_command->add_option("scenario", run_options.scenario, "A scenario (.toml) or a model (.urdf)")
+  run_command->add_option("scenario", run_options.scenario, "A scenario (.toml) or a model (.urdf, .xml)")
       ->required()
       ->type_name("SCENARIO|MODEL");
   run_command->add_option("--out", run_options.out, "Where the results go; default results/ and the scenario's name")
@@ -89,11 +89,11 @@ CommandLine::CommandLine() {
 
   CLI::App* check_command =
       command("check", "Say what is wrong with scenarios and models, as file:line:col", [this] { return check(files); });
-  check_command->add_option("files", files, "Scenarios (.toml) or models (.urdf)")->required()->type_name("FILE");
+  check_command->add_option("files", files, "Scenarios (.toml) or models (.urdf, .xml)")->required()->type_name("FILE");
 
   CLI::App* evaluate_command = command("evaluate", "Evaluate a scenario or a model once, at its start or at a state",
                                        [this] { return evaluate(evaluate_options); });
-  evaluate_command->add_option("scenario", evaluate_options.scenario, "A scenario (.toml) or a model (.urdf)")
+  evaluate_command->add_option("scenario", evaluate_options.scenario, "A scenario (.toml) or a model (.urdf, .xml)")
       ->required()
       ->type_name("SCENARIO|MODEL");
   evaluate_command->add_option("--state", evaluate_options.state, "A state document, such as the final.json of a run")
@@ -103,7 +103,7 @@ CommandLine::CommandLine() {
 
   CLI::App* explain_command = command("explain", "Draw the tree in the terminal, with masses and degrees of freedom",
                                       [this] { return explain(explain_options); });
-  explain_command->add_option("scenario", explain_options.scenario, "A scenario (.toml) or a model (.urdf)")
+  explain_command->add_option("scenario", explain_options.scenario, "A scenario (.toml) or a model (.urdf, .xml)")
       ->required()
       ->type_name("SCENARIO|MODEL");
   overrides(explain_command, explain_options.overrides);

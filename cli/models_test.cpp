@@ -97,6 +97,23 @@ TEST_CASE("humanoid_wave: it has no momentum, before or after its elbow wears ou
   CHECK(degrees(2 * std::acos(upright)) > 5);
 }
 
+TEST_CASE("humanoid_loses_a_forearm: what flies apart keeps its momentum, and the springs of its joints their energy") {
+  const Run run("humanoid_loses_a_forearm");
+  const auto torn = events_named(run, "torn off");
+  REQUIRE(torn.size() == 1);
+  CHECK(torn[0].at("mechanisms").at("after") == Json{"humanoid", "humanoid/lower_arm_right"});
+  CHECK(norm(vec(torn[0].at("after").at("linear")) - vec(torn[0].at("before").at("linear"))) < 1e-11);
+  CHECK(norm(vec(torn[0].at("after").at("angular")) - vec(torn[0].at("before").at("angular"))) < 1e-11);
+  CHECK(std::fabs(run.energy("error")) < 1e-6);
+  for (const Json& mechanism : run.final_state.at("mechanisms"))
+    CHECK(mechanism.at("bodies").size() == (mechanism.at("name") == "humanoid" ? 23 : 2));
+  // Nothing but gravity acts from outside.
+  double mass = 0;
+  for (const auto& [name, body] : run.model.at("bodies").items()) mass += body.at("mass").get<double>();
+  const Vec3 last = vec(run.final_state.at("totals").at("linear")), then = vec(torn[0].at("after").at("linear"));
+  CHECK(norm(last - then - Vec3{0, 0, -0.5 * mass * 9.81}) < 1e-9 * norm(then));
+}
+
 TEST_CASE("double_pendulum: the second arm leaves, and flies by gravity alone") {
   const Run run("double_pendulum");
   const auto fails = events_named(run, "axle fails");

@@ -164,9 +164,11 @@ ReadResult read_text(std::string text, const std::string& path, const std::vecto
   const bool good = out.errors() + reading.model_errors() == 0;
   result.diagnostics = out.take();
   for (const auto& [name, import] : reading.models) {
-    if (!reading.direct) hash.add("\n--model "), hash.add(import->text());
-    for (const auto& file : import->files())
+    for (const auto& file : import->files()) {
+      const bool known = reading.direct && file == import->files().front();
+      if (!known) hash.add("\n--model "), hash.add(file->text());
       for (Diagnostic& each : file->take()) result.diagnostics.push_back(std::move(each));
+    }
   }
   scenario.hash = hash.digits();
   if (good) result.scenario = std::move(scenario);

@@ -58,8 +58,8 @@ struct ReadResult {
   std::vector<Diagnostic> diagnostics;  ///< errors and warnings, in the order of the file
 };
 
-/// Reads and checks a scenario, or a model file (URDF) as a scenario of that mechanism alone, named after the file. `overrides`
-/// are KEY=VALUE: a dotted path and a TOML value, else a string. Every problem is a diagnostic; nothing is thrown.
+/// Reads and checks a scenario, or a model file (URDF, MJCF) as a scenario of that mechanism alone, named after the file.
+/// `overrides` are KEY=VALUE: a dotted path and a TOML value, else a string. Every problem is a diagnostic; nothing is thrown.
 ReadResult read_scenario(const std::string& path, const std::vector<std::string>& overrides = {});
 
 /// The same from a text. `path` is for messages and names alone: files that the scenario names are not looked for.

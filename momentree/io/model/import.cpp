@@ -3,7 +3,7 @@
 #include <system_error>
 #include <utility>
 
-#include <momentree/io/model/importer.hpp>
+#include <momentree/io/model/model_file.hpp>
 
 namespace momentree::io {
 
@@ -44,6 +44,34 @@ bool leaves_folder(const fs::path& path, const std::string& text) {
 }
 
 }  // namespace
+
+XmlFile& Import::file_of(XmlElement element) {
+  for (const auto& file : files_)
+    if (file->has(element)) return *file;
+  return *files_.front();
+}
+
+XmlElement Import::include(const std::string& name, const XmlSpot& at, XmlFile& from) {
+  constexpr std::size_t most_files = 200;
+  const auto refuse = [&](const std::string& what, const std::string& hint) {
+    from.error(at, "include: " + what, hint);
+    return XmlElement{};
+  };
+  if (name.empty()) return refuse("the name of a file is missing", "");
+  if (leaves_folder(fs::path(name), name))
+    return refuse(in_quotes(name) + " is not in the model's folder or below it", "copy it there");
+  if (!looks_at_files()) return refuse("a model that is read from a text names no files", "read it from its file");
+  const std::string path = (fs::path(folder_) / name).lexically_normal().string();
+  for (const auto& file : files_)
+    if (fs::path(file->path()).lexically_normal() == path)
+      return refuse(in_quotes(name) + " is included already", "a file stands once in a model");
+  if (files_.size() >= most_files) return refuse("more than " + std::to_string(most_files) + " files", "");
+  std::string text;
+  Unreadable why;
+  if (!read_whole_file(path, "model", largest_model, text, why)) return refuse(in_quotes(path) + ": " + why.what, why.hint);
+  files_.push_back(std::make_unique<XmlFile>(path, std::move(text)));
+  return files_.back()->root();
+}
 
 void Import::read_mesh(const std::string& name, const XmlSpot& at, Shape& shape, XmlFile& file) {
   bool in_package = false;

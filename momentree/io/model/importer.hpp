@@ -21,8 +21,11 @@ class Import {
   ImportedModel model;
 
   XmlFile& file() { return *files_.front(); }
-  const std::string& text() const { return files_.front()->text(); }
   const std::vector<std::unique_ptr<XmlFile>>& files() const { return files_; }
+  /// The file that an element stands in.
+  XmlFile& file_of(XmlElement element);
+  /// The root of another file in the model's folder, each read once; none, with a report at `at`, where it can't be.
+  XmlElement include(const std::string& name, const XmlSpot& at, XmlFile& from);
   bool looks_at_files() const { return !folder_.empty(); }
   std::size_t errors() const;
 

@@ -179,7 +179,7 @@ TEST_CASE("what is no URDF") {
       {head + a_link("a"), "r.urdf:3:1: error: the file ends within <robot>, opened on line 1; is it complete?"},
       {head + a_link("a") + "</robot>\n" + head + a_link("a") + "</robot>",
        "r.urdf:4:1: error: something follows the end of the document; a file holds one root element"},
-      {"<html><body/></html>", "r.urdf:1:1: error: no model begins with '<html>'; known are <robot> (URDF)"},
+      {"<html><body/></html>", "r.urdf:1:1: error: no model begins with '<html>'; known are <mujoco> (MJCF), <robot> (URDF)"},
   });
 }
 

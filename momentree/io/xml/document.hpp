@@ -25,6 +25,7 @@ class XmlElement {
   explicit operator bool() const { return document_ != nullptr; }
   friend bool operator==(const XmlElement&, const XmlElement&) = default;
 
+  const XmlDocument* document() const { return document_; }
   std::string_view name() const;
   /// Characters before the first child, entities resolved, without blanks around them.
   std::string_view text() const;

@@ -35,6 +35,7 @@ class XmlFile {
 
   const std::string& path() const { return path_; }
   const std::string& text() const { return text_; }
+  bool has(XmlElement element) const { return element.document() == document_.get(); }
   XmlElement root() const { return document_ ? document_->root() : XmlElement{}; }
   Diagnostics& out() { return out_; }
 

@@ -1,0 +1,373 @@
+// Bodies with their joints. MJCF nests them; a body may have several joints, which becomes a chain of massless carriers here.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/mjcf/parts.hpp>
+#include <momentree/io/scenario_parts.hpp>
+
+namespace momentree::io::mjcf {
+
+namespace {
+
+struct Joint {
+  std::string name;
+  JointSpec spec{};
+  JointLimits limits{};
+  Vec3 anchor{};
+  double start = 0;  ///< of one freedom
+  XmlElement element{};
+};
+
+Kind kind_of(Attributes& attributes) {
+  const std::string name = attributes.string("type").value_or("hinge");
+  if (name == "hinge") return Kind::revolute;
+  if (name == "slide") return Kind::prismatic;
+  if (name == "ball") return Kind::ball;
+  if (name == "free") return Kind::free;
+  attributes.error("type", "unknown type of joint " + in_quotes(name), did_you_mean(name, {"hinge", "slide", "ball", "free"}));
+  return Kind::revolute;
+}
+
+void read_limits(Attributes& attributes, Kind kind, Joint& joint, const Compiler& compiler) {
+  const std::string limited = attributes.string("limited").value_or("auto");
+  const bool given = attributes.has("range");
+  if (limited == "false" || (limited == "auto" && !(compiler.autolimits && given))) return;
+  if (limited != "true" && limited != "auto")
+    return attributes.error("limited", "limited: expected true, false or auto, found " + in_quotes(limited));
+  const auto range = attributes.numbers("range", 2);
+  if (!given) return attributes.error("limited", "limited: the joint has no 'range'");
+  if (!range || (kind != Kind::revolute && kind != Kind::prismatic)) return;
+  const bool turns = kind == Kind::revolute;
+  const double lower = turns ? compiler.angle((*range)[0]) : (*range)[0],
+               upper = turns ? compiler.angle((*range)[1]) : (*range)[1];
+  if (!(lower < upper)) return attributes.error("range", "range: the first number is not less than the second", "swap them");
+  joint.limits.lower = lower;
+  joint.limits.upper = upper;
+}
+
+void read_parameters(Attributes& attributes, Kind kind, Joint& joint, const Compiler& compiler) {
+  JointParameters& p = joint.spec.parameters;
+  const bool turns = kind == Kind::revolute;
+  const auto take = [&](const char* name, Values& target) {
+    if (const auto value = attributes.not_negative(name); value && *value > 0) target = *value;
+  };
+  take("damping", p.damping);
+  take("armature", p.armature);
+  take("stiffness", p.stiffness);
+  if (const auto friction = attributes.not_negative("frictionloss"); friction && *friction > 0)
+    p.friction = {*friction, imported_friction_speed};
+  const double rest = attributes.number("springref").value_or(0), start = attributes.number("ref").value_or(0);
+  if (kind == Kind::revolute || kind == Kind::prismatic) {
+    joint.start = turns ? compiler.angle(start) : start;
+    if (!p.stiffness.empty()) p.rest = turns ? compiler.angle(rest) : rest;
+  }
+  if (const auto pair = attributes.numbers("springdamper", 2); pair && (*pair)[0] > 0 && (*pair)[1] > 0)
+    attributes.error("springdamper", "springdamper is not supported: it depends on the whole model",
+                     "give stiffness and damping themselves");
+}
+
+Joint read_joint(XmlElement element, const std::string& childclass, Reading& reading) {
+  Joint joint;
+  joint.element = element;
+  XmlFile& file = reading.file_of(element);
+  const bool free = element.name() == "freejoint";
+  if (free)
+    check_attributes(element, {"group", "align"}, reading);
+  else
+    check_attributes(element,
+                     {"type",
+                      "group",
+                      "pos",
+                      "axis",
+                      "springdamper",
+                      "limited",
+                      "range",
+                      "actuatorfrclimited",
+                      "actuatorfrcrange",
+                      "solreflimit",
+                      "solimplimit",
+                      "solreffriction",
+                      "solimpfriction",
+                      "stiffness",
+                      "margin",
+                      "ref",
+                      "springref",
+                      "armature",
+                      "damping",
+                      "frictionloss",
+                      "user"},
+                     reading);
+  if (const auto name = element.find("name")) {
+    joint.name = element.attribute(*name);
+    if (check_bare_name(joint.name, {}, "a joint", file.out())) {
+      const auto [first, fresh] = reading.joint_names.emplace(joint.name, element);
+      if (!fresh)
+        file.error({element, *name}, "duplicate joint " + in_quotes(joint.name) + ": it is the name of another on " +
+                                         reading.file_of(first->second).line_of(first->second));
+    }
+  }
+  if (free) {
+    joint.spec.kind = Kind::free;
+    return joint;
+  }
+  Attributes attributes(element, childclass, reading);
+  joint.spec.kind = kind_of(attributes);
+  joint.anchor = attributes.vec3("pos").value_or(Vec3{});
+  if (info(joint.spec.kind).axis) {
+    joint.spec.axis = attributes.vec3("axis").value_or(Vec3{0, 0, 1});
+    if (norm(joint.spec.axis) < 1e-9) {
+      attributes.error("axis", "axis: an axis of length zero has no direction", "for example axis=\"0 0 1\"");
+      joint.spec.axis = {0, 0, 1};
+    }
+  }
+  read_parameters(attributes, joint.spec.kind, joint, reading.compiler);
+  read_limits(attributes, joint.spec.kind, joint, reading.compiler);
+  return joint;
+}
+
+// Eigenvalues of a symmetric matrix, ascending.
+std::array<double, 3> eigenvalues(const Sym3& m) {
+  const double mean = (m.xx + m.yy + m.zz) / 3, off = m.xy * m.xy + m.xz * m.xz + m.yz * m.yz;
+  const double a = m.xx - mean, b = m.yy - mean, c = m.zz - mean, p = std::sqrt((a * a + b * b + c * c + 2 * off) / 6);
+  if (p == 0) return {mean, mean, mean};
+  const double det = a * (b * c - m.yz * m.yz) - m.xy * (m.xy * c - m.yz * m.xz) + m.xz * (m.xy * m.yz - b * m.xz);
+  const double phi = std::acos(std::clamp(det / (2 * p * p * p), -1.0, 1.0)) / 3;
+  const double most = mean + 2 * p * std::cos(phi), least = mean + 2 * p * std::cos(phi + 2.0943951023931953);
+  return {least, 3 * mean - most - least, most};
+}
+
+Mass read_inertial(XmlElement inertial, Reading& reading) {
+  XmlFile& file = reading.file_of(inertial);
+  check_attributes(inertial, {"pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mass", "diaginertia", "fullinertia"},
+                   reading);
+  Attributes attributes(inertial, "", reading);
+  Mass mass;
+  if (!attributes.has("mass")) file.error({inertial}, "<inertial> has no 'mass'", "in kg");
+  if (!attributes.has("pos")) file.error({inertial}, "<inertial> has no 'pos'", "its centre of mass");
+  const std::size_t errors = file.out().errors();
+  mass.mass = attributes.not_negative("mass").value_or(1);
+  const Pose pose = attributes.pose();
+  mass.com = pose.position;
+  Sym3 own{};
+  if (const auto full = attributes.numbers("fullinertia", 6)) {
+    const std::vector<double>& f = *full;
+    own = {f[0], f[1], f[2], f[3], f[4], f[5]};
+    if (attributes.has("diaginertia")) attributes.error("diaginertia", "diaginertia and fullinertia give the inertia twice");
+  } else if (const auto diagonals = attributes.vec3("diaginertia")) {
+    own = diagonal(diagonals->x, diagonals->y, diagonals->z);
+  } else if (!attributes.has("fullinertia") && !attributes.has("diaginertia") && mass.mass > 0) {
+    file.warning({inertial}, "<inertial> has no inertia: all the mass is in one point", "give diaginertia or fullinertia");
+  }
+  if (errors != file.out().errors()) return {1, {}, diagonal(1)};
+  mass.inertia = rotate(rotation_matrix(pose.rotation), own);
+  return mass;
+}
+
+/// What one <body> says of itself, before its children.
+class BodyReader {
+ public:
+  BodyReader(XmlElement element, const std::string& childclass, const Pose& in_parent, Reading& reading)
+      : element_(element), reading_(reading), file_(reading.file_of(element)), childclass_(childclass) {
+    check_attributes(element,
+                     {"childclass", "mocap", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "gravcomp", "user", "sleep"},
+                     reading);
+    if (const auto own = element.find("childclass")) {
+      childclass_ = element.attribute(*own);
+      if (!reading.classes.contains(childclass_))
+        file_.error({element, *own}, "childclass: there is no default class " + in_quotes(childclass_));
+    }
+    Attributes attributes(element, "", reading);
+    if (attributes.string("mocap") == "true")
+      attributes.error("mocap", "bodies that are moved from outside (mocap) are not supported", "leave it out");
+    if (const auto compensation = attributes.number("gravcomp"); compensation && *compensation != 0)
+      file_.once(Severity::warning, "gravcomp is ignored: gravity acts on every body", "", attributes.at("gravcomp"));
+    pose_ = in_parent * attributes.pose();
+    read_name();
+    for (const XmlElement child : children_of(element, reading)) read(child);
+  }
+
+  const std::string& childclass() const { return childclass_; }
+  const std::vector<XmlElement>& inner() const { return inner_; }
+
+  /// Adds the body, and a carrier for each joint but the last; its number.
+  int add(int parent) {
+    const Mass mass = mass_of();
+    ImportedBody body;
+    body.spots = {&file_, element_, {}, inertial_ ? inertial_ : element_, {}};
+    if (joints_.empty()) {
+      body.spec.at = pose_;
+      body.own_joint = parent >= 0;
+    }
+    for (const Joint& joint : joints_)
+      if (joint.spec.kind == Kind::free && (parent >= 0 || joints_.size() > 1))
+        file_.error({joint.element},
+                    parent >= 0 ? "a free joint is that of a body in <worldbody>" : "a free joint stands alone in its body");
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      ImportedBody one = body;
+      place(joints_[j], j, one);
+      one.spec.parent = {parent};
+      if (j + 1 < joints_.size()) {
+        parent = static_cast<int>(reading_.import.model.bodies.size());
+        reading_.import.model.bodies.push_back(std::move(one));
+      } else {
+        body = std::move(one);
+      }
+    }
+    body.spec.parent = {parent};
+    body.spec.name = name_;
+    if (body.spec.joint_name.empty()) body.spec.joint_name = name_;
+    body.spec.mass = mass.mass;
+    body.spec.com = mass.com;
+    body.spec.inertia = mass.inertia;
+    body.shapes = std::move(shapes_);
+    reading_.import.model.bodies.push_back(std::move(body));
+    return static_cast<int>(reading_.import.model.bodies.size()) - 1;
+  }
+
+ private:
+  void read_name() {
+    const auto name = element_.find("name");
+    if (!name) {
+      do name_ = "body" + std::to_string(++reading_.unnamed);
+      while (reading_.body_names.contains(name_));
+      reading_.body_names.emplace(name_, element_);
+      return;
+    }
+    name_ = element_.attribute(*name);
+    if (!check_bare_name(name_, {}, "a body", file_.out())) return;
+    const auto [first, fresh] = reading_.body_names.emplace(name_, element_);
+    if (!fresh)
+      file_.error({element_, *name}, "duplicate body " + in_quotes(name_) + ": it is the name of another on " +
+                                         reading_.file_of(first->second).line_of(first->second));
+  }
+
+  void read(XmlElement child) {
+    const std::string_view name = child.name();
+    if (name == "body") {
+      inner_.push_back(child);
+    } else if (name == "joint" || name == "freejoint") {
+      if (joints_.size() >= 6) return file_.error({child}, "a body has more than 6 joints");
+      joints_.push_back(read_joint(child, childclass_, reading_));
+    } else if (name == "geom") {
+      Geom geom = read_geom(child, childclass_, reading_);
+      if (geom.without_inertia && !without_inertia_) without_inertia_ = child;
+      if (geom.mass.mass > 0) masses_.push_back(geom.mass);
+      if (geom.shape.kind != Shape::Kind::none) shapes_.push_back(std::move(geom.shape));
+    } else if (name == "inertial") {
+      if (inertial_) return reading_.file_of(child).error({child}, "a second <inertial> in one body");
+      inertial_ = child;
+    } else if (name == "frame" || name == "replicate" || name == "composite" || name == "flexcomp" || name == "attach" ||
+               name == "plugin") {
+      reading_.file_of(child).error({child}, child.tag() + " is not supported",
+                                    "save the model as MuJoCo compiled it (mj_saveLastXML)");
+    } else if (name != "site" && name != "camera" && name != "light") {
+      reading_.file_of(child).once(Severity::note, child.tag() + " in <body> is ignored", "", {child});
+    }
+  }
+
+  Mass mass_of() {
+    using From = Compiler::FromGeoms;
+    const From from = reading_.compiler.from_geoms;
+    Mass mass;
+    if (inertial_) mass = read_inertial(inertial_, reading_);
+    if (from == From::always || (from == From::automatic && !inertial_)) {
+      if (without_inertia_)
+        reading_.file_of(without_inertia_)
+            .error({without_inertia_}, "the inertia of a mesh is not computed",
+                   "give the body an <inertial>, or the geom mass=\"0\"");
+      mass = sum_of(masses_);
+    }
+    const Compiler& compiler = reading_.compiler;
+    if (compiler.boundmass > 0) mass.mass = std::max(mass.mass, compiler.boundmass);
+    if (compiler.boundinertia > 0 || compiler.balanceinertia) {
+      const auto moments = eigenvalues(mass.inertia);
+      if (compiler.balanceinertia && moments[0] + moments[1] < moments[2])
+        mass.inertia = diagonal((moments[0] + moments[1] + moments[2]) / 3);
+      else if (moments[0] < compiler.boundinertia)
+        mass.inertia = diagonal(std::max(compiler.boundinertia, moments[2]));  // enough, whatever its axes
+    }
+    return mass;
+  }
+
+  // The frames of the carriers and of the body are one in the pose of the file.
+  void place(const Joint& joint, std::size_t j, ImportedBody& body) {
+    BodySpec& spec = body.spec;
+    spec.joint = joint.spec;
+    spec.joint_name = joint.name;
+    if (j + 1 < joints_.size()) {
+      spec.name = name_ + "." + (joint.name.empty() ? std::to_string(j + 1) : joint.name);
+      if (spec.joint_name.empty()) spec.joint_name = spec.name;
+      body.spots.body = joint.element;
+    }
+    body.limits = joint.limits;
+    body.spots.joint = joint.element;
+    body.spots.limits = joint.element;
+    const Pose before = j == 0 ? pose_ : Pose{};
+    if (joint.spec.kind == Kind::free) {
+      const Quat& r = before.rotation;
+      spec.q = {before.position.x, before.position.y, before.position.z, r.w, r.x, r.y, r.z};
+      if (!spec.joint.parameters.stiffness.empty()) spec.joint.parameters.rest = spec.q;
+      return;
+    }
+    spec.child_at = Pose(joint.anchor);
+    spec.at = before * spec.child_at;
+    if (joint.start == 0) return;
+    // `ref`: what the coordinate is in that pose.
+    spec.q = joint.start;
+    const Vec3 axis = normalized(joint.spec.axis);
+    if (joint.spec.kind == Kind::revolute)
+      spec.at = spec.at * Pose(Vec3{}, from_axis_angle(axis, -joint.start));
+    else
+      spec.at = spec.at * Pose(-joint.start * axis);
+  }
+
+  XmlElement element_;
+  Reading& reading_;
+  XmlFile& file_;
+  std::string name_, childclass_;
+  Pose pose_{};
+  std::vector<Joint> joints_;
+  std::vector<Mass> masses_;
+  std::vector<Shape> shapes_;
+  std::vector<XmlElement> inner_;
+  XmlElement inertial_{}, without_inertia_{};
+};
+
+}  // namespace
+
+void read_world(XmlElement worldbody, Reading& reading) {
+  struct Open {
+    XmlElement element;
+    std::string childclass;
+    int parent;
+  };
+  std::vector<Open> open;  // the next one last
+  const auto push = [&open](const std::vector<XmlElement>& bodies, const std::string& childclass, int parent) {
+    for (auto body = bodies.rbegin(); body != bodies.rend(); ++body) open.push_back({*body, childclass, parent});
+  };
+  std::string childclass;
+  if (const auto own = worldbody.find("childclass")) childclass = worldbody.attribute(*own);
+  std::vector<XmlElement> bodies;
+  for (const XmlElement child : children_of(worldbody, reading)) {
+    const std::string_view name = child.name();
+    if (name == "body")
+      bodies.push_back(child);
+    else if (name == "frame" || name == "replicate" || name == "composite" || name == "flexcomp" || name == "attach")
+      reading.file_of(child).error({child}, child.tag() + " is not supported",
+                                   "save the model as MuJoCo compiled it (mj_saveLastXML)");
+  }
+  push(bodies, childclass, -1);
+  while (!open.empty()) {
+    const Open next = open.back();
+    open.pop_back();
+    BodyReader reader(next.element, next.childclass, Pose{}, reading);
+    const int number = reader.add(next.parent);
+    push(reader.inner(), reader.childclass(), number);
+    if (reading.file_of(next.element).enough()) return;
+  }
+}
+
+}  // namespace momentree::io::mjcf

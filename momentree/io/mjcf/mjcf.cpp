@@ -1,0 +1,123 @@
+#include <momentree/io/importers/mjcf.hpp>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/mjcf/parts.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+using namespace mjcf;
+
+void read_option(XmlElement option, Reading& reading) {
+  XmlFile& file = reading.file_of(option);
+  if (option.find("gravity")) {
+    XmlFields fields(option, file);
+    if (const auto gravity = fields.vec3("gravity")) reading.import.model.gravity = *gravity;
+  }
+  for (const char* medium : {"density", "viscosity"}) {
+    const auto i = option.find(medium);
+    if (i && option.attribute(*i) != "0")
+      file.once(Severity::warning, "the medium is ignored: " + std::string(medium), "a [[force]] can have drag", {option, *i});
+  }
+}
+
+void read_materials(XmlElement asset, Reading& reading) {
+  for (const XmlElement material : children_of(asset, reading)) {
+    const auto name = material.find("name"), rgba = material.find("rgba");
+    if (material.name() != "material" || !name || !rgba) continue;
+    const auto levels = read_numbers(material.attribute(*rgba), 4, 4, {material, *rgba}, "rgba", reading.file_of(material));
+    if (levels) reading.colours.emplace(std::string(material.attribute(*name)), colour_of(*levels));
+  }
+}
+
+// Two bodies held together beside the tree: a closed loop.
+void refuse_loops(XmlElement equality, Reading& reading) {
+  for (const XmlElement each : children_of(equality, reading)) {
+    XmlFile& file = reading.file_of(each);
+    const auto active = each.find("active");
+    const bool closes = each.name() == "connect" || each.name() == "weld";
+    if (!closes || (active && each.attribute(*active) == "false")) {
+      file.once(Severity::note, each.tag() + " in <equality> is ignored", "", {each});
+      continue;
+    }
+    const auto of = [&](const char* name) {
+      const auto i = each.find(name);
+      return i ? in_quotes(each.attribute(*i)) : std::string("the world");
+    };
+    file.error({each},
+               each.tag() + " closes a loop: it holds " + of("body1") + " to " + of("body2") + " beside the tree of bodies",
+               "closed loops are not supported yet: leave it out, or give it active=\"false\"");
+  }
+}
+
+void leave_out(XmlElement section, const std::string& why, Reading& reading) {
+  for (const XmlElement each : children_of(section, reading))
+    reading.file_of(each).once(Severity::note, each.tag() + " in " + section.tag() + " is ignored", why, {each});
+}
+
+void scale_mass(ImportedModel& model, double total) {
+  double sum = 0;
+  for (const ImportedBody& body : model.bodies) sum += body.spec.mass;
+  if (!(sum > 0)) return;
+  const double f = total / sum;
+  for (ImportedBody& body : model.bodies) {
+    Sym3& i = body.spec.inertia;
+    body.spec.mass *= f;
+    i = {f * i.xx, f * i.yy, f * i.zz, f * i.xy, f * i.xz, f * i.yz};
+  }
+}
+
+// Joints that the file does not name have their body's name, which may be that of another joint.
+void name_joints(ImportedModel& model, Reading& reading) {
+  for (ImportedBody& body : model.bodies) {
+    const auto named = reading.joint_names.find(body.spec.joint_name);
+    if (named == reading.joint_names.end() || named->second == body.spots.joint) continue;
+    body.spec.joint_name += body.spec.parent == ground ? "~root" : "~joint";
+  }
+}
+
+}  // namespace
+
+void Mjcf::read(XmlElement mujoco, Import& import) {
+  Reading reading{import};
+  if (const auto name = mujoco.find("model")) import.model.title = mujoco.attribute(*name);
+  const std::vector<XmlElement> sections = children_of(mujoco, reading);
+  // What others refer to comes first, wherever it stands.
+  for (const XmlElement each : sections) {
+    if (each.name() == "compiler") read_compiler(each, reading);
+    if (each.name() == "default") read_defaults(each, "", reading);
+    if (each.name() == "option") read_option(each, reading);
+    if (each.name() == "asset") read_materials(each, reading);
+  }
+  bool has_world = false;
+  for (const XmlElement each : sections) {
+    const std::string_view name = each.name();
+    XmlFile& file = reading.file_of(each);
+    if (name == "worldbody") {
+      has_world = true;
+      read_world(each, reading);
+      if (file.enough()) return;
+    } else if (name == "equality") {
+      refuse_loops(each, reading);
+    } else if (name == "contact") {
+      leave_out(each, "bodies do not touch here", reading);
+    } else if (name == "tendon" || name == "actuator" || name == "sensor") {
+      leave_out(each, name == "actuator" ? "an event's set = { joint, drive } drives a joint" : "", reading);
+    } else if (name == "deformable") {
+      file.error({each}, each.tag() + " is not supported: bodies are rigid", "leave it out");
+    } else if (name == "keyframe" || name == "custom" || name == "extension" || name == "skin") {
+      file.once(Severity::note, each.tag() + " is ignored", "", {each});
+    } else if (name != "compiler" && name != "default" && name != "option" && name != "asset" && name != "size" &&
+               name != "visual" && name != "statistic") {
+      file.once(Severity::note, each.tag() + " in <mujoco> is ignored",
+                did_you_mean(name, {"worldbody", "default", "compiler", "option"}), {each});
+    }
+  }
+  if (!has_world || (import.model.bodies.empty() && import.errors() == 0))
+    return reading.file_of(mujoco).error({mujoco}, "the model has no <body> in a <worldbody>");
+  if (reading.compiler.settotalmass > 0) scale_mass(import.model, reading.compiler.settotalmass);
+  name_joints(import.model, reading);
+}
+
+}  // namespace momentree::io

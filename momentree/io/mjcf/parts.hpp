@@ -1,0 +1,96 @@
+#pragma once
+// The parts of an MJCF file, one reader each. Internal to the importer.
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include <momentree/io/model/importer.hpp>
+#include <momentree/io/xml/fields.hpp>
+
+namespace momentree::io::mjcf {
+
+/// What <compiler> says.
+struct Compiler {
+  bool degrees = true, autolimits = true, balanceinertia = false;
+  enum class FromGeoms { automatic, always, never } from_geoms = FromGeoms::automatic;
+  double boundmass = 0, boundinertia = 0, settotalmass = -1;
+  int first_group = 0, last_group = 5;  ///< of geoms that have mass
+  std::string eulerseq = "xyz";
+  double angle(double given) const;  ///< rad
+};
+
+/// What is shared while one model is read.
+struct Reading {
+  Import& import;
+  Compiler compiler{};
+  /// Classes of defaults by name, and that of the class that holds them.
+  struct Class {
+    XmlElement element{};
+    std::vector<XmlElement> parts;  ///< <geom>, <joint> …
+    std::string parent;
+  };
+  std::string outermost = "main";
+  std::unordered_map<std::string, Class> classes{};
+  std::unordered_map<std::string, std::string> colours{};  ///< of materials
+  std::unordered_map<std::string, XmlElement> body_names{}, joint_names{};
+  int unnamed = 0;
+
+  XmlFile& file_of(XmlElement element) { return import.file_of(element); }
+};
+
+/// The children of an element, with those of files that <include> brings in their place.
+std::vector<XmlElement> children_of(XmlElement element, Reading& reading);
+
+/// Attributes of an element; what is absent is that of its class, or of the classes that holds that.
+class Attributes {
+ public:
+  /// `childclass`: of the body; what counts where the element names no class.
+  Attributes(XmlElement element, const std::string& childclass, Reading& reading);
+  bool has(std::string_view name) const { return static_cast<bool>(at(name).element); }
+  /// Where an attribute stands, wherever it comes from; the element is none where it is absent.
+  XmlSpot at(std::string_view name) const;
+  std::optional<std::string> string(std::string_view name) const;
+  std::optional<double> number(std::string_view name);
+  std::optional<double> not_negative(std::string_view name);
+  std::optional<std::vector<double>> numbers(std::string_view name, std::size_t count, std::size_t most = 0);
+  std::optional<Vec3> vec3(std::string_view name);
+  /// pos and one of quat, axisangle, xyaxes, zaxis and euler.
+  Pose pose();
+  void error(std::string_view name, std::string what, std::string hint = {});
+
+ private:
+  Quat rotation();
+  XmlElement element_;
+  std::vector<XmlElement> from_;  // the element itself, then its classes, the nearest first
+  Reading& reading_;
+};
+
+/// Reports attributes of the element that are none of `known`.
+void check_attributes(XmlElement element, std::initializer_list<std::string_view> known, Reading& reading);
+
+/// Mass, centre of mass and inertia about it, in the axes of the body.
+struct Mass {
+  double mass = 0;
+  Vec3 com{};
+  Sym3 inertia{};
+};
+/// The mass of one geom (0 where it has none), and its shape for pictures.
+struct Geom {
+  Mass mass{};
+  Shape shape{};
+  bool without_inertia = false;  ///< a mesh, whose inertia is not computed
+};
+std::string colour_of(const std::vector<double>& rgba);  ///< "#rrggbb"
+Geom read_geom(XmlElement element, const std::string& childclass, Reading& reading);
+Mass sum_of(const std::vector<Mass>& parts);
+
+/// <body> and all that it holds; what was read is in the model.
+void read_world(XmlElement worldbody, Reading& reading);
+
+void read_compiler(XmlElement compiler, Reading& reading);
+void read_defaults(XmlElement defaults, const std::string& parent, Reading& reading, int depth = 0);
+
+}  // namespace momentree::io::mjcf
