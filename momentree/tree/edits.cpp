@@ -180,6 +180,7 @@ int Tree::add(const BodySpec& spec) {
   pack(b);
   list_special_joints();
   renew(b);
+  put_locks(b);  // it has a link only now
   arrange();
   weigh_path(b);
   ++revision_;
