@@ -118,8 +118,12 @@ TEST_CASE("momentree bench: tables for people, one document for programs") {
 #endif
   }
 #ifdef __linux__
-  CHECK(large.items[0].find("bytes_per_body")->number < 600);  // equal joints, masses and placements are stored once
-  CHECK(large.items[0].find("bytes_per_body_with_motions")->number < 600);
+  // Equal joints, masses and placements are stored once. So few bodies leave pages half used: a million have 425 and 521 bytes
+  // each.
+  for (const char* key : {"bytes_per_body", "bytes_per_body_with_motions"}) {
+    CHECK(large.items[0].find(key)->number < 900);
+    CHECK(large.items[0].find(key)->number + 300 < large.items[1].find(key)->number);
+  }
 #endif
 }
 

@@ -1,9 +1,6 @@
 #pragma once
 // Mechanisms in a plane: grounded trees of pins, all axes parallel. Three numbers do for a velocity; in the plane's own axes,
 // with absolute angles, nothing has to be turned from body to body. Included only by forward.ipp.
-#include <cmath>
-#include <type_traits>
-
 #include <momentree/dynamics/passage.hpp>
 #include <momentree/dynamics/work.hpp>
 #include <momentree/joint/kinds.hpp>
@@ -20,8 +17,7 @@ inline Vec3 gravity_in_plane(const Tree& tree, int root) {
 }
 
 /// Angles of joints, in `angle`, become those of bodies. A first child finds its parent's at hand: through memory it would wait
-/// for it. What is wound up by many turns is turned back, which keeps the digits, and sines in reach: a long chain that is coiled
-/// has angles of millions.
+/// for it.
 template <class T>
 void add_up_angles(const Tree& tree, const Segment& segment, T* angle) noexcept {
   T sum(0);
@@ -35,8 +31,6 @@ void add_up_angles(const Tree& tree, const Segment& segment, T* angle) noexcept 
       sum = own + sum;
     else
       sum = own + angle[tree.first_angle(tree.parent(b))];
-    if constexpr (std::is_same_v<T, double>)
-      if (std::fabs(sum) > 1000) sum = std::remainder(sum, 6.283185307179586);
     own = sum;
   }
 }

@@ -14,6 +14,7 @@ template <class Coordinates>
 void attach(int b, int to, const Joint& joint, bool reversed, Coordinates coordinates, Tree& tree, State& state,
             Work<double>& work) noexcept {
   MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  MT_REQUIRE(to < 0 || tree.alive(to), "the body was not removed");
   MT_REQUIRE(floats(tree, b), "the mechanism floats");
   MT_REQUIRE(to < 0 || root_of(tree, b) != root_of(tree, to), "the bodies belong to different mechanisms");
   Pose relative = user_pose(tree, locate_body(tree, state, work, b), b);
