@@ -60,10 +60,10 @@ void take_limits(const Import& import, const ModelChoice& choice, std::vector<Bo
                         "write limits = true or limits = false");
 }
 
-void hold(BodySpec& spec, bool own_joint, const ModelChoice& choice) {
-  if (own_joint) {
+void hold(BodySpec& spec, const ImportedBody& body, const ModelChoice& choice) {
+  if (body.own_joint) {
     spec.at = choice.pose * spec.at;
-  } else if (choice.held == Held::free) {
+  } else if (choice.held == Held::free || (choice.held == Held::unsaid && body.floats)) {
     const Pose start = choice.pose * spec.at;
     const Quat& r = start.rotation;
     spec.joint.kind = Kind::free;
@@ -81,7 +81,7 @@ void hold_roots(const Import& import, const ModelChoice& choice, std::vector<Bod
   bool taken = false;
   for (const std::size_t b : roots) {
     const bool own = import.model.bodies[b].own_joint;
-    hold(specs[b], own, choice);
+    hold(specs[b], import.model.bodies[b], choice);
     taken = taken || !own;
   }
   if (choice.held != Held::unsaid && !taken)

@@ -17,8 +17,8 @@ XmlSpot name_spot(XmlElement element) {
 
 class Arranger {
  public:
-  Arranger(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, XmlFile& file)
-      : links_(links), joints_(joints), file_(file) {}
+  Arranger(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, Import& import)
+      : links_(links), joints_(joints), import_(import) {}
 
   LinkTree arrange() {
     tree_.joint.assign(links_.size(), -1);
@@ -38,9 +38,11 @@ class Arranger {
   };
 
   void error(const XmlSpot& at, std::string what, std::string hint = {}) {
-    file_.error(at, std::move(what), std::move(hint));
+    import_.file_of(at.element).error(at, std::move(what), std::move(hint));
     sound_ = false;
   }
+
+  std::string line_of(XmlElement element) const { return import_.file_of(element).line_of(element); }
 
   void note_names() {
     for (std::size_t i = 0; i < links_.size(); ++i) {
@@ -48,7 +50,7 @@ class Arranger {
       const auto [first, fresh] = by_name_.emplace(links_[i].name, i);
       if (!fresh)
         error(name_spot(links_[i].element), "duplicate link " + in_quotes(links_[i].name) + ": it is the name of another on " +
-                                                file_.line_of(links_[first->second].element));
+                                                line_of(links_[first->second].element));
     }
     std::unordered_map<std::string_view, std::size_t> names;
     for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -56,7 +58,7 @@ class Arranger {
       const auto [first, fresh] = names.emplace(joints_[j].name, j);
       if (!fresh)
         error(name_spot(joints_[j].element), "duplicate joint " + in_quotes(joints_[j].name) + ": it is the name of another on " +
-                                                 file_.line_of(joints_[first->second].element));
+                                                 line_of(joints_[first->second].element));
     }
   }
 
@@ -98,13 +100,28 @@ class Arranger {
     return path;
   }
 
+  // Not all of a long one: its beginning and its end.
+  static std::string chain(const std::vector<std::string>& parts, const char* between) {
+    constexpr std::size_t shown = 10;
+    std::string text;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (parts.size() > shown + 2 && i == shown) {
+        text += std::string(between) + "…";
+        i = parts.size() - 2;
+        continue;
+      }
+      text += (i == 0 ? "" : between) + parts[i];
+    }
+    return text;
+  }
+
   // A link with a second inboard joint: two ways lead to it, and close a loop where they meet.
   void report_second(std::size_t j, int parent, int child) {
     const NamedJoint& joint = joints_[j];
     const NamedJoint& first = joints_[static_cast<std::size_t>(tree_.joint[static_cast<std::size_t>(child)])];
     std::string what = "link " + in_quotes(joint.child) + " has two parents: joint " + in_quotes(joint.name) + " joins it to " +
                        (parent < 0 ? "the ground" : in_quotes(joint.parent)) + ", and " + in_quotes(first.name) + " on " +
-                       file_.line_of(first.element) + " to " + (first.from_ground ? "the ground" : in_quotes(first.parent));
+                       line_of(first.element) + " to " + (first.from_ground ? "the ground" : in_quotes(first.parent));
     std::string hint = "a mechanism is a tree: leave out one of the two joints";
     if (--loops_left_ >= 0) {
       const std::vector<int> one = path_up(child), other = path_up(parent);
@@ -122,16 +139,15 @@ class Arranger {
         for (std::size_t i = 0; i < k; ++i) loop.push_back(in_quotes(name(other[i])));
         loop.push_back(by_ground ? "the ground" : loop.front());
         if (by_ground) loop.insert(loop.begin(), "the ground");
-        what += ". That closes the loop ";
-        constexpr std::size_t shown = 10;
-        for (std::size_t i = 0; i < loop.size(); ++i) {
-          if (loop.size() > shown + 2 && i == shown) {
-            what += " – …";
-            i = loop.size() - 2;
-            continue;
-          }
-          what += (i == 0 ? "" : " – ") + loop[i];
-        }
+        std::vector<std::string> joints;
+        const auto add = [&](std::size_t number) {
+          joints.push_back(in_quotes(joints_[number].name) + " (" + line_of(joints_[number].element) + ")");
+        };
+        const auto inboard = [&](int link) { return static_cast<std::size_t>(tree_.joint[static_cast<std::size_t>(link)]); };
+        for (std::size_t i = by_ground ? last : last - 1; i-- > 0;) add(inboard(one[i]));
+        add(j);
+        for (std::size_t i = 0; i < k; ++i) add(inboard(other[i]));
+        what += ". That closes the loop " + chain(loop, " – ") + " of the joints " + chain(joints, ", ");
         hint = "closed loops are not supported yet: leave out one of its joints";
       }
     }
@@ -177,7 +193,7 @@ class Arranger {
 
   const std::vector<NamedLink>& links_;
   const std::vector<NamedJoint>& joints_;
-  XmlFile& file_;
+  Import& import_;
   LinkTree tree_;
   std::unordered_map<std::string_view, std::size_t> by_name_;
   std::vector<Second> seconds_;
@@ -188,8 +204,8 @@ class Arranger {
 
 }  // namespace
 
-LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, XmlFile& file) {
-  return Arranger(links, joints, file).arrange();
+LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, Import& import) {
+  return Arranger(links, joints, import).arrange();
 }
 
 }  // namespace momentree::io

@@ -51,7 +51,19 @@ XmlFile& Import::file_of(XmlElement element) {
   return *files_.front();
 }
 
-XmlElement Import::include(const std::string& name, const XmlSpot& at, XmlFile& from) {
+Import::Found Import::look(const std::string& name) const {
+  if (!looks_at_files() || name.empty() || leaves_folder(fs::path(name), name)) return Found::nothing;
+  std::error_code ignored;
+  const auto status = fs::status(fs::path(folder_) / name, ignored);
+  return fs::is_directory(status) ? Found::folder : fs::exists(status) ? Found::file : Found::nothing;
+}
+
+std::string Import::folder_of(const XmlFile& file) const {
+  const std::string folder = fs::path(file.path()).lexically_relative(folder_).parent_path().generic_string();
+  return folder.empty() ? "." : folder;
+}
+
+XmlElement Import::include(const std::string& name, const XmlSpot& at, XmlFile& from, bool again) {
   constexpr std::size_t most_files = 200;
   const auto refuse = [&](const std::string& what, const std::string& hint) {
     from.error(at, "include: " + what, hint);
@@ -64,7 +76,7 @@ XmlElement Import::include(const std::string& name, const XmlSpot& at, XmlFile& 
   const std::string path = (fs::path(folder_) / name).lexically_normal().string();
   for (const auto& file : files_)
     if (fs::path(file->path()).lexically_normal() == path)
-      return refuse(in_quotes(name) + " is included already", "a file stands once in a model");
+      return again ? file->root() : refuse(in_quotes(name) + " is included already", "a file stands once in a model");
   if (files_.size() >= most_files) return refuse("more than " + std::to_string(most_files) + " files", "");
   std::string text;
   Unreadable why;

@@ -21,6 +21,7 @@ struct BodySpots {
 struct ImportedBody {
   BodySpec spec;          ///< names without a mechanism; the parent is a number among the bodies of this model, or the ground
   bool own_joint = true;  ///< false for a root that the file joins to nothing: `root` says how it is held
+  bool floats = false;    ///< such a root is free where `root` is not said, not fixed
   JointLimits limits{};   ///< as the file has them; they are taken up where the mechanism says so
   std::vector<Shape> shapes{};
   BodySpots spots{};

@@ -24,8 +24,14 @@ class Import {
   const std::vector<std::unique_ptr<XmlFile>>& files() const { return files_; }
   /// The file that an element stands in.
   XmlFile& file_of(XmlElement element);
-  /// The root of another file in the model's folder, each read once; none, with a report at `at`, where it can't be.
-  XmlElement include(const std::string& name, const XmlSpot& at, XmlFile& from);
+  /// The root of another file in the model's folder, read once; none, with a report at `at`, where it can't be. A second time is
+  /// an error, or the same root `again`.
+  XmlElement include(const std::string& name, const XmlSpot& at, XmlFile& from, bool again = false);
+  /// What stands under a name in the model's folder; nothing where it is not in it.
+  enum class Found { nothing, file, folder };
+  Found look(const std::string& name) const;
+  /// The folder of one of the files, as seen from the model's: "." or "parts/arm".
+  std::string folder_of(const XmlFile& file) const;
   bool looks_at_files() const { return !folder_.empty(); }
   std::size_t errors() const;
 
@@ -54,7 +60,7 @@ struct LinkTree {
   std::vector<int> joint, parent;  ///< by link: its inboard joint and its parent's number, −1: none
 };
 /// Reports duplicate names, ends that are unknown, second parents (closed loops by name) and circles. More than one root is fine.
-LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, XmlFile& file);
+LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, Import& import);
 
 /// What is wrong with bodies whatever their format: at their places in the file. To be called last.
 void check_imported(ImportedModel& model);

@@ -146,7 +146,8 @@ TEST_CASE("URDF: links and joints that are no tree") {
            "</robot>",
        "r.urdf:17:14: error: link 'c' has two parents: joint 'bc' joins it to 'b', and 'ac' on line 10 to 'a'. That closes the "
        "loop "
-       "'a' – 'c' – 'b' – 'a'; closed loops are not supported yet: leave out one of its joints"},
+       "'a' – 'c' – 'b' – 'a' of the joints 'ac' (line 10), 'bc' (line 15), 'ab' (line 5); closed loops are not supported yet: "
+       "leave out one of its joints"},
       {head + "</robot>", "r.urdf:1:1: error: the robot has no <link>"},
       {head + "<link>" + mass + "</link></robot>", "r.urdf:2:1: error: <link> has no 'name'; for example name=\"upper_arm\""},
       {head + a_link("") + "</robot>", "r.urdf:2:13: error: name: a link cannot be named '': that is no name"},
@@ -179,7 +180,8 @@ TEST_CASE("what is no URDF") {
       {head + a_link("a"), "r.urdf:3:1: error: the file ends within <robot>, opened on line 1; is it complete?"},
       {head + a_link("a") + "</robot>\n" + head + a_link("a") + "</robot>",
        "r.urdf:4:1: error: something follows the end of the document; a file holds one root element"},
-      {"<html><body/></html>", "r.urdf:1:1: error: no model begins with '<html>'; known are <mujoco> (MJCF), <robot> (URDF)"},
+      {"<html><body/></html>",
+       "r.urdf:1:1: error: no model begins with '<html>'; known are <mujoco> (MJCF), <sdf> (SDF), <robot> (URDF)"},
   });
 }
 

@@ -1,0 +1,169 @@
+#include <cmath>
+#include <numbers>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/sdf/parts.hpp>
+
+namespace momentree::io::sdf {
+
+namespace {
+
+struct Type {
+  const char* name;
+  Kind kind;
+  int axes;
+  bool limited;
+};
+constexpr Type types[] = {{"revolute", Kind::revolute, 1, true},   {"continuous", Kind::revolute, 1, false},
+                          {"prismatic", Kind::prismatic, 1, true}, {"fixed", Kind::weld, 0, false},
+                          {"ball", Kind::ball, 0, false},          {"universal", Kind::universal, 2, true},
+                          {"revolute2", Kind::universal, 2, true}, {"screw", Kind::helical, 1, true}};
+
+const Type* read_type(XmlFields& fields, XmlFile& file) {
+  std::vector<std::string> names;
+  std::string all = "one of:";
+  for (const Type& type : types) names.emplace_back(type.name), all += std::string(" ") + type.name;
+  if (!fields.require("type", all)) return nullptr;
+  const std::string given = fields.string("type").value_or("");
+  for (const Type& type : types)
+    if (given == type.name) return &type;
+  if (given == "gearbox") {
+    file.error(fields.spot("type"), "a gearbox couples two joints, which is not supported yet",
+               "leave it out: what it couples then moves by itself");
+    return nullptr;
+  }
+  const std::string hint = did_you_mean(given, names);
+  file.error(fields.spot("type"), "unknown type of joint " + in_quotes(given), hint.empty() ? all : hint);
+  return nullptr;
+}
+
+std::string read_end(Texts& texts, const char* end, XmlSpot& spot, XmlFile& file) {
+  const auto name = texts.string(end);
+  if (!name) {
+    texts.fields.require_child(end, std::string("for example <") + end + ">base</" + end + ">");
+    return {};
+  }
+  spot = texts.spot();
+  if (name->empty()) file.error(spot, std::string(end) + ": the name of a link is missing");
+  return *name;
+}
+
+void read_limit(XmlElement element, const Type& type, AxisPart& axis, XmlFile& file) {
+  Texts texts(element, file);
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  const double lower = texts.bound("lower").value_or(-inf);
+  const XmlSpot at = texts.fields.child("lower") ? texts.spot() : XmlSpot{element};
+  const double upper = texts.bound("upper").value_or(inf);
+  const auto effort = texts.bound("effort");
+  if (effort && *effort == 0)
+    file.once(Severity::warning, "an effort limit of 0: nothing could drive this joint", "efforts are not limited here",
+              texts.spot());
+  texts.bound("velocity");
+  texts.bound("stiffness");
+  texts.bound("dissipation");
+  texts.fields.finish();
+  if (!type.limited) return;
+  if (lower > upper) {
+    file.error(at, "limit: 'lower' is more than 'upper'", "swap them");
+  } else if (lower == upper) {
+    file.once(Severity::warning, "the limits of this joint are equal: it could not move; they are not taken up",
+              "a joint that does not move is type=\"fixed\"", {element});
+  } else {
+    axis.lower = lower;
+    axis.upper = upper;
+    axis.limit = element;
+  }
+}
+
+void read_dynamics(XmlElement element, AxisPart& axis, XmlFile& file) {
+  Texts texts(element, file);
+  axis.damping = texts.not_negative("damping").value_or(0);
+  axis.friction = texts.not_negative("friction").value_or(0);
+  axis.rest = texts.number("spring_reference").value_or(0);
+  axis.stiffness = texts.not_negative("spring_stiffness").value_or(0);
+  texts.fields.finish();
+}
+
+AxisPart read_axis(XmlElement element, const Type& type, Version version, XmlFile& file) {
+  AxisPart axis;
+  axis.spot = {element};
+  Texts texts(element, file);
+  if (const XmlElement xyz = texts.fields.child("xyz")) {
+    axis.spot = {xyz, XmlSpot::no_attribute, true};
+    XmlFields of(xyz, file);
+    if (version.frames()) axis.expressed_in = of.string("expressed_in").value_or("");
+    of.finish();
+    if (const auto given = read_numbers(xyz.text(), 3, 3, axis.spot, "xyz", file))
+      axis.xyz = {(*given)[0], (*given)[1], (*given)[2]};
+    const double length = norm(axis.xyz);
+    if (length < 1e-9) {
+      file.error(axis.spot, "xyz: an axis of length zero has no direction", "for example <xyz>0 0 1</xyz>");
+      axis.xyz = {0, 0, 1};
+    } else if (std::fabs(length - 1) > 1e-3) {
+      file.once(Severity::warning, "an axis is not of length 1: it is taken as a direction", "", axis.spot);
+    }
+  }
+  // Axes were those of the model until 1.4, and by choice until 1.6.
+  if (version.minor <= 4) {
+    axis.expressed_in = "__model__";
+  } else if (!version.frames()) {
+    if (texts.boolean("use_parent_model_frame").value_or(false)) axis.expressed_in = "__model__";
+  }
+  if (const XmlElement limit = texts.fields.child("limit")) read_limit(limit, type, axis, file);
+  if (const XmlElement dynamics = texts.fields.child("dynamics")) read_dynamics(dynamics, axis, file);
+  axis.mimic = texts.fields.child("mimic");
+  texts.number("initial_position");
+  texts.fields.finish();
+  return axis;
+}
+
+void read_pitch(Texts& texts, JointPart& joint, XmlFile& file) {
+  const auto old = texts.number("thread_pitch");
+  const XmlSpot spot = texts.spot();
+  const auto pitch = texts.number("screw_thread_pitch");
+  if (joint.kind != Kind::helical) return;
+  if (pitch) {
+    joint.pitch = *pitch;
+  } else if (old && *old == 0) {
+    file.error(spot, "thread_pitch: 0 rad/m is no thread", "it is in rad/m, and positive for a left-handed thread");
+  } else if (old) {
+    joint.pitch = -2 * std::numbers::pi / *old;  // rad/m of a left-handed thread, by which Gazebo has read it
+  } else if (!texts.fields.child("thread_pitch") && !texts.fields.child("screw_thread_pitch")) {
+    file.warning({joint.element}, "a screw without <screw_thread_pitch>: by the format it is 1 m per turn");
+  }
+}
+
+}  // namespace
+
+JointPart read_joint(XmlElement element, Version version, XmlFile& file) {
+  JointPart joint;
+  joint.element = element;
+  Texts texts(element, file);
+  XmlFields& fields = texts.fields;
+  joint.name = read_name(fields, "a joint", version, file);
+  joint.parent = read_end(texts, "parent", joint.parent_spot, file);
+  joint.child = read_end(texts, "child", joint.child_spot, file);
+  const Type* type = read_type(fields, file);
+  joint.pose = read_pose(fields, version, file);
+  if (type) {
+    joint.known = true;
+    joint.kind = type->kind;
+    joint.freedoms = type->axes;
+  }
+  read_pitch(texts, joint, file);
+  constexpr const char* names[] = {"axis", "axis2"};
+  for (int i = 0; i < 2; ++i) {
+    if (!type || i >= type->axes) {
+      fields.known_children({names[i]});  // of no meaning there, and often written
+    } else if (const XmlElement axis = fields.require_child(
+                   names[i], "for example <" + std::string(names[i]) + "><xyz>0 0 1</xyz></" + names[i] + ">")) {
+      joint.axes[static_cast<std::size_t>(i)] = read_axis(axis, *type, version, file);
+    }
+  }
+  fields.known_children({"gearbox_ratio", "gearbox_reference_body"});
+  fields.leave_out({"physics", "sensor"}, "it belongs to another program");
+  fields.finish();
+  return joint;
+}
+
+}  // namespace momentree::io::sdf

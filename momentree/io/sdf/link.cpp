@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <momentree/io/sdf/parts.hpp>
+
+namespace momentree::io::sdf {
+
+namespace {
+
+void read_inertia(XmlElement inertia, const Quat& axes, LinkPart& link, XmlFile& file) {
+  Texts texts(inertia, file);
+  Sym3 m{};
+  const auto moment = [&](const char* name) {
+    if (const auto value = texts.number(name)) return *value;
+    if (!texts.fields.child(name))
+      file.once(Severity::warning, "<inertia> has no <" + std::string(name) + ">: by the format it is 1 kg m²", "", {inertia});
+    return 1.0;
+  };
+  m.xx = moment("ixx"), m.yy = moment("iyy"), m.zz = moment("izz");
+  m.xy = texts.number("ixy").value_or(0), m.xz = texts.number("ixz").value_or(0), m.yz = texts.number("iyz").value_or(0);
+  texts.fields.finish();
+  const bool turned = axes.x != 0 || axes.y != 0 || axes.z != 0;
+  link.inertia = turned ? rotate(rotation_matrix(axes), m) : m;
+}
+
+void read_inertial(XmlElement inertial, Version version, LinkPart& link, XmlFile& file) {
+  const std::size_t errors = file.out().errors();
+  Texts texts(inertial, file);
+  if (texts.fields.boolean("auto").value_or(false))
+    file.error(texts.fields.spot("auto"), "an inertia that is computed from collisions is not supported",
+               "give mass and inertia as numbers");
+  const FramedPose pose = read_pose(texts.fields, version, file);
+  if (!pose.relative_to.empty())
+    file.error(pose.spot, "the pose of an <inertial> is that in its link, and names no frame", "leave the attribute out");
+  link.com = pose.pose.position;
+  if (const auto mass = texts.not_negative("mass"))
+    link.mass = *mass;
+  else if (!texts.fields.child("mass"))
+    file.once(Severity::warning, "<inertial> has no <mass>: by the format it is 1 kg", "", {inertial});
+  if (const XmlElement inertia = texts.fields.child("inertia"))
+    read_inertia(inertia, pose.pose.rotation, link, file);
+  else
+    file.once(Severity::warning, "<inertial> has no <inertia>: by the format it is 1 kg m² about every axis", "", {inertial});
+  if (const XmlElement added = texts.fields.child("fluid_added_mass"))
+    file.once(Severity::warning, "<fluid_added_mass> is ignored: there is no fluid here", "", {added});
+  texts.fields.leave_out({"density", "auto_inertia_params"}, "");
+  texts.fields.finish();
+  if (errors != file.out().errors()) link.mass = 1, link.inertia = diagonal(1);  // reported: no more to say about them
+}
+
+double positive(Texts& texts, const char* name, XmlElement of, XmlFile& file) {
+  const auto value = texts.number(name);
+  if (!value && !texts.fields.child(name)) file.error({of}, of.tag() + " has no <" + std::string(name) + ">");
+  if (!value || *value > 0) return value.value_or(1);
+  file.error(texts.spot(), std::string(name) + ": must be greater than 0");
+  return 1;
+}
+
+void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& file) {
+  XmlFields fields(geometry, file);
+  if (const XmlElement box = fields.child("box")) {
+    Texts texts(box, file);
+    shape.kind = Shape::Kind::box;
+    shape.size = texts.vec3("size").value_or(Vec3{1, 1, 1});
+    if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0))
+      file.error(texts.spot(), "size: must be greater than 0"), shape.size = {1, 1, 1};
+    texts.fields.finish();
+  }
+  const auto round = [&](const char* tag, Shape::Kind kind) {
+    const XmlElement element = fields.child(tag);
+    if (!element) return;
+    Texts texts(element, file);
+    shape.kind = kind;
+    shape.radius = positive(texts, "radius", element, file);
+    if (kind != Shape::Kind::sphere) shape.length = positive(texts, "length", element, file);
+    texts.fields.finish();
+  };
+  round("sphere", Shape::Kind::sphere);
+  round("cylinder", Shape::Kind::cylinder);
+  round("capsule", Shape::Kind::capsule);
+  if (const XmlElement mesh = fields.child("mesh")) {
+    Texts texts(mesh, file);
+    const auto uri = texts.string("uri");
+    const XmlSpot spot = texts.spot();
+    shape.scale = texts.vec3("scale").value_or(Vec3{1, 1, 1});
+    texts.fields.known({"optimization"});
+    texts.fields.known_children({"submesh", "convex_decomposition"});
+    texts.fields.finish();
+    if (uri)
+      import.read_mesh(*uri, spot, shape, file);
+    else
+      file.error({mesh}, "<mesh> has no <uri>");
+  }
+  fields.known_children({"empty"});
+  fields.leave_out({"ellipsoid", "plane", "heightmap", "polyline", "image", "cone"}, "pictures do not show it");
+  fields.finish();
+}
+
+std::string colour_of(Texts& material, XmlFile& file) {
+  std::string colour;
+  for (const char* name : {"ambient", "diffuse"}) {
+    const XmlElement element = material.fields.child(name);
+    if (!element || element.text().empty()) continue;
+    const auto rgba = read_numbers(element.text(), 3, 4, {element, XmlSpot::no_attribute, true}, name, file);
+    if (!rgba) continue;
+    unsigned levels[3];
+    for (std::size_t i = 0; i < 3; ++i) levels[i] = static_cast<unsigned>(std::lround(255 * std::clamp((*rgba)[i], 0.0, 1.0)));
+    char text[8];
+    std::snprintf(text, sizeof text, "#%02x%02x%02x", levels[0] & 255u, levels[1] & 255u, levels[2] & 255u);
+    colour = text;
+  }
+  material.fields.known_children(
+      {"specular", "emissive", "script", "shader", "lighting", "pbr", "render_order", "double_sided", "shininess"});
+  material.fields.finish();
+  return colour;
+}
+
+void read_visual(XmlElement visual, Version version, LinkPart& link, Import& import, XmlFile& file) {
+  XmlFields fields(visual, file);
+  fields.known({"name"});
+  Shape shape;
+  FramedPose pose = read_pose(fields, version, file);
+  shape.at = pose.pose;
+  if (const XmlElement geometry = fields.require_child("geometry")) read_geometry(geometry, shape, import, file);
+  if (const XmlElement material = fields.child("material")) {
+    Texts texts(material, file);
+    shape.colour = colour_of(texts, file);
+  }
+  fields.known_children({"cast_shadows", "transparency", "laser_retro", "meta", "visibility_flags", "plugin"});
+  fields.finish();
+  if (shape.kind == Shape::Kind::none) return;
+  if (!pose.relative_to.empty()) link.placed_shapes.emplace_back(link.shapes.size(), std::move(pose));
+  link.shapes.push_back(std::move(shape));
+}
+
+// What moves a link otherwise than masses and joints do.
+void warn_of_special(Texts& texts, XmlFile& file) {
+  if (!texts.boolean("gravity").value_or(true))
+    file.once(Severity::warning, "<gravity> of a link is ignored: gravity acts on every body", "", texts.spot());
+  if (texts.boolean("kinematic").value_or(false))
+    file.once(Severity::warning, "<kinematic> is ignored: the link moves as its masses do", "", texts.spot());
+  if (const XmlElement decay = texts.fields.child("velocity_decay")) {
+    Texts rates(decay, file);
+    const double linear = rates.number("linear").value_or(0), angular = rates.number("angular").value_or(0);
+    rates.fields.finish();
+    if (linear != 0 || angular != 0)
+      file.once(Severity::warning, "<velocity_decay> is ignored", "a scenario's [[force]] with a drag slows bodies down",
+                {decay});
+  }
+}
+
+}  // namespace
+
+LinkPart read_link(XmlElement element, Version version, Import& import, XmlFile& file) {
+  LinkPart link;
+  link.element = element;
+  Texts texts(element, file);
+  XmlFields& fields = texts.fields;
+  link.name = read_name(fields, "a link", version, file);
+  link.pose = read_pose(fields, version, file);
+  if (const XmlElement inertial = fields.child("inertial")) {
+    link.inertial = inertial;
+    read_inertial(inertial, version, link, file);
+  } else {
+    file.once(Severity::warning, "a link without <inertial>: by the format its mass is 1 kg, its inertia 1 kg m²",
+              "a light one needs small numbers", {element});
+  }
+  for (const XmlElement visual : fields.children("visual")) read_visual(visual, version, link, import, file);
+  warn_of_special(texts, file);
+  fields.known_children({"self_collide", "enable_wind", "must_be_base_link"});
+  fields.leave_out({"collision"}, "bodies do not touch here");
+  fields.leave_out({"sensor", "projector", "audio_sink", "audio_source", "battery", "light", "particle_emitter", "plugin"},
+                   "it belongs to another program");
+  fields.finish();
+  return link;
+}
+
+}  // namespace momentree::io::sdf

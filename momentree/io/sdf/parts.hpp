@@ -1,0 +1,147 @@
+#pragma once
+// The parts of SDF files as they say it, one reader each, before any name is looked up. Internal to the importer.
+#include <array>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <momentree/io/model/importer.hpp>
+#include <momentree/io/xml/fields.hpp>
+
+namespace momentree::io::sdf {
+
+/// The version of a file: 1.`minor`.
+struct Version {
+  int minor = 10;
+  bool frames() const { return minor >= 7; }  ///< poses name the frames that they are relative to
+};
+
+/// Children of one element that hold a text each: SDF writes them where other formats have attributes.
+class Texts {
+ public:
+  Texts(XmlElement element, XmlFile& file) : fields(element, file), file_(file) {}
+
+  /// Nothing where the child is absent, or wrong and reported.
+  std::optional<std::string> string(std::string_view child);
+  std::optional<double> number(std::string_view child);
+  std::optional<double> not_negative(std::string_view child);
+  /// A number, inf or -inf.
+  std::optional<double> bound(std::string_view child);
+  std::optional<Vec3> vec3(std::string_view child);
+  std::optional<bool> boolean(std::string_view child);
+  /// Of the text of the child read last.
+  const XmlSpot& spot() const { return spot_; }
+
+  XmlFields fields;
+
+ private:
+  XmlElement leaf(std::string_view child);
+  XmlFile& file_;
+  XmlSpot spot_{};
+};
+
+/// A placement in a frame that is still a name; empty: the one that counts by the rules of the format.
+struct FramedPose {
+  Pose pose{};
+  std::string relative_to{};
+  XmlSpot spot{};  ///< of relative_to, or of the pose; none where there is none
+};
+FramedPose read_pose(XmlFields& fields, Version version, XmlFile& file);
+
+struct LinkPart {
+  std::string name{};
+  FramedPose pose{};
+  double mass = 1;
+  Vec3 com{};
+  Sym3 inertia = diagonal(1);
+  std::vector<Shape> shapes{};
+  std::vector<std::pair<std::size_t, FramedPose>> placed_shapes{};  ///< those whose poses name a frame
+  XmlElement element{}, inertial{};
+};
+
+struct FramePart {
+  std::string name{}, attached_to{};
+  FramedPose pose{};
+  XmlElement element{};
+  XmlSpot attached_spot{};
+};
+
+/// What one freedom of a joint has.
+struct AxisPart {
+  Vec3 xyz{0, 0, 1};
+  std::string expressed_in{};
+  XmlSpot spot{};  ///< of xyz
+  double damping = 0, friction = 0, stiffness = 0, rest = 0;
+  double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
+  XmlElement limit{}, mimic{};
+};
+
+struct JointPart {
+  std::string name{}, parent{}, child{};
+  Kind kind = Kind::weld;
+  bool known = false;  ///< its type
+  FramedPose pose{};
+  std::array<AxisPart, 2> axes{};
+  int freedoms = 0;  ///< with an axis each
+  double pitch = 1;  ///< m per turn, right-handed
+  XmlElement element{};
+  XmlSpot parent_spot{}, child_spot{};
+};
+
+struct ModelPart;
+/// A model in a model or in a world, its own or from another file.
+struct NestedPart {
+  std::shared_ptr<const ModelPart> model{};
+  std::string name{}, placement_frame{};
+  FramedPose pose{};
+  bool is_static = false;
+  bool merged = false;  ///< its parts are those of the model that includes it
+  XmlElement element{};
+  XmlSpot placement_spot{};
+};
+
+/// A model or a world.
+struct ModelPart {
+  Version version{};
+  bool is_world = false;
+  std::string name{}, canonical_link{}, placement_frame{};
+  bool is_static = false;
+  FramedPose pose{};
+  std::vector<LinkPart> links{};
+  std::vector<FramePart> frames{};
+  std::vector<JointPart> joints{};
+  std::vector<NestedPart> nested{};
+  XmlElement element{};
+  XmlSpot canonical_spot{}, placement_spot{};
+  XmlFile* file = nullptr;
+  std::size_t all_links = 0, all_models = 1;  ///< with those of nested models
+  int levels = 1;                             ///< of models in each other
+};
+
+/// What is shared while one model is read.
+struct Reading {
+  Import& import;
+  std::unordered_map<const XmlDocument*, std::shared_ptr<const ModelPart>> read{};  ///< files by their only model
+  std::vector<XmlFile*> open{};                                                     ///< that include each other
+  std::optional<Vec3> gravity{};
+};
+
+/// The name of a link, joint, frame or model; empty, with a report, where it has none that can be.
+std::string read_name(XmlFields& fields, const char* what, Version version, XmlFile& file);
+
+LinkPart read_link(XmlElement link, Version version, Import& import, XmlFile& file);
+JointPart read_joint(XmlElement joint, Version version, XmlFile& file);
+/// <model> or <world>, and all that it holds.
+std::shared_ptr<ModelPart> read_model(XmlElement model, Version version, Reading& reading, XmlFile& file, int depth);
+/// <include>: nothing, with a report, where there is no such model.
+std::optional<NestedPart> read_include(XmlElement include, const ModelPart& into, Reading& reading, XmlFile& file, int depth);
+/// The only model of a file whose root element is <sdf>, or its world where there is one.
+std::shared_ptr<const ModelPart> read_root(XmlElement sdf, Reading& reading, XmlFile& file, bool included, int depth);
+
+/// Looks all names up and makes the bodies: the model of the import.
+void build(const ModelPart& outermost, Import& import);
+
+}  // namespace momentree::io::sdf
