@@ -289,8 +289,22 @@ TEST_CASE("usage") {
   refused("view s.toml", "--svg");
   refused("bench s.toml", "one argument too many");
   refused("bench --jsn", "did you mean '--json'?");
-  for (const char* later : {"convert a.urdf -o b.toml", "sweep s.toml --jobs 3"}) refused(later, "not supported yet");
+  refused("sweep s.toml --jobs 3", "not supported yet");
+  refused("convert s.toml", "--out is required");
+  refused("convert s.toml -o s.mjcf", "'.mjcf' files are not written; written are .toml");
+  refused("convert s.toml -o s", "a file without an ending does not say its format");
+  refused("convert s.toml -o ./s.toml", "it would be overwritten");
   CHECK(here.files() == 1);
+}
+
+TEST_CASE("convert: what is written is a scenario, and the same one again") {
+  const Workplace here;
+  CHECK(here.call("convert s.toml -o a.toml --set integrate.step=0.002").code == 0);
+  CHECK(here.call("check a.toml").says("a.toml: ok: 1 mechanism, 8 bodies, 8 degrees of freedom, 1 event"));
+  const Outcome again = here.call("convert a.toml -o -");
+  CHECK(again.code == 0);
+  CHECK(again.says("step  = 0.002"));
+  CHECK(again.says("[mechanism.chain]"));
 }
 
 TEST_CASE("check, explain, evaluate, view") {

@@ -1,0 +1,49 @@
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include <cli/commands.hpp>
+#include <cli/session.hpp>
+#include <momentree/base/error.hpp>
+#include <momentree/io/convert/convert.hpp>
+#include <momentree/io/text_file.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Format { toml };
+
+Format format_of(const std::string& path) {
+  if (path == "-") return Format::toml;
+  std::string ending = fs::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  if (ending == ".toml") return Format::toml;
+  fail({ending.empty() ? "a file without an ending does not say its format" : "'" + ending + "' files are not written", path,
+        "written are .toml files (scenarios)"});
+}
+
+}  // namespace
+
+int convert(const ConvertOptions& options) {
+  (void)format_of(options.out);
+  std::error_code failed;
+  if (options.out != "-" && fs::equivalent(options.out, options.source, failed))
+    fail({"is the file that is read: it would be overwritten", options.out, "give another name after -o"});
+  const std::optional<io::Scenario> scenario = load(options.source, options.overrides, true);
+  if (!scenario) return bad_input;
+  const std::string folder = options.out == "-" ? "" : fs::path(options.out).parent_path().string();
+  const io::Converted result = io::to_toml(*scenario, folder);
+  std::fputs(io::rendered(result.diagnostics).c_str(), stderr);
+  if (options.out == "-")
+    std::fputs(result.text.c_str(), stdout);
+  else
+    io::write_text_file(options.out, result.text);
+  return done;
+}
+
+}  // namespace momentree::cli
