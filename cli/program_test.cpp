@@ -291,9 +291,11 @@ TEST_CASE("usage") {
   refused("bench --jsn", "did you mean '--json'?");
   refused("sweep s.toml --jobs 3", "not supported yet");
   refused("convert s.toml", "--out is required");
-  refused("convert s.toml -o s.mjcf", "'.mjcf' files are not written; written are .toml");
+  refused("convert s.toml -o s.mjcf", "'.mjcf' files are not written; written are .toml (a scenario) and .urdf");
   refused("convert s.toml -o s", "a file without an ending does not say its format");
   refused("convert s.toml -o ./s.toml", "it would be overwritten");
+  refused("convert s.toml -o s.urdf --mechanism chian", "did you mean 'chain'?");
+  refused("convert s.toml -o t.toml --mechanism chain", "--mechanism is for .urdf");
   CHECK(here.files() == 1);
 }
 
@@ -305,6 +307,12 @@ TEST_CASE("convert: what is written is a scenario, and the same one again") {
   CHECK(again.code == 0);
   CHECK(again.says("step  = 0.002"));
   CHECK(again.says("[mechanism.chain]"));
+  const Outcome urdf = here.call("convert s.toml -o a.urdf");
+  CHECK(urdf.code == 0);
+  CHECK(urdf.output.empty());
+  CHECK(urdf.says("s.toml: warning: a URDF is a model alone; left out: its gravity, its events"));
+  CHECK(urdf.says("s.toml:14:9: warning: URDF has no place for starts"));
+  CHECK(here.call("check a.urdf").says("9 bodies, 8 degrees of freedom"));
 }
 
 TEST_CASE("check, explain, evaluate, view") {
