@@ -32,6 +32,13 @@ struct ExplainOptions {
 };
 int explain(const ExplainOptions& options);
 
+struct ConvertOptions {
+  std::string source, out;  ///< "-": TOML to standard output
+  std::string mechanism;    ///< for a URDF; empty: the only one
+  std::vector<std::string> overrides;
+};
+int convert(const ConvertOptions& options);
+
 struct CompileOptions {
   std::string scenario, out;  ///< "-": standard output
   std::string name;           ///< of what the code defines; empty: the scenario's

@@ -30,6 +30,7 @@ struct CommandLine {
   RunOptions run_options;
   EvaluateOptions evaluate_options;
   ExplainOptions explain_options;
+  ConvertOptions convert_options;
   CompileOptions compile_options;
   ViewOptions view_options;
   BenchOptions bench_options;
@@ -108,6 +109,18 @@ CommandLine::CommandLine() {
       ->type_name("SCENARIO|MODEL");
   overrides(explain_command, explain_options.overrides);
 
+  CLI::App* convert_command = command("convert", "Write a scenario or a model as a scenario (.toml) or a model (.urdf)",
+                                      [this] { return convert(convert_options); });
+  convert_command->add_option("source", convert_options.source, "A scenario (.toml) or a model (.urdf, .xml)")
+      ->required()
+      ->type_name("SCENARIO|MODEL");
+  convert_command->add_option("-o,--out", convert_options.out, "The file to write: .toml or .urdf; - is TOML on standard output")
+      ->required()
+      ->type_name("FILE");
+  convert_command->add_option("--mechanism", convert_options.mechanism, "Which one, for a URDF of a scenario with several")
+      ->type_name("NAME");
+  overrides(convert_command, convert_options.overrides);
+
   CLI::App* compile_command = command("compile", "Write code that is specialised for one topology, as a C++ file",
                                       [this] { return compile(compile_options); });
   compile_command->add_option("scenario", compile_options.scenario, "A scenario file (.toml)")->required()->type_name("SCENARIO");
@@ -144,7 +157,6 @@ CommandLine::CommandLine() {
       ->type_name("N")
       ->check(CLI::Range(1000, 100000000));
 
-  not_yet("convert", "Turn a model file into another format");
   not_yet("sweep", "Run many worlds");
 }
 

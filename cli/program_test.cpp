@@ -289,8 +289,30 @@ TEST_CASE("usage") {
   refused("view s.toml", "--svg");
   refused("bench s.toml", "one argument too many");
   refused("bench --jsn", "did you mean '--json'?");
-  for (const char* later : {"convert a.urdf -o b.toml", "sweep s.toml --jobs 3"}) refused(later, "not supported yet");
+  refused("sweep s.toml --jobs 3", "not supported yet");
+  refused("convert s.toml", "--out is required");
+  refused("convert s.toml -o s.mjcf", "'.mjcf' files are not written; written are .toml (a scenario) and .urdf");
+  refused("convert s.toml -o s", "a file without an ending does not say its format");
+  refused("convert s.toml -o ./s.toml", "it would be overwritten");
+  refused("convert s.toml -o s.urdf --mechanism chian", "did you mean 'chain'?");
+  refused("convert s.toml -o t.toml --mechanism chain", "--mechanism is for .urdf");
   CHECK(here.files() == 1);
+}
+
+TEST_CASE("convert: what is written is a scenario, and the same one again") {
+  const Workplace here;
+  CHECK(here.call("convert s.toml -o a.toml --set integrate.step=0.002").code == 0);
+  CHECK(here.call("check a.toml").says("a.toml: ok: 1 mechanism, 8 bodies, 8 degrees of freedom, 1 event"));
+  const Outcome again = here.call("convert a.toml -o -");
+  CHECK(again.code == 0);
+  CHECK(again.says("step  = 0.002"));
+  CHECK(again.says("[mechanism.chain]"));
+  const Outcome urdf = here.call("convert s.toml -o a.urdf");
+  CHECK(urdf.code == 0);
+  CHECK(urdf.output.empty());
+  CHECK(urdf.says("s.toml: warning: a URDF is a model alone; left out: its gravity, its events"));
+  CHECK(urdf.says("s.toml:14:9: warning: URDF has no place for starts"));
+  CHECK(here.call("check a.urdf").says("9 bodies, 8 degrees of freedom"));
 }
 
 TEST_CASE("check, explain, evaluate, view") {

@@ -82,5 +82,15 @@ TEST_CASE("impossible bodies are refused") {
       {one_body + "shape = { sphere = 1, colour = \"rde\" }\n",
        "s.toml:8:32: error: colour: 'rde' is no colour; did you mean 'red'?"},
       {one_body + "shape = { cylinder = { radius = 1 } }\n", "s.toml:8:22: error: cylinder has no 'length'"},
+      {one_body + "shape = [{ sphere = 1 }, { sphere = 0 }]\n", "s.toml:8:37: error: sphere: its radius must be greater than 0"},
+      {one_body + "shape = { sphere = 1, scale = 2 }\n",
+       "s.toml:8:31: error: scale: only a mesh is scaled; give the shape its size"},
+      {one_body + "shape = { mesh = \"a.stl\", scale = [1, 0, 1] }\n", "s.toml:8:35: error: scale: must not be 0"},
+      {"format = 1\n[[mechanism]]\nname = \"m\"\nroots = 2\n" + one_body.substr(head.size()),
+       "s.toml:2:1: error: roots: 1 bodies of mechanism 'm' are joined to the ground, not 2"},
+      {"format = 1\n[[mechanism]]\nname = \"m\"\nroots = 0\n" + one_body.substr(head.size()),
+       "s.toml:4:9: error: roots: expected a number of bodies, 1 or more"},
+      {"format = 1\n[[mechanism]]\nname = \"m\"\nroots = 2\n" + chain.substr(head.size()),
+       "s.toml:4:9: error: roots: it is for a mechanism of [[mechanism.body]] tables"},
   });
 }

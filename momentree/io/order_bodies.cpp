@@ -36,7 +36,7 @@ void report_circle(const std::vector<BodyEntry>& bodies, const std::vector<std::
 }  // namespace
 
 std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const std::string& mechanism, Place place,
-                                  Reading& reading) {
+                                  std::size_t roots, Reading& reading) {
   Diagnostics& out = reading.out;
   const std::size_t errors = out.errors();
   std::unordered_map<std::string_view, std::size_t> by_name;
@@ -45,18 +45,20 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
     if (!bodies[b].bare_name.empty()) by_name.emplace(bodies[b].bare_name, b);
 
   std::vector<std::size_t> parent(bodies.size(), none);
-  std::size_t root = none;
+  std::size_t root = none, found_roots = 0;
   bool sound = true;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const BodyEntry& body = bodies[b];
     if (body.rooted) {
+      ++found_roots;
       if (root == none)
         root = b;
-      else
+      else if (found_roots > roots)
         out.error(body.name_place,
                   "a second root: body " + in_quotes(body.bare_name) + " is joined to the ground, as " +
                       in_quotes(bodies[root].bare_name) + " on " + out.name_of(bodies[root].name_place),
-                  "give it a joint with a parent, or a [[mechanism]] of its own");
+                  roots > 1 ? "the mechanism says roots = " + std::to_string(roots)
+                            : "give it a joint with a parent, or a [[mechanism]] of its own");
       continue;
     }
     const auto found = by_name.find(bare(body.parent, mechanism));
@@ -103,6 +105,9 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
   if (root == none && sound && errors == out.errors())
     out.error(place, "mechanism " + in_quotes(mechanism) + " has no root",
               "one body is joined to the ground: its joint names no parent");
+  else if (sound && root != none && found_roots < roots)
+    out.error(place, "roots: " + std::to_string(found_roots) + " bodies of mechanism " + in_quotes(mechanism) +
+                         " are joined to the ground, not " + std::to_string(roots));
   if (!sound || errors != out.errors()) return {};
   return order;
 }

@@ -42,14 +42,28 @@ Held read_root(Fields& fields, Diagnostics& out) {
   return Held::unsaid;
 }
 
+// How many bodies of a mechanism are joined to the ground.
+std::size_t read_roots(Fields& fields, Diagnostics& out) {
+  const Value* roots = fields.find("roots");
+  if (!roots) return 1;
+  const std::int64_t* n = roots->integer();
+  if (n && *n >= 1 && *n <= 1'000'000 && fields.has("body")) return static_cast<std::size_t>(*n);
+  if (n && *n >= 1)
+    out.error(roots->place, "roots: it is for a mechanism of [[mechanism.body]] tables", "");
+  else
+    out.error(roots->place, "roots: expected a number of bodies, 1 or more");
+  return 1;
+}
+
 // The joint to the ground of a root body.
-void hold_root(BodyEntry& root, Held held, const Pose& pose, Place root_place, Diagnostics& out) {
+void hold_root(BodyEntry& root, Held held, const std::optional<Pose>& given_pose, Place root_place, Diagnostics& out) {
+  const Pose pose = given_pose.value_or(Pose{});
   BodySpec& spec = root.spec;
   if (root.joint) {
     if (held != Held::unsaid)
       out.error(root_place, "root: body " + in_quotes(root.bare_name) + " has a joint of its own to the ground",
                 "leave out 'root', or that joint");
-    spec.at = pose * spec.at;
+    if (given_pose) spec.at = pose * spec.at;
   } else if (held == Held::free) {
     const Quat& r = pose.rotation;
     spec.joint.kind = Kind::free;
@@ -73,7 +87,11 @@ Place place_of(const BodyEntry& body, const std::string& field) {
 void apply_state(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& order, const MechanismState& state,
                  Reading& reading) {
   Diagnostics& out = reading.out;
-  if (state.velocity) read_root_velocity(*state.velocity, bodies[order.front()].spec, out);
+  if (state.velocity && std::count_if(bodies.begin(), bodies.end(), [](const BodyEntry& body) { return body.rooted; }) > 1)
+    out.error(state.velocity->place, "velocity: this mechanism has several roots, and one velocity could be any of theirs",
+              "give v of their joints");
+  else if (state.velocity)
+    read_root_velocity(*state.velocity, bodies[order.front()].spec, out);
   if (state.joints.empty()) return;
   std::unordered_map<std::string, Place> known;
   for (BodyEntry& body : bodies) {
@@ -141,8 +159,8 @@ void add_bodies(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& 
   }
 }
 
-void read_bodies(const Value& list, const std::string& mechanism, Held held, const Pose& pose, Place root_place, Place place,
-                 const MechanismState& state, std::size_t errors, Reading& reading) {
+void read_bodies(const Value& list, const std::string& mechanism, Held held, const std::optional<Pose>& pose, Place root_place,
+                 Place place, const MechanismState& state, std::size_t roots, std::size_t errors, Reading& reading) {
   std::vector<BodyEntry> bodies;
   for (const Value* table : tables_of(list, "mechanism.body", reading.out)) {
     if (reading.bodies_left-- <= 0) {
@@ -155,7 +173,7 @@ void read_bodies(const Value& list, const std::string& mechanism, Held held, con
   if (bodies.empty()) return;
   for (BodyEntry& body : bodies)
     if (body.rooted) hold_root(body, held, pose, root_place, reading.out);
-  const std::vector<std::size_t> order = order_of(bodies, mechanism, place, reading);
+  const std::vector<std::size_t> order = order_of(bodies, mechanism, place, roots, reading);
   // Where names are missing or stand for two bodies, who is whose parent can't be told: what follows would be guesses.
   const bool named = std::all_of(bodies.begin(), bodies.end(), [](const BodyEntry& body) { return body.named; });
   if (!order.empty() && named) apply_state(bodies, order, state, reading);
@@ -194,7 +212,9 @@ void read_mechanism(const Value& table, Reading& reading) {
     reading.note(reading.mechanisms, name, fields.place_of("name"), "mechanism");
 
   const Held held = read_root(fields, out);
-  const Pose pose = fields.pose("pose").value_or(Pose{});
+  const std::optional<Pose> given_pose = fields.pose("pose");
+  const Pose pose = given_pose.value_or(Pose{});
+  const std::size_t roots = read_roots(fields, out);
   MechanismState state;
   const Value* chain = fields.find("chain");
   const Value* bodies = fields.find("body");
@@ -224,7 +244,7 @@ void read_mechanism(const Value& table, Reading& reading) {
   else if (chain)
     read_chain(*chain, name, held == Held::free, pose, state, errors, reading);
   else if (bodies)
-    read_bodies(*bodies, name, held, pose, fields.place_of("root"), fields.place(), state, errors, reading);
+    read_bodies(*bodies, name, held, given_pose, fields.place_of("root"), fields.place(), state, roots, errors, reading);
   fields.finish();
 }
 

@@ -55,6 +55,16 @@ void read_mesh(const Value& value, Shape& shape, Reading& reading) {
   shape.mesh = *file;
 }
 
+// One factor, or one along each axis.
+void read_scale(const Value& value, Shape& shape, Diagnostics& out) {
+  if (value.array()) {
+    shape.scale = read_vec3(value, dimension::number, "scale", out).value_or(shape.scale);
+  } else if (const auto all = read_number(value, dimension::number, "scale", out)) {
+    shape.scale = {*all, *all, *all};
+  }
+  if (shape.scale.x == 0 || shape.scale.y == 0 || shape.scale.z == 0) out.error(value.place, "scale: must not be 0");
+}
+
 // cylinder and capsule
 void read_round(const Value& value, Shape::Kind kind, const char* key, Shape& shape, Diagnostics& out) {
   Fields fields(value, key, out);
@@ -66,9 +76,7 @@ void read_round(const Value& value, Shape::Kind kind, const char* key, Shape& sh
   fields.finish();
 }
 
-}  // namespace
-
-Shape read_shape(const Value& value, Reading& reading) {
+Shape read_one(const Value& value, Reading& reading) {
   Diagnostics& out = reading.out;
   Fields fields(value, "shape", out);
   Shape shape;
@@ -89,12 +97,34 @@ Shape read_shape(const Value& value, Reading& reading) {
   if (const Value* capsule = fields.find("capsule"); capsule && ++kinds)
     read_round(*capsule, Shape::Kind::capsule, "capsule", shape, out);
   if (const Value* mesh = fields.find("mesh"); mesh && ++kinds) read_mesh(*mesh, shape, reading);
+  if (const Value* scale = fields.find("scale")) {
+    if (shape.kind == Shape::Kind::mesh || fields.has("mesh"))
+      read_scale(*scale, shape, out);
+    else
+      out.error(scale->place, "scale: only a mesh is scaled", "give the shape its size");
+  }
   if (kinds > 1) out.error(fields.place(), "a shape is one of box, sphere, cylinder, capsule and mesh", "");
   shape.at = fields.pose("at").value_or(Pose{});
   read_colour(fields, "colour", shape.colour, out);
   read_colour(fields, "color", shape.colour, out);
   fields.finish();
   return shape;
+}
+
+}  // namespace
+
+Shape read_shape(const Value& value, Reading& reading) {
+  const Value::Array* several = value.array();
+  if (!several) return read_one(value, reading);
+  Shape all;
+  for (const Value& each : *several) {
+    Shape one = read_one(each, reading);
+    if (&each == &several->front())
+      all = std::move(one);
+    else
+      all.more.push_back(std::move(one));
+  }
+  return all;
 }
 
 }  // namespace momentree::io

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <momentree/io/fields.hpp>
+#include <momentree/math/unit.hpp>
 
 namespace momentree::io {
 
@@ -82,7 +83,7 @@ std::optional<Pose> read_pose(const Value& value, std::string_view label, Diagno
                   length == 0 ? "quat: a quaternion of zeros is no rotation" : "quat: the quaternion is not of length 1",
                   length == 0 ? "no rotation is [1, 0, 0, 0]" : "scale it: w² + x² + y² + z² = 1");
       else if (errors == out.errors())
-        pose.rotation = normalized(Quat{q[0], q[1], q[2], q[3]});
+        pose.rotation = unit(Quat{q[0], q[1], q[2], q[3]});
     }
   }
   fields.finish();

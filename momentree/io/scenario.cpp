@@ -159,6 +159,7 @@ ReadResult read_text(std::string text, const std::string& path, const std::vecto
   if (document) {
     apply_overrides(*document, overrides, out);
     read_document(*document, reading);
+    scenario.document = std::make_shared<const Value>(std::move(*document));
   }
   scenario.shapes.resize(static_cast<std::size_t>(scenario.model.size()));
   const bool good = out.errors() + reading.model_errors() == 0;

@@ -1,11 +1,13 @@
 #pragma once
 // A scenario file (TOML 1.0) as a model, what happens to it, and how it is run and recorded.
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <momentree/base/value.hpp>
 #include <momentree/io/diagnostic.hpp>
 #include <momentree/io/shape.hpp>
 #include <momentree/simulate/action.hpp>
@@ -42,8 +44,9 @@ struct Scenario {
   std::string path;  ///< as given
   std::string name;  ///< of the file, without folder and ending
   std::string title;
-  std::string text;  ///< as read
-  std::string hash;  ///< 16 hexadecimal digits over the text and the overrides: names the input of a run
+  std::string text;                         ///< as read
+  std::shared_ptr<const Value> document{};  ///< the text as it was read, overrides applied; for a model alone what would name it
+  std::string hash;                         ///< 16 hexadecimal digits over the text and the overrides: names the input of a run
   Model model;
   Integration integration;
   double until = 10;                   ///< s

@@ -103,6 +103,7 @@ struct ModelChoice {
 bool check_bare_name(const std::string& name, Place place, std::string_view what, Diagnostics& out);
 
 BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& reading);
+/// A table, or a list of them.
 Shape read_shape(const Value& value, Reading& reading);
 /// kind, geometry, parameters, start and parent of a joint.
 void read_joint(const Value& table, BodyEntry& body, Reading& reading);
@@ -117,9 +118,9 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
 /// The bodies of a model file. `errors`: as above.
 void read_model(const Value& file, const std::string& mechanism, const ModelChoice& choice, std::size_t errors, Reading& reading);
 /// Puts the bodies of a mechanism, root first and parents before children, in the order of the file as far as that allows; empty,
-/// with reports, where there is not exactly one root, a parent is unknown or the joints go round in a circle.
+/// with reports, where there are not as many roots as the mechanism says, a parent is unknown or the joints go round in a circle.
 std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const std::string& mechanism, Place place,
-                                  Reading& reading);
+                                  std::size_t roots, Reading& reading);
 /// The root's velocity, in its own axes at its frame's origin, as velocities of a free joint.
 void read_root_velocity(const Value& value, BodySpec& root, Diagnostics& out);
 

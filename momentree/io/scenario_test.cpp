@@ -206,6 +206,26 @@ TEST_CASE("shapes are kept by body number") {
   CHECK(s.shapes[3].kind == Shape::Kind::none);
 }
 
+TEST_CASE("a body has several shapes, a mesh is scaled") {
+  const Scenario s =
+      read(one_body + "shape = [{ sphere = 2 }, { mesh = \"a.stl\", scale = [1, 2, 3] }, { mesh = \"a.stl\", scale = 5 }]\n");
+  REQUIRE(s.shapes[0].more.size() == 2);
+  CHECK(s.shapes[0].radius == 2);
+  CHECK(s.shapes[0].more[0].scale == Vec3{1, 2, 3});
+  CHECK(s.shapes[0].more[1].scale == Vec3{5, 5, 5});
+}
+
+TEST_CASE("several roots make several mechanisms, where the file says so") {
+  const std::string two = "format = 1\n[[mechanism]]\nname = \"m\"\nroots = 2\n" + one_body.substr(head.size());
+  const Scenario s =
+      read(two + "[mechanism.body.joint]\nkind = \"free\"\n[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n" +
+           "[mechanism.body.joint]\nkind = \"revolute\"\n");
+  REQUIRE(s.model.size() == 2);
+  CHECK(s.model.mechanism_name(Body{0}) == "m");
+  CHECK(s.model.mechanism_name(Body{1}) == "m/b");
+  CHECK(s.model[Body{1}].parent == ground);
+}
+
 TEST_CASE("state documents are named, relative to the scenario") {
   const Scenario s = read("state = \"a.json\"\n" + head + "state = \"b.json\"\n" + one_body.substr(head.size()));
   REQUIRE(s.state_files.size() == 2);

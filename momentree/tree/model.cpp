@@ -3,20 +3,17 @@
 #include <algorithm>
 #include <utility>
 
+#include <momentree/math/unit.hpp>
+
 namespace momentree {
 
 namespace {
 
-// Only for what check_body() has found to be near a unit vector or a unit quaternion.
-Vec3 unit_axis(const Vec3& a) {
-  const double largest = std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)});
-  return largest == 0 ? a : normalized((1 / largest) * a);
-}
-
+// Only for what check_body() has found to be near a unit quaternion.
 void normalise_quaternion(Values& q, const char* units) {
   for (int i = 0; i < q.size(); ++i)
     if (units[i] == 'n') {
-      const Quat u = normalized(Quat{q[i], q[i + 1], q[i + 2], q[i + 3]});
+      const Quat u = unit(Quat{q[i], q[i + 1], q[i + 2], q[i + 3]});
       q[i] = u.w, q[i + 1] = u.x, q[i + 2] = u.y, q[i + 3] = u.z;
       return;
     }
@@ -37,10 +34,10 @@ Values zero_coordinates(const KindInfo& kind) {
 void complete(BodySpec& spec) {
   const KindInfo& kind = info(spec.joint.kind);
   if (spec.joint_name.empty()) spec.joint_name = spec.name;
-  if (kind.axis) spec.joint.axis = unit_axis(spec.joint.axis);
-  if (kind.axis2) spec.joint.axis2 = unit_axis(spec.joint.axis2);
-  spec.at.rotation = normalized(spec.at.rotation);
-  spec.child_at.rotation = normalized(spec.child_at.rotation);
+  if (kind.axis) spec.joint.axis = unit(spec.joint.axis);
+  if (kind.axis2) spec.joint.axis2 = unit(spec.joint.axis2);
+  spec.at.rotation = unit(spec.at.rotation);
+  spec.child_at.rotation = unit(spec.child_at.rotation);
   if (spec.q.empty()) spec.q = zero_coordinates(kind);
   while (spec.v.size() < kind.nv) spec.v.push_back(0);
   normalise_quaternion(spec.q, kind.q_units);

@@ -1,0 +1,53 @@
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include <cli/commands.hpp>
+#include <cli/session.hpp>
+#include <momentree/base/error.hpp>
+#include <momentree/io/convert/convert.hpp>
+#include <momentree/io/text_file.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Format { toml, urdf };
+
+Format format_of(const std::string& path) {
+  if (path == "-") return Format::toml;
+  std::string ending = fs::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  if (ending == ".toml") return Format::toml;
+  if (ending == ".urdf") return Format::urdf;
+  fail({ending.empty() ? "a file without an ending does not say its format" : "'" + ending + "' files are not written", path,
+        "written are .toml (a scenario) and .urdf (one mechanism)"});
+}
+
+}  // namespace
+
+int convert(const ConvertOptions& options) {
+  const Format format = format_of(options.out);
+  std::error_code failed;
+  if (options.out != "-" && fs::equivalent(options.out, options.source, failed))
+    fail({"is the file that is read: it would be overwritten", options.out, "give another name after -o"});
+  const std::optional<io::Scenario> scenario = load(options.source, options.overrides, true);
+  if (!scenario) return bad_input;
+  if (format == Format::toml && !options.mechanism.empty())
+    fail({"--mechanism is for .urdf, which has one", "", "a scenario has all of them"});
+  const std::string folder = options.out == "-" ? "" : fs::path(options.out).parent_path().string();
+  const io::Converted result =
+      format == Format::toml ? io::to_toml(*scenario, folder) : io::to_urdf(*scenario, options.mechanism, folder);
+  std::fputs(io::rendered(result.diagnostics).c_str(), stderr);
+  if (options.out == "-")
+    std::fputs(result.text.c_str(), stdout);
+  else
+    io::write_text_file(options.out, result.text);
+  return done;
+}
+
+}  // namespace momentree::cli

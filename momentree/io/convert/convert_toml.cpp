@@ -1,0 +1,211 @@
+#include <momentree/io/convert/convert.hpp>
+
+#include <filesystem>
+#include <system_error>
+#include <unordered_map>
+
+#include <momentree/base/check.hpp>
+#include <momentree/base/error.hpp>
+#include <momentree/io/convert/describe.hpp>
+#include <momentree/io/convert/toml_writer.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+using namespace pieces;
+namespace fs = std::filesystem;
+
+// Numbers of bodies by the mechanism that their names begin with, in the order of the model.
+std::unordered_map<std::string, std::vector<int>> by_mechanism(const Model& model) {
+  std::unordered_map<std::string, std::vector<int>> all;
+  for (int b = 0; b < model.size(); ++b) {
+    const std::string& name = model[Body{b}].name;
+    all[name.substr(0, name.find('/'))].push_back(b);
+  }
+  return all;
+}
+
+bool is_zero(const Value* number) {
+  return number && ((number->real() && *number->real() == 0) || (number->integer() && *number->integer() == 0));
+}
+
+const std::string* string_at(const Value& table, const char* key) {
+  const Value::Entry* entry = table.find(key);
+  return entry ? entry->value.string() : nullptr;
+}
+
+// Says of bodies that move, have no mass and carry one other that they only join two joints.
+void explain_carriers(Value& mechanism) {
+  Value::Entry* bodies = mechanism.find("body");
+  if (!bodies || !bodies->value.array()) return;
+  struct Carried {
+    int count = 0;
+    std::string name;
+  };
+  std::unordered_map<std::string, Carried> carried;
+  for (const Value& body : *bodies->value.array()) {
+    const Value::Entry* joint = body.find("joint");
+    const std::string *name = string_at(body, "name"), *parent = joint ? string_at(joint->value, "parent") : nullptr;
+    if (!name || !parent) continue;
+    Carried& on = carried[parent->substr(parent->rfind('/') + 1)];
+    ++on.count, on.name = *name;
+  }
+  for (Value& body : *bodies->value.array()) {
+    const Value::Entry *mass = body.find("mass"), *joint = body.find("joint");
+    const std::string* name = string_at(body, "name");
+    if (!name || !mass || !is_zero(&mass->value) || !joint) continue;
+    const std::string* kind = string_at(joint->value, "kind");
+    const auto child = carried.find(*name);
+    if (!kind || *kind == "weld" || child == carried.end() || child->second.count != 1) continue;
+    const std::string what = "without mass: the joints of " + *name + " and " + child->second.name + " are one after the other";
+    body.table()->insert(body.table()->begin(), {comment_key, {}, text(what)});
+  }
+}
+
+class Converter {
+ public:
+  Converter(const Scenario& scenario, std::string folder) : scenario_(scenario), folder_(std::move(folder)) {
+    from_ = fs::path(scenario.path).parent_path().string();
+    bodies_ = by_mechanism(scenario.model);
+  }
+
+  Converted convert() {
+    Value::Table document;
+    for (const char* key : {"format", "title", "state", "world", "mechanism", "force", "event", "integrate", "output"}) {
+      const Value::Entry* entry = scenario_.document->find(key);
+      if (!entry) continue;
+      Value value = entry->value;
+      if (entry->key == "mechanism") value = mechanisms(value);
+      if (entry->key == "state" && value.string()) value = text(moved(*value.string()));
+      if (entry->key == "title" && value.string() && value.string()->empty()) continue;
+      if (value.table() && value.table()->empty()) continue;
+      add(document, key, std::move(value));
+    }
+    if (!scenario_.document->find("format")) document.insert(document.begin(), {"format", {}, Value(std::int64_t{1}, Place{})});
+    if (left_out_.meshes > 0)
+      say(Severity::warning,
+          counted(left_out_.meshes, "mesh is", "meshes are") + " left out: not found in the folder of " +
+              "what is written, or below it",
+          "copy the files there; the motion does not need them");
+    if (left_out_.flat > 0)
+      say(Severity::warning, counted(left_out_.flat, "shape", "shapes") + " without extent left out: they are for pictures alone",
+          "");
+    Converted result{toml_text(value(std::move(document))), std::move(diagnostics_)};
+    check(result.text);
+    return result;
+  }
+
+ private:
+  static std::string counted(int n, const char* one, const char* many) { return std::to_string(n) + " " + (n == 1 ? one : many); }
+
+  void say(Severity severity, std::string what, std::string hint) {
+    diagnostics_.push_back({severity, scenario_.path, 0, 0, std::move(what), std::move(hint), ""});
+  }
+
+  // A file that the scenario names, from where the text will stand.
+  std::string moved(const std::string& file) const {
+    if (file.empty() || fs::path(file).is_absolute()) return file;
+    std::error_code failed;
+    const fs::path path = fs::proximate(fs::path(from_.empty() ? "." : from_) / file, folder_.empty() ? "." : folder_, failed);
+    return failed ? file : path.generic_string();
+  }
+
+  Value mechanisms(const Value& list) {
+    Value::Array all;
+    for (const Value& mechanism : *list.array()) {
+      Value one = string_at(mechanism, "model") ? value(expanded(mechanism)) : kept(mechanism);
+      explain_carriers(one);
+      all.push_back(std::move(one));
+    }
+    return value(std::move(all));
+  }
+
+  // Of a model file: its bodies and joints, as this scenario holds and starts them.
+  Value::Table expanded(const Value& mechanism) {
+    const std::string& name = *string_at(mechanism, "name");
+    const std::string* state = string_at(mechanism, "state");
+    const fs::path model = fs::path(from_.empty() ? "." : from_) / *string_at(mechanism, "model");
+    const MeshFolders folders{model.parent_path().string(), folder_.empty() ? "." : folder_};
+    return describe_mechanism(name, scenario_.model, bodies_.at(name), scenario_.shapes, folders, state ? moved(*state) : "",
+                              left_out_);
+  }
+
+  // In its own words, but for the files that it names.
+  Value kept(Value mechanism) {
+    if (Value::Entry* state = mechanism.find("state"); state && state->value.string())
+      state->value = text(moved(*state->value.string()));
+    Value::Entry* bodies = mechanism.find("body");
+    if (!bodies || !bodies->value.array()) return mechanism;
+    for (Value& body : *bodies->value.array()) {
+      Value::Entry* shape = body.find("shape");
+      if (!shape) continue;
+      Value::Array* several = shape->value.array();
+      if (several) std::erase_if(*several, [this](Value& each) { return !move_mesh(each); });
+      if (several ? several->empty() : !move_mesh(shape->value))
+        std::erase_if(*body.table(), [](const Value::Entry& entry) { return entry.key == "shape"; });
+    }
+    return mechanism;
+  }
+
+  // False where it is not among the files that what is written may name.
+  bool move_mesh(Value& shape) {
+    Value::Entry* mesh = shape.find("mesh");
+    if (!mesh || !mesh->value.string()) return true;
+    const std::string path = mesh_path(*mesh->value.string(), {from_.empty() ? "." : from_, folder_.empty() ? "." : folder_});
+    if (!path.empty()) {
+      mesh->value = text(path);
+      return true;
+    }
+    ++left_out_.meshes;
+    return false;
+  }
+
+  // What was read well must read well again: names of files apart, which a text does not look for.
+  void check(const std::string& text) const {
+    const ReadResult again = read_scenario_text(text, scenario_.path + " as TOML");
+    if (again.scenario) return;
+    for (const Diagnostic& each : again.diagnostics)
+      if (each.severity == Severity::error) fail({"cannot be written as TOML: " + each.what, scenario_.path, each.hint});
+  }
+
+  const Scenario& scenario_;
+  std::string folder_, from_;
+  std::unordered_map<std::string, std::vector<int>> bodies_;
+  LeftOut left_out_;
+  std::vector<Diagnostic> diagnostics_;
+};
+
+}  // namespace
+
+Converted to_toml(const Scenario& scenario, const std::string& folder) {
+  MT_REQUIRE(scenario.document != nullptr, "a scenario that was read");
+  return Converter(scenario, folder).convert();
+}
+
+std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {
+  Value::Table document;
+  add(document, "format", Value(std::int64_t{1}, Place{}));
+  const Vec3 g = model.gravity(), usual = Model().gravity();
+  if (g.x != usual.x || g.y != usual.y || g.z != usual.z) {
+    Value::Table world;
+    add(world, "gravity", list(g));
+    add(document, "world", value(std::move(world)));
+  }
+  LeftOut left_out;
+  Value::Array mechanisms, forces;
+  const auto bodies = by_mechanism(model);
+  for (int b = 0; b < model.size(); ++b) {
+    const std::string& name = model[Body{b}].name;
+    const std::string mechanism = name.substr(0, name.find('/'));
+    if (bodies.at(mechanism).front() != b) continue;
+    mechanisms.push_back(value(describe_mechanism(mechanism, model, bodies.at(mechanism), shapes, {}, "", left_out)));
+    explain_carriers(mechanisms.back());
+  }
+  for (const BodyForce& force : model.forces()) forces.push_back(value(describe_force(force, model)));
+  add(document, "mechanism", value(std::move(mechanisms)));
+  if (!forces.empty()) add(document, "force", value(std::move(forces)));
+  return toml_text(value(std::move(document)));
+}
+
+}  // namespace momentree::io

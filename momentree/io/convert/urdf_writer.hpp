@@ -1,0 +1,35 @@
+#pragma once
+// Links and joints as URDF. Internal to the writers.
+#include <string>
+#include <vector>
+
+#include <momentree/io/convert/pieces.hpp>
+#include <momentree/io/shape.hpp>
+
+namespace momentree::io::urdf {
+
+struct WrittenLink {
+  std::string name, comment;  ///< the comment may be empty
+  double mass = 0;
+  Vec3 com{};
+  Sym3 inertia{};  ///< about the centre of mass, in the link's axes
+  std::vector<Shape> shapes{};
+};
+
+struct WrittenJoint {
+  std::string name, type, parent, child;
+  Pose origin{};
+  bool has_axis = false;
+  Vec3 axis{};
+  bool stops = false;  ///< whether `lower` and `upper` are the model's
+  double lower = 0, upper = 0, effort = 0;
+  double damping = 0, friction = 0;
+};
+
+/// A link in its element, and a joint in its own.
+void write(std::string& text, const WrittenLink& link);
+void write(std::string& text, const WrittenJoint& joint);
+/// Characters that stand for something else in XML, escaped.
+std::string escaped(const std::string& text);
+
+}  // namespace momentree::io::urdf

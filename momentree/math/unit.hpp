@@ -1,0 +1,21 @@
+#pragma once
+// Unit vectors and quaternions of what a user wrote.
+#include <cmath>
+#include <limits>
+
+#include <momentree/math/vec.hpp>
+
+namespace momentree {
+
+/// True where a length is 1 up to the rounding of a normalisation.
+inline bool is_unit(double squared_length) { return std::fabs(squared_length - 1) <= 4 * std::numeric_limits<double>::epsilon(); }
+
+/// As normalized(), but what is of length 1 already keeps its bits: numbers that were written read back as they were.
+inline Quat unit(const Quat& q) { return is_unit(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z) ? q : normalized(q); }
+inline Vec3 unit(const Vec3& a) {
+  if (is_unit(dot(a, a))) return a;
+  const double largest = std::fmax(std::fabs(a.x), std::fmax(std::fabs(a.y), std::fabs(a.z)));
+  return largest == 0 ? a : normalized((1 / largest) * a);  // of any size: its square may be none
+}
+
+}  // namespace momentree
