@@ -1,0 +1,21 @@
+// Columns as the report's data carry them: base64 of little-endian numbers.
+
+const littleEndian = new Uint8Array(new Uint16Array([1]).buffer)[0] === 1;
+
+function bytesOf(base64: string, size: number): ArrayBuffer {
+  const text = atob(base64);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
+  if (!littleEndian) for (let i = 0; i < bytes.length; i += size) bytes.subarray(i, i + size).reverse();
+  return bytes.buffer;
+}
+
+export const floats = (base64: string) => new Float32Array(bytesOf(base64, 4));
+export const doubles = (base64: string) => new Float64Array(bytesOf(base64, 8));
+
+/** Of rows of `width` numbers each, the one column of that place. */
+export function column(rows: Float32Array | Float64Array, width: number, place: number): Float64Array {
+  const values = new Float64Array(rows.length / width);
+  for (let row = 0; row < values.length; row++) values[row] = rows[row * width + place];
+  return values;
+}

@@ -1,0 +1,96 @@
+// Where to look from: the whole motion in the picture, gravity down; a motion in a plane is seen along the plane's normal.
+import * as THREE from "three";
+import type { Model, Recording } from "../recording";
+import { phaseAt } from "./frames";
+
+export interface View {
+  readonly box: THREE.Box3;
+  readonly centre: THREE.Vector3;
+  readonly radius: number;
+  /** From the centre towards the camera. */
+  readonly direction: THREE.Vector3;
+  readonly up: THREE.Vector3;
+  /** Where the floor is, along `up` (m). */
+  readonly lowest: number;
+}
+
+export function upOf(model: Model): THREE.Vector3 {
+  const gravity = new THREE.Vector3(...model.gravity);
+  return gravity.lengthSq() > 0 ? gravity.normalize().negate() : new THREE.Vector3(0, 0, 1);
+}
+
+/** Bodies of mechanisms that the ground holds at a time. */
+function held(run: Recording, time: number): Set<number> {
+  const phase = phaseAt(run, time);
+  const mechanisms = new Set(phase.links.filter((l) => l.parent < 0 && l.kind !== "free").map((l) => phase.mechanism[l.child]));
+  return new Set(run.model.bodies.map((_body, b) => b).filter((b) => mechanisms.has(phase.mechanism[b])));
+}
+
+/** Points that the picture should hold: bodies' origins and the ends of what is drawn of them, over some frames. */
+function points(run: Recording, reach: (body: number) => number, most = 40): THREE.Box3 {
+  const box = new THREE.Box3();
+  const flying: THREE.Vector3[] = [];
+  const step = Math.max(1, Math.floor(run.frames / most));
+  const turn = new THREE.Quaternion();
+  const anchored = run.frames > 0 && held(run, run.time(0)).size > 0;
+  for (let frame = 0; frame < run.frames; frame += step) {
+    const poses = run.poses(frame);
+    const still = anchored ? held(run, run.time(frame)) : null;
+    run.model.bodies.forEach((body, b) => {
+      const i = 7 * b;
+      if (Number.isNaN(poses[i])) return;
+      turn.set(poses[i + 4], poses[i + 5], poses[i + 6], poses[i + 3]);
+      const origin = new THREE.Vector3(poses[i], poses[i + 1], poses[i + 2]);
+      const r = reach(b);
+      const ends = body.extent.flatMap((line) =>
+        line.map((end) => new THREE.Vector3(...end).applyQuaternion(turn).add(origin)),
+      );
+      ends.push(origin.clone().addScalar(r), origin.clone().addScalar(-r));
+      for (const end of ends)
+        if (still && !still.has(b)) flying.push(end);
+        else box.expandByPoint(end);
+    });
+  }
+  // What flies off is followed some way, but not so far that what stays is hardly seen.
+  const centre = box.getCenter(new THREE.Vector3());
+  const far = 1.6 * box.getSize(new THREE.Vector3()).length();
+  for (const point of flying) if (point.distanceTo(centre) < far) box.expandByPoint(point);
+  return box;
+}
+
+/** All of the run, or of the frames that there are by now. */
+export function viewOf(run: Recording, reach: (body: number) => number): View {
+  const up = upOf(run.model);
+  const box = points(run, reach);
+  if (box.isEmpty()) box.set(new THREE.Vector3(-1, -1, -1), new THREE.Vector3(1, 1, 1));
+  const size = box.getSize(new THREE.Vector3());
+  const centre = box.getCenter(new THREE.Vector3());
+  const radius = Math.max(0.5 * size.length(), 1e-3);
+  const flat = [size.x, size.y, size.z].findIndex((extent) => extent < 0.02 * radius);
+  const direction = new THREE.Vector3();
+  if (flat >= 0 && Math.abs(up.getComponent(flat)) < 0.5) {
+    direction.setComponent(flat, flat === 1 ? -1 : 1);
+  } else {
+    // From the front, a little from above and from the right.
+    const side = Math.abs(up.x) < 0.9 ? new THREE.Vector3(1, 0, 0) : new THREE.Vector3(0, 1, 0);
+    const front = new THREE.Vector3().crossVectors(side, up).normalize();
+    direction.copy(front).addScaledVector(new THREE.Vector3().crossVectors(up, front), 0.75).addScaledVector(up, 0.4);
+  }
+  const low = new THREE.Vector3(...(["x", "y", "z"] as const).map((k) => (up[k] > 0 ? box.min[k] : box.max[k])));
+  return { box, centre, radius, direction: direction.normalize(), up, lowest: low.dot(up) };
+}
+
+/** How far from a box's middle the camera must be so that its corners are in the picture. */
+export function distanceFor(box: THREE.Box3, direction: THREE.Vector3, up: THREE.Vector3, fov: number, aspect: number): number {
+  const tall = Math.tan(THREE.MathUtils.degToRad(fov) / 2);
+  const right = new THREE.Vector3().crossVectors(up, direction).normalize();
+  const top = new THREE.Vector3().crossVectors(direction, right);
+  const half = box.getSize(new THREE.Vector3()).multiplyScalar(0.5);
+  let distance = 1e-6;
+  for (const [x, y, z] of [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1, (i >> 1) & 1, i >> 2].map((bit) => 2 * bit - 1))) {
+    const corner = half.clone().multiply(new THREE.Vector3(x, y, z));
+    const away = Math.max(Math.abs(corner.dot(right)) / (tall * aspect), Math.abs(corner.dot(top)) / tall);
+    distance = Math.max(distance, away + corner.dot(direction));
+  }
+  return 1.06 * distance;
+}

@@ -1,0 +1,56 @@
+// Colours of mechanisms, told apart also by those who see few colours (after Okabe and Ito), on a dark and a light ground.
+
+export interface Theme {
+  readonly dark: boolean;
+  readonly ground: string;
+  readonly ink: string;
+  readonly grid: string;
+  readonly mechanisms: readonly string[];
+}
+
+const light: Theme = {
+  dark: false,
+  ground: "#f7f8fa",
+  ink: "#1d2530",
+  grid: "#d4d9e0",
+  mechanisms: ["#1f6fb5", "#d5560a", "#12805c", "#a0408a", "#8a6d00", "#0f8fa8", "#b3263e", "#5b5fc7"],
+};
+
+const dark: Theme = {
+  dark: true,
+  ground: "#12161c",
+  ink: "#e6eaf0",
+  grid: "#2b333e",
+  mechanisms: ["#58a6f0", "#ff9248", "#3fc796", "#e089c8", "#e3c04a", "#4fd0e6", "#ff7388", "#a3a6ff"],
+};
+
+export const themeOf = (isDark: boolean): Theme => (isDark ? dark : light);
+
+export const mechanismColour = (theme: Theme, mechanism: number) => theme.mechanisms[mechanism % theme.mechanisms.length];
+
+/** A colour between two, both as "#rrggbb"; share 0: the first. */
+export function mixed(a: string, b: string, share: number): string {
+  const parts = [1, 3, 5].map((at) => {
+    const from = parseInt(a.slice(at, at + 2), 16);
+    const to = parseInt(b.slice(at, at + 2), 16);
+    return Math.round(from + share * (to - from))
+      .toString(16)
+      .padStart(2, "0");
+  });
+  return `#${parts.join("")}`;
+}
+
+/** Of series in a plot, apart from the colours of mechanisms' names. */
+export const seriesColour = (theme: Theme, index: number) => theme.mechanisms[index % theme.mechanisms.length];
+
+/** Calls back at once and whenever the reader's choice between dark and light changes. */
+export function watchTheme(listener: (theme: Theme) => void) {
+  const query = window.matchMedia("(prefers-color-scheme: dark)");
+  const tell = () => {
+    const forced = document.documentElement.dataset.theme;
+    listener(themeOf(forced ? forced === "dark" : query.matches));
+  };
+  query.addEventListener("change", tell);
+  document.addEventListener("themechange", tell);
+  tell();
+}

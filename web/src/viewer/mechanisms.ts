@@ -1,0 +1,208 @@
+// All bodies at one instant: shapes, rods where there are none, joints, and a small disk where a mechanism is joined to the
+// ground.
+import * as THREE from "three";
+import type { Model, Phase, Vec3 } from "../recording";
+import { mechanismColour, mixed, type Theme } from "./colours";
+import { pointOf } from "./frames";
+import { pixelSize, Rods } from "./rods";
+import { ShapeLibrary } from "./shapes";
+
+/** What the pointer is on, at a point of the world. */
+export interface Hit {
+  readonly body: number;
+  readonly point: THREE.Vector3;
+}
+
+export interface Look {
+  /** 0: as it is; towards 1 it fades into the ground, as what was or will be. */
+  readonly faded: number;
+  /** Least width of rods (pixels). */
+  readonly pixels: number;
+  readonly joints: boolean;
+}
+
+const vector = (at: readonly number[]) => new THREE.Vector3(at[0], at[1], at[2]);
+
+/** A length that rods are thin beside (m). */
+export function typicalLength(model: Model): number {
+  const lengths = model.bodies
+    .flatMap((body) => body.extent.map(([a, b]) => Math.hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2])))
+    .filter((length) => length > 0)
+    .sort((a, b) => a - b);
+  return lengths.length > 0 ? lengths[lengths.length >> 1] : 0.2;
+}
+
+export class MechanismsView {
+  readonly group = new THREE.Group();
+  private readonly rods: Rods;
+  private readonly rodMaterial = new THREE.MeshLambertMaterial();
+  private readonly bodies: (THREE.Group | null)[];
+  private materials: THREE.MeshLambertMaterial[] = [];
+  private readonly disks: THREE.Mesh[] = [];
+  private readonly rim = new THREE.MeshBasicMaterial();
+  private readonly face = new THREE.MeshBasicMaterial();
+  private readonly circle = new THREE.CircleGeometry(1, 32);
+  private readonly radius: number;
+  /** By body the lines that its shapes do not show. */
+  private readonly sticks: (readonly (readonly [Vec3, Vec3])[])[];
+  private lines: { body: number; from: THREE.Vector3; to: THREE.Vector3 }[] = [];
+  private readonly jointColours = new Map<string, string>();
+  /** Body under the pointer or chosen; −1: none. */
+  highlighted = -1;
+
+  constructor(
+    private readonly model: Model,
+    shapes: ShapeLibrary,
+    private readonly look: Look,
+  ) {
+    this.radius = 0.045 * typicalLength(model);
+    this.sticks = model.bodies.map((body, b) => {
+      const reach = 1.2 * shapes.reach(b);
+      return body.extent.filter((line) => reach === 0 || line.some((end) => Math.hypot(...end) > reach));
+    });
+    this.rods = new Rods(this.rodMaterial);
+    this.group.add(this.rods.group);
+    const first = new THREE.MeshLambertMaterial();
+    this.bodies = model.bodies.map((_body, b) => (shapes.has(b) ? shapes.copy(b, first) : null));
+    for (const body of this.bodies) if (body) this.group.add(body);
+  }
+
+  /** Joints by name in colours of their own (a load, say); an empty map gives them back. */
+  colourJoints(colours: ReadonlyMap<string, string>) {
+    this.jointColours.clear();
+    for (const [joint, colour] of colours) this.jointColours.set(joint, colour);
+  }
+
+  private colour(theme: Theme, mechanism: number): string {
+    return mixed(mechanismColour(theme, mechanism), theme.ground, this.look.faded);
+  }
+
+  private material(theme: Theme, mechanism: number): THREE.MeshLambertMaterial {
+    this.materials[mechanism] ??= new THREE.MeshLambertMaterial();
+    const material = this.materials[mechanism];
+    material.color.set(this.colour(theme, mechanism));
+    if (this.look.faded > 0) {
+      material.transparent = true;
+      material.opacity = 0.35 * (1 - this.look.faded) + 0.1;
+      material.depthWrite = false;
+    }
+    return material;
+  }
+
+  place(poses: ArrayLike<number>, phase: Phase, theme: Theme) {
+    this.rods.clear();
+    this.lines = [];
+    const colours = new Map<number, THREE.Color>();
+    const colourOf = (mechanism: number) => {
+      let colour = colours.get(mechanism);
+      if (!colour) colours.set(mechanism, (colour = new THREE.Color(this.colour(theme, mechanism))));
+      return colour;
+    };
+    this.model.bodies.forEach((body, b) => {
+      const mechanism = phase.mechanism[b];
+      const bright = b === this.highlighted ? new THREE.Color(theme.ink) : colourOf(mechanism);
+      const group = this.bodies[b];
+      if (group) {
+        const i = 7 * b;
+        group.position.set(poses[i], poses[i + 1], poses[i + 2]);
+        group.quaternion.set(poses[i + 4], poses[i + 5], poses[i + 6], poses[i + 3]);
+        const material = this.material(theme, mechanism);
+        for (const mesh of group.children) (mesh as THREE.Mesh).material = material;
+      }
+      for (const [from, to] of this.sticks[b])
+        this.line(b, vector(pointOf(poses, b, from)), vector(pointOf(poses, b, to)), bright);
+      if (body.extent.length === 0 && !group) {
+        const at = vector(pointOf(poses, b, body.com));
+        this.rods.ball(at, bright, 2.5);
+        this.lines.push({ body: b, from: at, to: at });
+      }
+    });
+    const ink = new THREE.Color(mixed(theme.ink, theme.ground, Math.max(this.look.faded, 0.15)));
+    for (const link of phase.links) {
+      if (link.kind === "free") continue;
+      const own = this.look.joints ? this.jointColours.get(link.joint) : undefined;
+      const at = vector(pointOf(poses, link.child, link.childAt));
+      const body = colourOf(phase.mechanism[link.child]);
+      if (own) this.rods.ball(at, new THREE.Color(own), 2.2);
+      else if (this.look.joints && link.kind !== "weld") this.rods.ball(at, ink, link.locked ? 1.1 : 1.35, body);
+      else this.rods.ball(at, body, 1);
+    }
+    this.placeDisks(poses, phase, theme);
+  }
+
+  private line(body: number, from: THREE.Vector3, to: THREE.Vector3, colour: THREE.Color) {
+    this.rods.rod(from, to, colour);
+    this.lines.push({ body, from, to });
+  }
+
+  private placeDisks(poses: ArrayLike<number>, phase: Phase, theme: Theme) {
+    this.rim.color.set(mixed(theme.ink, theme.ground, this.look.faded));
+    this.face.color.set(theme.ground);
+    const held = phase.links.filter((link) => link.parent < 0 && link.kind !== "free");
+    while (this.disks.length < 2 * held.length) {
+      const rim = new THREE.Mesh(this.circle, this.rim);
+      const face = new THREE.Mesh(this.circle, this.face);
+      for (const disk of [rim, face]) {
+        disk.material.depthTest = false;
+        this.group.add(disk);
+        this.disks.push(disk);
+      }
+      rim.renderOrder = 10;
+      face.renderOrder = 11;
+    }
+    this.disks.forEach((disk, i) => {
+      const link = held[i >> 1];
+      disk.visible = link !== undefined && this.look.joints;
+      if (link) disk.position.set(...this.supportOf(poses, link));
+    });
+  }
+
+  /** Where the ground holds it: the joint in the world, where it stays while the body may slide away from it. */
+  private supportOf(
+    poses: ArrayLike<number>,
+    link: { child: number; at: Vec3; childAt: Vec3; kind: string },
+  ): [number, number, number] {
+    return link.kind === "revolute" || link.kind === "ball" || link.kind === "universal" || link.kind === "weld"
+      ? pointOf(poses, link.child, link.childAt)
+      : [link.at[0], link.at[1], link.at[2]];
+  }
+
+  /** Before each drawing: widths in pixels, disks towards the camera. */
+  fit(camera: THREE.PerspectiveCamera, height: number) {
+    this.rods.fit(camera, height, this.radius, this.look.pixels);
+    this.disks.forEach((disk, i) => {
+      const r = Math.max(2.4 * this.radius, 6 * pixelSize(camera, height, disk.position)) * (i % 2 === 0 ? 1 : 0.62);
+      disk.scale.setScalar(r);
+      disk.quaternion.copy(camera.quaternion);
+    });
+  }
+
+  /** The rod, or the ball, that is nearest to a point of the picture (pixels from its upper left corner), or null. */
+  nearestRod(at: THREE.Vector2, camera: THREE.PerspectiveCamera, width: number, height: number, patience: number): Hit | null {
+    const onPicture = (p: THREE.Vector3) => {
+      const q = p.clone().project(camera);
+      return new THREE.Vector2(0.5 * (q.x + 1) * width, 0.5 * (1 - q.y) * height);
+    };
+    let best: Hit | null = null;
+    let least = patience;
+    for (const { body, from, to } of this.lines) {
+      const [a, b] = [onPicture(from), onPicture(to)];
+      const along = b.clone().sub(a);
+      const share = along.lengthSq() > 0 ? at.clone().sub(a).dot(along) / along.lengthSq() : 0;
+      const inside = Math.min(Math.max(share, 0), 1);
+      const distance = a.addScaledVector(along, inside).distanceTo(at);
+      if (distance < least) {
+        least = distance;
+        best = { body, point: from.clone().lerp(to, inside) };
+      }
+    }
+    return best;
+  }
+
+  dispose() {
+    this.rods.dispose();
+    this.group.removeFromParent();
+    for (const material of [this.rodMaterial, this.rim, this.face, ...this.materials]) material?.dispose();
+    this.circle.dispose();
+  }
+}

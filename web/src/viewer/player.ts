@@ -1,0 +1,75 @@
+// The clock of the picture: time, speed, playing or not. It draws nothing; those who do listen to it.
+
+export type Listener = (time: number) => void;
+
+export class Player {
+  private listeners: Listener[] = [];
+  private now = 0;
+  private running = false;
+  private pace = 1;
+
+  /** `range`: first and last time (s), asked for anew each time: a recording may grow. */
+  constructor(private readonly range: () => readonly [number, number]) {
+    this.now = range()[0];
+  }
+
+  get time() {
+    return this.now;
+  }
+  get playing() {
+    return this.running;
+  }
+  get speed() {
+    return this.pace;
+  }
+  set speed(factor: number) {
+    this.pace = factor;
+    this.tell();
+  }
+
+  /** Called with the time whenever it, or whether it runs, changes; at once, too. */
+  listen(listener: Listener) {
+    this.listeners.push(listener);
+    listener(this.now);
+  }
+
+  seek(time: number) {
+    const [first, last] = this.range();
+    this.now = Math.min(Math.max(time, first), last);
+    this.tell();
+  }
+
+  /** From the end it begins again. */
+  play() {
+    const [first, last] = this.range();
+    if (this.now >= last) this.now = first;
+    this.running = true;
+    this.tell();
+  }
+
+  pause() {
+    this.running = false;
+    this.tell();
+  }
+
+  toggle() {
+    if (this.running) this.pause();
+    else this.play();
+  }
+
+  /** `seconds` of the wall clock have passed. Stops at the end. */
+  advance(seconds: number) {
+    if (!this.running) return;
+    const last = this.range()[1];
+    this.now += seconds * this.pace;
+    if (this.now >= last) {
+      this.now = last;
+      this.running = false;
+    }
+    this.tell();
+  }
+
+  private tell() {
+    for (const listener of this.listeners) listener(this.now);
+  }
+}

@@ -1,0 +1,225 @@
+// The picture: a canvas with the mechanisms, ghosts and trails; the reader turns it with the pointer or the arrow keys.
+import * as THREE from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import type { Model, Phase, Recording } from "../recording";
+import { distanceFor, upOf, viewOf, type View } from "./camera";
+import { mixed, themeOf, type Theme } from "./colours";
+import { MechanismsView, type Hit } from "./mechanisms";
+import { ShapeLibrary } from "./shapes";
+
+export class Stage {
+  readonly scene = new THREE.Scene();
+  readonly camera = new THREE.PerspectiveCamera(32, 1, 0.01, 1000);
+  readonly renderer: THREE.WebGLRenderer;
+  readonly controls: OrbitControls;
+  readonly shapes: ShapeLibrary;
+  readonly mechanisms: MechanismsView;
+  theme: Theme = themeOf(false);
+  private readonly light = new THREE.DirectionalLight(0xffffff, 1.9);
+  private readonly sky = new THREE.HemisphereLight(0xffffff, 0x9aa4b2, 1.9);
+  private view: View | null = null;
+  private floor: THREE.GridHelper | null = null;
+  private wanted = false;
+  private state: { poses: ArrayLike<number>; phase: Phase } | null = null;
+  private readonly beforeDraw: ((camera: THREE.PerspectiveCamera, height: number) => void)[] = [];
+  private readonly onTheme: ((theme: Theme) => void)[] = [];
+  private readonly watcher: ResizeObserver;
+
+  /** Throws where the browser has no WebGL. */
+  constructor(
+    private readonly host: HTMLElement,
+    model: Model,
+  ) {
+    this.renderer = new THREE.WebGLRenderer({ antialias: true });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    host.append(this.renderer.domElement);
+    this.shapes = new ShapeLibrary(model);
+    this.mechanisms = new MechanismsView(model, this.shapes, { faded: 0, pixels: 4, joints: true });
+    this.camera.add(this.light);
+    this.light.position.set(-0.6, 0.9, 1);
+    this.scene.add(this.camera, this.sky, this.mechanisms.group);
+    this.camera.up.copy(upOf(model)); // before the controls, which ask for it once
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.addEventListener("change", () => this.draw());
+    this.watcher = new ResizeObserver(() => this.resize());
+    this.watcher.observe(host);
+    this.resize();
+  }
+
+  get canvas(): HTMLCanvasElement {
+    return this.renderer.domElement;
+  }
+
+  setTheme(theme: Theme) {
+    this.theme = theme;
+    this.scene.background = new THREE.Color(theme.ground);
+    for (const listener of this.onTheme) listener(theme);
+    if (this.view) this.layFloor(this.view);
+    if (this.state) this.show(this.state.poses, this.state.phase);
+  }
+
+  /** How wide what it was fitted to is (m). */
+  get size(): number {
+    return this.view ? 2 * this.view.radius : 1;
+  }
+
+  /** Called when the colours change, and at once. */
+  whenThemed(listener: (theme: Theme) => void) {
+    this.onTheme.push(listener);
+    listener(this.theme);
+  }
+
+  /** Called before each drawing, with the height of the picture in pixels. */
+  whenDrawn(listener: (camera: THREE.PerspectiveCamera, height: number) => void) {
+    this.beforeDraw.push(listener);
+  }
+
+  /** The bodies where they are now. `poses` is kept until the next call. */
+  show(poses: ArrayLike<number>, phase: Phase) {
+    this.state = { poses, phase };
+    this.mechanisms.place(poses, phase, this.theme);
+    this.draw();
+  }
+
+  /** Draws with the next frame of the browser. */
+  draw() {
+    if (this.wanted) return;
+    this.wanted = true;
+    requestAnimationFrame(() => this.drawNow());
+  }
+
+  drawNow() {
+    this.wanted = false;
+    const height = this.canvas.clientHeight || 1;
+    this.camera.updateMatrixWorld();
+    this.mechanisms.fit(this.camera, height);
+    for (const listener of this.beforeDraw) listener(this.camera, height);
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  private resize() {
+    const { clientWidth: width, clientHeight: height } = this.host;
+    if (width === 0 || height === 0) return;
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.drawNow();
+  }
+
+  /** The whole motion in the picture; `direction`: from where, else as it is fit for the motion. */
+  fit(run: Recording, direction?: THREE.Vector3) {
+    this.view = viewOf(run, (body) => this.shapes.reach(body));
+    this.layFloor(this.view);
+    this.lookAt(direction ? { ...this.view, direction } : this.view);
+  }
+
+  /** A grid below all that moves, in round squares; seen from its own height it would be a line, and is left out. */
+  private layFloor(view: View) {
+    this.floor?.removeFromParent();
+    this.floor?.dispose();
+    this.floor = null;
+    if (Math.abs(view.direction.dot(view.up)) < 0.05) return;
+    const size = 3 * view.radius;
+    const unit = 10 ** Math.floor(Math.log10(size / 8));
+    const square = [5, 2, 1].map((step) => step * unit).find((side) => side <= size / 8) ?? unit;
+    const count = 2 * Math.ceil(size / square / 2);
+    this.floor = new THREE.GridHelper(count * square, count, this.theme.grid, this.theme.grid);
+    this.floor.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), view.up);
+    const centre = view.centre.clone();
+    this.floor.position.copy(centre.addScaledVector(view.up, view.lowest - centre.dot(view.up) - 1e-3 * view.radius));
+    this.scene.add(this.floor);
+  }
+
+  /** A part of the picture. */
+  lookAt(view: Pick<View, "box" | "centre" | "direction" | "up">) {
+    this.camera.up.copy(view.up);
+    this.aim(this.camera, view, view.direction);
+    this.controls.target.copy(view.centre);
+    this.controls.update();
+    this.draw();
+  }
+
+  private aim(camera: THREE.PerspectiveCamera, view: Pick<View, "box" | "centre">, direction: THREE.Vector3) {
+    const distance = distanceFor(view.box, direction, camera.up, camera.fov, camera.aspect);
+    camera.near = distance / 1000;
+    camera.far = distance * 100;
+    camera.position.copy(view.centre).addScaledVector(direction, distance);
+    camera.lookAt(view.centre);
+    camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
+  }
+
+  /** Turns about the target by angles (rad), or nears it: for the keyboard. */
+  turn(sideways: number, upwards: number, nearer = 1) {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const right = new THREE.Vector3().crossVectors(this.camera.up, offset).normalize();
+    const angle = offset.angleTo(this.camera.up);
+    const tilt = Math.min(Math.max(angle - upwards, 0.05), Math.PI - 0.05) - angle;
+    offset.applyAxisAngle(right, tilt).applyAxisAngle(this.camera.up, sideways).multiplyScalar(nearer);
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** The body under a point of the page, rods with some pixels of patience; null: none. */
+  pick(clientX: number, clientY: number, patience = 8): Hit | null {
+    if (!this.state) return null;
+    const box = this.canvas.getBoundingClientRect();
+    const at = new THREE.Vector2(clientX - box.left, clientY - box.top);
+    const pointer = new THREE.Vector2((2 * at.x) / box.width - 1, 1 - (2 * at.y) / box.height);
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(pointer, this.camera);
+    const solid = ray.intersectObject(this.mechanisms.group, true).find((hit) => hit.object.userData.body !== undefined);
+    if (solid) return { body: solid.object.userData.body as number, point: solid.point };
+    return this.mechanisms.nearestRod(at, this.camera, box.width, box.height, patience);
+  }
+
+  /** A picture apart from that on the page, of bodies without ghosts and trails, from the same direction. */
+  snapshot(
+    poses: ArrayLike<number>,
+    phase: Phase,
+    view: Pick<View, "box" | "centre">,
+    width: number,
+    height: number,
+  ): HTMLCanvasElement {
+    const hidden = this.scene.children.filter(
+      (child) => child.visible && child !== this.mechanisms.group && !this.isLight(child),
+    );
+    for (const child of hidden) child.visible = false;
+    const camera = this.camera.clone();
+    camera.aspect = width / height;
+    this.aim(camera, view, this.camera.position.clone().sub(this.controls.target).normalize());
+    const ratio = this.renderer.getPixelRatio();
+    this.renderer.setSize(width, height, false);
+    this.mechanisms.place(poses, phase, this.theme);
+    this.mechanisms.fit(camera, height);
+    this.renderer.render(this.scene, camera);
+    const copy = document.createElement("canvas");
+    copy.width = Math.round(width * ratio);
+    copy.height = Math.round(height * ratio);
+    copy.getContext("2d")?.drawImage(this.canvas, 0, 0, copy.width, copy.height);
+    for (const child of hidden) child.visible = true;
+    this.renderer.setSize(this.host.clientWidth, this.host.clientHeight, false);
+    if (this.state) this.mechanisms.place(this.state.poses, this.state.phase, this.theme);
+    this.drawNow();
+    return copy;
+  }
+
+  private isLight(object: THREE.Object3D) {
+    return object === this.sky || object === this.camera;
+  }
+
+  /** A colour for what is quiet: grids, trails of what is past. */
+  quiet(share: number) {
+    return mixed(this.theme.ink, this.theme.ground, share);
+  }
+
+  dispose() {
+    this.watcher.disconnect();
+    this.mechanisms.dispose();
+    this.shapes.dispose();
+    this.controls.dispose();
+    this.renderer.dispose();
+    this.canvas.remove();
+  }
+}
