@@ -45,6 +45,8 @@ struct ViewOptions {
   double every = 0;
   std::string look;
   std::string layout = "overlay";  ///< or "multiples"
+  int port = 0;                    ///< 0: any that is free
+  bool no_browser = false;
 };
 int view(const ViewOptions& options);
 

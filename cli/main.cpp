@@ -76,7 +76,7 @@ CommandLine::CommandLine() {
   overrides(run_command, run_options.overrides);
   run_command->add_option("--until", run_options.until, "End the run at this time instead")->type_name("T");
   run_command->add_option("--format", run_options.format, "csv, or hdf5 (not supported yet)")->type_name("csv|hdf5");
-  run_command->add_flag("--report", run_options.report, "Write report.html (not supported yet)");
+  run_command->add_flag("--report", run_options.report, "Also write report.html: the motion, events and plots in one page");
   run_command->add_flag("--reactions", run_options.reactions,
                         "Add to joints.csv what each joint carries: fx, fy, fz, mx, my, mz");
   run_command->add_flag("--generate", run_options.generate,
@@ -120,11 +120,12 @@ CommandLine::CommandLine() {
                             "The recursion alone, without dampers, springs and efforts");
   overrides(compile_command, compile_options.overrides);
 
-  CLI::App* view_command = command("view", "Draw a run as a picture", [this] { return view(view_options); });
+  CLI::App* view_command =
+      command("view", "Look at a run in the browser, or draw it as a picture", [this] { return view(view_options); });
   view_command->add_option("source", view_options.source, "A result directory of `momentree run`, or a scenario or model")
       ->required()
       ->type_name("DIR|SCENARIO|MODEL");
-  view_command->add_option("--svg", view_options.svg, "Write the picture to this file")->type_name("FILE");
+  view_command->add_option("--svg", view_options.svg, "Draw frames of the run into this file instead")->type_name("FILE");
   view_command->add_option("--every", view_options.every, "Time between frames in seconds; default 0.2, or what suits the run")
       ->type_name("T");
   view_command
@@ -134,6 +135,11 @@ CommandLine::CommandLine() {
       ->add_option("--layout", view_options.layout,
                    "overlay: all frames in one picture; multiples: one beside the other; default overlay")
       ->type_name("LAYOUT");
+
+  view_command->add_option("--port", view_options.port, "Of 127.0.0.1; default: any that is free")
+      ->type_name("N")
+      ->check(CLI::Range(0, 65535));
+  view_command->add_flag("--no-browser", view_options.no_browser, "Print the address and open nothing");
 
   CLI::App* bench_command =
       command("bench", "Measure this machine on the tables of the paper", [this] { return bench(bench_options); });

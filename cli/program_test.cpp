@@ -283,10 +283,11 @@ TEST_CASE("usage") {
   refused("run", "required");
   refused("run none.toml", "none.toml");
   refused("run robot.urdf", "robot.urdf: error: there is no such file");
-  refused("run s.toml --report", "--report");
   refused("run s.toml --format hdf5", "not supported yet");
   refused("run s.toml --format cvs", "unknown format");
-  refused("view s.toml", "--svg");
+  refused("view s.toml --every 0.1", "--svg");
+  refused("view s.toml --port 65536", "--port");
+  refused("view none", "none");
   refused("bench s.toml", "one argument too many");
   refused("bench --jsn", "did you mean '--json'?");
   for (const char* later : {"convert a.urdf -o b.toml", "sweep s.toml --jobs 3"}) refused(later, "not supported yet");

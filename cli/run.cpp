@@ -1,14 +1,17 @@
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 
 #include <cli/commands.hpp>
 #include <cli/interrupt.hpp>
+#include <cli/page.hpp>
 #include <cli/progress.hpp>
 #include <cli/run_report.hpp>
 #include <cli/session.hpp>
 #include <momentree/generate/kernel_cache.hpp>
 #include <momentree/io/model_json.hpp>
+#include <momentree/io/report/report.hpp>
 #include <momentree/io/results.hpp>
 
 namespace momentree::cli {
@@ -19,7 +22,6 @@ void refuse_unsupported(const RunOptions& options) {
   const auto refuse = [](bool given, const char* option) {
     if (given) fail({"`" + std::string(option) + "` is not supported yet", "", ""});
   };
-  refuse(options.report, "--report");
   refuse(!options.checkpoint.empty(), "--checkpoint");
   refuse(options.resume, "--resume");
   refuse(options.format == "hdf5", "--format hdf5");
@@ -60,6 +62,7 @@ int run(const RunOptions& options) {
   const int freedoms = simulation.world().tree().nv();
   io::Recorder recorder(scenario->model, session.joints(), scenario->output_every,
                         options.out.empty() ? "results/" + scenario->name : options.out, options.reactions);
+  recorder.record_energy(simulation);
 
   Progress progress(start, scenario->until, !options.quiet && errors_on_terminal());
   const InterruptGuard guard;
@@ -84,7 +87,11 @@ int run(const RunOptions& options) {
   std::optional<Error> trouble = unwritten;
   try {
     recorder.finish(origin, status, simulation, session.armed(),
-                    io::model_json(scenario->model, scenario->title, scenario->shapes));
+                    io::model_json(scenario->model, scenario->title, scenario->shapes), [&](const std::filesystem::path& folder) {
+                      if (!options.report) return;
+                      io::write_text_file((folder / "report.html").string(),
+                                          io::report_page(report_html(), io::report_data(folder)));
+                    });
   } catch (const Error& error) {
     if (!trouble) trouble = error;
     if (!unwritten) status = "failed: " + error.message();
@@ -93,12 +100,12 @@ int run(const RunOptions& options) {
   if (options.json)
     std::fputs(io::summary_json(origin, status, simulation).c_str(), stdout);
   else if (!options.quiet)
-    std::printf("%s\nResults: %s\n",
+    std::printf("%s\nResults: %s%s\n",
                 report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, freedoms,
                              largest_kinetic},
                             simulation, Style::of_output())
                     .c_str(),
-                recorder.directory().c_str());
+                recorder.directory().c_str(), options.report ? "/report.html" : "");
 
   if (kernels) tell_about(*kernels, *scenario, options.quiet || options.json);
   if (trouble) std::fprintf(stderr, "%s\n", trouble->message().c_str());

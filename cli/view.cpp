@@ -1,17 +1,15 @@
-#include <unistd.h>
-
-#include <cerrno>
+#include <algorithm>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 
 #include <cli/commands.hpp>
-#include <cli/interrupt.hpp>
-#include <cli/progress.hpp>
+#include <cli/page.hpp>
+#include <cli/record.hpp>
+#include <cli/serve.hpp>
 #include <cli/session.hpp>
-#include <momentree/io/model_json.hpp>
-#include <momentree/io/results.hpp>
+#include <momentree/io/model/model_file.hpp>
+#include <momentree/io/report/report.hpp>
 #include <momentree/io/svg.hpp>
 
 namespace momentree::cli {
@@ -20,56 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Holds the results of a scenario that is run for its picture alone.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "momentree-view-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) fail({std::string("cannot make a temporary folder: ") + std::strerror(errno), name, ""});
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string result() const { return (path_ / "result").string(); }
-
- private:
-  fs::path path_;
-};
-
-/// Runs a scenario into a folder; exit code.
-int record(const io::Scenario& scenario, const std::string& folder) {
-  Session session(scenario);
-  session.schedule();
-  Simulation& simulation = session.simulation();
-  io::Recorder recorder(scenario.model, session.joints(), scenario.output_every, folder);
-  Progress progress(simulation.time(), scenario.until, errors_on_terminal());
-  const InterruptGuard guard;
-  simulation.observe(scenario.output_every, [&](const World& world) { return recorder.observe(world); });
-  simulation.watch([&](double time) {
-    progress.at(time);
-    return !InterruptGuard::interrupted();
-  });
-  const Status status = simulation.run_until(scenario.until);
-  progress.clear();
-  if (recorder.error()) fail(*recorder.error());
-  if (status == Status::interrupted) return interrupted;
-  if (status != Status::ok) {
-    std::fprintf(stderr, "%s: error: %s\n", scenario.path.c_str(), simulation.message().c_str());
-    return failed;
-  }
-  recorder.finish({scenario.name, scenario.title, scenario.path, scenario.hash, {}, 0, scenario.until, scenario.integration},
-                  "done", simulation, session.armed(), io::model_json(scenario.model, scenario.title, scenario.shapes));
-  return done;
-}
-
-}  // namespace
-
-int view(const ViewOptions& options) {
-  if (options.svg.empty()) fail({"the interactive viewer is not supported yet", "", "draw the run with --svg FILE"});
+int draw(const ViewOptions& options) {
   io::PictureOptions picture;
   picture.every = options.every;
   if (!options.look.empty()) picture.look = io::parse_direction(options.look);
@@ -83,11 +32,41 @@ int view(const ViewOptions& options) {
     const std::optional<io::Scenario> scenario = load(options.source, {});
     if (!scenario) return bad_input;
     const TemporaryFolder folder;
-    if (const int code = record(*scenario, folder.result()); code != done) return code;
-    io::write_svg(folder.result(), options.svg, picture);
+    const Recorded recorded = record(*scenario, folder.result(), scenario->until);
+    if (recorded.code != done) return recorded.code;
+    io::write_svg(recorded.folder, options.svg, picture);
   }
   std::printf("%s\n", options.svg.c_str());
   return done;
+}
+
+/// The data of what is looked at, or nothing, with an exit code: of a result, of a scenario that is run for it (as far as it
+/// gets), or of a model at its start, to be posed by hand.
+std::optional<std::string> data_of(const std::string& source, int& code) {
+  if (fs::is_directory(source)) return io::report_data(source);
+  const std::optional<io::Scenario> scenario = load(source, {});
+  code = bad_input;
+  if (!scenario) return std::nullopt;
+  const bool pose = io::is_model(scenario->path, scenario->text);
+  const TemporaryFolder folder;
+  const Recorded recorded = record(*scenario, folder.result(), pose ? 0 : scenario->until);
+  code = recorded.code;
+  if (code == interrupted) return std::nullopt;
+  return io::report_data(recorded.folder, {.pose = pose});
+}
+
+}  // namespace
+
+int view(const ViewOptions& options) {
+  if (!options.svg.empty()) return draw(options);
+  if (options.every != 0 || !options.look.empty() || options.layout != "overlay")
+    fail({"--every, --look and --layout are of pictures", "", "draw the run with --svg FILE, or leave them out"});
+  int code = done;
+  const std::optional<std::string> data = data_of(options.source, code);
+  if (!data) return code;
+  const int served =
+      serve({io::report_page(report_html(), *data), io::content_policy(report_html())}, options.port, !options.no_browser);
+  return code != done ? code : served;
 }
 
 }  // namespace momentree::cli

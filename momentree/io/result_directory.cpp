@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 8> our_files = {"bodies.csv",   "joints.csv", "events.jsonl", "final.json",
-                                                       "summary.json", "model.json", "report.html",  "result.h5"};
+constexpr std::array<std::string_view, 9> our_files = {"bodies.csv",   "joints.csv", "energy.csv",  "events.jsonl", "final.json",
+                                                       "summary.json", "model.json", "report.html", "result.h5"};
 
 bool is_ours(const fs::path& file) { return std::ranges::count(our_files, file.filename().string()) > 0; }
 

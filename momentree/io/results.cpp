@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/io/energy_columns.hpp>
 
 namespace momentree::io {
 
@@ -22,6 +23,13 @@ Recorder::Recorder(const Model& model, std::vector<JointKinds> joints, double ev
   write_text_file(directory_.file("summary.json"), "{\"status\": \"running, or killed before it could say more\"}\n");
 }
 
+void Recorder::record_energy(const Simulation& simulation) {
+  books_ = &simulation;
+  energy_.emplace(directory_.file("energy.csv"));
+  EnergyColumns::header(energy_->text());
+  energy_->flush();
+}
+
 bool Recorder::due(double time) {
   if (!(every_ > 0)) return true;
   const double slack = 1e-6 * every_;  // steps land on multiples up to rounding
@@ -34,15 +42,21 @@ void Recorder::write_row(const World& world) {
   if (row_time_ == world.time()) {
     bodies_.text().resize(body_row_);
     joints_.text().resize(joint_row_);
+    if (energy_) energy_->text().resize(energy_row_);
   } else {
     bodies_.settle();
     joints_.settle();
     body_row_ = bodies_.text().size();
     joint_row_ = joints_.text().size();
+    if (energy_) {
+      energy_->settle();
+      energy_row_ = energy_->text().size();
+    }
     row_time_ = world.time();
   }
   body_columns_.row(bodies_.text(), world);
   joint_columns_.row(joints_.text(), world);
+  if (energy_) EnergyColumns::row(energy_->text(), *books_);
 }
 
 bool Recorder::observe(const World& world) noexcept {
@@ -56,7 +70,7 @@ bool Recorder::observe(const World& world) noexcept {
 }
 
 void Recorder::finish(const RunOrigin& origin, const std::string& status, const Simulation& simulation, const Armed& armed,
-                      const std::string& model_json) {
+                      const std::string& model_json, const std::function<void(const std::filesystem::path&)>& last) {
   // What is small and says most comes first: on a full disk it may still fit.
   std::string events;
   for (const Event& event : simulation.events()) events += event_json(event) + '\n';
@@ -69,6 +83,8 @@ void Recorder::finish(const RunOrigin& origin, const std::string& status, const 
   write_row(simulation.world());
   bodies_.close();
   joints_.close();
+  if (energy_) energy_->close();
+  if (last) last(directory_.working());
   if (status != "done") return;
   directory_.publish();
   published_ = true;

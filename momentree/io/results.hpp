@@ -1,5 +1,7 @@
 #pragma once
-// The files of a run: bodies.csv, joints.csv, events.jsonl, final.json, summary.json, model.json.
+// The files of a run: bodies.csv, joints.csv, energy.csv, events.jsonl, final.json, summary.json, model.json.
+#include <filesystem>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -37,15 +39,19 @@ class Recorder {
   Recorder(const Model& model, std::vector<JointKinds> joints, double every, const std::string& directory,
            bool reactions = false);
 
+  /// Rows go to energy.csv, too. The simulation must live as long as this, and be the one whose world is observed.
+  void record_energy(const Simulation& simulation);
+
   /// A row of each table where one is due. Of several observations at one instant the last counts: the state after the events.
   /// Returns false where it could not be written (a full disk): `error` says why.
   bool observe(const World& world) noexcept;
   const std::optional<Error>& error() const { return error_; }
 
-  /// Ends the tables with the final state and writes the other files; a run that is `done` is moved to its place.
+  /// Ends the tables with the final state and writes the other files; a run that is `done` is moved to its place, after `last`
+  /// has been called with the folder that holds it now (a report of all that is there).
   /// Throws Error where something could not be written; the folder then stays as it is, `.partial`.
   void finish(const RunOrigin& origin, const std::string& status, const Simulation& simulation, const Armed& armed,
-              const std::string& model_json);
+              const std::string& model_json, const std::function<void(const std::filesystem::path&)>& last = {});
 
   /// After finish: where the result stands. Before: where it is being written.
   std::string directory() const;
@@ -56,12 +62,14 @@ class Recorder {
 
   ResultDirectory directory_;
   TextFile bodies_, joints_;  // after the folder that they are in
+  std::optional<TextFile> energy_;
+  const Simulation* books_ = nullptr;  ///< whose energy is recorded
   BodyColumns body_columns_;
   JointColumns joint_columns_;
   double every_;
   double next_ = -std::numeric_limits<double>::infinity();  ///< multiple of every_ at which the next row is due
   std::optional<double> row_time_;
-  std::size_t body_row_ = 0, joint_row_ = 0;  ///< where the last row begins in the buffers
+  std::size_t body_row_ = 0, joint_row_ = 0, energy_row_ = 0;  ///< where the last row begins in the buffers
   std::optional<Error> error_;
   bool published_ = false;
 };

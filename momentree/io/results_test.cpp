@@ -37,6 +37,7 @@ Rows run(const std::string& out, double every, const char* file, double until = 
   Simulation simulation(model, {.step = 0.01});
   simulation.at(0.105).then(break_joint("arm/shoulder"));
   Recorder recorder(model, joints_of(simulation, simulation.rehearse(), {}), every, out, reactions);
+  recorder.record_energy(simulation);
   simulation.observe(every, [&](const World& world) { return recorder.observe(world); });
   REQUIRE(simulation.run_until(until) == Status::ok);
   RunOrigin origin;
@@ -104,6 +105,39 @@ TEST_CASE("reactions where they are asked for: after the other columns of their 
   }
   for (const char* free : {"arm/link.fx", "arm/link.fz", "arm/link.my"}) CHECK(std::fabs(number(3, free)) < 1e-10);
   CHECK(std::fabs(number(3, "arm/wrist.fx")) > 1e-3);
+}
+
+TEST_CASE("energy.csv: kinds of energy that add up, gravity by the poses of bodies.csv, momentum") {
+  const test::TemporaryFolder folder;
+  const Rows poses = run(folder / "r", 0.1, "bodies.csv"), rows = run(folder / "r", 0.1, "energy.csv");
+  REQUIRE(rows.size() == poses.size());
+  const auto number = [](const Rows& of, std::size_t row, const std::string& name) {
+    return std::stod(of[row][column(of, name)]);
+  };
+  const Model model = test::two_mechanisms();
+  double first = 0;
+  for (std::size_t r = 1; r < rows.size(); ++r) {
+    REQUIRE(rows[r].size() == 15);
+    CHECK(rows[r][0] == poses[r][0]);
+    double gravity = 0;
+    for (const BodySpec& body : model.bodies()) {
+      const auto of = [&](const char* suffix) { return number(poses, r, body.name + suffix); };
+      const Pose pose{{of(".x"), of(".y"), of(".z")}, Quat{of(".qw"), of(".qx"), of(".qy"), of(".qz")}};
+      gravity += 9.81 * body.mass * (pose * body.com).z;
+    }
+    const auto of = [&](const char* name) { return number(rows, r, name); };
+    CHECK(of("gravity") == doctest::Approx(gravity).epsilon(1e-12));
+    const double all =
+        of("kinetic") + of("gravity") + of("elastic") + of("dissipated") + of("lost") + of("released") - of("work");
+    if (r == 1) first = all;
+    CHECK(all - of("error") == doctest::Approx(first).epsilon(1e-12));
+    CHECK(std::fabs(of("error")) < 1e-4);
+    CHECK(of("elastic") > 0);  // the wrist's spring: ½ k q²
+  }
+  CHECK(number(rows, 1, "elastic") == doctest::Approx(0.5 * 2 * 0.7 * 0.7).epsilon(1e-12));
+  CHECK(number(rows, rows.size() - 1, "dissipated") > 0);
+  // The free arm falls: its momentum changes by m g t alone, the pendulum's pin does the rest; sideways nothing pulls on the arm.
+  CHECK(number(rows, rows.size() - 1, "linear.x") == doctest::Approx(number(rows, 1, "linear.x")).epsilon(1e-6));
 }
 
 TEST_CASE("quaternions are continuous in sign") {

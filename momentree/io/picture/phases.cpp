@@ -32,6 +32,8 @@ class Links {
       if (action.starts_with("break ")) {
         const auto broken = links_.find(action.substr(6));
         if (broken == links_.end()) continue;
+        phase.gone.push_back(broken->first);
+        event.about.push_back(broken->second.one);
         if (broken->second.declared) {
           event.broken.push_back(broken->second.one);
           phase.joined[static_cast<std::size_t>(broken->second.one)] = 0;
@@ -40,7 +42,12 @@ class Links {
       } else if (const std::vector<int> pair = joined(action); !pair.empty()) {
         const std::string to = pair[1] < 0 ? "ground" : name(pair[1]);
         const bool own = joins == 1 && !event.name.empty() && event.name.front() != '#';
-        links_[own ? event.name : to + "+" + name(pair[0])] = {pair[0], pair[1], false};
+        const std::string joint = own ? event.name : to + "+" + name(pair[0]);
+        links_[joint] = {pair[0], pair[1], false};
+        phase.made.push_back({joint, pair[1], pair[0], action.starts_with("weld ")});
+        event.about.push_back(pair[0]);
+      } else {
+        alter(action, event, phase);
       }
     }
   }
@@ -85,6 +92,26 @@ class Links {
     return {};
   }
 
+  // What changes a joint, or hits a body, but joins and parts nothing.
+  void alter(const std::string& action, RecordedEvent& event, Phase& phase) const {
+    const std::size_t space = action.find(' ');
+    if (space == std::string::npos) return;
+    const std::string key = action.substr(0, space);
+    std::string target = action.substr(space + 1);
+    if (const int body = number(target); key == "impulse" && body >= 0) event.about.push_back(body);
+    if (key == "change") {  // "change JOINT to KIND"
+      const std::size_t to = target.rfind(" to ");
+      if (to == std::string::npos) return;
+      phase.changed.emplace_back(target.substr(0, to), target.substr(to + 4));
+      target.resize(to);
+    }
+    if (key == "lock") phase.locked.push_back(target);
+    if (key == "unlock") phase.unlocked.push_back(target);
+    if (key == "free") phase.changed.emplace_back(target, "free");
+    if (key == "hit" || key == "rest" || key == "leave") target.resize(std::min(target.size(), target.rfind(' ')));
+    if (const auto link = links_.find(target); link != links_.end() && key != "impulse") event.about.push_back(link->second.one);
+  }
+
   const Recording& run_;
   std::map<std::string, int> numbers_;
   std::map<std::string, Link> links_;
@@ -124,7 +151,11 @@ void find_phases(Recording& run, const std::vector<std::string>& mechanism_of) {
   run.phases = {phase};
   Links links(run);
   for (RecordedEvent& event : run.events) {
-    phase.from = event.time;
+    Phase next;
+    next.from = event.time;
+    next.mechanism = std::move(phase.mechanism);
+    next.joined = std::move(phase.joined);
+    phase = std::move(next);
     const std::vector<int> before = links.parts();
     links.apply(event, phase);
     std::vector<std::string> roots;  // of what came off, where the event does not say it

@@ -131,18 +131,15 @@ void read_events(const std::filesystem::path& file, Recording& run) {
 
 }  // namespace
 
-Recording read_recording(const std::filesystem::path& directory, double every) {
-  if (!std::filesystem::is_directory(directory))
-    fail({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
-  const BodyTable table(directory / "bodies.csv");
+Recording read_story(const std::filesystem::path& directory, const std::vector<std::string>& bodies) {
   Recording run;
   Numbers numbers;
   std::vector<std::string> mechanism_of;
-  for (const PoseColumns& column : table.bodies()) {
-    numbers.emplace(column.name, static_cast<int>(run.bodies.size()));
+  for (const std::string& name : bodies) {
+    numbers.emplace(name, static_cast<int>(run.bodies.size()));
     run.bodies.push_back({});
-    run.bodies.back().name = run.bodies.back().joint = column.name;
-    mechanism_of.push_back(column.name.substr(0, column.name.find('/')));
+    run.bodies.back().name = run.bodies.back().joint = name;
+    mechanism_of.push_back(name.substr(0, name.find('/')));
   }
 
   const std::optional<Json> model = parse_file(directory / "model.json");
@@ -162,7 +159,16 @@ Recording read_recording(const std::filesystem::path& directory, double every) {
       correct_last_phase(run, at_end);
     });
   }
+  return run;
+}
 
+Recording read_recording(const std::filesystem::path& directory, double every) {
+  if (!std::filesystem::is_directory(directory))
+    fail({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
+  const BodyTable table(directory / "bodies.csv");
+  std::vector<std::string> names;
+  for (const PoseColumns& column : table.bodies()) names.push_back(column.name);
+  Recording run = read_story(directory, names);
   const std::vector<std::size_t> rows = choose_rows(table, every);
   run.every = every;
   run.frames = table.read(rows);

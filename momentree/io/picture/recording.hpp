@@ -27,11 +27,22 @@ struct RecordedFrame {
   std::vector<Pose> poses;  ///< by body
 };
 
+/// A joint that an event made: bodies by number, −1 the ground.
+struct RecordedLink {
+  std::string joint;
+  int parent = -1, child = -1;
+  bool rigid = false;
+};
+
 /// Who belongs together from `from` on.
 struct Phase {
   double from = 0;
   std::vector<int> mechanism;  ///< by body: a number in Recording::mechanisms
   std::vector<char> joined;    ///< by body: its inboard joint is that of the start, and holds
+  // What the event that began it did to joints, by name.
+  std::vector<std::string> gone, locked, unlocked;
+  std::vector<RecordedLink> made;
+  std::vector<std::pair<std::string, std::string>> changed;  ///< joints with their new kinds
 };
 
 struct RecordedEvent {
@@ -40,6 +51,7 @@ struct RecordedEvent {
   std::vector<std::string> actions;
   std::vector<std::string> before, after;  ///< names of mechanisms; empty where the file does not say them
   std::vector<int> broken;                 ///< bodies whose inboard joint it broke
+  std::vector<int> about;                  ///< bodies whose joints it changed in any way, and those that it joined or hit
   RecordedFrame frame;                     ///< where the bodies were: the row next to its time; empty if there is none
 };
 
@@ -55,6 +67,10 @@ struct Recording {
 
   const Phase& phase_at(double time) const;
 };
+
+/// All but the frames: reads `model.json`, `events.jsonl` and `final.json` of a result directory where they exist. `bodies`: the
+/// names of bodies.csv, in its order. Throws Error that names the file and the line.
+Recording read_story(const std::filesystem::path& directory, const std::vector<std::string>& bodies);
 
 /// Reads `bodies.csv` and, where they exist, `model.json`, `events.jsonl` and `final.json` of a result directory.
 /// One frame every `every` seconds; 0: every 0.2 s, or a round number that gives 4 to 60 frames where that does not.

@@ -16,7 +16,8 @@ import type {
   Vec3,
   WorldQuantity,
 } from "../recording";
-import { jointUnit, worldUnit } from "./units";
+import { lastNotAfter } from "../viewer/frames";
+import { coordinatesOf, jointUnit, worldUnit } from "./units";
 import { column, doubles, floats } from "./tables";
 
 interface ModelFile {
@@ -43,13 +44,13 @@ interface PhaseData {
   from: number;
   mechanism: [count: number, mechanism: number][];
   gone?: string[];
-  made?: Link[];
+  made?: { joint: string; rigid: boolean; parent: number; child: number }[];
   locked?: string[];
   unlocked?: string[];
   changed?: [joint: string, kind: JointKind][];
 }
 
-interface EventFile extends Omit<RunEvent, "durationNs"> {
+interface EventFile extends Omit<RunEvent, "name" | "durationNs" | "bodies"> {
   event: string;
   duration_ns: number;
 }
@@ -70,9 +71,15 @@ interface SummaryFile {
 
 export interface ReportData {
   format: 1;
+  /** A model to be posed by hand: its joints get sliders. */
+  pose: boolean;
+  thinned: boolean;
+  joints_left_out: boolean;
   bodies: string[];
   model: ModelFile;
   events: EventFile[];
+  /** By event the bodies that it was about. */
+  about: number[][];
   summary: SummaryFile | null;
   mechanisms: string[];
   phases: PhaseData[];
@@ -80,9 +87,9 @@ export interface ReportData {
   time: string;
   poses: string;
   /** Rows of these columns (docs/results.md), f32. */
-  joints: { columns: string[]; rows: string } | null;
+  joints?: { columns: string[]; rows: string };
   /** Rows of energy.csv without their time, f64. */
-  energy: { columns: string[]; rows: string } | null;
+  energy?: { columns: string[]; rows: string };
 }
 
 export function modelOf(file: ModelFile, names: readonly string[]): Model {
@@ -111,7 +118,18 @@ export const linkOf = (joint: Joint): Link => ({
   childAt: joint.childAt.xyz,
 });
 
-function phasesOf(data: readonly PhaseData[], model: Model): Phase[] {
+/** A joint that an event made, at its child's origin: where it is told of no better place. */
+function madeLink(
+  made: { joint: string; rigid: boolean; parent: number; child: number },
+  from: number,
+  placed: (body: number, time: number) => Vec3,
+): Link {
+  const { joint, parent, child } = made;
+  const at: Vec3 = parent < 0 ? placed(child, from) : [0, 0, 0];
+  return { joint, parent, child, kind: made.rigid ? "weld" : "ball", at, childAt: [0, 0, 0] };
+}
+
+function phasesOf(data: readonly PhaseData[], model: Model, placed: (body: number, time: number) => Vec3): Phase[] {
   let links = model.joints.map(linkOf);
   return data.map((phase) => {
     const mechanism = new Int32Array(model.bodies.length);
@@ -125,7 +143,7 @@ function phasesOf(data: readonly PhaseData[], model: Model): Phase[] {
     const kept = gone.size > 0 ? links.filter((link) => !gone.has(link.joint)) : links;
     const same = locked.size === 0 && kinds.size === 0 && kept === links && !phase.made;
     if (!same)
-      links = [...kept, ...(phase.made ?? [])].map((link) => ({
+      links = [...kept, ...(phase.made ?? []).map((link) => madeLink(link, phase.from, placed))].map((link) => ({
         ...link,
         locked: locked.get(link.joint) ?? link.locked ?? false,
         kind: kinds.get(link.joint) ?? link.kind,
@@ -170,8 +188,12 @@ export function recordingOf(data: ReportData): Recording {
   const energy = data.energy && { ...data.energy, values: doubles(data.energy.rows) };
   const table = data.joints && { ...data.joints, values: floats(data.joints.rows) };
   const kindOf = new Map(model.joints.map((joint) => [joint.name, joint.kind]));
-  for (const phase of data.phases)
-    for (const link of phase.made ?? []) if (!kindOf.has(link.joint)) kindOf.set(link.joint, link.kind);
+  // Columns that are wider than the joint was at first hold more kinds than one: they have no unit.
+  const kindOfColumns = (joint: string): JointKind | undefined => {
+    const wide = (places.get(joint) ?? []).filter(({ label }) => jointColumns.q.test(label)).length;
+    const kind = kindOf.get(joint) ?? (wide === 7 ? "free" : undefined);
+    return kind && coordinatesOf(kind) === wide ? kind : undefined;
+  };
   const places = new Map<string, { label: string; place: number }[]>();
   table?.columns.forEach((name, place) => {
     const dot = name.lastIndexOf(".");
@@ -180,7 +202,7 @@ export function recordingOf(data: ReportData): Recording {
     places.get(joint)!.push({ label: name.slice(dot + 1), place });
   });
   const columnsOf = (
-    source: { columns: string[]; values: Float64Array } | null,
+    source: { columns: string[]; values: Float64Array } | undefined,
     names: readonly string[],
     unit: string,
   ): Column[] =>
@@ -194,14 +216,24 @@ export function recordingOf(data: ReportData): Recording {
             values: column(source.values, source.columns.length, source.columns.indexOf(name)),
           }));
 
+  const placed = (body: number, when: number): Vec3 => {
+    const at = lastNotAfter(data.frames, (frame) => time[frame], when) * width + 7 * body;
+    return [poses[at], poses[at + 1], poses[at + 2]];
+  };
+
   return {
     model,
     frames: data.frames,
     revision: 0,
     time: (frame) => time[frame],
     poses: (frame) => poses.subarray(frame * width, (frame + 1) * width),
-    events: data.events.map((event) => ({ ...event, name: event.event, durationNs: event.duration_ns })),
-    phases: phasesOf(data.phases, model),
+    events: data.events.map((event, i) => ({
+      ...event,
+      name: event.event,
+      durationNs: event.duration_ns,
+      bodies: data.about[i] ?? [],
+    })),
+    phases: phasesOf(data.phases, model, placed),
     mechanisms: data.mechanisms,
     joints: [...places.keys()],
     world: (quantity) => columnsOf(energy, energyColumns[quantity], worldUnit(quantity)),
@@ -210,7 +242,7 @@ export function recordingOf(data: ReportData): Recording {
         .filter(({ label }) => jointColumns[quantity].test(label))
         .map(({ label, place }) => ({
           label,
-          unit: jointUnit(kindOf.get(joint), quantity, Number(label.slice(1))),
+          unit: jointUnit(kindOfColumns(joint), quantity, Number(label.slice(1))),
           values: column(table!.values, table!.columns.length, place),
         })),
     summary: data.summary && summaryOf(data.summary),

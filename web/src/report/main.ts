@@ -1,20 +1,38 @@
 // The report of a run: reads the data in the page and shows them.
-import { Player } from "../viewer/player";
-import { endTime, phaseAt, posesAt, startTime } from "../viewer/frames";
-import { Stage } from "../viewer/stage";
-import { watchTheme } from "../viewer/colours";
+import "../panels/base.css";
+import "../panels/parts.css";
+import "./style.css";
+import { showModel } from "../model/page";
+import { h } from "../panels/dom";
 import { recordingOf, type ReportData } from "./data";
+import { showRun } from "./page";
 
 const page = document.getElementById("page")!;
-const data = JSON.parse(document.getElementById("recording")!.textContent ?? "null") as ReportData | null;
+
+function notesOf(data: ReportData): string[] {
+  const notes: string[] = [];
+  if (data.thinned) notes.push("not every row is shown here");
+  if (data.joints_left_out) notes.push("too many joints to plot here: see joints.csv");
+  return notes;
+}
+
+/** `#t=1.9` opens at that time and stands still; else it plays, unless the reader wants no motion. */
+function begin(data: ReportData) {
+  if (data.pose) return showModel(page, recordingOf(data));
+  const player = showRun(page, recordingOf(data), notesOf(data));
+  const wanted = /^#t=([-+0-9.e]+)$/.exec(location.hash);
+  if (wanted) player.seek(Number(wanted[1]));
+  else if (!window.matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
+}
+
+const data = JSON.parse(document.getElementById("recording")!.textContent || "null") as ReportData | null;
 if (data === null) {
-  page.textContent = "This page holds no run: `momentree run SCENARIO --report` writes one that does.";
+  page.append(h("p", { class: "nothing" }, "This page holds no run: `momentree run SCENARIO --report` writes one that does."));
 } else {
-  const run = recordingOf(data);
-  const stage = new Stage(page, run.model);
-  const player = new Player(() => [startTime(run), endTime(run)]);
-  const poses = new Float64Array(7 * run.model.bodies.length);
-  watchTheme((theme) => stage.setTheme(theme));
-  player.listen((time) => stage.show(posesAt(run, time, poses), phaseAt(run, time)));
-  stage.fit(run);
+  try {
+    begin(data);
+  } catch (error) {
+    page.replaceChildren(h("p", { class: "nothing", role: "alert" }, `The run can't be shown: ${String(error)}`));
+    throw error;
+  }
 }

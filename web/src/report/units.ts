@@ -33,6 +33,9 @@ const units: Record<"q" | "v" | "p", Record<string, string>> = {
   p: { a: "N m s", l: "N s" },
 };
 
+/** How many coordinates a joint of that kind has. */
+export const coordinatesOf = (kind: JointKind) => coordinates[kind].length;
+
 /** Empty where the kind is not known: a joint that an event makes of several kinds. */
 export function jointUnit(kind: JointKind | undefined, quantity: JointQuantity, place: number): string {
   if (quantity === "force") return "N";

@@ -1,8 +1,10 @@
 // Where to look from: the whole motion in the picture, gravity down; a motion in a plane is seen along the plane's normal.
 import * as THREE from "three";
 import type { Model, Recording } from "../recording";
+import { phaseAt } from "./frames";
 
 export interface View {
+  readonly box: THREE.Box3;
   readonly centre: THREE.Vector3;
   readonly radius: number;
   /** From the centre towards the camera. */
@@ -17,31 +19,42 @@ export function upOf(model: Model): THREE.Vector3 {
   return gravity.lengthSq() > 0 ? gravity.normalize().negate() : new THREE.Vector3(0, 0, 1);
 }
 
+/** Bodies of mechanisms that the ground holds at a time. */
+function held(run: Recording, time: number): Set<number> {
+  const phase = phaseAt(run, time);
+  const mechanisms = new Set(phase.links.filter((l) => l.parent < 0 && l.kind !== "free").map((l) => phase.mechanism[l.child]));
+  return new Set(run.model.bodies.map((_body, b) => b).filter((b) => mechanisms.has(phase.mechanism[b])));
+}
+
 /** Points that the picture should hold: bodies' origins and the ends of what is drawn of them, over some frames. */
 function points(run: Recording, reach: (body: number) => number, most = 40): THREE.Box3 {
   const box = new THREE.Box3();
+  const flying: THREE.Vector3[] = [];
   const step = Math.max(1, Math.floor(run.frames / most));
-  const at = new THREE.Vector3();
   const turn = new THREE.Quaternion();
+  const anchored = run.frames > 0 && held(run, run.time(0)).size > 0;
   for (let frame = 0; frame < run.frames; frame += step) {
     const poses = run.poses(frame);
+    const still = anchored ? held(run, run.time(frame)) : null;
     run.model.bodies.forEach((body, b) => {
       const i = 7 * b;
+      if (Number.isNaN(poses[i])) return;
       turn.set(poses[i + 4], poses[i + 5], poses[i + 6], poses[i + 3]);
       const origin = new THREE.Vector3(poses[i], poses[i + 1], poses[i + 2]);
       const r = reach(b);
-      box.expandByPoint(at.copy(origin).addScalar(r));
-      box.expandByPoint(at.copy(origin).addScalar(-r));
-      for (const line of body.extent)
-        for (const end of line)
-          box.expandByPoint(
-            at
-              .set(...end)
-              .applyQuaternion(turn)
-              .add(origin),
-          );
+      const ends = body.extent.flatMap((line) =>
+        line.map((end) => new THREE.Vector3(...end).applyQuaternion(turn).add(origin)),
+      );
+      ends.push(origin.clone().addScalar(r), origin.clone().addScalar(-r));
+      for (const end of ends)
+        if (still && !still.has(b)) flying.push(end);
+        else box.expandByPoint(end);
     });
   }
+  // What flies off is followed some way, but not so far that what stays is hardly seen.
+  const centre = box.getCenter(new THREE.Vector3());
+  const far = 1.6 * box.getSize(new THREE.Vector3()).length();
+  for (const point of flying) if (point.distanceTo(centre) < far) box.expandByPoint(point);
   return box;
 }
 
@@ -64,5 +77,20 @@ export function viewOf(run: Recording, reach: (body: number) => number): View {
     direction.copy(front).addScaledVector(new THREE.Vector3().crossVectors(up, front), 0.75).addScaledVector(up, 0.4);
   }
   const low = new THREE.Vector3(...(["x", "y", "z"] as const).map((k) => (up[k] > 0 ? box.min[k] : box.max[k])));
-  return { centre, radius, direction: direction.normalize(), up, lowest: low.dot(up) };
+  return { box, centre, radius, direction: direction.normalize(), up, lowest: low.dot(up) };
+}
+
+/** How far from a box's middle the camera must be so that its corners are in the picture. */
+export function distanceFor(box: THREE.Box3, direction: THREE.Vector3, up: THREE.Vector3, fov: number, aspect: number): number {
+  const tall = Math.tan(THREE.MathUtils.degToRad(fov) / 2);
+  const right = new THREE.Vector3().crossVectors(up, direction).normalize();
+  const top = new THREE.Vector3().crossVectors(direction, right);
+  const half = box.getSize(new THREE.Vector3()).multiplyScalar(0.5);
+  let distance = 1e-6;
+  for (const [x, y, z] of [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1, (i >> 1) & 1, i >> 2].map((bit) => 2 * bit - 1))) {
+    const corner = half.clone().multiply(new THREE.Vector3(x, y, z));
+    const away = Math.max(Math.abs(corner.dot(right)) / (tall * aspect), Math.abs(corner.dot(top)) / tall);
+    distance = Math.max(distance, away + corner.dot(direction));
+  }
+  return 1.06 * distance;
 }

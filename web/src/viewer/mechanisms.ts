@@ -43,6 +43,8 @@ export class MechanismsView {
   private readonly face = new THREE.MeshBasicMaterial();
   private readonly circle = new THREE.CircleGeometry(1, 32);
   private readonly radius: number;
+  /** By body the lines that its shapes do not show. */
+  private readonly sticks: (readonly (readonly [Vec3, Vec3])[])[];
   private lines: { body: number; from: THREE.Vector3; to: THREE.Vector3 }[] = [];
   private readonly jointColours = new Map<string, string>();
   /** Body under the pointer or chosen; −1: none. */
@@ -54,6 +56,10 @@ export class MechanismsView {
     private readonly look: Look,
   ) {
     this.radius = 0.045 * typicalLength(model);
+    this.sticks = model.bodies.map((body, b) => {
+      const reach = 1.2 * shapes.reach(b);
+      return body.extent.filter((line) => reach === 0 || line.some((end) => Math.hypot(...end) > reach));
+    });
     this.rods = new Rods(this.rodMaterial);
     this.group.add(this.rods.group);
     const first = new THREE.MeshLambertMaterial();
@@ -103,7 +109,7 @@ export class MechanismsView {
         const material = this.material(theme, mechanism);
         for (const mesh of group.children) (mesh as THREE.Mesh).material = material;
       }
-      for (const [from, to] of body.extent)
+      for (const [from, to] of this.sticks[b])
         this.line(b, vector(pointOf(poses, b, from)), vector(pointOf(poses, b, to)), bright);
       if (body.extent.length === 0 && !group) {
         const at = vector(pointOf(poses, b, body.com));
@@ -112,14 +118,15 @@ export class MechanismsView {
       }
     });
     const ink = new THREE.Color(mixed(theme.ink, theme.ground, Math.max(this.look.faded, 0.15)));
-    if (this.look.joints)
-      for (const link of phase.links) {
-        const own = this.jointColours.get(link.joint);
-        const at = vector(pointOf(poses, link.child, link.childAt));
-        if (own) this.rods.ball(at, new THREE.Color(own), 2.2);
-        else if (link.kind !== "free")
-          this.rods.ball(at, link.kind === "weld" ? colourOf(phase.mechanism[link.child]) : ink, 1.35);
-      }
+    for (const link of phase.links) {
+      if (link.kind === "free") continue;
+      const own = this.look.joints ? this.jointColours.get(link.joint) : undefined;
+      const at = vector(pointOf(poses, link.child, link.childAt));
+      const body = colourOf(phase.mechanism[link.child]);
+      if (own) this.rods.ball(at, new THREE.Color(own), 2.2);
+      else if (this.look.joints && link.kind !== "weld") this.rods.ball(at, ink, link.locked ? 1.1 : 1.35, body);
+      else this.rods.ball(at, body, 1);
+    }
     this.placeDisks(poses, phase, theme);
   }
 

@@ -68,6 +68,8 @@ interface Ball {
   readonly at: THREE.Vector3;
   readonly colour: THREE.Color;
   readonly factor: number;
+  /** Its colour where rods are as thin as can be seen: it then only fills the bend between two of them. */
+  readonly thin: THREE.Color | null;
 }
 
 /** Set the list of what there is when it changes; `fit` gives each its width before each drawing. */
@@ -92,8 +94,9 @@ export class Rods {
     this.placed.push({ from, to, colour });
   }
 
-  ball(at: THREE.Vector3, colour: THREE.Color, factor: number) {
-    this.ballsPlaced.push({ at, colour, factor });
+  /** `factor`: of its radius to that of rods. */
+  ball(at: THREE.Vector3, colour: THREE.Color, factor: number, thin: THREE.Color | null = null) {
+    this.ballsPlaced.push({ at, colour, factor, thin });
   }
 
   /** Radius: `radius` (m), or half of `pixels` where that is more. */
@@ -116,9 +119,11 @@ export class Rods {
     this.rods.end();
     this.balls.begin(this.ballsPlaced.length);
     turn.identity();
-    for (const { at, colour, factor } of this.ballsPlaced) {
-      const r = factor * Math.max(radius, 0.5 * pixels * pixelSize(camera, height, at));
-      this.balls.add(matrix.compose(at, turn, size.set(r, r, r)), colour);
+    for (const { at, colour, factor, thin } of this.ballsPlaced) {
+      const least = 0.5 * pixels * pixelSize(camera, height, at);
+      const isThin = thin !== null && radius < least;
+      const r = (isThin ? 1 : factor) * Math.max(radius, least);
+      this.balls.add(matrix.compose(at, turn, size.set(r, r, r)), isThin ? thin : colour);
     }
     this.balls.end();
   }

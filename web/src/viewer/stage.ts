@@ -2,7 +2,7 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Model, Phase, Recording } from "../recording";
-import { upOf, viewOf, type View } from "./camera";
+import { distanceFor, upOf, viewOf, type View } from "./camera";
 import { mixed, themeOf, type Theme } from "./colours";
 import { MechanismsView, type Hit } from "./mechanisms";
 import { ShapeLibrary } from "./shapes";
@@ -18,6 +18,7 @@ export class Stage {
   private readonly light = new THREE.DirectionalLight(0xffffff, 1.9);
   private readonly sky = new THREE.HemisphereLight(0xffffff, 0x9aa4b2, 1.9);
   private view: View | null = null;
+  private floor: THREE.GridHelper | null = null;
   private wanted = false;
   private state: { poses: ArrayLike<number>; phase: Phase } | null = null;
   private readonly beforeDraw: ((camera: THREE.PerspectiveCamera, height: number) => void)[] = [];
@@ -53,7 +54,13 @@ export class Stage {
     this.theme = theme;
     this.scene.background = new THREE.Color(theme.ground);
     for (const listener of this.onTheme) listener(theme);
+    if (this.view) this.layFloor(this.view);
     if (this.state) this.show(this.state.poses, this.state.phase);
+  }
+
+  /** How wide what it was fitted to is (m). */
+  get size(): number {
+    return this.view ? 2 * this.view.radius : 1;
   }
 
   /** Called when the colours change, and at once. */
@@ -102,22 +109,44 @@ export class Stage {
   /** The whole motion in the picture; `direction`: from where, else as it is fit for the motion. */
   fit(run: Recording, direction?: THREE.Vector3) {
     this.view = viewOf(run, (body) => this.shapes.reach(body));
+    this.layFloor(this.view);
     this.lookAt(direction ? { ...this.view, direction } : this.view);
   }
 
+  /** A grid below all that moves, in round squares; seen from its own height it would be a line, and is left out. */
+  private layFloor(view: View) {
+    this.floor?.removeFromParent();
+    this.floor?.dispose();
+    this.floor = null;
+    if (Math.abs(view.direction.dot(view.up)) < 0.05) return;
+    const size = 3 * view.radius;
+    const unit = 10 ** Math.floor(Math.log10(size / 8));
+    const square = [5, 2, 1].map((step) => step * unit).find((side) => side <= size / 8) ?? unit;
+    const count = 2 * Math.ceil(size / square / 2);
+    this.floor = new THREE.GridHelper(count * square, count, this.theme.grid, this.theme.grid);
+    this.floor.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), view.up);
+    const centre = view.centre.clone();
+    this.floor.position.copy(centre.addScaledVector(view.up, view.lowest - centre.dot(view.up) - 1e-3 * view.radius));
+    this.scene.add(this.floor);
+  }
+
   /** A part of the picture. */
-  lookAt(view: Pick<View, "centre" | "radius" | "direction" | "up">) {
-    const half = THREE.MathUtils.degToRad(this.camera.fov) / 2;
-    const across = Math.min(1, this.camera.aspect);
-    const distance = view.radius / Math.sin(Math.atan(Math.tan(half) * across));
+  lookAt(view: Pick<View, "box" | "centre" | "direction" | "up">) {
     this.camera.up.copy(view.up);
-    this.camera.near = distance / 1000;
-    this.camera.far = distance * 100;
-    this.camera.position.copy(view.centre).addScaledVector(view.direction, distance);
-    this.camera.updateProjectionMatrix();
+    this.aim(this.camera, view, view.direction);
     this.controls.target.copy(view.centre);
     this.controls.update();
     this.draw();
+  }
+
+  private aim(camera: THREE.PerspectiveCamera, view: Pick<View, "box" | "centre">, direction: THREE.Vector3) {
+    const distance = distanceFor(view.box, direction, camera.up, camera.fov, camera.aspect);
+    camera.near = distance / 1000;
+    camera.far = distance * 100;
+    camera.position.copy(view.centre).addScaledVector(direction, distance);
+    camera.lookAt(view.centre);
+    camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
   }
 
   /** Turns about the target by angles (rad), or nears it: for the keyboard. */
@@ -143,6 +172,41 @@ export class Stage {
     const solid = ray.intersectObject(this.mechanisms.group, true).find((hit) => hit.object.userData.body !== undefined);
     if (solid) return { body: solid.object.userData.body as number, point: solid.point };
     return this.mechanisms.nearestRod(at, this.camera, box.width, box.height, patience);
+  }
+
+  /** A picture apart from that on the page, of bodies without ghosts and trails, from the same direction. */
+  snapshot(
+    poses: ArrayLike<number>,
+    phase: Phase,
+    view: Pick<View, "box" | "centre">,
+    width: number,
+    height: number,
+  ): HTMLCanvasElement {
+    const hidden = this.scene.children.filter(
+      (child) => child.visible && child !== this.mechanisms.group && !this.isLight(child),
+    );
+    for (const child of hidden) child.visible = false;
+    const camera = this.camera.clone();
+    camera.aspect = width / height;
+    this.aim(camera, view, this.camera.position.clone().sub(this.controls.target).normalize());
+    const ratio = this.renderer.getPixelRatio();
+    this.renderer.setSize(width, height, false);
+    this.mechanisms.place(poses, phase, this.theme);
+    this.mechanisms.fit(camera, height);
+    this.renderer.render(this.scene, camera);
+    const copy = document.createElement("canvas");
+    copy.width = Math.round(width * ratio);
+    copy.height = Math.round(height * ratio);
+    copy.getContext("2d")?.drawImage(this.canvas, 0, 0, copy.width, copy.height);
+    for (const child of hidden) child.visible = true;
+    this.renderer.setSize(this.host.clientWidth, this.host.clientHeight, false);
+    if (this.state) this.mechanisms.place(this.state.poses, this.state.phase, this.theme);
+    this.drawNow();
+    return copy;
+  }
+
+  private isLight(object: THREE.Object3D) {
+    return object === this.sky || object === this.camera;
   }
 
   /** A colour for what is quiet: grids, trails of what is past. */

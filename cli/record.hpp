@@ -1,0 +1,31 @@
+#pragma once
+// A scenario that is run for its picture alone: its results stand in a temporary folder.
+#include <filesystem>
+#include <string>
+
+#include <momentree/io/scenario.hpp>
+
+namespace momentree::cli {
+
+/// A folder that is gone with it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::string result() const { return (path_ / "result").string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+struct Recorded {
+  std::string folder;  ///< with the results, whole or not
+  int code = 0;        ///< exit code of the run; what went wrong has been said
+};
+
+/// Runs a scenario into a folder, with the reactions of joints. `until`: only so far (s).
+Recorded record(const io::Scenario& scenario, const std::string& folder, double until);
+
+}  // namespace momentree::cli

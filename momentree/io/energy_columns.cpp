@@ -1,0 +1,46 @@
+#include <momentree/io/energy_columns.hpp>
+
+#include <momentree/io/number_text.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+/// Zero at the world's origin, as in Totals (J).
+double gravity_energy(const World& world) {
+  const Model& model = world.model();
+  double energy = 0;
+  for (int b = 0; b < model.size(); ++b) {
+    if (!world.alive({b})) continue;
+    const BodySpec& body = model[Body{b}];
+    const Pose& pose = world.motions()[static_cast<std::size_t>(b)].pose;
+    energy -= body.mass * dot(model.gravity(), pose * body.com);
+  }
+  return energy;
+}
+
+}  // namespace
+
+void EnergyColumns::header(std::string& text) {
+  text += "time,kinetic,gravity,elastic,dissipated,lost,released,work,error";
+  for (const char* momentum : {"linear", "angular"})
+    for (const char* axis : {".x", ".y", ".z"}) text += std::string(",") + momentum + axis;
+  text += '\n';
+}
+
+void EnergyColumns::row(std::string& text, const Simulation& simulation) {
+  const World& world = simulation.world();
+  const Totals totals = world.totals();
+  const EnergyBalance balance = simulation.energy();
+  const double gravity = gravity_energy(world);
+  append_number(text, world.time());
+  for (const double x : {totals.kinetic, gravity, totals.potential - gravity, balance.dissipated, balance.lost_in_impacts,
+                         balance.released, balance.work, balance.error, totals.linear.x, totals.linear.y, totals.linear.z,
+                         totals.angular.x, totals.angular.y, totals.angular.z}) {
+    text += ',';
+    append_number(text, x);
+  }
+  text += '\n';
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,70 @@
+#include <momentree/io/report/number_table.hpp>
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <string_view>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/picture/body_table.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+std::string place(const std::filesystem::path& file, std::size_t line) { return file.string() + ":" + std::to_string(line); }
+
+void trim_end(std::string& line) {
+  while (!line.empty() && (line.back() == '\r' || line.back() == '\n')) line.pop_back();
+}
+
+double number(std::string_view cell, const std::string& where) {
+  if (cell.empty()) return std::nan("");
+  double value = 0;
+  const char* end = cell.data() + cell.size();
+  const auto [stop, error] = std::from_chars(cell.data(), end, value);
+  if (error != std::errc{} || stop != end)
+    fail({"'" + std::string(cell) + "' is not a number", where, "the file was cut or changed: run again"});
+  return std::isfinite(value) ? value : HUGE_VAL;
+}
+
+}  // namespace
+
+NumberTable::NumberTable(std::filesystem::path file) : file_(std::move(file)) {
+  std::ifstream in(file_, std::ios::binary);
+  if (!in) fail({"there is no such file, or it cannot be read", file_.string(), "give the directory that `momentree run` wrote"});
+  std::string line;
+  std::getline(in, line);
+  trim_end(line);
+  columns_ = split_csv(line);
+  if (columns_.front() != "time") fail({"the first column is '" + columns_.front() + "', not 'time'", place(file_, 1), {}});
+  columns_.erase(columns_.begin());
+  for (std::size_t n = 2; std::getline(in, line) && !in.eof(); ++n)
+    times_.push_back(number(std::string_view(line).substr(0, line.find(',')), place(file_, n)));
+}
+
+std::vector<double> NumberTable::read(const std::vector<std::size_t>& rows) const {
+  std::vector<double> numbers;
+  numbers.reserve(rows.size() * columns_.size());
+  std::ifstream in(file_, std::ios::binary);
+  std::string line;
+  std::getline(in, line);
+  std::size_t next = 0;
+  for (const std::size_t wanted : rows) {
+    for (; next <= wanted; ++next) std::getline(in, line);
+    trim_end(line);
+    const std::string where = place(file_, wanted + 2);
+    std::size_t cells = 0;
+    for (std::size_t at = line.find(','); at != std::string::npos; ++cells) {
+      const std::size_t end = line.find(',', at + 1);
+      numbers.push_back(number(std::string_view(line).substr(at + 1, end == std::string::npos ? end : end - at - 1), where));
+      at = end;
+    }
+    if (cells != columns_.size())
+      fail({"the row has " + std::to_string(cells + 1) + " of " + std::to_string(columns_.size() + 1) + " columns", where,
+            "the file was cut or changed: run again"});
+  }
+  return numbers;
+}
+
+}  // namespace momentree::io

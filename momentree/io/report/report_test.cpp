@@ -1,0 +1,158 @@
+#include <momentree/io/report/report.hpp>
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include <momentree/io/json_document.hpp>
+#include <momentree/io/model_json.hpp>
+#include <momentree/io/report/number_table.hpp>
+#include <momentree/io/results.hpp>
+#include <momentree/io/test_support.hpp>
+#include <momentree/io/text_file.hpp>
+
+namespace momentree::io {
+namespace {
+
+const std::string hostile = "</script><script>alert(1)</script><!--";
+
+/// A run of two_mechanisms with a lock, a change, a break and a weld; rows at every step of 10 ms.
+void write_result(const std::string& out) {
+  const Model model = test::two_mechanisms();
+  Simulation simulation(model, {.step = 0.01});
+  simulation.at(0.05).then(lock("arm/wrist"));
+  simulation.at(0.07).then(change_joint("arm/wrist", Ball{}));
+  simulation.at(0.1).then(break_joint("arm/shoulder"));
+  simulation.at(0.2).then(weld("arm/link", "pendulum"));
+  Recorder recorder(model, joints_of(simulation, simulation.rehearse(), {}), 0, out);
+  recorder.record_energy(simulation);
+  simulation.observe(0, [&](const World& world) { return recorder.observe(world); });
+  REQUIRE(simulation.run_until(0.3) == Status::ok);
+  RunOrigin origin;
+  origin.name = "arm";
+  recorder.finish(origin, "done", simulation, {}, model_json(model, hostile));
+}
+
+std::vector<std::string> texts(const JsonNode& list) {
+  std::vector<std::string> all;
+  for (const JsonNode& item : list.items) all.push_back(item.text);
+  return all;
+}
+
+/// How many bytes a base64 text stands for.
+std::size_t bytes_of(const std::string& base64) {
+  return base64.size() / 4 * 3 - static_cast<std::size_t>(std::count(base64.begin(), base64.end(), '='));
+}
+
+TEST_CASE("a report's data: the documents as they are, tables of the size that is told, what changed when") {
+  const test::TemporaryFolder folder;
+  write_result(folder / "r");
+  const std::string text = report_data(folder / "r");
+  CHECK(text.find('<') == std::string::npos);  // nothing in it ends the element that it stands in
+  const JsonDocument data = parse_json(text, "data");
+  const auto at = [&](const char* key) -> const JsonNode& {
+    const JsonNode* node = data.root.find(key);
+    REQUIRE(node != nullptr);
+    return *node;
+  };
+  CHECK(at("model").find("title")->text == hostile);
+  CHECK(texts(at("bodies")) == std::vector<std::string>{"arm/base", "arm/link", "arm/hand", "pendulum"});
+  const auto rows = static_cast<std::size_t>(at("frames").number);
+  CHECK(rows == 31);
+  CHECK(bytes_of(at("time").text) == 8 * rows);
+  CHECK(bytes_of(at("poses").text) == 4 * 7 * 4 * rows);
+  CHECK(bytes_of(at("energy").find("rows")->text) == 8 * rows * at("energy").find("columns")->items.size());
+  CHECK(bytes_of(at("joints").find("rows")->text) == 4 * rows * at("joints").find("columns")->items.size());
+  CHECK(at("summary").find("status")->text == "done");
+  CHECK(at("thinned").number == 0);
+  REQUIRE(at("events").items.size() == 4);
+  CHECK(at("events").items[2].find("actions")->items[0].text == "break arm/shoulder");
+
+  const std::vector<JsonNode>& phases = at("phases").items;
+  REQUIRE(phases.size() == 5);
+  CHECK(texts(*phases[1].find("locked")) == std::vector<std::string>{"arm/wrist"});
+  CHECK(texts(phases[2].find("changed")->items[0]) == std::vector<std::string>{"arm/wrist", "ball"});
+  CHECK(texts(*phases[3].find("gone")) == std::vector<std::string>{"arm/shoulder"});
+  const JsonNode& made = phases[4].find("made")->items[0];
+  CHECK(made.find("child")->number == 1);
+  CHECK(made.find("parent")->number == 3);
+  CHECK(made.find("rigid")->number == 1);
+  // Counts and mechanisms: the arm, then the base alone and what came off it, then that with the pendulum.
+  const auto mechanisms = [](const JsonNode& phase) {
+    std::vector<double> numbers;
+    for (const JsonNode& run : phase.find("mechanism")->items)
+      for (int i = 0; i < static_cast<int>(run.items[0].number); ++i) numbers.push_back(run.items[1].number);
+    return numbers;
+  };
+  CHECK(mechanisms(phases[0]) == std::vector<double>{0, 0, 0, 1});
+  CHECK(mechanisms(phases[3]) == std::vector<double>{0, 2, 2, 1});
+  CHECK(mechanisms(phases[4]) == std::vector<double>{0, 1, 1, 1});
+  const std::vector<JsonNode>& about = at("about").items;
+  CHECK(about[0].items[0].number == 2);
+  CHECK(about[2].items[0].number == 1);
+}
+
+TEST_CASE("large tables are thinned evenly, the last row stays; joints are left out where they would cost too many rows") {
+  const test::TemporaryFolder folder;
+  write_result(folder / "r");
+  const auto rows_of = [&](std::size_t most, const char* key) {
+    const JsonDocument data = parse_json(report_data(folder / "r", {.most_numbers = most}), "data");
+    return data.root.find(key)->number;
+  };
+  CHECK(rows_of(1, "frames") == 31);  // some sixty rows there are always
+  std::ofstream more(folder / "r/bodies.csv", std::ios::app), joints(folder / "r/joints.csv", std::ios::app),
+      energy(folder / "r/energy.csv", std::ios::app);
+  const auto last = [&](const char* file) {
+    const std::string text = read_text_file(folder / file);
+    const std::size_t from = text.rfind('\n', text.size() - 2) + 1;
+    return text.substr(text.find(',', from));
+  };
+  const std::string pose = last("r/bodies.csv"), joint = last("r/joints.csv"), books = last("r/energy.csv");
+  for (int k = 1; k < 1000; ++k) {
+    const std::string time = std::to_string(0.3 + 0.001 * k);
+    more << time << pose;
+    joints << time << joint;
+    energy << time << books;
+  }
+  more.close(), joints.close(), energy.close();
+  CHECK(rows_of(3'000'000, "frames") == 1030);
+  CHECK(rows_of(3'000'000, "thinned") == 0);
+  const NumberTable table(folder / "r/bodies.csv");
+  const std::size_t width = table.columns().size();
+  CHECK(rows_of(100 * width, "frames") == 94 + 1);  // every eleventh of 1030, and the last
+  CHECK(rows_of(100 * width, "thinned") == 1);
+  CHECK(rows_of(100 * width, "joints_left_out") == 1);
+}
+
+TEST_CASE("a run that diverged is shown as far as it has numbers; what is not whole is an error that names the file") {
+  const test::TemporaryFolder folder;
+  write_result(folder / "r");
+  std::string text = read_text_file(folder / "r/bodies.csv");
+  std::size_t row = 0;
+  for (int k = 0; k < 21; ++k) row = text.find('\n', row) + 1;
+  const std::size_t cell = text.find(',', row) + 1;
+  text.replace(cell, text.find(',', cell) - cell, "nan");
+  std::ofstream(folder / "r/bodies.csv") << text;
+  const JsonDocument data = parse_json(report_data(folder / "r"), "data");
+  CHECK(data.root.find("frames")->number == 20);
+
+  text.replace(text.find("nan"), 3, "1,2");
+  std::ofstream(folder / "r/bodies.csv") << text;
+  CHECK(test::error_of([&] { report_data(folder / "r"); }).find("bodies.csv:22: error: the row has 30 of 29") !=
+        std::string::npos);
+  std::filesystem::remove(folder / "r/model.json");
+  CHECK(test::error_of([&] { report_data(folder / "r"); }).find("model.json") != std::string::npos);
+  CHECK(test::error_of([&] { report_data(folder / "none"); }).find("no such directory") != std::string::npos);
+}
+
+TEST_CASE("data go into the place that a page keeps for them") {
+  const std::string page =
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'\" />"
+      "<script type=\"application/json\" id=\"recording\"></script>";
+  CHECK(content_policy(page) == "default-src 'none'");
+  const std::string whole = report_page(page, "{\"a\": 1}");
+  CHECK(whole.ends_with("id=\"recording\">{\"a\": 1}</script>"));
+}
+
+}  // namespace
+}  // namespace momentree::io

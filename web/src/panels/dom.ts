@@ -1,0 +1,33 @@
+// Elements in one expression. Text is always set as text: names come from files, and none of them is ever read as HTML.
+
+type Child = Node | string | null | undefined | false;
+type Attributes = Readonly<Record<string, string | number | boolean | ((event: never) => void) | undefined>>;
+
+/** An element; attributes that begin with `on` are listeners, `true` is an attribute without a value, `false` none. */
+export function h<Tag extends keyof HTMLElementTagNameMap>(
+  tag: Tag,
+  attributes: Attributes = {},
+  ...children: Child[]
+): HTMLElementTagNameMap[Tag] {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (typeof value === "function") element.addEventListener(name.slice(2), value as EventListener);
+    else if (value === true) element.setAttribute(name, "");
+    else if (value !== false && value !== undefined) element.setAttribute(name, String(value));
+  }
+  for (const child of children) if (child) element.append(child);
+  return element;
+}
+
+/** A table with a head; cells after the first are numbers and stand to the right. */
+export function table(caption: string, head: readonly string[], rows: readonly (readonly string[])[]): HTMLTableElement {
+  const cell = (text: string, column: number, tag: "th" | "td") =>
+    column === 0 ? h("th", { scope: "row" }, text) : h(tag, tag === "th" ? { scope: "col" } : {}, text);
+  return h(
+    "table",
+    {},
+    h("caption", {}, caption),
+    h("thead", {}, h("tr", {}, ...head.map((text) => h("th", { scope: "col" }, text)))),
+    h("tbody", {}, ...rows.map((row) => h("tr", {}, ...row.map((text, column) => cell(text, column, "td"))))),
+  );
+}

@@ -1,0 +1,146 @@
+// What happened: each event with its certificate, and on a click the pair of pictures before and after it.
+import type { Recording, RunEvent, Vec3 } from "../recording";
+import { drawPair } from "../viewer/pair";
+import type { Player } from "../viewer/player";
+import type { Stage } from "../viewer/stage";
+import { endTime, startTime } from "../viewer/frames";
+import { h, table } from "./dom";
+import { count, digits, duration, instant } from "./numbers";
+
+const size = (v: Vec3) => Math.hypot(v[0], v[1], v[2]);
+const between = (a: Vec3, b: Vec3) => Math.hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+const relative = (change: number, of: number) => (change === 0 ? "0" : of > 0 ? digits(change / of, 2) : "–");
+
+/** Energy and momenta before and after, and what became of the difference. */
+export function certificate(event: RunEvent): { rows: string[][]; notes: string[] } {
+  const rows: string[][] = [];
+  const { before, after } = event;
+  if (before && after) {
+    const energy = (t: typeof before) => t.kinetic + t.potential;
+    const change = energy(after) - energy(before);
+    const scale = Math.max(Math.abs(energy(before)), before.kinetic);
+    rows.push([
+      "energy (J)",
+      digits(energy(before), 6),
+      digits(energy(after), 6),
+      digits(change, 2),
+      relative(Math.abs(change), scale),
+    ]);
+    const momentum = (name: string, a: Vec3, b: Vec3) => {
+      const jump = between(a, b);
+      rows.push([name, digits(size(a), 6), digits(size(b), 6), digits(jump, 2), relative(jump, Math.max(size(a), size(b)))]);
+    };
+    momentum("linear momentum (N s)", before.linear, after.linear);
+    momentum("angular momentum (N m s)", before.angular, after.angular);
+  }
+  const notes: string[] = [];
+  if (event.lost !== 0) notes.push(`Lost in the impact: ${digits(event.lost)} J`);
+  if (event.released !== 0) notes.push(`Released with the freedom: ${digits(event.released)} J`);
+  if (event.work !== 0) notes.push(`Work of the event: ${digits(event.work)} J`);
+  if (event.hardest) {
+    const { joint, linear, angular } = event.hardest;
+    notes.push(`Largest impulse: ${digits(linear)} N s, ${digits(angular)} N m s, through ${joint}`);
+  }
+  if (event.durationNs > 0) notes.push(`The change took ${duration(event.durationNs * 1e-9)}`);
+  return { rows, notes };
+}
+
+const mechanismsText = (names: readonly string[]) =>
+  names.length > 6 ? `${names.slice(0, 6).join(", ")}, … (${names.length})` : names.join(", ");
+
+export class EventList {
+  readonly element: HTMLElement;
+  private readonly list = h("ol", { class: "list" });
+  private readonly detail = h("div", { class: "detail", "aria-live": "polite" });
+  private chosen = -1;
+
+  constructor(
+    private readonly run: Recording,
+    private readonly stage: Stage,
+    private readonly player: Player,
+  ) {
+    this.element = h("div", { class: "events" }, this.list, this.detail);
+    this.refresh();
+  }
+
+  refresh() {
+    const span = endTime(this.run) - startTime(this.run);
+    const most = 1000;
+    this.list.replaceChildren(
+      ...this.run.events
+        .slice(0, most)
+        .map((event, index) =>
+          h(
+            "li",
+            {},
+            h(
+              "button",
+              { type: "button", "aria-pressed": String(index === this.chosen), onclick: () => this.choose(index) },
+              h("span", { class: "when" }, instant(event.time, span)),
+              h("span", { class: "what" }, event.actions.join("; ") || event.name),
+            ),
+          ),
+        ),
+    );
+    const more = this.run.events.length - most;
+    if (more > 0) this.list.append(h("li", {}, `and ${count(more, "event", "events")} more, in events.jsonl`));
+    if (this.run.events.length === 0)
+      this.detail.replaceChildren(h("p", { class: "nothing" }, "Nothing happened in this run."));
+    else if (this.chosen < 0)
+      this.detail.replaceChildren(h("p", { class: "nothing" }, "Choose an event: the picture goes there."));
+  }
+
+  /** Goes to the event, stops there, and shows it from nearby. */
+  choose(index: number) {
+    this.chosen = index;
+    const event = this.run.events[index];
+    this.player.pause();
+    this.player.seek(event.time);
+    [...this.list.querySelectorAll("button")].forEach((button, i) => button.setAttribute("aria-pressed", String(i === index)));
+    this.list.querySelectorAll("button")[index]?.scrollIntoView({ block: "nearest" });
+    this.show();
+  }
+
+  /** The next or the one before, from where the clock stands. */
+  step(forward: boolean) {
+    const now = this.player.time;
+    const { events } = this.run;
+    const later = events.findIndex((event) => event.time > now + 1e-9);
+    const earlier = events.filter((event) => event.time < now - 1e-9).length - 1;
+    const next = forward ? later : earlier;
+    if (next >= 0) this.choose(next);
+  }
+
+  /** The chosen event again: other colours, another size. */
+  show() {
+    const changes = this.run.events.findIndex((each) => each.mechanisms.before.join() !== each.mechanisms.after.join());
+    const event = this.run.events[this.chosen >= 0 ? this.chosen : Math.max(changes, 0)];
+    if (!event) return;
+    const { rows, notes } = certificate(event);
+    const pair = drawPair(this.stage, this.run, event, 220, 150);
+    const figure = (canvas: HTMLCanvasElement, text: string) => {
+      canvas.setAttribute("role", "img");
+      canvas.setAttribute("aria-label", text);
+      return h("figure", {}, canvas, h("figcaption", {}, text));
+    };
+    const { before, after } = event.mechanisms;
+    const names =
+      before.join() === after.join() ? mechanismsText(after) : `${mechanismsText(before)} → ${mechanismsText(after)}`;
+    this.detail.replaceChildren(
+      h(
+        "div",
+        { class: "pair" },
+        figure(pair.before, "before"),
+        figure(pair.after, pair.delay > 0 ? `${duration(pair.delay)} after` : "after"),
+      ),
+      h(
+        "div",
+        { class: "certificate" },
+        h("h3", {}, event.name.startsWith("#") ? event.actions.join("; ") : `${event.name}: ${event.actions.join("; ")}`),
+        h("p", {}, `${before.length === 1 && after.length === 1 ? "Mechanism" : "Mechanisms"}: ${names}`),
+        rows.length > 0 && table("What it kept", ["", "before", "after", "difference", "relative"], rows),
+        notes.length > 0 && h("ul", {}, ...notes.map((note) => h("li", {}, note))),
+      ),
+    );
+  }
+}

@@ -1,0 +1,165 @@
+// One plot over time, linked to the clock: a line where it stands, marks at events, values in the legend; a click goes there.
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import type { Column, Recording } from "../recording";
+import { seriesColour, type Theme } from "../viewer/colours";
+import { frameAt } from "../viewer/frames";
+import type { Player } from "../viewer/player";
+import { h } from "./dom";
+import { digits } from "./numbers";
+
+/** Columns that are nothing beside the largest are left out, but one stays. */
+export function worthShowing(columns: readonly Column[], share = 1e-7): readonly Column[] {
+  const largest = columns.map((column) => {
+    let most = 0;
+    for (let i = 0; i < column.values.length; i++) if (Math.abs(column.values[i]) > most) most = Math.abs(column.values[i]);
+    return most;
+  });
+  const all = Math.max(...largest, 0);
+  const kept = columns.filter((_column, i) => largest[i] > share * all);
+  return kept.length > 0 ? kept : columns.slice(0, 1);
+}
+
+export class Plot {
+  readonly element = h("div", { class: "plot", role: "img" });
+  readonly legend = h("ul", { class: "legend" });
+  private chart: uPlot | null = null;
+  private readonly cursor = h("div", { class: "now" });
+  private columns: readonly Column[] = [];
+  private values: HTMLElement[] = [];
+  private theme: Theme | null = null;
+  private title = "";
+  private readonly watcher = new ResizeObserver(() => this.resize());
+
+  constructor(
+    private readonly run: Recording,
+    private readonly player: Player,
+  ) {
+    this.watcher.observe(this.element);
+    player.listen(() => this.follow());
+  }
+
+  setTheme(theme: Theme) {
+    this.theme = theme;
+    this.show(this.title, this.columns);
+  }
+
+  show(title: string, columns: readonly Column[]) {
+    this.title = title;
+    this.columns = columns;
+    if (!this.theme) return;
+    this.chart?.destroy();
+    this.chart = null;
+    const theme = this.theme;
+    const { clientWidth: width, clientHeight: height } = this.element;
+    this.legend.replaceChildren();
+    this.element.replaceChildren();
+    if (columns.length === 0) {
+      this.element.append(h("p", { class: "nothing" }, "The run has no such numbers."));
+      return;
+    }
+    const times = Array.from({ length: this.run.frames }, (_none, frame) => this.run.time(frame));
+    // A gap in a line is null to uPlot.
+    const data = columns.map((column) => Array.from(column.values, (value) => (Number.isFinite(value) ? value : null)));
+    this.chart = new uPlot(this.options(theme, width, height), [times, ...data] as uPlot.AlignedData, this.element);
+    this.chart.over.append(this.cursor);
+    this.values = columns.map((column, i) => {
+      const value = h("span", { class: "value" });
+      const swatch = h("span", { class: "swatch" });
+      swatch.style.background = seriesColour(theme, i);
+      this.legend.append(h("li", {}, swatch, column.label, value));
+      return value;
+    });
+    const unit = columns[0].unit;
+    this.element.setAttribute(
+      "aria-label",
+      `${title}${unit ? ` in ${unit}` : ""} over time: ${columns.map((c) => c.label).join(", ")}`,
+    );
+    this.follow();
+  }
+
+  /** Has more numbers come? Then it shows them. */
+  refresh(columns: readonly Column[]) {
+    this.show(this.title, columns);
+  }
+
+  private options(theme: Theme, width: number, height: number): uPlot.Options {
+    const axis = {
+      stroke: theme.ink,
+      font: "11px system-ui, sans-serif",
+      grid: { stroke: theme.grid, width: 1 },
+      ticks: { stroke: theme.grid, width: 1, size: 4 },
+    };
+    return {
+      width: Math.max(width, 50),
+      height: Math.max(height, 50),
+      legend: { show: false },
+      padding: [6, 10, 0, 0],
+      scales: { x: { time: false } },
+      cursor: { y: false, points: { size: 6 }, drag: { x: false, y: false }, sync: { key: "time" } },
+      axes: [
+        { ...axis, size: 24, gap: 2, values: (_u, ticks) => ticks.map((t) => `${digits(t)} s`) },
+        { ...axis, size: 58, gap: 2, space: 24, values: (_u, ticks) => ticks.map((t) => digits(t)) },
+      ],
+      series: [
+        {},
+        ...this.columns.map((column, i) => ({
+          label: column.label,
+          stroke: seriesColour(theme, i),
+          width: 1.6,
+          points: { show: false },
+        })),
+      ],
+      hooks: { ready: [(u) => this.listen(u)], drawClear: [(u) => this.drawEvents(u, theme)] },
+    };
+  }
+
+  /** A press or a drag on the plot sets the clock. */
+  private listen(chart: uPlot) {
+    const seek = (event: PointerEvent) => {
+      this.player.pause();
+      this.player.seek(chart.posToVal(event.clientX - chart.over.getBoundingClientRect().left, "x"));
+    };
+    chart.over.addEventListener("pointerdown", (event) => {
+      if (event.pointerType !== "touch") chart.over.setPointerCapture(event.pointerId);
+      seek(event);
+    });
+    chart.over.addEventListener("pointermove", (event) => {
+      if (event.buttons & 1) seek(event);
+    });
+  }
+
+  private drawEvents(chart: uPlot, theme: Theme) {
+    const { ctx, bbox } = chart;
+    ctx.save();
+    ctx.strokeStyle = theme.ink;
+    ctx.globalAlpha = 0.35;
+    ctx.lineWidth = devicePixelRatio;
+    ctx.setLineDash([3 * devicePixelRatio, 3 * devicePixelRatio]);
+    ctx.beginPath();
+    for (const event of this.run.events.slice(0, 500)) {
+      const x = Math.round(chart.valToPos(event.time, "x", true));
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+    }
+    ctx.stroke();
+    ctx.restore();
+  }
+
+  private follow() {
+    const chart = this.chart;
+    if (!chart) return;
+    this.cursor.style.transform = `translateX(${chart.valToPos(this.player.time, "x")}px)`;
+    const frame = frameAt(this.run, this.player.time);
+    this.columns.forEach((column, i) => {
+      this.values[i].textContent = ` ${digits(column.values[frame])} ${column.unit}`;
+    });
+  }
+
+  private resize() {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (!this.chart || width === 0 || height === 0) return;
+    this.chart.setSize({ width, height });
+    this.follow();
+  }
+}

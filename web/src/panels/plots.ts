@@ -1,0 +1,130 @@
+// The plots beside the picture: energy, momentum, and any joint's numbers; each with a choice of what it shows.
+import type { Column, JointQuantity, Recording, WorldQuantity } from "../recording";
+import type { Theme } from "../viewer/colours";
+import type { Player } from "../viewer/player";
+import { h } from "./dom";
+import { Plot, worthShowing } from "./plot";
+
+const worldNames: Record<WorldQuantity, string> = {
+  energy: "Energy by kind",
+  balance: "Error of the energy balance",
+  linear: "Linear momentum",
+  angular: "Angular momentum",
+};
+const jointNames: Record<JointQuantity, string> = {
+  q: "coordinate q",
+  v: "velocity v",
+  p: "momentum p",
+  force: "reaction force",
+  torque: "reaction torque",
+};
+
+const readable: Record<string, string> = {
+  gravity: "potential",
+  elastic: "springs",
+  dissipated: "dissipated",
+  lost: "lost in impacts",
+  released: "released",
+  work: "work done on it",
+  "linear.x": "x",
+  "linear.y": "y",
+  "linear.z": "z",
+  "angular.x": "x",
+  "angular.y": "y",
+  "angular.z": "z",
+};
+
+/** What is there and what has gone, less what was put in: it keeps its value where the books are right. */
+export function balanceOf(columns: readonly Column[]): Column | null {
+  const terms = columns.map((column) => ({ values: column.values, sign: column.label === "work" ? -1 : 1 }));
+  if (terms.length === 0) return null;
+  const values = new Float64Array(terms[0].values.length);
+  for (const { values: term, sign } of terms) for (let i = 0; i < values.length; i++) values[i] += sign * term[i];
+  const worked = terms.some(({ values: term, sign }) => sign < 0 && Array.from(term).some((value) => value !== 0));
+  return { label: worked ? "all, less work" : "all", unit: "J", values };
+}
+
+export class Plots {
+  readonly element = h("section", { class: "plots", "aria-label": "Plots" });
+  private readonly all: { plot: Plot; show: () => void }[] = [];
+  private readonly joint = h("select", { "aria-label": "Joint" });
+  private readonly quantity = h("select", { "aria-label": "Quantity of the joint" });
+
+  constructor(
+    private readonly run: Recording,
+    private readonly player: Player,
+  ) {
+    this.world(["energy", "balance"]);
+    this.world(["linear", "angular"]);
+    if (run.joints.length > 0) this.joints();
+  }
+
+  setTheme(theme: Theme) {
+    for (const { plot } of this.all) plot.setTheme(theme);
+  }
+
+  /** The plot of joints shows this one. */
+  chooseJoint(name: string) {
+    if (!this.run.joints.includes(name)) return;
+    this.joint.value = name;
+    this.joint.dispatchEvent(new Event("change"));
+  }
+
+  /** More has been recorded. */
+  refresh() {
+    for (const { show } of this.all) show();
+  }
+
+  private add(controls: HTMLElement[], columns: () => { title: string; columns: readonly Column[] }) {
+    const plot = new Plot(this.run, this.player);
+    const show = () => {
+      const now = columns();
+      plot.show(now.title, now.columns);
+    };
+    for (const control of controls) control.addEventListener("change", show);
+    this.all.push({ plot, show });
+    this.element.append(
+      h("figure", {}, h("figcaption", {}, h("div", { class: "choice" }, ...controls), plot.legend), plot.element),
+    );
+    show();
+  }
+
+  private world(quantities: readonly WorldQuantity[]) {
+    const choice = h("select", { "aria-label": "What is plotted" });
+    for (const quantity of quantities) choice.append(h("option", { value: quantity }, worldNames[quantity]));
+    this.add([choice], () => {
+      const quantity = choice.value as WorldQuantity;
+      const columns = this.run.world(quantity);
+      const balance = quantity === "energy" ? balanceOf(columns) : null;
+      const shown = worthShowing(columns, quantity === "energy" ? 1e-7 : 0).map((column) => ({
+        ...column,
+        label: readable[column.label] ?? column.label,
+      }));
+      return { title: worldNames[quantity], columns: balance && columns.length > 0 ? [...shown, balance] : shown };
+    });
+  }
+
+  private joints() {
+    const fill = () => {
+      const before = this.quantity.value;
+      const there = (Object.keys(jointNames) as JointQuantity[]).filter((q) => this.run.joint(this.joint.value, q).length > 0);
+      this.quantity.replaceChildren(...there.map((q) => h("option", { value: q }, jointNames[q])));
+      if (there.includes(before as JointQuantity)) this.quantity.value = before;
+    };
+    for (const name of this.run.joints) this.joint.append(h("option", {}, name));
+    this.joint.addEventListener("change", fill);
+    // First the joint of what parts or joins, else of anything that happens.
+    const parting = this.run.events.filter((event) => event.mechanisms.before.join() !== event.mechanisms.after.join());
+    const about = [...parting, ...this.run.events].flatMap((event) => event.bodies.map((body) => this.jointOf(body)))[0];
+    if (about !== undefined) this.joint.value = about;
+    fill();
+    this.add([this.joint, this.quantity], () => ({
+      title: `${this.joint.value}: ${jointNames[this.quantity.value as JointQuantity] ?? ""}`,
+      columns: this.run.joint(this.joint.value, this.quantity.value as JointQuantity),
+    }));
+  }
+
+  private jointOf(body: number): string | undefined {
+    return this.run.model.joints.find((joint) => joint.child === body && this.run.joints.includes(joint.name))?.name;
+  }
+}

@@ -1,0 +1,62 @@
+// The page of a run: picture and clock, plots beside it, events and times below.
+import type { Recording } from "../recording";
+import { h } from "../panels/dom";
+import { EventList } from "../panels/events";
+import { listenToKeys } from "../panels/keys";
+import { count } from "../panels/numbers";
+import { Picture } from "../panels/picture";
+import { Plots } from "../panels/plots";
+import { summaryPanel } from "../panels/summary";
+import { tabs } from "../panels/tabs";
+import { themeButton } from "../panels/theme_button";
+import { Timeline } from "../panels/timeline";
+import { watchTheme } from "../viewer/colours";
+import { endTime, startTime } from "../viewer/frames";
+import { Player } from "../viewer/player";
+
+function subtitle(run: Recording, notes: readonly string[]): string {
+  const { summary, model } = run;
+  const parts = [count(model.bodies.length, "body", "bodies"), count(run.events.length, "event", "events")];
+  if (summary?.method) parts.push(summary.method);
+  if (summary && summary.status !== "done") parts.push(summary.status);
+  return [...parts, ...notes].join(" · ");
+}
+
+/** `notes`: what the reader should know of the data. */
+export function showRun(page: HTMLElement, run: Recording, notes: readonly string[] = []): Player {
+  const title = run.model.title || run.summary?.scenario || "A run";
+  document.title = `${title} – momentree`;
+  const player = new Player(() => [startTime(run), endTime(run)]);
+  page.append(h("header", {}, h("h1", {}, title), h("p", {}, subtitle(run, notes)), themeButton()));
+
+  const plots = new Plots(run, player);
+  const jointOf = new Map(run.model.joints.map((joint) => [joint.child, joint.name]));
+  const picture = new Picture(run, player, (body) => plots.chooseJoint(jointOf.get(body) ?? ""));
+  const events = new EventList(run, picture.stage, player);
+  const timeline = new Timeline(run, player, (event) => events.choose(event));
+  picture.element.append(timeline.element);
+  const panels = [
+    { name: `Events (${run.events.length})`, content: events.element },
+    { name: "Times and energy", content: summaryPanel(run) },
+  ];
+  page.append(picture.element, plots.element, tabs("About the run", panels));
+  watchTheme((theme) => {
+    picture.stage.setTheme(theme);
+    plots.setTheme(theme);
+    events.show();
+  });
+  picture.fit();
+  listenToKeys(run, player, picture.keys, events);
+
+  let last = 0;
+  const tick = (now: number) => {
+    player.advance(Math.min((now - last) / 1000, 0.1));
+    last = now;
+    requestAnimationFrame(tick);
+  };
+  requestAnimationFrame((now) => {
+    last = now;
+    requestAnimationFrame(tick);
+  });
+  return player;
+}

@@ -1,0 +1,133 @@
+// The paths of some points up to now: of the ends of mechanisms, and of a body that was chosen.
+import { Line2 } from "three/examples/jsm/lines/Line2.js";
+import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
+import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+import { Color } from "three";
+import type { Model, Recording, Vec3 } from "../recording";
+import { mechanismColour, mixed, type Theme } from "./colours";
+import { frameAt, phaseAt, pointOf } from "./frames";
+import type { Stage } from "./stage";
+
+/** The point of a body that is farthest from its joint. */
+export function endOf(model: Model, body: number): Vec3 {
+  const { extent, com } = model.bodies[body];
+  return extent.length > 0 ? extent[extent.length - 1][1] : com;
+}
+
+/** Bodies that no other hangs on; those with the most below the root first, no more than `most`. */
+export function endBodies(model: Model, most = 6): number[] {
+  const parents = new Map(model.joints.map((joint) => [joint.child, joint.parent]));
+  const isParent = new Set(parents.values());
+  const depth = (body: number): number => {
+    let links = 0;
+    for (let at = parents.get(body) ?? -1; at >= 0 && links <= model.bodies.length; at = parents.get(at) ?? -1) links++;
+    return links;
+  };
+  return model.bodies
+    .map((_body, b) => b)
+    .filter((b) => !isParent.has(b))
+    .map((b) => ({ b, depth: depth(b) }))
+    .sort((x, y) => y.depth - x.depth)
+    .slice(0, most)
+    .map(({ b }) => b);
+}
+
+/** Lines from frame to frame. */
+const pieces = 4;
+
+/** On a smooth curve through four points one after the other, between the second and the third (Catmull and Rom). */
+export function between([a, b, c, d]: readonly (readonly number[])[], share: number): number[] {
+  const s = share;
+  return [0, 1, 2].map(
+    (k) =>
+      0.5 *
+      (2 * b[k] +
+        (c[k] - a[k]) * s +
+        (2 * a[k] - 5 * b[k] + 4 * c[k] - d[k]) * s * s +
+        (3 * (b[k] - c[k]) + d[k] - a[k]) * s * s * s),
+  );
+}
+
+interface Trail {
+  readonly body: number;
+  readonly line: Line2;
+}
+
+export class Trails {
+  private trails: Trail[] = [];
+  private readonly material = new LineMaterial({ vertexColors: true, linewidth: 1.5, transparent: true, opacity: 0.75 });
+  private chosen = -1;
+  private shown = true;
+  private frame = 0;
+  private theme: Theme | null = null;
+
+  constructor(
+    private readonly stage: Stage,
+    private readonly run: Recording,
+  ) {
+    stage.whenThemed((theme) => {
+      this.theme = theme;
+      this.build();
+    });
+  }
+
+  get visible() {
+    return this.shown;
+  }
+  set visible(wanted: boolean) {
+    this.shown = wanted;
+    this.show(Number.NaN);
+  }
+
+  /** A body whose path is shown, too; −1: none. */
+  choose(body: number) {
+    this.chosen = body;
+    this.build();
+    this.show(Number.NaN);
+  }
+
+  private build() {
+    if (!this.theme) return;
+    for (const { line } of this.trails) {
+      line.removeFromParent();
+      line.geometry.dispose();
+    }
+    const bodies = new Set([...endBodies(this.run.model), ...(this.chosen >= 0 ? [this.chosen] : [])]);
+    const colours = this.run.mechanisms.map(
+      (_name, m) => new Color(mixed(mechanismColour(this.theme!, m), this.theme!.ground, 0.25)),
+    );
+    this.trails = this.run.frames < 2 ? [] : [...bodies].map((body) => ({ body, line: this.lineOf(body, colours) }));
+    for (const { line } of this.trails) this.stage.scene.add(line);
+  }
+
+  private lineOf(body: number, colours: readonly Color[]): Line2 {
+    const point = endOf(this.run.model, body);
+    const at = (frame: number) => pointOf(this.run.poses(Math.min(Math.max(frame, 0), this.run.frames - 1)), body, point);
+    const positions: number[] = [];
+    const shades: number[] = [];
+    for (let frame = 0; frame < this.run.frames; frame++) {
+      const around = [at(frame - 1), at(frame), at(frame + 1), at(frame + 2)];
+      const colour = colours[phaseAt(this.run, this.run.time(frame)).mechanism[body]];
+      for (let k = 0; k < pieces; k++) {
+        positions.push(...between(around, k / pieces));
+        shades.push(colour.r, colour.g, colour.b);
+      }
+    }
+    const geometry = new LineGeometry();
+    geometry.setPositions(positions);
+    geometry.setColors(shades);
+    const line = new Line2(geometry, this.material);
+    line.frustumCulled = false;
+    return line;
+  }
+
+  /** Up to a time; NaN: as far as they were shown last. */
+  show(time: number) {
+    if (!Number.isNaN(time)) this.frame = frameAt(this.run, time);
+    for (const { line } of this.trails) {
+      line.visible = this.shown && this.frame > 0;
+      line.geometry.instanceCount = pieces * this.frame;
+    }
+    this.stage.draw();
+  }
+}
