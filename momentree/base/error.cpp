@@ -6,6 +6,12 @@
 
 #include <momentree/base/words.hpp>
 
+#if defined(__wasm__) && !defined(__cpp_exceptions)
+// Throws in the module's host.
+extern "C" [[noreturn]] __attribute__((import_module("momentree"), import_name("fail"))) void momentree_fail(const char* message,
+                                                                                                             std::size_t length);
+#endif
+
 namespace momentree {
 
 std::string Error::message() const {
@@ -18,6 +24,9 @@ std::string Error::message() const {
 void fail(Error error) {
 #if defined(__cpp_exceptions)
   throw Error(std::move(error));
+#elif defined(__wasm__)
+  const std::string message = error.message();
+  momentree_fail(message.data(), message.size());
 #else
   (void)error;
   std::abort();

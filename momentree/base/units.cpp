@@ -1,7 +1,9 @@
 #include <momentree/base/units.hpp>
 
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <vector>
 
 #include <momentree/base/error.hpp>
@@ -116,6 +118,23 @@ class Parser {
   std::string_view rest_;
 };
 
+// Reads the same in every locale.
+std::from_chars_result read_number(std::string_view text, double& value) {
+#if defined(__cpp_lib_to_chars)
+  return std::from_chars(text.data(), text.data() + text.size(), value);
+#else  // in WebAssembly, where there is but one locale; no hexadecimal digits
+  const std::string number(text.substr(0, text.find_first_not_of("+-.0123456789eE")));
+  char* end = nullptr;
+  errno = 0;
+  const double found = std::strtod(number.c_str(), &end);
+  const std::ptrdiff_t length = end - number.c_str();
+  if (length == 0) return {text.data(), std::errc::invalid_argument};
+  if (errno == ERANGE && (found == 0 || !std::isfinite(found))) return {text.data() + length, std::errc::result_out_of_range};
+  value = found;
+  return {text.data() + length, std::errc{}};
+#endif
+}
+
 bool Parser::number(double& value, QuantityProblem& problem) {
   const std::string_view all = rest_;
   const bool plus = !rest_.empty() && rest_.front() == '+';
@@ -123,7 +142,7 @@ bool Parser::number(double& value, QuantityProblem& problem) {
   const std::size_t first = !rest_.empty() && rest_.front() == '-' && !plus ? 1 : 0;
   const bool digits = rest_.size() > first && ((rest_[first] >= '0' && rest_[first] <= '9') || rest_[first] == '.');
   std::from_chars_result read{};
-  if (digits) read = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);  // reads the same in every locale
+  if (digits) read = read_number(rest_, value);
   if (!digits || read.ec == std::errc::invalid_argument) {
     problem = {"'" + std::string(all) + "' does not begin with a number", "for example \"1.5 kg\""};
     return false;

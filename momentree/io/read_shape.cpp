@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
-#include <system_error>
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/scenario_parts.hpp>
@@ -46,8 +45,7 @@ void read_mesh(const Value& value, Shape& shape, Reading& reading) {
                       "copy it there");
     return;
   }
-  std::error_code ignored;
-  if (reading.looks_at_files && !std::filesystem::is_regular_file(std::filesystem::path(reading.folder) / path, ignored)) {
+  if (reading.looks_at_files && !is_file((std::filesystem::path(reading.folder) / path).string())) {
     reading.out.error(value.place, "mesh: there is no file " + in_quotes(*file), "it is looked for in the scenario's folder");
     return;
   }

@@ -111,10 +111,11 @@ void know_unit(Quantity& quantity, const Value& value, Reading& reading) {
 std::optional<Condition> read_condition(const Value& when, const TriggerMatch* match, Reading& reading) {
   Diagnostics& out = reading.out;
   const std::size_t errors = out.errors();
+  const std::vector<std::string> keys = quantity_keys();  // before the fields, which do not copy what they know
   Fields fields(when, "when", out);
   std::shared_ptr<Quantity> quantity;
   std::string all = "one of:";
-  for (const std::string& key : quantity_keys()) {
+  for (const std::string& key : keys) {
     all += " " + key;
     const Value* value = fields.find(key);
     if (!value) continue;

@@ -174,11 +174,10 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
     }();
     scheduled.named(event->name, event->named);
     for (std::size_t a = 0; a < event->actions.size(); ++a) {
-      try {
+      if (const std::optional<Error> error = simulation.unknown_name(event->actions[a]))
+        all.problems.push_back({event->places[a], std::string(event->actions[a]->key()) + ": " + error->what, error->hint});
+      else
         scheduled.then(event->actions[a]);
-      } catch (const Error& error) {
-        all.problems.push_back({event->places[a], std::string(event->actions[a]->key()) + ": " + error.what, error.hint});
-      }
     }
   }
   return all;

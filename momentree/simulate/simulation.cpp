@@ -69,20 +69,55 @@ Simulation::Scheduled& Simulation::Scheduled::named(std::string name, bool by_us
 }
 
 const Event& Simulation::apply(std::span<const Action> actions, std::string name) {
+  for (const Action& action : actions) impl_->check_names(action->joints(), action->bodies());
+  const std::size_t place = impl_->events.size();  // what its stops do about it comes after it
+  if (attempt(actions, std::move(name)) == Status::refused) fail({impl_->message, "", ""});
+  return impl_->events[place];
+}
+
+Status Simulation::attempt(std::span<const Action> actions, std::string name) {
   Impl& impl = *impl_;
   DueEvent due{
       name.empty() ? "#" + std::to_string(impl.agenda.entries.size() + impl.events.size() + 1) : name, !name.empty(), {}};
   for (const Action& action : actions) {
-    impl.check_names(action->joints(), action->bodies());
+    if (const std::optional<Error> error = unknown_name(action)) {
+      impl.message = std::string(action->key()) + ": " + error->what + (error->hint.empty() ? "" : "; " + error->hint);
+      return Status::refused;
+    }
     due.actions.push_back(action);
   }
-  const std::size_t place = impl.events.size();  // what its stops do about it comes after it
   if (impl.keeps_history) impl.history.push_back({impl.events.size(), impl.snapshot(), {}});
-  if (!impl.carry_out_now({&due, 1})) {
-    if (impl.keeps_history) impl.history.pop_back();
-    fail({impl.message, "", ""});
-  }
-  return impl.events[place];
+  if (impl.carry_out_now({&due, 1})) return Status::ok;
+  if (impl.keeps_history) impl.history.pop_back();
+  return Status::refused;
+}
+
+std::optional<Error> Simulation::unknown_name(const Action& action) const {
+  return impl_->unknown_name(action->joints(), action->bodies());
+}
+
+void Simulation::set_gravity(Vec3 gravity) {
+  if (!std::isfinite(gravity.x) || !std::isfinite(gravity.y) || !std::isfinite(gravity.z))
+    fail({"gravity must be finite numbers", "", ""});
+  Model model = impl_->world.first_model();
+  model.set_gravity(gravity);
+  auto other = std::make_unique<Impl>(model, impl_->integration);
+  other->agenda = std::move(impl_->agenda);
+  other->events = std::move(impl_->events);
+  SimulationSnapshot now = impl_->snapshot();
+  now.events = other->events.size();
+  now.armed = other->agenda.armed();
+  const Totals before = impl_->world.totals();
+  other->go_back(now);
+  other->balance.work += other->world.totals().potential - before.potential;
+  other->statistics = impl_->statistics;
+  other->keeps_history = impl_->keeps_history;
+  other->every = impl_->every, other->next_look = impl_->next_look;
+  other->observed = impl_->observed, other->observed_at = impl_->observed_at;
+  other->observer = std::move(impl_->observer);
+  other->watcher = std::move(impl_->watcher);
+  other->generated = std::move(impl_->generated);
+  impl_ = std::move(other);
 }
 
 Rehearsal Simulation::rehearse() { return impl_->rehearse(); }
@@ -100,19 +135,17 @@ SimulationSnapshot Simulation::snapshot() const { return impl_->snapshot(); }
 void Simulation::restore(const SimulationSnapshot& snapshot) { impl_->go_back(snapshot); }
 void Simulation::keep_history() { impl_->keeps_history = true; }
 
+bool Simulation::can_undo(std::size_t number) const { return impl_->before(number) != nullptr; }
+
 void Simulation::undo(std::size_t number, bool again) {
-  for (const Impl::Past& past : impl_->history) {
-    const bool last = &past == &impl_->history.back();
-    const std::size_t next = last ? impl_->events.size() : (&past + 1)->events;
-    if (number < past.events || number >= next) continue;
-    SimulationSnapshot before = past.before;
-    if (!again)
-      for (const std::size_t k : past.places)
-        if (k < before.armed.size()) before.armed[k].done = true;  // a joint's strength stays what it is
-    impl_->go_back(before);
-    return;
-  }
-  fail({"the history of event " + std::to_string(number) + " was not kept", "", "call keep_history() before it happens"});
+  const Impl::Past* past = impl_->before(number);
+  if (past == nullptr)
+    fail({"the history of event " + std::to_string(number) + " was not kept", "", "call keep_history() before it happens"});
+  SimulationSnapshot before = past->before;
+  if (!again)
+    for (const std::size_t k : past->places)
+      if (k < before.armed.size()) before.armed[k].done = true;  // a joint's strength stays what it is
+  impl_->go_back(before);
 }
 
 Simulation Simulation::branch() const {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -113,6 +114,15 @@ class Simulation {
   /// happened.
   const Event& apply(std::span<const Action> actions, std::string name = {});
   const Event& apply(const Action& action, std::string name = {}) { return apply(std::span(&action, 1), std::move(name)); }
+  /// The same without throwing: Status::refused where one is impossible, and message() says why.
+  Status attempt(std::span<const Action> actions, std::string name = {});
+  /// What is wrong with the names that an action holds, as then() and apply() would throw it; nothing where all are known.
+  std::optional<Error> unknown_name(const Action& action) const;
+
+  /// Another gravity from now on (m/s², world axes). What it gives to potential energy, or takes from it, counts as work. The
+  /// world is made anew: references to it and Scheduled of before are void; what keep_history() kept is forgotten. Snapshots
+  /// taken before are of the former gravity, and do not bring it back.
+  void set_gravity(Vec3 gravity);
 
   /// Steps to `time`, exactly onto every scheduled event and `time`; events at `time` happen. On divergence the state is the last
   /// good one and `message()` says which joint, when, and what to do.
@@ -174,6 +184,8 @@ class Simulation {
   /// Back to just before the `number`-th of events() happened. Throws Error where the history was not kept. What was scheduled
   /// for that instant does not happen again unless `again`: another branch begins.
   void undo(std::size_t number, bool again = false);
+  /// True where the history reaches so far back.
+  bool can_undo(std::size_t number) const;
   /// A run of its own from here: world, schedule and books, without observers and history.
   Simulation branch() const;
 

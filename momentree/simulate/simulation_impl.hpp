@@ -354,10 +354,15 @@ struct Simulation::Impl {
   }
 
   // Names that can never be: of no joint that is, was or is to be made, of no body.
-  void check_names(const std::vector<std::string>& joints, const std::vector<std::string>& bodies) const {
+  std::optional<Error> unknown_name(const std::vector<std::string>& joints, const std::vector<std::string>& bodies) const {
     const Model& model = world.model();
+    const auto unknown = [&model](const char* what, const std::string& name, std::string BodySpec::*names) {
+      std::vector<std::string> known;
+      for (const BodySpec& body : model.bodies()) known.push_back(body.*names);
+      return Error{"there is no " + std::string(what) + " '" + name + "'", "", did_you_mean(name, known)};
+    };
     for (const std::string& body : bodies)
-      if (body != "ground") model.body(body);  // throws
+      if (body != "ground" && !model.has_body(body)) return unknown("body", body, &BodySpec::name);
     for (const std::string& joint : joints) {
       if (model.has_joint(joint) || world.find_joint(joint) >= 0) continue;
       const std::size_t tail = joint.rfind("~free");
@@ -367,8 +372,13 @@ struct Simulation::Impl {
           if (made_joint_name(e.event, a) == joint) return true;
         return false;
       };
-      if (std::none_of(agenda.entries.begin(), agenda.entries.end(), made)) model.joint(joint);  // throws
+      if (std::none_of(agenda.entries.begin(), agenda.entries.end(), made)) return unknown("joint", joint, &BodySpec::joint_name);
     }
+    return std::nullopt;
+  }
+
+  void check_names(const std::vector<std::string>& joints, const std::vector<std::string>& bodies) const {
+    if (std::optional<Error> error = unknown_name(joints, bodies)) fail(std::move(*error));
   }
 
   bool look(bool force) {
@@ -423,6 +433,14 @@ struct Simulation::Impl {
     SimulationSnapshot before;
     std::vector<std::size_t> places;  ///< of what was due, in the agenda
   };
+  // What was kept from before the instant of that event; null: nothing was.
+  const Past* before(std::size_t event) const {
+    for (const Past& past : history) {
+      const bool last = &past == &history.back();
+      if (event >= past.events && event < (last ? events.size() : (&past + 1)->events)) return &past;
+    }
+    return nullptr;
+  }
   bool keeps_history = false;
   std::vector<Past> history;
   std::vector<Event> events;

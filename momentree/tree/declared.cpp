@@ -135,7 +135,8 @@ int LinkCollector::take(int body, int first_child, const Link& link, const Kerne
 
 bool LinkCollector::finish() {
   SharedLinks& list = declared_.links;
-  return shrink(list.links) | shrink(list.frames);
+  const bool fewer_links = shrink(list.links), fewer_frames = shrink(list.frames);
+  return fewer_links || fewer_frames;
 }
 
 }  // namespace momentree

@@ -71,6 +71,11 @@ std::unique_ptr<Import> read_model_text(std::string path, std::string text, std:
   return import;
 }
 
+bool is_file(const std::string& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
 bool read_whole_file(const std::string& path, const char* what, std::uintmax_t largest, std::string& text, Unreadable& why) {
   std::error_code failed;
   const auto status = fs::status(path, failed);

@@ -21,6 +21,8 @@ struct Unreadable {
 };
 bool read_whole_file(const std::string& path, const char* what, std::uintmax_t largest, std::string& text, Unreadable& why);
 
+/// True where a regular file stands there.
+bool is_file(const std::string& path);
 inline constexpr std::uintmax_t largest_model = 128u << 20;
 
 }  // namespace momentree::io

@@ -1,0 +1,111 @@
+// Changes from outside while a world runs: actions that may be refused, another gravity.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+namespace momentree {
+namespace {
+
+Model two_links(Vec3 gravity) {
+  Model model(Model::Options{gravity});
+  const Body arm = model.add({.name = "m/arm", .mass = 2, .com = {0.5, 0, 0}, .inertia = diagonal(0.2), .joint = Revolute{}});
+  model.add({.name = "m/hand",
+             .mass = 1,
+             .com = {0.2, 0, 0},
+             .inertia = diagonal(0.1),
+             .parent = arm,
+             .at = {{1, 0, 0}},
+             .joint = Revolute{}});
+  return model;
+}
+
+Model stone(Vec3 gravity) {
+  Model model(Model::Options{gravity});
+  model.add({.name = "stone", .mass = 3, .inertia = diagonal(0.1), .joint = Free{}});
+  return model;
+}
+
+}  // namespace
+
+TEST_CASE("an attempt that is impossible changes nothing and says why; a possible one is an event") {
+  Simulation simulation(two_links({0, -9.81, 0}));
+  simulation.keep_history();
+  CHECK(simulation.run_until(0.1) == Status::ok);
+  const std::vector<double> p(simulation.world().state().p().begin(), simulation.world().state().p().end());
+
+  const Action loop = weld("m/hand", "m/arm");  // two bodies of one mechanism
+  CHECK(simulation.attempt({&loop, 1}) == Status::refused);
+  CHECK(simulation.message().find("weld") != std::string::npos);
+  CHECK(simulation.events().empty());
+  CHECK_FALSE(simulation.can_undo(0));
+
+  const Action unknown = break_joint("m/hnd");
+  CHECK(simulation.attempt({&unknown, 1}) == Status::refused);
+  CHECK(simulation.message() == "break: there is no joint 'm/hnd'; did you mean 'm/hand'?");
+  REQUIRE(simulation.unknown_name(unknown));
+  CHECK(simulation.unknown_name(unknown)->what == "there is no joint 'm/hnd'");
+  CHECK_FALSE(simulation.unknown_name(break_joint("m/hand")));
+  CHECK(std::vector<double>(simulation.world().state().p().begin(), simulation.world().state().p().end()) == p);
+
+  const Action cut = break_joint("m/hand");
+  CHECK(simulation.attempt({&cut, 1}) == Status::ok);
+  REQUIRE(simulation.events().size() == 1);
+  CHECK(simulation.world().mechanisms().size() == 2);
+  REQUIRE(simulation.can_undo(0));
+  simulation.undo(0);
+  CHECK(simulation.world().mechanisms().size() == 1);
+  CHECK(std::vector<double>(simulation.world().state().p().begin(), simulation.world().state().p().end()) == p);
+}
+
+TEST_CASE("gravity that is turned off leaves a straight line; its work is booked") {
+  Simulation simulation(stone({0, 0, -9.81}));
+  simulation.at(1.5).then(impulse("stone", {6, 0, 0}));
+  CHECK(simulation.run_until(0.5) == Status::ok);
+  const Pose before = simulation.world().motions()[0].pose;
+  simulation.set_gravity({0, 0, 0});
+  CHECK(simulation.world().model().gravity() == Vec3{0, 0, 0});
+  CHECK(simulation.world().motions()[0].pose.position.z == before.position.z);
+  CHECK(simulation.run_until(2) == Status::ok);
+  const BodyMotion& end = simulation.world().motions()[0];
+  CHECK(end.pose.position.z == doctest::Approx(-0.5 * 9.81 * 0.25 - 9.81 * 0.5 * 1.5));
+  CHECK(end.linear.x == doctest::Approx(2));  // what was scheduled still happened
+  CHECK(end.pose.position.x == doctest::Approx(1));
+  REQUIRE(simulation.events().size() == 1);
+  // m g z of the height where it was turned off, and the impulse's ½ m v².
+  CHECK(simulation.energy().work == doctest::Approx(3 * 9.81 * 0.5 * 9.81 * 0.25 + 0.5 * 3 * 4));
+  CHECK(std::abs(simulation.energy().error) < 1e-10);
+}
+
+TEST_CASE("a world whose gravity changed keeps its topology, its functions and its way back") {
+  Simulation simulation(two_links({0, -9.81, 0}));
+  simulation.force("m/arm", [](const Moment&) { return Wrench{{0, 0, 0}, {0, 0, 0.5}}; });
+  simulation.apply(break_joint("m/hand"));
+  CHECK(simulation.run_until(0.2) == Status::ok);
+  const SimulationSnapshot kept = simulation.snapshot();
+  simulation.set_gravity({0, 0, 0});
+  CHECK(simulation.world().mechanisms().size() == 2);
+  CHECK(simulation.world().tree().body_functions().size() == 1);
+  const double spin = simulation.world().joint({0}).v[0];
+  CHECK(simulation.run_until(0.4) == Status::ok);
+  // The torque alone on the arm, about its pin: m c² + I.
+  CHECK(simulation.world().joint({0}).v[0] == doctest::Approx(spin + 0.5 * 0.2 / (2 * 0.25 + 0.2)));
+  CHECK(std::abs(simulation.energy().error) < 1e-9);
+
+  Simulation straight(two_links({0, -9.81, 0}));  // the same without the turn
+  straight.force("m/arm", [](const Moment&) { return Wrench{{0, 0, 0}, {0, 0, 0.5}}; });
+  straight.apply(break_joint("m/hand"));
+  CHECK(straight.run_until(0.2) == Status::ok);
+  CHECK(straight.run_until(0.4) == Status::ok);
+  simulation.set_gravity({0, -9.81, 0});
+  simulation.restore(kept);
+  CHECK(simulation.run_until(0.4) == Status::ok);
+  for (std::size_t i = 0; i < straight.world().state().q().size(); ++i)
+    CHECK(simulation.world().state().q()[i] == straight.world().state().q()[i]);
+}
+
+}  // namespace momentree

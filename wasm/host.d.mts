@@ -1,0 +1,146 @@
+// The types of host.mjs.
+export const motionSize: 13;
+export const jointSize: 28;
+export const status: {
+  readonly ok: 0;
+  readonly diverged: 1;
+  readonly interrupted: 2;
+  readonly refused: 3;
+};
+
+export class EngineFailure extends Error {}
+
+export type Triple = readonly [number, number, number];
+
+export interface Outcome {
+  readonly status: number;
+  /** Why it was refused or diverged. */
+  readonly message: string;
+}
+
+export interface Diagnostic {
+  readonly severity: "error" | "warning" | "note";
+  readonly line: number;
+  readonly column: number;
+  readonly what: string;
+  readonly hint: string;
+}
+
+export interface ScenarioInfo {
+  readonly title: string;
+  readonly until: number;
+  readonly every: number;
+  readonly step: number;
+  readonly method: string;
+  readonly gravity: Triple;
+  readonly events: readonly {
+    name: string;
+    time: number | null;
+    line: number;
+    actions: readonly string[];
+  }[];
+}
+
+export interface PlacedPose {
+  readonly xyz: Triple;
+  readonly quat: readonly [number, number, number, number];
+}
+
+export interface TopologyJoint {
+  readonly number: number;
+  readonly name: string;
+  readonly kind: string;
+  readonly parent: number;
+  readonly child: number;
+  readonly locked: number;
+  readonly at: PlacedPose;
+  readonly child_at: PlacedPose;
+  readonly axis: Triple;
+  readonly damping: number;
+  readonly force: number | null;
+  readonly torque: number | null;
+}
+
+export interface Topology {
+  readonly mechanisms: readonly {
+    name: string;
+    root: number;
+    grounded: boolean;
+    bodies: readonly number[];
+  }[];
+  readonly joints: readonly TopologyJoint[];
+}
+
+export interface WorldTotals {
+  readonly time: number;
+  readonly kinetic: number;
+  readonly potential: number;
+  readonly linear: Triple;
+  readonly angular: Triple;
+  readonly balance: {
+    readonly initial: number;
+    readonly final: number;
+    readonly dissipated: number;
+    readonly work: number;
+    readonly lost: number;
+    readonly released: number;
+    readonly error: number;
+  };
+}
+
+export class Engine {
+  static of(
+    source: BufferSource | WebAssembly.Module,
+    log?: (text: string) => void,
+  ): Promise<Engine>;
+  world(): World;
+  readonly bytes: number;
+}
+
+/** Arrays of numbers are valid until the next call. */
+export class World {
+  load(scenario: string): {
+    scenario: ScenarioInfo | null;
+    diagnostics: readonly Diagnostic[];
+  };
+  model(): unknown;
+  topology(): Topology;
+  /** As lines of events.jsonl (docs/results.md). */
+  events(first?: number): Record<string, unknown>[];
+  readonly revision: number;
+  readonly eventCount: number;
+  readonly time: number;
+  readonly bodies: number;
+  run(time: number, budget?: number): Outcome;
+  motions(): Float64Array;
+  joints(withReactions?: boolean): Float64Array;
+  totals(): WorldTotals;
+  cut(joint: number): Outcome;
+  free(joint: number): Outcome;
+  lock(joint: number): Outcome;
+  unlock(joint: number): Outcome;
+  weld(body: number, to: number): Outcome;
+  attach(body: number, to: number, kind: string, axis: Triple): Outcome;
+  change(joint: number, kind: string): Outcome;
+  impulse(body: number, force: Triple, point: Triple): Outcome;
+  set(
+    joint: number,
+    parameters: {
+      damping?: number;
+      stiffness?: number;
+      force?: number;
+      torque?: number;
+    },
+  ): Outcome;
+  setDamping(factor: number, offset: number): Outcome;
+  setGravity(gravity: Triple): Outcome;
+  grab(body: number, point: Triple, strength?: number): Outcome;
+  pull(target: Triple): void;
+  letGo(): void;
+  snapshot(): number;
+  restore(snapshot: number): Outcome;
+  drop(snapshot: number): void;
+  undo(event: number, again?: boolean): Outcome;
+  branch(): World;
+  destroy(): void;
+}

@@ -1,0 +1,88 @@
+// What a world has of numbers, in the arrays of engine.h.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <wasm/world.hpp>
+
+namespace momentree::wasm {
+
+namespace {
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+double load_of(double force, double torque, const JointParameters* parameters) {
+  if (parameters == nullptr || !parameters->strength.any()) return none;
+  return std::max(force / parameters->strength.force, torque / parameters->strength.torque);
+}
+}  // namespace
+
+void fill_motions(const World& world, std::vector<double>& all) {
+  const std::vector<BodyMotion>& motions = world.motions();
+  all.assign(motions.size() * mt_motion_size, none);
+  for (std::size_t b = 0; b < motions.size(); ++b) {
+    if (!world.alive({static_cast<int>(b)})) continue;
+    const auto& [pose, linear, angular] = motions[b];
+    const Vec3& x = pose.position;
+    const Quat& r = pose.rotation;
+    const double numbers[mt_motion_size] = {x.x,      x.y,      x.z,      r.w,       r.x,       r.y,      r.z,
+                                            linear.x, linear.y, linear.z, angular.x, angular.y, angular.z};
+    std::copy(std::begin(numbers), std::end(numbers), all.begin() + static_cast<std::ptrdiff_t>(b * mt_motion_size));
+  }
+}
+
+void fill_joints(const Simulation& simulation, const std::vector<Threshold>& thresholds, bool reactions,
+                 std::vector<double>& all) {
+  const World& world = simulation.world();
+  all.assign(static_cast<std::size_t>(world.model().size()) * mt_joint_size, 0);
+  for (int j = 0; j < world.model().size(); ++j) {
+    double* row = all.data() + static_cast<std::ptrdiff_t>(j) * mt_joint_size;
+    row[27] = none;
+    if (world.tree().carrier(j) < 0) {
+      row[0] = -1;
+      continue;
+    }
+    const JointView joint = world.joint({j});
+    row[0] = static_cast<double>(joint.q.size()), row[1] = static_cast<double>(joint.v.size());
+    std::copy(joint.q.begin(), joint.q.end(), row + 2);
+    std::copy(joint.v.begin(), joint.v.end(), row + 9);
+    std::copy(joint.p.begin(), joint.p.end(), row + 15);
+    if (!reactions) continue;
+    const Wrench w = world.reaction({j});
+    const double wrench[6] = {w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
+    std::copy(std::begin(wrench), std::end(wrench), row + 21);
+    row[27] = load_of(norm(w.force), norm(w.torque), world.joint({j}).parameters);
+  }
+  if (!reactions) return;
+  for (const Threshold& each : thresholds) {
+    double* row = all.data() + static_cast<std::ptrdiff_t>(each.joint) * mt_joint_size;
+    const std::optional<double> value = each.condition.what->value(world, {});
+    if (row[0] < 0 || !value) continue;
+    row[27] = std::fmax(row[27], std::fabs(*value / each.condition.threshold));
+  }
+}
+
+void fill_totals(const Simulation& simulation, double* all) {
+  const Totals t = simulation.world().totals();
+  const EnergyBalance e = simulation.energy();
+  const double numbers[mt_totals_size] = {
+      simulation.time(), t.kinetic, t.potential, t.linear.x,   t.linear.y, t.linear.z,        t.angular.x, t.angular.y,
+      t.angular.z,       e.initial, e.final,     e.dissipated, e.work,     e.lost_in_impacts, e.released,  e.error};
+  std::copy(std::begin(numbers), std::end(numbers), all);
+}
+
+Grip grip_on(const World& world, int body, Vec3 point, double strength) {
+  double whole = 0;
+  for (const Mechanism& mechanism : world.mechanisms()) {
+    if (std::find(mechanism.bodies.begin(), mechanism.bodies.end(), Body{body}) == mechanism.bodies.end()) continue;
+    for (const Body each : mechanism.bodies) whole += world.model()[each].mass;
+  }
+  // It swings the whole mechanism three times a second, and its damper is that of the body alone, which a step resolves.
+  constexpr double swing = 2 * 3.14159265358979 * 3;
+  const double mass = world.model()[{body}].mass;
+  Grip grip{body, point, world.motions()[static_cast<std::size_t>(body)].pose * point, 0, 0};
+  grip.stiffness = strength * whole * swing * swing;
+  grip.damping = 2 * std::sqrt(grip.stiffness * (mass > 0 ? mass : whole));
+  return grip;
+}
+
+}  // namespace momentree::wasm

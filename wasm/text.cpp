@@ -1,0 +1,85 @@
+// What a world has of names, as JSON.
+#include <cmath>
+
+#include <momentree/io/json_writer.hpp>
+#include <momentree/io/results.hpp>
+#include <wasm/world.hpp>
+
+namespace momentree::wasm {
+
+namespace {
+
+using io::JsonWriter;
+
+void write_pose(JsonWriter& json, const char* key, const Pose& pose) {
+  json.key(key).begin_object().member("xyz", pose.position).member("quat", pose.rotation).end_object();
+}
+
+void write_diagnostic(JsonWriter& json, const io::Diagnostic& d) {
+  json.begin_object().member("severity", io::word_of(d.severity)).member("line", d.line).member("column", d.column);
+  json.member("what", d.what).member("hint", d.hint).end_object();
+}
+
+void write_scenario(JsonWriter& json, const io::Scenario& scenario) {
+  json.key("scenario").begin_object().member("title", scenario.title);
+  json.member("until", scenario.until).member("every", scenario.output_every);
+  json.member("step", scenario.integration.step).member("method", scenario.integration.method);
+  json.member("gravity", scenario.model.gravity()).key("events").begin_array();
+  for (const io::ScenarioEvent& event : scenario.events) {
+    json.begin_object().member("name", event.name).member("time", event.time).member("line", event.place.line);
+    json.key("actions").begin_array();
+    for (const Action& action : event.actions) json.value(action.text());
+    json.end_array().end_object();
+  }
+  json.end_array().end_object();
+}
+
+}  // namespace
+
+std::string load_json(const io::ReadResult& result, const std::string& refusal) {
+  std::string text;
+  JsonWriter json(text);
+  json.begin_object().key("diagnostics").begin_array();
+  for (const io::Diagnostic& d : result.diagnostics) write_diagnostic(json, d);
+  if (!refusal.empty()) write_diagnostic(json, {io::Severity::error, "", 0, 0, refusal, "", ""});
+  json.end_array();
+  if (result.scenario && refusal.empty()) write_scenario(json, *result.scenario);
+  json.end_object();
+  return text;
+}
+
+std::string topology_json(const World& world) {
+  std::string text;
+  JsonWriter json(text);
+  json.begin_object().key("mechanisms").begin_array();
+  for (const Mechanism& mechanism : world.mechanisms()) {
+    json.begin_object().member("name", mechanism.name).member("root", mechanism.root.index);
+    json.member("grounded", mechanism.grounded).key("bodies").begin_array();
+    for (const Body body : mechanism.bodies) json.value(body.index);
+    json.end_array().end_object();
+  }
+  json.end_array().key("joints").begin_array();
+  for (int j = 0; j < world.model().size(); ++j) {
+    if (world.tree().carrier(j) < 0) continue;
+    const JointView joint = world.joint({j});
+    json.begin_object().member("number", j).member("name", joint.name).member("kind", info(joint.kind).name);
+    json.member("parent", joint.parent.index).member("child", joint.child.index);
+    json.member("locked", static_cast<int>(joint.locked));
+    write_pose(json, "at", joint.at);
+    write_pose(json, "child_at", joint.child_at);
+    json.member("axis", joint.axis);
+    const JointParameters none, &p = joint.parameters != nullptr ? *joint.parameters : none;
+    json.member("damping", p.damping.of(0)).member("force", p.strength.force).member("torque", p.strength.torque);
+    json.end_object();
+  }
+  json.end_array().end_object();
+  return text;
+}
+
+std::string events_json(const std::vector<Event>& events, std::size_t first) {
+  std::string text = "[";
+  for (std::size_t i = first; i < events.size(); ++i) text += (i == first ? "" : ",") + io::event_json(events[i]);
+  return text + "]";
+}
+
+}  // namespace momentree::wasm

@@ -1,0 +1,89 @@
+#pragma once
+// What a world of the module is: a scenario's run with what its callers hold of it.
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <momentree/io/scenario.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+#include <wasm/engine.h>
+
+namespace momentree::wasm {
+
+/// What pulls at a body while the pointer holds it: shared with the function that the simulation calls, in every branch of it.
+struct Grip {
+  int body = -1;
+  Vec3 point{};   ///< in the body's frame
+  Vec3 target{};  ///< in the world
+  double stiffness = 0, damping = 0;
+};
+
+/// What a joint breaks at, beside its own strength: the threshold of an event's condition.
+struct Threshold {
+  int joint;
+  Condition condition;
+};
+
+/// Snapshots of a world and of its branches, by number.
+struct Store {
+  struct Kept {
+    SimulationSnapshot snapshot;
+    Vec3 gravity;
+  };
+  std::map<int, Kept> kept;
+  int next = 1;
+};
+
+}  // namespace momentree::wasm
+
+/// The opaque type of engine.h.
+struct MtWorld {
+  std::string text;
+  std::optional<momentree::io::Scenario> scenario;
+  std::unique_ptr<momentree::Simulation> simulation;
+  std::vector<momentree::wasm::Threshold> thresholds;
+  std::shared_ptr<momentree::wasm::Store> store = std::make_shared<momentree::wasm::Store>();
+  int revision = 0;
+  std::size_t events_seen = 0;
+  momentree::wasm::Grip grip;
+  std::vector<double> motions, joints;
+  double totals[mt_totals_size]{};
+
+  /// An event at this instant; a refusal's reason goes to `text`.
+  int act(const std::vector<momentree::Action>& actions);
+  /// The name of a present joint or body of that number; a refusal where there is none.
+  std::optional<std::string> joint_name(int joint);
+  std::optional<std::string> body_name(int body, bool ground_too = false);
+  /// Whatever may have become another topology.
+  void changed() { ++revision; }
+  /// Puts the grip that is set into the simulation, or takes it out where its body is −1.
+  void hold(int body);
+  /// After going back: the pointer that pulled then does not now.
+  void came_back();
+};
+
+namespace momentree::wasm {
+
+/// The answer of mt_load. `refusal`: why a scenario without errors still makes no world here; empty: it does.
+std::string load_json(const io::ReadResult& result, const std::string& refusal);
+std::string topology_json(const World& world);
+std::string events_json(const std::vector<Event>& events, std::size_t first);
+
+/// A scenario's run, its events scheduled.
+std::unique_ptr<Simulation> start(const io::Scenario& scenario);
+std::vector<Threshold> thresholds_of(const io::Scenario& scenario, const World& world);
+
+void fill_motions(const World& world, std::vector<double>& all);
+void fill_joints(const Simulation& simulation, const std::vector<Threshold>& thresholds, bool reactions,
+                 std::vector<double>& all);
+void fill_totals(const Simulation& simulation, double* all);
+
+/// A spring and a damper that carry the body's mechanism, for this strength.
+Grip grip_on(const World& world, int body, Vec3 point, double strength);
+
+}  // namespace momentree::wasm
