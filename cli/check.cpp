@@ -1,42 +1,110 @@
+#include <algorithm>
+#include <charconv>
 #include <cstdio>
+#include <optional>
 
 #include <cli/commands.hpp>
 #include <cli/session.hpp>
 #include <cli/text.hpp>
+#include <momentree/io/diagnostic_json.hpp>
 
 namespace momentree::cli {
 
 namespace {
 
+/// What was found out about one file.
+struct Checked {
+  std::string file;
+  std::vector<io::Diagnostic> diagnostics;
+  struct Counts {
+    long mechanisms = 0, bodies = 0, freedoms = 0, events = 0;
+  };
+  std::optional<Counts> counts;  ///< where there is no error
+};
+
+// An error that is thrown names its place as `file:line:column`, as far as it knows it.
+io::Diagnostic diagnostic_of(const Error& error, const std::string& file) {
+  io::Diagnostic found{io::Severity::error, file, 0, 0, error.what, error.hint, ""};
+  std::string where = error.where;
+  int numbers[2] = {0, 0}, count = 0;  // from the end
+  while (count < 2) {
+    const std::size_t colon = where.rfind(':');
+    int number = 0;
+    if (colon == std::string::npos || colon + 1 == where.size()) break;
+    const auto [end, failed] = std::from_chars(where.data() + colon + 1, where.data() + where.size(), number);
+    if (failed != std::errc() || end != where.data() + where.size()) break;
+    numbers[count++] = number;
+    where.resize(colon);
+  }
+  if (count > 0) found.line = numbers[count - 1], found.column = count == 2 ? numbers[0] : 0;
+  if (count > 0 || (!where.empty() && where.find_first_of("./") != std::string::npos))
+    found.file = where;
+  else if (!where.empty())
+    found.what = where + ": " + error.what;  // a body or a joint
+  return found;
+}
+
 // What is wrong with a file that reads well shows when it is compiled: state documents that do not fit, events too early.
-int check_one(const std::string& file) {
-  const io::ReadResult result = io::read_scenario(file);
-  std::fputs(io::rendered(result.diagnostics).c_str(), stdout);
-  if (!result.scenario) return bad_input;
-  Session session(*result.scenario);
-  session.schedule();
-  const World& world = session.simulation().world();
-  std::printf("%s: ok: %s, %s, %s, %s\n", file.c_str(),
-              count_text(static_cast<long>(world.mechanisms().size()), "mechanism", "mechanisms").c_str(),
-              count_text(world.model().size(), "body", "bodies").c_str(),
-              count_text(world.tree().nv(), "degree of freedom", "degrees of freedom").c_str(),
-              count_text(static_cast<long>(result.scenario->events.size()), "event", "events").c_str());
-  return done;
+Checked check_one(const std::string& file) {
+  Checked checked{file, {}, {}};
+  try {
+    io::ReadResult result = io::read_scenario(file);
+    checked.diagnostics = std::move(result.diagnostics);
+    if (!result.scenario) return checked;
+    Session session(*result.scenario);
+    session.schedule();
+    const World& world = session.simulation().world();
+    checked.counts = {static_cast<long>(world.mechanisms().size()), world.model().size(), world.tree().nv(),
+                      static_cast<long>(result.scenario->events.size())};
+  } catch (const Error& error) {
+    checked.diagnostics.push_back(diagnostic_of(error, file));
+  }
+  return checked;
+}
+
+void print(const Checked& checked) {
+  std::fputs(io::rendered(checked.diagnostics).c_str(), stdout);
+  if (!checked.counts) return;
+  const Checked::Counts& n = *checked.counts;
+  std::printf("%s: ok: %s, %s, %s, %s\n", checked.file.c_str(), count_text(n.mechanisms, "mechanism", "mechanisms").c_str(),
+              count_text(n.bodies, "body", "bodies").c_str(),
+              count_text(n.freedoms, "degree of freedom", "degrees of freedom").c_str(),
+              count_text(n.events, "event", "events").c_str());
+}
+
+void write(io::JsonWriter& json, const Checked& checked) {
+  json.begin_object().member("file", checked.file).member("ok", checked.counts.has_value());
+  if (checked.counts) {
+    const Checked::Counts& n = *checked.counts;
+    json.member("mechanisms", n.mechanisms).member("bodies", n.bodies).member("freedoms", n.freedoms).member("events", n.events);
+  }
+  json.key("diagnostics").begin_array();
+  for (const io::Diagnostic& each : checked.diagnostics) io::write_diagnostic(json, each);
+  json.end_array().end_object();
 }
 
 }  // namespace
 
-int check(const std::vector<std::string>& files) {
+int check(const CheckOptions& options) {
   int code = done;
-  for (const std::string& file : files) {
-    int one = bad_input;
-    try {
-      one = check_one(file);
-    } catch (const Error& error) {
-      std::printf("%s\n", error.message().c_str());
+  long errors = 0, warnings = 0;
+  std::string text;
+  io::JsonWriter json(text, 4);
+  json.begin_object().key("files").begin_array();
+  for (const std::string& file : options.files) {
+    const Checked checked = check_one(file);
+    if (!checked.counts) code = bad_input;
+    for (const io::Diagnostic& each : checked.diagnostics) {
+      errors += each.severity == io::Severity::error;
+      warnings += each.severity == io::Severity::warning;
     }
-    if (one != done) code = one;
+    if (options.json)
+      write(json, checked);
+    else
+      print(checked);
   }
+  json.end_array().member("errors", errors).member("warnings", warnings).end_object();
+  if (options.json) std::printf("%s\n", text.c_str());
   return code;
 }
 

@@ -17,7 +17,11 @@ struct RunOptions {
 };
 int run(const RunOptions& options);
 
-int check(const std::vector<std::string>& files);
+struct CheckOptions {
+  std::vector<std::string> files;
+  bool json = false;
+};
+int check(const CheckOptions& options);
 
 struct EvaluateOptions {
   std::string scenario, state;

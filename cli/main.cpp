@@ -28,13 +28,13 @@ struct CommandLine {
 
   CLI::App app{"momentree: dynamics of mechanisms whose topology changes while they move", "momentree"};
   RunOptions run_options;
+  CheckOptions check_options;
   EvaluateOptions evaluate_options;
   ExplainOptions explain_options;
   ConvertOptions convert_options;
   CompileOptions compile_options;
   ViewOptions view_options;
   BenchOptions bench_options;
-  std::vector<std::string> files;
   std::vector<std::pair<CLI::App*, std::function<int()>>> commands;
   std::vector<const CLI::App*> without_code;  ///< they take any arguments
 };
@@ -89,8 +89,11 @@ CommandLine::CommandLine() {
   run_command->add_flag("--json", run_options.json, "Print summary.json and nothing else");
 
   CLI::App* check_command =
-      command("check", "Say what is wrong with scenarios and models, as file:line:col", [this] { return check(files); });
-  check_command->add_option("files", files, "Scenarios (.toml) or models (.urdf, .xml)")->required()->type_name("FILE");
+      command("check", "Say what is wrong with scenarios and models, as file:line:col", [this] { return check(check_options); });
+  check_command->add_option("files", check_options.files, "Scenarios (.toml) or models (.urdf, .xml)")
+      ->required()
+      ->type_name("FILE");
+  check_command->add_flag("--json", check_options.json, "Print one JSON document and nothing else: problems for an editor");
 
   CLI::App* evaluate_command = command("evaluate", "Evaluate a scenario or a model once, at its start or at a state",
                                        [this] { return evaluate(evaluate_options); });

@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include <nlohmann/json.hpp>
+
 #include <momentree/io/json_document.hpp>
 #include <momentree/io/test_support.hpp>
 #include <momentree/io/text_file.hpp>
@@ -19,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using io::test::TemporaryFolder;
+using Json = nlohmann::json;
 
 struct Outcome {
   int code = -1;
@@ -314,6 +317,52 @@ TEST_CASE("convert: what is written is a scenario, and the same one again") {
   CHECK(urdf.says("s.toml: warning: a URDF is a model alone; left out: its gravity, its events"));
   CHECK(urdf.says("s.toml:14:9: warning: URDF has no place for starts"));
   CHECK(here.call("check a.urdf").says("9 bodies, 8 degrees of freedom"));
+}
+
+TEST_CASE("check --json: every problem of every file in one document, as docs/command.md shows it") {
+  const Workplace here(replaced(chain, "length = \"5 cm\"", "lenght = \"5 cm\""));
+  io::write_text_file(here.path("good.toml"), chain);
+  io::write_text_file(here.path("stateful.toml"), "state = \"none.json\"\n" + std::string(chain));
+  const Outcome outcome = here.call("check s.toml good.toml none.toml stateful.toml --json");
+  CHECK(outcome.code == 2);
+  CHECK(outcome.errors.empty());
+  const Json document = Json::parse(outcome.output);
+  CHECK(document.at("errors") == 4);
+  CHECK(document.at("warnings") == 0);
+  const Json& files = document.at("files");
+  REQUIRE(files.size() == 4);
+  CHECK(files[0].at("file") == "s.toml");
+  CHECK(files[0].at("ok") == false);
+  CHECK_FALSE(files[0].contains("bodies"));
+  const Json slip = {{"severity", "error"},
+                     {"message", "unknown key 'lenght' in [mechanism.chain]"},
+                     {"hint", "did you mean 'length'?"},
+                     {"file", "s.toml"},
+                     {"line", 9},
+                     {"column", 1},
+                     {"end_line", 9},
+                     {"end_column", 7}};
+  REQUIRE(files[0].at("diagnostics").size() == 2);
+  CHECK(files[0].at("diagnostics")[1] == slip);
+  const Json good = {
+      {"file", "good.toml"},         {"ok", true}, {"mechanisms", 1}, {"bodies", 8}, {"freedoms", 8}, {"events", 1},
+      {"diagnostics", Json::array()}};
+  CHECK(files[1] == good);
+  CHECK(files[2].at("diagnostics")[0].at("line").is_null());
+  CHECK(files[3].at("diagnostics")[0].at("file") == "none.json");
+  CHECK(here.call("check good.toml --json").code == 0);
+  // The keys of the document's example are those of what is printed.
+  const std::string docs = io::read_text_file(MOMENTREE_SOURCE_DIR "/docs/command.md");
+  const std::size_t begin = docs.find("```json\n") + 8;
+  const Json example = Json::parse(docs.substr(begin, docs.find("```", begin) - begin));
+  const auto keys = [](const Json& object) {
+    std::vector<std::string> all;
+    for (const auto& [key, value] : object.items()) all.push_back(key);
+    return all;
+  };
+  CHECK(keys(example) == keys(document));
+  CHECK(keys(example.at("files")[0]) == keys(files[0]));
+  CHECK(keys(example.at("files")[0].at("diagnostics")[0]) == keys(slip));
 }
 
 TEST_CASE("check, explain, evaluate, view") {

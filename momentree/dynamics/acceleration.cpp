@@ -31,7 +31,7 @@ void accelerate(const Tree& tree, const State& state, Work<double>& work) noexce
 }
 
 Motion<double> felt_acceleration(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
-  const JointState<double> joint{q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
+  const JointState<double> joint = joint_state(tree, q, work, b);
   return dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
     return decltype(tag)::type::template spatial_velocity<double>(
         tree.link(b), joint, work.approaches[static_cast<std::size_t>(b)], work.a.get() + tree.first_p(b));

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/moment.hpp>
 #include <momentree/joint/dispatch.hpp>
 
@@ -13,17 +14,13 @@ Vec3 value(const std::array<Signal, 3>& signals, double t) noexcept {
   return {signals[0].value(t), signals[1].value(t), signals[2].value(t)};
 }
 
-JointState<double> joint_at(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
-  return {q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
-}
-
 // Attitudes and velocities of the loaded bodies and of all that carry them.
 void move_loaded_bodies(const Tree& tree, const double* q, Work<double>& work) noexcept {
   for (const int b : tree.loaded_bodies()) {
     const int outer = tree.parent(b);
     Kinematics<double>& own = work.bodies[static_cast<std::size_t>(b)];
     own.velocity = outer < 0 ? Motion<double>{} : work.bodies[static_cast<std::size_t>(outer)].velocity;
-    const JointState<double> joint = joint_at(tree, q, work, b);
+    const JointState<double> joint = joint_state(tree, q, work, b);
     dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
       using K = typename decltype(tag)::type;
       const DenseCrossing<double> x = dense_crossing<K, double>(tree.link(b), joint);
@@ -85,7 +82,7 @@ void add_body_forces(const Tree& tree, double t, const double* q, Work<double>& 
   for (const int b : loaded) gathered[b] = work.loads[static_cast<std::size_t>(b)];
   for (std::size_t k = loaded.size(); k-- > 0;) {
     const int b = loaded[k], outer = tree.parent(b);
-    const JointState<double> joint = joint_at(tree, q, work, b);
+    const JointState<double> joint = joint_state(tree, q, work, b);
     dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
       using K = typename decltype(tag)::type;
       // (20) with u = 0 and Pb = 0 is Eᵀ Tb, and nothing for what is locked.

@@ -155,7 +155,8 @@ TEST_CASE("wrong types, units and freedoms are refused") {
        "s.toml:44:34: error: damping: '3 kg' is a mass (kg), not a rotational damping (N m s/rad)"},
       {first + "reroot = \"f/y\"\n",
        "s.toml:42:1: error: event '#1' does nothing; for example break = \"chain/41\"\n"
-       "s.toml:44:1: error: unknown key 'reroot' in [[event]]"},
+       "s.toml:44:1: error: unknown key 'reroot' in [[event]]; known here: name at when after every from repeat for locate "
+       "hysteresis attach break change free impulse lock set unlock weld"},
       {first + "after = { event = \"x\" }\nlock = \"m/j\"\n",
        "s.toml:42:1: error: event '#1' has more than one of at, when, after and every; write two events"},
   });

@@ -138,6 +138,8 @@ TEST_CASE("letters of every alphabet stay what they are, in strings and names") 
   REQUIRE(result.scenario);
   CHECK(result.scenario->title == letters + "Ж");
   check(
-      {{pinned + "\"größe\" = 1\n", "s.toml:10:1: error: unknown key 'größe' in [mechanism.body.joint]"},
+      {{pinned + "\"größe\" = 1\n",
+        "s.toml:10:1: error: unknown key 'größe' in [mechanism.body.joint]; known here: name parent at child_at kind "
+        "axis q v angle position speed damping stiffness armature rest drive limits friction strength"},
        {"title = \"Жß\" x\n", "s.toml:1:14: error: cannot read this key-value pair: expected a comment or whitespace, saw 'x'"}});
 }

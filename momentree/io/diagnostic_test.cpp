@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/io/diagnostic.hpp>
+#include <momentree/io/diagnostic_json.hpp>
 
 using namespace momentree;
 using namespace momentree::io;
@@ -47,4 +48,33 @@ TEST_CASE("a terminal gets no control characters, and no endless lines") {
   CHECK(text.find("s?.toml:1:1: error: a?b; c?\n    1 | ?[31mxxx") == 0);
   CHECK(text.size() < 300);
   CHECK(in_quotes("ö\n" + std::string(100, 'x')) == "'ö?" + std::string(58, 'x') + "…'");
+}
+TEST_CASE("where a problem ends: after the key, the string, the list, the tag that stands there") {
+  CHECK(end_column("kind = \"revolut\"  # no", 8) == 17);
+  CHECK(end_column("kind = \"rev\\\"olut\"", 8) == 19);
+  CHECK(end_column("  mass = -1.5e3", 3) == 7);
+  CHECK(end_column("  mass = -1.5e3", 10) == 16);
+  CHECK(end_column("axis = [0, \"]\", [1]]", 8) == 21);
+  CHECK(end_column("at = { xyz = [0, 0, 0] }", 6) == 25);
+  CHECK(end_column("<link name='ä'>", 1) == 6);
+  CHECK(end_column("<link name='ä'>", 12) == 15);  // characters, not bytes
+  CHECK(end_column("shape = [", 9) == 0);          // it ends on another line
+  CHECK(end_column("name = \"open", 8) == 0);
+  CHECK(end_column("a = 1", 0) == 0);
+  CHECK(end_column("a = 1", 6) == 0);
+  CHECK(end_column("", 1) == 0);
+}
+
+TEST_CASE("a problem as JSON: what is not known is null") {
+  std::string text;
+  JsonWriter json(text);
+  write_diagnostic(json, {Severity::warning, "s.toml", 3, 8, "odd", "", "kind = \"x\""});
+  CHECK(text == R"({"severity": "warning", "message": "odd", "hint": null, "file": "s.toml", "line": 3, "column": 8, )"
+                R"("end_line": 3, "end_column": 11})");
+  text.clear();
+  JsonWriter other(text);
+  write_diagnostic(other, {Severity::error, "s.toml", 0, 0, "is missing", "make it", ""});
+  CHECK(text ==
+        R"({"severity": "error", "message": "is missing", "hint": "make it", "file": "s.toml", "line": null, "column": null, )"
+        R"("end_line": null, "end_column": null})");
 }

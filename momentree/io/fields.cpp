@@ -87,7 +87,7 @@ void Fields::finish() {
   for (const Value::Entry& entry : *table_.table()) {
     if (std::find(known_.begin(), known_.end(), entry.key) != known_.end() || out_.full()) continue;
     std::string hint = did_you_mean(entry.key, {known_.begin(), known_.end()});
-    if (hint.empty() && known_.size() <= 8) {
+    if (hint.empty()) {
       hint = "known here:";
       for (const std::string_view key : known_) hint += " " + std::string(key);
     }

@@ -150,6 +150,9 @@ void add_bodies(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& 
       out.error(place, problem.what, problem.hint);
   }
   if (errors != out.errors()) return;
+  for (const int b : massless_links(specs))
+    out.warning(place_of(bodies[order[static_cast<std::size_t>(b)]], "mass"),
+                massless_link(specs[static_cast<std::size_t>(b)].name), massless_hint);
   for (std::size_t i = 0; i < order.size(); ++i) {
     BodySpec& spec = specs[i];
     if (spec.parent != ground) spec.parent.index += first;

@@ -111,7 +111,7 @@ void know_unit(Quantity& quantity, const Value& value, Reading& reading) {
 std::optional<Condition> read_condition(const Value& when, const TriggerMatch* match, Reading& reading) {
   Diagnostics& out = reading.out;
   const std::size_t errors = out.errors();
-  const std::vector<std::string> keys = quantity_keys();  // before the fields, which do not copy what they know
+  const std::vector<std::string> keys = quantity_keys();  // they outlive the fields, which keep views of them
   Fields fields(when, "when", out);
   std::shared_ptr<Quantity> quantity;
   std::string all = "one of:";
@@ -131,8 +131,8 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
     if (out.errors() == errors) know_unit(*quantity, *value, reading);
   }
   const bool above = fields.has("exceeds"), below = fields.has("below");
-  const Value* threshold = fields.find(below ? "below" : "exceeds");
-  if (above && below) fields.find("exceeds");
+  const Value *over = fields.find("exceeds"), *under = fields.find("below");
+  const Value* threshold = below ? under : over;
   fields.finish();
   if (!quantity && out.errors() == errors) out.error(fields.place(), "when: names no quantity", all);
   if (above == below && out.errors() == errors)

@@ -321,6 +321,18 @@ TEST_CASE("mechanisms without names are refused, and nothing of them is kept") {
         "s.toml:8:1: error: [[mechanism]] has no 'name'; for example name = \"arm\"");
 }
 
+TEST_CASE("what moves between two masses and has none is a warning, a carrier is none") {
+  const auto three = [](const std::string& name) {
+    const std::string pin = "[mechanism.body.joint]\nkind = \"revolute\"\n";
+    return head + "[[mechanism.body]]\nname = \"" + name + "\"\nmass = 0\n" + pin +
+           "[[mechanism.body]]\nname = \"b\"\nmass = 1\n" + "inertia = 1\n" + pin + "axis = [0, 1, 0]\nparent = \"" + name +
+           "\"\n";
+  };
+  CHECK(said(read_scenario_text(three("a"), "s.toml")) ==
+        "s.toml:6:8: warning: 'm/a' moves, carries others, and has no mass; is its inertia missing?");
+  CHECK(said(read_scenario_text(three("b.turn"), "s.toml")).empty());
+}
+
 TEST_CASE("a long chain that is refused is not made") {
   const std::string events = "[[event]]\nat = 1\nbreak = \"m/1000001\"\n";
   const std::string links = head + "[mechanism.chain]\nlength = 1\nmass = -1\nlinks = ";

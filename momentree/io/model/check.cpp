@@ -1,5 +1,8 @@
 // What can be wrong with bodies and joints whatever the format of their file.
 #include <cmath>
+#include <span>
+#include <string_view>
+#include <unordered_set>
 
 #include <momentree/io/model/importer.hpp>
 
@@ -44,11 +47,25 @@ void check_inertias(const ImportedModel& model) {
   }
 }
 
-// Legal, but seldom meant: something that moves between two masses and has none.
 void warn_of_massless(const ImportedModel& model) {
-  std::vector<char> carries(model.bodies.size(), 0), rigid(model.bodies.size(), 0);  // by a joint; a mass, by welds
-  for (std::size_t b = model.bodies.size(); b-- > 0;) {
-    const BodySpec& spec = model.bodies[b].spec;
+  std::vector<BodySpec> specs;
+  specs.reserve(model.bodies.size());
+  for (const ImportedBody& body : model.bodies) specs.push_back(body.spec);
+  for (const int b : massless_links(specs)) {
+    const BodySpots& spots = model.bodies[static_cast<std::size_t>(b)].spots;
+    if (spots.body.name() == "joint") continue;  // one that the importer made
+    spots.file->warning({spots.body}, massless_link(specs[static_cast<std::size_t>(b)].name), massless_hint);
+  }
+}
+
+}  // namespace
+
+std::vector<int> massless_links(std::span<const BodySpec> bodies) {
+  std::vector<char> carries(bodies.size(), 0), rigid(bodies.size(), 0);  // by a joint; a mass, by welds
+  std::unordered_set<std::string_view> names;
+  for (std::size_t b = bodies.size(); b-- > 0;) {
+    const BodySpec& spec = bodies[b];
+    names.insert(spec.name);
     if (spec.mass > 0) rigid[b] = 1;
     if (spec.parent == ground) continue;
     const auto parent = static_cast<std::size_t>(spec.parent.index);
@@ -59,16 +76,19 @@ void warn_of_massless(const ImportedModel& model) {
       carries[parent] = 1;
     }
   }
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    const ImportedBody& body = model.bodies[b];
-    const bool carrier = body.spec.name.empty() || body.spots.body.name() == "joint";  // one that the importer made
-    if (body.spec.joint.kind == Kind::weld || rigid[b] || !carries[b] || carrier) continue;
-    body.spots.file->warning({body.spots.body}, in_quotes(body.spec.name) + " moves, carries others, and has no mass",
-                             "is its inertia missing?");
+  std::vector<int> found;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const BodySpec& spec = bodies[b];
+    // `body.joint` is made on purpose: it carries another joint of that body.
+    const std::size_t dot = spec.name.rfind('.');
+    const bool carrier =
+        spec.name.empty() || (dot != std::string::npos && names.contains(std::string_view(spec.name).substr(0, dot)));
+    if (spec.joint.kind != Kind::weld && !rigid[b] && carries[b] && !carrier) found.push_back(static_cast<int>(b));
   }
+  return found;
 }
 
-}  // namespace
+std::string massless_link(const std::string& name) { return in_quotes(name) + " moves, carries others, and has no mass"; }
 
 void check_imported(ImportedModel& model) {
   bool sound = true;
