@@ -1,5 +1,5 @@
 // What can be wrong with bodies and joints whatever the format of their file.
-#include <cmath>
+#include <algorithm>
 
 #include <momentree/io/model/importer.hpp>
 
@@ -30,6 +30,8 @@ bool check_one(const ImportedBody& body) {
 }
 
 void check_inertias(const ImportedModel& model) {
+  const auto sound = [](const ImportedBody& body) { return check_mass(body.spec.mass, body.spec.inertia).what.empty(); };
+  if (std::all_of(model.bodies.begin(), model.bodies.end(), sound)) return;  // and so is every group of them
   std::vector<BodySpec> specs;
   specs.reserve(model.bodies.size());
   for (const ImportedBody& body : model.bodies) specs.push_back(body.spec);

@@ -44,6 +44,9 @@ class Import {
   std::vector<std::unique_ptr<XmlFile>> files_;
 };
 
+/// Bare names of bodies and joints: what a path, a column or a wildcard could not carry is refused at `at`.
+bool check_name(const std::string& name, const XmlSpot& at, std::string_view what, XmlFile& file);
+
 /// A link of a model that names its joints' ends (URDF, SDF), and its joint once it is known.
 struct NamedLink {
   std::string name;

@@ -21,6 +21,6 @@ struct Unreadable {
 };
 bool read_whole_file(const std::string& path, const char* what, std::uintmax_t largest, std::string& text, Unreadable& why);
 
-inline constexpr std::uintmax_t largest_model = 128u << 20;
+inline constexpr std::uintmax_t largest_model = 64u << 20;
 
 }  // namespace momentree::io
