@@ -78,14 +78,21 @@ Diagnostics::Diagnostics(std::string file, std::string_view text, std::vector<st
 
 std::string_view Diagnostics::line_text(int line) {
   if (line < 1) return {};
-  if (line_starts_.empty()) {  // found once, where there is something to report
+  constexpr std::size_t every = 64;  // of so many lines the start is kept
+  if (line_starts_.empty()) {        // found once, where there is something to report
     line_starts_.push_back(0);
-    for (std::size_t i = 0; i < text_.size(); ++i)
-      if (text_[i] == '\n') line_starts_.push_back(i + 1);
+    std::size_t lines = 0;
+    for (std::size_t i = text_.find('\n'); i != std::string_view::npos; i = text_.find('\n', i + 1))
+      if (++lines % every == 0) line_starts_.push_back(i + 1);
   }
   const auto index = static_cast<std::size_t>(line) - 1;
-  if (index >= line_starts_.size()) return {};
-  std::string_view rest = text_.substr(line_starts_[index]);
+  if (index / every >= line_starts_.size()) return {};
+  std::string_view rest = text_.substr(line_starts_[index / every]);
+  for (std::size_t k = index % every; k > 0; --k) {
+    const std::size_t end = rest.find('\n');
+    if (end == std::string_view::npos) return {};
+    rest.remove_prefix(end + 1);
+  }
   if (index == 0 && rest.substr(0, 3) == "\xEF\xBB\xBF") rest.remove_prefix(3);  // columns do not count a byte order mark
   rest = rest.substr(0, rest.find('\n'));
   if (!rest.empty() && rest.back() == '\r') rest.remove_suffix(1);

@@ -26,6 +26,19 @@ TEST_CASE("a place at the end of a line, after the last line, or nowhere") {
   CHECK(!has_errors({all[0]}));
 }
 
+TEST_CASE("lines far down in a file are found, whatever their number") {
+  std::string text;
+  for (int line = 1; line <= 1000; ++line) text += "line " + std::to_string(line) + "\n";
+  for (const int line : {1, 63, 64, 65, 66, 128, 129, 130, 999, 1000}) {
+    Diagnostics out("f", text);
+    out.error({line, 1, 0}, "x");
+    CHECK(out.take().at(0).source == "line " + std::to_string(line));
+  }
+  Diagnostics out("f", text);
+  out.error({1002, 1, 0}, "x");
+  CHECK(out.take().at(0).source.empty());
+}
+
 TEST_CASE("problems come in the order of the file, options last, and no more than a hundred of a kind") {
   Diagnostics out("s.toml", "", {"a=1"});
   out.error({0, 0, 1}, "option");

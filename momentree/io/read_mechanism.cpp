@@ -150,7 +150,10 @@ void add_bodies(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& 
       out.error(place, problem.what, problem.hint);
   }
   if (errors != out.errors()) return;
-  for (const int b : massless_links(specs))
+  std::vector<const BodySpec*> each;
+  each.reserve(specs.size());
+  for (const BodySpec& spec : specs) each.push_back(&spec);
+  for (const int b : massless_links(each))
     out.warning(place_of(bodies[order[static_cast<std::size_t>(b)]], "mass"),
                 massless_link(specs[static_cast<std::size_t>(b)].name), massless_hint);
   for (std::size_t i = 0; i < order.size(); ++i) {

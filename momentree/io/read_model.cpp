@@ -37,23 +37,24 @@ const Import* model_of(const Value& file, Reading& reading) {
   return reading.models.emplace_back(*name, std::move(import)).second.get();
 }
 
-// Stops of the file, or a word on those that are not taken up.
-void take_limits(const Import& import, const ModelChoice& choice, std::vector<BodySpec>& specs, Reading& reading) {
-  const auto& bodies = import.model.bodies;
-  long limited = 0;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (!bodies[b].limits.any()) continue;
-    ++limited;
-    if (!choice.limits.value_or(false)) continue;
-    specs[b].joint.parameters.limits = bodies[b].limits;
-    const double q = specs[b].q.empty() ? 0 : specs[b].q[0];
-    const double lower = bodies[b].limits.lower_of(0), upper = bodies[b].limits.upper_of(0);
+// Stops of the file.
+void take_limits(const ImportedBody& body, const ModelChoice& choice, BodySpec& spec, Reading& reading) {
+  if (!body.limits.any() || !choice.limits.value_or(false)) return;
+  spec.joint.parameters.limits = body.limits;
+  for (int i = 0; i < std::max(body.limits.lower.size(), body.limits.upper.size()); ++i) {
+    const double q = i < spec.q.size() ? spec.q[i] : 0;
+    const double lower = body.limits.lower_of(i), upper = body.limits.upper_of(i);
     if (q >= lower && q <= upper) continue;
     char text[120];
     std::snprintf(text, sizeof text, " starts at %.6g, beyond its limits of %.6g and %.6g", q, lower, upper);
-    reading.out.error(choice.limits_place, "limits: joint " + in_quotes(bodies[b].spec.joint_name) + text,
+    reading.out.error(choice.limits_place, "limits: joint " + in_quotes(body.spec.joint_name) + text,
                       "give it a start in state = { joints = { … } }");
   }
+}
+
+void warn_of_limits(const Import& import, const ModelChoice& choice, Reading& reading) {
+  const auto& bodies = import.model.bodies;
+  const auto limited = std::count_if(bodies.begin(), bodies.end(), [](const ImportedBody& body) { return body.limits.any(); });
   if (limited > 0 && !choice.limits)
     reading.out.warning(choice.model_place,
                         "the limits of " + std::to_string(limited) + (limited == 1 ? " joint" : " joints") + " are not taken up",
@@ -74,37 +75,29 @@ void hold(BodySpec& spec, const ImportedBody& body, const ModelChoice& choice) {
   }
 }
 
-void hold_roots(const Import& import, const ModelChoice& choice, std::vector<BodySpec>& specs, Reading& reading) {
-  std::vector<std::size_t> roots;
-  for (std::size_t b = 0; b < specs.size(); ++b)
-    if (specs[b].parent == ground) roots.push_back(b);
+// What `root` and a velocity mean; false where it is not clear whose velocity it is.
+bool check_roots(const Import& import, const ModelChoice& choice, Reading& reading) {
+  std::size_t roots = 0;
   bool taken = false;
-  for (const std::size_t b : roots) {
-    const bool own = import.model.bodies[b].own_joint;
-    hold(specs[b], import.model.bodies[b], choice);
-    taken = taken || !own;
+  for (const ImportedBody& body : import.model.bodies) {
+    if (body.spec.parent != ground) continue;
+    ++roots;
+    taken = taken || !body.own_joint;
   }
   if (choice.held != Held::unsaid && !taken)
     reading.out.error(choice.root_place, "root: every root of this model has a joint of its own to the ground",
                       "leave 'root' out");
-  if (!choice.state.velocity) return;
-  if (roots.size() > 1)
-    reading.out.error(
-        choice.state.velocity->place,
-        "velocity: this model has " + std::to_string(roots.size()) + " roots, and one velocity could be any of theirs",
-        "give v of their joints in state.joints");
-  else
-    read_root_velocity(*choice.state.velocity, specs[roots.front()], reading.out);
+  if (choice.state.velocity && roots > 1)
+    reading.out.error(choice.state.velocity->place,
+                      "velocity: this model has " + std::to_string(roots) + " roots, and one velocity could be any of theirs",
+                      "give v of their joints in state.joints");
+  return roots == 1;
 }
 
-void take_state(const MechanismState& state, std::vector<BodySpec>& specs, Reading& reading) {
+void check_state(const Import& import, const MechanismState& state, Reading& reading) {
   if (state.joints.empty()) return;
   std::unordered_map<std::string, Place> known;
-  for (BodySpec& spec : specs) {
-    known.emplace(spec.joint_name, Place{});
-    const auto found = state.joints.find(spec.joint_name);
-    if (found != state.joints.end()) read_joint_state(*found->second, found->first, spec, reading.out);
-  }
+  for (const ImportedBody& body : import.model.bodies) known.emplace(body.spec.joint_name, Place{});
   for (const auto& [name, value] : state.joints)
     if (!known.contains(name))
       reading.out.error(value->place, "state: there is no joint " + in_quotes(name) + " in this model",
@@ -136,17 +129,21 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
     return;
   }
   reading.bodies_left -= static_cast<int>(import->model.bodies.size());
-  std::vector<BodySpec> specs;
-  specs.reserve(import->model.bodies.size());
-  for (const ImportedBody& body : import->model.bodies) specs.push_back(body.spec);
-  hold_roots(*import, choice, specs, reading);
-  take_state(choice.state, specs, reading);
-  take_limits(*import, choice, specs, reading);
+  const bool one_root = check_roots(*import, choice, reading);
+  check_state(*import, choice.state, reading);
+  warn_of_limits(*import, choice, reading);
   if (fresh) warn_of_followers(*import);
 
   const int first = reading.scenario.model.size();
-  for (std::size_t b = 0; b < specs.size(); ++b) {
-    BodySpec& spec = specs[b];
+  for (const ImportedBody& body : import->model.bodies) {
+    BodySpec spec = body.spec;
+    if (spec.parent == ground) {
+      hold(spec, body, choice);
+      if (one_root && choice.state.velocity) read_root_velocity(*choice.state.velocity, spec, reading.out);
+    }
+    const auto state = choice.state.joints.find(spec.joint_name);
+    if (state != choice.state.joints.end()) read_joint_state(*state->second, state->first, spec, reading.out);
+    take_limits(body, choice, spec, reading);
     spec.name = mechanism + "/" + spec.name;
     spec.joint_name = mechanism + "/" + spec.joint_name;
     if (spec.parent != ground) spec.parent.index += first;
@@ -154,11 +151,11 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
     reading.joints.emplace(spec.joint_name, choice.model_place);
     if (spec.joint_name != spec.name) reading.body_of_joint.emplace(spec.joint_name, spec.name);
     if (errors != reading.out.errors()) continue;
-    reading.from_model.emplace(spec.joint_name, import->model.bodies[b].spots);
+    reading.from_model.emplace(spec.joint_name, body.spots);
     reading.scenario.model.add_unjudged(std::move(spec));
     auto& shapes = reading.scenario.shapes;
     shapes.resize(static_cast<std::size_t>(reading.scenario.model.size()));
-    const std::vector<Shape>& given = import->model.bodies[b].shapes;
+    const std::vector<Shape>& given = body.shapes;
     if (given.empty()) continue;
     shapes.back() = given.front();
     shapes.back().more.assign(given.begin() + 1, given.end());

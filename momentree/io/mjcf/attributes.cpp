@@ -18,7 +18,7 @@ std::vector<XmlElement> children_of(XmlElement element, Reading& reading) {
       continue;
     }
     XmlFields fields(child, reading.file_of(child));
-    fields.require("file");
+    fields.require("file", "for example <include file=\"arm.xml\"/>");
     const auto name = fields.string("file");
     fields.finish();
     if (!name) continue;
@@ -99,7 +99,7 @@ std::optional<Vec3> Attributes::vec3(std::string_view name) {
 Quat Attributes::rotation() {
   const Compiler& compiler = reading_.compiler;
   const auto nothing = [&](const char* name) {
-    error(name, std::string(name) + ": has no direction");
+    error(name, std::string(name) + ": has no direction", "its length is zero, or two axes are parallel");
     return Quat{};
   };
   // What stands in the element itself goes before what its class says.

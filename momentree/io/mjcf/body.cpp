@@ -6,7 +6,6 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/mjcf/parts.hpp>
-#include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io::mjcf {
 
@@ -38,7 +37,7 @@ void read_limits(Attributes& attributes, Kind kind, Joint& joint, const Compiler
   if (limited != "true" && limited != "auto")
     return attributes.error("limited", "limited: expected true, false or auto, found " + in_quotes(limited));
   const auto range = attributes.numbers("range", 2);
-  if (!given) return attributes.error("limited", "limited: the joint has no 'range'");
+  if (!given) return attributes.error("limited", "limited: the joint has no 'range'", "give one, or limited=\"false\"");
   if (!range || (kind != Kind::revolute && kind != Kind::prismatic)) return;
   const bool turns = kind == Kind::revolute;
   const double lower = turns ? compiler.angle((*range)[0]) : (*range)[0],
@@ -102,7 +101,7 @@ Joint read_joint(XmlElement element, const std::string& childclass, Reading& rea
                      reading);
   if (const auto name = element.find("name")) {
     joint.name = element.attribute(*name);
-    if (check_bare_name(joint.name, {}, "a joint", file.out())) {
+    if (check_name(joint.name, {element, *name}, "a joint", file)) {
       const auto [first, fresh] = reading.joint_names.emplace(joint.name, element);
       if (!fresh)
         file.error({element, *name}, "duplicate joint " + in_quotes(joint.name) + ": it is the name of another on " +
@@ -155,7 +154,8 @@ Mass read_inertial(XmlElement inertial, Reading& reading) {
   if (const auto full = attributes.numbers("fullinertia", 6)) {
     const std::vector<double>& f = *full;
     own = {f[0], f[1], f[2], f[3], f[4], f[5]};
-    if (attributes.has("diaginertia")) attributes.error("diaginertia", "diaginertia and fullinertia give the inertia twice");
+    if (attributes.has("diaginertia"))
+      attributes.error("diaginertia", "diaginertia and fullinertia give the inertia twice", "leave one of them out");
   } else if (const auto diagonals = attributes.vec3("diaginertia")) {
     own = diagonal(diagonals->x, diagonals->y, diagonals->z);
   } else if (!attributes.has("fullinertia") && !attributes.has("diaginertia") && mass.mass > 0) {
@@ -237,7 +237,7 @@ class BodyReader {
       return;
     }
     name_ = element_.attribute(*name);
-    if (!check_bare_name(name_, {}, "a body", file_.out())) return;
+    if (!check_name(name_, {element_, *name}, "a body", file_)) return;
     const auto [first, fresh] = reading_.body_names.emplace(name_, element_);
     if (!fresh)
       file_.error({element_, *name}, "duplicate body " + in_quotes(name_) + ": it is the name of another on " +
@@ -257,7 +257,7 @@ class BodyReader {
       if (geom.mass.mass > 0) masses_.push_back(geom.mass);
       if (geom.shape.kind != Shape::Kind::none) shapes_.push_back(std::move(geom.shape));
     } else if (name == "inertial") {
-      if (inertial_) return reading_.file_of(child).error({child}, "a second <inertial> in one body");
+      if (inertial_) return reading_.file_of(child).error({child}, "a second <inertial> in one body", "leave one of them out");
       inertial_ = child;
     } else if (name == "frame" || name == "replicate" || name == "composite" || name == "flexcomp" || name == "attach" ||
                name == "plugin") {

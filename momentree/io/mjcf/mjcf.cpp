@@ -81,7 +81,7 @@ void name_joints(ImportedModel& model, Reading& reading) {
 
 void Mjcf::read(XmlElement mujoco, Import& import) {
   Reading reading{import};
-  if (const auto name = mujoco.find("model")) import.model.title = mujoco.attribute(*name);
+  if (const auto title = mujoco.find("model")) import.model.title = mujoco.attribute(*title);
   const std::vector<XmlElement> sections = children_of(mujoco, reading);
   // What others refer to comes first, wherever it stands.
   for (const XmlElement each : sections) {
@@ -92,30 +92,31 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
   }
   bool has_world = false;
   for (const XmlElement each : sections) {
-    const std::string_view name = each.name();
+    const std::string_view tag = each.name();
     XmlFile& file = reading.file_of(each);
-    if (name == "worldbody") {
+    if (tag == "worldbody") {
       has_world = true;
       read_world(each, reading);
       if (file.enough()) return;
-    } else if (name == "equality") {
+    } else if (tag == "equality") {
       refuse_loops(each, reading);
-    } else if (name == "contact") {
+    } else if (tag == "contact") {
       leave_out(each, "bodies do not touch here", reading);
-    } else if (name == "tendon" || name == "actuator" || name == "sensor") {
-      leave_out(each, name == "actuator" ? "an event's set = { joint, drive } drives a joint" : "", reading);
-    } else if (name == "deformable") {
+    } else if (tag == "tendon" || tag == "actuator" || tag == "sensor") {
+      leave_out(each, tag == "actuator" ? "an event's set = { joint, drive } drives a joint" : "", reading);
+    } else if (tag == "deformable") {
       file.error({each}, each.tag() + " is not supported: bodies are rigid", "leave it out");
-    } else if (name == "keyframe" || name == "custom" || name == "extension" || name == "skin") {
+    } else if (tag == "keyframe" || tag == "custom" || tag == "extension" || tag == "skin") {
       file.once(Severity::note, each.tag() + " is ignored", "", {each});
-    } else if (name != "compiler" && name != "default" && name != "option" && name != "asset" && name != "size" &&
-               name != "visual" && name != "statistic") {
+    } else if (tag != "compiler" && tag != "default" && tag != "option" && tag != "asset" && tag != "size" && tag != "visual" &&
+               tag != "statistic") {
       file.once(Severity::note, each.tag() + " in <mujoco> is ignored",
-                did_you_mean(name, {"worldbody", "default", "compiler", "option"}), {each});
+                did_you_mean(tag, {"worldbody", "default", "compiler", "option"}), {each});
     }
   }
   if (!has_world || (import.model.bodies.empty() && import.errors() == 0))
-    return reading.file_of(mujoco).error({mujoco}, "the model has no <body> in a <worldbody>");
+    return reading.file_of(mujoco).error({mujoco}, "the model has no <body> in a <worldbody>",
+                                         "for example <worldbody><body><geom size=\"1\"/></body></worldbody>");
   if (reading.compiler.settotalmass > 0) scale_mass(import.model, reading.compiler.settotalmass);
   name_joints(import.model, reading);
 }

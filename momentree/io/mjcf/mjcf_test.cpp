@@ -119,7 +119,9 @@ TEST_CASE("MJCF: what can't be is refused with its place") {
         "m.xml:3:44: error: duplicate body 'a': it is the name of another on line 3");
   CHECK(body(geom + "<body>" + geom + "<freejoint/></body>") ==
         "m.xml:3:54: error: a free joint is that of a body in <worldbody>");
-  CHECK(errors("<mujoco/>") == "m.xml:1:1: error: the model has no <body> in a <worldbody>");
+  CHECK(errors("<mujoco/>") ==
+        "m.xml:1:1: error: the model has no <body> in a <worldbody>; for example <worldbody><body><geom "
+        "size=\"1\"/></body></worldbody>");
   CHECK(errors(mujoco("<body/>", "<compiler angle='grad'/>")) ==
         "m.xml:1:36: error: angle: expected one of degree, radian, found 'grad'");
   CHECK(errors(mujoco("<body/>", "<include file='../x.xml'/>")) ==

@@ -1,5 +1,5 @@
 // What can be wrong with bodies and joints whatever the format of their file.
-#include <cmath>
+#include <algorithm>
 #include <span>
 #include <string_view>
 #include <unordered_set>
@@ -33,6 +33,8 @@ bool check_one(const ImportedBody& body) {
 }
 
 void check_inertias(const ImportedModel& model) {
+  const auto sound = [](const ImportedBody& body) { return check_mass(body.spec.mass, body.spec.inertia).what.empty(); };
+  if (std::all_of(model.bodies.begin(), model.bodies.end(), sound)) return;  // and so is every group of them
   std::vector<BodySpec> specs;
   specs.reserve(model.bodies.size());
   for (const ImportedBody& body : model.bodies) specs.push_back(body.spec);
@@ -48,23 +50,23 @@ void check_inertias(const ImportedModel& model) {
 }
 
 void warn_of_massless(const ImportedModel& model) {
-  std::vector<BodySpec> specs;
+  std::vector<const BodySpec*> specs;
   specs.reserve(model.bodies.size());
-  for (const ImportedBody& body : model.bodies) specs.push_back(body.spec);
+  for (const ImportedBody& body : model.bodies) specs.push_back(&body.spec);
   for (const int b : massless_links(specs)) {
     const BodySpots& spots = model.bodies[static_cast<std::size_t>(b)].spots;
     if (spots.body.name() == "joint") continue;  // one that the importer made
-    spots.file->warning({spots.body}, massless_link(specs[static_cast<std::size_t>(b)].name), massless_hint);
+    spots.file->warning({spots.body}, massless_link(specs[static_cast<std::size_t>(b)]->name), massless_hint);
   }
 }
 
 }  // namespace
 
-std::vector<int> massless_links(std::span<const BodySpec> bodies) {
+std::vector<int> massless_links(std::span<const BodySpec* const> bodies) {
   std::vector<char> carries(bodies.size(), 0), rigid(bodies.size(), 0);  // by a joint; a mass, by welds
   std::unordered_set<std::string_view> names;
   for (std::size_t b = bodies.size(); b-- > 0;) {
-    const BodySpec& spec = bodies[b];
+    const BodySpec& spec = *bodies[b];
     names.insert(spec.name);
     if (spec.mass > 0) rigid[b] = 1;
     if (spec.parent == ground) continue;
@@ -78,7 +80,7 @@ std::vector<int> massless_links(std::span<const BodySpec> bodies) {
   }
   std::vector<int> found;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const BodySpec& spec = bodies[b];
+    const BodySpec& spec = *bodies[b];
     // `body.joint` is made on purpose: it carries another joint of that body.
     const std::size_t dot = spec.name.rfind('.');
     const bool carrier =

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <momentree/io/model/model_file.hpp>
+#include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
 
@@ -83,6 +84,12 @@ XmlElement Import::include(const std::string& name, const XmlSpot& at, XmlFile& 
   if (!read_whole_file(path, "model", largest_model, text, why)) return refuse(in_quotes(path) + ": " + why.what, why.hint);
   files_.push_back(std::make_unique<XmlFile>(path, std::move(text)));
   return files_.back()->root();
+}
+
+bool check_name(const std::string& name, const XmlSpot& at, std::string_view what, XmlFile& file) {
+  Diagnostics unheard("", "");
+  if (check_bare_name(name, {}, what, unheard)) return true;  // no place is looked up for names that are fine
+  return !file.out().full() && check_bare_name(name, at.place(), what, file.out());
 }
 
 void Import::read_mesh(const std::string& name, const XmlSpot& at, Shape& shape, XmlFile& file) {

@@ -1,6 +1,7 @@
 #pragma once
 // What an importer makes of a model file, whatever its format: bodies in the order of their trees, with the places that messages
 // about them need.
+#include <deque>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -39,8 +40,8 @@ struct Follower {
 inline constexpr double imported_friction_speed = 1e-2;
 
 struct ImportedModel {
-  std::string title;                 ///< what the file calls itself
-  std::vector<ImportedBody> bodies;  ///< parents before their children
+  std::string title;                ///< what the file calls itself
+  std::deque<ImportedBody> bodies;  ///< parents before their children; large ones, that no growth should copy
   std::vector<Follower> followers;
   std::optional<Vec3> gravity;  ///< where the file has one
 };

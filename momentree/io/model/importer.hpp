@@ -45,6 +45,9 @@ class Import {
   std::vector<std::unique_ptr<XmlFile>> files_;
 };
 
+/// Bare names of bodies and joints: what a path, a column or a wildcard could not carry is refused at `at`.
+bool check_name(const std::string& name, const XmlSpot& at, std::string_view what, XmlFile& file);
+
 /// A link of a model that names its joints' ends (URDF, SDF), and its joint once it is known.
 struct NamedLink {
   std::string name;
@@ -65,7 +68,7 @@ LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoi
 
 /// Bodies that move between two masses and have none: legal, but seldom meant. By number; parents stand before their children.
 /// Names of carriers, `body.joint`, are meant.
-std::vector<int> massless_links(std::span<const BodySpec> bodies);
+std::vector<int> massless_links(std::span<const BodySpec* const> bodies);
 std::string massless_link(const std::string& name);  ///< what is said of one
 inline constexpr const char* massless_hint = "is its inertia missing?";
 

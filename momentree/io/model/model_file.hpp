@@ -23,6 +23,6 @@ bool read_whole_file(const std::string& path, const char* what, std::uintmax_t l
 
 /// True where a regular file stands there.
 bool is_file(const std::string& path);
-inline constexpr std::uintmax_t largest_model = 128u << 20;
+inline constexpr std::uintmax_t largest_model = 64u << 20;
 
 }  // namespace momentree::io

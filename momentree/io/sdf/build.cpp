@@ -24,11 +24,11 @@ class Builder {
     collect_links();
     for (int s = 0; s < static_cast<int>(frames_.scopes().size()); ++s) collect_joints(s);
     if (!frames_.sound()) return;
-    if (links_.empty()) return frames_.error({frames_.scopes()[0].part->element}, "there is no <link> in it");
+    if (links_.empty())
+      return frames_.error({frames_.scopes()[0].part->element}, "there is no <link> in it", "for example <link name=\"base\">");
     const LinkTree tree = arrange(links_, ends_, import_);
     body_of_.assign(links_.size(), -1);
     for (const NamedJoint& each : ends_) joint_names_.insert(each.name);
-    import_.model.bodies.reserve(links_.size());
     for (const std::size_t link : tree.order) add_body(link, tree);
     if (import_.errors() == 0) follow(tree);
   }

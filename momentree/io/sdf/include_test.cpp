@@ -138,7 +138,8 @@ TEST_CASE("SDF: includes that can't be are refused where they stand") {
   CHECK(errors(include("robot.urdf")) ==
         "robot.urdf:1:1: error: an SDF includes SDF alone, not '<robot>'; convert it (gz sdf -p)");
   folder.write("a.sdf", "<sdf version='1.9'>\n" + a_link("x") + "</sdf>");
-  CHECK(errors(include("a.sdf")) == "a.sdf:1:1: error: the included file has no <model>");
+  CHECK(errors(include("a.sdf")) ==
+        "a.sdf:1:1: error: the included file has no <model>; for example <model name=\"arm\">, with its links");
   folder.write("a.sdf", sdf("<link name='a'><inertial><mass>x</mass></inertial></link>"));
   CHECK(errors(include("a.sdf") + include("a.sdf", "<name>n</name>")) == "a.sdf:3:32: error: mass: 'x' is no number");
   folder.write("a.sdf", sdf(a_link("a")));

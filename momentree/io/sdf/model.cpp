@@ -40,7 +40,7 @@ void add(ModelPart& model, NestedPart nested, XmlFile& file) {
     return;
   }
   model.levels = std::max(model.levels, nested.model->levels + 1);
-  if (model.levels > deepest) {
+  if (model.levels > deepest + 1) {
     file.error({nested.element}, "models are nested more than " + std::to_string(deepest) + " deep", "no mechanism needs that");
     model.levels = 1;
     return;
@@ -85,6 +85,7 @@ std::shared_ptr<ModelPart> read_model(XmlElement element, Version version, Readi
   model->is_world = element.name() == "world";
   if (depth > deepest) {
     file.error({element}, "models are nested more than " + std::to_string(deepest) + " deep", "no mechanism needs that");
+    model->levels = 0;  // said
     return model;
   }
   Texts texts(element, file);

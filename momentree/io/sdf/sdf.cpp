@@ -50,7 +50,7 @@ std::shared_ptr<const ModelPart> read_root(XmlElement root, Reading& reading, Xm
   const std::size_t count = models.size() + (included ? 0 : worlds.size());
   if (count == 0) {
     file.error({root}, included ? "the included file has no <model>" : "the file has no <model> and no <world>",
-               worlds.empty() ? "" : "a world can't be included");
+               worlds.empty() ? "for example <model name=\"arm\">, with its links" : "a world can't be included");
     return nullptr;
   }
   if (count > 1) {

@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/scenario_parts.hpp>
 #include <momentree/io/sdf/parts.hpp>
 
 namespace momentree::io::sdf {
@@ -119,8 +118,7 @@ std::string read_name(XmlFields& fields, const char* what, Version version, XmlF
   if (!fields.require("name", "for example name=\"upper_arm\"")) return {};
   const std::string name = fields.string("name").value_or("");
   const XmlSpot spot = fields.spot("name");
-  if (file.out().full()) return name;
-  if (!check_bare_name(name, spot.place(), what, file.out())) return {};
+  if (!check_name(name, spot, what, file)) return {};
   const auto refuse = [&](const std::string& why, const std::string& hint) {
     file.error(spot, "name: " + std::string(what) + " cannot be named " + in_quotes(name) + ": " + why, hint);
     return std::string{};

@@ -2,7 +2,6 @@
 #include <optional>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/scenario_parts.hpp>
 #include <momentree/io/urdf/parts.hpp>
 
 namespace momentree::io::urdf {
@@ -86,19 +85,19 @@ void read_limit(XmlElement limit, const Type& type, Joint& joint, XmlFile& file)
     file.once(Severity::warning, "the limits of this joint are equal: it could not move; they are not taken up",
               "a joint that does not move is type=\"fixed\"", {limit});
   } else {
-    joint.limits.lower = lower;
-    joint.limits.upper = upper;
+    joint.lower = lower;
+    joint.upper = upper;
     joint.limit = limit;
   }
 }
 
-void read_dynamics(XmlElement dynamics, const Type& type, JointParameters& parameters, XmlFile& file) {
+void read_dynamics(XmlElement dynamics, const Type& type, Joint& joint, XmlFile& file) {
   XmlFields fields(dynamics, file);
   const double damping = fields.not_negative("damping").value_or(0), friction = fields.not_negative("friction").value_or(0);
   fields.finish();
   if (info(type.kind).nv == 0) return;
-  if (damping > 0) parameters.damping = damping;
-  if (friction > 0) parameters.friction = {friction, imported_friction_speed};
+  joint.damping = damping;
+  joint.friction = friction;
 }
 
 }  // namespace
@@ -109,34 +108,31 @@ Joint read_joint(XmlElement element, XmlFile& file) {
   joint.ends.element = element;
   if (fields.require("name", "for example name=\"elbow\"")) {
     joint.ends.name = fields.string("name").value_or("");
-    check_bare_name(joint.ends.name, fields.spot("name").place(), "a joint", file.out());
+    check_name(joint.ends.name, fields.spot("name"), "a joint", file);
   }
   joint.ends.parent = read_end(fields, "parent", joint.ends.parent_spot, file);
   joint.ends.child = read_end(fields, "child", joint.ends.child_spot, file);
   const Type* type = read_type(fields, file);
-  BodySpec& spec = joint.spec;
-  spec.joint_name = joint.ends.name;
-  spec.at = read_origin(fields, file);
+  joint.at = read_origin(fields, file);
   const Vec3 axis = read_axis(fields, file);
   const XmlElement limit = fields.child("limit"), dynamics = fields.child("dynamics");
   joint.mimic = fields.child("mimic");
   fields.leave_out({"calibration", "safety_controller"}, "it belongs to a controller");
   fields.finish();
   if (!type) return joint;
-  spec.joint.kind = type->kind;
+  joint.kind = type->kind;
   if (type->kind == Kind::planar) {
-    const Quat turn = from_z_to(axis);
-    spec.at.rotation = spec.at.rotation * turn;
-    spec.child_at.rotation = turn;
+    joint.turn = from_z_to(axis);
+    joint.at.rotation = joint.at.rotation * joint.turn;
   } else if (type->axis) {
-    spec.joint.axis = axis;
+    joint.axis = axis;
   }
   if (limit)
     read_limit(limit, *type, joint, file);
   else if (type->limited)
     file.once(Severity::warning, std::string("a ") + type->name + " joint without <limit>: it has none",
               type->kind == Kind::revolute ? "type=\"continuous\" says so" : "", {element});
-  if (dynamics) read_dynamics(dynamics, *type, spec.joint.parameters, file);
+  if (dynamics) read_dynamics(dynamics, *type, joint, file);
   return joint;
 }
 

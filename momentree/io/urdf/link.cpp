@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include <momentree/io/scenario_parts.hpp>
 #include <momentree/io/urdf/parts.hpp>
 
 namespace momentree::io::urdf {
@@ -153,7 +152,7 @@ ImportedBody read_link(XmlElement link, const Materials& materials, Import& impo
   fields.known({"type"});
   if (fields.require("name", "for example name=\"upper_arm\"")) {
     body.spec.name = fields.string("name").value_or("");
-    check_bare_name(body.spec.name, fields.spot("name").place(), "a link", file.out());
+    check_name(body.spec.name, fields.spot("name"), "a link", file);
   }
   if (const XmlElement inertial = fields.child("inertial")) {
     body.spots.inertia = inertial;

@@ -1,10 +1,10 @@
 #include <momentree/io/importers/urdf.hpp>
 
+#include <memory>
 #include <unordered_set>
 #include <utility>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/scenario_parts.hpp>
 #include <momentree/io/urdf/parts.hpp>
 
 namespace momentree::io {
@@ -24,7 +24,7 @@ Materials read_materials(XmlFields& fields, XmlFile& file) {
 }
 
 // One tree: what else has no parent is a slip.
-void check_roots(const std::vector<ImportedBody>& bodies, XmlFile& file) {
+void check_roots(const std::deque<ImportedBody>& bodies, XmlFile& file) {
   const ImportedBody* first = nullptr;
   for (const ImportedBody& body : bodies) {
     if (body.spec.parent != ground) continue;
@@ -38,13 +38,28 @@ void check_roots(const std::vector<ImportedBody>& bodies, XmlFile& file) {
   }
 }
 
-void read_mimics(const std::vector<Joint>& joints, const LinkTree& tree, const std::vector<int>& body_of_link, Import& import) {
+void join(const Joint& joint, const NamedJoint& ends, ImportedBody& body) {
+  BodySpec& spec = body.spec;
+  spec.at = joint.at;
+  spec.child_at.rotation = joint.turn;
+  spec.joint_name = ends.name;
+  spec.joint.kind = joint.kind;
+  spec.joint.axis = joint.axis;
+  if (joint.damping > 0) spec.joint.parameters.damping = joint.damping;
+  if (joint.friction > 0) spec.joint.parameters.friction = {joint.friction, imported_friction_speed};
+  if (joint.limit) body.limits.lower = joint.lower, body.limits.upper = joint.upper;
+  body.spots.joint = ends.element;
+  body.spots.limits = joint.limit;
+}
+
+void read_mimics(const std::vector<Joint>& joints, const std::vector<NamedJoint>& ends, const LinkTree& tree,
+                 const std::vector<int>& body_of_link, Import& import) {
   XmlFile& file = import.file();
   std::unordered_map<std::string_view, int> body_of_joint;
   for (std::size_t link = 0; link < body_of_link.size(); ++link)
-    if (tree.joint[link] >= 0)
-      body_of_joint.emplace(joints[static_cast<std::size_t>(tree.joint[link])].ends.name, body_of_link[link]);
-  for (const Joint& joint : joints) {
+    if (tree.joint[link] >= 0) body_of_joint.emplace(ends[static_cast<std::size_t>(tree.joint[link])].name, body_of_link[link]);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const Joint& joint = joints[j];
     if (!joint.mimic) continue;
     XmlFields fields(joint.mimic, file);
     fields.require("joint", "the name of the joint that it follows");
@@ -55,12 +70,12 @@ void read_mimics(const std::vector<Joint>& joints, const LinkTree& tree, const s
     follower.multiplier = fields.number("multiplier").value_or(1);
     follower.offset = fields.number("offset").value_or(0);
     fields.finish();
-    const auto own = body_of_joint.find(joint.ends.name);
+    const auto own = body_of_joint.find(ends[j].name);
     if (!leader || own == body_of_joint.end()) continue;
     const auto found = body_of_joint.find(*leader);
     if (found == body_of_joint.end()) {
       std::vector<std::string> names;
-      for (const Joint& each : joints) names.push_back(each.ends.name);
+      for (const NamedJoint& each : ends) names.push_back(each.name);
       if (names.size() > 10'000) names.clear();
       file.error(fields.spot("joint"), "mimic: there is no joint " + in_quotes(*leader), did_you_mean(*leader, names));
       continue;
@@ -85,18 +100,18 @@ void Urdf::read(XmlElement robot, Import& import) {
   if (import.model.title.empty()) file.warning({robot}, "<robot> has no 'name'");
   const Materials materials = read_materials(fields, file);
 
-  std::vector<ImportedBody> bodies;
+  std::vector<std::unique_ptr<ImportedBody>> bodies;
   std::vector<NamedLink> links;
   for (const XmlElement link : fields.children("link")) {
-    bodies.push_back(read_link(link, materials, import));
-    links.push_back({bodies.back().spec.name, link});
+    bodies.push_back(std::make_unique<ImportedBody>(read_link(link, materials, import)));
+    links.push_back({bodies.back()->spec.name, link});
     if (file.enough()) return;
   }
   std::vector<Joint> joints;
   std::vector<NamedJoint> ends;
   for (const XmlElement joint : fields.children("joint")) {
     joints.push_back(read_joint(joint, file));
-    ends.push_back(joints.back().ends);
+    ends.push_back(std::move(joints.back().ends));
     if (file.enough()) return;
   }
   fields.leave_out({"transmission"}, "efforts act on joints themselves");
@@ -110,29 +125,22 @@ void Urdf::read(XmlElement robot, Import& import) {
   std::unordered_set<std::string_view> joint_names;
   for (const NamedJoint& each : ends) joint_names.insert(each.name);
   for (const std::size_t link : tree.order) {
-    ImportedBody& body = bodies[link];
+    ImportedBody& body = import.model.bodies.emplace_back(std::move(*bodies[link]));
+    bodies[link].reset();
     if (tree.joint[link] >= 0) {
-      Joint& joint = joints[static_cast<std::size_t>(tree.joint[link])];
-      BodySpec& spec = body.spec;
-      spec.parent = {body_of_link[static_cast<std::size_t>(tree.parent[link])]};
-      spec.at = joint.spec.at;
-      spec.child_at = joint.spec.child_at;
-      spec.joint = std::move(joint.spec.joint);
-      spec.joint_name = joint.spec.joint_name;
-      body.limits = joint.limits;
-      body.spots.joint = joint.ends.element;
-      body.spots.limits = joint.limit;
+      const auto j = static_cast<std::size_t>(tree.joint[link]);
+      body.spec.parent = {body_of_link[static_cast<std::size_t>(tree.parent[link])]};
+      join(joints[j], ends[j], body);
     } else {
       body.own_joint = false;
       body.spec.joint_name = body.spec.name;
       if (joint_names.contains(body.spec.name)) body.spec.joint_name += "~root";
     }
-    body_of_link[link] = static_cast<int>(import.model.bodies.size());
-    import.model.bodies.push_back(std::move(body));
+    body_of_link[link] = static_cast<int>(import.model.bodies.size()) - 1;
   }
   if (errors != file.out().errors()) return;
   check_roots(import.model.bodies, file);
-  read_mimics(joints, tree, body_of_link, import);
+  read_mimics(joints, ends, tree, body_of_link, import);
 }
 
 }  // namespace momentree::io

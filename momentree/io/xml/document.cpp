@@ -189,6 +189,18 @@ class XmlBuilder {
   std::unordered_map<std::string, std::uint32_t, StringHash, std::equal_to<>> names_;
 };
 
+// As much as the text can hold: what is not used is never touched, and what grows is never copied.
+void XmlDocument::reserve() {
+  std::size_t tags = 0, values = 0;
+  for (std::size_t i = 0; i + 1 < text_.size(); ++i) {
+    if (text_[i] == '<' && text_[i + 1] != '/') ++tags;
+    if (text_[i] == '=') ++values;
+  }
+  nodes_.reserve(std::min(tags, most_elements) + 1);
+  attributes_.reserve(std::min(values, most_attributes) + 1);
+  pool_.reserve(text_.size());
+}
+
 std::unique_ptr<const XmlDocument> XmlDocument::parse(std::string_view text, SyntaxError& error) {
   if (text.size() > (1u << 30)) {
     error = {{}, "more than 1 GiB: this is no model", ""};
@@ -199,22 +211,32 @@ std::unique_ptr<const XmlDocument> XmlDocument::parse(std::string_view text, Syn
     return nullptr;
   }
   std::unique_ptr<XmlDocument> document(new XmlDocument(text));
-  document->line_starts_.push_back(0);
-  for (std::size_t i = text.find('\n'); i != std::string_view::npos; i = text.find('\n', i + 1))
-    document->line_starts_.push_back(static_cast<std::uint32_t>(i + 1));
+  document->reserve();
+  document->marks_.reserve(text.size() / block + 1);
+  document->marks_.push_back({});
+  for (std::size_t i = 0; i + block <= text.size(); i += block)
+    document->marks_.push_back(after(document->marks_.back(), text.substr(i, block)));
   error = {};
   if (!XmlBuilder(*document, error).build()) return nullptr;
   return document;
 }
 
 Place XmlDocument::place_at(std::size_t offset) const {
-  const auto line = std::upper_bound(line_starts_.begin(), line_starts_.end(), offset) - 1;
-  std::size_t start = *line;
-  if (start == 0 && text_.substr(0, 3) == "\xEF\xBB\xBF") start = 3;  // columns do not count a byte order mark
-  int column = 1;
-  for (std::size_t i = start; i < offset && i < text_.size(); ++i)
-    if ((static_cast<unsigned char>(text_[i]) & 0xc0) != 0x80) ++column;
-  return {static_cast<int>(line - line_starts_.begin()) + 1, column, 0};
+  offset = std::min(offset, text_.size());
+  const std::size_t nearest = std::min(offset / block, marks_.size() - 1), from = nearest * block;
+  Mark mark = after(marks_[nearest], text_.substr(from, offset - from));
+  if (mark.line == 0 && mark.column > 0 && text_.starts_with("\xEF\xBB\xBF")) --mark.column;  // no character of the line
+  return {static_cast<int>(mark.line) + 1, static_cast<int>(mark.column) + 1, 0};
+}
+
+XmlDocument::Mark XmlDocument::after(Mark mark, std::string_view text) {
+  for (const char c : text) {
+    if (c == '\n')
+      ++mark.line, mark.column = 0;
+    else if ((static_cast<unsigned char>(c) & 0xc0) != 0x80)
+      ++mark.column;
+  }
+  return mark;
 }
 
 std::string_view XmlElement::name() const { return document_->names_[document_->nodes_[index_].name]; }

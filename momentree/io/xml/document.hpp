@@ -105,6 +105,7 @@ class XmlDocument {
     std::uint32_t name = 0, value = 0, size = 0;
   };
   explicit XmlDocument(std::string_view text) : text_(text) {}
+  void reserve();
   std::string_view kept(std::uint32_t at, std::uint32_t size) const { return std::string_view(pool_).substr(at, size); }
 
   std::string_view text_;
@@ -112,7 +113,14 @@ class XmlDocument {
   std::vector<std::string> names_;
   std::vector<Node> nodes_;
   std::vector<Attribute> attributes_;
-  std::vector<std::uint32_t> line_starts_;
+  /// Line and column (from 0, in characters) at every block of the text: places are found in no time, however lines are long or
+  /// many.
+  static constexpr std::size_t block = 4096;
+  struct Mark {
+    std::uint32_t line = 0, column = 0;
+  };
+  static Mark after(Mark mark, std::string_view text);
+  std::vector<Mark> marks_;
 };
 
 }  // namespace momentree::io

@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/io/scenario.hpp>
+
 namespace momentree::io {
 namespace {
 
@@ -88,6 +90,44 @@ TEST_CASE("depth and numbers are bounded, time is linear") {
   CHECK(refused(deep) == "1:3001: elements are nested more than 1000 deep; no model needs that");
   while (wide.size() < 10'000'000) wide += "<b/>";
   CHECK(refused(wide + "</a>") == "1:8000000: more than 2000000 elements; no model is as large as that");
+}
+
+TEST_CASE("places are right however long the lines are, and whatever stands at the bounds of blocks") {
+  std::string text = "\xEF\xBB\xBF<r>";
+  for (int k = 0; k < 3000; ++k) {
+    text += k % 7 == 3 ? "\n" : k % 5 == 1 ? "ä" : "  ";
+    text += "<e a='" + std::string(static_cast<std::size_t>(k % 11), 'x') + "'/>";
+  }
+  text += "</r>";
+  SyntaxError error;
+  const auto document = XmlDocument::parse(text, error);
+  REQUIRE(document);
+  // As they are counted by hand.
+  int line = 1, column = 1;
+  std::vector<Place> expected;
+  for (std::size_t i = 3; i < text.size(); ++i) {
+    if (text.compare(i, 2, "<e") == 0) expected.push_back({line, column, 0});
+    if (text[i] == '\n')
+      ++line, column = 1;
+    else if ((static_cast<unsigned char>(text[i]) & 0xc0) != 0x80)
+      ++column;
+  }
+  std::size_t k = 0;
+  for (const XmlElement element : document->root().children()) {
+    REQUIRE(k < expected.size());
+    CHECK(element.place() == expected[k++]);
+  }
+  CHECK(k == 3000);
+}
+
+TEST_CASE("a file whose every name and number is wrong is judged in no time, though it is all on one line") {
+  std::string text = "<robot name='r'>";
+  for (int k = 0; k < 20'000; ++k)
+    text += "<link name='l" + std::to_string(k) + "'><inertial><mass value='1'/></inertial><unheard" + std::to_string(k) +
+            "/></link>";
+  const ReadResult result = read_scenario_text(text + "</robot>", "r.urdf");
+  CHECK(!result.scenario);  // many roots
+  CHECK(has_errors(result.diagnostics));
 }
 
 }  // namespace momentree::io
