@@ -106,6 +106,22 @@ TEST_CASE("run writes its files and reports") {
   CHECK(here.text("results/s/joints.csv").find("chain/4.q6") != std::string::npos);
 }
 
+TEST_CASE("run --report writes one page with its data, also of a run that went wrong") {
+  const Workplace here;
+  const Outcome run = here.call("run s.toml --report");
+  CHECK(run.code == 0);
+  CHECK(run.says("results/s/report.html"));
+  const std::string page = here.text("results/s/report.html");
+  CHECK(page.starts_with("<!doctype html>"));
+  CHECK(page.find("default-src 'none'; script-src 'sha256-") != std::string::npos);
+  CHECK(page.find("id=\"recording\">{\"format\": 1") != std::string::npos);
+  for (const char* outer : {"src=\"", "href=\"", "url(http"}) CHECK_MESSAGE(page.find(outer) == std::string::npos, outer);
+  CHECK(lines(here.text("results/s/energy.csv")) == 17);
+  const Outcome wild = here.call("run s.toml --report --quiet --set integrate.step=0.05 --set integrate.until=20 --out wild");
+  CHECK(wild.code == 1);
+  CHECK(here.text("wild.partial/report.html").find("diverged at") != std::string::npos);
+}
+
 TEST_CASE("run --quiet and --json, --out, --set and --until") {
   const Workplace here;
   const Outcome quiet = here.call("run s.toml --out a/b --quiet");

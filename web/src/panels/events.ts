@@ -41,7 +41,6 @@ export function certificate(event: RunEvent): { rows: string[][]; notes: string[
     const { joint, linear, angular } = event.hardest;
     notes.push(`Largest impulse: ${digits(linear)} N s, ${digits(angular)} N m s, through ${joint}`);
   }
-  if (event.durationNs > 0) notes.push(`The change took ${duration(event.durationNs * 1e-9)}`);
   return { rows, notes };
 }
 
@@ -126,7 +125,8 @@ export class EventList {
     const { before, after } = event.mechanisms;
     const names =
       before.join() === after.join() ? mechanismsText(after) : `${mechanismsText(before)} → ${mechanismsText(after)}`;
-    this.detail.replaceChildren(
+    const took = event.durationNs > 0 ? ` · the change took ${duration(event.durationNs * 1e-9)}` : "";
+    const parts = [
       h(
         "div",
         { class: "pair" },
@@ -137,10 +137,11 @@ export class EventList {
         "div",
         { class: "certificate" },
         h("h3", {}, event.name.startsWith("#") ? event.actions.join("; ") : `${event.name}: ${event.actions.join("; ")}`),
-        h("p", {}, `${before.length === 1 && after.length === 1 ? "Mechanism" : "Mechanisms"}: ${names}`),
+        h("p", {}, `${before.length === 1 && after.length === 1 ? "Mechanism" : "Mechanisms"}: ${names}${took}`),
         rows.length > 0 && table("What it kept", ["", "before", "after", "difference", "relative"], rows),
-        notes.length > 0 && h("ul", {}, ...notes.map((note) => h("li", {}, note))),
+        notes.length > 0 && h("p", { class: "notes" }, notes.join(" · ")),
       ),
-    );
+    ];
+    this.detail.replaceChildren(...parts);
   }
 }

@@ -94,7 +94,7 @@ export class Plot {
       width: Math.max(width, 50),
       height: Math.max(height, 50),
       legend: { show: false },
-      padding: [6, 10, 0, 0],
+      padding: [6, 18, 0, 0],
       scales: { x: { time: false } },
       cursor: { y: false, points: { size: 6 }, drag: { x: false, y: false }, sync: { key: "time" } },
       axes: [

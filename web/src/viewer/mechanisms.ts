@@ -60,7 +60,8 @@ export class MechanismsView {
       const reach = 1.2 * shapes.reach(b);
       return body.extent.filter((line) => reach === 0 || line.some((end) => Math.hypot(...end) > reach));
     });
-    this.rods = new Rods(this.rodMaterial);
+    this.layer(this.rodMaterial);
+    this.rods = new Rods(this.rodMaterial, look.faded > 0 ? 0 : 5);
     this.group.add(this.rods.group);
     const first = new THREE.MeshLambertMaterial();
     this.bodies = model.bodies.map((_body, b) => (shapes.has(b) ? shapes.copy(b, first) : null));
@@ -81,12 +82,15 @@ export class MechanismsView {
     this.materials[mechanism] ??= new THREE.MeshLambertMaterial();
     const material = this.materials[mechanism];
     material.color.set(this.colour(theme, mechanism));
-    if (this.look.faded > 0) {
-      material.transparent = true;
-      material.opacity = 0.35 * (1 - this.look.faded) + 0.1;
-      material.depthWrite = false;
-    }
+    this.layer(material);
+    if (this.look.faded > 0) material.opacity = 0.35 * (1 - this.look.faded) + 0.1;
     return material;
+  }
+
+  /** What was or will be is drawn first and hides nothing; what is comes over it. */
+  private layer(material: THREE.Material) {
+    material.transparent = true;
+    material.depthWrite = this.look.faded === 0;
   }
 
   place(poses: ArrayLike<number>, phase: Phase, theme: Theme) {
@@ -107,7 +111,10 @@ export class MechanismsView {
         group.position.set(poses[i], poses[i + 1], poses[i + 2]);
         group.quaternion.set(poses[i + 4], poses[i + 5], poses[i + 6], poses[i + 3]);
         const material = this.material(theme, mechanism);
-        for (const mesh of group.children) (mesh as THREE.Mesh).material = material;
+        for (const mesh of group.children) {
+          (mesh as THREE.Mesh).material = material;
+          mesh.renderOrder = this.look.faded > 0 ? 0 : 5;
+        }
       }
       for (const [from, to] of this.sticks[b])
         this.line(b, vector(pointOf(poses, b, from)), vector(pointOf(poses, b, to)), bright);
@@ -125,7 +132,7 @@ export class MechanismsView {
       const body = colourOf(phase.mechanism[link.child]);
       if (own) this.rods.ball(at, new THREE.Color(own), 2.2);
       else if (this.look.joints && link.kind !== "weld") this.rods.ball(at, ink, link.locked ? 1.1 : 1.35, body);
-      else this.rods.ball(at, body, 1);
+      else if (this.sticks[link.child].length > 0) this.rods.ball(at, body, 1); // fills the bend
     }
     this.placeDisks(poses, phase, theme);
   }

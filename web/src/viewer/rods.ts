@@ -19,6 +19,7 @@ class Instances {
     private readonly parent: THREE.Object3D,
     private readonly geometry: THREE.BufferGeometry,
     private readonly material: THREE.Material,
+    private readonly order: number,
   ) {
     this.mesh = this.make(64);
   }
@@ -26,6 +27,7 @@ class Instances {
   private make(capacity: number): THREE.InstancedMesh {
     const mesh = new THREE.InstancedMesh(this.geometry, this.material, capacity);
     mesh.frustumCulled = false;
+    mesh.renderOrder = this.order;
     mesh.count = 0;
     mesh.setColorAt(0, new THREE.Color()); // makes the colours' buffer
     this.parent.add(mesh);
@@ -80,9 +82,10 @@ export class Rods {
   private placed: Placed[] = [];
   private ballsPlaced: Ball[] = [];
 
-  constructor(material: THREE.Material) {
-    this.rods = new Instances(this.group, new THREE.CylinderGeometry(1, 1, 1, 14, 1), material);
-    this.balls = new Instances(this.group, new THREE.SphereGeometry(1, 14, 10), material);
+  /** `order`: of drawing, among what is transparent. */
+  constructor(material: THREE.Material, order: number) {
+    this.rods = new Instances(this.group, new THREE.CylinderGeometry(1, 1, 1, 14, 1), material, order);
+    this.balls = new Instances(this.group, new THREE.SphereGeometry(1, 14, 10), material, order);
   }
 
   clear() {

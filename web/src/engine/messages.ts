@@ -1,0 +1,57 @@
+// What the page and the worker that runs the engine say to one another.
+import type { Diagnostic, ScenarioInfo, Topology, Triple, WorldTotals } from "../../../wasm/host.mjs";
+
+/** What a click does to a joint or a body; numbers as the engine gives them. */
+export type Act =
+  | { do: "cut" | "free" | "lock" | "unlock"; joint: number }
+  | { do: "weld"; body: number; to: number }
+  | { do: "change"; joint: number; kind: string };
+
+export type ToWorker =
+  | { say: "module"; bytes: ArrayBuffer }
+  | { say: "load"; text: string }
+  | { say: "play"; on: boolean }
+  | { say: "speed"; factor: number }
+  | { say: "act"; act: Act }
+  | { say: "gravity"; value: Triple }
+  | { say: "damping"; factor: number; offset: number }
+  | { say: "grab"; body: number; point: Triple; target: Triple }
+  | { say: "pull"; target: Triple }
+  | { say: "let go" }
+  /** Back to an instant; what comes then is another branch. */
+  | { say: "rewind"; time: number }
+  /** Back to just before an event of this branch, which does not happen again by itself. */
+  | { say: "undo"; event: number }
+  /** On where a branch that was left ended. */
+  | { say: "branch"; branch: number };
+
+export interface Frame {
+  readonly time: number;
+  /** Per body x, y, z, qw, qx, qy, qz. */
+  readonly poses: Float32Array;
+  /** Per joint number: its load as a share of what it breaks at (NaN: nothing says that), and its reaction force (N). */
+  readonly loads: Float32Array;
+  readonly totals: WorldTotals;
+}
+
+export type FromWorker =
+  | { say: "ready" }
+  | {
+      say: "loaded";
+      diagnostics: readonly Diagnostic[];
+      scenario: ScenarioInfo | null;
+      model: unknown;
+      topology: Topology | null;
+      frame: Frame | null;
+    }
+  | { say: "frame"; frame: Frame; seconds: number }
+  | { say: "topology"; time: number; topology: Topology }
+  | { say: "events"; events: Record<string, unknown>[] }
+  /** Frames, events and phases after `time` are no more; `left` keeps the branch that ended there. */
+  | { say: "went back"; time: number; events: number; left: number }
+  /** That branch goes on; the one before is kept as `left`. */
+  | { say: "branched"; branch: number; left: number }
+  | { say: "playing"; on: boolean }
+  | { say: "refused"; message: string }
+  | { say: "stopped"; message: string }
+  | { say: "failed"; message: string };

@@ -1,0 +1,44 @@
+// The worker: an engine and a session, told what to do by the page and ticking by the clock.
+import { Engine, EngineFailure } from "../../../wasm/host.mjs";
+import type { FromWorker, ToWorker } from "./messages";
+import { Session } from "./session";
+
+const scope = self as unknown as { onmessage: (event: MessageEvent<ToWorker>) => void; postMessage(message: FromWorker): void };
+let session: Session | null = null;
+let module: WebAssembly.Module | null = null;
+let last = performance.now();
+
+const tell = (message: FromWorker) => scope.postMessage(message);
+
+async function begin() {
+  session = new Session(await Engine.of(module!), tell);
+  tell({ say: "ready" });
+}
+
+/** What the engine could not foresee costs the world, not the page: a new instance takes over. */
+function guarded(work: () => void) {
+  try {
+    work();
+  } catch (error) {
+    session = null;
+    const words = error instanceof EngineFailure ? error.message : `the engine stopped: ${String(error)}`;
+    tell({ say: "failed", message: words });
+    void begin();
+  }
+}
+
+scope.onmessage = ({ data }) => {
+  if (data.say === "module")
+    void WebAssembly.compile(data.bytes).then((compiled) => {
+      module = compiled;
+      return begin();
+    });
+  else guarded(() => session?.hear(data));
+};
+
+setInterval(() => {
+  const now = performance.now();
+  const seconds = (now - last) / 1000;
+  last = now;
+  guarded(() => session?.tick(seconds));
+}, 1000 / 60);

@@ -1,0 +1,140 @@
+import { describe, expect, it } from "vitest";
+import type { RunEvent, Summary } from "../recording";
+import { certificate } from "./events";
+import { count, digits, duration, instant } from "./numbers";
+import { worthShowing } from "./plot";
+import { balanceOf } from "./plots";
+import { energyTable, timesTable } from "./summary";
+import { marked } from "./timeline";
+
+describe("numbers as text", () => {
+  it("has a few digits and no needless zeros", () => {
+    expect([0, 1, -1.5, 1234.56, 123456, 0.00012345, Number.NaN].map((x) => digits(x))).toEqual([
+      "0",
+      "1",
+      "−1.5",
+      "1235",
+      "1.23e5",
+      "1.23e−4",
+      "–",
+    ]);
+    expect(digits(8.539184, 6)).toBe("8.53918");
+    expect(digits(100)).toBe("100");
+  });
+
+  it("durations have units that fit", () => {
+    expect([0, 2.5, 0.0412, 1.8e-6, 9e-9].map(duration)).toEqual(["0 s", "2.5 s", "41.2 ms", "1.8 µs", "9 ns"]);
+  });
+
+  it("instants have the decimals that the run's length needs", () => {
+    expect(instant(1.8, 3)).toBe("1.800 s");
+    expect(instant(-0.25, 300)).toBe("−0.25 s");
+    expect(instant(0.00125, 0.002)).toBe("0.001250 s");
+  });
+
+  it("counts", () => {
+    expect([count(1, "body", "bodies"), count(0, "body", "bodies")]).toEqual(["1 body", "0 bodies"]);
+  });
+});
+
+describe("plots", () => {
+  const column = (label: string, ...values: number[]) => ({ label, unit: "J", values });
+
+  it("the balance adds what there is and what has gone, and takes work off", () => {
+    const all = balanceOf([
+      column("kinetic", 1, 4),
+      column("gravity", 9, 8),
+      column("dissipated", 0, 1),
+      column("work", 0, 3),
+    ])!;
+    expect(Array.from(all.values)).toEqual([10, 10]);
+    expect(all.label).toBe("all, less work");
+    expect(balanceOf([column("kinetic", 1), column("work", 0)])!.label).toBe("all");
+    expect(balanceOf([])).toBeNull();
+  });
+
+  it("leaves out what is nothing beside the rest, but never everything", () => {
+    const shown = worthShowing([column("a", 1, Number.NaN), column("b", 1e-12, 0), column("c", -0.5)]);
+    expect(shown.map(({ label }) => label)).toEqual(["a", "c"]);
+    expect(worthShowing([column("a", 0), column("b", 0)]).map(({ label }) => label)).toEqual(["a"]);
+  });
+});
+
+describe("the timeline", () => {
+  it("marks events that can be told apart", () => {
+    const events = [0, 1, 1.001, 1.5, 2].map((time) => ({ time }) as RunEvent);
+    expect(marked(events, 0, 2)).toEqual([0, 1, 3, 4]);
+    expect(marked([{ time: 0 } as RunEvent], 0, 0)).toEqual([0]);
+  });
+});
+
+describe("certificates", () => {
+  const totals = (kinetic: number, x: number) => ({
+    kinetic,
+    potential: 1,
+    linear: [x, 0, 0] as const,
+    angular: [0, 3, 4] as const,
+  });
+  const event: RunEvent = {
+    time: 1,
+    name: "grasp",
+    actions: [],
+    mechanisms: { before: [], after: [] },
+    before: totals(4, 2),
+    after: totals(3, 2),
+    released: 0,
+    lost: 1,
+    work: 0,
+    hardest: { joint: "grasp", linear: 8, angular: 0.5 },
+    durationNs: 1500,
+    bodies: [],
+  };
+
+  it("tell what was kept and what was not", () => {
+    const { rows, notes } = certificate(event);
+    expect(rows).toEqual([
+      ["energy (J)", "5", "4", "−1", "0.2"],
+      ["linear momentum (N s)", "2", "2", "0", "0"],
+      ["angular momentum (N m s)", "5", "5", "0", "0"],
+    ]);
+    expect(notes).toEqual(["Lost in the impact: 1 J", "Largest impulse: 8 N s, 0.5 N m s, through grasp"]);
+  });
+
+  it("have no rows where nothing was recorded", () => {
+    expect(certificate({ ...event, before: null }).rows).toEqual([]);
+  });
+});
+
+describe("the summary", () => {
+  const summary: Summary = {
+    status: "done",
+    version: "",
+    scenario: "",
+    method: "rk4",
+    step: 1e-3,
+    steps: 10,
+    evaluations: 40,
+    changes: 1,
+    realTimeFactor: 2,
+    times: { evaluations: { before: 1, after: 2 }, topology: { before: 0, after: 0.5 }, total: { before: 2, after: 4 } },
+    energy: { initial: 8, released: 0, error: 0 },
+  };
+
+  it("has the rows of Table 2: before, the change, after without it, and all of it", () => {
+    expect(timesTable(summary)).toEqual([
+      ["Whole simulation", "3 s", "6 s"],
+      ["Before the first change", "1 s", "2 s"],
+      ["Topology change", "500 ms", "500 ms"],
+      ["After it", "2 s", "3.5 s"],
+    ]);
+    expect(timesTable({ ...summary, changes: 0 })).toHaveLength(1);
+    expect(timesTable({ ...summary, times: null })).toEqual([]);
+  });
+
+  it("leaves out energies that are zero, but not the error", () => {
+    expect(energyTable(summary)).toEqual([
+      ["at the start", "8 J"],
+      ["error of the balance", "0 J"],
+    ]);
+  });
+});

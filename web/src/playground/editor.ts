@@ -1,0 +1,68 @@
+// The scenario as a text: line numbers, and what is wrong with it at its lines.
+import type { Diagnostic } from "../../../wasm/host.mjs";
+import { h } from "../panels/dom";
+
+export class Editor {
+  readonly element = h("section", { class: "editor", "aria-label": "Scenario" });
+  private readonly area = h("textarea", { spellcheck: "false", wrap: "off", "aria-label": "Scenario (TOML)" });
+  private readonly numbers = h("div", { class: "numbers", "aria-hidden": "true" });
+  private readonly problems = h("ul", { class: "problems", "aria-live": "polite", "aria-label": "Problems" });
+  private wrong = new Map<number, string>();
+
+  /** `run`: the text is to be made a world. */
+  constructor(private readonly run: (text: string) => void) {
+    const start = h("button", { type: "button", title: "Ctrl+Enter", onclick: () => this.run(this.text) }, "Run this");
+    const field = h("div", { class: "field" }, this.numbers, this.area);
+    this.element.append(field, this.problems, h("div", { class: "buttons" }, start));
+    this.area.addEventListener("input", () => this.count());
+    this.area.addEventListener("scroll", () => (this.numbers.scrollTop = this.area.scrollTop));
+    this.area.addEventListener("keydown", (event) => {
+      if (event.key !== "Enter" || !(event.ctrlKey || event.metaKey)) return;
+      event.preventDefault();
+      this.run(this.text);
+    });
+  }
+
+  get text() {
+    return this.area.value;
+  }
+  set text(text: string) {
+    this.area.value = text;
+    this.show([]);
+  }
+
+  show(diagnostics: readonly Diagnostic[]) {
+    this.wrong = new Map(diagnostics.map((d) => [d.line, d.severity]));
+    const shown = diagnostics.filter((d) => d.severity !== "note");
+    this.problems.replaceChildren(
+      ...shown.map((d) => {
+        const says = `${d.severity}: ${d.what}${d.hint ? `; ${d.hint}` : ""}`;
+        const where = h("button", { type: "button", onclick: () => this.goTo(d) }, d.line > 0 ? `line ${d.line}` : "file");
+        return h("li", { class: d.severity }, where, " ", says);
+      }),
+    );
+    this.count();
+    if (shown.some((d) => d.severity === "error")) this.reveal(shown.find((d) => d.severity === "error")!.line);
+  }
+
+  private count() {
+    const lines = this.area.value.split("\n").length;
+    const rows: HTMLElement[] = [];
+    for (let line = 1; line <= lines; line++) rows.push(h("div", { class: this.wrong.get(line) }, String(line)));
+    this.numbers.replaceChildren(...rows);
+    this.numbers.scrollTop = this.area.scrollTop;
+  }
+
+  private reveal(line: number) {
+    const height = this.area.scrollHeight / Math.max(1, this.area.value.split("\n").length);
+    this.area.scrollTop = Math.max(0, (line - 4) * height);
+  }
+
+  private goTo({ line, column }: Diagnostic) {
+    const lines = this.area.value.split("\n");
+    const start = lines.slice(0, line - 1).reduce((sum, text) => sum + text.length + 1, 0);
+    this.area.focus();
+    this.area.setSelectionRange(start + Math.max(0, column - 1), start + (lines[line - 1]?.length ?? 0));
+    this.reveal(line);
+  }
+}

@@ -1,0 +1,153 @@
+// The pointer in the picture: it holds and throws bodies, or a click with a tool chooses a joint or a body.
+import * as THREE from "three";
+import type { Triple } from "../../../wasm/host.mjs";
+import { pointOf } from "../viewer/frames";
+import type { Phase } from "../recording";
+import type { Stage } from "../viewer/stage";
+
+export type Tool = "grab" | "cut" | "lock" | "weld";
+
+export interface Scene {
+  poses(): ArrayLike<number>;
+  phase(): Phase;
+}
+
+export interface Wishes {
+  grab(body: number, point: Triple, target: Triple): void;
+  pull(target: Triple): void;
+  letGo(): void;
+  joint(child: number): void;
+  body(body: number): void;
+}
+
+const triple = (v: THREE.Vector3): Triple => [v.x, v.y, v.z];
+
+export class Hand {
+  tool: Tool = "grab";
+  private held: { pointer: number; plane: THREE.Plane } | null = null;
+  private pressed: { pointer: number; x: number; y: number } | null = null;
+  private readonly line = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ depthTest: false }));
+  private grip: { body: number; point: Triple; target: Triple } | null = null;
+
+  constructor(
+    private readonly stage: Stage,
+    private readonly scene: Scene,
+    private readonly wishes: Wishes,
+  ) {
+    this.line.renderOrder = 20;
+    this.line.frustumCulled = false;
+    this.line.visible = false;
+    stage.scene.add(this.line);
+    stage.whenThemed((theme) => this.line.material.color.set(theme.ink));
+    const { canvas } = stage;
+    // Before the controls hear of it: a press on a body is no turn of the picture.
+    canvas.addEventListener("pointerdown", (event) => this.press(event), { capture: true });
+    canvas.addEventListener("pointermove", (event) => this.move(event));
+    for (const end of ["pointerup", "pointercancel"] as const) canvas.addEventListener(end, (event) => this.release(event));
+  }
+
+  /** The child of the joint nearest to a point of the page, or −1; the joint to the ground counts, a free one does not. */
+  jointAt(x: number, y: number, patience: number): number {
+    const box = this.stage.canvas.getBoundingClientRect();
+    let best = -1;
+    let least = patience;
+    for (const link of this.scene.phase().links) {
+      if (link.kind === "free") continue;
+      const at = this.onPage(pointOf(this.scene.poses(), link.child, link.childAt), box);
+      const distance = Math.hypot(at.x - x, at.y - y);
+      if (distance < least) {
+        least = distance;
+        best = link.child;
+      }
+    }
+    return best;
+  }
+
+  placeOf(link: { child: number; childAt: readonly [number, number, number] }) {
+    return this.onPage(pointOf(this.scene.poses(), link.child, link.childAt));
+  }
+
+  /** Where a point of the world is on the page. */
+  onPage(point: Triple | [number, number, number], box = this.stage.canvas.getBoundingClientRect()) {
+    const p = new THREE.Vector3(...point).project(this.stage.camera);
+    return { x: box.left + 0.5 * (p.x + 1) * box.width, y: box.top + 0.5 * (1 - p.y) * box.height };
+  }
+
+  /** The line from the hand to what it holds. */
+  show() {
+    this.line.visible = this.grip !== null;
+    if (!this.grip) return;
+    const from = new THREE.Vector3(...pointOf(this.scene.poses(), this.grip.body, this.grip.point));
+    this.line.geometry.setFromPoints([from, new THREE.Vector3(...this.grip.target)]);
+  }
+
+  private press(event: PointerEvent) {
+    if (event.button !== 0 || !event.isPrimary) return;
+    const hit = this.stage.pick(event.clientX, event.clientY, event.pointerType === "touch" ? 22 : 12);
+    if (this.tool !== "grab") {
+      const joint = this.jointAt(event.clientX, event.clientY, 24);
+      if (hit || joint >= 0) {
+        this.pressed = { pointer: event.pointerId, x: event.clientX, y: event.clientY };
+        event.stopImmediatePropagation();
+      }
+      return;
+    }
+    if (!hit) return;
+    event.stopImmediatePropagation();
+    this.stage.canvas.setPointerCapture(event.pointerId);
+    const normal = this.stage.camera.getWorldDirection(new THREE.Vector3());
+    this.held = { pointer: event.pointerId, plane: new THREE.Plane().setFromNormalAndCoplanarPoint(normal, hit.point) };
+    this.grip = { body: hit.body, point: this.inBody(hit.body, hit.point), target: triple(hit.point) };
+    this.wishes.grab(hit.body, this.grip.point, this.grip.target);
+    this.show();
+  }
+
+  private inBody(body: number, point: THREE.Vector3): Triple {
+    const poses = this.scene.poses();
+    const i = 7 * body;
+    const turn = new THREE.Quaternion(poses[i + 4], poses[i + 5], poses[i + 6], poses[i + 3]).conjugate();
+    return triple(
+      point
+        .clone()
+        .sub(new THREE.Vector3(poses[i], poses[i + 1], poses[i + 2]))
+        .applyQuaternion(turn),
+    );
+  }
+
+  private move(event: PointerEvent) {
+    if (event.pointerId !== this.held?.pointer || !this.grip) return;
+    const box = this.stage.canvas.getBoundingClientRect();
+    const pointer = new THREE.Vector2(
+      (2 * (event.clientX - box.left)) / box.width - 1,
+      1 - (2 * (event.clientY - box.top)) / box.height,
+    );
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(pointer, this.stage.camera);
+    const target = ray.ray.intersectPlane(this.held.plane, new THREE.Vector3());
+    if (!target) return;
+    this.grip.target = triple(target);
+    this.wishes.pull(this.grip.target);
+    this.show();
+    this.stage.draw();
+  }
+
+  private release(event: PointerEvent) {
+    if (event.pointerId === this.held?.pointer) {
+      this.held = null;
+      this.grip = null;
+      this.show();
+      this.stage.draw();
+      this.wishes.letGo();
+    }
+    if (event.pointerId !== this.pressed?.pointer) return;
+    const { x, y } = this.pressed;
+    this.pressed = null;
+    if (Math.hypot(event.clientX - x, event.clientY - y) > 8) return;
+    const joint = this.jointAt(x, y, 24);
+    const hit = this.stage.pick(x, y, 12);
+    if (this.tool === "weld") {
+      if (hit) this.wishes.body(hit.body);
+    } else if (joint >= 0) this.wishes.joint(joint);
+    else if (hit) this.wishes.joint(hit.body);
+  }
+}

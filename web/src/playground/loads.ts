@@ -1,0 +1,39 @@
+// Joints in the colours of what they carry: the share of what they break at where that is known, else of the largest force.
+import type { Frame } from "../engine/messages";
+import type { Topology } from "../../../wasm/host.mjs";
+
+const steps = ["#3b6fd4", "#2fa37c", "#c9a21a", "#e5761c", "#d92525"];
+
+/** From nothing (blue) to all that it bears (red). */
+export function loadColour(share: number): string {
+  const place = Math.min(Math.max(share, 0), 1) * (steps.length - 1);
+  return steps[Math.min(Math.round(place), steps.length - 1)];
+}
+
+export interface Loads {
+  readonly colours: ReadonlyMap<string, string>;
+  /** In words: the joint that is nearest to breaking, or that carries most. */
+  readonly says: string;
+}
+
+export function loadsOf(frame: Frame, topology: Topology): Loads {
+  const rows = topology.joints
+    .filter(({ kind }) => kind !== "free")
+    .map((joint) => ({ joint, share: frame.loads[2 * joint.number], force: frame.loads[2 * joint.number + 1] }));
+  const most = Math.max(...rows.map(({ force }) => (Number.isFinite(force) ? force : 0)), 1e-12);
+  const known = rows.filter(({ share }) => Number.isFinite(share));
+  const colours = new Map<string, string>();
+  for (const { joint, share, force } of rows) {
+    if (known.length > 0 && !Number.isFinite(share)) continue;
+    colours.set(joint.name, loadColour(known.length > 0 ? share : force / most));
+  }
+  const worst = [...(known.length > 0 ? known : rows)].sort((a, b) =>
+    known.length > 0 ? b.share - a.share : b.force - a.force,
+  )[0];
+  if (!worst) return { colours, says: "" };
+  const says =
+    known.length > 0
+      ? `${worst.joint.name} carries ${(100 * worst.share).toFixed(0)} % of what it breaks at`
+      : `${worst.joint.name} carries most: ${worst.force.toPrecision(3)} N`;
+  return { colours, says };
+}

@@ -1,0 +1,130 @@
+// What stands beside the picture: joints, sliders, events and branches.
+import { h } from "../panels/dom";
+import { typicalLength } from "../viewer/mechanisms";
+import { massOf, type App } from "./app";
+
+/** Joints by name, for those who do not point: the same as the tools do. */
+export function jointControls(app: App): HTMLElement {
+  const choice = h("select", { "aria-label": "Joint", onchange: () => app.run && mark() });
+  const button = (label: string, act: "cut" | "free" | "lock" | "unlock", title: string) =>
+    h("button", { type: "button", title, onclick: () => app.act({ do: act, joint: Number(choice.value) }) }, label);
+  const lock = button("Lock", "lock", "It keeps its angle from now on; takes an impulse");
+  const unlock = button("Unlock", "unlock", "It moves again");
+  const cut = button("Cut", "cut", "What hangs on it flies off");
+  const free = button("Free", "free", "It becomes a joint with six freedoms in the same mechanism");
+  const says = h("p", { class: "says" });
+  const mark = () => {
+    const joint = app.topology?.joints.find(({ number }) => number === Number(choice.value));
+    for (const each of [lock, unlock, cut, free]) each.disabled = !joint;
+    if (!joint) return;
+    lock.disabled = joint.locked !== 0 || joint.kind === "weld";
+    unlock.disabled = joint.locked === 0;
+    says.textContent = `${joint.kind}${joint.locked ? ", locked" : ""}`;
+  };
+  let shown: unknown = null;
+  const show = () => {
+    if (shown === app.topology) return mark();
+    shown = app.topology;
+    const before = choice.value;
+    const joints = (app.topology?.joints ?? []).filter(({ kind }) => kind !== "free");
+    choice.replaceChildren(...joints.map(({ number, name }) => h("option", { value: number }, name)));
+    if (joints.some(({ number }) => String(number) === before)) choice.value = before;
+    mark();
+  };
+  app.listen(show);
+  return h(
+    "fieldset",
+    { class: "joint" },
+    h("legend", {}, "Joint"),
+    choice,
+    h("div", { class: "buttons" }, cut, lock, unlock, free),
+    says,
+  );
+}
+
+export function sliders(app: App): HTMLElement {
+  const gravity = h("input", { type: "range", min: 0, max: 20, step: 0.01 });
+  const gravitySays = h("output");
+  const damping = h("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0 });
+  const dampingSays = h("output");
+  let direction: [number, number, number] = [0, 0, -1];
+  const most = () => {
+    const model = app.run?.model;
+    return model ? massOf(model.bodies) * typicalLength(model) ** 2 : 0;
+  };
+  const showGravity = () => (gravitySays.textContent = `${Number(gravity.value).toFixed(2)} m/s²`);
+  const added = () => most() * Number(damping.value) ** 3;
+  const showDamping = () => (dampingSays.textContent = `+${added().toPrecision(2)} N m s`);
+  gravity.addEventListener("input", () => {
+    const g = Number(gravity.value);
+    app.send({ say: "gravity", value: [g * direction[0], g * direction[1], g * direction[2]] });
+    showGravity();
+  });
+  damping.addEventListener("change", () => app.send({ say: "damping", factor: 1, offset: added() }));
+  damping.addEventListener("input", showDamping);
+  app.listen((changed) => {
+    if (changed !== "world" || !app.scenario) return;
+    const [x, y, z] = app.scenario.gravity;
+    const size = Math.hypot(x, y, z);
+    direction = size > 0 ? [x / size, y / size, z / size] : [0, 0, -1];
+    gravity.value = String(size);
+    damping.value = "0";
+    showGravity();
+    showDamping();
+  });
+  return h(
+    "fieldset",
+    {},
+    h("legend", {}, "World"),
+    h("label", {}, "Gravity", gravity, gravitySays),
+    h("label", { title: "Of every joint, on top of its own" }, "Damping", damping, dampingSays),
+  );
+}
+
+/** What happened, each with a way back to before it; and branches that were left. */
+export function happenings(app: App): HTMLElement {
+  const list = h("ul", { class: "list", "aria-label": "Events" });
+  const branches = h("ul", { class: "list", "aria-label": "Branches" });
+  const show = (changed: string) => {
+    if (changed !== "world" && changed !== "line") return;
+    const run = app.run;
+    const events = (run?.events ?? []).map((event, index) => ({ event, index }));
+    list.replaceChildren(
+      ...events
+        .filter(({ event }) => !event.actions.every((action) => action.startsWith("set ")))
+        .slice(-200)
+        .reverse()
+        .map(({ event, index }) =>
+          h(
+            "li",
+            {},
+            h(
+              "button",
+              { type: "button", class: "what", title: "Look at it", onclick: () => app.look(event.time) },
+              h("span", { class: "when" }, `${event.time.toFixed(3)} s`),
+              ` ${event.actions.join("; ")}`,
+            ),
+            h("button", { type: "button", title: "Back to before it", onclick: () => app.undo(index) }, "Undo"),
+          ),
+        ),
+    );
+    if (list.childElementCount === 0) list.append(h("li", { class: "nothing" }, "Nothing has happened yet."));
+    branches.replaceChildren(
+      ...(run?.left ?? [])
+        .slice(-20)
+        .reverse()
+        .map(({ number, end, last }) =>
+          h(
+            "li",
+            {},
+            h("button", { type: "button", onclick: () => app.goToBranch(number) }, `to ${end.toFixed(2)} s: ${last}`),
+          ),
+        ),
+    );
+    heading.hidden = (run?.left.length ?? 0) === 0;
+  };
+  const heading = h("h2", {}, "Other branches");
+  app.listen(show);
+  show("world");
+  return h("section", { class: "happenings" }, h("h2", {}, "Events"), list, heading, branches);
+}

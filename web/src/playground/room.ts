@@ -1,0 +1,46 @@
+// Where to look from before anybody knows what will happen: all that is there, and all that what is held can reach.
+import * as THREE from "three";
+import type { LiveRecording } from "../engine/live";
+import type { Vec3 } from "../recording";
+import { viewOf, type View } from "../viewer/camera";
+import { phaseAt, pointOf } from "../viewer/frames";
+
+const apart = (a: Vec3, b: Vec3) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+
+export function roomOf(run: LiveRecording, frame: number, reach: (body: number) => number): View {
+  const poses = run.poses(frame);
+  const { bodies } = run.model;
+  const { links } = phaseAt(run, run.time(frame));
+  const inboard = new Map(links.map((link) => [link.child, link]));
+  const box = new THREE.Box3();
+  const at = new THREE.Vector3();
+  const include = (point: readonly number[], radius: number) => {
+    at.set(point[0], point[1], point[2]);
+    box.expandByPoint(at.clone().addScalar(radius));
+    box.expandByPoint(at.addScalar(-radius));
+  };
+  bodies.forEach((body, b) => {
+    include(pointOf(poses, b, body.com), 0);
+    for (const line of body.extent) for (const end of line) include(pointOf(poses, b, end), 0);
+    // Stretched out from the ground to here.
+    let length = reach(b);
+    for (const line of body.extent) length = Math.max(length, apart(...line));
+    let link = inboard.get(b);
+    for (let k = 0; link && link.parent >= 0 && k < bodies.length; k++) {
+      const next = inboard.get(link.parent);
+      length += apart(link.at, next?.childAt ?? [0, 0, 0]);
+      link = next;
+    }
+    // Long chains are seldom stretched out: half of it is room enough.
+    if (link && link.kind !== "free") include(pointOf(poses, link.child, link.childAt), 0.55 * length);
+    else include(pointOf(poses, b, body.com), reach(b));
+  });
+  const view = viewOf(run, reach);
+  // What moves in a plane, seen along its normal, needs no depth.
+  for (const axis of ["x", "y", "z"] as const)
+    if (Math.abs(view.direction[axis]) > 0.99) {
+      box.min[axis] = view.box.min[axis];
+      box.max[axis] = view.box.max[axis];
+    }
+  return { ...view, box, centre: box.getCenter(new THREE.Vector3()) };
+}

@@ -1,0 +1,141 @@
+import { describe, expect, it } from "vitest";
+import type { Recording } from "../recording";
+import { mixed } from "./colours";
+import { frameAt, lastNotAfter, phaseAt, pointOf, posesAt } from "./frames";
+import { ghostSpacing } from "./ghosts";
+import { Player } from "./player";
+import { between, endBodies } from "./trails";
+
+const half = Math.SQRT1_2;
+
+/** One body that goes along x and turns by 90° about z within a second; another pair of frames shares an instant. */
+function recording(): Recording {
+  const frames = [
+    [0, 0, 0, 1, 0, 0, 0],
+    [2, 0, 0, half, 0, 0, half],
+    [4, 0, 0, -half, 0, 0, -half], // the same rotation with the other sign
+  ];
+  const times = [0, 1, 2];
+  return {
+    model: {
+      title: "",
+      gravity: [0, 0, -9.81],
+      bodies: [{ name: "a", mass: 1, com: [0, 0, 0], extent: [], shapes: [] }],
+      joints: [],
+    },
+    frames: 3,
+    revision: 0,
+    time: (frame) => times[frame],
+    poses: (frame) => frames[frame],
+    events: [],
+    phases: [
+      { from: 0, mechanism: [0], links: [] },
+      { from: 0.5, mechanism: [1], links: [] },
+    ],
+    mechanisms: ["a", "b"],
+    joints: [],
+    world: () => [],
+    joint: () => [],
+    summary: null,
+  };
+}
+
+describe("frames", () => {
+  it("finds the last index that is not beyond a time", () => {
+    const times = [0, 1, 1, 2];
+    const at = (time: number) => lastNotAfter(times.length, (i) => times[i], time);
+    expect([-1, 0, 0.5, 1, 1.5, 2, 9].map(at)).toEqual([0, 0, 0, 2, 2, 3, 3]);
+    expect(frameAt(recording(), 1.99)).toBe(1);
+  });
+
+  it("a phase holds from its instant on", () => {
+    expect(phaseAt(recording(), 0.49).mechanism[0]).toBe(0);
+    expect(phaseAt(recording(), 0.5).mechanism[0]).toBe(1);
+  });
+
+  it("positions lie on the line and rotations on the arc between two frames", () => {
+    const poses = posesAt(recording(), 1 / 3, new Float64Array(7));
+    expect(poses[0]).toBeCloseTo(2 / 3, 12);
+    expect(2 * Math.atan2(poses[6], poses[3])).toBeCloseTo(Math.PI / 6, 12); // a third of 90°
+  });
+
+  it("takes the shorter arc where the signs of quaternions differ, and stands still at the ends", () => {
+    const poses = posesAt(recording(), 1.5, new Float64Array(7));
+    expect(Math.abs(2 * Math.atan2(poses[6], poses[3]))).toBeCloseTo(Math.PI / 2, 12);
+    expect(posesAt(recording(), 99, new Float64Array(7))[0]).toBe(4);
+    expect(posesAt(recording(), -1, new Float64Array(7))[0]).toBe(0);
+  });
+
+  it("points of a body turn with it", () => {
+    const [x, y, z] = pointOf([1, 2, 3, half, 0, 0, half], 0, [1, 0, 0]);
+    expect([x, y, z].map((v) => v.toFixed(12))).toEqual([1, 3, 3].map((v) => v.toFixed(12)));
+  });
+});
+
+describe("the player", () => {
+  it("goes on at its speed, stops at the end, begins again from there", () => {
+    const player = new Player(() => [1, 3]);
+    expect(player.time).toBe(1);
+    player.advance(1);
+    expect(player.time).toBe(1); // it is not playing
+    player.speed = 0.5;
+    player.play();
+    player.advance(1);
+    expect(player.time).toBe(1.5);
+    player.advance(100);
+    expect([player.time, player.playing]).toEqual([3, false]);
+    player.play();
+    expect([player.time, player.playing]).toEqual([1, true]);
+  });
+
+  it("stays within its range, which may grow", () => {
+    let end = 2;
+    const told: number[] = [];
+    const player = new Player(() => [0, end]);
+    player.listen((time) => told.push(time));
+    player.seek(5);
+    end = 10;
+    player.seek(5);
+    player.seek(-Infinity);
+    expect(told).toEqual([0, 2, 5, 0]);
+  });
+});
+
+describe("what is drawn beside the bodies", () => {
+  it("ghosts stand 0.2 s apart, or at a round time where these would be too few or too many", () => {
+    expect(ghostSpacing(3)).toBe(0.2);
+    expect(ghostSpacing(0.4)).toBeCloseTo(0.02, 15);
+    expect(ghostSpacing(100)).toBe(5);
+    for (const span of [1e-4, 0.01, 0.7, 13, 1e5]) expect(span / ghostSpacing(span)).toBeLessThanOrEqual(60);
+  });
+
+  it("trails go through the frames, and along a straight line between frames on one", () => {
+    const points = [0, 1, 2, 3].map((k) => [k, 2 * k, -k]);
+    expect(between(points, 0)).toEqual([1, 2, -1]);
+    expect(between(points, 0.25)).toEqual([1.25, 2.5, -1.25]);
+    const bend = [
+      [0, 0, 0],
+      [1, 0, 0],
+      [1, 1, 0],
+      [0, 1, 0],
+    ];
+    expect(between(bend, 1)).toEqual([1, 1, 0]);
+  });
+
+  it("ends are bodies without children, the farthest from the ground first", () => {
+    const { model } = recording();
+    const joint = (child: number, parent: number) => ({ child, parent }) as (typeof model.joints)[number];
+    const tree = {
+      ...model,
+      bodies: [0, 1, 2, 3].map(() => model.bodies[0]),
+      joints: [joint(0, -1), joint(1, 0), joint(2, 1), joint(3, 0)],
+    };
+    expect(endBodies(tree)).toEqual([2, 3]);
+    expect(endBodies(tree, 1)).toEqual([2]);
+  });
+
+  it("mixes colours", () => {
+    expect(mixed("#000000", "#ffffff", 0.5)).toBe("#808080");
+    expect(mixed("#123456", "#ffffff", 0)).toBe("#123456");
+  });
+});

@@ -1,0 +1,115 @@
+// A browser for tests and pictures: pages are opened from disk, what they complain about is kept.
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdirSync, mkdtempSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import { chromium, type Browser, type Page } from "playwright-core";
+
+const from = (name: string, standard: string) => process.env[name] ?? standard;
+const repository = resolve(from("MOMENTREE_SOURCE", fileURLToPath(new URL("../..", import.meta.url))));
+export const program = resolve(from("MOMENTREE_PROGRAM", join(repository, "build/release/momentree")));
+export const scenario = (name: string) => join(repository, "scenarios", name);
+
+/** A folder for what a test writes. */
+export const temporary = () => mkdtempSync(join(tmpdir(), "momentree-web-"));
+
+/** Runs a scenario with its report; the result folder. */
+export function report(file: string, ...options: string[]): string {
+  const folder = join(temporary(), "result");
+  execFileSync(program, ["run", file, "--report", "--quiet", "--out", folder, ...options], {
+    stdio: ["ignore", "ignore", "pipe"],
+  });
+  return folder;
+}
+
+/** WebGL by the processor: there is no graphics card where tests run. */
+export function launch(): Promise<Browser> {
+  const paths = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+  const executablePath = process.env.CHROMIUM ?? paths.find((path) => existsSync(path));
+  if (!executablePath) throw new Error("no Chromium is installed; CHROMIUM may say where it is");
+  const args = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+  return chromium.launch({ executablePath, args });
+}
+
+export interface View {
+  readonly width: number;
+  readonly height: number;
+  readonly dark?: boolean;
+  readonly scale?: number;
+  readonly touch?: boolean;
+}
+
+export const desktop: View = { width: 1280, height: 800 };
+export const phone: View = { width: 390, height: 844, scale: 2, touch: true };
+
+export interface Opened {
+  readonly page: Page;
+  /** What stood in the console, was thrown, or was asked from anywhere but the page itself. */
+  readonly complaints: string[];
+}
+
+export async function open(browser: Browser, address: string, view: View = desktop): Promise<Opened> {
+  const context = await browser.newContext({
+    viewport: { width: view.width, height: view.height },
+    colorScheme: view.dark ? "dark" : "light",
+    deviceScaleFactor: view.scale ?? 1,
+    hasTouch: view.touch ?? false,
+    reducedMotion: "reduce",
+  });
+  const page = await context.newPage();
+  const complaints: string[] = [];
+  page.on("console", (message) => complaints.push(`${message.type()}: ${message.text()}`));
+  page.on("pageerror", (error) => complaints.push(`thrown: ${error.message}`));
+  page.on("dialog", (dialog) => complaints.push(`dialog: ${dialog.message()}`) && void dialog.dismiss());
+  page.on("request", (request) => {
+    if (request.url().split("#")[0] !== address.split("#")[0] && !/^(data|blob):/.test(request.url()))
+      complaints.push(`asked for ${request.url()}`);
+  });
+  await page.goto(address);
+  await page.waitForSelector("canvas");
+  await settled(page);
+  return { page, complaints };
+}
+
+export const openReport = (browser: Browser, folder: string, view?: View, time?: number) =>
+  open(browser, pathToFileURL(join(folder, "report.html")).href + (time === undefined ? "" : `#t=${time}`), view);
+
+/** Until what was asked for is drawn. */
+export const settled = (page: Page) =>
+  page.evaluate(
+    () => new Promise<void>((done) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 30)))),
+  );
+
+/** Keeps what the page looks like, where the tests were told to. */
+export async function keep(page: Page, name: string, fullPage = false) {
+  const folder = process.env.MOMENTREE_SCREENSHOTS;
+  if (!folder) return;
+  mkdirSync(folder, { recursive: true });
+  await page.screenshot({ path: join(folder, `${name}.png`), fullPage });
+}
+
+/** Of what a part of the page looks like: how many pixels are within `within` of each of some colours. */
+export async function pixelsLike(page: Page, selector: string, colours: readonly string[], within = 40): Promise<number[]> {
+  const png = (await page.locator(selector).screenshot()).toString("base64");
+  return page.evaluate(
+    async ([data, wanted, bound]) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${data}`;
+      await image.decode();
+      const canvas = document.createElement("canvas");
+      [canvas.width, canvas.height] = [image.width, image.height];
+      const context = canvas.getContext("2d")!;
+      context.drawImage(image, 0, 0);
+      const { data: rgba } = context.getImageData(0, 0, canvas.width, canvas.height);
+      return (wanted as string[]).map((colour) => {
+        const [r, g, b] = [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16));
+        let count = 0;
+        for (let i = 0; i < rgba.length; i += 4)
+          if (Math.hypot(rgba[i] - r, rgba[i + 1] - g, rgba[i + 2] - b) < (bound as number)) count++;
+        return count;
+      });
+    },
+    [png, colours, within] as const,
+  );
+}

@@ -1,0 +1,201 @@
+// The report of the breaking chain, from disk, in a browser.
+import { readFileSync, statSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import type { Browser, Page } from "playwright-core";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+import { mechanismColour, themeOf } from "../src/viewer/colours";
+import { desktop, keep, launch, openReport, phone, pixelsLike, report, scenario, settled, temporary } from "./browser";
+import { csv } from "./tables";
+
+let browser: Browser;
+let chain: string;
+beforeAll(async () => {
+  browser = await launch();
+  chain = report(scenario("breaking_chain.toml"));
+});
+afterAll(() => browser?.close());
+
+const clock = (page: Page) => page.locator(".clock").innerText();
+const names = (page: Page) => page.locator(".names li").allInnerTexts();
+const light = themeOf(false);
+
+/** The value that the legend of a plot shows for a series. */
+async function shown(page: Page, series: string): Promise<number> {
+  const text = await page
+    .locator(".legend li", { hasText: new RegExp(`^${series}`) })
+    .first()
+    .innerText();
+  return Number(text.slice(series.length).trim().split(" ")[0].replace("−", "-"));
+}
+
+describe("the report of a run", () => {
+  it("opens from disk, complains of nothing, asks for nothing", async () => {
+    const { page, complaints } = await openReport(browser, chain);
+    expect(await page.title()).toBe("Breaking chain – momentree");
+    expect(await clock(page)).toBe("0.000 s");
+    expect(await names(page)).toEqual(["chain"]);
+    expect(complaints).toEqual([]);
+    const data = /id="recording">([^<]*)</.exec(readFileSync(join(chain, "report.html"), "utf8"))![1];
+    expect(statSync(join(chain, "report.html")).size - data.length).toBeLessThan(1e6);
+    await page.context().close();
+  });
+
+  it("plays, and stops at the end", async () => {
+    const { page, complaints } = await openReport(browser, chain);
+    await page.getByRole("button", { name: "Play", exact: true }).click();
+    await page.waitForFunction(() => parseFloat(document.querySelector(".clock")!.textContent!) > 0.3);
+    await page.getByRole("button", { name: "Pause", exact: true }).click();
+    const stopped = await clock(page);
+    await page.waitForTimeout(200);
+    expect(await clock(page)).toBe(stopped);
+    await page.getByLabel("Speed").selectOption("5");
+    await page.keyboard.press("Escape");
+    await page.getByRole("button", { name: "Play", exact: true }).click();
+    await page.waitForFunction(() => document.querySelector(".clock")!.textContent === "3.000 s");
+    await page.getByRole("button", { name: "Play", exact: true }).waitFor();
+    expect(complaints).toEqual([]);
+    await page.context().close();
+  });
+
+  it("jumps to the break: two mechanisms in two colours, the pair before and after, and the certificate", async () => {
+    const { page, complaints } = await openReport(browser, chain);
+    const colours = [mechanismColour(light, 0), mechanismColour(light, 1)];
+    await page.getByRole("button", { name: "Ghosts" }).click();
+    await page.getByRole("button", { name: "Trails" }).click();
+    await settled(page);
+    const before = await pixelsLike(page, ".stage canvas", colours);
+    expect(before[0]).toBeGreaterThan(800);
+    expect(before[1]).toBe(0);
+    await page.locator(".marks button").click();
+    expect(await clock(page)).toBe("1.800 s");
+    expect(await names(page)).toEqual(["chain", "chain/41"]);
+    await settled(page);
+    const after = await pixelsLike(page, ".stage canvas", colours);
+    expect(after[0]).toBeGreaterThan(300);
+    expect(after[1]).toBeGreaterThan(300);
+    const [first, second] = [
+      await pixelsLike(page, ".pair figure:nth-child(1) canvas", colours),
+      await pixelsLike(page, ".pair figure:nth-child(2) canvas", colours),
+    ];
+    expect([first[0] > 50, first[1], second[0] > 20, second[1] > 20]).toEqual([true, 0, true, true]);
+    const [event] = readFileSync(join(chain, "events.jsonl"), "utf8")
+      .trim()
+      .split("\n")
+      .map((line) => JSON.parse(line));
+    const energy = await page.locator(".certificate tbody tr").first().locator("td").allInnerTexts();
+    expect(Number(energy[0])).toBeCloseTo(event.before.kinetic + event.before.potential, 4);
+    expect(Math.abs(Number(energy[2].replaceAll("−", "-")))).toBeLessThan(1e-12);
+    await keep(page, "chain_at_the_break");
+    expect(complaints).toEqual([]);
+    await page.context().close();
+  });
+
+  it("plots stand at the picture's time and have the numbers of the tables; a click on one moves the picture", async () => {
+    const { page } = await openReport(browser, chain, desktop, 1.2);
+    const row = csv(chain, "energy.csv").find(({ time }) => Math.abs(time - 1.2) < 1e-9)!;
+    expect(await shown(page, "kinetic")).toBeCloseTo(row.kinetic, 2);
+    expect(await shown(page, "x")).toBeCloseTo(row["linear.x"], 3);
+    await page.getByLabel("Joint", { exact: true }).selectOption("chain/7");
+    await page.getByLabel("Quantity of the joint").selectOption("v");
+    const joint = csv(chain, "joints.csv").find(({ time }) => Math.abs(time - 1.2) < 1e-9)!;
+    expect(await shown(page, "v0")).toBeCloseTo(joint["chain/7.v0"], 2);
+    const over = (await page.locator(".u-over").first().boundingBox())!;
+    await page.mouse.click(over.x + over.width / 2, over.y + 20);
+    expect(parseFloat(await clock(page))).toBeCloseTo(1.5, 1);
+    const line = (await page.locator(".now").first().boundingBox())!;
+    expect(line.x - over.x).toBeCloseTo(over.width / 2, -0.5);
+    await page.context().close();
+  });
+
+  it("is worked by the keyboard, and says what is to be seen", async () => {
+    const { page, complaints } = await openReport(browser, chain);
+    await page.keyboard.press("Shift+ArrowRight");
+    expect(await clock(page)).toBe("1.800 s");
+    await page.keyboard.press("ArrowRight");
+    expect(await clock(page)).toBe("1.820 s");
+    await page.keyboard.press("End");
+    expect(await clock(page)).toBe("3.000 s");
+    await page.keyboard.press("Shift+ArrowLeft");
+    expect(await clock(page)).toBe("1.800 s");
+    await page.keyboard.press("Home");
+    expect(await clock(page)).toBe("0.000 s");
+    expect(await page.locator(".stage canvas").getAttribute("aria-label")).toContain("100 bodies in 1 mechanism at 0.000 s");
+    await page.keyboard.press("g");
+    expect(await page.getByRole("button", { name: "Ghosts" }).getAttribute("aria-pressed")).toBe("false");
+    await page.getByRole("tab", { name: "Events" }).focus();
+    await page.keyboard.press("ArrowRight");
+    expect(await page.getByRole("tabpanel").innerText()).toContain("Topology change");
+    const nameless = await page
+      .locator("button, select, input")
+      .evaluateAll((all) =>
+        all
+          .filter((e) => !(e.getAttribute("aria-label") || e.textContent?.trim() || e.getAttribute("title")))
+          .map((e) => e.outerHTML),
+      );
+    expect(nameless).toEqual([]);
+    expect(complaints).toEqual([]);
+    await page.context().close();
+  });
+
+  it("a click on a body shows its joint in the plots", async () => {
+    const { page } = await openReport(browser, chain);
+    const box = (await page.locator(".stage canvas").boundingBox())!;
+    const before = await page.getByLabel("Joint", { exact: true }).inputValue();
+    // Somewhere on the chain at its start: the first place along a line of tries.
+    for (let i = 1; i < 60 && (await page.getByLabel("Joint", { exact: true }).inputValue()) === before; i++)
+      await page.mouse.click(box.x + (box.width * i) / 60, box.y + 0.35 * box.height);
+    expect(await page.getByLabel("Joint", { exact: true }).inputValue()).not.toBe(before);
+    await page.context().close();
+  });
+
+  it("names and titles are text, whatever they hold", async () => {
+    const text = readFileSync(scenario("pendulum.toml"), "utf8");
+    const nasty = "</script><script>alert(1)</script><img src=x onerror=alert(2)>";
+    const file = join(temporary(), "nasty.toml");
+    writeFileSync(file, text.replace(/^title.*$/m, `title = "${nasty}"`));
+    const { page, complaints } = await openReport(browser, report(file));
+    expect(await page.locator("h1").innerText()).toBe(nasty);
+    expect(complaints).toEqual([]);
+    await page.context().close();
+  });
+});
+
+describe.each([
+  ["breaking_chain", 2.05],
+  ["panda_lets_go", 1.3],
+  ["humanoid_loses_a_forearm", 0.75],
+  ["crane", 4.0],
+  ["falling_chimney", 4.2],
+  ["capture", 2.6],
+])("%s", (name, time) => {
+  const kinds = [
+    ["desktop", desktop],
+    ["phone_dark", { ...phone, dark: true }],
+    ...(name === "breaking_chain"
+      ? ([
+          ["phone", phone],
+          ["desktop_dark", { ...desktop, dark: true }],
+        ] as const)
+      : []),
+  ] as const;
+  it.each(kinds)("fits a %s, and is drawn", async (kind, view) => {
+    const folder = name === "breaking_chain" ? chain : reportOf(name);
+    const { page, complaints } = await openReport(browser, folder, view, time);
+    expect(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)).toBeLessThanOrEqual(0);
+    const theme = themeOf(view.dark ?? false);
+    const [seen] = await pixelsLike(page, ".stage canvas", [mechanismColour(theme, 0)], 90);
+    expect(seen).toBeGreaterThan(150); // of long thin chains, too
+    if (view.width >= 1000)
+      for (const box of await page.locator(".plots figure").evaluateAll((all) => all.map((e) => e.getBoundingClientRect())))
+        expect([box.bottom <= view.height + 1, box.height > 120]).toEqual([true, true]); // beside the picture, not below the fold
+    await keep(page, `${name}_${kind}`, view.width < 800);
+    expect(complaints).toEqual([]);
+    await page.context().close();
+  });
+});
+
+const reports = new Map<string, string>();
+function reportOf(name: string): string {
+  if (!reports.has(name)) reports.set(name, report(scenario(`${name}.toml`), "--reactions"));
+  return reports.get(name)!;
+}

@@ -1,0 +1,92 @@
+// `momentree view`: the page from 127.0.0.1, for this machine's browser alone.
+import { spawn, type ChildProcess } from "node:child_process";
+import { request, type IncomingMessage } from "node:http";
+import type { Browser } from "playwright-core";
+import { afterAll, afterEach, beforeAll, expect, it } from "vitest";
+import { keep, launch, open, program, report, scenario, settled } from "./browser";
+
+let browser: Browser;
+let server: ChildProcess | null = null;
+beforeAll(async () => {
+  browser = await launch();
+});
+afterAll(() => browser?.close());
+afterEach(() => server?.kill("SIGKILL"));
+
+/** Starts it; its address. */
+function view(...what: string[]): Promise<string> {
+  const child = spawn(program, ["view", ...what, "--no-browser"], { stdio: ["ignore", "pipe", "ignore"] });
+  server = child;
+  return new Promise((told, failed) => {
+    child.stdout.on("data", (text: Buffer) => told(text.toString().trim()));
+    child.on("exit", (code) => failed(new Error(`it ended with ${code}`)));
+  });
+}
+
+/** Its exit code after Ctrl-C. */
+const ended = () =>
+  new Promise<number | null>((told) => {
+    server!.removeAllListeners("exit").on("exit", told);
+    server!.kill("SIGINT");
+  });
+
+const answer = (address: string, headers: Record<string, string>, method = "GET") =>
+  new Promise<IncomingMessage>((told, failed) => {
+    request(address, { headers, method }, (response) => {
+      response.resume();
+      told(response);
+    })
+      .on("error", failed)
+      .end();
+  });
+
+it("shows a result, and ends on Ctrl-C", async () => {
+  const address = await view(report(scenario("pendulum.toml")));
+  expect(address).toMatch(/^http:\/\/127\.0\.0\.1:\d+\/$/);
+  const { page, complaints } = await open(browser, address);
+  expect(await page.locator("h1").innerText()).not.toBe("");
+  expect(complaints).toEqual([]);
+  await page.context().close();
+  expect(await ended()).toBe(0);
+});
+
+it("answers no other name, no other origin, nothing but the page, and says so in its headers", async () => {
+  const address = await view(scenario("pendulum.toml"));
+  const { host } = new URL(address);
+  const port = host.split(":")[1];
+  const status = async (headers: Record<string, string>, path = "", method = "GET") =>
+    (await answer(address + path, headers, method)).statusCode;
+  expect(await status({ host })).toBe(200);
+  expect(await status({ host: `localhost:${port}` })).toBe(200);
+  expect(await status({ host: `rebound.example:${port}` })).toBe(403);
+  expect(await status({ host: "127.0.0.1" })).toBe(403);
+  expect(await status({ host, origin: "http://elsewhere.example" })).toBe(403);
+  expect(await status({ host, origin: "null" })).toBe(403);
+  expect(await status({ host, origin: `http://${host}` })).toBe(200);
+  expect(await status({ host }, "../etc/passwd")).toBe(404);
+  expect(await status({ host }, "", "POST")).toBe(404);
+  const { headers } = await answer(address, { host });
+  expect(headers["content-security-policy"]).toMatch(
+    /^default-src 'none'; script-src 'sha256-[^']+'; .*frame-ancestors 'none'$/,
+  );
+  expect(headers["x-content-type-options"]).toBe("nosniff");
+  expect(headers["access-control-allow-origin"]).toBeUndefined();
+});
+
+it("shows a model with a slider for each freedom, which move it", async () => {
+  const address = await view(scenario("models/panda/panda.urdf"));
+  const { page, complaints } = await open(browser, address);
+  expect(await page.locator("fieldset").count()).toBe(9);
+  const before = await page.locator(".stage canvas").screenshot();
+  const slider = page.getByLabel("panda/panda_joint2: angle");
+  await slider.fill("0.8");
+  await settled(page);
+  expect(await page.locator("fieldset", { hasText: "panda_joint2" }).locator("output").innerText()).toBe("45.84°");
+  expect((await page.locator(".stage canvas").screenshot()).equals(before)).toBe(false);
+  await keep(page, "panda_posed");
+  await page.getByRole("button", { name: "Back to the start" }).click();
+  await settled(page);
+  expect((await page.locator(".stage canvas").screenshot()).equals(before)).toBe(true);
+  expect(complaints).toEqual([]);
+  await page.context().close();
+});

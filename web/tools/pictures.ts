@@ -1,0 +1,53 @@
+// Draws the pictures of docs/pictures from real runs: `./dev web pictures`, after the program was built.
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
+import type { Page } from "playwright-core";
+import { launch, openReport, report, scenario, settled } from "../tests/browser";
+
+const folder = new URL("../../docs/pictures/", import.meta.url).pathname;
+
+interface Picture {
+  readonly name: string;
+  readonly scenario: string;
+  readonly time: number;
+  readonly dark?: boolean;
+  readonly width: number;
+  readonly height: number;
+}
+
+const pictures: readonly Picture[] = [
+  { name: "report_chain", scenario: "breaking_chain.toml", time: 2.05, width: 1280, height: 800 },
+  { name: "report_crane", scenario: "crane.toml", time: 4.0, dark: true, width: 1280, height: 800 },
+];
+
+/** The page as WebP, a quarter of a PNG's size: the browser's own encoder, in a page that has no content policy. */
+async function webp(page: Page, png: Buffer): Promise<Buffer> {
+  const text = await page.evaluate(async (data) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${data}`;
+    await image.decode();
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [image.width, image.height];
+    canvas.getContext("2d")!.drawImage(image, 0, 0);
+    return canvas.toDataURL("image/webp", 0.86).split(",")[1];
+  }, png.toString("base64"));
+  return Buffer.from(text, "base64");
+}
+
+const browser = await launch();
+const encoder = await browser.newPage();
+for (const { name, scenario: file, time, dark, width, height } of pictures) {
+  const { page, complaints } = await openReport(
+    browser,
+    report(scenario(file), "--reactions"),
+    { width, height, dark: dark ?? false },
+    time,
+  );
+  if (complaints.length > 0) throw new Error(complaints.join("\n"));
+  await settled(page);
+  const image = await webp(encoder, await page.screenshot());
+  writeFileSync(join(folder, `${name}.webp`), image);
+  console.log(`docs/pictures/${name}.webp: ${Math.round(image.length / 1000)} kB`);
+  await page.context().close();
+}
+await browser.close();
