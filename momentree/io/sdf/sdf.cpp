@@ -65,10 +65,10 @@ std::shared_ptr<const ModelPart> read_root(XmlElement root, Reading& reading, Xm
 
 }  // namespace sdf
 
-void Sdf::read(XmlElement root, Import& import) {
+void Sdf::read(XmlElement outermost_element, Import& import) {
   sdf::Reading reading{import};
   reading.open.push_back(&import.file());
-  const auto outermost = sdf::read_root(root, reading, import.file(), false, 0);
+  const auto outermost = sdf::read_root(outermost_element, reading, import.file(), false, 0);
   if (!outermost || import.errors() > 0) return;
   import.model.title = outermost->name;
   import.model.gravity = reading.gravity;
