@@ -83,6 +83,7 @@ export class EventList {
     );
     const more = this.run.events.length - most;
     if (more > 0) this.list.append(h("li", {}, `and ${count(more, "event", "events")} more, in events.jsonl`));
+    this.list.hidden = this.run.events.length === 0;
     if (this.run.events.length === 0)
       this.detail.replaceChildren(h("p", { class: "nothing" }, "Nothing happened in this run."));
     else if (this.chosen < 0)

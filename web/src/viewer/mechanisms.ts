@@ -39,8 +39,9 @@ export class MechanismsView {
   private readonly bodies: (THREE.Group | null)[];
   private materials: THREE.MeshLambertMaterial[] = [];
   private readonly disks: THREE.Mesh[] = [];
-  private readonly rim = new THREE.MeshBasicMaterial();
-  private readonly face = new THREE.MeshBasicMaterial();
+  // Transparent, so that they are drawn after the bodies, and over them.
+  private readonly rim = new THREE.MeshBasicMaterial({ transparent: true, depthTest: false });
+  private readonly face = new THREE.MeshBasicMaterial({ transparent: true, depthTest: false });
   private readonly circle = new THREE.CircleGeometry(1, 32);
   private readonly radius: number;
   /** By body the lines that its shapes do not show. */
@@ -150,7 +151,6 @@ export class MechanismsView {
       const rim = new THREE.Mesh(this.circle, this.rim);
       const face = new THREE.Mesh(this.circle, this.face);
       for (const disk of [rim, face]) {
-        disk.material.depthTest = false;
         this.group.add(disk);
         this.disks.push(disk);
       }
