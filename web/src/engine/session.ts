@@ -17,11 +17,14 @@ interface Kept {
 interface Branch {
   readonly world: World;
   readonly kept: Kept[];
+  readonly times: number[];
 }
 
 export class Session {
   private world: World;
   private kept: Kept[] = [];
+  /** Of the frames: who goes back and on again stops where it stopped then, and so comes to the same bits. */
+  private times: number[] = [];
   private left: (Branch | null)[] = [];
   private speed = 1;
   private playing = false;
@@ -108,6 +111,7 @@ export class Session {
     for (const world of [this.world, ...this.left.map((branch) => branch?.world)]) world?.destroy();
     this.world = fresh;
     this.kept = [];
+    this.times = [];
     this.left = [];
     this.step = scenario.step;
     this.told = 0;
@@ -171,6 +175,7 @@ export class Session {
     if (world.eventCount > this.told) this.tell({ say: "events", events: world.events(this.told) });
     this.told = world.eventCount;
     this.tell({ say: "frame", frame: this.frame(), seconds });
+    if (world.time > (this.times[this.times.length - 1] ?? -1)) this.times.push(world.time);
     if (world.time >= this.kept[this.kept.length - 1].time + snapshotEvery) this.keep();
   }
 
@@ -182,12 +187,13 @@ export class Session {
 
   /** What there is now stays as a branch of its own; returns its number. */
   private leave(): number {
-    return this.left.push({ world: this.world.branch(), kept: [...this.kept] }) - 1;
+    return this.left.push({ world: this.world.branch(), kept: [...this.kept], times: [...this.times] }) - 1;
   }
 
   private wentBack(left: number) {
     const { time } = this.world;
     this.kept = this.kept.filter((kept) => kept.time <= time);
+    this.times = this.times.filter((each) => each <= time);
     if (this.kept.length === 0) this.keep();
     this.owed = 0;
     this.told = this.world.eventCount;
@@ -200,7 +206,7 @@ export class Session {
     const from = [...this.kept].reverse().find((kept) => kept.time <= time) ?? this.kept[0];
     const left = this.leave();
     this.world.restore(from.snapshot);
-    if (time > this.world.time) this.world.run(Math.floor(time / this.step + 1e-6) * this.step);
+    for (const each of this.times) if (each > this.world.time && each <= time) this.world.run(each);
     this.wentBack(left);
   }
 
@@ -218,9 +224,10 @@ export class Session {
   private goOn(number: number) {
     const branch = this.left[number];
     if (!branch) return;
-    const left = this.left.push({ world: this.world, kept: this.kept }) - 1;
+    const left = this.left.push({ world: this.world, kept: this.kept, times: this.times }) - 1;
     this.world = branch.world;
     this.kept = branch.kept;
+    this.times = branch.times;
     this.left[number] = null;
     this.owed = 0;
     this.told = this.world.eventCount;
