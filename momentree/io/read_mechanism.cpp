@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include <momentree/base/error.hpp>
+#include <momentree/io/massless.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {

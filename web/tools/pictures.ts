@@ -2,7 +2,7 @@
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
-import { launch, openReport, report, scenario, settled } from "../tests/browser";
+import { launch, open, openReport, report, scenario, settled } from "../tests/browser";
 
 const folder = new URL("../../docs/pictures/", import.meta.url).pathname;
 
@@ -34,6 +34,22 @@ async function webp(page: Page, png: Buffer): Promise<Buffer> {
   return Buffer.from(text, "base64");
 }
 
+/** A moment after a link of the swinging chain was cut by hand. */
+async function cutByHand(page: Page) {
+  const playTo = async (time: number) => {
+    await page.getByRole("button", { name: "Play", exact: true }).click();
+    await page.waitForFunction((t) => window.playground.app.run!.last.time >= t, time);
+    await page.getByRole("button", { name: "Pause", exact: true }).click();
+  };
+  await page.waitForFunction(() => Boolean(window.playground?.app.run));
+  await page.getByLabel("Speed").selectOption("0.25");
+  await playTo(0.4);
+  await page.getByRole("combobox", { name: "Joint" }).selectOption("chain/31");
+  await page.getByRole("group", { name: "Joint" }).getByRole("button", { name: "Cut", exact: true }).click();
+  await page.waitForFunction(() => window.playground.app.topology.mechanisms.length === 2);
+  await playTo(0.55);
+}
+
 const browser = await launch();
 const encoder = await browser.newPage();
 for (const { name, scenario: file, time, dark, width, height } of pictures) {
@@ -50,4 +66,9 @@ for (const { name, scenario: file, time, dark, width, height } of pictures) {
   console.log(`docs/pictures/${name}.webp: ${Math.round(image.length / 1000)} kB`);
   await page.context().close();
 }
+const { page } = await open(browser, new URL("../dist/playground.html", import.meta.url).href, { width: 1280, height: 800 });
+await cutByHand(page);
+await settled(page);
+writeFileSync(join(folder, "playground_cut.webp"), await webp(encoder, await page.screenshot()));
+console.log("docs/pictures/playground_cut.webp");
 await browser.close();

@@ -5,7 +5,6 @@
 //   static constexpr const char* endings[] = {".urdf"};    // by which a path is taken for a model
 //   static void read(XmlElement root, Import& import);     // fills import.model; reports in the files
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -65,12 +64,6 @@ struct LinkTree {
 };
 /// Reports duplicate names, ends that are unknown, second parents (closed loops by name) and circles. More than one root is fine.
 LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, Import& import);
-
-/// Bodies that move between two masses and have none: legal, but seldom meant. By number; parents stand before their children.
-/// Names of carriers, `body.joint`, are meant.
-std::vector<int> massless_links(std::span<const BodySpec* const> bodies);
-std::string massless_link(const std::string& name);  ///< what is said of one
-inline constexpr const char* massless_hint = "is its inertia missing?";
 
 /// What is wrong with bodies whatever their format: at their places in the file. To be called last.
 void check_imported(ImportedModel& model);

@@ -107,6 +107,7 @@ export class Plot {
           label: column.label,
           stroke: seriesColour(theme, i),
           width: 1.6,
+          pxAlign: 0, // a slope has no stairs
           points: { show: false },
         })),
       ],

@@ -64,6 +64,7 @@ export class Chart {
             label: each.label,
             stroke: seriesColour(theme, i),
             width: 1.6,
+            pxAlign: 0, // a slope has no stairs
             points: { show: false },
           })),
         ],

@@ -1,5 +1,6 @@
-// The project's scenarios that need no other file.
-const files = import.meta.glob<string>("../../../scenarios/*.toml", { query: "?raw", import: "default", eager: true });
+// The project's scenarios. Those with model files are there as `momentree convert` writes them (./dev web gallery).
+const written = import.meta.glob<string>("../../../scenarios/*.toml", { query: "?raw", import: "default", eager: true });
+const converted = import.meta.glob<string>("../../gallery/*.toml", { query: "?raw", import: "default", eager: true });
 
 export interface Example {
   readonly name: string;
@@ -7,10 +8,13 @@ export interface Example {
   readonly text: string;
 }
 
-const first = ["breaking_chain", "capture", "crane", "falling_chimney", "modular_robot", "tree_of_joints"];
+const first = [
+  ...["breaking_chain", "humanoid_loses_a_forearm", "capture", "crane", "panda_lets_go"],
+  ...["falling_chimney", "quadruped_knee", "modular_robot", "tree_of_joints"],
+];
 const order = (name: string) => (first.includes(name) ? first.indexOf(name) : first.length);
 
-export const gallery: readonly Example[] = Object.entries(files)
+export const gallery: readonly Example[] = Object.entries({ ...written, ...converted })
   .map(([path, text]) => {
     const name = path.replace(/^.*\/|\.toml$/g, "");
     return { name, title: /^title\s*=\s*"([^"]*)"/m.exec(text)?.[1] ?? name, text };

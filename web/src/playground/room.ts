@@ -26,13 +26,15 @@ export function roomOf(run: LiveRecording, frame: number, reach: (body: number) 
     let length = reach(b);
     for (const line of body.extent) length = Math.max(length, apart(...line));
     let link = inboard.get(b);
-    for (let k = 0; link && link.parent >= 0 && k < bodies.length; k++) {
+    let count = 1;
+    for (; link && link.parent >= 0 && count <= bodies.length; count++) {
       const next = inboard.get(link.parent);
       length += apart(link.at, next?.childAt ?? [0, 0, 0]);
       link = next;
     }
     // Long chains are seldom stretched out: half of it is room enough.
-    if (link && link.kind !== "free") include(pointOf(poses, link.child, link.childAt), 0.55 * length);
+    const share = 0.5 + 0.5 * Math.min(1, 6 / count);
+    if (link && link.kind !== "free") include(pointOf(poses, link.child, link.childAt), share * length);
     else include(pointOf(poses, b, body.com), reach(b));
   });
   const view = viewOf(run, reach);
