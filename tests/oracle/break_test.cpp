@@ -66,9 +66,9 @@ struct Scale {
 
 /// The worst of each figure over many breaks, for the log; the largest ratio decides.
 struct Book {
-  std::map<std::string, Measure> worst;
+  std::map<std::string, oracle::Measure> worst;
   int count = 0;
-  void enter(const Measure& m) {
+  void enter(const oracle::Measure& m) {
     const auto [it, first] = worst.try_emplace(m.law, m);
     if (!first && (m.ratio() > it->second.ratio() || !m.holds())) it->second = m;
     ++count;
@@ -76,7 +76,7 @@ struct Book {
     CHECK(m.holds());
   }
   void enter(const char* law, Real error, Real bound) {
-    enter(Measure{law, static_cast<double>(error), static_cast<double>(bound)});
+    enter(oracle::Measure{law, static_cast<double>(error), static_cast<double>(bound)});
   }
   ~Book() {
     for (const auto& [law, m] : worst) MESSAGE(std::string(law) << ": worst " << m.error << " of " << m.bound);
@@ -211,7 +211,7 @@ TEST_CASE("a break in a random tree, at states drawn by velocities and by moment
       if (bodies.empty()) continue;
       check_break(scene, bodies[static_cast<std::size_t>(draw.integer(0, static_cast<int>(bodies.size()) - 1))], book);
       const StateMeasures laws = measure_state(scene.system, scene.tree, scene.state, scene.work);
-      for (const Measure& m : laws.laws) {
+      for (const oracle::Measure& m : laws.laws) {
         INFO(std::string(m.law) << ": " << m.error << " > " << m.bound);
         CHECK(m.holds());
       }

@@ -14,8 +14,8 @@ using namespace momentree::oracle;
 
 namespace {
 
-void check(const std::vector<Measure>& laws) {
-  for (const Measure& m : laws) {
+void check(const std::vector<oracle::Measure>& laws) {
+  for (const oracle::Measure& m : laws) {
     INFO(m.law, ": ", m.error, " of ", m.bound);
     CHECK(m.holds());
   }
