@@ -21,14 +21,14 @@ double gravity_energy(const World& world) {
 
 }  // namespace
 
-void EnergyColumns::header(std::string& text) {
+void energy_header(std::string& text) {
   text += "time,kinetic,gravity,elastic,dissipated,lost,released,work,error";
   for (const char* momentum : {"linear", "angular"})
     for (const char* axis : {".x", ".y", ".z"}) text += std::string(",") + momentum + axis;
   text += '\n';
 }
 
-void EnergyColumns::row(std::string& text, const Simulation& simulation) {
+void energy_row(std::string& text, const Simulation& simulation) {
   const World& world = simulation.world();
   const Totals totals = world.totals();
   const EnergyBalance balance = simulation.energy();

@@ -9,10 +9,7 @@ namespace momentree::io {
 /// `time`; `kinetic`, `gravity`, `elastic` (springs and soft stops); `dissipated`, `lost` in impacts, `released` and `work` since
 /// the start, and the `error` of the balance (J); `linear.x .y .z` (N s) and `angular.x .y .z` (N m s): world axes, about the
 /// world's origin.
-class EnergyColumns {
- public:
-  static void header(std::string& text);
-  static void row(std::string& text, const Simulation& simulation);
-};
+void energy_header(std::string& text);
+void energy_row(std::string& text, const Simulation& simulation);
 
 }  // namespace momentree::io

@@ -8,8 +8,7 @@
 
 namespace momentree::io {
 
-/// Bodies that move between two masses and have none: legal, but seldom meant. By number; parents stand before their children.
-/// Names of carriers, `body.joint`, are meant.
+/// Their numbers; parents stand before their children. Names of carriers, `body.joint`, are meant.
 std::vector<int> massless_links(std::span<const BodySpec* const> bodies);
 std::string massless_link(const std::string& name);  ///< what is said of one
 inline constexpr const char* massless_hint = "is its inertia missing?";

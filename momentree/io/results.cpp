@@ -26,7 +26,7 @@ Recorder::Recorder(const Model& model, std::vector<JointKinds> joints, double ev
 void Recorder::record_energy(const Simulation& simulation) {
   books_ = &simulation;
   energy_.emplace(directory_.file("energy.csv"));
-  EnergyColumns::header(energy_->text());
+  energy_header(energy_->text());
   energy_->flush();
 }
 
@@ -56,7 +56,7 @@ void Recorder::write_row(const World& world) {
   }
   body_columns_.row(bodies_.text(), world);
   joint_columns_.row(joints_.text(), world);
-  if (energy_) EnergyColumns::row(energy_->text(), *books_);
+  if (energy_) energy_row(energy_->text(), *books_);
 }
 
 bool Recorder::observe(const World& world) noexcept {

@@ -11,7 +11,7 @@ namespace momentree {
 
 namespace {
 
-constexpr double turn = 2 * std::numbers::pi;
+constexpr double full_turn = 2 * std::numbers::pi;
 
 // The entry that ends the interval in which t lies: 0 before the first entry, size() from the last one on.
 std::size_t after(std::span<const Signal::Knot> knots, double t) {
@@ -64,7 +64,7 @@ Signal Signal::sine(double amplitude, double frequency, double phase, double off
 }
 
 double Signal::value(double t) const noexcept {
-  if (!table_) return amplitude_ == 0 ? offset_ : offset_ + amplitude_ * std::sin(turn * frequency_ * t + phase_);
+  if (!table_) return amplitude_ == 0 ? offset_ : offset_ + amplitude_ * std::sin(full_turn * frequency_ * t + phase_);
   const std::size_t i = after(*table_, t);
   if (i == 0) return table_->front().value;
   if (i == table_->size()) return table_->back().value;
@@ -74,7 +74,7 @@ double Signal::value(double t) const noexcept {
 }
 
 double Signal::rate(double t) const noexcept {
-  if (!table_) return amplitude_ == 0 ? 0 : amplitude_ * turn * frequency_ * std::cos(turn * frequency_ * t + phase_);
+  if (!table_) return amplitude_ == 0 ? 0 : amplitude_ * full_turn * frequency_ * std::cos(full_turn * frequency_ * t + phase_);
   const std::size_t i = after(*table_, t);
   if (i == 0 || i == table_->size()) return 0;
   const Knot &a = (*table_)[i - 1], &b = (*table_)[i];
@@ -100,7 +100,7 @@ Curve::Curve(const Signal& signal) : signal_(signal) {
 Curve::Point Curve::at(double t) const noexcept {
   const auto knots = signal_.knots();
   if (knots.empty()) {
-    const double w = turn * signal_.frequency(), angle = w * t + signal_.phase(), a = signal_.amplitude();
+    const double w = full_turn * signal_.frequency(), angle = w * t + signal_.phase(), a = signal_.amplitude();
     return {signal_.offset() + a * std::sin(angle), a * w * std::cos(angle), -a * w * w * std::sin(angle)};
   }
   const std::size_t i = after(knots, t);

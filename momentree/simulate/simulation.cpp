@@ -71,25 +71,17 @@ Simulation::Scheduled& Simulation::Scheduled::named(std::string name, bool by_us
 const Event& Simulation::apply(std::span<const Action> actions, std::string name) {
   for (const Action& action : actions) impl_->check_names(action->joints(), action->bodies());
   const std::size_t place = impl_->events.size();  // what its stops do about it comes after it
-  if (attempt(actions, std::move(name)) == Status::refused) fail({impl_->message, "", ""});
+  if (!impl_->act(actions, std::move(name))) fail({impl_->message, "", ""});
   return impl_->events[place];
 }
 
 Status Simulation::attempt(std::span<const Action> actions, std::string name) {
-  Impl& impl = *impl_;
-  DueEvent due{
-      name.empty() ? "#" + std::to_string(impl.agenda.entries.size() + impl.events.size() + 1) : name, !name.empty(), {}};
-  for (const Action& action : actions) {
+  for (const Action& action : actions)
     if (const std::optional<Error> error = unknown_name(action)) {
-      impl.message = std::string(action->key()) + ": " + error->what + (error->hint.empty() ? "" : "; " + error->hint);
+      impl_->message = std::string(action->key()) + ": " + error->what + (error->hint.empty() ? "" : "; " + error->hint);
       return Status::refused;
     }
-    due.actions.push_back(action);
-  }
-  if (impl.keeps_history) impl.history.push_back({impl.events.size(), impl.snapshot(), {}});
-  if (impl.carry_out_now({&due, 1})) return Status::ok;
-  if (impl.keeps_history) impl.history.pop_back();
-  return Status::refused;
+  return impl_->act(actions, std::move(name)) ? Status::ok : Status::refused;
 }
 
 std::optional<Error> Simulation::unknown_name(const Action& action) const {
@@ -101,12 +93,10 @@ void Simulation::set_gravity(Vec3 gravity) {
     fail({"gravity must be finite numbers", "", ""});
   Model model = impl_->world.first_model();
   model.set_gravity(gravity);
+  const SimulationSnapshot now = impl_->snapshot();
   auto other = std::make_unique<Impl>(model, impl_->integration);
   other->agenda = std::move(impl_->agenda);
   other->events = std::move(impl_->events);
-  SimulationSnapshot now = impl_->snapshot();
-  now.events = other->events.size();
-  now.armed = other->agenda.armed();
   const Totals before = impl_->world.totals();
   other->go_back(now);
   other->balance.work += other->world.totals().potential - before.potential;

@@ -206,6 +206,16 @@ struct Simulation::Impl {
     }
   }
 
+  /// Actions from outside, whose names are known, as one event of this instant. False, with a message: refused.
+  bool act(std::span<const Action> actions, std::string name) {
+    DueEvent due{name.empty() ? "#" + std::to_string(agenda.entries.size() + events.size() + 1) : name, !name.empty(), {}};
+    due.actions.assign(actions.begin(), actions.end());
+    if (keeps_history) history.push_back({events.size(), snapshot(), {}});
+    if (carry_out_now({&due, 1})) return true;
+    if (keeps_history) history.pop_back();
+    return false;
+  }
+
   std::span<const Event> events_now() const {
     std::size_t first = events.size();
     while (first > 0 && events[first - 1].time == world.time()) --first;

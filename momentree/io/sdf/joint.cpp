@@ -20,21 +20,15 @@ constexpr Type types[] = {{"revolute", Kind::revolute, 1, true},   {"continuous"
                           {"revolute2", Kind::universal, 2, true}, {"screw", Kind::helical, 1, true}};
 
 const Type* read_type(XmlFields& fields, XmlFile& file) {
-  std::vector<std::string> names;
-  std::string all = "one of:";
-  for (const Type& type : types) names.emplace_back(type.name), all += std::string(" ") + type.name;
-  if (!fields.require("type", all)) return nullptr;
-  const std::string given = fields.string("type").value_or("");
-  for (const Type& type : types)
-    if (given == type.name) return &type;
-  if (given == "gearbox") {
+  if (fields.string("type") == "gearbox") {
     file.error(fields.spot("type"), "a gearbox couples two joints, which is not supported yet",
                "leave it out: what it couples then moves by itself");
     return nullptr;
   }
-  const std::string hint = did_you_mean(given, names);
-  file.error(fields.spot("type"), "unknown type of joint " + in_quotes(given), hint.empty() ? all : hint);
-  return nullptr;
+  std::vector<std::string> names;
+  for (const Type& type : types) names.emplace_back(type.name);
+  const int place = fields.require_choice("type", names, "type of joint");
+  return place < 0 ? nullptr : &types[place];
 }
 
 std::string read_end(Texts& texts, const char* end, XmlSpot& spot, XmlFile& file) {

@@ -17,17 +17,11 @@ constexpr Type types[] = {{"revolute", Kind::revolute, true, true},   {"continuo
                           {"prismatic", Kind::prismatic, true, true}, {"fixed", Kind::weld, false, false},
                           {"floating", Kind::free, false, false},     {"planar", Kind::planar, true, false}};
 
-const Type* read_type(XmlFields& fields, XmlFile& file) {
+const Type* read_type(XmlFields& fields) {
   std::vector<std::string> names;
-  std::string all = "one of:";
-  for (const Type& type : types) names.emplace_back(type.name), all += std::string(" ") + type.name;
-  if (!fields.require("type", all)) return nullptr;
-  const std::string given = fields.string("type").value_or("");
-  for (const Type& type : types)
-    if (given == type.name) return &type;
-  const std::string hint = did_you_mean(given, names);
-  file.error(fields.spot("type"), "unknown type of joint " + in_quotes(given), hint.empty() ? all : hint);
-  return nullptr;
+  for (const Type& type : types) names.emplace_back(type.name);
+  const int place = fields.require_choice("type", names, "type of joint");
+  return place < 0 ? nullptr : &types[place];
 }
 
 std::string read_end(XmlFields& fields, const char* end, XmlSpot& spot, XmlFile& file) {
@@ -112,7 +106,7 @@ Joint read_joint(XmlElement element, XmlFile& file) {
   }
   joint.ends.parent = read_end(fields, "parent", joint.ends.parent_spot, file);
   joint.ends.child = read_end(fields, "child", joint.ends.child_spot, file);
-  const Type* type = read_type(fields, file);
+  const Type* type = read_type(fields);
   joint.at = read_origin(fields, file);
   const Vec3 axis = read_axis(fields, file);
   const XmlElement limit = fields.child("limit"), dynamics = fields.child("dynamics");

@@ -152,6 +152,18 @@ bool XmlFields::require(std::string_view attribute, std::string hint) {
   return false;
 }
 
+int XmlFields::require_choice(std::string_view attribute, const std::vector<std::string>& names, const std::string& what) {
+  std::string all = "one of:";
+  for (const std::string& name : names) all += " " + name;
+  if (!require(attribute, all)) return -1;
+  const std::string given = string(attribute).value_or("");
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (given == names[i]) return static_cast<int>(i);
+  const std::string hint = did_you_mean(given, names);
+  file_.error(spot(attribute), "unknown " + what + " " + in_quotes(given), hint.empty() ? all : hint);
+  return -1;
+}
+
 void XmlFields::known(std::initializer_list<std::string_view> attributes) {
   for (const std::string_view name : attributes) know(attributes_, name);
 }

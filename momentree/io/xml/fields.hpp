@@ -34,6 +34,9 @@ class XmlFields {
   std::optional<std::vector<double>> numbers(std::string_view attribute, std::size_t count, std::size_t most = 0);
   /// true, false, 1 or 0
   std::optional<bool> boolean(std::string_view attribute);
+  /// One of these names: its place among them. −1, with a report that lists them, where it is another, or absent: "unknown" and
+  /// `what`, such as "type of joint".
+  int require_choice(std::string_view attribute, const std::vector<std::string>& names, const std::string& what);
   /// The same, but absence is an error: to be called before the typed reading.
   bool require(std::string_view attribute, std::string hint = {});
   /// Known, and not asked for.
