@@ -34,9 +34,11 @@ Session::Session(const io::Scenario& scenario, const std::string& state)
     for (const io::StateFile& file : scenario.state_files) read(file.file, file.mechanism, documents);
   else
     read(state, "", documents);
-  if (documents.empty()) return;
-  from_document_ = true;
-  io::restore(simulation_, documents);
+  if (!documents.empty()) {
+    from_document_ = true;
+    io::restore(simulation_, documents);
+  }
+  io::couple(simulation_, scenario.couplings);
   for (const io::RestoredState& document : documents) {
     if (document.memory.next_step > 0) memory_ = document.memory;
     for (const io::ArmedEvent& event : document.armed) take_armed(event, document.file);

@@ -15,7 +15,7 @@
 
 namespace momentree::wasm {
 
-/// What pulls at a body while the pointer holds it: shared with the function that the simulation calls, in every branch of it.
+/// What pulls at a body while the pointer holds it; the function that the simulation calls has a copy of its own.
 struct Grip {
   int body = -1;
   Vec3 point{};   ///< in the body's frame

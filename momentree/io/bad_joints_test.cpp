@@ -99,6 +99,9 @@ TEST_CASE("mechanisms that are no trees are refused") {
        "s.toml:5:9: error: links: must be from 1 to 1000000"},
       {head + "[mechanism.chain]\nlinks = 2.5\nlength = 1\nmass = 1\n",
        "s.toml:5:9: error: links: expected a whole number, found a fraction"},
+      {head + "[mechanism.chain]\nlynks = 3\nlength = 1\nmass = 1\n[[event]]\nat = 1\nbreak = \"m/3\"\n",
+       "s.toml:4:1: error: [mechanism.chain] has no 'links'; how many bodies\n"
+       "s.toml:5:1: error: unknown key 'lynks' in [mechanism.chain]; did you mean 'links'?"},
       {head + "[mechanism.chain]\nlinks = 3\nlength = -1\nmass = 1\n", "s.toml:6:10: error: length: must be greater than 0"},
       {head + "state = { joints = { \"9\" = 1 } }\n[mechanism.chain]\nlinks = 3\nlength = 1\nmass = 1\n",
        "s.toml:4:28: error: state: there is no joint '9' in this chain; they are 1 to 3"},

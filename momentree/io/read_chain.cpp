@@ -93,7 +93,8 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
   reading.bodies_left -= chain.links;
 
   const bool sound = errors == out.errors();
-  if (!sound && chain.links > 10'000) {  // a refusal should be quick: events that name its joints are not judged
+  // Names of a chain of who knows how many are not judged; nor of a long one that is refused, which should be quick.
+  if (!sound && (chain.links == 0 || chain.links > 10'000)) {
     reading.opaque.insert(mechanism);
     return;
   }

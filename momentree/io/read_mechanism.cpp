@@ -228,6 +228,14 @@ void read_mechanism(const Value& table, Reading& reading) {
   const Value* given_state = fields.find("state");
   const Value* model = fields.find("model");
   const auto limits = fields.boolean("limits");
+  std::optional<CouplingSpring> mimic;
+  if (const Value* spring = fields.find("mimic")) {
+    Fields parts(*spring, "mimic", out);
+    mimic = read_coupling_spring(parts, false);
+    parts.finish();
+    if (!model)
+      out.error(spring->place, "mimic: only a model has joints that follow others", "couple them by [[coupling]] tables");
+  }
   if (given_state) state = read_state(*given_state, name, reading);
   const int ways = (chain ? 1 : 0) + (bodies ? 1 : 0) + (model ? 1 : 0);
   if (ways > 1) {
@@ -246,7 +254,9 @@ void read_mechanism(const Value& table, Reading& reading) {
   if (chain && held == Held::fixed)
     out.error(fields.place_of("root"), "root: a chain has a pin to the ground", "leave out 'root'; \"free\" leaves out the pin");
   if (model)
-    read_model(*model, name, {held, pose, state, limits, model->place, fields.place_of("root"), fields.place_of("limits")},
+    read_model(*model, name,
+               {held, pose, state, limits, mimic, model->place, fields.place_of("root"), fields.place_of("limits"),
+                fields.place_of("mimic")},
                errors, reading);
   else if (chain)
     read_chain(*chain, name, held == Held::free, pose, state, errors, reading);

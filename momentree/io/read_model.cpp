@@ -110,7 +110,36 @@ void warn_of_followers(const Import& import) {
         {each.element},
         "joint " + in_quotes(import.model.bodies[static_cast<std::size_t>(each.body)].spec.joint_name) + " should follow " +
             in_quotes(import.model.bodies[static_cast<std::size_t>(each.leader)].spec.joint_name) + ": it moves by itself here",
-        "joints are not coupled yet");
+        "mimic = { stiffness = … } in the mechanism couples them by a spring");
+}
+
+// Where a joint starts, by the file, by the mechanism's state, or behind the joint that it follows.
+double start_of(const Import& import, int body, const MechanismState& state, std::size_t depth = 0) {
+  const auto& bodies = import.model.bodies;
+  BodySpec spec = bodies[static_cast<std::size_t>(body)].spec;
+  const auto given = state.joints.find(spec.joint_name);
+  if (given != state.joints.end()) {
+    Diagnostics said_elsewhere("", "");
+    read_joint_state(*given->second, given->first, spec, said_elsewhere);
+    return spec.q[0];
+  }
+  for (const Follower& each : import.model.followers)
+    if (each.body == body && depth < import.model.followers.size())
+      return each.multiplier * start_of(import, each.leader, state, depth + 1) + each.offset;
+  return spec.q[0];
+}
+
+void couple_followers(const Import& import, const ModelChoice& choice, int first, Reading& reading) {
+  const Model& model = reading.scenario.model;
+  for (const Follower& each : import.model.followers) {
+    const Body joint{first + each.body}, leader{first + each.leader};
+    for (const Body end : {joint, leader})
+      if (info(model[end].joint.kind).nv != 1)
+        reading.out.error(choice.mimic_place, "mimic: joint " + in_quotes(model[end].joint_name) + " is not one of one freedom");
+    if (info(model[joint].joint.kind).nv != 1 || info(model[leader].joint.kind).nv != 1) continue;
+    add_coupling({joint, leader, each.multiplier, each.offset, choice.mimic->stiffness, choice.mimic->damping},
+                 choice.mimic_place, reading);
+  }
 }
 
 }  // namespace
@@ -132,7 +161,11 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
   const bool one_root = check_roots(*import, choice, reading);
   check_state(*import, choice.state, reading);
   warn_of_limits(*import, choice, reading);
-  if (fresh) warn_of_followers(*import);
+  if (fresh && !choice.mimic) warn_of_followers(*import);
+  std::unordered_map<const ImportedBody*, double> behind;  // starts of followers
+  if (choice.mimic)
+    for (const Follower& each : import->model.followers)
+      behind.emplace(&import->model.bodies[static_cast<std::size_t>(each.body)], start_of(*import, each.body, choice.state));
 
   const int first = reading.scenario.model.size();
   for (const ImportedBody& body : import->model.bodies) {
@@ -143,6 +176,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
     }
     const auto state = choice.state.joints.find(spec.joint_name);
     if (state != choice.state.joints.end()) read_joint_state(*state->second, state->first, spec, reading.out);
+    if (const auto start = behind.find(&body); start != behind.end()) spec.q = {start->second};
     take_limits(body, choice, spec, reading);
     spec.name = mechanism + "/" + spec.name;
     spec.joint_name = mechanism + "/" + spec.joint_name;
@@ -160,6 +194,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
     shapes.back() = given.front();
     shapes.back().more.assign(given.begin() + 1, given.end());
   }
+  if (choice.mimic && errors == reading.out.errors()) couple_followers(*import, choice, first, reading);
 }
 
 }  // namespace momentree::io

@@ -88,6 +88,12 @@ void read_document(const Value& document, Reading& reading) {
       read_force(*force, reading);
     }
   }
+  if (const Value* couplings = fields.find("coupling")) {
+    for (const Value* coupling : tables_of(*couplings, "coupling", out)) {
+      if (out.full()) break;
+      read_coupling(*coupling, reading);
+    }
+  }
   if (const Value* events = fields.find("event")) {
     int number = 0;
     for (const Value* event : tables_of(*events, "event", out)) {
@@ -95,6 +101,7 @@ void read_document(const Value& document, Reading& reading) {
       read_event(*event, ++number, reading);
     }
   }
+  check_couplings(reading);
   finish_events(reading);
   if (const Value* integrate = fields.find("integrate")) read_integrate(*integrate, reading);
   if (const Value* output = fields.find("output")) read_output(*output, reading);

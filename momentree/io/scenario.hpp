@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <momentree/base/value.hpp>
+#include <momentree/io/coupling.hpp>
 #include <momentree/io/diagnostic.hpp>
 #include <momentree/io/shape.hpp>
 #include <momentree/simulate/action.hpp>
@@ -49,11 +50,12 @@ struct Scenario {
   std::string hash;                         ///< 16 hexadecimal digits over the text and the overrides: names the input of a run
   Model model;
   Integration integration;
-  double until = 10;                   ///< s
-  double output_every = 0;             ///< s; 0: every step
-  std::vector<ScenarioEvent> events;   ///< in the order of the file
-  std::vector<StateFile> state_files;  ///< the world's first
-  std::vector<Shape> shapes;           ///< by body number
+  double until = 10;                     ///< s
+  double output_every = 0;               ///< s; 0: every step
+  std::vector<JointCoupling> couplings;  ///< for couple(), once the model is a simulation
+  std::vector<ScenarioEvent> events;     ///< in the order of the file
+  std::vector<StateFile> state_files;    ///< the world's first
+  std::vector<Shape> shapes;             ///< by body number
 };
 
 struct ReadResult {

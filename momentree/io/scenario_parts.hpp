@@ -95,8 +95,9 @@ struct ModelChoice {
   Held held = Held::unsaid;
   Pose pose{};
   MechanismState state{};
-  std::optional<bool> limits{};  ///< the file's are taken up
-  Place model_place{}, root_place{}, limits_place{};
+  std::optional<bool> limits{};           ///< the file's are taken up
+  std::optional<CouplingSpring> mimic{};  ///< by which joints follow others where the file says so
+  Place model_place{}, root_place{}, limits_place{}, mimic_place{};
 };
 
 /// Bare names of bodies and joints: what a path, a column or a wildcard could not carry is refused.
@@ -138,6 +139,14 @@ std::vector<std::string> matching_joints(const std::string& pattern, Reading& re
 std::vector<std::string> matching_bodies(const std::string& pattern, Reading& reading);
 
 void read_force(const Value& table, Reading& reading);
+
+void read_coupling(const Value& table, Reading& reading);
+/// stiffness and damping; `slides`: of a joint that slides, in N/m and N s/m.
+CouplingSpring read_coupling_spring(Fields& fields, bool slides);
+/// Takes it up, with a warning where the joint does not start where it should.
+void add_coupling(const JointCoupling& coupling, Place place, Reading& reading);
+/// Coupled joints do not become others: what a change would have to do with the spring is not said.
+void check_couplings(Reading& reading);
 
 /// One of the names that a wildcard in a condition stands for; where the event's actions have the same wildcard, they act on it:
 /// on the joint, or on the body that it carries.

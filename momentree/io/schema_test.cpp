@@ -78,6 +78,8 @@ const std::vector<Table>& tables() {
       {start + "/properties/joints/additionalProperties/anyOf/2", {state("{ joints = { a = { " + value + " } } }")}},
       {d + "force", {one_body + "[[force]]\nbody = \"m/a\"\n" + value}},
       {d + "force/properties/drag", {one_body + "[[force]]\nbody = \"m/a\"\ndrag = { " + value + " }"}},
+      {d + "coupling", {one_body + "[[coupling]]\njoint = \"m/a\"\nfollows = \"m/a\"\nstiffness = 1\n" + value}},
+      {d + "mechanism/properties/mimic", {head + "mimic = { stiffness = 1, " + value + " }\n" + one_body.substr(head.size())}},
       {d + "event", {event(value)}},
       {d + "when", {event("when = { " + value + " }")}},
       {d + "when/properties/reaction", {event("when = { reaction = { " + value + " } }")}},

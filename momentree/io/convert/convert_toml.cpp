@@ -68,11 +68,18 @@ class Converter {
   Converter(const Scenario& scenario, std::string folder) : scenario_(scenario), folder_(std::move(folder)) {
     from_ = fs::path(scenario.path).parent_path().string();
     bodies_ = by_mechanism(scenario.model);
+    for (const Value& mechanism : *scenario.document->find("mechanism")->value.array())
+      mimics_ = mimics_ || (mechanism.find("mimic") && !scenario.couplings.empty());
   }
 
   Converted convert() {
     Value::Table document;
-    for (const char* key : {"format", "title", "state", "world", "mechanism", "force", "event", "integrate", "output"}) {
+    for (const char* key :
+         {"format", "title", "state", "world", "mechanism", "force", "coupling", "event", "integrate", "output"}) {
+      if (mimics_ && std::string_view(key) == "coupling") {
+        add(document, key, couplings());
+        continue;
+      }
       const Value::Entry* entry = scenario_.document->find(key);
       if (!entry) continue;
       Value value = entry->value;
@@ -117,6 +124,22 @@ class Converter {
       Value one = string_at(mechanism, "model") ? value(expanded(mechanism)) : kept(mechanism);
       explain_carriers(one);
       all.push_back(std::move(one));
+    }
+    return value(std::move(all));
+  }
+
+  // Joints of model files that follow others are coupled by tables, beside those that are there.
+  Value couplings() const {
+    Value::Array all;
+    for (const JointCoupling& each : scenario_.couplings) {
+      Value::Table table;
+      add(table, "joint", text(scenario_.model[each.joint].joint_name));
+      add(table, "follows", text(scenario_.model[each.leader].joint_name));
+      if (each.multiplier != 1) add(table, "multiplier", number(each.multiplier));
+      if (each.offset != 0) add(table, "offset", number(each.offset));
+      add(table, "stiffness", number(each.stiffness));
+      if (each.damping != 0) add(table, "damping", number(each.damping));
+      all.push_back(value(std::move(table)));
     }
     return value(std::move(all));
   }
@@ -172,6 +195,7 @@ class Converter {
   const Scenario& scenario_;
   std::string folder_, from_;
   std::unordered_map<std::string, std::vector<int>> bodies_;
+  bool mimics_ = false;
   LeftOut left_out_;
   std::vector<Diagnostic> diagnostics_;
 };

@@ -259,6 +259,7 @@ class Writer {
     std::string all;
     if (g.x != usual.x || g.y != usual.y || g.z != usual.z) all += ", its gravity";
     if (!model_.forces().empty()) all += ", " + std::to_string(model_.forces().size()) + " forces on bodies";
+    if (!scenario_.couplings.empty()) all += ", what couples its joints";
     if (!scenario_.events.empty()) all += ", its events";
     if (!scenario_.state_files.empty()) all += ", its state document";
     if (!all.empty()) say(Severity::warning, "a URDF is a model alone; left out: " + all.substr(2), "", {});

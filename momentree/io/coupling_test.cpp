@@ -1,0 +1,141 @@
+// Joints that follow others: against closed forms, and what is wrong with a coupling.
+#include <cmath>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <momentree/io/convert/convert.hpp>
+#include <momentree/io/coupling.hpp>
+#include <tests/bad_input.hpp>
+
+namespace momentree::io {
+namespace {
+
+using namespace bad_input;
+
+std::string wheel(const std::string& name, double inertia, const std::string& more = "") {
+  return "[[mechanism.body]]\nname = \"" + name + "\"\nmass = 1\ninertia = " + std::to_string(inertia) +
+         "\n[mechanism.body.joint]\nkind = \"revolute\"\naxis = [0, 0, 1]\n" + more + "\n";
+}
+const std::string two = "format = 1\n[[mechanism]]\nname = \"m\"\nroots = 2\n";
+const std::string wheels = two + wheel("a", 0.01, "v = 2") + wheel("b", 0.08);
+
+double q(const Simulation& run, int joint) { return run.world().joint({joint}).q[0]; }
+double p(const Simulation& run, int joint) { return run.world().joint({joint}).p[0]; }
+
+}  // namespace
+
+TEST_CASE("two coupled wheels swing about their gear as two masses on a spring do") {
+  const double m = -0.5, k = 500, inertia_a = 0.01, inertia_b = 0.08;
+  const ReadResult read = read_scenario_text(
+      wheels + "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\nmultiplier = -0.5\nstiffness = 500\n[integrate]\nstep = 1e-4\n",
+      "s.toml");
+  REQUIRE(read.scenario);
+  Simulation run(read.scenario->model, read.scenario->integration);
+  couple(run, read.scenario->couplings);
+  // e = b − m a: ë = −k (1/I_b + m²/I_a) e, and the momentum p_a + m p_b that no force of the spring changes.
+  const double w = std::sqrt(k * (1 / inertia_b + m * m / inertia_a)), rate = -m * 2;
+  for (const double t : {0.01, 0.1, 0.5}) {
+    REQUIRE(run.run_until(t) == Status::ok);
+    CAPTURE(t);
+    CHECK(q(run, 1) - m * q(run, 0) == doctest::Approx(rate / w * std::sin(w * t)).epsilon(0).scale(1).epsilon(1e-9));
+    CHECK(p(run, 0) + m * p(run, 1) == doctest::Approx(inertia_a * 2).epsilon(1e-13));
+  }
+  // A branch goes on alike, and a coupling ends with one of its joints.
+  run.at(0.5).then(break_joint("m/b"));
+  REQUIRE(run.run_until(0.501) == Status::ok);
+  const double left = p(run, 0);
+  REQUIRE(run.run_until(1) == Status::ok);
+  CHECK(p(run, 0) == left);
+}
+
+TEST_CASE("a damped coupling ends in step, and a locked leader holds what follows it") {
+  const ReadResult read = read_scenario_text(wheels +
+                                                 "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\nmultiplier = 2\noffset = "
+                                                 "\"90 deg\"\nstiffness = 5\ndamping = 0.5\n",
+                                             "s.toml");
+  REQUIRE(read.scenario);
+  CHECK(said(read).find("starts -1.571 rad from where it should follow 'm/a'") != std::string::npos);
+  Simulation run(read.scenario->model, read.scenario->integration);
+  couple(run, read.scenario->couplings);
+  run.at(1).then(lock("m/a"));
+  REQUIRE(run.run_until(1) == Status::ok);
+  const double held = q(run, 0);
+  REQUIRE(run.run_until(10) == Status::ok);
+  CHECK(q(run, 0) == held);
+  CHECK(q(run, 1) == doctest::Approx(2 * held + std::acos(0.0)).epsilon(1e-9));
+}
+
+TEST_CASE("several joints may follow one") {
+  const ReadResult read = read_scenario_text(two.substr(0, two.rfind("roots")) + "roots = 3\n" + wheel("a", 0.01, "v = 1") +
+                                                 wheel("b", 0.02) + wheel("c", 0.03) +
+                                                 "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\nstiffness = 300\n"
+                                                 "[[coupling]]\njoint = \"m/c\"\nfollows = \"m/a\"\nstiffness = 200\n",
+                                             "s.toml");
+  REQUIRE(read.scenario);
+  Simulation run(read.scenario->model, read.scenario->integration);
+  couple(run, read.scenario->couplings);
+  REQUIRE(run.run_until(1) == Status::ok);
+  CHECK(p(run, 0) + p(run, 1) + p(run, 2) == doctest::Approx(0.01).epsilon(1e-12));
+  CHECK(run.world().totals().kinetic < 0.5 * 0.01);  // the rest is in the springs
+}
+
+TEST_CASE("the Panda's second finger follows the first where the scenario says so") {
+  const ReadResult read = read_scenario(MOMENTREE_SOURCE_DIR "/scenarios/panda_lets_go.toml",
+                                        {"mechanism.panda.mimic={ stiffness = 2e4, damping = 20 }",
+                                         "mechanism.panda.state={ joints = { panda_finger_joint1 = 0.02 } }"});
+  CAPTURE(said(read));
+  REQUIRE(read.scenario);
+  CHECK(said(read).find("should follow") == std::string::npos);
+  REQUIRE(read.scenario->couplings.size() == 1);
+  const JointCoupling& pair = read.scenario->couplings[0];
+  const Model& model = read.scenario->model;
+  CHECK(model[pair.joint].joint_name == "panda/panda_finger_joint2");
+  CHECK(model[pair.joint].q[0] == 0.02);  // it starts behind its leader
+
+  Simulation coupled(model, read.scenario->integration), alone(model, read.scenario->integration);
+  couple(coupled, read.scenario->couplings);
+  const auto apart = [&](Simulation& run) {
+    const Status status = run.run_until(0.2);
+    REQUIRE_MESSAGE(status == Status::ok, run.message());
+    return std::abs(q(run, pair.joint.index) - q(run, pair.leader.index));
+  };
+  CHECK(apart(coupled) < 1e-4);
+  CHECK(apart(alone) > 10 * apart(coupled));
+
+  // Written as a scenario it is a coupling like any other.
+  const ReadResult again = read_scenario_text(to_toml(*read.scenario, ".").text, "panda.toml");
+  CAPTURE(said(again));
+  REQUIRE(again.scenario);
+  REQUIRE(again.scenario->couplings.size() == 1);
+  const JointCoupling& same = again.scenario->couplings[0];
+  CHECK(again.scenario->model[same.joint].joint_name == "panda/panda_finger_joint2");
+  CHECK(same.stiffness == 2e4);
+  CHECK(same.damping == 20);
+  CHECK(same.multiplier == pair.multiplier);
+}
+
+TEST_CASE("what is wrong with a coupling is told at its place") {
+  const auto refused = [](const std::string& text, const std::string& message) {
+    CAPTURE(text);
+    const std::string words = said(read_scenario_text(text, "s.toml"));
+    CHECK_MESSAGE(words.find(message) != std::string::npos, words);
+  };
+  const std::string coupling = wheels + "[[coupling]]\n";
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\n", "[[coupling]] has no 'stiffness'");
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\nstiffness = 0\n", "stiffness");
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/b\"\nstiffness = 1\n", "a joint can't follow itself");
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/aa\"\nstiffness = 1\n", "there is no joint 'm/aa'; did you mean 'm/a'?");
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\nstiffness = \"1 N\"\n", "stiffness");
+  refused(coupling +
+              "joint = \"m/b\"\nfollows = \"m/a\"\nstiffness = 1\n[[event]]\nat = 1\nchange = { joint = \"m/a\", kind = "
+              "\"prismatic\" }\n",
+          "change: joint 'm/a' is coupled to another");
+  refused(two + wheel("a", 1, "drive = { motion = { sine = { amplitude = 1, frequency = 1 } } }") + wheel("b", 1) +
+              "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\nstiffness = 1\n",
+          "the motion of joint 'm/a' is prescribed");
+  refused(one_body + "[[mechanism]]\nname = \"n\"\nmimic = { stiffness = 1 }\n[[mechanism.body]]\nname = \"x\"\nmass = 1\n",
+          "mimic: only a model has joints that follow others");
+}
+
+}  // namespace momentree::io

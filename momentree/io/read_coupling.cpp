@@ -1,0 +1,102 @@
+// [[coupling]]: a joint that follows another by a spring; and `mimic` of a mechanism, which has a model's joints do so.
+#include <cmath>
+#include <cstdio>
+
+#include <momentree/io/read_action.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+/// The joint of a name, if it has one freedom and may be driven; else −1, and a report.
+Body coupled_joint(const Value& value, const char* key, Reading& reading) {
+  Diagnostics& out = reading.out;
+  const auto name = read_string(value, key, out);
+  if (!name || reading.opaque.contains(mechanism_of(*name))) return {-1};
+  if (!reading.joints.contains(*name)) {
+    out.error(value.place, std::string(key) + ": there is no joint " + in_quotes(*name), reading.suggest(*name, reading.joints));
+    return {-1};
+  }
+  const auto body = reading.body_of_joint.find(*name);
+  const std::string& carried = body == reading.body_of_joint.end() ? *name : body->second;
+  const Model& model = reading.scenario.model;
+  if (!model.has_body(carried)) return {-1};  // of a mechanism that was refused
+  const Body joint = model.body(carried);
+  const JointSpec& spec = model[joint].joint;
+  if (info(spec.kind).nv != 1) {
+    out.error(value.place,
+              std::string(key) + ": joint " + in_quotes(*name) + " is " + std::string(info(spec.kind).name) +
+                  ", and not one of one freedom",
+              "couple revolute, prismatic and helical joints");
+    return {-1};
+  }
+  if (spec.parameters.drive && spec.parameters.drive->moves()) {
+    out.error(value.place, std::string(key) + ": the motion of joint " + in_quotes(*name) + " is prescribed",
+              "drive it by position control: drive = { pd = { … } }");
+    return {-1};
+  }
+  return joint;
+}
+
+}  // namespace
+
+CouplingSpring read_coupling_spring(Fields& fields, bool slides) {
+  const Dimension effort = slides ? dimension::force : dimension::torque, way = slides ? dimension::length : dimension::angle;
+  CouplingSpring spring;
+  fields.require("stiffness", "of the spring by which one joint follows the other: stiffness = 1e4");
+  spring.stiffness = fields.positive("stiffness", effort / way).value_or(0);
+  spring.damping = fields.not_negative("damping", effort * dimension::time / way).value_or(0);
+  return spring;
+}
+
+void add_coupling(const JointCoupling& coupling, Place place, Reading& reading) {
+  const Model& model = reading.scenario.model;
+  const BodySpec &joint = model[coupling.joint], &leader = model[coupling.leader];
+  const double apart = joint.q[0] - coupling.multiplier * leader.q[0] - coupling.offset;
+  const double size = std::abs(joint.q[0]) + std::abs(coupling.multiplier * leader.q[0]) + std::abs(coupling.offset);
+  if (std::abs(apart) > 1e-9 * size + 1e-12) {
+    char text[160];
+    std::snprintf(text, sizeof text, " starts %.4g %s from where it should follow ", apart,
+                  joint.joint.kind == Kind::prismatic ? "m" : "rad");
+    reading.out.warning(place, "joint " + in_quotes(joint.joint_name) + text + in_quotes(leader.joint_name),
+                        "the spring pulls it there from the start");
+  }
+  reading.scenario.couplings.push_back(coupling);
+}
+
+void read_coupling(const Value& table, Reading& reading) {
+  Diagnostics& out = reading.out;
+  Fields fields(table, "[[coupling]]", out);
+  const Value* joint_value = fields.require("joint", "the joint that follows, for example \"hand/finger2\"");
+  const Value* leader_value = fields.require("follows", "the joint that leads, for example \"hand/finger1\"");
+  const std::size_t errors = out.errors();
+  const Body joint = joint_value ? coupled_joint(*joint_value, "joint", reading) : Body{-1};
+  const Body leader = leader_value ? coupled_joint(*leader_value, "follows", reading) : Body{-1};
+  const bool slides = joint.index >= 0 && reading.scenario.model[joint].joint.kind == Kind::prismatic;
+  JointCoupling coupling;
+  coupling.multiplier = fields.number("multiplier", dimension::number).value_or(1);
+  coupling.offset = fields.number("offset", slides ? dimension::length : dimension::angle).value_or(0);
+  const CouplingSpring spring = read_coupling_spring(fields, slides);
+  fields.finish();
+  if (joint.index >= 0 && joint == leader)
+    out.error(leader_value->place, "follows: a joint can't follow itself", "name another one of the same world");
+  if (errors != out.errors() || joint.index < 0 || leader.index < 0) return;
+  coupling.joint = joint, coupling.leader = leader;
+  coupling.stiffness = spring.stiffness, coupling.damping = spring.damping;
+  add_coupling(coupling, fields.place(), reading);
+}
+
+void check_couplings(Reading& reading) {
+  const Model& model = reading.scenario.model;
+  for (const Reading::JointUse& use : reading.joint_uses) {
+    if (use.key != "change") continue;
+    for (const JointCoupling& each : reading.scenario.couplings)
+      if (model[each.joint].joint_name == use.name || model[each.leader].joint_name == use.name) {
+        reading.out.error(use.place, "change: joint " + in_quotes(use.name) + " is coupled to another",
+                          "coupled joints may break, lock and come free, but not become others");
+        break;
+      }
+  }
+}
+
+}  // namespace momentree::io
