@@ -61,6 +61,14 @@ struct ViewOptions {
 };
 int view(const ViewOptions& options);
 
+struct PlayOptions {
+  std::string source;  ///< empty: the playground's own gallery
+  std::vector<std::string> overrides;
+  int port = 0;  ///< 0: any that is free
+  bool no_browser = false;
+};
+int play(const PlayOptions& options);
+
 struct BenchOptions {
   bool json = false;
   double budget = 0.15;  ///< s for each figure

@@ -22,6 +22,7 @@ struct CommandLine {
   CommandLine();
   CLI::App* command(const char* name, const char* does, std::function<int()> action);
   void overrides(CLI::App* command, std::vector<std::string>& values);
+  void served(CLI::App* command, int& port, bool& no_browser);
   void not_yet(const char* name, const char* does);
   /// Throws Error for arguments that no option takes.
   void require_known_arguments() const;
@@ -34,6 +35,7 @@ struct CommandLine {
   ConvertOptions convert_options;
   CompileOptions compile_options;
   ViewOptions view_options;
+  PlayOptions play_options;
   BenchOptions bench_options;
   std::vector<std::pair<CLI::App*, std::function<int()>>> commands;
   std::vector<const CLI::App*> without_code;  ///< they take any arguments
@@ -54,6 +56,11 @@ void CommandLine::overrides(CLI::App* sub, std::vector<std::string>& values) {
       ->take_all();
 }
 
+void CommandLine::served(CLI::App* sub, int& port, bool& no_browser) {
+  sub->add_option("--port", port, "Of 127.0.0.1; default: any that is free")->type_name("N")->check(CLI::Range(0, 65535));
+  sub->add_flag("--no-browser", no_browser, "Print the address and open nothing");
+}
+
 // Commands of the interface that have no code yet are named, so that nobody looks for a slip of the pen.
 void CommandLine::not_yet(const char* name, const char* does) {
   CLI::App* sub = command(name, (std::string(does) + " (not supported yet)").c_str(), [name]() -> int {
@@ -69,7 +76,7 @@ CommandLine::CommandLine() {
   app.allow_extras();
 
   CLI::App* run_command = command("run", "Run a scenario or a model and write the results", [this] { return run(run_options); });
-  run_command->add_option("scenario", run_options.scenario, "A scenario (.toml) or a model (.urdf, .xml)")
+  run_command->add_option("scenario", run_options.scenario, "A scenario (.toml) or a model (.urdf, .sdf, .xml)")
       ->required()
       ->type_name("SCENARIO|MODEL");
   run_command->add_option("--out", run_options.out, "Where the results go; default results/ and the scenario's name")
@@ -90,14 +97,14 @@ CommandLine::CommandLine() {
 
   CLI::App* check_command =
       command("check", "Say what is wrong with scenarios and models, as file:line:col", [this] { return check(check_options); });
-  check_command->add_option("files", check_options.files, "Scenarios (.toml) or models (.urdf, .xml)")
+  check_command->add_option("files", check_options.files, "Scenarios (.toml) or models (.urdf, .sdf, .xml)")
       ->required()
       ->type_name("FILE");
   check_command->add_flag("--json", check_options.json, "Print one JSON document and nothing else: problems for an editor");
 
   CLI::App* evaluate_command = command("evaluate", "Evaluate a scenario or a model once, at its start or at a state",
                                        [this] { return evaluate(evaluate_options); });
-  evaluate_command->add_option("scenario", evaluate_options.scenario, "A scenario (.toml) or a model (.urdf, .xml)")
+  evaluate_command->add_option("scenario", evaluate_options.scenario, "A scenario (.toml) or a model (.urdf, .sdf, .xml)")
       ->required()
       ->type_name("SCENARIO|MODEL");
   evaluate_command->add_option("--state", evaluate_options.state, "A state document, such as the final.json of a run")
@@ -107,14 +114,14 @@ CommandLine::CommandLine() {
 
   CLI::App* explain_command = command("explain", "Draw the tree in the terminal, with masses and degrees of freedom",
                                       [this] { return explain(explain_options); });
-  explain_command->add_option("scenario", explain_options.scenario, "A scenario (.toml) or a model (.urdf, .xml)")
+  explain_command->add_option("scenario", explain_options.scenario, "A scenario (.toml) or a model (.urdf, .sdf, .xml)")
       ->required()
       ->type_name("SCENARIO|MODEL");
   overrides(explain_command, explain_options.overrides);
 
   CLI::App* convert_command = command("convert", "Write a scenario or a model as a scenario (.toml) or a model (.urdf)",
                                       [this] { return convert(convert_options); });
-  convert_command->add_option("source", convert_options.source, "A scenario (.toml) or a model (.urdf, .xml)")
+  convert_command->add_option("source", convert_options.source, "A scenario (.toml) or a model (.urdf, .sdf, .xml)")
       ->required()
       ->type_name("SCENARIO|MODEL");
   convert_command->add_option("-o,--out", convert_options.out, "The file to write: .toml or .urdf; - is TOML on standard output")
@@ -152,10 +159,14 @@ CommandLine::CommandLine() {
                    "overlay: all frames in one picture; multiples: one beside the other; default overlay")
       ->type_name("LAYOUT");
 
-  view_command->add_option("--port", view_options.port, "Of 127.0.0.1; default: any that is free")
-      ->type_name("N")
-      ->check(CLI::Range(0, 65535));
-  view_command->add_flag("--no-browser", view_options.no_browser, "Print the address and open nothing");
+  served(view_command, view_options.port, view_options.no_browser);
+
+  CLI::App* play_command = command("play", "Play with a scenario or a model in the browser: cut, lock, weld, throw",
+                                   [this] { return play(play_options); });
+  play_command->add_option("source", play_options.source, "A scenario (.toml) or a model (.urdf, .sdf, .xml); default: a gallery")
+      ->type_name("SCENARIO|MODEL");
+  overrides(play_command, play_options.overrides);
+  served(play_command, play_options.port, play_options.no_browser);
 
   CLI::App* bench_command =
       command("bench", "Measure this machine on the tables of the paper", [this] { return bench(bench_options); });

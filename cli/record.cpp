@@ -27,13 +27,13 @@ TemporaryFolder::~TemporaryFolder() {
   fs::remove_all(path_, ignored);
 }
 
-Recorded record(const io::Scenario& scenario, const std::string& folder, double until) {
+Recorded record(const io::Scenario& scenario, const std::string& folder, double until, Purpose purpose) {
   Session session(scenario);
   session.schedule();
   Simulation& simulation = session.simulation();
   const double start = simulation.time();
-  io::Recorder recorder(scenario.model, session.joints(), scenario.output_every, folder, true);
-  recorder.record_energy(simulation);
+  io::Recorder recorder(scenario.model, session.joints(), scenario.output_every, folder, purpose == Purpose::report);
+  if (purpose == Purpose::report) recorder.record_energy(simulation);
   Progress progress(start, until, errors_on_terminal());
   const InterruptGuard guard;
   simulation.observe(scenario.output_every, [&](const World& world) { return recorder.observe(world); });

@@ -25,7 +25,10 @@ struct Recorded {
   int code = 0;        ///< exit code of the run; what went wrong has been said
 };
 
-/// Runs a scenario into a folder, with the reactions of joints. `until`: only so far (s).
-Recorded record(const io::Scenario& scenario, const std::string& folder, double until);
+/// What a picture needs, or all that the report shows: with the reactions of joints and the energy.
+enum class Purpose { picture, report };
+
+/// Runs a scenario into a folder. `until`: only so far (s).
+Recorded record(const io::Scenario& scenario, const std::string& folder, double until, Purpose purpose);
 
 }  // namespace momentree::cli

@@ -11,6 +11,7 @@
 #include <cli/session.hpp>
 #include <momentree/generate/kernel_cache.hpp>
 #include <momentree/io/model_json.hpp>
+#include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
 #include <momentree/io/results.hpp>
 

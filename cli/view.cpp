@@ -9,6 +9,7 @@
 #include <cli/serve.hpp>
 #include <cli/session.hpp>
 #include <momentree/io/model/model_file.hpp>
+#include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
 #include <momentree/io/svg.hpp>
 
@@ -32,7 +33,7 @@ int draw(const ViewOptions& options) {
     const std::optional<io::Scenario> scenario = load(options.source, {});
     if (!scenario) return bad_input;
     const TemporaryFolder folder;
-    const Recorded recorded = record(*scenario, folder.result(), scenario->until);
+    const Recorded recorded = record(*scenario, folder.result(), scenario->until, Purpose::picture);
     if (recorded.code != done) return recorded.code;
     io::write_svg(recorded.folder, options.svg, picture);
   }
@@ -49,7 +50,7 @@ std::optional<std::string> data_of(const std::string& source, int& code) {
   if (!scenario) return std::nullopt;
   const bool pose = io::is_model(scenario->path, scenario->text);
   const TemporaryFolder folder;
-  const Recorded recorded = record(*scenario, folder.result(), pose ? 0 : scenario->until);
+  const Recorded recorded = record(*scenario, folder.result(), pose ? 0 : scenario->until, Purpose::report);
   code = recorded.code;
   if (code == interrupted) return std::nullopt;
   return io::report_data(recorded.folder, {.pose = pose});

@@ -1,28 +1,32 @@
-# The built page of web/ as bytes of the program: neither Node nor a browser is needed to build it.
-# momentree_page(OUTPUT): sets OUTPUT to the name of a source that defines momentree::cli::report_html().
-# As a script: cmake -DPAGE=… -DSOURCE=… -P Page.cmake writes that source.
+# The built pages of web/ as bytes of the program: neither Node nor a browser is needed to build it.
+# momentree_pages(OUTPUT PAGE…): sets OUTPUT to sources that define momentree::cli::PAGE_html() for each web/dist/PAGE.html.
+# As a script: cmake -DNAME=… -DPAGE=… -DSOURCE=… -P Page.cmake writes such a source.
 if(CMAKE_SCRIPT_MODE_FILE)
   file(READ "${PAGE}" bytes HEX)
-  string(REGEX REPLACE "(................................)" "\\1\n" bytes "${bytes}")
-  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
+  string(REGEX REPLACE "(................................................................)" "\\1\"\n\"" bytes "${bytes}")
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "\\\\x\\1" bytes "${bytes}")
   file(WRITE "${SOURCE}" "// Generated from ${PAGE}.
 #include <cli/page.hpp>
 
-namespace {
-const unsigned char page[] = {
-${bytes}};
+std::string_view momentree::cli::${NAME}_html() {
+  static constexpr char page[] =
+\"${bytes}\";
+  return {page, sizeof page - 1};
 }
-
-std::string_view momentree::cli::report_html() { return {reinterpret_cast<const char*>(page), sizeof page}; }
 ")
   return()
 endif()
 
-function(momentree_page output)
-  set(page "${PROJECT_SOURCE_DIR}/web/dist/report.html")
-  set(source "${PROJECT_BINARY_DIR}/generated/cli/report_html.cpp")
-  add_custom_command(OUTPUT "${source}"
-    COMMAND "${CMAKE_COMMAND}" "-DPAGE=${page}" "-DSOURCE=${source}" -P "${PROJECT_SOURCE_DIR}/cmake/Page.cmake"
-    DEPENDS "${page}" "${PROJECT_SOURCE_DIR}/cmake/Page.cmake" COMMENT "Putting the report's page into the program" VERBATIM)
-  set(${output} "${source}" PARENT_SCOPE)
+function(momentree_pages output)
+  set(sources)
+  foreach(name IN LISTS ARGN)
+    set(page "${PROJECT_SOURCE_DIR}/web/dist/${name}.html")
+    set(source "${PROJECT_BINARY_DIR}/generated/cli/${name}_html.cpp")
+    add_custom_command(OUTPUT "${source}"
+      COMMAND "${CMAKE_COMMAND}" "-DNAME=${name}" "-DPAGE=${page}" "-DSOURCE=${source}" -P "${PROJECT_SOURCE_DIR}/cmake/Page.cmake"
+      DEPENDS "${page}" "${PROJECT_SOURCE_DIR}/cmake/Page.cmake" COMMENT "Putting the page ${name} into the program" VERBATIM)
+    list(APPEND sources "${source}")
+  endforeach()
+  set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS -Wno-overlength-strings)
+  set(${output} ${sources} PARENT_SCOPE)
 endfunction()

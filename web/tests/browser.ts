@@ -32,6 +32,23 @@ export function launch(): Promise<Browser> {
   return chromium.launch({ executablePath, args });
 }
 
+/** What the playground tells programs. */
+interface App {
+  run: { frames: number; last: { time: number; totals: Totals } } | null;
+  topology: { joints: { child: number; kind: string; locked: number; name: string }[]; mechanisms: unknown[] };
+  playing: boolean;
+}
+interface Totals {
+  kinetic: number;
+  linear: number[];
+  angular: number[];
+}
+declare global {
+  interface Window {
+    playground: { app: App; placeOf(child: number): { x: number; y: number } };
+  }
+}
+
 export interface View {
   readonly width: number;
   readonly height: number;

@@ -17,22 +17,6 @@ afterEach(async () => {
 /** Machines that draw by the processor, while they do other things, take their time. */
 const patience = { timeout: 20_000 };
 
-interface App {
-  run: { frames: number; last: { time: number; totals: Totals } } | null;
-  topology: { joints: { child: number; kind: string; locked: number; name: string }[]; mechanisms: unknown[] };
-  playing: boolean;
-}
-interface Totals {
-  kinetic: number;
-  linear: number[];
-  angular: number[];
-}
-declare global {
-  interface Window {
-    playground: { app: App; placeOf(child: number): { x: number; y: number } };
-  }
-}
-
 const three = `format = 1
 title = "Three links"
 [world]
@@ -147,6 +131,11 @@ test("a broken scenario shows its errors at their lines, and the world stays", a
   await load(page, three);
   await page.getByRole("tab", { name: "Scenario" }).click();
   const area = page.getByRole("textbox", { name: "Scenario (TOML)" });
+  await area.fill(three.replace("links =", "lynks ="));
+  // While one types, and when it is to be run.
+  await expect.poll(() => page.getByLabel("Problems").innerText(), patience).toContain("did you mean 'links'?");
+  await area.fill(three.replace("mass = 0.5", "mass = -0.5"));
+  await expect.poll(() => page.getByLabel("Problems").innerText(), patience).toContain("mass");
   await area.fill(three.replace("links =", "lynks ="));
   await area.press("Control+Enter");
   await expect.poll(() => page.getByLabel("Problems").innerText(), patience).toContain("did you mean 'links'?");

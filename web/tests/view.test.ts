@@ -1,4 +1,4 @@
-// `momentree view`: the page from 127.0.0.1, for this machine's browser alone.
+// `momentree view` and `play`: pages from 127.0.0.1, for this machine's browser alone.
 import { spawn, type ChildProcess } from "node:child_process";
 import { request, type IncomingMessage } from "node:http";
 import type { Browser } from "playwright-core";
@@ -13,12 +13,15 @@ beforeAll(async () => {
 afterAll(() => browser?.close());
 afterEach(() => server?.kill("SIGKILL"));
 
-/** Starts it; its address. */
-function view(...what: string[]): Promise<string> {
-  const child = spawn(program, ["view", ...what, "--no-browser"], { stdio: ["ignore", "pipe", "ignore"] });
+const view = (...what: string[]) => serving("view", ...what);
+
+/** Starts a command; its address. */
+function serving(...what: string[]): Promise<string> {
+  const child = spawn(program, [...what, "--no-browser"], { stdio: ["ignore", "pipe", "ignore"] });
   server = child;
   return new Promise((told, failed) => {
     child.stdout.on("data", (text: Buffer) => told(text.toString().trim()));
+    child.on("error", failed);
     child.on("exit", (code) => failed(new Error(`it ended with ${code}`)));
   });
 }
@@ -89,4 +92,16 @@ it("shows a model with a slider for each freedom, which move it", async () => {
   expect((await page.locator(".stage canvas").screenshot()).equals(before)).toBe(true);
   expect(complaints).toEqual([]);
   await page.context().close();
+});
+
+it("plays with a model, as changed by --set, in the playground", async () => {
+  const address = await serving("play", scenario("models/panda/panda.urdf"), "--set", "mechanism.panda.limits=false");
+  const { page, complaints } = await open(browser, address);
+  await page.waitForFunction(() => Boolean(window.playground?.app.run));
+  expect(await page.getByLabel("Joint", { exact: true }).locator("option").allInnerTexts()).toContain("panda/panda_joint2");
+  await page.getByRole("button", { name: "Play", exact: true }).click();
+  await page.waitForFunction(() => window.playground.app.run!.last.time > 0.1);
+  await keep(page, "playground-model");
+  expect(complaints).toEqual([]);
+  expect(await ended()).toBe(0);
 });

@@ -6,13 +6,13 @@
 #include <optional>
 #include <span>
 
-#include <momentree/base/check.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/io/json_document.hpp>
 #include <momentree/io/json_writer.hpp>
 #include <momentree/io/picture/recording.hpp>
 #include <momentree/io/report/base64.hpp>
 #include <momentree/io/report/number_table.hpp>
+#include <momentree/io/report/page.hpp>
 #include <momentree/io/text_file.hpp>
 
 namespace momentree::io {
@@ -205,34 +205,7 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   if (energy) write_table(json, text, "energy", *energy, rows, true);
   json.end_object();
 
-  std::string safe;  // no name may end the element that the data stand in: '<' is in strings alone
-  safe.reserve(text.size());
-  for (const char c : text)
-    if (c == '<')
-      safe += "\\u003c";
-    else
-      safe += c;
-  return safe;
-}
-
-std::string report_page(std::string_view page, std::string_view data) {
-  constexpr std::string_view begin = "<script type=\"application/json\" id=\"recording\">";
-  const std::size_t at = page.find(begin);
-  MT_REQUIRE(at != std::string_view::npos, "a page with a place for data");
-  std::string whole;
-  whole.reserve(page.size() + data.size());
-  whole += page.substr(0, at + begin.size());
-  whole += data;
-  whole += page.substr(at + begin.size());
-  return whole;
-}
-
-std::string content_policy(std::string_view page) {
-  constexpr std::string_view begin = "<meta http-equiv=\"Content-Security-Policy\" content=\"";
-  const std::size_t at = page.find(begin);
-  MT_REQUIRE(at != std::string_view::npos, "a page with a content policy");
-  page.remove_prefix(at + begin.size());
-  return std::string(page.substr(0, page.find('"')));
+  return json_for_page(text);
 }
 
 }  // namespace momentree::io

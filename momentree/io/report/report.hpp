@@ -1,8 +1,7 @@
 #pragma once
-// A result directory as the data of a page that shows it, and the page with its data: one file that needs nothing else.
+// A result directory as the data of the page that shows it.
 #include <filesystem>
 #include <string>
-#include <string_view>
 
 namespace momentree::io {
 
@@ -19,11 +18,5 @@ struct ReportOptions {
 /// whose poses are no numbers on (a run that diverged) are left out.
 /// Throws Error, with file and line, where the directory lacks model.json or bodies.csv, or a file is not as it was written.
 std::string report_data(const std::filesystem::path& directory, const ReportOptions& options = {});
-
-/// `page` with `data` in the place that it keeps for them.
-std::string report_page(std::string_view page, std::string_view data);
-
-/// The content policy that the page itself states: for a server that says the same.
-std::string content_policy(std::string_view page);
 
 }  // namespace momentree::io

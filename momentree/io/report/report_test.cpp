@@ -145,14 +145,5 @@ TEST_CASE("a run that diverged is shown as far as it has numbers; what is not wh
   CHECK(test::error_of([&] { report_data(folder / "none"); }).find("no such directory") != std::string::npos);
 }
 
-TEST_CASE("data go into the place that a page keeps for them") {
-  const std::string page =
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'\" />"
-      "<script type=\"application/json\" id=\"recording\"></script>";
-  CHECK(content_policy(page) == "default-src 'none'");
-  const std::string whole = report_page(page, "{\"a\": 1}");
-  CHECK(whole.ends_with("id=\"recording\">{\"a\": 1}</script>"));
-}
-
 }  // namespace
 }  // namespace momentree::io

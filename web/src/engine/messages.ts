@@ -10,6 +10,8 @@ export type Act =
 export type ToWorker =
   | { say: "module"; bytes: ArrayBuffer }
   | { say: "load"; text: string }
+  /** What is wrong with a text; the world stays. */
+  | { say: "check"; text: string }
   | { say: "play"; on: boolean }
   | { say: "speed"; factor: number }
   | { say: "act"; act: Act }
@@ -44,6 +46,7 @@ export type FromWorker =
       topology: Topology | null;
       frame: Frame | null;
     }
+  | { say: "checked"; diagnostics: readonly Diagnostic[] }
   | { say: "frame"; frame: Frame; seconds: number }
   | { say: "topology"; time: number; topology: Topology }
   | { say: "events"; events: Record<string, unknown>[] }

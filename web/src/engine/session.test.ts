@@ -120,4 +120,19 @@ describe("a session", () => {
     play(6);
     expect(run!.last.time).toBeGreaterThan(0.05);
   });
+
+  it("tells what is wrong with a text without running it", () => {
+    play(6);
+    const { frames } = run!;
+    const checked = (text: string) => {
+      session.hear({ say: "check", text });
+      const last = said[said.length - 1];
+      return last.say === "checked" ? last.diagnostics : null;
+    };
+    expect(checked(chain.replace("links", "lynks"))?.map(({ line }) => line)).toEqual([6, 7]);
+    expect(checked(chain)).toEqual([]);
+    expect(run!.frames).toBe(frames);
+    play(6);
+    expect(run!.last.time).toBeGreaterThan(0.15);
+  });
 });

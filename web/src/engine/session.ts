@@ -50,6 +50,8 @@ export class Session {
         return;
       case "load":
         return this.load(message.text);
+      case "check":
+        return this.check(message.text);
       case "play":
         this.playing = message.on;
         this.owed = 0;
@@ -120,6 +122,13 @@ export class Session {
     this.keep();
     const topology = this.world.topology();
     this.tell({ say: "loaded", diagnostics, scenario, model: this.world.model(), topology, frame: this.frame() });
+  }
+
+  private check(text: string) {
+    const other = this.engine.world();
+    const { diagnostics } = other.load(text);
+    other.destroy();
+    this.tell({ say: "checked", diagnostics });
   }
 
   private act(act: Act): Outcome {

@@ -2,9 +2,10 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Column, Recording } from "../recording";
-import { seriesColour, type Theme } from "../viewer/colours";
+import type { Theme } from "../viewer/colours";
 import { frameAt } from "../viewer/frames";
 import type { Player } from "../viewer/player";
+import { axesOf, curvesOf, fillLegend } from "./curves";
 import { h } from "./dom";
 import { digits } from "./numbers";
 
@@ -63,33 +64,14 @@ export class Plot {
     const data = columns.map((column) => Array.from(column.values, (value) => (Number.isFinite(value) ? value : null)));
     this.chart = new uPlot(this.options(theme, width, height), [times, ...data] as uPlot.AlignedData, this.element);
     this.chart.over.append(this.cursor);
-    this.values = columns.map((column, i) => {
-      const value = h("span", { class: "value" });
-      const swatch = h("span", { class: "swatch" });
-      swatch.style.background = seriesColour(theme, i);
-      this.legend.append(h("li", {}, swatch, column.label, value));
-      return value;
-    });
+    const labels = columns.map(({ label }) => label);
+    this.values = fillLegend(this.legend, theme, labels);
     const unit = columns[0].unit;
-    this.element.setAttribute(
-      "aria-label",
-      `${title}${unit ? ` in ${unit}` : ""} over time: ${columns.map((c) => c.label).join(", ")}`,
-    );
+    this.element.setAttribute("aria-label", `${title}${unit ? ` in ${unit}` : ""} over time: ${labels.join(", ")}`);
     this.follow();
   }
 
-  /** Has more numbers come? Then it shows them. */
-  refresh(columns: readonly Column[]) {
-    this.show(this.title, columns);
-  }
-
   private options(theme: Theme, width: number, height: number): uPlot.Options {
-    const axis = {
-      stroke: theme.ink,
-      font: "11px system-ui, sans-serif",
-      grid: { stroke: theme.grid, width: 1 },
-      ticks: { stroke: theme.grid, width: 1, size: 4 },
-    };
     return {
       width: Math.max(width, 50),
       height: Math.max(height, 50),
@@ -97,20 +79,11 @@ export class Plot {
       padding: [6, 18, 0, 0],
       scales: { x: { time: false } },
       cursor: { y: false, points: { size: 6 }, drag: { x: false, y: false }, sync: { key: "time" } },
-      axes: [
-        { ...axis, size: 24, gap: 2, values: (_u, ticks) => ticks.map((t) => `${digits(t)} s`) },
-        { ...axis, size: 58, gap: 2, space: 24, values: (_u, ticks) => ticks.map((t) => digits(t)) },
-      ],
-      series: [
-        {},
-        ...this.columns.map((column, i) => ({
-          label: column.label,
-          stroke: seriesColour(theme, i),
-          width: 1.6,
-          pxAlign: 0, // a slope has no stairs
-          points: { show: false },
-        })),
-      ],
+      axes: axesOf(theme),
+      series: curvesOf(
+        theme,
+        this.columns.map(({ label }) => label),
+      ),
       hooks: { ready: [(u) => this.listen(u)], drawClear: [(u) => this.drawEvents(u, theme)] },
     };
   }

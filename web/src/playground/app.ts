@@ -1,5 +1,5 @@
 // The playground: the engine's world in the worker, its recording here, and what the reader does to it.
-import type { Topology } from "../../../wasm/host.mjs";
+import type { Diagnostic, Topology } from "../../../wasm/host.mjs";
 import { LiveRecording } from "../engine/live";
 import type { Act, FromWorker, ToWorker } from "../engine/messages";
 import type { Body, Model } from "../recording";
@@ -23,6 +23,7 @@ export class App {
   private listeners: ((changed: Changed) => void)[] = [];
   private wanted: string | null = null;
   private ready = false;
+  onChecked: (diagnostics: readonly Diagnostic[]) => void = () => undefined;
   onDiagnostics: (message: Extract<FromWorker, { say: "loaded" }>) => void = () => undefined;
 
   constructor(
@@ -46,6 +47,10 @@ export class App {
   load(text: string) {
     this.wanted = text;
     if (this.ready) this.send({ say: "load", text });
+  }
+
+  check(text: string) {
+    if (this.ready) this.send({ say: "check", text });
   }
 
   get frame(): number {
@@ -116,6 +121,8 @@ export class App {
         this.looking = null;
         this.notice = "";
         return this.tell("world");
+      case "checked":
+        return this.onChecked(message.diagnostics);
       case "frame":
         if (!run) return;
         run.addFrame(message.frame);

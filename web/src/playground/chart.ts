@@ -2,9 +2,10 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { LiveRecording } from "../engine/live";
+import { axesOf, curvesOf, fillLegend } from "../panels/curves";
 import { h } from "../panels/dom";
 import { digits } from "../panels/numbers";
-import { seriesColour, type Theme } from "../viewer/colours";
+import type { Theme } from "../viewer/colours";
 import type { WorldTotals } from "../../../wasm/host.mjs";
 
 export interface Series {
@@ -35,12 +36,7 @@ export class Chart {
   }
 
   setTheme(theme: Theme) {
-    const axis = {
-      stroke: theme.ink,
-      font: "11px system-ui, sans-serif",
-      grid: { stroke: theme.grid, width: 1 },
-      ticks: { stroke: theme.grid, width: 1, size: 4 },
-    };
+    const labels = this.series.map(({ label }) => label);
     const data = this.chart?.data ?? ([[], ...this.series.map(() => [])] as uPlot.AlignedData);
     this.chart?.destroy();
     this.chart = new uPlot(
@@ -54,32 +50,13 @@ export class Chart {
           x: { time: false, range: (_u, from, to) => [from ?? 0, Math.max(to ?? 1, (from ?? 0) + 1)] },
           y: { range: (_u, low, high) => (low === high ? [low - 1, high + 1] : uPlot.rangeNum(low, high, 0.1, true)) },
         },
-        axes: [
-          { ...axis, size: 24, gap: 2, values: (_u, ticks) => ticks.map((t) => `${digits(t)} s`) },
-          { ...axis, size: 58, gap: 2, space: 24, values: (_u, ticks) => ticks.map((t) => digits(t)) },
-        ],
-        series: [
-          {},
-          ...this.series.map((each, i) => ({
-            label: each.label,
-            stroke: seriesColour(theme, i),
-            width: 1.6,
-            pxAlign: 0, // a slope has no stairs
-            points: { show: false },
-          })),
-        ],
+        axes: axesOf(theme),
+        series: curvesOf(theme, labels),
       },
       data,
       this.host,
     );
-    this.values = this.series.map(() => h("span", { class: "value" }));
-    this.legend.replaceChildren(
-      ...this.series.map((each, i) => {
-        const swatch = h("span", { class: "swatch" });
-        swatch.style.background = seriesColour(theme, i);
-        return h("li", {}, swatch, each.label, this.values[i]);
-      }),
-    );
+    this.values = fillLegend(this.legend, theme, labels);
   }
 
   /** Up to the frame that is shown. */

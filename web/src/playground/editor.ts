@@ -2,6 +2,9 @@
 import type { Diagnostic } from "../../../wasm/host.mjs";
 import { h } from "../panels/dom";
 
+/** Of who types, before it is checked (ms). */
+const pause = 350;
+
 export class Editor {
   readonly element = h("section", { class: "editor", "aria-label": "Scenario" });
   private readonly area = h("textarea", { spellcheck: "false", wrap: "off", "aria-label": "Scenario (TOML)" });
@@ -9,12 +12,21 @@ export class Editor {
   private readonly problems = h("ul", { class: "problems", "aria-live": "polite", "aria-label": "Problems" });
   private wrong = new Map<number, string>();
 
-  /** `run`: the text is to be made a world. */
-  constructor(private readonly run: (text: string) => void) {
+  private waiting = 0;
+
+  /** `run`: the text is to be made a world. `check`: who typed it paused; what is wrong goes to mark(). */
+  constructor(
+    private readonly run: (text: string) => void,
+    check: (text: string) => void,
+  ) {
     const start = h("button", { type: "button", title: "Ctrl+Enter", onclick: () => this.run(this.text) }, "Run this");
     const field = h("div", { class: "field" }, this.numbers, this.area);
     this.element.append(field, this.problems, h("div", { class: "buttons" }, start));
-    this.area.addEventListener("input", () => this.count());
+    this.area.addEventListener("input", () => {
+      this.count();
+      clearTimeout(this.waiting);
+      this.waiting = window.setTimeout(() => check(this.text), pause);
+    });
     this.area.addEventListener("scroll", () => (this.numbers.scrollTop = this.area.scrollTop));
     this.area.addEventListener("keydown", (event) => {
       if (event.key !== "Enter" || !(event.ctrlKey || event.metaKey)) return;
@@ -27,11 +39,21 @@ export class Editor {
     return this.area.value;
   }
   set text(text: string) {
+    clearTimeout(this.waiting);
     this.area.value = text;
-    this.show([]);
+    this.mark([]);
   }
 
+  /** What is wrong, with the first error in view. */
   show(diagnostics: readonly Diagnostic[]) {
+    clearTimeout(this.waiting);
+    this.mark(diagnostics);
+    const first = diagnostics.find((d) => d.severity === "error");
+    if (first) this.reveal(first.line);
+  }
+
+  /** What is wrong, in its place: who types is not moved away. */
+  mark(diagnostics: readonly Diagnostic[]) {
     this.wrong = new Map(diagnostics.map((d) => [d.line, d.severity]));
     const shown = diagnostics.filter((d) => d.severity !== "note");
     this.problems.replaceChildren(
@@ -42,7 +64,6 @@ export class Editor {
       }),
     );
     this.count();
-    if (shown.some((d) => d.severity === "error")) this.reveal(shown.find((d) => d.severity === "error")!.line);
   }
 
   private count() {

@@ -52,13 +52,17 @@ export function showPlayground(page: HTMLElement, app: App) {
     }
   });
 
-  const editor = new Editor((text) => start(text));
+  const editor = new Editor(
+    (text) => start(text),
+    (text) => app.check(text),
+  );
   const start = (text: string) => {
     app.play(false);
     if (editor.text !== text) editor.text = text;
     choice.value = gallery.find((example) => example.text === text)?.name ?? "";
     app.load(text);
   };
+  app.onChecked = (diagnostics) => editor.mark(diagnostics);
   app.onDiagnostics = ({ diagnostics }) => {
     editor.show(diagnostics);
     if (diagnostics.some(({ severity }) => severity === "error")) openTab("scenario");
@@ -141,7 +145,7 @@ export function showPlayground(page: HTMLElement, app: App) {
     { label: "z", of: (t) => t.linear[2] },
   ]);
   const readout = h("dl", { class: "readout", "aria-label": "Momentum" });
-  const plots = h("div", { class: "charts" }, energy.element, momentum.element, readout);
+  const plots = h("div", { class: "plots" }, energy.element, momentum.element, readout);
   const panel = h("div", { class: "controls" }, jointControls(app), sliders(app), happenings(app));
   const side = tabs("What to do", [
     { name: "Play", content: panel },

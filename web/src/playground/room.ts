@@ -12,6 +12,10 @@ export function roomOf(run: LiveRecording, frame: number, reach: (body: number) 
   const { bodies } = run.model;
   const { links } = phaseAt(run, run.time(frame));
   const inboard = new Map(links.map((link) => [link.child, link]));
+  const view = viewOf(run, reach);
+  const along = (["x", "y", "z"] as const).filter((axis) => Math.abs(view.direction[axis]) > 0.99);
+  // A box about a ball has corners that the ball has not: seen askew it is much wider.
+  const corners = along.length > 0 ? 1 : 0.65;
   const box = new THREE.Box3();
   const at = new THREE.Vector3();
   const include = (point: readonly number[], radius: number) => {
@@ -33,16 +37,14 @@ export function roomOf(run: LiveRecording, frame: number, reach: (body: number) 
       link = next;
     }
     // Long chains are seldom stretched out: half of it is room enough.
-    const share = 0.5 + 0.5 * Math.min(1, 6 / count);
+    const share = corners * (0.5 + 0.5 * Math.min(1, 4 / count));
     if (link && link.kind !== "free") include(pointOf(poses, link.child, link.childAt), share * length);
     else include(pointOf(poses, b, body.com), reach(b));
   });
-  const view = viewOf(run, reach);
   // What moves in a plane, seen along its normal, needs no depth.
-  for (const axis of ["x", "y", "z"] as const)
-    if (Math.abs(view.direction[axis]) > 0.99) {
-      box.min[axis] = view.box.min[axis];
-      box.max[axis] = view.box.max[axis];
-    }
+  for (const axis of along) {
+    box.min[axis] = view.box.min[axis];
+    box.max[axis] = view.box.max[axis];
+  }
   return { ...view, box, centre: box.getCenter(new THREE.Vector3()) };
 }

@@ -43,6 +43,7 @@ export class MechanismsView {
   private readonly rim = new THREE.MeshBasicMaterial({ transparent: true, depthTest: false });
   private readonly face = new THREE.MeshBasicMaterial({ transparent: true, depthTest: false });
   private readonly circle = new THREE.CircleGeometry(1, 32);
+  private readonly length: number;
   private readonly radius: number;
   /** By body the lines that its shapes do not show. */
   private readonly sticks: (readonly (readonly [Vec3, Vec3])[])[];
@@ -56,7 +57,8 @@ export class MechanismsView {
     shapes: ShapeLibrary,
     private readonly look: Look,
   ) {
-    this.radius = 0.045 * typicalLength(model);
+    this.length = typicalLength(model);
+    this.radius = 0.045 * this.length;
     this.sticks = model.bodies.map((body, b) => {
       const reach = 1.2 * shapes.reach(b);
       return body.extent.filter((line) => reach === 0 || line.some((end) => Math.hypot(...end) > reach));
@@ -131,7 +133,7 @@ export class MechanismsView {
       const own = this.look.joints ? this.jointColours.get(link.joint) : undefined;
       const at = vector(pointOf(poses, link.child, link.childAt));
       const body = colourOf(phase.mechanism[link.child]);
-      if (own) this.rods.ball(at, new THREE.Color(own), 2.2);
+      if (own) this.rods.ball(at, new THREE.Color(own), 2.2, null, 0.25 * this.length);
       else if (this.look.joints && link.kind !== "weld") this.rods.ball(at, ink, link.locked ? 1.1 : 1.35, body);
       else if (this.sticks[link.child].length > 0) this.rods.ball(at, body, 1); // fills the bend
     }

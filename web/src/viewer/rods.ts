@@ -72,6 +72,8 @@ interface Ball {
   readonly factor: number;
   /** Its colour where rods are as thin as can be seen: it then only fills the bend between two of them. */
   readonly thin: THREE.Color | null;
+  /** Radius from which on it would hide rods (m). */
+  readonly room: number;
 }
 
 /** Set the list of what there is when it changes; `fit` gives each its width before each drawing. */
@@ -98,8 +100,8 @@ export class Rods {
   }
 
   /** `factor`: of its radius to that of rods. */
-  ball(at: THREE.Vector3, colour: THREE.Color, factor: number, thin: THREE.Color | null = null) {
-    this.ballsPlaced.push({ at, colour, factor, thin });
+  ball(at: THREE.Vector3, colour: THREE.Color, factor: number, thin: THREE.Color | null = null, room = Infinity) {
+    this.ballsPlaced.push({ at, colour, factor, thin, room });
   }
 
   /** Radius: `radius` (m), or half of `pixels` where that is more. */
@@ -122,10 +124,11 @@ export class Rods {
     this.rods.end();
     this.balls.begin(this.ballsPlaced.length);
     turn.identity();
-    for (const { at, colour, factor, thin } of this.ballsPlaced) {
+    for (const { at, colour, factor, thin, room } of this.ballsPlaced) {
       const least = 0.5 * pixels * pixelSize(camera, height, at);
       const isThin = thin !== null && radius < least;
-      const r = (isThin ? 1 : factor) * Math.max(radius, least);
+      const rod = Math.max(radius, least);
+      const r = isThin ? rod : Math.max(Math.min(factor * rod, room), Math.min(factor, 1.15) * rod);
       this.balls.add(matrix.compose(at, turn, size.set(r, r, r)), isThin ? thin : colour);
     }
     this.balls.end();

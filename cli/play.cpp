@@ -1,0 +1,43 @@
+#include <optional>
+
+#include <cli/commands.hpp>
+#include <cli/page.hpp>
+#include <cli/serve.hpp>
+#include <cli/session.hpp>
+#include <momentree/base/error.hpp>
+#include <momentree/io/convert/convert.hpp>
+#include <momentree/io/report/page.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+bool has_models(const io::Scenario& scenario) {
+  if (const Value::Entry* mechanisms = scenario.document->find("mechanism"))
+    for (const Value& mechanism : *mechanisms->value.array())
+      if (mechanism.find("model")) return true;
+  return false;
+}
+
+/// A text that the playground's reader, which opens no files, makes the same world of.
+std::string text_of(const io::Scenario& scenario, const std::vector<std::string>& overrides) {
+  if (!scenario.state_files.empty())
+    fail({"the playground reads no state documents", scenario.path, "leave out 'state', or look at a run with `momentree view`"});
+  if (overrides.empty() && !has_models(scenario)) return scenario.text;
+  return io::to_toml(scenario, "").text;
+}
+
+}  // namespace
+
+int play(const PlayOptions& options) {
+  std::string page(playground_html());
+  if (options.source.empty() && !options.overrides.empty()) fail({"--set is for a scenario", "", "name the one that it changes"});
+  if (!options.source.empty()) {
+    const std::optional<io::Scenario> scenario = load(options.source, options.overrides, true);
+    if (!scenario) return bad_input;
+    page = io::playground_page(page, text_of(*scenario, options.overrides));
+  }
+  return serve({std::move(page), io::content_policy(playground_html())}, options.port, !options.no_browser);
+}
+
+}  // namespace momentree::cli

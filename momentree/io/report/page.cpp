@@ -1,0 +1,53 @@
+#include <momentree/io/report/page.hpp>
+
+#include <momentree/base/check.hpp>
+#include <momentree/io/json_writer.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+/// What stands in the page's element of JSON with that id is replaced.
+std::string with_data(std::string_view page, std::string_view id, std::string_view data) {
+  const std::string begin = "<script type=\"application/json\" id=\"" + std::string(id) + "\">";
+  const std::size_t at = page.find(begin);
+  const std::size_t end = at == std::string_view::npos ? at : page.find("</script>", at);
+  MT_REQUIRE(end != std::string_view::npos, "a page with a place for data");
+  std::string whole;
+  whole.reserve(page.size() + data.size());
+  whole += page.substr(0, at + begin.size());
+  whole += data;
+  whole += page.substr(end);
+  return whole;
+}
+
+}  // namespace
+
+std::string json_for_page(std::string_view json) {
+  std::string safe;
+  safe.reserve(json.size());
+  for (const char c : json)  // '<' is in strings alone
+    if (c == '<')
+      safe += "\\u003c";
+    else
+      safe += c;
+  return safe;
+}
+
+std::string report_page(std::string_view page, std::string_view data) { return with_data(page, "recording", data); }
+
+std::string playground_page(std::string_view page, std::string_view scenario) {
+  std::string text;
+  JsonWriter(text).value(scenario);
+  return with_data(page, "scenario", json_for_page(text));
+}
+
+std::string content_policy(std::string_view page) {
+  constexpr std::string_view begin = "<meta http-equiv=\"Content-Security-Policy\" content=\"";
+  const std::size_t at = page.find(begin);
+  MT_REQUIRE(at != std::string_view::npos, "a page with a content policy");
+  page.remove_prefix(at + begin.size());
+  return std::string(page.substr(0, page.find('"')));
+}
+
+}  // namespace momentree::io

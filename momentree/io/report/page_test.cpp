@@ -1,0 +1,25 @@
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <momentree/io/report/page.hpp>
+
+namespace momentree::io {
+namespace {
+
+const std::string head = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'\" />";
+
+TEST_CASE("data go into the place that a page keeps for them") {
+  const std::string page = head + "<script type=\"application/json\" id=\"recording\"></script>";
+  CHECK(content_policy(page) == "default-src 'none'");
+  CHECK(report_page(page, "{\"a\": 1}") == head + "<script type=\"application/json\" id=\"recording\">{\"a\": 1}</script>");
+}
+
+TEST_CASE("a scenario replaces what the playground would begin with, and can't end its element") {
+  const std::string page = head + "<script type=\"application/json\" id=\"scenario\">\n null\n</script></body>";
+  CHECK(playground_page(page, "title = \"</script>\"\n") ==
+        head + "<script type=\"application/json\" id=\"scenario\">\"title = \\\"\\u003c/script>\\\"\\u000a\"</script></body>");
+}
+
+}  // namespace
+}  // namespace momentree::io
