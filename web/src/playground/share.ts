@@ -7,8 +7,8 @@ const through = async (bytes: Uint8Array, stream: GenericTransformStream): Promi
   return new Uint8Array(await out.arrayBuffer());
 };
 
-export const inflated = (bytes: Uint8Array) => through(bytes, new DecompressionStream("deflate-raw"));
-const deflated = (bytes: Uint8Array) => through(bytes, new CompressionStream("deflate-raw"));
+export const inflated = (bytes: Uint8Array) => through(bytes, new DecompressionStream("deflate"));
+const deflated = (bytes: Uint8Array) => through(bytes, new CompressionStream("deflate"));
 
 export const bytesOf = (base64: string) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
 
