@@ -21,8 +21,8 @@ constexpr const char* closing =
 struct CommandLine {
   CommandLine();
   CLI::App* command(const char* name, const char* does, std::function<int()> action);
-  void overrides(CLI::App* command, std::vector<std::string>& values);
-  void served(CLI::App* command, int& port, bool& no_browser);
+  void overrides(CLI::App* sub, std::vector<std::string>& values);
+  void served(CLI::App* sub, int& port, bool& no_browser);
   void not_yet(const char* name, const char* does);
   /// Throws Error for arguments that no option takes.
   void require_known_arguments() const;

@@ -129,6 +129,36 @@ TEST_CASE("the free joint of a part that came off has its body's name") {
        "[[event]]\nat = 2\nlock = \"m/a~free\"\n");
 }
 
+TEST_CASE("matches of an event whose instant is not known happen together") {
+  const Scenario s = read(
+      "format = 1\n[world]\ngravity = [0, -10, 0]\n[[mechanism]]\nname = \"m\"\n[mechanism.chain]\nlinks = 3\nlength = 1\n"
+      "mass = 1\ninertia = 0.1\n[[event]]\nname = \"low\"\nwhen = { height = \"m/3\", below = -0.5 }\nlock = \"m/*\"\n"
+      "[[event]]\nafter = { event = \"low\", delay = 0.1 }\nunlock = \"m/*\"\n"
+      "[[event]]\nname = \"slow\"\nevery = 0.25\nset = { joint = \"m/*\", damping = 0.01 }\n");
+  REQUIRE(s.events.size() == 3);
+  Simulation simulation(s.model, s.integration);
+  std::vector<const ScenarioEvent*> events;
+  for (const ScenarioEvent& event : s.events) events.push_back(&event);
+  CHECK(schedule(simulation, events).problems.empty());
+  REQUIRE(simulation.run_until(0.6) == Status::ok);
+  int set = 0;
+  double low = -1;
+  for (const Event& event : simulation.events()) {
+    if (event.name == "slow") {
+      ++set;
+      CHECK(event.actions == std::vector<std::string>{"set m/1", "set m/2", "set m/3"});
+    } else if (event.name == "low") {
+      low = event.time;
+      CHECK(event.actions == std::vector<std::string>{"lock m/1", "lock m/2", "lock m/3"});
+    } else {
+      CHECK(event.time == doctest::Approx(low + 0.1).epsilon(1e-12));
+      CHECK(event.actions == std::vector<std::string>{"unlock m/1", "unlock m/2", "unlock m/3"});
+    }
+  }
+  CHECK(low > 0);
+  CHECK(set == 3);
+}
+
 TEST_CASE("what a wildcard meets again is no error") {
   const Scenario s = read(arm + "[[event]]\nat = 1\nbreak = \"m/j\"\n[[event]]\nat = 2\nlock = \"m/*\"\n");
   CHECK(s.events.size() == 3);

@@ -159,6 +159,8 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
   const Value::Array& entries = value.array() ? *value.array() : single;
   const char* const plain_field = make_action(key)->plain_field();
   if (entries.empty()) out.error(value.place, key + (plain_field ? ": names no joint" : ": an empty list does nothing"));
+  // At an instant that is known each match is an event of its own; else they happen together, when the event does.
+  const bool together = trigger != nullptr || event.condition || !event.after.empty() || event.period > 0;
   const auto add = [&](const Value& entry, const std::string& match, ScenarioEvent& to) {
     const std::shared_ptr<ActionBase> action = make_action(key);
     if (key == "set")  // units are those of a joint that perhaps another event makes
@@ -186,7 +188,8 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
       out.error(pattern->place, key + ": no " + (bodies ? "body" : "joint") + " matches " + in_quotes(name),
                 "* matches within a name: \"chain/*\"");
     for (const std::string& match : found) {
-      if (trigger) {
+      if (together) {
+        event.wild = true;
         if (!add(entry, match, event)) break;
         continue;
       }

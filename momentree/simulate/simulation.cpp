@@ -71,7 +71,7 @@ Simulation::Scheduled& Simulation::Scheduled::named(std::string name, bool by_us
 const Event& Simulation::apply(std::span<const Action> actions, std::string name) {
   for (const Action& action : actions) impl_->check_names(action->joints(), action->bodies());
   const std::size_t place = impl_->events.size();  // what its stops do about it comes after it
-  if (!impl_->act(actions, std::move(name))) fail({impl_->message, "", ""});
+  if (!impl_->act(actions, name)) fail({impl_->message, "", ""});
   return impl_->events[place];
 }
 
@@ -81,7 +81,7 @@ Status Simulation::attempt(std::span<const Action> actions, std::string name) {
       impl_->message = std::string(action->key()) + ": " + error->what + (error->hint.empty() ? "" : "; " + error->hint);
       return Status::refused;
     }
-  return impl_->act(actions, std::move(name)) ? Status::ok : Status::refused;
+  return impl_->act(actions, name) ? Status::ok : Status::refused;
 }
 
 std::optional<Error> Simulation::unknown_name(const Action& action) const {

@@ -207,7 +207,7 @@ struct Simulation::Impl {
   }
 
   /// Actions from outside, whose names are known, as one event of this instant. False, with a message: refused.
-  bool act(std::span<const Action> actions, std::string name) {
+  bool act(std::span<const Action> actions, const std::string& name) {
     DueEvent due{name.empty() ? "#" + std::to_string(agenda.entries.size() + events.size() + 1) : name, !name.empty(), {}};
     due.actions.assign(actions.begin(), actions.end());
     if (keeps_history) history.push_back({events.size(), snapshot(), {}});
