@@ -36,12 +36,13 @@ void couple(Simulation& simulation, const std::vector<JointCoupling>& couplings)
     ends[each.joint.index].push_back({each, 1});
     ends[each.leader.index].push_back({each, -each.multiplier});
   }
+  std::vector<JointDriver> drivers;
   for (auto& [joint, acting] : ends)
-    simulation.drive(simulation.world().joint({joint}).name, [all = std::move(acting)](const Moment& moment) {
-      double effort = 0;
-      for (const End& end : all) effort += end.effort(moment);
-      return effort;
-    });
+    drivers.push_back({std::string(simulation.world().joint({joint}).name),
+                       [all = std::move(acting)](const Moment& moment, std::span<double> efforts) {
+                         for (const End& end : all) efforts[0] += end.effort(moment);
+                       }});
+  if (!drivers.empty()) simulation.drive_all(std::move(drivers));
 }
 
 }  // namespace momentree::io

@@ -1,6 +1,8 @@
 // [[coupling]]: a joint that follows another by a spring; and `mimic` of a mechanism, which has a model's joints do so.
 #include <cmath>
 #include <cstdio>
+#include <string_view>
+#include <unordered_set>
 
 #include <momentree/io/read_action.hpp>
 
@@ -88,15 +90,13 @@ void read_coupling(const Value& table, Reading& reading) {
 
 void check_couplings(Reading& reading) {
   const Model& model = reading.scenario.model;
-  for (const Reading::JointUse& use : reading.joint_uses) {
-    if (use.key != "change") continue;
-    for (const JointCoupling& each : reading.scenario.couplings)
-      if (model[each.joint].joint_name == use.name || model[each.leader].joint_name == use.name) {
-        reading.out.error(use.place, "change: joint " + in_quotes(use.name) + " is coupled to another",
-                          "coupled joints may break, lock and come free, but not become others");
-        break;
-      }
-  }
+  std::unordered_set<std::string_view> coupled;
+  for (const JointCoupling& each : reading.scenario.couplings)
+    for (const Body joint : {each.joint, each.leader}) coupled.insert(model[joint].joint_name);
+  for (const Reading::JointUse& use : reading.joint_uses)
+    if (use.key == "change" && coupled.contains(use.name))
+      reading.out.error(use.place, "change: joint " + in_quotes(use.name) + " is coupled to another",
+                        "coupled joints may break, lock and come free, but not become others");
 }
 
 }  // namespace momentree::io

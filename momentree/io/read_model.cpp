@@ -1,7 +1,12 @@
 // A mechanism that a model file describes: where it stands, how it is held and starts, what of the file is taken up.
 #include <algorithm>
 #include <cstdio>
+#include <deque>
 #include <filesystem>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+#include <vector>
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/scenario_parts.hpp>
@@ -113,33 +118,63 @@ void warn_of_followers(const Import& import) {
         "mimic = { stiffness = … } in the mechanism couples them by a spring");
 }
 
-// Where a joint starts, by the file, by the mechanism's state, or behind the joint that it follows.
-double start_of(const Import& import, int body, const MechanismState& state, std::size_t depth = 0) {
+// Joints that follow others can be coupled: one freedom each, and none follows itself by way of others.
+bool check_followers(const Import& import, const ModelChoice& choice, Reading& reading) {
   const auto& bodies = import.model.bodies;
-  BodySpec spec = bodies[static_cast<std::size_t>(body)].spec;
-  const auto given = state.joints.find(spec.joint_name);
-  if (given != state.joints.end()) {
-    Diagnostics said_elsewhere("", "");
-    read_joint_state(*given->second, given->first, spec, said_elsewhere);
-    return spec.q[0];
+  const auto name = [&](int body) { return in_quotes(bodies[static_cast<std::size_t>(body)].spec.joint_name); };
+  const std::size_t errors = reading.out.errors();
+  std::unordered_map<int, int> leaders;
+  for (const Follower& each : import.model.followers) {
+    leaders.emplace(each.body, each.leader);
+    for (const int end : {each.body, each.leader})
+      if (info(bodies[static_cast<std::size_t>(end)].spec.joint.kind).nv != 1)
+        reading.out.error(choice.mimic_place, "mimic: joint " + name(end) + " is not one of one freedom",
+                          "couple the others by [[coupling]] tables");
   }
+  std::unordered_set<int> well;
+  for (const Follower& each : import.model.followers) {
+    std::unordered_set<int> path;
+    int body = each.body;
+    while (leaders.contains(body) && !well.contains(body) && path.insert(body).second) body = leaders.at(body);
+    if (path.contains(body)) {
+      reading.out.error(choice.mimic_place, "mimic: joint " + name(body) + " follows itself, by way of others",
+                        "couple them by [[coupling]] tables, one less than there are joints");
+      break;
+    }
+    well.insert(path.begin(), path.end());
+  }
+  return errors == reading.out.errors();
+}
+
+// Followers start behind their leaders where the mechanism's state does not say otherwise.
+void start_followers(const Import& import, const MechanismState& state, std::deque<BodySpec>& specs) {
+  std::unordered_map<int, const Follower*> waiting;
   for (const Follower& each : import.model.followers)
-    if (each.body == body && depth < import.model.followers.size())
-      return each.multiplier * start_of(import, each.leader, state, depth + 1) + each.offset;
-  return spec.q[0];
+    if (!state.joints.contains(specs[static_cast<std::size_t>(each.body)].joint_name)) waiting.emplace(each.body, &each);
+  const auto q = [&](int body) -> double& { return specs[static_cast<std::size_t>(body)].q[0]; };
+  while (!waiting.empty()) {
+    std::vector<const Follower*> path;  // from a follower to a leader that stands
+    for (auto at = waiting.begin(); at != waiting.end(); at = waiting.find(path.back()->leader)) {
+      path.push_back(at->second);
+      waiting.erase(at);
+    }
+    for (; !path.empty(); path.pop_back()) {
+      const Follower& each = *path.back();
+      const double start = each.multiplier * q(each.leader) + each.offset;
+      specs[static_cast<std::size_t>(each.body)].q = {start};
+    }
+  }
 }
 
 void couple_followers(const Import& import, const ModelChoice& choice, int first, Reading& reading) {
-  const Model& model = reading.scenario.model;
-  for (const Follower& each : import.model.followers) {
-    const Body joint{first + each.body}, leader{first + each.leader};
-    for (const Body end : {joint, leader})
-      if (info(model[end].joint.kind).nv != 1)
-        reading.out.error(choice.mimic_place, "mimic: joint " + in_quotes(model[end].joint_name) + " is not one of one freedom");
-    if (info(model[joint].joint.kind).nv != 1 || info(model[leader].joint.kind).nv != 1) continue;
-    add_coupling({joint, leader, each.multiplier, each.offset, choice.mimic->stiffness, choice.mimic->damping},
+  for (const Follower& each : import.model.followers)
+    add_coupling({{first + each.body},
+                  {first + each.leader},
+                  each.multiplier,
+                  each.offset,
+                  choice.mimic->stiffness,
+                  choice.mimic->damping},
                  choice.mimic_place, reading);
-  }
 }
 
 }  // namespace
@@ -162,21 +197,23 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
   check_state(*import, choice.state, reading);
   warn_of_limits(*import, choice, reading);
   if (fresh && !choice.mimic) warn_of_followers(*import);
-  std::unordered_map<const ImportedBody*, double> behind;  // starts of followers
-  if (choice.mimic)
-    for (const Follower& each : import->model.followers)
-      behind.emplace(&import->model.bodies[static_cast<std::size_t>(each.body)], start_of(*import, each.body, choice.state));
+  const bool coupled = choice.mimic && check_followers(*import, choice, reading);
 
   const int first = reading.scenario.model.size();
+  std::deque<BodySpec> specs;  // large ones, that no growth should copy
   for (const ImportedBody& body : import->model.bodies) {
-    BodySpec spec = body.spec;
+    BodySpec& spec = specs.emplace_back(body.spec);
     if (spec.parent == ground) {
       hold(spec, body, choice);
       if (one_root && choice.state.velocity) read_root_velocity(*choice.state.velocity, spec, reading.out);
     }
     const auto state = choice.state.joints.find(spec.joint_name);
     if (state != choice.state.joints.end()) read_joint_state(*state->second, state->first, spec, reading.out);
-    if (const auto start = behind.find(&body); start != behind.end()) spec.q = {start->second};
+  }
+  if (coupled) start_followers(*import, choice.state, specs);
+  for (const ImportedBody& body : import->model.bodies) {
+    BodySpec spec = std::move(specs.front());
+    specs.pop_front();
     take_limits(body, choice, spec, reading);
     spec.name = mechanism + "/" + spec.name;
     spec.joint_name = mechanism + "/" + spec.joint_name;
@@ -194,7 +231,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
     shapes.back() = given.front();
     shapes.back().more.assign(given.begin() + 1, given.end());
   }
-  if (choice.mimic && errors == reading.out.errors()) couple_followers(*import, choice, first, reading);
+  if (coupled && errors == reading.out.errors()) couple_followers(*import, choice, first, reading);
 }
 
 }  // namespace momentree::io

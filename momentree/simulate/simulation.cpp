@@ -170,10 +170,19 @@ void Simulation::drive(std::string_view joint, std::function<double(const Moment
   if (const std::size_t freedoms = number < 0 ? 1 : impl_->world.joint({number}).v.size(); freedoms > 1)
     fail({"the joint '" + std::string(joint) + "' has " + std::to_string(freedoms) + " freedoms, which one function can't drive",
           "", "use drive_all()"});
-  if (!effort) return impl_->drive(joint, {});
-  impl_->drive(joint, [effort = std::move(effort)](const Moment& m, std::span<double> efforts) { efforts[0] = effort(m); });
+  JointFunction function;
+  if (effort) function = [effort = std::move(effort)](const Moment& m, std::span<double> efforts) { efforts[0] = effort(m); };
+  drive_all(joint, std::move(function));
 }
-void Simulation::drive_all(std::string_view joint, JointFunction efforts) { impl_->drive(joint, std::move(efforts)); }
+void Simulation::drive_all(std::string_view joint, JointFunction efforts) {
+  drive_all({{std::string(joint), std::move(efforts)}});
+}
+void Simulation::drive_all(std::vector<JointDriver> drivers) {
+  std::vector<int> joints;
+  for (const JointDriver& each : drivers) joints.push_back(impl_->to_drive(each.joint, each.efforts != nullptr));
+  for (std::size_t i = 0; i < joints.size(); ++i) impl_->world.drive(joints[i], std::move(drivers[i].efforts));
+  impl_->evaluate_state();
+}
 
 void Simulation::force(std::string_view body, BodyFunction wrench) {
   const Body b = impl_->world.model().body(body);  // or throws

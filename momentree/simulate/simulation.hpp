@@ -53,6 +53,12 @@ struct StepMemory {
   friend bool operator==(const StepMemory&, const StepMemory&) = default;
 };
 
+/// A function that drives a joint, as drive_all() takes it.
+struct JointDriver {
+  std::string joint;
+  JointFunction efforts;
+};
+
 /// A run at an instant.
 struct SimulationSnapshot {
   WorldSnapshot world;
@@ -152,6 +158,8 @@ class Simulation {
   void drive(std::string_view joint, std::function<double(const Moment&)> effort);
   /// The same for any number of freedoms: it fills in a list, in the order of v, that comes with zeros.
   void drive_all(std::string_view joint, JointFunction efforts);
+  /// The same for many joints at once, at the cost of one evaluation; an error leaves all as they were.
+  void drive_all(std::vector<JointDriver> drivers);
 
   /// A function of the world acts on a body from now on, on top of the model's forces: a wrench about the origin of the body's
   /// frame, in world axes; called at every stage of every step, as that of a drive. What it gives counts as work. It belongs to

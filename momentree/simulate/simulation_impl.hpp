@@ -133,7 +133,8 @@ struct Simulation::Impl {
     return true;
   }
 
-  void drive(std::string_view joint, JointFunction function) {
+  // The number of a joint that a function may drive, or an error.
+  int to_drive(std::string_view joint, bool function) const {
     const int number = world.find_joint(joint);
     if (number < 0) {
       world.model().joint(joint);  // throws where there never was one
@@ -144,8 +145,7 @@ struct Simulation::Impl {
     const JointDrive* drive = view.parameters != nullptr ? view.parameters->drive.get() : nullptr;
     if (function && drive != nullptr && drive->moves())
       fail({"the motion of joint '" + std::string(joint) + "' is prescribed", "", "take its drive away first"});
-    world.drive(number, std::move(function));
-    evaluate_state();
+    return number;
   }
 
   std::size_t schedule(Agenda::Entry entry) {

@@ -1,0 +1,101 @@
+// mimic = { … } of a mechanism, for model files whose joints follow others by way of others, in circles, or not at all.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/io/coupling.hpp>
+#include <momentree/io/test_support.hpp>
+#include <momentree/io/text_file.hpp>
+#include <tests/bad_input.hpp>
+
+namespace momentree::io {
+namespace {
+
+using namespace bad_input;
+
+/// A joint of a URDF file, with the link that it carries: its kind, and what more is in it.
+std::string joint(const std::string& name, const std::string& kind, const std::string& more) {
+  return "<link name='of_" + name +
+         "'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>\n"
+         "<joint name='" +
+         name + "' type='" + kind + "'><parent link='base'/><child link='of_" + name + "'/><axis xyz='0 0 1'/>" + more +
+         "</joint>\n";
+}
+std::string follows(const std::string& leader, const std::string& more = "") {
+  return "<mimic joint='" + leader + "'" + more + "/>";
+}
+
+ReadResult read(const std::string& joints, const std::string& more = "") {
+  const test::TemporaryFolder folder;
+  write_text_file(folder / "r.urdf", "<robot name='r'><link name='base'/>\n" + joints + "</robot>");
+  write_text_file(folder / "s.toml",
+                  "format = 1\n[[mechanism]]\nname = \"r\"\nmodel = \"r.urdf\"\nmimic = { stiffness = 100 }\n" + more);
+  return read_scenario(folder / "s.toml");
+}
+
+}  // namespace
+
+TEST_CASE("followers of followers start where they should, in whatever order the file has them") {
+  const auto start = [](const ReadResult& result, const std::string& name) {
+    const Model& model = result.scenario->model;
+    return model[model.joint("r/" + name)].q[0];
+  };
+  const std::string a = joint("a", "continuous", ""), b = joint("b", "continuous", follows("a", " multiplier='2' offset='0.5'")),
+                    c = joint("c", "continuous", follows("b", " multiplier='-1'")), d = joint("d", "continuous", follows("c"));
+  std::vector<std::string> order = {a, b, c, d};
+  std::sort(order.begin(), order.end());
+  do {
+    const ReadResult result = read(order[0] + order[1] + order[2] + order[3], "state = { joints = { a = 0.25 } }\n");
+    CAPTURE(said(result));
+    REQUIRE(result.scenario);
+    CHECK(said(result).empty());
+    REQUIRE(result.scenario->couplings.size() == 3);
+    CHECK(start(result, "b") == 1);
+    CHECK(start(result, "c") == -1);
+    CHECK(start(result, "d") == -1);
+  } while (std::next_permutation(order.begin(), order.end()));
+  // What the scenario says comes first; what follows that goes by it.
+  const ReadResult result = read(a + b + c + d, "state = { joints = { c = 3 } }\n");
+  REQUIRE(result.scenario);
+  CHECK(start(result, "b") == 0.5);
+  CHECK(start(result, "c") == 3);
+  CHECK(start(result, "d") == 3);
+  CHECK(said(result).find("joint 'r/c' starts 3.5 rad from where it should follow 'r/b'") != std::string::npos);
+}
+
+TEST_CASE("ten thousand joints may follow one another") {
+  std::string joints = joint("j0", "continuous", "");
+  for (int i = 10'000; i > 0; --i)
+    joints += joint("j" + std::to_string(i), "continuous", follows("j" + std::to_string(i - 1), " offset='1'"));
+  const ReadResult result = read(joints);
+  REQUIRE(result.scenario);
+  const Model& model = result.scenario->model;
+  CHECK(model[model.joint("r/j10000")].q[0] == 10'000);
+  Simulation run(model, result.scenario->integration);
+  couple(run, result.scenario->couplings);
+  double most = 0;  // where all stand where they should, no spring pulls
+  for (int j = 0; j < model.size(); ++j)
+    for (const double rate : run.world().joint({j}).pdot) most = std::max(most, std::abs(rate));
+  CHECK(most == 0);
+}
+
+TEST_CASE("what can't follow is told where mimic is asked for") {
+  const auto refused = [](const std::string& joints, const std::string& message) {
+    const ReadResult result = read(joints);
+    CHECK(!result.scenario);
+    CHECK_MESSAGE(said(result).find("s.toml:5:9: error: mimic: joint " + message) != std::string::npos, said(result));
+  };
+  const std::string a = joint("a", "continuous", "");
+  refused(a + joint("b", "fixed", follows("a")), "'b' is not one of one freedom");
+  refused(a + joint("b", "floating", follows("a")), "'b' is not one of one freedom");
+  refused(joint("b", "fixed", "") + joint("a", "continuous", follows("b")), "'b' is not one of one freedom");
+  refused(joint("a", "continuous", follows("b")) + joint("b", "continuous", follows("a")),
+          "'a' follows itself, by way of others");
+  std::string circle = joint("x", "continuous", follows("j0"));  // what leads into a circle is not of it
+  for (int i = 0; i < 3; ++i) circle += joint("j" + std::to_string(i), "continuous", follows("j" + std::to_string((i + 1) % 3)));
+  refused(circle, "'j0' follows itself, by way of others");
+}
+
+}  // namespace momentree::io
