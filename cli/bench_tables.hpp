@@ -6,7 +6,7 @@
 
 namespace momentree::cli {
 
-/// Operations as printed: "316 n − 210", or what of it can be read.
+/// Operations as printed: "316 n − 237", or what of it can be read.
 struct OperationsRow {
   std::string algorithm, additions, multiplications, total;
   long of_100 = 0;  ///< total for 100 bodies; 0: not known

@@ -45,16 +45,19 @@ struct RateSweep {
       W += turning_wrench(link.body, velocity);
       if (loads != nullptr) W = W - loads[body];
       if constexpr (K::rigid) {
-        work.demands[body] = W;
-        work.approaches[body] = {};
+        put(W, work.demands[body]);
+        put({}, work.approaches[body]);
         passage.deliver(b, flow, W);
         continue;
       }
       K::template reduce_wrench<T>(link, joint, record, udot, W, udot);  // (51)
-      work.demands[body] = W;
+      put(W, work.demands[body]);
       const Motion<T> bias = K::template acceleration_bias<T>(link, joint, velocity, work.v.get() + at);
-      work.approaches[body] = bias;
       K::add_reduced_bias(record, bias, W);
+      if constexpr (requires { typename K::Steps; })
+        K::joint_acceleration(record, bias, udot);  // of (47) what need not wait for the way out
+      else
+        put(bias, work.approaches[body]);
       if constexpr (requires { typename K::Steps; })  // (45)
         dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
           K::Steps::template cross_inboard<shape()>(link, joint.c[0], joint.s[0], W);
@@ -84,22 +87,25 @@ struct RateSweep {
       T* udot = work.a.get() + tree.first_p(b);
       passage.receive(b, flow, base, a);
       if constexpr (K::rigid) {
-        work.approaches[body] = a;
+        put(a, work.approaches[body]);
         passage.hand_down(b, flow, a);
         continue;
       }
-      if constexpr (requires { typename K::Steps; })
+      if constexpr (requires { typename K::Steps; }) {
         dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-          K::Steps::template cross_outboard<shape()>(link, joint.c[0], joint.s[0], a);
+          K::Steps::template rate_outboard<shape()>(link, joint.c[0], joint.s[0], record, work.motions[body].velocity,
+                                                    work.v[tree.first_p(b)], udot[0], a, work.approaches[body]);
         });
-      else if (K::turns_about_z && (flow & flow::aligned) != 0)
-        K::template crossing_again<true, T>(link, joint, record).outboard(a);
-      else
-        K::template crossing_again<false, T>(link, joint, record).outboard(a);
-      a = a + work.approaches[body];           // a′ = X Ω̇_parent + bias
-      K::joint_acceleration(record, a, udot);  // (47)
-      work.approaches[body] = a;
-      a = K::template spatial_velocity<T>(link, joint, a, udot);  // (39)
+      } else {
+        if (K::turns_about_z && (flow & flow::aligned) != 0)
+          K::template crossing_again<true, T>(link, joint, record).outboard(a);
+        else
+          K::template crossing_again<false, T>(link, joint, record).outboard(a);
+        a = a + work.approaches[body];  // a′ = X Ω̇_parent + bias
+        put(a, work.approaches[body]);
+        K::joint_acceleration(record, a, udot);                     // (47)
+        a = K::template spatial_velocity<T>(link, joint, a, udot);  // (39)
+      }
       passage.hand_down(b, flow, a);
     }
     through = a;

@@ -6,8 +6,9 @@
 #include <momentree/dynamics/flat.ipp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/passage.hpp>
+#include <momentree/dynamics/pin_dispatch.hpp>
 #include <momentree/joint/dispatch.hpp>
-#include <momentree/math/sincos.hpp>
+#include <momentree/math/pack.hpp>
 
 namespace momentree {
 
@@ -29,7 +30,8 @@ struct Sweep {
     const auto order = tree.order();
     const auto flows = tree.flows();
     auto* const records = work.template records_of<K>(tree, segment);
-    Inboard<T> a = through;
+    Inboard<T> a;
+    if (passage.comes_in(segment)) a = through;
     for (int i = segment.end - 1; i >= segment.begin; --i) {
       const int b = order[static_cast<std::size_t>(i)];
       const unsigned flow = flows[static_cast<std::size_t>(i)];
@@ -69,7 +71,8 @@ struct Sweep {
     const auto order = tree.order();
     const auto flows = tree.flows();
     const auto* const records = work.template records_of<K>(tree, segment);
-    Outboard<T> a = through;
+    Outboard<T> a;
+    if (passage.goes_on(segment)) a = through;
     for (int i = segment.begin; i < segment.end; ++i) {
       const int b = order[static_cast<std::size_t>(i)];
       const unsigned flow = flows[static_cast<std::size_t>(i)];
@@ -111,22 +114,29 @@ struct Sweep {
     const int* order = tree.order().data();
     const unsigned char* flows = tree.flows().data();
     auto* const records = work.template records_of<K>(tree, segment);
-    Inboard<T> a = through;
+    Inboard<T> a;
+    if (passage.comes_in(segment)) a = through;
     for (int i = segment.end - 1; i >= segment.begin; --i) {
       const int b = order[i];
       const unsigned flow = flows[i];
       const Link& link = tree.link(b);
       const int angle = tree.first_angle(b);
       auto& record = records[i - segment.begin];
-      passage.collect(b, flow, a);
-      dispatch_inboard(link.shape, (flow & flow::tip) != 0, (flow & flow::root) != 0,
-                       [&](auto shape, auto tip, auto root) MOMENTREE_INLINE_LAMBDA {
-                         K::Steps::template inboard<shape(), Gravity, Keep, tip(), root()>(
-                             link, tree.subtree_mass(b), work.cos[angle], work.sin[angle], p[tree.first_p(b)], a, record);
-                       });
-      passage.deliver(b, flow, a);
+      const auto step = [&](auto shape, auto children, auto way) MOMENTREE_INLINE_LAMBDA {
+        const auto to = [&](Inboard<T>& out) MOMENTREE_INLINE_LAMBDA {
+          K::Steps::template inboard<shape(), Gravity, Keep, children(), way() == Way::root>(
+              link, tree.subtree_mass(b), work.cos[angle], work.sin[angle], p[tree.first_p(b)], a, passage.inlets[b], record,
+              out);
+        };
+        if constexpr (way() == Way::aside)
+          to(passage.inlets[tree.parent(b)]);
+        else
+          to(a);
+      };
+      dispatch_inboard(link.shape, flow, step);
+      passage.add(b, flow, a);
     }
-    through = a;
+    if (passage.goes_on(segment)) through = a;
   }
 
   template <class K, bool Gravity, bool Keep>
@@ -134,7 +144,8 @@ struct Sweep {
     const int* order = tree.order().data();
     const unsigned char* flows = tree.flows().data();
     const auto* const records = work.template records_of<K>(tree, segment);
-    Outboard<T> a = through;
+    Outboard<T> a;
+    if (passage.goes_on(segment)) a = through;
     for (int i = segment.begin; i < segment.end; ++i) {
       const int b = order[i];
       const unsigned flow = flows[i];
@@ -156,12 +167,16 @@ struct Sweep {
 /// Sines and cosines of angle(0), angle(1) …, a few at a time: what was just found is still at hand.
 template <class T, class Angle>
 MOMENTREE_INLINE void sincos_in_blocks(int n, const Angle& angle, T* s, T* c) {
-  constexpr int block = 64;
-  T some[block];
-  for (int first = 0; first < n; first += block) {
-    const int count = n - first < block ? n - first : block;
-    for (int i = 0; i < count; ++i) some[i] = angle(first + i);
-    sincos(count, some, s + first, c + first);
+  if constexpr (std::is_same_v<T, double>) {
+    sincos_by_fours(n, angle, s, c);
+  } else {
+    constexpr int block = 64;
+    T some[block];
+    for (int first = 0; first < n; first += block) {
+      const int count = n - first < block ? n - first : block;
+      for (int i = 0; i < count; ++i) some[i] = angle(first + i);
+      sincos(count, some, s + first, c + first);
+    }
   }
 }
 
@@ -197,8 +212,11 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
   const Sweep<T> sweep{tree, q, p, work};
   const Vec3& g = tree.gravity();
   const bool falls = g.x != 0 || g.y != 0 || g.z != 0;
-  const Outboard<T> base{{}, {T(g.x), T(g.y), T(g.z)}};
-  Inboard<T> in{};
+  Outboard<T> base;
+  base.velocity.v.x = base.velocity.v.y = base.velocity.v.z = T(0);
+  base.velocity.w.x = base.velocity.w.y = base.velocity.w.z = T(0);
+  base.gravity.x = T(g.x), base.gravity.y = T(g.y), base.gravity.z = T(g.z);
+  Inboard<T> in;
   for (std::size_t i = segments.size(); i-- > 0;) {
     const Segment& s = segments[i];
     if (!Keep && s.planar) {
@@ -217,7 +235,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
       }
     });
   }
-  Outboard<T> out = base;
+  Outboard<T> out;
   for (const Segment& s : segments) {
     if (!Keep && s.planar) {
       falls ? planar.template outboard<true>(s) : planar.template outboard<false>(s);

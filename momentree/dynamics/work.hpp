@@ -47,8 +47,8 @@ class Work {
  public:
   Work() = default;
   explicit Work(const Tree& tree)
-      : cos(make(tree, 2)),
-        sin(make(tree, 2)),
+      : cos(make(tree, 2, 3)),
+        sin(make(tree, 2, 3)),
         v(make(tree, 6)),
         qdot(make(tree, 7)),
         pdot(make(tree, 6)),
@@ -116,8 +116,9 @@ class Work {
 
  private:
   int capacity_ = 0;
-  static Array make(const Tree& tree, int each) {
-    return untouched<T>(static_cast<std::size_t>(each) * static_cast<std::size_t>(tree.bodies()));
+  static Array make(const Tree& tree, int each, int more = 0) {
+    return untouched<T>(static_cast<std::size_t>(each) * static_cast<std::size_t>(tree.bodies()) +
+                        static_cast<std::size_t>(more));
   }
   template <class U>
   static Untouched<U> by_body(const Tree& tree) {

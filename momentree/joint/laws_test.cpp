@@ -79,7 +79,8 @@ template <class K, class L>
 void reduce_body(const Sample<K>& at, const SpatialMass<double>& Mb, const Force<double>& Db, auto& record) {
   Inboard<double> in{Mb, Db, {}};
   if constexpr (has_steps<L>)
-    L::Steps::template inboard<LinkShape::general, true, true, false, true>(at.link, 1.0, at.c[0], at.s[0], at.p[0], in, record);
+    L::Steps::template inboard<LinkShape::general, true, true, Children::one, true>(at.link, 1.0, at.c[0], at.s[0], at.p[0], in,
+                                                                                    in, record, in);
   else
     L::template reduce<double>(at.link, at.joint(), at.p.data(), at.armature.data(), in.M, in.D, record);
 }

@@ -22,6 +22,9 @@ struct PinRecord {
 template <class T>
 inline constexpr bool one_world_at_a_time = std::is_same_v<T, double>;
 
+/// What a body has to collect from its children: at a fork, beside what the first asks, the sum of the others.
+enum class Children : unsigned char { none, one, several };
+
 struct PinSteps {
   /// Whether the mass is turned about z before it is reduced, while 1 / Mj is in flight: more operations, but for one world at a
   /// time less waiting. E, and what is about z, are the same on both sides of the turn. Records are then those of the parent's
@@ -42,50 +45,59 @@ struct PinSteps {
                               S == LinkShape::right_d || S == LinkShape::parallel;
   };
 
-  /// In: what the children reduced, in the body's frame; `Tip`: nothing. Out: what the parent gets, in its frame; `Root`: nobody
-  /// asks for it. `mass`: of the body and all outboard of it.
-  template <LinkShape S, bool Gravity, bool Keep, bool Tip, bool Root, class T>
+  /// In: what the children reduced, in the body's frame, the first and the others. Out: what the parent gets, in its frame;
+  /// `Root`: nobody asks for it. `out` may be `in`. `mass`: of the body and all outboard of it.
+  template <LinkShape S, bool Gravity, bool Keep, Children N, bool Root, class T>
   MOMENTREE_INLINE static void inboard(const Link& k, double mass, const T& cosine, const T& sine, const T& momentum,
-                                       Inboard<T>& in, PinRecord<T>& w) {
+                                       const Inboard<T>& in, const Inboard<T>& others, PinRecord<T>& w, Inboard<T>& out) {
     constexpr bool is_late = late<T, Keep>, crosses_z = is_late || !Root, slides = Has<S>::d;
     const T c = cosine, s = sine, p = momentum;
     const RigidMass& b = k.body;
-    const T inverse = T(1) / with<Tip>(in.M.J.zz, b.J.zz);  // (24)
-    detail::PinColumn<T> e{with<Tip>(in.M.B.xz, -b.mc.y), with<Tip>(in.M.B.yz, b.mc.x), alone<Tip>(in.M.B.zz),
-                           with<Tip>(in.M.J.xz, b.J.xz), with<Tip>(in.M.J.yz, b.J.yz)};
+    const T inverse = T(1) / with<N>(in.M.J.zz, others.M.J.zz, b.J.zz);  // (24)
+    detail::PinColumn<T> e{with<N>(in.M.B.xz, others.M.B.xz, -b.mc.y), with<N>(in.M.B.yz, others.M.B.yz, b.mc.x),
+                           alone<N>(in.M.B.zz, others.M.B.zz), with<N>(in.M.J.xz, others.M.J.xz, b.J.xz),
+                           with<N>(in.M.J.yz, others.M.J.yz, b.J.yz)};
     if constexpr (is_late) detail::cross_z<slides>(e, c, s, k.d);
-    const detail::PinColumn<T> g{inverse * e.lx, inverse * e.ly, inverse * e.lz, inverse * e.hx, inverse * e.hy};
+    constexpr bool tip = N == Children::none;  // of what is known to be zero nothing is made
+    const detail::PinColumn<T> g{inverse * e.lx, inverse * e.ly, tip ? T(0) : inverse * e.lz, inverse * e.hx, inverse * e.hy};
     w.gl.x = g.lx, w.gl.y = g.ly, w.gl.z = g.lz, w.ghx = g.hx, w.ghy = g.hy;
     if constexpr (Keep) w.inverse_mass = inverse;
     T u = p;
-    if constexpr (!Tip) u = p - in.D.h.z;
+    if constexpr (!tip) u = p - alone<N>(in.D.h.z, others.D.h.z);
     if constexpr (!is_late) w.u0 = inverse * u;  // one number less to keep: compilers see to other orders of things badly
 
     detail::ReducedMass<T> m;
-    reduce_mass<slides, is_late, crosses_z, Tip>(k, c, s, e, g, in.M, m, w);
+    reduce_mass<slides, is_late, crosses_z, N>(k, c, s, e, g, in.M, others.M, m, w);
     if constexpr (Keep) w.A.zz = m.Azz;
-    if constexpr (!Root) mass_inboard<S>(k, m, in.M);
+    if constexpr (!Root) mass_inboard<S>(k, m, out.M);
 
     if constexpr (is_late) w.u0 = inverse * u;
-    Force<T> D{{alone<Tip>(in.D.l.x), alone<Tip>(in.D.l.y), alone<Tip>(in.D.l.z)},
-               {alone<Tip>(in.D.h.x), alone<Tip>(in.D.h.y), p}};
+    Force<T> D{{alone<N>(in.D.l.x, others.D.l.x), alone<N>(in.D.l.y, others.D.l.y), alone<N>(in.D.l.z, others.D.l.z)},
+               {alone<N>(in.D.h.x, others.D.h.x), alone<N>(in.D.h.y, others.D.h.y), p}};
     Vector3<T> mc;
     if constexpr (Gravity)
-      mc.x = with<Tip>(in.mc.x, b.mc.x), mc.y = with<Tip>(in.mc.y, b.mc.y), mc.z = with<Tip>(in.mc.z, b.mc.z);
+      mc.x = with<N>(in.mc.x, others.mc.x, b.mc.x), mc.y = with<N>(in.mc.y, others.mc.y, b.mc.y),
+      mc.z = with<N>(in.mc.z, others.mc.z, b.mc.z);
     const auto turn = [&]() MOMENTREE_INLINE_LAMBDA {
       detail::cross_z<slides>(D, c, s, k.d);
       if constexpr (Gravity) turn_z(mc, c, s);
     };
-    if constexpr (is_late) turn();
-    D.l.x += u * g.lx, D.l.y += u * g.ly, D.l.z += u * g.lz, D.h.x += u * g.hx, D.h.y += u * g.hy;  // (26)
+    if constexpr (is_late && tip)
+      mc.x = e.ly, mc.y = -e.lx;  // as they stand there, turned
+    else if constexpr (is_late)
+      turn();
+    if constexpr (tip)  // (26)
+      D = {{u * g.lx, u * g.ly, T(0)}, {u * g.hx, u * g.hy, p}};
+    else
+      D.l.x += u * g.lx, D.l.y += u * g.ly, D.l.z += u * g.lz, D.h.x += u * g.hx, D.h.y += u * g.hy;
     w.l.x = D.l.x, w.l.y = D.l.y, w.hx = D.h.x, w.hy = D.h.y;
     if constexpr (Keep) w.l.z = D.l.z;
     if constexpr (Gravity) w.mc.x = mc.x, w.mc.y = mc.y;
     if constexpr (Root) return;
     if constexpr (!is_late) turn();
     momentum_inboard<S, Gravity>(k, mass, D, mc);
-    in.D.l.x = D.l.x, in.D.l.y = D.l.y, in.D.l.z = D.l.z, in.D.h.x = D.h.x, in.D.h.y = D.h.y, in.D.h.z = D.h.z;
-    if constexpr (Gravity) in.mc.x = mc.x, in.mc.y = mc.y, in.mc.z = mc.z;
+    out.D.l.x = D.l.x, out.D.l.y = D.l.y, out.D.l.z = D.l.z, out.D.h.x = D.h.x, out.D.h.y = D.h.y, out.D.h.z = D.h.z;
+    if constexpr (Gravity) out.mc.x = mc.x, out.mc.y = mc.y, out.mc.z = mc.z;
   }
 
   /// In: the parent's velocity, and gravity in its axes; out: those of the body. Gives u and ṗ of the joint; if kept, Ω and Pb.
@@ -157,9 +169,12 @@ struct PinSteps {
     else if constexpr (Has<S>::a)
       W.h.y = W.h.y - k.r.x * W.l.z, W.h.z = W.h.z + k.r.x * W.l.y;
   }
-  /// X Ω̇ of the parent.
+  /// (39), (47): Ω̇ of the parent in, of the body out, less gravity; u̇, which comes in as Mj⁻¹ (τ − Eᵀ W) − Gᵀ bias. `approach`
+  /// gets a′. `velocity` is Ω.
   template <LinkShape S, class T>
-  MOMENTREE_INLINE static void cross_outboard(const Link& k, const T& c, const T& s, Motion<T>& a) {
+  MOMENTREE_INLINE static void rate_outboard(const Link& k, const T& c, const T& s, const PinRecord<T>& w,
+                                             const Motion<T>& velocity, const T& u, T& udot, Motion<T>& a, Motion<T>& approach) {
+    constexpr bool is_late = one_world_at_a_time<T>, slides = Has<S>::d;
     Vector3<T>&v = a.v, &o = a.w;
     if constexpr (Has<S>::any_offset)
       shift_outboard(a, k.r);
@@ -175,40 +190,58 @@ struct PinSteps {
       turn_x(v, k.cos_a, -k.sin_a);
       turn_x(o, k.cos_a, -k.sin_a);
     }
-    if constexpr (Has<S>::d) v.x = v.x + k.d * o.y, v.y = v.y - k.d * o.x;
-    turn_z(v, c, -s);
-    turn_z(o, c, -s);
+    const auto cross_joint = [&]() MOMENTREE_INLINE_LAMBDA {
+      if constexpr (slides) v.x = v.x + k.d * o.y, v.y = v.y - k.d * o.x;
+      turn_z(v, c, -s);
+      turn_z(o, c, -s);
+    };
+    // u̇ + ω̇_z at once, which is all that the next joint asks for; with G of the parent's side, so that it need not wait.
+    detail::PinColumn<T> g{w.gl.x, w.gl.y, w.gl.z, w.ghx, w.ghy};
+    if constexpr (is_late)
+      detail::cross_z<slides>(g, c, s, k.d);
+    else
+      cross_joint();
+    const T turning = udot - ((g.lx * v.x + g.hx * o.x) + (g.ly * v.y + g.hy * o.y) + g.lz * v.z);
+    if constexpr (is_late) cross_joint();
+    udot = turning - o.z;
+    v.x = v.x + u * velocity.v.y, v.y = v.y - u * velocity.v.x;
+    o.x = o.x + u * velocity.w.y, o.y = o.y - u * velocity.w.x;
+    put(a, approach);
+    o.z = turning;
   }
 
  private:
   // (22), (23): what the children ask, and the body's own; at a tip this alone.
-  template <bool Tip, class T>
-  MOMENTREE_INLINE static T with(const T& sum, double own) {
-    if constexpr (Tip)
+  template <Children N, class T>
+  MOMENTREE_INLINE static T with(const T& first, const T& others, double own) {
+    if constexpr (N == Children::none)
       return T(own);
     else
-      return sum + own;
+      return alone<N>(first, others) + own;
   }
-  template <bool Tip, class T>
-  MOMENTREE_INLINE static T alone(const T& sum) {
-    if constexpr (Tip)
+  template <Children N, class T>
+  MOMENTREE_INLINE static T alone(const T& first, const T& others) {
+    if constexpr (N == Children::none)
       return T(0);
+    else if constexpr (N == Children::one)
+      return first;
     else
-      return sum;
+      return first + others;
   }
 
   // (25), M̂ = Mb − G (Mb E)ᵀ, and (16) as far as the parent's side of the joint, before it or, late, behind it. Piece by piece,
   // so that few numbers are at hand; the record gets what steps outboard read.
-  template <bool Slides, bool Late, bool CrossesZ, bool Tip, class T>
+  template <bool Slides, bool Late, bool CrossesZ, Children N, class T>
   MOMENTREE_INLINE static void reduce_mass(const Link& k, const T& c, const T& s, const detail::PinColumn<T>& e,
-                                           const detail::PinColumn<T>& g, const SpatialMass<T>& in, detail::ReducedMass<T>& m,
-                                           PinRecord<T>& w) {
+                                           const detail::PinColumn<T>& g, const SpatialMass<T>& in, const SpatialMass<T>& others,
+                                           detail::ReducedMass<T>& m, PinRecord<T>& w) {
     const auto by = [&]() MOMENTREE_INLINE_LAMBDA {
       if constexpr (CrossesZ)
         return Turn<T>(c, s);
       else
         return nullptr;
     }();
+    constexpr bool tip = N == Children::none;
     const double d = k.d;
     const RigidMass& b = k.body;
     const auto in_order = [&](auto cross, auto reduce) MOMENTREE_INLINE_LAMBDA {
@@ -219,54 +252,63 @@ struct PinSteps {
     detail::PlaneSymmetric<T> A;  // turned, but not slid, as is B; with the reduction or without it, as the order is
     detail::PlaneMatrix<T> B, slid;
     detail::PlaneVector<T> Az;
-    m.A = {with<Tip>(in.A.xx, b.m), alone<Tip>(in.A.xy), with<Tip>(in.A.yy, b.m)};
+    m.A = {with<N>(in.A.xx, others.A.xx, b.m), alone<N>(in.A.xy, others.A.xy), with<N>(in.A.yy, others.A.yy, b.m)};
     in_order(
         [&](const auto& turned) MOMENTREE_INLINE_LAMBDA {
-          turn_block(m.A.xx, m.A.xy, m.A.yy, turned);
+          if constexpr (!(Late && tip)) turn_block(m.A.xx, m.A.xy, m.A.yy, turned);  // m 1 stays what it is
           A = m.A;
         },
         [&]() MOMENTREE_INLINE_LAMBDA {
           m.A.xx -= e.lx * g.lx, m.A.xy -= e.lx * g.ly, m.A.yy -= e.ly * g.ly;
           w.A.xx = m.A.xx, w.A.xy = m.A.xy, w.A.yy = m.A.yy;
         });
-    m.B = {alone<Tip>(in.B.xx), with<Tip>(in.B.xy, b.mc.z), with<Tip>(in.B.yx, -b.mc.z), alone<Tip>(in.B.yy)};
+    m.B = {alone<N>(in.B.xx, others.B.xx), with<N>(in.B.xy, others.B.xy, b.mc.z), with<N>(in.B.yx, others.B.yx, -b.mc.z),
+           alone<N>(in.B.yy, others.B.yy)};
     in_order(
         [&](const auto& turned) MOMENTREE_INLINE_LAMBDA {
-          B = detail::cross_z<Slides>(m.B, A, turned, d);
+          if constexpr (Late && tip) {  // as does m c about z
+            B = m.B;
+            if constexpr (Slides) m.B.xy += d * A.xx, m.B.yx -= d * A.yy;
+          } else {
+            B = detail::cross_z<Slides>(m.B, A, turned, d);
+          }
           slid = m.B;
         },
         [&]() MOMENTREE_INLINE_LAMBDA {
           m.B.xx -= e.hx * g.lx, m.B.xy -= e.hy * g.lx, m.B.yx -= e.hx * g.ly, m.B.yy -= e.hy * g.ly;
           w.Bxx = m.B.xx, w.Bxy = m.B.xy, w.Byx = m.B.yx, w.Byy = m.B.yy;
         });
-    m.J = {with<Tip>(in.J.xx, b.J.xx), with<Tip>(in.J.xy, b.J.xy), with<Tip>(in.J.yy, b.J.yy)};
+    m.J = {with<N>(in.J.xx, others.J.xx, b.J.xx), with<N>(in.J.xy, others.J.xy, b.J.xy), with<N>(in.J.yy, others.J.yy, b.J.yy)};
     in_order([&](const auto& turned) MOMENTREE_INLINE_LAMBDA { detail::cross_z<Slides>(m.J, slid, B, turned, d); },
              [&]() MOMENTREE_INLINE_LAMBDA {
                m.J.xx -= e.hx * g.hx, m.J.xy -= e.hx * g.hy, m.J.yy -= e.hy * g.hy;
                w.Jxx = m.J.xx, w.Jxy = m.J.xy, w.Jyy = m.J.yy;
              });
-    m.Az = {alone<Tip>(in.A.xz), alone<Tip>(in.A.yz)};
+    m.Az = {alone<N>(in.A.xz, others.A.xz), alone<N>(in.A.yz, others.A.yz)};
     in_order(
         [&](const auto&) MOMENTREE_INLINE_LAMBDA {
-          turn(m.Az.x, m.Az.y, c, s);
+          if constexpr (!tip) turn(m.Az.x, m.Az.y, c, s);
           Az = m.Az;
         },
         [&]() MOMENTREE_INLINE_LAMBDA {
-          m.Az.x -= e.lx * g.lz, m.Az.y -= e.ly * g.lz;
+          if constexpr (!tip) m.Az.x -= e.lx * g.lz, m.Az.y -= e.ly * g.lz;
           w.A.xz = m.Az.x, w.A.yz = m.Az.y;
         });
-    m.Bz = {with<Tip>(in.B.zx, b.mc.y), with<Tip>(in.B.zy, -b.mc.x)};
+    m.Bz = {with<N>(in.B.zx, others.B.zx, b.mc.y), with<N>(in.B.zy, others.B.zy, -b.mc.x)};
     in_order(
         [&](const auto&) MOMENTREE_INLINE_LAMBDA {
-          turn(m.Bz.x, m.Bz.y, c, s);
-          if constexpr (Slides) m.Bz.x = m.Bz.x - d * Az.y, m.Bz.y = m.Bz.y + d * Az.x;
+          if constexpr (Late && tip)
+            m.Bz = {-e.lx, -e.ly};
+          else
+            turn(m.Bz.x, m.Bz.y, c, s);
+          if constexpr (Slides && !tip) m.Bz.x = m.Bz.x - d * Az.y, m.Bz.y = m.Bz.y + d * Az.x;
         },
         [&]() MOMENTREE_INLINE_LAMBDA {
-          m.Bz.x -= e.hx * g.lz, m.Bz.y -= e.hy * g.lz;
+          if constexpr (!tip) m.Bz.x -= e.hx * g.lz, m.Bz.y -= e.hy * g.lz;
           w.Bzx = m.Bz.x, w.Bzy = m.Bz.y;
         });
-    m.Azz = with<Tip>(in.A.zz, b.m);
-    m.Azz -= e.lz * g.lz;
+    m.Azz = with<N>(in.A.zz, others.A.zz, b.m);
+    if constexpr (!tip) m.Azz -= e.lz * g.lz;
   }
 
   // (16) from the parent's side of the joint to the parent.
@@ -331,24 +373,6 @@ MOMENTREE_INLINE void dispatch_shape(LinkShape shape, F&& f) {
     MOMENTREE_SHAPE(parallel)
     MOMENTREE_SHAPE(parallel_a)
 #undef MOMENTREE_SHAPE
-  }
-}
-/// Calls f(shape, tip, root), integral constants, for a step inboard. A root crosses its joint at most, not the link behind it.
-template <class F>
-MOMENTREE_INLINE void dispatch_inboard(LinkShape shape, bool tip, bool root, F&& f) {
-  if (root) {
-    constexpr std::integral_constant<LinkShape, LinkShape::parallel> slides{};
-    constexpr std::integral_constant<LinkShape, LinkShape::parallel_a> stays{};
-    const bool d = shape == LinkShape::screw || shape == LinkShape::screw_d || shape == LinkShape::right ||
-                   shape == LinkShape::right_d || shape == LinkShape::parallel;
-    if (tip)
-      d ? f(slides, std::true_type{}, std::true_type{}) : f(stays, std::true_type{}, std::true_type{});
-    else
-      d ? f(slides, std::false_type{}, std::true_type{}) : f(stays, std::false_type{}, std::true_type{});
-  } else if (tip) {
-    dispatch_shape(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, std::true_type{}, std::false_type{}); });
-  } else {
-    dispatch_shape(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, std::false_type{}, std::false_type{}); });
   }
 }
 

@@ -34,15 +34,18 @@ Link link_of_shape(LinkShape shape, Draw& draw) {
   return k;
 }
 
-// One step inboard and one outboard against the same by the generic pieces.
-template <LinkShape S, bool Gravity, bool Keep, bool Tip, bool Root>
-void step_laws(Draw& draw) {
+// One step inboard and one outboard against the same by the generic pieces; `of`: the link's own shape, where steps inboard
+// are those of one that has more.
+template <LinkShape S, bool Gravity, bool Keep, Children N, bool Root>
+void step_laws(Draw& draw, LinkShape of = S) {
   using L = PinWithRotor;
-  const Link k = link_of_shape(S, draw);
+  const Link k = link_of_shape(of, draw);
   const double mass = 2 + draw(), q = 3 * draw(), p = draw(), c = std::cos(q), s = std::sin(q), no_rotor = 0;
   const JointState<double> joint{&q, &c, &s};
-  Inboard<double> in{random_mass(draw), {draw.vector(), draw.vector()}, draw.vector()};
-  Inboard<double> expected = Tip ? Inboard<double>{} : in;
+  const auto some = [&] { return Inboard<double>{random_mass(draw), {draw.vector(), draw.vector()}, draw.vector()}; };
+  Inboard<double> in = some(), others = some(), expected{};
+  if (N != Children::none) expected += in;
+  if (N == Children::several) expected += others;
   add_rigid_mass(expected.M, k.body);  // (22), (23)
   expected.mc += k.body.mc;
   typename L::template Record<double> record{};
@@ -52,7 +55,11 @@ void step_laws(Draw& draw) {
   x.inboard(expected.M), x.inboard(expected.D), x.inboard(expected.mc, mass);  // (16)
 
   PinRecord<double> w{};
-  PinSteps::inboard<S, Gravity, Keep, Tip, Root>(k, mass, c, s, p, in, w);
+  Inboard<double> aside = in;
+  PinSteps::inboard<S, Gravity, Keep, N, Root>(k, mass, c, s, p, in, others, w, aside);
+  PinSteps::inboard<S, Gravity, Keep, N, Root>(k, mass, c, s, p, in, others, w, in);  // in its own place
+  CHECK(distance(flat(in.M), flat(aside.M)) == 0);
+  CHECK(distance(flat(in.D), flat(aside.D)) == 0);
   if (!Root) {
     CHECK(distance(flat(in.M), flat(expected.M)) < 1e-12);
     CHECK(distance(flat(in.D), flat(expected.D)) < 1e-12);
@@ -64,7 +71,8 @@ void step_laws(Draw& draw) {
   Outboard<double> out = base, far = base;
   double u = 0, pdot = 0, u_expected = 0, pdot_expected = 0;
   BodySweep<double> kept{};
-  PinSteps::outboard<S, Gravity, Keep>(k, c, s, w, p, Root, out, u, pdot, Keep ? &kept : nullptr);
+  dispatch_shape(
+      of, [&](auto own) { PinSteps::outboard<own(), Gravity, Keep>(k, c, s, w, p, Root, out, u, pdot, Keep ? &kept : nullptr); });
   x.outboard(far.velocity), x.outboard(far.gravity);
   L::joint_velocity(record, far.velocity, &u_expected);                                                   // (27)
   const Force<double> Pb = L::articulated_momentum(record, &p, far.velocity);                             // (21)
@@ -80,18 +88,30 @@ void step_laws(Draw& draw) {
     CHECK(distance(flat(kept.articulated), flat(Pb)) < 1e-11);
   }
 
-  // The second recursion crosses by itself.
+  // The second recursion: (45), and (39) with (47).
   Force<double> W{draw.vector(), draw.vector()}, W_expected = W;
   PinSteps::cross_inboard<S>(k, c, s, W), x.inboard(W_expected);
   CHECK(distance(flat(W), flat(W_expected)) < 1e-13);
-  Motion<double> a{draw.vector(), draw.vector()}, a_expected = a;
-  PinSteps::cross_outboard<S>(k, c, s, a), x.outboard(a_expected);
-  CHECK(distance(flat(a), flat(a_expected)) < 1e-13);
+  if (!Keep) return;  // its records are none of these
+  const Motion<double> velocity{draw.vector(), draw.vector()};
+  Motion<double> a{draw.vector(), draw.vector()}, a_expected = a, approach{};
+  const Motion<double> bias = L::acceleration_bias<double>(k, joint, velocity, &u);
+  double udot = draw(), udot_expected = udot;
+  RevoluteKernels::joint_acceleration(w, bias, &udot);
+  PinSteps::rate_outboard<S>(k, c, s, w, velocity, u, udot, a, approach);
+  x.outboard(a_expected);
+  a_expected = a_expected + bias;
+  CHECK(distance(flat(approach), flat(a_expected)) < 1e-13);
+  L::joint_acceleration(record, a_expected, &udot_expected);
+  CHECK(std::fabs(udot - udot_expected) < 1e-12);
+  a_expected = L::spatial_velocity<double>(k, joint, a_expected, &udot_expected);
+  CHECK(distance(flat(a), flat(a_expected)) < 1e-12);
 }
 
 }  // namespace
 
-TEST_CASE("steps of a pin, by the shape of its link, are the generic pieces: (22)-(27), (15)-(17), (20), (21), (45)") {
+TEST_CASE(
+    "steps of a pin, by the shape of its link, are the generic pieces: (22)-(27), (15)-(17), (20), (21), (39), (45), (47)") {
   Draw draw;
   const auto all = []<std::size_t... I>(std::index_sequence<I...>, auto law) {
     (law(std::integral_constant<LinkShape, static_cast<LinkShape>(I)>{}), ...);
@@ -99,18 +119,31 @@ TEST_CASE("steps of a pin, by the shape of its link, are the generic pieces: (22
   all(std::make_index_sequence<11>{}, [&](auto shape) {
     constexpr LinkShape S = shape();
     CAPTURE(static_cast<int>(S));
+    constexpr LinkShape main = S == LinkShape::general || S == LinkShape::tilted ? S
+                               : S < LinkShape::right                            ? LinkShape::screw
+                               : S < LinkShape::parallel                         ? LinkShape::right
+                                                                                 : LinkShape::parallel;
+    constexpr LinkShape aside = main == S && S < LinkShape::screw ? LinkShape::general : LinkShape::screw;
     for (int trial = 0; trial < 20; ++trial) {
-      step_laws<S, true, false, false, false>(draw);
-      step_laws<S, true, false, true, false>(draw);
-      step_laws<S, false, false, false, false>(draw);
-      step_laws<S, true, true, false, false>(draw);
-      step_laws<S, true, true, true, false>(draw);
-      step_laws<S, false, true, false, false>(draw);
+      step_laws<S, true, false, Children::one, false>(draw);
+      step_laws<S, true, false, Children::none, false>(draw);
+      step_laws<S, false, false, Children::one, false>(draw);
+      step_laws<S, true, true, Children::one, false>(draw);
+      step_laws<S, true, true, Children::none, false>(draw);
+      step_laws<S, false, true, Children::one, false>(draw);
+      // Forks, and children that are not first, go by steps of fewer shapes.
+      step_laws<main, true, false, Children::several, false>(draw, S);
+      step_laws<main, false, true, Children::several, false>(draw, S);
+      step_laws<aside, true, false, Children::none, false>(draw, S);
+      step_laws<aside, true, true, Children::one, false>(draw, S);
+      step_laws<aside, true, false, Children::several, false>(draw, S);
       if constexpr (S == LinkShape::parallel || S == LinkShape::parallel_a) {  // roots go by these
-        step_laws<S, true, false, false, true>(draw);
-        step_laws<S, true, false, true, true>(draw);
-        step_laws<S, true, true, false, true>(draw);
-        step_laws<S, false, true, true, true>(draw);
+        step_laws<S, true, false, Children::one, true>(draw);
+        step_laws<S, true, false, Children::none, true>(draw);
+        step_laws<S, true, true, Children::one, true>(draw);
+        step_laws<S, false, true, Children::none, true>(draw);
+        step_laws<S, true, true, Children::several, true>(draw);
+        step_laws<S, false, false, Children::several, true>(draw);
       }
     }
   });

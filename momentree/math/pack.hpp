@@ -175,4 +175,32 @@ void sincos(int n, const Pack<S, N, I>* x, Pack<S, N, I>* s, Pack<S, N, I>* c) {
         s[i].set(lane, std::sin(static_cast<double>(x[i][lane]))), c[i].set(lane, std::cos(static_cast<double>(x[i][lane])));
 }
 
+/// angle(0), angle(1) … of one world, four at a time: they get there in registers, as numbers just written would be waited for.
+/// `s` and `c` have room for three more than n. Wide angles get theirs from libm.
+template <class Angle>
+MOMENTREE_INLINE void sincos_by_fours(int n, const Angle& angle, double* s, double* c) {
+  using Four = Pack<double, 4>;
+  constexpr int block = 16;
+  Four some[block];
+  for (int first = 0; first < n; first += 4 * block) {
+    const int count = n - first < 4 * block ? n - first : 4 * block, fours = (count + 3) / 4;
+    typename Four::Mask near = ~typename Four::Mask{};
+    for (int k = 0; k < fours; ++k) {
+      const int i = first + 4 * k;
+      const auto there = [&](int lane) MOMENTREE_INLINE_LAMBDA { return angle(i + lane < n ? i + lane : i); };
+      some[k] = Four(Four::Vector{angle(i), there(1), there(2), there(3)});
+      near &= within(some[k], sincos_range);
+    }
+    for (int k = 0; k < fours; ++k) {
+      Four sine, cosine;
+      sincos(some[k], sine, cosine);
+      sine.store(s + first + 4 * k), cosine.store(c + first + 4 * k);
+    }
+    if ((near[0] & near[1] & near[2] & near[3]) != 0) continue;
+    for (int i = 0; i < count; ++i)
+      if (const double x = some[i / 4][i % 4]; !(std::fabs(x) <= sincos_range))
+        s[first + i] = std::sin(x), c[first + i] = std::cos(x);
+  }
+}
+
 }  // namespace momentree

@@ -6,7 +6,7 @@
 
 namespace momentree {
 
-/// Largest |x| (rad) for which `sincos` reduces accurately; beyond it libm is called.
+/// Largest |x| (rad) for which `sincos` reduces accurately; beyond it those who take many angles call libm.
 inline constexpr double sincos_range = 1e6;
 
 /// Error below 1 ulp for |x| <= sincos_range. Cody–Waite reduction in three parts (33 + 33 + 53 bits of pi/2, as in fdlibm),
@@ -50,19 +50,10 @@ void sincos(const T& x, T& s, T& c) {
   c = cos(x);
 }
 
-/// n angles, separate results. One wide angle sends the whole batch to libm: the loop itself has no branch.
+/// n angles, separate results.
 template <class T>
 void sincos(int n, const T* x, T* s, T* c) {
   for (int i = 0; i < n; ++i) sincos(x[i], s[i], c[i]);
-}
-inline void sincos(int n, const double* x, double* s, double* c) {
-  double widest = 0;
-  for (int i = 0; i < n; ++i) widest = std::fabs(x[i]) > widest ? std::fabs(x[i]) : widest;
-  if (widest <= sincos_range) {
-    for (int i = 0; i < n; ++i) sincos(x[i], s[i], c[i]);
-  } else {
-    for (int i = 0; i < n; ++i) s[i] = std::sin(x[i]), c[i] = std::cos(x[i]);
-  }
 }
 
 }  // namespace momentree

@@ -17,6 +17,18 @@ struct Force {
   Vector3<T> l, h;
 };
 
+/// `value`, to memory, one number by one: a copy of the whole goes by wider pieces, which wait for numbers just written.
+template <class T>
+MOMENTREE_INLINE constexpr void put(const Motion<T>& value, Motion<T>& to) {
+  to.v.x = value.v.x, to.v.y = value.v.y, to.v.z = value.v.z;
+  to.w.x = value.w.x, to.w.y = value.w.y, to.w.z = value.w.z;
+}
+template <class T>
+MOMENTREE_INLINE constexpr void put(const Force<T>& value, Force<T>& to) {
+  to.l.x = value.l.x, to.l.y = value.l.y, to.l.z = value.l.z;
+  to.h.x = value.h.x, to.h.y = value.h.y, to.h.z = value.h.z;
+}
+
 template <class T>
 MOMENTREE_INLINE constexpr Motion<T> operator+(const Motion<T>& a, const Motion<T>& b) {
   return {a.v + b.v, a.w + b.w};
