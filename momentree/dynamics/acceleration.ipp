@@ -25,11 +25,12 @@ struct RateSweep {
   /// Tip to base. For the way out there wait: the bias in `approaches`, and in `a` Mj⁻¹ (τ − Eᵀ W). Of Tr, what is not M̂ a′
   /// stays in `demands`: few ask for all wrenches.
   template <class K>
-  void inboard(const Segment& segment, Force<T>& through) const {
+  void inboard(const Segment& segment) const {
     const auto order = tree.order();
     const auto flows = tree.flows();
     const Force<T>* const loads = tree.loaded_bodies().empty() ? nullptr : work.loads.get();
-    Force<T> W = through;  // what the children ask, and soon the body itself
+    Force<T> W;  // what the children ask, and soon the body itself
+    passage.enter_in(segment, W);
     for (int i = segment.end - 1; i >= segment.begin; --i) {
       const int b = order[static_cast<std::size_t>(i)];
       const unsigned flow = flows[static_cast<std::size_t>(i)];
@@ -68,15 +69,16 @@ struct RateSweep {
         K::template crossing_again<false, T>(link, joint, record).inboard(W);
       passage.deliver(b, flow, W);
     }
-    through = W;
+    passage.leave_in(segment, W);
   }
 
   /// Base to tip. The ground accelerates against gravity: so every body has its weight, and none needs to know where down is.
   template <class K>
-  void outboard(const Segment& segment, const Motion<T>& base, Motion<T>& through) const {
+  void outboard(const Segment& segment, const Motion<T>& base) const {
     const auto order = tree.order();
     const auto flows = tree.flows();
-    Motion<T> a = through;
+    Motion<T> a;
+    passage.enter_out(segment, a);
     for (int i = segment.begin; i < segment.end; ++i) {
       const int b = order[static_cast<std::size_t>(i)];
       const unsigned flow = flows[static_cast<std::size_t>(i)];
@@ -108,7 +110,7 @@ struct RateSweep {
       }
       passage.hand_down(b, flow, a);
     }
-    through = a;
+    passage.leave_out(segment, a);
   }
 };
 
@@ -116,16 +118,14 @@ template <class T>
 void evaluate_accelerations(const Tree& tree, const T* q, Work<T>& work) noexcept {
   const RateSweep<T> sweep{tree, q, work};
   const auto segments = tree.segments();
-  Force<T> W{};
   for (std::size_t i = segments.size(); i-- > 0;) {
     const Segment& s = segments[i];
-    dispatch_kernels(s.kind, s.variant, [&](auto tag) { sweep.template inboard<typename decltype(tag)::type>(s, W); });
+    dispatch_kernels(s.kind, s.variant, [&](auto tag) { sweep.template inboard<typename decltype(tag)::type>(s); });
   }
   const Vec3& g = tree.gravity();
   const Motion<T> base{{T(-g.x), T(-g.y), T(-g.z)}, {}};
-  Motion<T> a = base;
   for (const Segment& s : segments)
-    dispatch_kernels(s.kind, s.variant, [&](auto tag) { sweep.template outboard<typename decltype(tag)::type>(s, base, a); });
+    dispatch_kernels(s.kind, s.variant, [&](auto tag) { sweep.template outboard<typename decltype(tag)::type>(s, base); });
 }
 
 }  // namespace momentree

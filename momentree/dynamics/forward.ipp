@@ -26,12 +26,12 @@ struct Sweep {
 
   /// Backward recursion over a stretch of the order. `Keep` as below.
   template <class K, bool Keep>
-  void inboard(const Segment& segment, Inboard<T>& through) const {
+  void inboard(const Segment& segment) const {
     const auto order = tree.order();
     const auto flows = tree.flows();
     auto* const records = work.template records_of<K>(tree, segment);
     Inboard<T> a;
-    if (passage.comes_in(segment)) a = through;
+    passage.enter_in(segment, a);
     for (int i = segment.end - 1; i >= segment.begin; --i) {
       const int b = order[static_cast<std::size_t>(i)];
       const unsigned flow = flows[static_cast<std::size_t>(i)];
@@ -61,18 +61,18 @@ struct Sweep {
       }
       passage.deliver(b, flow, a);
     }
-    through = a;
+    passage.leave_in(segment, a);
   }
 
   /// Forward recursion over a stretch of the order. `Keep`: what changes and accelerations read, Ω and Pb, is kept; stages leave
   /// it out.
   template <class K, bool Keep>
-  void outboard(const Segment& segment, const Outboard<T>& base, Outboard<T>& through) const {
+  void outboard(const Segment& segment, const Outboard<T>& base) const {
     const auto order = tree.order();
     const auto flows = tree.flows();
     const auto* const records = work.template records_of<K>(tree, segment);
     Outboard<T> a;
-    if (passage.goes_on(segment)) a = through;
+    passage.enter_out(segment, a);
     for (int i = segment.begin; i < segment.end; ++i) {
       const int b = order[static_cast<std::size_t>(i)];
       const unsigned flow = flows[static_cast<std::size_t>(i)];
@@ -104,18 +104,18 @@ struct Sweep {
       }
       passage.hand_down(b, flow, a);
     }
-    through = a;
+    passage.leave_out(segment, a);
   }
 
   // The same for kinds that have whole steps by the shape of a link.
 
   template <class K, bool Gravity, bool Keep>
-  void inboard_steps(const Segment& segment, Inboard<T>& through) const {
+  void inboard_steps(const Segment& segment) const {
     const int* order = tree.order().data();
     const unsigned char* flows = tree.flows().data();
     auto* const records = work.template records_of<K>(tree, segment);
     Inboard<T> a;
-    if (passage.comes_in(segment)) a = through;
+    passage.enter_in(segment, a);
     for (int i = segment.end - 1; i >= segment.begin; --i) {
       const int b = order[i];
       const unsigned flow = flows[i];
@@ -136,16 +136,16 @@ struct Sweep {
       dispatch_inboard(link.shape, flow, step);
       passage.add(b, flow, a);
     }
-    if (passage.goes_on(segment)) through = a;
+    passage.leave_in(segment, a);
   }
 
   template <class K, bool Gravity, bool Keep>
-  void outboard_steps(const Segment& segment, const Outboard<T>& base, Outboard<T>& through) const {
+  void outboard_steps(const Segment& segment, const Outboard<T>& base) const {
     const int* order = tree.order().data();
     const unsigned char* flows = tree.flows().data();
     const auto* const records = work.template records_of<K>(tree, segment);
     Outboard<T> a;
-    if (passage.goes_on(segment)) a = through;
+    passage.enter_out(segment, a);
     for (int i = segment.begin; i < segment.end; ++i) {
       const int b = order[i];
       const unsigned flow = flows[i];
@@ -160,7 +160,7 @@ struct Sweep {
       work.qdot[tree.first_q(b)] = work.v[at];
       passage.hand_down(b, flow, a);
     }
-    through = a;
+    passage.leave_out(segment, a);
   }
 };
 
@@ -212,11 +212,8 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
   const Sweep<T> sweep{tree, q, p, work};
   const Vec3& g = tree.gravity();
   const bool falls = g.x != 0 || g.y != 0 || g.z != 0;
-  Outboard<T> base;
-  base.velocity.v.x = base.velocity.v.y = base.velocity.v.z = T(0);
-  base.velocity.w.x = base.velocity.w.y = base.velocity.w.z = T(0);
-  base.gravity.x = T(g.x), base.gravity.y = T(g.y), base.gravity.z = T(g.z);
-  Inboard<T> in;
+  T o(0);  // not constant, and written out: compilers clear structs at a cost that small mechanisms feel
+  const Outboard<T> base{{{o, o, o}, {o, o, o}}, {T(g.x), T(g.y), T(g.z)}};
   for (std::size_t i = segments.size(); i-- > 0;) {
     const Segment& s = segments[i];
     if (!Keep && s.planar) {
@@ -227,15 +224,14 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
       using K = typename decltype(tag)::type;
       if constexpr (requires { typename K::Steps; }) {
         if (falls)
-          sweep.template inboard_steps<K, true, Keep>(s, in);
+          sweep.template inboard_steps<K, true, Keep>(s);
         else
-          sweep.template inboard_steps<K, false, Keep>(s, in);
+          sweep.template inboard_steps<K, false, Keep>(s);
       } else {
-        sweep.template inboard<K, Keep>(s, in);
+        sweep.template inboard<K, Keep>(s);
       }
     });
   }
-  Outboard<T> out;
   for (const Segment& s : segments) {
     if (!Keep && s.planar) {
       falls ? planar.template outboard<true>(s) : planar.template outboard<false>(s);
@@ -245,11 +241,11 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
       using K = typename decltype(tag)::type;
       if constexpr (requires { typename K::Steps; }) {
         if (falls)
-          sweep.template outboard_steps<K, true, Keep>(s, base, out);
+          sweep.template outboard_steps<K, true, Keep>(s, base);
         else
-          sweep.template outboard_steps<K, false, Keep>(s, base, out);
+          sweep.template outboard_steps<K, false, Keep>(s, base);
       } else {
-        sweep.template outboard<K, Keep>(s, base, out);
+        sweep.template outboard<K, Keep>(s, base);
       }
     });
   }

@@ -11,14 +11,24 @@ struct Passage {
   In* inlets;
   Out* outlets;
 
-  /// Whether the last body of a stretch of the order has a first child, which then comes behind it …
-  MOMENTREE_INLINE bool comes_in(const Segment& segment) const {
-    return (tree.flows()[static_cast<std::size_t>(segment.end - 1)] & flow::tip) == 0;
+  // Between stretches of the order what is at hand waits in memory.
+
+  /// Behind a stretch, on the way in: for the parent of its first body, if that is a first child …
+  MOMENTREE_INLINE void leave_in(const Segment& segment, const In& sum) const {
+    if ((flow_at(segment.begin) & flow::first) != 0) inlets[body_at(segment.begin)] = sum;
   }
-  /// … and whether its first body is one.
-  MOMENTREE_INLINE bool goes_on(const Segment& segment) const {
-    return (tree.flows()[static_cast<std::size_t>(segment.begin)] & flow::first) != 0;
+  /// … and before the next one, whose last body is that parent.
+  MOMENTREE_INLINE void enter_in(const Segment& segment, In& sum) const {
+    if ((flow_at(segment.end - 1) & flow::tip) == 0) sum = inlets[body_at(segment.end)];
   }
+  /// The same on the way out.
+  MOMENTREE_INLINE void leave_out(const Segment& segment, const Out& value) const {
+    if ((flow_at(segment.end - 1) & flow::tip) == 0) outlets[body_at(segment.end - 1)] = value;
+  }
+  MOMENTREE_INLINE void enter_out(const Segment& segment, Out& value) const {
+    if ((flow_at(segment.begin) & flow::first) != 0) value = outlets[body_at(segment.begin - 1)];
+  }
+
   /// Before a body, on the way in: what its children asked of it. `sum` is that of its first child; of no use for a tip.
   MOMENTREE_INLINE void collect(int b, unsigned flow, In& sum) const {
     if ((flow & flow::fork) != 0) sum += inlets[b];
@@ -45,6 +55,10 @@ struct Passage {
   MOMENTREE_INLINE void hand_down(int b, unsigned flow, const Out& value) const {
     if ((flow & flow::fork) != 0) outlets[b] = value;
   }
+
+ private:
+  MOMENTREE_INLINE int body_at(int place) const { return tree.order()[static_cast<std::size_t>(place)]; }
+  MOMENTREE_INLINE unsigned flow_at(int place) const { return tree.flows()[static_cast<std::size_t>(place)]; }
 };
 
 }  // namespace momentree
