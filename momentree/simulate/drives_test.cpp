@@ -251,3 +251,18 @@ TEST_CASE("new drives, friction, stops and strengths at run time") {
   CHECK(broken.released == doctest::Approx(stored));
   CHECK(sim.world().totals().potential == 0);
 }
+
+TEST_CASE("many joints are driven at once, or none where one of them can't be") {
+  Simulation together(arms({.axis = y_axis}), exactly()), apart(arms({.axis = y_axis}), exactly());
+  const auto effort = [](double of) { return [of](const Moment&, std::span<double> efforts) { efforts[0] = of; }; };
+  const double before[] = {together.world().joint({0}).pdot[0], together.world().joint({1}).pdot[0]};
+  CHECK_THROWS_AS(together.drive_all({{"one", effort(3)}, {"none", effort(1)}}), Error);
+  for (int j = 0; j < 2; ++j) CHECK(together.world().joint({j}).pdot[0] == before[j]);
+  together.drive_all({{"one", effort(3)}, {"two", effort(-2)}});
+  apart.drive_all("one", effort(3));
+  apart.drive_all("two", effort(-2));
+  CHECK(together.world().joint({0}).pdot[0] == doctest::Approx(before[0] + 3).epsilon(1e-14));
+  CHECK(together.world().joint({1}).pdot[0] == doctest::Approx(before[1] - 2).epsilon(1e-14));
+  for (Simulation* sim : {&together, &apart}) REQUIRE(sim->run_until(0.5) == Status::ok);
+  for (int j = 0; j < 2; ++j) CHECK(together.world().joint({j}).q[0] == apart.world().joint({j}).q[0]);
+}
