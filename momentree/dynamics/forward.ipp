@@ -7,6 +7,7 @@
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/passage.hpp>
 #include <momentree/dynamics/pin_dispatch.hpp>
+#include <momentree/dynamics/twin_sweep.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/pack.hpp>
 
@@ -113,19 +114,19 @@ struct Sweep {
   void inboard_steps(const Segment& segment) const {
     const int* order = tree.order().data();
     const unsigned char* flows = tree.flows().data();
-    auto* const records = work.template records_of<K>(tree, segment);
+    auto* record = work.template records_of<K>(tree, segment) + (segment.end - segment.begin);
     Inboard<T> a;
     passage.enter_in(segment, a);
-    for (int i = segment.end - 1; i >= segment.begin; --i) {
+    for (std::ptrdiff_t i = segment.end - 1; i >= segment.begin; --i) {
       const int b = order[i];
       const unsigned flow = flows[i];
       const Link& link = tree.link(b);
       const int angle = tree.first_angle(b);
-      auto& record = records[i - segment.begin];
+      --record;
       const auto step = [&](auto shape, auto children, auto way) MOMENTREE_INLINE_LAMBDA {
         const auto to = [&](Inboard<T>& out) MOMENTREE_INLINE_LAMBDA {
           K::Steps::template inboard<shape(), Gravity, Keep, children(), way() == Way::root>(
-              link, tree.subtree_mass(b), work.cos[angle], work.sin[angle], p[tree.first_p(b)], a, passage.inlets[b], record,
+              link, tree.subtree_mass(b), work.cos[angle], work.sin[angle], p[tree.first_p(b)], a, passage.inlets[b], *record,
               out);
         };
         if constexpr (way() == Way::aside)
@@ -143,18 +144,18 @@ struct Sweep {
   void outboard_steps(const Segment& segment, const Outboard<T>& base) const {
     const int* order = tree.order().data();
     const unsigned char* flows = tree.flows().data();
-    const auto* const records = work.template records_of<K>(tree, segment);
+    const auto* record = work.template records_of<K>(tree, segment);
     Outboard<T> a;
     passage.enter_out(segment, a);
-    for (int i = segment.begin; i < segment.end; ++i) {
+    for (std::ptrdiff_t i = segment.begin; i < segment.end; ++i, ++record) {
       const int b = order[i];
       const unsigned flow = flows[i];
       const Link& link = tree.link(b);
       const int angle = tree.first_angle(b), at = tree.first_p(b);
       passage.receive(b, flow, base, a);
       dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-        K::Steps::template outboard<shape(), Gravity, Keep>(link, work.cos[angle], work.sin[angle], records[i - segment.begin],
-                                                            p[at], (flow & flow::root) != 0, a, work.v[at], work.pdot[at],
+        K::Steps::template outboard<shape(), Gravity, Keep>(link, work.cos[angle], work.sin[angle], *record, p[at],
+                                                            (flow & flow::root) != 0, a, work.v[at], work.pdot[at],
                                                             Keep ? &work.motions[static_cast<std::size_t>(b)] : nullptr);
       });
       work.qdot[tree.first_q(b)] = work.v[at];
@@ -205,7 +206,8 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
   work.evaluated = {};
   work.located = {};
   work.accelerated = {};
-  const auto segments = tree.segments();
+  constexpr bool in_pairs = has_twin_lanes && std::is_same_v<T, double>;  // branches that are built alike
+  const auto segments = in_pairs ? tree.twin_segments() : tree.segments();
   find_sines<T, Keep>(tree, q, work);
 
   const FlatSweep<T> planar{tree, q, p, work};
@@ -219,6 +221,12 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
     if (!Keep && s.planar) {
       falls ? planar.template inboard<true>(s) : planar.template inboard<false>(s);
       continue;
+    }
+    if constexpr (in_pairs) {
+      if (s.twin >= 0) {
+        if (s.begin > s.twin) twins_inboard<Keep>(tree, s, falls, p, work);
+        continue;
+      }
     }
     dispatch_kernels(s.kind, s.variant, [&](auto tag) {
       using K = typename decltype(tag)::type;
@@ -236,6 +244,12 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
     if (!Keep && s.planar) {
       falls ? planar.template outboard<true>(s) : planar.template outboard<false>(s);
       continue;
+    }
+    if constexpr (in_pairs) {
+      if (s.twin >= 0) {
+        if (s.begin < s.twin) twins_outboard<Keep>(tree, s, falls, base, p, work);
+        continue;
+      }
     }
     dispatch_kernels(s.kind, s.variant, [&](auto tag) {
       using K = typename decltype(tag)::type;

@@ -8,6 +8,7 @@
 #include <momentree/base/check.hpp>
 #include <momentree/base/inline.hpp>
 #include <momentree/joint/link.hpp>
+#include <momentree/joint/pin_steps.hpp>
 #include <momentree/tree/state.hpp>
 
 namespace momentree {
@@ -40,6 +41,14 @@ MOMENTREE_INLINE Untouched<T> untouched(std::size_t count) {
   return Untouched<T>(static_cast<T*>(memory), FreeUntouched{alignment});
 }
 
+/// What pairs of branches need that are swept at once, by the first one's body.
+struct TwinWork {
+  Untouched<PinRecord<Twins>> records;
+  Untouched<Inboard<Twins>> inlets;
+  Untouched<Outboard<Twins>> outlets;
+};
+struct NoTwins {};
+
 /// Scratch of the sweeps for one tree. Arrays are as long as any later topology needs; pages that no evaluation has written to
 /// cost nothing. A stage writes 24 numbers per pin beside its record, forward_dynamics the motions of bodies, too.
 template <class T>
@@ -68,7 +77,10 @@ class Work {
         loads(by_body<Force<T>>(tree)),
         path(by_body<int>(tree)),
         bodies(by_body<Kinematics<T>>(tree)),
-        capacity_(tree.bodies()) {}
+        capacity_(tree.bodies()) {
+    if constexpr (has_twin_lanes && std::is_same_v<T, double>)
+      twins = {by_body<PinRecord<Twins>>(tree), by_body<Inboard<Twins>>(tree), by_body<Outboard<Twins>>(tree)};
+  }
 
   /// The record of body b, whose joint has kernels K.
   template <class K>
@@ -110,6 +122,7 @@ class Work {
   Untouched<Force<T>> loads;        ///< T: what acts on each of the tree's loaded bodies from outside, kernel frame
   Untouched<int> path;              ///< scratch of changes that walk from a root to a body
   Untouched<Kinematics<T>> bodies;
+  [[no_unique_address]] std::conditional_t<std::is_same_v<T, double>, TwinWork, NoTwins> twins;
 
   /// Numbers of bodies that it has room for.
   int capacity() const { return capacity_; }

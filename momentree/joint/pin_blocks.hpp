@@ -2,9 +2,16 @@
 // A reduced mass across a pin (16), piece by piece in the order of a step: what stands in the plane of the turn about z (the
 // upper left blocks of A, B and J), what couples it with z (a pair of A, a pair of B), A.zz; then the turn about x and the shift
 // along it. Few numbers are at hand at a time that way, and each is written once.
+#include <type_traits>
+#include <utility>
+
 #include <momentree/joint/link.hpp>
 
 namespace momentree::detail {
+
+/// Of what the constants of a link are: numbers, or a pack where its lanes are bodies.
+template <class L>
+using ConstantOf = std::remove_cvref_t<decltype(std::declval<const L&>().d)>;
 
 /// Mb E, or G = Mb E / Mj: the third column of the right half, without what stands at Mj.
 template <class T>
@@ -36,21 +43,21 @@ struct ReducedMass {
 
 // (16), the turn about z by (c, s) and the slide along it by d: B ← B − A r̃, J ← J + r̃ B_new + (r̃ B_old)ᵀ with r = d e_z.
 
-template <bool Slides, class T>
-MOMENTREE_INLINE void cross_z(PinColumn<T>& e, const T& c, const T& s, double d) {
+template <bool Slides, class T, class C>
+MOMENTREE_INLINE void cross_z(PinColumn<T>& e, const T& c, const T& s, const C& d) {
   turn(e.lx, e.ly, c, s);
   turn(e.hx, e.hy, c, s);
   if constexpr (Slides) e.hx = e.hx - d * e.ly, e.hy = e.hy + d * e.lx;
 }
-template <bool Slides, class T>
-MOMENTREE_INLINE void cross_z(Force<T>& D, const T& c, const T& s, double d) {
+template <bool Slides, class T, class C>
+MOMENTREE_INLINE void cross_z(Force<T>& D, const T& c, const T& s, const C& d) {
   turn_z(D.l, c, s);
   turn_z(D.h, c, s);
   if constexpr (Slides) D.h.x = D.h.x - d * D.l.y, D.h.y = D.h.y + d * D.l.x;
 }
 /// B with A before the slide; returns B before the slide.
-template <bool Slides, class T>
-MOMENTREE_INLINE PlaneMatrix<T> cross_z(PlaneMatrix<T>& B, const PlaneSymmetric<T>& A, const Turn<T>& by, double d) {
+template <bool Slides, class T, class C>
+MOMENTREE_INLINE PlaneMatrix<T> cross_z(PlaneMatrix<T>& B, const PlaneSymmetric<T>& A, const Turn<T>& by, const C& d) {
   if constexpr (!Slides) {
     turn_block(B.xx, B.xy, B.yx, B.yy, by);
     return {};
@@ -64,9 +71,9 @@ MOMENTREE_INLINE PlaneMatrix<T> cross_z(PlaneMatrix<T>& B, const PlaneSymmetric<
     return turned;
   }
 }
-template <bool Slides, class T>
+template <bool Slides, class T, class C>
 MOMENTREE_INLINE void cross_z(PlaneSymmetric<T>& J, const PlaneMatrix<T>& B, const PlaneMatrix<T>& turned, const Turn<T>& by,
-                              double d) {
+                              const C& d) {
   turn_block(J.xx, J.xy, J.yy, by);
   if constexpr (Slides) {
     J.xx = J.xx - d * (B.yx + turned.yx), J.yy = J.yy + d * (B.xy + turned.xy);
@@ -78,35 +85,35 @@ MOMENTREE_INLINE void cross_z(PlaneSymmetric<T>& J, const PlaneMatrix<T>& B, con
 
 /// A about x, by the shape's turn.
 enum class Twist { any, right, none };
-template <Twist W, class T>
-MOMENTREE_INLINE Symmetric3<T> turn_x(const Link& k, const PlaneSymmetric<T>& A, const PlaneVector<T>& Az, const T& Azz) {
+template <Twist W, class L, class T>
+MOMENTREE_INLINE Symmetric3<T> turn_x(const L& k, const PlaneSymmetric<T>& A, const PlaneVector<T>& Az, const T& Azz) {
   Symmetric3<T> R{A.xx, A.yy, Azz, A.xy, Az.x, Az.y};
   if constexpr (W == Twist::right) {
     R = {A.xx, Azz, A.yy, -Az.x, A.xy, -Az.y};
   } else if constexpr (W == Twist::any) {
-    turn_block(R.yy, R.yz, R.zz, Turn<double>::of_products(k.cs_a, k.ss_a));
+    turn_block(R.yy, R.yz, R.zz, Turn<ConstantOf<L>>::of_products(k.cs_a, k.ss_a));
     turn(R.xy, R.xz, k.cos_a, k.sin_a);
   }
   return R;
 }
-template <Twist W, class T>
-MOMENTREE_INLINE Matrix3<T> turn_x(const Link& k, const PlaneMatrix<T>& B, const PlaneVector<T>& Bz) {
-  const double c = k.cos_a, s = k.sin_a;
+template <Twist W, class L, class T>
+MOMENTREE_INLINE Matrix3<T> turn_x(const L& k, const PlaneMatrix<T>& B, const PlaneVector<T>& Bz) {
+  const ConstantOf<L> c = k.cos_a, s = k.sin_a;
   if constexpr (W == Twist::none) return {B.xx, B.xy, T(0), B.yx, B.yy, T(0), Bz.x, Bz.y, T(0)};
   if constexpr (W == Twist::right) return {B.xx, T(0), B.xy, -Bz.x, T(0), -Bz.y, B.yx, T(0), B.yy};
   const T a = c * B.yy - s * Bz.y, b = s * B.yy + c * Bz.y;  // rows y, z of the y column
   return {B.xx, c * B.xy, s * B.xy, c * B.yx - s * Bz.x, c * a, s * a, s * B.yx + c * Bz.x, c * b, s * b};
 }
-template <Twist W, class T>
-MOMENTREE_INLINE Symmetric3<T> turn_x(const Link& k, const PlaneSymmetric<T>& J) {
+template <Twist W, class L, class T>
+MOMENTREE_INLINE Symmetric3<T> turn_x(const L& k, const PlaneSymmetric<T>& J) {
   if constexpr (W == Twist::none) return {J.xx, J.yy, T(0), J.xy, T(0), T(0)};
   if constexpr (W == Twist::right) return {J.xx, T(0), J.yy, T(0), J.xy, T(0)};
   return {J.xx, (1 - k.ss_a) * J.yy, k.ss_a * J.yy, k.cos_a * J.xy, k.sin_a * J.xy, k.cs_a * J.yy};
 }
 
 /// (16), the shift by a along x; A stands in M already.
-template <Twist W, class T>
-MOMENTREE_INLINE void shift_x(SpatialMass<T>& M, double a) {
+template <Twist W, class T, class C>
+MOMENTREE_INLINE void shift_x(SpatialMass<T>& M, const C& a) {
   const Symmetric3<T>& A = M.A;
   if constexpr (W == Twist::right) {  // the y column of B and the y row of J are zero
     M.B.xy = -(a * A.xz), M.B.yy = -(a * A.yz), M.B.zy = -(a * A.zz);

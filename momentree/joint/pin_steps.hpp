@@ -2,6 +2,7 @@
 // Steps of the two sweeps across a pin without rotor: (22)–(26) and (16) inboard, (17), (27), (21), (20) outboard, as one piece
 // each. What reduction about z leaves has zeros, and so has the placement of most links.
 #include <momentree/joint/pin_blocks.hpp>
+#include <momentree/joint/twins.hpp>
 
 namespace momentree {
 
@@ -18,9 +19,19 @@ struct PinRecord {
   Vector3<T> mc;
 };
 
+MOMENTREE_INLINE void part(const PinRecord<Twins>& from, PinRecord<double>& one, PinRecord<double>& other) {
+  part(from.A, one.A, other.A), part(from.l, one.l, other.l), part(from.gl, one.gl, other.gl), part(from.mc, one.mc, other.mc);
+  part(from.Bxx, one.Bxx, other.Bxx), part(from.Bxy, one.Bxy, other.Bxy), part(from.Byx, one.Byx, other.Byx);
+  part(from.Byy, one.Byy, other.Byy), part(from.Bzx, one.Bzx, other.Bzx), part(from.Bzy, one.Bzy, other.Bzy);
+  part(from.Jxx, one.Jxx, other.Jxx), part(from.Jxy, one.Jxy, other.Jxy), part(from.Jyy, one.Jyy, other.Jyy);
+  part(from.hx, one.hx, other.hx), part(from.hy, one.hy, other.hy), part(from.ghx, one.ghx, other.ghx);
+  part(from.ghy, one.ghy, other.ghy), part(from.u0, one.u0, other.u0);
+  part(from.inverse_mass, one.inverse_mass, other.inverse_mass);
+}
+
 /// Whether a scalar stands for one world that is evaluated by itself, whose processor waits for every division.
 template <class T>
-inline constexpr bool one_world_at_a_time = std::is_same_v<T, double>;
+inline constexpr bool one_world_at_a_time = std::is_same_v<T, double> || std::is_same_v<T, Twins>;
 
 /// What a body has to collect from its children: at a fork, beside what the first asks, the sum of the others.
 enum class Children : unsigned char { none, one, several };
@@ -47,12 +58,13 @@ struct PinSteps {
 
   /// In: what the children reduced, in the body's frame, the first and the others. Out: what the parent gets, in its frame;
   /// `Root`: nobody asks for it. `out` may be `in`. `mass`: of the body and all outboard of it.
-  template <LinkShape S, bool Gravity, bool Keep, Children N, bool Root, class T>
-  MOMENTREE_INLINE static void inboard(const Link& k, double mass, const T& cosine, const T& sine, const T& momentum,
-                                       const Inboard<T>& in, const Inboard<T>& others, PinRecord<T>& w, Inboard<T>& out) {
+  template <LinkShape S, bool Gravity, bool Keep, Children N, bool Root, class L, class T>
+  MOMENTREE_INLINE static void inboard(const L& k, const detail::ConstantOf<L>& mass, const T& cosine, const T& sine,
+                                       const T& momentum, const Inboard<T>& in, const Inboard<T>& others, PinRecord<T>& w,
+                                       Inboard<T>& out) {
     constexpr bool is_late = late<T, Keep>, crosses_z = is_late || !Root, slides = Has<S>::d;
     const T c = cosine, s = sine, p = momentum;
-    const RigidMass& b = k.body;
+    const auto& b = k.body;
     const T inverse = T(1) / with<N>(in.M.J.zz, others.M.J.zz, b.J.zz);  // (24)
     detail::PinColumn<T> e{with<N>(in.M.B.xz, others.M.B.xz, -b.mc.y), with<N>(in.M.B.yz, others.M.B.yz, b.mc.x),
                            alone<N>(in.M.B.zz, others.M.B.zz), with<N>(in.M.J.xz, others.M.J.xz, b.J.xz),
@@ -101,8 +113,8 @@ struct PinSteps {
   }
 
   /// In: the parent's velocity, and gravity in its axes; out: those of the body. Gives u and ṗ of the joint; if kept, Ω and Pb.
-  template <LinkShape S, bool Gravity, bool Keep, class T>
-  MOMENTREE_INLINE static void outboard(const Link& k, const T& c, const T& s, const PinRecord<T>& w, const T& p, bool root,
+  template <LinkShape S, bool Gravity, bool Keep, class L, class T>
+  MOMENTREE_INLINE static void outboard(const L& k, const T& c, const T& s, const PinRecord<T>& w, const T& p, bool root,
                                         Outboard<T>& out, T& u, T& pdot, BodySweep<T>* kept) {
     Vector3<T>&v = out.velocity.v, &o = out.velocity.w, &g = out.gravity;
     // (17): the way into the joint's frame
@@ -212,8 +224,8 @@ struct PinSteps {
 
  private:
   // (22), (23): what the children ask, and the body's own; at a tip this alone.
-  template <Children N, class T>
-  MOMENTREE_INLINE static T with(const T& first, const T& others, double own) {
+  template <Children N, class T, class C>
+  MOMENTREE_INLINE static T with(const T& first, const T& others, const C& own) {
     if constexpr (N == Children::none)
       return T(own);
     else
@@ -231,8 +243,8 @@ struct PinSteps {
 
   // (25), M̂ = Mb − G (Mb E)ᵀ, and (16) as far as the parent's side of the joint, before it or, late, behind it. Piece by piece,
   // so that few numbers are at hand; the record gets what steps outboard read.
-  template <bool Slides, bool Late, bool CrossesZ, Children N, class T>
-  MOMENTREE_INLINE static void reduce_mass(const Link& k, const T& c, const T& s, const detail::PinColumn<T>& e,
+  template <bool Slides, bool Late, bool CrossesZ, Children N, class L, class T>
+  MOMENTREE_INLINE static void reduce_mass(const L& k, const T& c, const T& s, const detail::PinColumn<T>& e,
                                            const detail::PinColumn<T>& g, const SpatialMass<T>& in, const SpatialMass<T>& others,
                                            detail::ReducedMass<T>& m, PinRecord<T>& w) {
     const auto by = [&]() MOMENTREE_INLINE_LAMBDA {
@@ -242,8 +254,8 @@ struct PinSteps {
         return nullptr;
     }();
     constexpr bool tip = N == Children::none;
-    const double d = k.d;
-    const RigidMass& b = k.body;
+    const detail::ConstantOf<L> d = k.d;
+    const auto& b = k.body;
     const auto in_order = [&](auto cross, auto reduce) MOMENTREE_INLINE_LAMBDA {
       if constexpr (Late) cross(by);
       reduce();
@@ -312,8 +324,8 @@ struct PinSteps {
   }
 
   // (16) from the parent's side of the joint to the parent.
-  template <LinkShape S, class T>
-  MOMENTREE_INLINE static void mass_inboard(const Link& k, const detail::ReducedMass<T>& m, SpatialMass<T>& out) {
+  template <LinkShape S, class L, class T>
+  MOMENTREE_INLINE static void mass_inboard(const L& k, const detail::ReducedMass<T>& m, SpatialMass<T>& out) {
     using detail::Twist;
     constexpr Twist twist = Has<S>::right ? Twist::right : Has<S>::parallel ? Twist::none : Twist::any;
     SpatialMass<T> M;
@@ -331,8 +343,8 @@ struct PinSteps {
     out.B.zx = M.B.zx, out.B.zy = M.B.zy, out.B.zz = M.B.zz;
     out.J.xx = M.J.xx, out.J.yy = M.J.yy, out.J.zz = M.J.zz, out.J.xy = M.J.xy, out.J.xz = M.J.xz, out.J.yz = M.J.yz;
   }
-  template <LinkShape S, bool Gravity, class T>
-  MOMENTREE_INLINE static void momentum_inboard(const Link& k, double mass, Force<T>& D, Vector3<T>& mc) {
+  template <LinkShape S, bool Gravity, class L, class T>
+  MOMENTREE_INLINE static void momentum_inboard(const L& k, const detail::ConstantOf<L>& mass, Force<T>& D, Vector3<T>& mc) {
     const auto each = [&](auto turn) MOMENTREE_INLINE_LAMBDA {
       turn(D.l), turn(D.h);
       if constexpr (Gravity) turn(mc);
@@ -374,6 +386,7 @@ MOMENTREE_INLINE void dispatch_shape(LinkShape shape, F&& f) {
     MOMENTREE_SHAPE(parallel_a)
 #undef MOMENTREE_SHAPE
   }
+  __builtin_unreachable();
 }
 
 }  // namespace momentree

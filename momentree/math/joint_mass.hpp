@@ -1,5 +1,6 @@
 #pragma once
-// Joint-space mass (24), at most 6 x 6, symmetric positive definite: LDLᵀ in place, no pivoting, no branches.
+// Joint-space mass (24), at most 6 x 6, symmetric positive definite: LDLᵀ in place, no pivoting, no branches. Unrolled: loops
+// this short take longer than what is in them.
 #include <array>
 
 #include <momentree/base/inline.hpp>
@@ -17,9 +18,11 @@ struct JointMass {
 
   /// Factorises; reads the lower triangle. A pivot that is not positive shows in `inverse` as not positive or not finite.
   MOMENTREE_INLINE constexpr void factorise() {
+#pragma GCC unroll 6
     for (int j = 0; j < N; ++j) {
       T d = (*this)(j, j);
       std::array<T, N> w{};
+#pragma GCC unroll 6
       for (int k = 0; k < j; ++k) {
         w[static_cast<std::size_t>(k)] = (*this)(j, k) * (*this)(k, k);  // L D
         d = d - (*this)(j, k) * w[static_cast<std::size_t>(k)];
@@ -27,8 +30,10 @@ struct JointMass {
       (*this)(j, j) = d;
       const T inv = T(1) / d;
       inverse[static_cast<std::size_t>(j)] = inv;
+#pragma GCC unroll 6
       for (int i = j + 1; i < N; ++i) {
         T a = (*this)(i, j);
+#pragma GCC unroll 6
         for (int k = 0; k < j; ++k) a = a - (*this)(i, k) * w[static_cast<std::size_t>(k)];
         (*this)(i, j) = a * inv;
       }
@@ -37,10 +42,14 @@ struct JointMass {
   /// x ← M⁻¹ x
   template <class Vector>
   MOMENTREE_INLINE constexpr void solve(Vector& x) const {
+#pragma GCC unroll 6
     for (int i = 0; i < N; ++i)
+#pragma GCC unroll 6
       for (int k = 0; k < i; ++k) x[i] = x[i] - (*this)(i, k) * x[k];
+#pragma GCC unroll 6
     for (int i = N - 1; i >= 0; --i) {
       x[i] = x[i] * inverse[static_cast<std::size_t>(i)];
+#pragma GCC unroll 6
       for (int k = i + 1; k < N; ++k) x[i] = x[i] - (*this)(k, i) * x[k];
     }
   }

@@ -93,8 +93,8 @@ struct RigidMass {
   Sym3 J{};
 };
 /// (4): adds the mass matrix [m, −m c̃; m c̃, J] of a rigid body; zeros cost nothing.
-template <class T>
-MOMENTREE_INLINE constexpr void add_rigid_mass(SpatialMass<T>& M, const RigidMass& b) {
+template <class T, class Body>
+MOMENTREE_INLINE constexpr void add_rigid_mass(SpatialMass<T>& M, const Body& b) {
   M.A.xx += b.m, M.A.yy += b.m, M.A.zz += b.m;
   M.B.xy += b.mc.z, M.B.yx -= b.mc.z;
   M.B.xz -= b.mc.y, M.B.zx += b.mc.y;

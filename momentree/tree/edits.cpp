@@ -62,7 +62,7 @@ int Tree::turn_over(int b) {
     unsigned char reversed;
   };
   const auto carried = [this](int a) -> Carried {
-    return {joint_of_[at(a)], first_q_[at(a)], first_p_[at(a)], first_angle_[at(a)], reversed_[at(a)]};
+    return {joint_of_[at(a)], offsets_[at(a)].q, offsets_[at(a)].p, offsets_[at(a)].angle, reversed_[at(a)]};
   };
   Carried below = carried(root);
   for (int hung = -1, body = b; body >= 0;) {
@@ -71,7 +71,7 @@ int Tree::turn_over(int b) {
     unlink(body);
     hang(body, hung);
     joint_of_[at(body)] = below.joint, carrier_[at(below.joint)] = body;
-    first_q_[at(body)] = below.first_q, first_p_[at(body)] = below.first_p, first_angle_[at(body)] = below.first_angle;
+    offsets_[at(body)].q = below.first_q, offsets_[at(body)].p = below.first_p, offsets_[at(body)].angle = below.first_angle;
     reversed_[at(body)] = below.reversed;
     below = own;
     below.reversed = own.reversed != 0 ? 0 : 1;

@@ -188,7 +188,7 @@ void Tree::make_link(int b) {
   find_shape(k, turns_about_z(joint(b).kind), norm(at_joint) + norm(outer.r) + std::fabs(slide));
   classify(b);
   if (turns_about_z(joint(b).kind))
-    for (int i = 0; i < shape(joint(b).kind).angles; ++i) angle_offset_[at(first_angle_[at(b)] + i)] = k.angle_0;
+    for (int i = 0; i < shape(joint(b).kind).angles; ++i) angle_offset_[at(offsets_[at(b)].angle + i)] = k.angle_0;
 }
 
 // What the order is cut into segments by, of the link.

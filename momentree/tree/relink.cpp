@@ -92,7 +92,7 @@ void Tree::pack_all() {
 // The next coordinates, freedoms and angles are those of b's joint. Does not allocate: there is room for any joints.
 void Tree::take_places(int b) {
   const KindShape& kind = shape(joint(b).kind);
-  first_q_[at(b)] = nq_, first_p_[at(b)] = nv_, first_angle_[at(b)] = angles_;
+  offsets_[at(b)].q = nq_, offsets_[at(b)].p = nv_, offsets_[at(b)].angle = angles_;
   nq_ += kind.nq, nv_ += kind.nv, angles_ += kind.angles;
   angle_q_.resize(at(angles_)), angle_offset_.resize(at(angles_));
   for (auto* list : {&armature_, &damping_, &effort_}) list->resize(at(nv_));
@@ -127,11 +127,11 @@ void Tree::pack(int b) {
   const Locks locks = locks_of(b);
   if (links_.has(at(b))) put_locks(b);
   for (int i = 0; i < kind.angles; ++i) {
-    angle_q_[at(first_angle_[at(b)] + i)] = first_q_[at(b)] + kind.angle[i];
-    angle_offset_[at(first_angle_[at(b)] + i)] = kind.turns_about_z && links_.has(at(b)) ? links_[at(b)].angle_0 : 0.0;
+    angle_q_[at(offsets_[at(b)].angle + i)] = offsets_[at(b)].q + kind.angle[i];
+    angle_offset_[at(offsets_[at(b)].angle + i)] = kind.turns_about_z && links_.has(at(b)) ? links_[at(b)].angle_0 : 0.0;
   }
   for (int i = 0; i < kind.nv; ++i) {
-    const auto p = at(first_p_[at(b)] + i);
+    const auto p = at(offsets_[at(b)].p + i);
     const bool moves = (joint.locked >> i & 1u) == 0;  // a locked freedom's forces do nothing
     armature_[p] = given.armature[at(i)];
     damping_[p] = moves ? given.damping[at(i)] : 0.0;
@@ -161,9 +161,9 @@ bool Tree::repack(int b, Kind before) {
   if (q != 0 || p != 0 || angles != 0) {
     for (int j = joint_of_[at(b)] + 1; j < bodies(); ++j) {
       const int c = carrier_[at(j)];
-      if (c >= 0) first_q_[at(c)] += q, first_p_[at(c)] += p, first_angle_[at(c)] += angles;
+      if (c >= 0) offsets_[at(c)].q += q, offsets_[at(c)].p += p, offsets_[at(c)].angle += angles;
     }
-    const int behind_p = first_p_[at(b)] + old.nv, behind_angle = first_angle_[at(b)] + old.angles;
+    const int behind_p = offsets_[at(b)].p + old.nv, behind_angle = offsets_[at(b)].angle + old.angles;
     for (int i = behind_angle; i < angles_; ++i) angle_q_[at(i)] += q;
     shift_tail(angle_q_, behind_angle, angles);
     shift_tail(angle_offset_, behind_angle, angles);
@@ -229,8 +229,9 @@ void Tree::arrange() {
             *next_sibling = next_sibling_.data();
   const Class* classes = class_.data();
   int* places = place_.data();
-  std::uint32_t* records = record_.data();
+  Offsets* offsets = offsets_.data();
   std::size_t scalars = 0, record = 0;
+  unsigned any = 0;
   Class same{};
   bool planar = false;
   for (int place = 0; place < count; ++place) {
@@ -247,6 +248,7 @@ void Tree::arrange() {
     else if (next_sibling[b] < 0)
       f |= flow::last;
     flows_[at(place)] = static_cast<unsigned char>(f);
+    any |= f;
     const Class own = classes[b];
     const bool was_planar = planar;
     if (outer < 0) planar = in_a_plane(place);
@@ -256,11 +258,14 @@ void Tree::arrange() {
       record = shape(own.kind).record[static_cast<std::size_t>(own.variant)];
       same = own;
     }
-    records[b] = static_cast<std::uint32_t>(scalars);
+    offsets[b].record = static_cast<std::uint32_t>(scalars);
     scalars += record;
   }
   MT_REQUIRE(scalars <= std::numeric_limits<std::uint32_t>::max(), "fewer than some hundred million bodies");
   record_scalars_ = scalars;
+  has_twins_ = false;
+  const bool several = (any & flow::fork) != 0 || (first_root_ >= 0 && next_sibling_[at(first_root_)] >= 0);
+  if (has_twin_lanes && several) find_twins();
   list_loaded_bodies();
 }
 

@@ -10,14 +10,14 @@ namespace momentree {
 // Room for that many bodies, in any topology.
 void Tree::resize(int bodies) {
   const std::size_t n = at(bodies);
-  for (auto* list :
-       {&parent_, &first_child_, &next_sibling_, &first_q_, &first_p_, &first_angle_, &place_, &joint_of_, &carrier_, &joint_at_})
-    list->resize(n, -1);
-  record_.resize(n), reversed_.resize(n), class_.resize(n), special_.resize(n), subtree_mass_.resize(n);
+  for (auto* list : {&parent_, &first_child_, &next_sibling_, &place_, &joint_of_, &carrier_, &joint_at_}) list->resize(n, -1);
+  offsets_.resize(n), reversed_.resize(n), class_.resize(n), special_.resize(n), subtree_mass_.resize(n);
   links_.resize(n);
-  for (auto* list : {&order_, &spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_})
+  for (auto* list :
+       {&order_, &size_, &twin_, &spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_})
     reserve(*list, n);
-  reserve(segments_, n), reserve(flows_, n), reserve(own_joints_, n), reserve(own_parameters_, n), reserve(own_freedoms_, n);
+  reserve(segments_, n), reserve(twin_segments_, n), reserve(twin_links_, n / 2), reserve(flows_, n);
+  reserve(own_joints_, n), reserve(own_parameters_, n), reserve(own_freedoms_, n);
   reserve(angle_q_, 2 * n), reserve(angle_offset_, 2 * n);
   for (auto* list : {&armature_, &damping_, &effort_}) reserve(*list, 6 * n);
   static const std::size_t largest = [] {

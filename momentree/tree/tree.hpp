@@ -13,6 +13,7 @@
 #include <momentree/base/check.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/kernels.hpp>
+#include <momentree/joint/twins.hpp>
 #include <momentree/tree/declared.hpp>
 #include <momentree/tree/model.hpp>
 
@@ -68,7 +69,14 @@ struct Segment {
   Kind kind = Kind::weld;
   Variant variant = Variant::plain;
   bool planar = false;  ///< one mechanism, whole: a grounded tree of plain pins whose axes are parallel
+  int twin = -1;        ///< where that stretch begins that is like this one in a branch that is built alike; −1: there is none
+  bool branch = false;  ///< such a branch begins with it
+  int links = 0;        ///< where its constants and its twin's begin in Tree::twin_links
 };
+/// The stretch that is swept with this one.
+inline Segment twin_of(const Segment& s) {
+  return {s.twin, s.twin + s.end - s.begin, s.kind, s.variant, s.planar, s.begin, s.branch, s.links};
+}
 
 /// How a body stands in the order: depth first, so that behind a body comes its first child, if it has any. On the way in its
 /// sums are then at hand, and on the way out those of its parent; only other children pass theirs through memory.
@@ -103,11 +111,11 @@ class Tree {
   int first_child(int b) const { return first_child_[at(b)]; }
   int next_sibling(int b) const { return next_sibling_[at(b)]; }
   int first_root() const { return first_root_; }
-  int first_q(int b) const { return first_q_[at(b)]; }
-  int first_p(int b) const { return first_p_[at(b)]; }
-  int first_angle(int b) const { return first_angle_[at(b)]; }
+  int first_q(int b) const { return offsets_[at(b)].q; }
+  int first_p(int b) const { return offsets_[at(b)].p; }
+  int first_angle(int b) const { return offsets_[at(b)].angle; }
   /// Offset of the body's record in Work, in scalars.
-  std::size_t record(int b) const { return record_[at(b)]; }
+  std::size_t record(int b) const { return offsets_[at(b)].record; }
   const Link& link(int b) const { return links_[at(b)]; }
   /// Mass of body b and of all outboard of it (kg).
   double subtree_mass(int b) const { return subtree_mass_[at(b)]; }
@@ -140,6 +148,11 @@ class Tree {
   /// Depth first, inboard before outboard; siblings and roots in ascending order of numbers.
   std::span<const int> order() const { return order_; }
   std::span<const Segment> segments() const { return segments_; }
+  /// The same cut where branches begin and end that hang on one body and are built alike, pins and welds in the same order with
+  /// the same forks, as the legs of a robot are: the sweeps of one world take two such branches at once.
+  std::span<const Segment> twin_segments() const { return has_twins_ ? twin_segments_ : segments_; }
+  /// The constants of bodies and their twins, by the first ones' places in their branches: see Segment::links.
+  std::span<const TwinLinks> twin_links() const { return twin_links_; }
   /// Flags of the bodies in the order: see flow.
   std::span<const unsigned char> flows() const { return flows_; }
   std::size_t record_scalars() const { return record_scalars_; }
@@ -261,6 +274,12 @@ class Tree {
   int walk(int root, int place);
   void arrange();
   bool in_a_plane(int place) const;
+
+  // twins.cpp
+  void find_twins();
+  bool pair_siblings(int first);
+  void cut_segments();
+  bool alike(int place, int other, int count) const;
   void weigh(int b);
   void weigh_path(int b);
   int end_of(int b) const;
@@ -299,10 +318,14 @@ class Tree {
   std::uint64_t revision_ = 0;
   std::shared_ptr<const Declared> declared_;
   // By body, or by joint where it says so.
-  std::vector<int> parent_, first_child_, next_sibling_, first_q_, first_p_, first_angle_;
+  std::vector<int> parent_, first_child_, next_sibling_;
+  struct Offsets {  // together: a step asks for all of them
+    int q = -1, p = -1, angle = -1;
+    std::uint32_t record = 0;
+  };
+  std::vector<Offsets> offsets_;
   Reserved<int> order_;     // of the living
   std::vector<int> place_;  // in the order
-  std::vector<std::uint32_t> record_;
   std::vector<int> joint_of_;
   std::vector<int> carrier_, joint_at_;  // by joint; the second: its number among the declared, or ~ that among its own
   std::vector<unsigned char> reversed_;
@@ -321,7 +344,9 @@ class Tree {
   std::vector<MassProperties> added_masses_;
   Reserved<JointParameters> own_parameters_;  // those that changes gave to one joint, in the order in which they were given
   Reserved<FreedomParameters> own_freedoms_;
-  Reserved<Segment> segments_;
+  Reserved<Segment> segments_, twin_segments_;
+  Reserved<TwinLinks> twin_links_;
+  Reserved<int> size_, twin_;  // while branches are compared, by place: bodies from there on outboard; place of the twin, or −1
   Reserved<unsigned char> flows_;
   Reserved<int> spring_joints_, quaternion_joints_, forced_joints_, driven_joints_, strength_joints_;
   std::vector<std::shared_ptr<const JointFunction>> functions_;  // in the order in which they were given
@@ -329,7 +354,7 @@ class Tree {
   // Packed, by angle and by freedom.
   Reserved<int> angle_q_;
   Reserved<double> angle_offset_, armature_, damping_, effort_;
-  bool has_forces_ = false;
+  bool has_forces_ = false, has_twins_ = false;
   std::vector<Topology::Loaded> body_functions_;
   Reserved<int> loaded_;
   std::vector<unsigned char> loaded_mark_;  // scratch, by body

@@ -1,0 +1,169 @@
+// Branches that are built alike, two of which are swept at once, against the same bodies one by one: on random mechanisms with
+// limbs on a trunk, before and after changes that part the pairs.
+#include <doctest/doctest.h>
+
+#include <string>
+#include <vector>
+
+#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/test_support.hpp>
+#include <momentree/joint/kinds.hpp>
+#include <momentree/topology/change.hpp>
+
+namespace momentree {
+
+namespace {
+
+using namespace test;
+
+/// How the bodies of a limb hang together.
+struct Piece {
+  int parent = -1;  // among the limb's bodies; −1: where the limb hangs
+  bool weld = false;
+};
+std::vector<Piece> random_limb(Random& random) {
+  std::vector<Piece> limb;
+  const int bodies = 1 + random.below(9);
+  const bool chain = random.chance(0.5);
+  for (int k = 0; k < bodies; ++k)
+    limb.push_back({k == 0 ? -1 : chain ? k - 1 : random.below(k), random.chance(k == 0 ? 0.05 : 0.15)});
+  return limb;
+}
+/// Placements and masses are each body's own: those of a limb's twin differ.
+void add_limb(Model& model, const std::vector<Piece>& limb, Body at, Random& random) {
+  const int first = model.size();
+  for (const Piece& piece : limb) {
+    BodySpec body{.name = std::to_string(model.size()), .mass = random.between(0.5, 2)};
+    body.com = random.vector(0.2);
+    body.inertia = diagonal(random.between(0.06, 0.1), random.between(0.06, 0.1), random.between(0.06, 0.1));
+    body.parent = piece.parent < 0 ? at : Body{first + piece.parent};
+    body.at = random_place(random);
+    body.joint = piece.weld ? JointSpec(Weld{}) : JointSpec(Revolute{.damping = 1});  // with parameters, it can take a rotor
+    model.add(body);
+  }
+}
+/// A trunk with limbs of few sorts, some of them its equals; and mechanisms that are like one another as a whole.
+Model random_model(Random& random, bool gravity) {
+  Model model({.gravity = gravity ? random.vector(10) : Vec3{}});
+  const std::vector<Piece> sorts[] = {random_limb(random), random_limb(random)};
+  const bool whole = random.chance(0.2);
+  const int trunk = whole ? 0 : 1 + random.below(3);
+  for (int k = 0; k < trunk; ++k) {
+    BodySpec body{.name = "trunk" + std::to_string(k), .mass = 2, .com = random.vector(0.1), .inertia = diagonal(0.2)};
+    body.parent = k == 0 ? ground : Body{k - 1};
+    body.at = random_place(random);
+    body.joint = k == 0 && random.chance(0.6) ? JointSpec(Free{}) : JointSpec(Revolute{.damping = 1});
+    model.add(body);
+  }
+  const int limbs = 2 + random.below(5);
+  for (int k = 0; k < limbs; ++k) add_limb(model, sorts[random.below(2)], whole ? ground : Body{random.below(trunk)}, random);
+  return model;
+}
+
+/// What came about, so that nothing is taken for tested that was not.
+struct Seen {
+  int pairs = 0, apart = 0, mechanisms = 0, forks = 0, welds = 0, mixed = 0, single = 0;
+
+  void note(const Tree& tree) {
+    for (const Segment& s : tree.twin_segments()) {
+      if (s.twin < 0) single += s.end - s.begin;
+      if (s.twin <= s.begin) continue;
+      pairs += s.branch;
+      welds += s.kind == Kind::weld;
+      const int first = tree.order()[static_cast<std::size_t>(s.begin)], other = tree.order()[static_cast<std::size_t>(s.twin)];
+      mechanisms += s.branch && tree.parent(first) < 0;
+      apart +=
+          s.branch && tree.parent(first) >= 0 && (tree.first_child(tree.parent(first)) != first || tree.next_sibling(other) >= 0);
+      for (int i = 0; i < s.end - s.begin; ++i) {
+        forks += (tree.flows()[static_cast<std::size_t>(s.begin + i)] & flow::fork) != 0;
+        mixed += tree.link(tree.order()[static_cast<std::size_t>(s.begin + i)]).shape !=
+                 tree.link(tree.order()[static_cast<std::size_t>(s.twin + i)]).shape;
+      }
+    }
+  }
+};
+
+std::vector<double> numbers(const Motion<double>& a) { return {a.v.x, a.v.y, a.v.z, a.w.x, a.w.y, a.w.z}; }
+std::vector<double> numbers(const Force<double>& a) { return {a.l.x, a.l.y, a.l.z, a.h.x, a.h.y, a.h.z}; }
+
+/// Whole states of bodies, of a work that is accelerated.
+std::vector<double> of_bodies(const Tree& tree, const Work<double>& work) {
+  std::vector<double> all;
+  const auto add = [&](const std::vector<double>& some) { all.insert(all.end(), some.begin(), some.end()); };
+  for (const int b : tree.order()) {
+    const auto body = static_cast<std::size_t>(b);
+    add(numbers(work.motions[body].velocity)), add(numbers(work.motions[body].articulated));
+    // a′ of a weld is that of its parent, one way or the other
+    add(numbers(work.approaches[body])), add(numbers(work.demands[body]));
+  }
+  return all;
+}
+
+void compare(const Tree& tree, const State& state, Seen& seen) {
+  seen.note(tree);
+  const auto nv = tree.nv(), nq = tree.nq();
+  Work<double> stage(tree), pairs(tree);
+  evaluate_rates(tree, state.q().data(), state.p().data(), stage);
+  accelerate(tree, state, pairs);
+  Tree with_rotors = tree;  // which have other kernels, and no twins
+  with_rotors.copy_with_rotors(tree);
+  for (const Segment& s : with_rotors.twin_segments()) CHECK(s.twin < 0);
+  Work<double> generic(with_rotors);
+  accelerate(with_rotors, state, generic);
+  constexpr double tolerance = 1e-11;
+  CHECK(difference(stage.v.get(), generic.v.get(), nv) < tolerance);
+  CHECK(difference(stage.qdot.get(), generic.qdot.get(), nq) < tolerance);
+  CHECK(difference(pairs.v.get(), generic.v.get(), nv) < tolerance);
+  CHECK(difference(pairs.qdot.get(), generic.qdot.get(), nq) < tolerance);
+  CHECK(difference(pairs.pdot.get(), generic.pdot.get(), nv) < tolerance);
+  CHECK(difference(pairs.a.get(), generic.a.get(), nv) < tolerance);
+  const std::vector<double> a = of_bodies(tree, pairs), b = of_bodies(tree, generic);
+  CHECK(difference(a.data(), b.data(), static_cast<int>(a.size())) < tolerance);
+  add_joint_forces(tree, state.time(), state.q().data(), stage);  // as `pairs` has them
+  CHECK(difference(stage.pdot.get(), pairs.pdot.get(), nv) < tolerance);
+}
+
+void disturb(const Tree& tree, State& state, Random& random) {
+  std::vector<double> q(state.q().begin(), state.q().end()), p(state.p().size()), v(state.p().size());
+  for (const int b : tree.order())
+    if (tree.kind(b) == Kind::revolute) q[static_cast<std::size_t>(tree.first_q(b))] = random.between(-3, 3);
+  for (double& x : v) x = random.between(-1, 1);
+  project_momentum(tree, q.data(), v.data(), p.data());
+  std::copy(q.begin(), q.end(), state.edit().q.begin());
+  std::copy(p.begin(), p.end(), state.edit().p.begin());
+}
+
+}  // namespace
+
+TEST_CASE("two branches at once move as each does by itself, whatever changes") {
+  Seen seen;
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    CAPTURE(seed);
+    Random random(seed);
+    const Model model = random_model(random, seed % 3 != 0);
+    Tree tree = compile(model);
+    State state = start_state(model, tree);
+    Work<double> work(tree);
+    for (int change = 0; change < 4; ++change) {
+      CAPTURE(change);
+      disturb(tree, state, random);
+      compare(tree, state, seen);
+      const Body b{random.below(tree.bodies())};
+      forward_dynamics(tree, state, work);
+      if (random.chance(0.4) && can_break(tree, b))
+        apply(Break{b}, tree, state, work);
+      else if (floats(tree, b.index) && tree.parent(b.index) >= 0)
+        apply(Reroot{b}, tree, state, work);
+    }
+  }
+  CHECK(seen.pairs > 500);
+  CHECK(seen.apart > 100);
+  CHECK(seen.mechanisms > 50);
+  CHECK(seen.forks > 200);
+  CHECK(seen.welds > 100);
+  CHECK(seen.mixed > 500);
+  CHECK(seen.single > 1000);
+}
+
+}  // namespace momentree

@@ -1,0 +1,136 @@
+// Which branches are taken for twins: those that hang on one body, or on the ground, and are built alike.
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds.hpp>
+#include <momentree/tree/tree.hpp>
+
+using namespace momentree;
+
+namespace {
+
+/// A limb, its joints by letter: r a pin, w a weld, p a slide. Every body has a placement of its own.
+Body limb(Model& model, Body last, const char* joints) {
+  for (; *joints != '\0'; ++joints) {
+    const double k = model.size() + 1;
+    JointSpec joint = Revolute{.axis = {0.1 * k, 1, 0}};
+    if (*joints == 'w') joint = Weld{};
+    if (*joints == 'p') joint = Prismatic{};
+    const std::string name = std::to_string(model.size());
+    last = model.add({.name = name, .mass = k, .inertia = diagonal(k), .parent = last, .at = {0.1 * k, 0.2, 0}, .joint = joint});
+  }
+  return last;
+}
+Body trunk(Model& model) { return model.add({.name = "trunk", .mass = 1, .inertia = diagonal(1), .joint = Free{}}); }
+
+/// The twins of a tree by the numbers of the bodies that branches begin with, "first-other …".
+std::string pairs(const Tree& tree) {
+  std::string all;
+  for (const Segment& s : tree.twin_segments())
+    if (s.branch && s.twin > s.begin)
+      all += (all.empty() ? "" : " ") + std::to_string(tree.order()[static_cast<std::size_t>(s.begin)]) + "-" +
+             std::to_string(tree.order()[static_cast<std::size_t>(s.twin)]);
+  return all;
+}
+
+/// Pieces in the order, whole, in pairs of one length and kind; the constants those of both links.
+void check_pieces(const Tree& tree) {
+  int place = 0;
+  for (const Segment& s : tree.twin_segments()) {
+    CHECK(s.begin == place);
+    place = s.end;
+    if (s.twin < 0) continue;
+    const Segment other = twin_of(s);
+    bool found = false;
+    for (const Segment& t : tree.twin_segments())
+      if (t.begin == other.begin)
+        found = t.end == other.end && t.kind == s.kind && t.twin == s.begin && t.branch == s.branch && t.links == s.links;
+    CHECK(found);
+    for (int i = 0; i < s.end - s.begin && s.begin < s.twin; ++i) {
+      const Link& a = tree.link(tree.order()[static_cast<std::size_t>(s.begin + i)]);
+      const Link& b = tree.link(tree.order()[static_cast<std::size_t>(s.twin + i)]);
+      const TwinLinks& both = tree.twin_links()[static_cast<std::size_t>(s.links + i)];
+      CHECK(both.body.m[0] == a.body.m);
+      CHECK(both.body.m[1] == b.body.m);
+      CHECK(both.cos_a[0] == a.cos_a);
+      CHECK(both.r.x[1] == b.r.x);
+    }
+  }
+  CHECK(place == static_cast<int>(tree.order().size()));
+}
+
+}  // namespace
+
+TEST_CASE("limbs that are built alike are twins, whatever hangs between them; others are not") {
+  Model model;
+  const Body base = trunk(model);                    // 0
+  limb(model, base, "rrrr");                         // 1 … 4
+  limb(model, base, "rrr");                          // 5 … 7: shorter
+  limb(model, base, "rrwr");                         // 8 … 11: a weld in it
+  limb(model, base, "rrrr");                         // 12 … 15, the twin of 1
+  limb(model, base, "rrpr");                         // 16 … 19: a slide has no steps for two
+  limb(model, base, "rrpr");                         // 20 … 23
+  limb(model, base, "rrwr");                         // 24 … 27, of 8
+  limb(model, base, "rrrr");                         // 28 … 31: a third
+  limb(model, base, "rr"), limb(model, base, "rr");  // too short to gain
+  limb(model, limb(model, base, "rrr"), "r");        // 36 … 39, of 28
+  const Tree tree(model);
+  CHECK(pairs(tree) == "1-12 8-24 28-36");
+  check_pieces(tree);
+}
+
+TEST_CASE("what forks differently is no twin; within twins nobody looks for others") {
+  Model model;
+  const Body base = trunk(model);  // 0
+  for (int k = 0; k < 2; ++k) {    // 1 … 7, 8 … 14: a hand of two fingers
+    const Body hand = limb(model, base, "r");
+    limb(model, hand, "rrr"), limb(model, hand, "rrr");
+  }
+  const Body elsewhere = limb(model, base, "r");  // 15 … 21: of as many bodies
+  limb(model, elsewhere, "rrrr"), limb(model, elsewhere, "rr");
+  const Tree tree(model);
+  CHECK(pairs(tree) == "1-8");
+  check_pieces(tree);
+}
+
+TEST_CASE("mechanisms are twins of one another, but for those in a plane, which have a faster way") {
+  Model model;
+  limb(model, ground, "rrr"), limb(model, ground, "rrrr"), limb(model, ground, "rrr");
+  for (int k = 0; k < 2; ++k) {
+    Body last = ground;
+    for (int i = 0; i < 3; ++i)
+      last = model.add({.name = "plane" + std::to_string(3 * k + i),
+                        .mass = 1,
+                        .inertia = diagonal(1),
+                        .parent = last,
+                        .at = {0.5, 0, 0},
+                        .joint = Revolute{}});
+  }
+  const Tree tree(model);
+  CHECK(pairs(tree) == "0-7");
+  check_pieces(tree);
+}
+
+TEST_CASE("twins part when one of them changes, and meet again when it is restored") {
+  Model model;
+  const Body base = trunk(model);
+  limb(model, base, "rrrr"), limb(model, base, "rrrr"), limb(model, base, "rrrr");  // 1, 5, 9
+  Tree tree(model);
+  const Topology before = tree.topology();
+  CHECK(pairs(tree) == "1-5");
+  tree.detach(3);  // from within 1
+  CHECK(pairs(tree) == "5-9");
+  check_pieces(tree);
+  Joint locked = tree.joint(6);
+  locked.locked = 1;
+  tree.set_joint(6, locked);
+  CHECK(pairs(tree).empty());
+  CHECK(tree.twin_segments().size() == tree.segments().size());
+  const Tree copy = tree;
+  CHECK(pairs(copy).empty());
+  tree.restore(before);
+  CHECK(pairs(tree) == "1-5");
+  check_pieces(tree);
+  check_pieces(Tree(tree));
+}
