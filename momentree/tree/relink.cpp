@@ -263,9 +263,7 @@ void Tree::arrange() {
   }
   MT_REQUIRE(scalars <= std::numeric_limits<std::uint32_t>::max(), "fewer than some hundred million bodies");
   record_scalars_ = scalars;
-  has_twins_ = false;
-  const bool several = (any & flow::fork) != 0 || (first_root_ >= 0 && next_sibling_[at(first_root_)] >= 0);
-  if (has_twin_lanes && several) find_twins();
+  if (has_twin_lanes) find_twins((any & flow::fork) != 0);
   list_loaded_bodies();
 }
 

@@ -14,7 +14,7 @@ void Tree::resize(int bodies) {
   offsets_.resize(n), reversed_.resize(n), class_.resize(n), special_.resize(n), subtree_mass_.resize(n);
   links_.resize(n);
   for (auto* list :
-       {&order_, &size_, &twin_, &spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_})
+       {&order_, &end_, &twin_, &spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_})
     reserve(*list, n);
   reserve(segments_, n), reserve(twin_segments_, n), reserve(twin_links_, n / 2), reserve(flows_, n);
   reserve(own_joints_, n), reserve(own_parameters_, n), reserve(own_freedoms_, n);

@@ -276,8 +276,9 @@ class Tree {
   bool in_a_plane(int place) const;
 
   // twins.cpp
-  void find_twins();
-  bool pair_siblings(int first);
+  void find_twins(bool forks);
+  void pair_siblings(int first, int end);
+  void pair_branches();
   void cut_segments();
   bool alike(int place, int other, int count) const;
   void weigh(int b);
@@ -346,7 +347,7 @@ class Tree {
   Reserved<FreedomParameters> own_freedoms_;
   Reserved<Segment> segments_, twin_segments_;
   Reserved<TwinLinks> twin_links_;
-  Reserved<int> size_, twin_;  // while branches are compared, by place: bodies from there on outboard; place of the twin, or −1
+  Reserved<int> end_, twin_;  // while branches are compared, by place: where what is outboard ends; place of the twin, or −1
   Reserved<unsigned char> flows_;
   Reserved<int> spring_joints_, quaternion_joints_, forced_joints_, driven_joints_, strength_joints_;
   std::vector<std::shared_ptr<const JointFunction>> functions_;  // in the order in which they were given

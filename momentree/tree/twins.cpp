@@ -26,47 +26,64 @@ bool Tree::alike(int place, int other, int count) const {
 }
 
 /// Pairs a body and its next siblings: each with the nearest before it that is like it, of the last few that have no twin.
-bool Tree::pair_siblings(int first) {
-  std::array<int, 8> waiting{};
+/// `end`: where all that is outboard of them ends in the order.
+void Tree::pair_siblings(int first, int end) {
+  struct Branch {
+    int place, size;
+  };
+  std::array<Branch, 8> waiting{};
   std::size_t count = 0;
-  bool any = false;
   for (int b = first; b >= 0; b = next_sibling_[at(b)]) {
-    const int place = place_[at(b)], size = size_[at(place)];
-    if (size < few || (parent_[at(b)] < 0 && in_a_plane(place))) continue;  // has a faster way
+    const int place = place_[at(b)], next = next_sibling_[at(b)], size = (next < 0 ? end : place_[at(next)]) - place;
+    if (size < few) continue;
     std::size_t i = count;
-    while (i > 0 && !(size_[at(waiting[i - 1])] == size && alike(waiting[i - 1], place, size))) --i;
-    if (i > 0) {
-      any = true;
-      twin_[at(place)] = waiting[i - 1], twin_[at(waiting[i - 1])] = place;
-      std::copy(waiting.begin() + static_cast<std::ptrdiff_t>(i), waiting.begin() + static_cast<std::ptrdiff_t>(count),
+    while (i > 0 && !(waiting[i - 1].size == size && alike(waiting[i - 1].place, place, size))) --i;
+    if (i == 0) {
+      if (count == waiting.size()) std::copy(waiting.begin() + 1, waiting.end(), waiting.begin()), --count;
+      waiting[count++] = {place, size};
+    } else if (!(parent_[at(b)] < 0 && in_a_plane(place))) {  // those have a faster way
+      if (!has_twins_) twin_.assign(order_.size(), -1), end_.resize(order_.size());
+      has_twins_ = true;
+      const int other = waiting[i - 1].place;
+      twin_[at(place)] = other, twin_[at(other)] = place;
+      end_[at(place)] = place + size, end_[at(other)] = other + size;
+      std::move(waiting.begin() + static_cast<std::ptrdiff_t>(i), waiting.begin() + static_cast<std::ptrdiff_t>(count),
                 waiting.begin() + static_cast<std::ptrdiff_t>(i) - 1);
       --count;
-      continue;
     }
-    if (count == waiting.size()) std::copy(waiting.begin() + 1, waiting.end(), waiting.begin()), --count;
-    waiting[count++] = place;
   }
-  return any;
 }
 
-/// From order, flows and segments.
-void Tree::find_twins() {
+/// From order, flows and segments. `forks`: whether there are any.
+void Tree::find_twins(bool forks) {
   const int count = static_cast<int>(order_.size());
-  size_.assign(at(count), 1), twin_.assign(at(count), -1);
-  for (int place = count - 1; place > 0; --place)
-    if (const int outer = parent_[at(order_[at(place)])]; outer >= 0) size_[at(place_[at(outer)])] += size_[at(place)];
-  has_twins_ = pair_siblings(first_root_);
-  for (int place = 0; place < count;) {
-    const int b = order_[at(place)];
-    if (twin_[at(place)] >= 0 || (parent_[at(b)] < 0 && in_a_plane(place))) {
-      place += size_[at(place)];
-      continue;
+  has_twins_ = false;
+  pair_siblings(first_root_, count);
+  if (forks) pair_branches();
+  if (has_twins_) cut_segments();
+}
+
+/// At every fork, but for those of mechanisms in a plane and of branches with a twin.
+void Tree::pair_branches() {
+  const int count = static_cast<int>(order_.size());
+  end_.resize(at(count));
+  int end = 0;  // of what is outboard of the body at hand
+  for (int place = 0; place < count; ++place) {
+    const int b = order_[at(place)], next = next_sibling_[at(b)];
+    const unsigned flow = flows_[at(place)];
+    if ((flow & flow::root) != 0)
+      end = next < 0 ? count : place_[at(next)];
+    else if ((flow & flow::first) == 0 || next >= 0)
+      end = end_[at(place)];
+    const bool flat = (flow & flow::root) != 0 && in_a_plane(place);
+    if (flat || (has_twins_ && twin_[at(place)] >= 0)) {
+      place = end - 1;
+    } else if ((flow & flow::fork) != 0) {
+      for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)])
+        end_[at(place_[at(c)])] = next_sibling_[at(c)] < 0 ? end : place_[at(next_sibling_[at(c)])];
+      pair_siblings(first_child_[at(b)], end);
     }
-    if ((flows_[at(place)] & flow::fork) != 0) has_twins_ = pair_siblings(first_child_[at(b)]) || has_twins_;
-    ++place;
   }
-  if (!has_twins_) return;
-  cut_segments();
 }
 
 /// Where branches with twins begin and end; and the constants of both.
@@ -78,7 +95,7 @@ void Tree::cut_segments() {
     for (int place = whole.begin; place < whole.end; ++place) {
       const bool branch = place >= end && twin_[at(place)] >= 0;
       if (branch) {
-        begin = place, end = place + size_[at(place)], twin = twin_[at(place)];
+        begin = place, end = end_[at(place)], twin = twin_[at(place)];
         int& of_first = twin_[at(std::min(place, twin))];  // from here on not its twin, but where its constants are
         if (place < twin) of_first = static_cast<int>(twin_links_.size());
         links = of_first;
