@@ -131,6 +131,7 @@ struct Rates : Evaluator {
   explicit Rates(const EvaluationModel& m) : model(model_of(m.links, gravity)), tree(mt::compile(model)), work(tree) {
     for (mt::State& state : states) state = start_state(model, tree);
     first = m.floating() ? 1 : 0;
+    for (int b = 0; b < tree.bodies(); ++b) places.push_back(static_cast<std::size_t>(tree.first_q(b)));
   }
   void evaluate(const double* q, const double* u) override {
     last = turn_of(q, u);
@@ -151,7 +152,7 @@ struct Rates : Evaluator {
   }
   const double* put(int k, const double* q) {
     const auto coordinates = states[k].edit().q;
-    for (int b = first; b < tree.bodies(); ++b) coordinates[tree.first_q(b)] = q[b];
+    for (std::size_t i = static_cast<std::size_t>(first); i < places.size(); ++i) coordinates[places[i]] = q[i];
     return coordinates.data();
   }
   /// By another way: of the state that the momenta are.
@@ -182,6 +183,7 @@ struct Rates : Evaluator {
   mt::Tree tree;
   mt::Work<double> work;
   mt::State states[2];
+  std::vector<std::size_t> places;  // of the bodies' coordinates
   const double* seen[2] = {nullptr, nullptr};
   int count = 0, last = 0, first = 0;
 };
