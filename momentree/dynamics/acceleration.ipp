@@ -7,6 +7,7 @@
 // children ask of it, and Ω̇ is less gravity; nothing is lost then.
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/passage.hpp>
+#include <momentree/dynamics/pin_dispatch.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -60,7 +61,7 @@ struct RateSweep {
       else
         put(bias, work.approaches[body]);
       if constexpr (requires { typename K::Steps; })  // (45)
-        dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+        dispatch_link<K::Steps::rotor>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
           K::Steps::template cross_inboard<shape()>(link, joint.c[0], joint.s[0], W);
         });
       else if (K::turns_about_z && (flow & flow::aligned) != 0)
@@ -94,7 +95,7 @@ struct RateSweep {
         continue;
       }
       if constexpr (requires { typename K::Steps; }) {
-        dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+        dispatch_link<K::Steps::rotor>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
           K::Steps::template rate_outboard<shape()>(link, joint.c[0], joint.s[0], record, work.motions[body].velocity,
                                                     work.v[tree.first_p(b)], udot[0], a, work.approaches[body]);
         });

@@ -19,6 +19,7 @@ struct Sweep {
   const T* q;
   const T* p;
   Work<T>& work;
+  bool falls;  // else nobody adds up first moments
   Passage<Inboard<T>, Outboard<T>> passage{tree, work.inlets.get(), work.outlets.get()};
 
   MOMENTREE_INLINE JointState<T> joint_state(int b) const {
@@ -46,7 +47,7 @@ struct Sweep {
       if constexpr (K::rigid) {
         if constexpr (Keep) record.M = a.M, record.D = a.D;
       } else {
-        record.mc = a.mc;
+        record.mc = falls ? a.mc : Vector3<T>{T(0), T(0), T(0)};
         K::template reduce<T>(link, joint, p + tree.first_p(b), tree.armature() + tree.first_p(b), a.M, a.D,
                               record);  // (24)–(26)
         const auto over = [&](const auto& crossing) MOMENTREE_INLINE_LAMBDA {
@@ -114,6 +115,7 @@ struct Sweep {
   void inboard_steps(const Segment& segment) const {
     const int* order = tree.order().data();
     const unsigned char* flows = tree.flows().data();
+    [[maybe_unused]] const double* armature = tree.armature();
     auto* record = work.template records_of<K>(tree, segment) + (segment.end - segment.begin);
     Inboard<T> a;
     passage.enter_in(segment, a);
@@ -121,20 +123,20 @@ struct Sweep {
       const int b = order[i];
       const unsigned flow = flows[i];
       const Link& link = tree.link(b);
-      const int angle = tree.first_angle(b);
+      const int angle = tree.first_angle(b), at = tree.first_p(b);
       --record;
       const auto step = [&](auto shape, auto children, auto way) MOMENTREE_INLINE_LAMBDA {
         const auto to = [&](Inboard<T>& out) MOMENTREE_INLINE_LAMBDA {
           K::Steps::template inboard<shape(), Gravity, Keep, children(), way() == Way::root>(
-              link, tree.subtree_mass(b), work.cos[angle], work.sin[angle], p[tree.first_p(b)], a, passage.inlets[b], *record,
-              out);
+              link, tree.subtree_mass(b), K::Steps::rotor ? armature[at] : 0.0, work.cos[angle], work.sin[angle], p[at], a,
+              passage.inlets[b], *record, out);
         };
         if constexpr (way() == Way::aside)
           to(passage.inlets[tree.parent(b)]);
         else
           to(a);
       };
-      dispatch_inboard(link.shape, flow, step);
+      dispatch_inboard<K::Steps::rotor>(link.shape, flow, step);
       passage.add(b, flow, a);
     }
     passage.leave_in(segment, a);
@@ -152,12 +154,18 @@ struct Sweep {
       const unsigned flow = flows[i];
       const Link& link = tree.link(b);
       const int angle = tree.first_angle(b), at = tree.first_p(b);
-      passage.receive(b, flow, base, a);
-      dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-        K::Steps::template outboard<shape(), Gravity, Keep>(link, work.cos[angle], work.sin[angle], *record, p[at],
-                                                            (flow & flow::root) != 0, a, work.v[at], work.pdot[at],
-                                                            Keep ? &work.motions[static_cast<std::size_t>(b)] : nullptr);
-      });
+      auto* const kept = Keep ? &work.motions[static_cast<std::size_t>(b)] : nullptr;
+      if ((flow & flow::root) != 0) {
+        a = base;
+        K::Steps::template outboard_root<Gravity, Keep>(link, work.cos[angle], work.sin[angle], *record, p[at], a, work.v[at],
+                                                        work.pdot[at], kept);
+      } else {
+        passage.receive(b, flow, base, a);
+        dispatch_link<K::Steps::rotor>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+          K::Steps::template outboard<shape(), Gravity, Keep>(link, work.cos[angle], work.sin[angle], *record, p[at],
+                                                              (flow & flow::tip) != 0, a, work.v[at], work.pdot[at], kept);
+        });
+      }
       work.qdot[tree.first_q(b)] = work.v[at];
       passage.hand_down(b, flow, a);
     }
@@ -210,10 +218,10 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
   const auto segments = in_pairs ? tree.twin_segments() : tree.segments();
   find_sines<T, Keep>(tree, q, work);
 
-  const FlatSweep<T> planar{tree, q, p, work};
-  const Sweep<T> sweep{tree, q, p, work};
   const Vec3& g = tree.gravity();
   const bool falls = g.x != 0 || g.y != 0 || g.z != 0;
+  const FlatSweep<T> planar{tree, q, p, work};
+  const Sweep<T> sweep{tree, q, p, work, falls};
   T o(0);  // not constant, and written out: compilers clear structs at a cost that small mechanisms feel
   const Outboard<T> base{{{o, o, o}, {o, o, o}}, {T(g.x), T(g.y), T(g.z)}};
   for (std::size_t i = segments.size(); i-- > 0;) {

@@ -5,25 +5,11 @@
 
 namespace momentree {
 
-/// Of five shapes one that has all that the link's own has: for steps that are less frequent.
-template <class F>
-MOMENTREE_INLINE void dispatch_main_shape(LinkShape shape, F&& f) {
-  if (shape == LinkShape::general)
-    f(std::integral_constant<LinkShape, LinkShape::general>{});
-  else if (shape == LinkShape::tilted)
-    f(std::integral_constant<LinkShape, LinkShape::tilted>{});
-  else if (shape < LinkShape::right)
-    f(std::integral_constant<LinkShape, LinkShape::screw>{});
-  else if (shape < LinkShape::parallel)
-    f(std::integral_constant<LinkShape, LinkShape::right>{});
-  else
-    f(std::integral_constant<LinkShape, LinkShape::parallel>{});
-}
 /// Where a step inboard puts what the parent gets: nowhere, into what the next step goes on with, or elsewhere.
 enum class Way : unsigned char { root, on, aside };
 /// Calls f(shape, children, way), integral constants, for a step inboard of a body with that flow. A root crosses its joint at
 /// most, not the link behind it; last children, for whom the parent's x axis was not chosen, go aside.
-template <class F>
+template <bool Rotor, class F>
 MOMENTREE_INLINE void dispatch_inboard(LinkShape shape, unsigned flow, F&& f) {
   constexpr std::integral_constant<Children, Children::none> none{};
   constexpr std::integral_constant<Children, Children::one> one{};
@@ -39,9 +25,9 @@ MOMENTREE_INLINE void dispatch_inboard(LinkShape shape, unsigned flow, F&& f) {
   };
   if ((flow & (flow::root | flow::last)) == 0) {
     if ((flow & (flow::tip | flow::fork)) == 0)  // most of them
-      dispatch_shape(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, one, on); });
+      dispatch_link<Rotor>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, one, on); });
     else if ((flow & flow::tip) != 0)
-      dispatch_shape(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, none, on); });
+      dispatch_link<Rotor>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, none, on); });
     else
       dispatch_main_shape(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, several, on); });
   } else if ((flow & flow::root) == 0) {

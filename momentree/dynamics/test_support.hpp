@@ -1,9 +1,13 @@
 #pragma once
-// Random links, and how far two results are from one another: for tests of the ways of an evaluation.
+// Random links and states, and how far two results are from one another: for tests of the ways of an evaluation.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <random>
+#include <vector>
 
+#include <momentree/dynamics/momentum.hpp>
 #include <momentree/tree/model.hpp>
 
 namespace momentree::test {
@@ -36,15 +40,36 @@ inline Pose random_place(Random& random) {
   return {{a, aside - d * std::sin(alpha), d * std::cos(alpha)}, from_axis_angle(x_axis, alpha)};
 }
 
-inline double largest(const double* a, int n) {
-  double x = 0;
-  for (int i = 0; i < n; ++i) x = std::max(x, std::fabs(a[i]));
-  return x;
+/// A state at random: all coordinates but those of joints with a quaternion, and momenta of random velocities.
+inline void put_at_random(const Tree& tree, State& state, Random& random) {
+  std::vector<double> q(state.q().begin(), state.q().end()), p(state.p().size()), v(state.p().size());
+  for (const int b : tree.order())
+    if (info(tree.kind(b)).nq == info(tree.kind(b)).nv)
+      for (int i = 0; i < info(tree.kind(b)).nq; ++i) q[static_cast<std::size_t>(tree.first_q(b) + i)] = random.between(-3, 3);
+  for (double& x : v) x = random.between(-1, 1);
+  project_momentum(tree, q.data(), v.data(), p.data());
+  std::copy(q.begin(), q.end(), state.edit().q.begin());
+  std::copy(p.begin(), p.end(), state.edit().p.begin());
 }
-/// Largest difference, as a share of the largest number.
+/// Fills with no numbers what the sweeps keep and pass on: what reads before it writes is found out.
+inline void poison(const Tree& tree, Work<double>& work) {
+  const auto bodies = static_cast<std::size_t>(tree.bodies());
+  const auto fill = [](auto* first, std::size_t count) { std::memset(static_cast<void*>(first), 0xff, count * sizeof(*first)); };
+  fill(work.records.get(), tree.record_capacity());
+  fill(work.inlets.get(), bodies), fill(work.outlets.get(), bodies), fill(work.motions.get(), bodies);
+  if (!has_twin_lanes) return;
+  fill(work.twins.records.get(), bodies), fill(work.twins.inlets.get(), bodies), fill(work.twins.outlets.get(), bodies);
+}
+
+/// Largest difference, as a share of the largest number; infinite where anything is no number.
 inline double difference(const double* a, const double* b, int n) {
-  double x = 0;
-  for (int i = 0; i < n; ++i) x = std::max(x, std::fabs(a[i] - b[i]));
-  return n == 0 || x == 0 ? x : x / std::max(largest(a, n), largest(b, n));
+  double x = 0, largest = 0;
+  for (int i = 0; i < n; ++i) {
+    if (!std::isfinite(a[i]) || !std::isfinite(b[i])) return std::numeric_limits<double>::infinity();
+    x = std::max(x, std::fabs(a[i] - b[i]));
+    largest = std::max({largest, std::fabs(a[i]), std::fabs(b[i])});
+  }
+  return x == 0 ? 0 : x / largest;
 }
+
 }  // namespace momentree::test

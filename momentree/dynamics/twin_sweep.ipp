@@ -29,36 +29,43 @@ struct TwinSweep {
   MOMENTREE_INLINE int length() const { return first.end - first.begin; }
   MOMENTREE_INLINE Twins of(const double* values, int one, int other) const { return twins(values[one], values[other]); }
 
-  template <bool Gravity, bool Keep>
+  template <class K, bool Gravity, bool Keep>
   void pins_inboard() const {
+    using Steps = typename K::Steps;
     Inboard<Twins> a;
     within.enter_in(first, a);
     for (int i = length() - 1; i >= 0; --i) {
       const auto [b, c] = bodies(i);
       const unsigned flow = flow_at(i);
       const TwinLinks& k = links[i];
-      const int at = tree.first_angle(b), there = tree.first_angle(c);
-      PinRecord<Twins>& record = work.twins.records[static_cast<std::size_t>(b)];
+      const int angle = tree.first_angle(b), there = tree.first_angle(c), at = tree.first_p(b), other = tree.first_p(c);
+      RotorRecord<Twins>& record = work.twins.records[static_cast<std::size_t>(b)];
+      Twins armature(0);
+      if constexpr (Steps::rotor) armature = of(tree.armature(), at, other);
       const auto step = [&](auto shape, auto children, auto way) MOMENTREE_INLINE_LAMBDA {
         const auto to = [&](Inboard<Twins>& out) MOMENTREE_INLINE_LAMBDA {
-          PinSteps::inboard<shape(), Gravity, Keep, children(), way() == Way::root>(
-              k, twins(tree.subtree_mass(b), tree.subtree_mass(c)), of(work.cos.get(), at, there), of(work.sin.get(), at, there),
-              of(p, tree.first_p(b), tree.first_p(c)), a, within.inlets[b], record, out);
+          Steps::template inboard<shape(), Gravity, Keep, children(), way() == Way::root>(
+              k, twins(tree.subtree_mass(b), tree.subtree_mass(c)), armature, of(work.cos.get(), angle, there),
+              of(work.sin.get(), angle, there), of(p, at, other), a, within.inlets[b], record, out);
         };
         if constexpr (way() == Way::aside)
           to(within.inlets[tree.parent(b)]);
         else
           to(a);
       };
-      dispatch_inboard(k.shape, flow, step);
-      if constexpr (Keep) part(record, work.record<RevoluteKernels>(tree, b), work.record<RevoluteKernels>(tree, c));
+      dispatch_inboard<Steps::rotor>(k.shape, flow, step);
+      if constexpr (Keep) {
+        const typename Steps::template Record<Twins>& both = record;
+        part(both, work.record<K>(tree, b), work.record<K>(tree, c));
+      }
       if (i > 0 || !first.branch) within.add(b, flow, a);
     }
     leave_in(a);
   }
 
-  template <bool Gravity, bool Keep>
+  template <class K, bool Gravity, bool Keep>
   void pins_outboard(const Outboard<double>& base) const {
+    using Steps = typename K::Steps;
     Outboard<Twins> a;
     enter_out(base, a);
     for (int i = 0; i < length(); ++i) {
@@ -67,16 +74,29 @@ struct TwinSweep {
       const TwinLinks& k = links[i];
       const int angle = tree.first_angle(b), there = tree.first_angle(c), at = tree.first_p(b), other = tree.first_p(c);
       if (i > 0 || !first.branch) within.receive(b, flow, {}, a);
-      dispatch_shape(k.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+      const auto step = [&](auto of_shape) MOMENTREE_INLINE_LAMBDA {
         Twins u, pdot;
         BodySweep<Twins> motion;
-        PinSteps::outboard<shape(), Gravity, Keep>(k, of(work.cos.get(), angle, there), of(work.sin.get(), angle, there),
-                                                   work.twins.records[static_cast<std::size_t>(b)], of(p, at, other),
-                                                   (flow & flow::root) != 0, a, u, pdot, &motion);
+        of_shape(of(work.cos.get(), angle, there), of(work.sin.get(), angle, there), u, pdot, motion);
         if constexpr (Keep) part(motion, motion_of(b), motion_of(c));
         work.v[at] = work.qdot[tree.first_q(b)] = u[0], work.v[other] = work.qdot[tree.first_q(c)] = u[1];
         work.pdot[at] = pdot[0], work.pdot[other] = pdot[1];
-      });
+      };
+      const RotorRecord<Twins>& record = work.twins.records[static_cast<std::size_t>(b)];
+      const Twins& momentum = of(p, at, other);
+      if ((flow & flow::root) != 0)
+        step([&](const Twins& cosine, const Twins& sine, Twins& u, Twins& pdot, BodySweep<Twins>& motion)
+                 MOMENTREE_INLINE_LAMBDA {
+                   Steps::template outboard_root<Gravity, Keep>(k, cosine, sine, record, momentum, a, u, pdot, &motion);
+                 });
+      else
+        dispatch_link<Steps::rotor>(k.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+          step([&](const Twins& cosine, const Twins& sine, Twins& u, Twins& pdot, BodySweep<Twins>& motion)
+                   MOMENTREE_INLINE_LAMBDA {
+                     Steps::template outboard<shape(), Gravity, Keep>(k, cosine, sine, record, momentum, (flow & flow::tip) != 0,
+                                                                      a, u, pdot, &motion);
+                   });
+        });
       within.hand_down(b, flow, a);
     }
     within.leave_out(first, a);

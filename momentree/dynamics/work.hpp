@@ -8,7 +8,7 @@
 #include <momentree/base/check.hpp>
 #include <momentree/base/inline.hpp>
 #include <momentree/joint/link.hpp>
-#include <momentree/joint/pin_steps.hpp>
+#include <momentree/joint/pin_record.hpp>
 #include <momentree/tree/state.hpp>
 
 namespace momentree {
@@ -43,7 +43,7 @@ MOMENTREE_INLINE Untouched<T> untouched(std::size_t count) {
 
 /// What pairs of branches need that are swept at once, by the first one's body.
 struct TwinWork {
-  Untouched<PinRecord<Twins>> records;
+  Untouched<RotorRecord<Twins>> records;
   Untouched<Inboard<Twins>> inlets;
   Untouched<Outboard<Twins>> outlets;
 };
@@ -79,7 +79,7 @@ class Work {
         bodies(by_body<Kinematics<T>>(tree)),
         capacity_(tree.bodies()) {
     if constexpr (has_twin_lanes && std::is_same_v<T, double>)
-      twins = {by_body<PinRecord<Twins>>(tree), by_body<Inboard<Twins>>(tree), by_body<Outboard<Twins>>(tree)};
+      twins = {by_body<RotorRecord<Twins>>(tree), by_body<Inboard<Twins>>(tree), by_body<Outboard<Twins>>(tree)};
   }
 
   /// The record of body b, whose joint has kernels K.

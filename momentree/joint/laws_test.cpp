@@ -57,11 +57,12 @@ void for_every_kind(Law law) {
         law(tag, std::type_identity<KernelsOf<K, Variant::plain>>{}, false, aligned);
         law(tag, std::type_identity<KernelsOf<K, Variant::rotor>>{}, true, aligned);
         law(tag, std::type_identity<KernelsOf<K, Variant::reversed>>{}, true, aligned);
+        law(tag, std::type_identity<typename KernelsFor<K, Variant::plain>::Generic>{}, true, aligned);
       }
     });
 }
 
-// Kinds that have whole steps, instead of pieces: pins without rotor.
+// Kernels that have whole steps, instead of pieces: those of pins.
 template <class L>
 constexpr bool has_steps = requires {
   typename L::Steps;
@@ -79,8 +80,8 @@ template <class K, class L>
 void reduce_body(const Sample<K>& at, const SpatialMass<double>& Mb, const Force<double>& Db, auto& record) {
   Inboard<double> in{Mb, Db, {}};
   if constexpr (has_steps<L>)
-    L::Steps::template inboard<LinkShape::general, true, true, Children::one, true>(at.link, 1.0, at.c[0], at.s[0], at.p[0], in,
-                                                                                    in, record, in);
+    L::Steps::template inboard<LinkShape::general, true, true, Children::one, true>(at.link, 1.0, at.armature[0], at.c[0],
+                                                                                    at.s[0], at.p[0], in, in, record, in);
   else
     L::template reduce<double>(at.link, at.joint(), at.p.data(), at.armature.data(), in.M, in.D, record);
 }

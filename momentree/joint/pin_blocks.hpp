@@ -104,6 +104,18 @@ MOMENTREE_INLINE Matrix3<T> turn_x(const L& k, const PlaneMatrix<T>& B, const Pl
   const T a = c * B.yy - s * Bz.y, b = s * B.yy + c * Bz.y;  // rows y, z of the y column
   return {B.xx, c * B.xy, s * B.xy, c * B.yx - s * Bz.x, c * a, s * a, s * B.yx + c * Bz.x, c * b, s * b};
 }
+/// The same where nothing is zero.
+template <Twist W, class L, class T>
+MOMENTREE_INLINE Matrix3<T> turn_x(const L& k, const PlaneMatrix<T>& B, const PlaneVector<T>& Bz, const Vector3<T>& z) {
+  if constexpr (W == Twist::right) return {B.xx, -z.x, B.xy, -Bz.x, z.z, -Bz.y, B.yx, -z.y, B.yy};
+  Matrix3<T> R{B.xx, B.xy, z.x, B.yx, B.yy, z.y, Bz.x, Bz.y, z.z};
+  if constexpr (W == Twist::any) {
+    turn_block(R.yy, R.yz, R.zy, R.zz, Turn<ConstantOf<L>>::of_products(k.cs_a, k.ss_a));
+    turn(R.xy, R.xz, k.cos_a, k.sin_a);
+    turn(R.yx, R.zx, k.cos_a, k.sin_a);
+  }
+  return R;
+}
 template <Twist W, class L, class T>
 MOMENTREE_INLINE Symmetric3<T> turn_x(const L& k, const PlaneSymmetric<T>& J) {
   if constexpr (W == Twist::none) return {J.xx, J.yy, T(0), J.xy, T(0), T(0)};

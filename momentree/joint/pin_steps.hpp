@@ -1,33 +1,10 @@
 #pragma once
-// Steps of the two sweeps across a pin without rotor: (22)–(26) and (16) inboard, (17), (27), (21), (20) outboard, as one piece
-// each. What reduction about z leaves has zeros, and so has the placement of most links.
+// Steps of the two sweeps across a pin: (22)–(26) and (16) inboard, (17), (27), (21), (20) outboard, as one piece each. What
+// reduction about z leaves has zeros, but with a rotor on the joint, and so has the placement of most links.
 #include <momentree/joint/pin_blocks.hpp>
-#include <momentree/joint/twins.hpp>
+#include <momentree/joint/pin_record.hpp>
 
 namespace momentree {
-
-/// What reduction about z leaves: M̂ E = 0, so B has no z column and J no z row; D̂·E = p; G·E = 1.
-template <class T>
-struct PinRecord {
-  Symmetric3<T> A;
-  T Bxx, Bxy, Byx, Byy, Bzx, Bzy, Jxx, Jxy, Jyy;
-  Vector3<T> l;  // D̂
-  T hx, hy;
-  Vector3<T> gl;  // G
-  T ghx, ghy;
-  T u0, inverse_mass;
-  Vector3<T> mc;
-};
-
-MOMENTREE_INLINE void part(const PinRecord<Twins>& from, PinRecord<double>& one, PinRecord<double>& other) {
-  part(from.A, one.A, other.A), part(from.l, one.l, other.l), part(from.gl, one.gl, other.gl), part(from.mc, one.mc, other.mc);
-  part(from.Bxx, one.Bxx, other.Bxx), part(from.Bxy, one.Bxy, other.Bxy), part(from.Byx, one.Byx, other.Byx);
-  part(from.Byy, one.Byy, other.Byy), part(from.Bzx, one.Bzx, other.Bzx), part(from.Bzy, one.Bzy, other.Bzy);
-  part(from.Jxx, one.Jxx, other.Jxx), part(from.Jxy, one.Jxy, other.Jxy), part(from.Jyy, one.Jyy, other.Jyy);
-  part(from.hx, one.hx, other.hx), part(from.hy, one.hy, other.hy), part(from.ghx, one.ghx, other.ghx);
-  part(from.ghy, one.ghy, other.ghy), part(from.u0, one.u0, other.u0);
-  part(from.inverse_mass, one.inverse_mass, other.inverse_mass);
-}
 
 /// Whether a scalar stands for one world that is evaluated by itself, whose processor waits for every division.
 template <class T>
@@ -36,7 +13,12 @@ inline constexpr bool one_world_at_a_time = std::is_same_v<T, double> || std::is
 /// What a body has to collect from its children: at a fork, beside what the first asks, the sum of the others.
 enum class Children : unsigned char { none, one, several };
 
-struct PinSteps {
+template <bool Rotor>
+struct PinStepsOf {
+  static constexpr bool rotor = Rotor;
+  template <class T>
+  using Record = std::conditional_t<Rotor, RotorRecord<T>, PinRecord<T>>;
+
   /// Whether the mass is turned about z before it is reduced, while 1 / Mj is in flight: more operations, but for one world at a
   /// time less waiting. E, and what is about z, are the same on both sides of the turn. Records are then those of the parent's
   /// side: not where they are kept for others.
@@ -57,15 +39,21 @@ struct PinSteps {
   };
 
   /// In: what the children reduced, in the body's frame, the first and the others. Out: what the parent gets, in its frame;
-  /// `Root`: nobody asks for it. `out` may be `in`. `mass`: of the body and all outboard of it.
+  /// `Root`: nobody asks for it. `out` may be `in`. `mass`: of the body and all outboard of it. `armature`: the rotor's inertia,
+  /// where there is one.
   template <LinkShape S, bool Gravity, bool Keep, Children N, bool Root, class L, class T>
-  MOMENTREE_INLINE static void inboard(const L& k, const detail::ConstantOf<L>& mass, const T& cosine, const T& sine,
-                                       const T& momentum, const Inboard<T>& in, const Inboard<T>& others, PinRecord<T>& w,
+  MOMENTREE_INLINE static void inboard(const L& k, const detail::ConstantOf<L>& mass,
+                                       [[maybe_unused]] const detail::ConstantOf<L>& armature, const T& cosine, const T& sine,
+                                       const T& momentum, const Inboard<T>& in, const Inboard<T>& others, Record<T>& w,
                                        Inboard<T>& out) {
     constexpr bool is_late = late<T, Keep>, crosses_z = is_late || !Root, slides = Has<S>::d;
     const T c = cosine, s = sine, p = momentum;
     const auto& b = k.body;
-    const T inverse = T(1) / with<N>(in.M.J.zz, others.M.J.zz, b.J.zz);  // (24)
+    const T Jzz = with<N>(in.M.J.zz, others.M.J.zz, b.J.zz);
+    T Mj = Jzz;  // (24)
+    if constexpr (Rotor) Mj = Mj + armature;
+    const T inverse = T(1) / Mj;
+    if constexpr (Root && !Keep) return inboard_root<Gravity, N>(k, c, s, inverse, p, in, others, w);
     detail::PinColumn<T> e{with<N>(in.M.B.xz, others.M.B.xz, -b.mc.y), with<N>(in.M.B.yz, others.M.B.yz, b.mc.x),
                            alone<N>(in.M.B.zz, others.M.B.zz), with<N>(in.M.J.xz, others.M.J.xz, b.J.xz),
                            with<N>(in.M.J.yz, others.M.J.yz, b.J.yz)};
@@ -74,6 +62,7 @@ struct PinSteps {
     const detail::PinColumn<T> g{inverse * e.lx, inverse * e.ly, tip ? T(0) : inverse * e.lz, inverse * e.hx, inverse * e.hy};
     w.gl.x = g.lx, w.gl.y = g.ly, w.gl.z = g.lz, w.ghx = g.hx, w.ghy = g.hy;
     if constexpr (Keep) w.inverse_mass = inverse;
+    if constexpr (Rotor) w.rotor = T(armature), w.ghz = inverse * Jzz;
     T u = p;
     if constexpr (!tip) u = p - alone<N>(in.D.h.z, others.D.h.z);
     if constexpr (!is_late) w.u0 = inverse * u;  // one number less to keep: compilers see to other orders of things badly
@@ -81,11 +70,22 @@ struct PinSteps {
     detail::ReducedMass<T> m;
     reduce_mass<slides, is_late, crosses_z, N>(k, c, s, e, g, in.M, others.M, m, w);
     if constexpr (Keep) w.A.zz = m.Azz;
-    if constexpr (!Root) mass_inboard<S>(k, m, out.M);
+    if constexpr (!Root) {
+      if constexpr (Rotor) {
+        detail::PinColumn<T> z{armature * g.lx, armature * g.ly, armature * g.lz, armature * g.hx, armature * g.hy};
+        if constexpr (!is_late) detail::cross_z<slides>(z, c, s, k.d);
+        const T zz = armature * w.ghz;
+        mass_inboard<S>(k, m, z, zz, out.M);
+      } else {
+        mass_inboard<S>(k, m, nullptr, nullptr, out.M);
+      }
+    }
 
     if constexpr (is_late) w.u0 = inverse * u;
+    T hz = p;  // D̂·E
+    if constexpr (Rotor) w.hz = hz = alone<N>(in.D.h.z, others.D.h.z) + u * w.ghz;
     Force<T> D{{alone<N>(in.D.l.x, others.D.l.x), alone<N>(in.D.l.y, others.D.l.y), alone<N>(in.D.l.z, others.D.l.z)},
-               {alone<N>(in.D.h.x, others.D.h.x), alone<N>(in.D.h.y, others.D.h.y), p}};
+               {alone<N>(in.D.h.x, others.D.h.x), alone<N>(in.D.h.y, others.D.h.y), hz}};
     Vector3<T> mc;
     if constexpr (Gravity)
       mc.x = with<N>(in.mc.x, others.mc.x, b.mc.x), mc.y = with<N>(in.mc.y, others.mc.y, b.mc.y),
@@ -99,7 +99,7 @@ struct PinSteps {
     else if constexpr (is_late)
       turn();
     if constexpr (tip)  // (26)
-      D = {{u * g.lx, u * g.ly, T(0)}, {u * g.hx, u * g.hy, p}};
+      D = {{u * g.lx, u * g.ly, T(0)}, {u * g.hx, u * g.hy, hz}};
     else
       D.l.x += u * g.lx, D.l.y += u * g.ly, D.l.z += u * g.lz, D.h.x += u * g.hx, D.h.y += u * g.hy;
     w.l.x = D.l.x, w.l.y = D.l.y, w.hx = D.h.x, w.hy = D.h.y;
@@ -112,18 +112,17 @@ struct PinSteps {
     if constexpr (Gravity) out.mc.x = mc.x, out.mc.y = mc.y, out.mc.z = mc.z;
   }
 
-  /// In: the parent's velocity, and gravity in its axes; out: those of the body. Gives u and ṗ of the joint; if kept, Ω and Pb.
+  /// In: the parent's velocity, and gravity in its axes; out: those of the body, but behind a tip, where nobody asks. Gives u and
+  /// ṗ of the joint; if kept, Ω and Pb.
   template <LinkShape S, bool Gravity, bool Keep, class L, class T>
-  MOMENTREE_INLINE static void outboard(const L& k, const T& c, const T& s, const PinRecord<T>& w, const T& p, bool root,
+  MOMENTREE_INLINE static void outboard(const L& k, const T& c, const T& s, const Record<T>& w, const T& p, bool tip,
                                         Outboard<T>& out, T& u, T& pdot, BodySweep<T>* kept) {
     Vector3<T>&v = out.velocity.v, &o = out.velocity.w, &g = out.gravity;
     // (17): the way into the joint's frame
-    const bool moves = late<T, Keep> || !root;  // else there is no velocity to bring
-    if constexpr (Has<S>::any_offset)
-      if (moves) shift_outboard(out.velocity, k.r);
+    if constexpr (Has<S>::any_offset) shift_outboard(out.velocity, k.r);
     if constexpr (Has<S>::a) v.y = v.y + k.r.x * o.z, v.z = v.z - k.r.x * o.y;
     const auto each = [&](auto turned) MOMENTREE_INLINE_LAMBDA {
-      if (moves) turned(v), turned(o);
+      turned(v), turned(o);
       if constexpr (Gravity) turned(g);
     };
     if constexpr (Has<S>::turn_b) each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { turn_z(x, k.cos_b, -k.sin_b); });
@@ -137,13 +136,23 @@ struct PinSteps {
     };
     if constexpr (!late<T, Keep>) cross_joint();
     // (27): u + ω_z at once, which is all that the next joint asks for
-    const T turning = w.u0 - ((w.gl.x * v.x + w.ghx * o.x) + (w.gl.y * v.y + w.ghy * o.y) + w.gl.z * v.z);
-    u = turning - o.z;
+    const T along = (w.gl.x * v.x + w.ghx * o.x) + (w.gl.y * v.y + w.ghy * o.y) + w.gl.z * v.z;
+    T turning;
+    if constexpr (Rotor)
+      u = w.u0 - (along + w.ghz * o.z), turning = u + o.z;
+    else
+      turning = w.u0 - along, u = turning - o.z;
     // (21), the four components that turning about z asks for
-    const T lx = (w.A.xx * v.x + w.Bxx * o.x) + (w.A.xy * v.y + w.Bxy * o.y) + (w.A.xz * v.z + w.l.x);
-    const T ly = (w.A.xy * v.x + w.Byx * o.x) + (w.A.yy * v.y + w.Byy * o.y) + (w.A.yz * v.z + w.l.y);
-    const T hx = (w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y) + (w.Bzx * v.z + w.hx);
-    const T hy = (w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y) + (w.Bzy * v.z + w.hy);
+    T lx = (w.A.xx * v.x + w.Bxx * o.x) + (w.A.xy * v.y + w.Bxy * o.y) + (w.A.xz * v.z + w.l.x);
+    T ly = (w.A.xy * v.x + w.Byx * o.x) + (w.A.yy * v.y + w.Byy * o.y) + (w.A.yz * v.z + w.l.y);
+    T hx = (w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y) + (w.Bzx * v.z + w.hx);
+    T hy = (w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y) + (w.Bzy * v.z + w.hy);
+    T turned(0);  // M̂ E ω_z = turned G
+    if constexpr (Rotor) {
+      turned = w.rotor * o.z;
+      lx = lx + turned * w.gl.x, ly = ly + turned * w.gl.y;
+      hx = hx + turned * w.ghx, hy = hy + turned * w.ghy;
+    }
     // (20): e_z·(Tb − Ω × Pb)
     const T gyroscopic = (v.y * lx - v.x * ly) + (o.y * hx - o.x * hy);
     if constexpr (Gravity)
@@ -152,10 +161,36 @@ struct PinSteps {
       pdot = gyroscopic;
     o.z = turning;
     if constexpr (Keep) {
-      const T lz = (w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y) + (w.A.zz * v.z + w.l.z);
-      *kept = {out.velocity, {{lx, ly, lz}, {hx, hy, p}}};
+      T lz = (w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y) + (w.A.zz * v.z + w.l.z), hz = p;
+      if constexpr (Rotor) lz = lz + turned * w.gl.z, hz = w.hz + (w.rotor * along + turned * w.ghz);
+      *kept = {out.velocity, {{lx, ly, lz}, {hx, hy, hz}}};
     }
-    if constexpr (late<T, Keep>) cross_joint();
+    if constexpr (late<T, Keep>)
+      if (!tip) cross_joint();
+  }
+
+  /// The same on the ground, which does not move: u = u0, Pb = D̂, Ω = u e_z.
+  template <bool Gravity, bool Keep, class L, class T>
+  MOMENTREE_INLINE static void outboard_root(const L& k, const T& c, const T& s, const Record<T>& w, const T& p, Outboard<T>& out,
+                                             T& u, T& pdot, BodySweep<T>* kept) {
+    Vector3<T>& g = out.gravity;
+    const T o(0), turning = w.u0;
+    u = turning;
+    if constexpr (Gravity) {
+      turn_z(g, k.cos_b, -k.sin_b);
+      turn_x(g, k.cos_a, -k.sin_a);
+      if constexpr (!late<T, Keep>) turn_z(g, c, -s);
+      pdot = w.mc.x * g.y - w.mc.y * g.x;
+      if constexpr (late<T, Keep>) turn_z(g, c, -s);
+    } else {
+      pdot = o;
+    }
+    out.velocity = {{o, o, o}, {o, o, turning}};
+    if constexpr (Keep) {
+      T hz = p;
+      if constexpr (Rotor) hz = w.hz;
+      *kept = {out.velocity, {w.l, {w.hx, w.hy, hz}}};
+    }
   }
 
   // The second recursion.
@@ -184,8 +219,8 @@ struct PinSteps {
   /// (39), (47): Ω̇ of the parent in, of the body out, less gravity; u̇, which comes in as Mj⁻¹ (τ − Eᵀ W) − Gᵀ bias. `approach`
   /// gets a′. `velocity` is Ω.
   template <LinkShape S, class T>
-  MOMENTREE_INLINE static void rate_outboard(const Link& k, const T& c, const T& s, const PinRecord<T>& w,
-                                             const Motion<T>& velocity, const T& u, T& udot, Motion<T>& a, Motion<T>& approach) {
+  MOMENTREE_INLINE static void rate_outboard(const Link& k, const T& c, const T& s, const Record<T>& w, const Motion<T>& velocity,
+                                             const T& u, T& udot, Motion<T>& a, Motion<T>& approach) {
     constexpr bool is_late = one_world_at_a_time<T>, slides = Has<S>::d;
     Vector3<T>&v = a.v, &o = a.w;
     if constexpr (Has<S>::any_offset)
@@ -213,9 +248,13 @@ struct PinSteps {
       detail::cross_z<slides>(g, c, s, k.d);
     else
       cross_joint();
-    const T turning = udot - ((g.lx * v.x + g.hx * o.x) + (g.ly * v.y + g.hy * o.y) + g.lz * v.z);
+    const T along = (g.lx * v.x + g.hx * o.x) + (g.ly * v.y + g.hy * o.y) + g.lz * v.z;
+    T turning;
+    if constexpr (Rotor)
+      udot = udot - (along + w.ghz * o.z), turning = udot + o.z;
+    else
+      turning = udot - along, udot = turning - o.z;
     if constexpr (is_late) cross_joint();
-    udot = turning - o.z;
     v.x = v.x + u * velocity.v.y, v.y = v.y - u * velocity.v.x;
     o.x = o.x + u * velocity.w.y, o.y = o.y - u * velocity.w.x;
     put(a, approach);
@@ -223,6 +262,20 @@ struct PinSteps {
   }
 
  private:
+  // A stage asks of a body on the ground, which does not move, for its velocity and its first moment.
+  template <bool Gravity, Children N, class L, class T>
+  MOMENTREE_INLINE static void inboard_root(const L& k, const T& c, const T& s, const T& inverse, const T& p,
+                                            const Inboard<T>& in, const Inboard<T>& others, Record<T>& w) {
+    T u = p;
+    if constexpr (N != Children::none) u = u - alone<N>(in.D.h.z, others.D.h.z);
+    w.u0 = inverse * u;
+    if constexpr (Gravity) {
+      T x = with<N>(in.mc.x, others.mc.x, k.body.mc.x), y = with<N>(in.mc.y, others.mc.y, k.body.mc.y);
+      if constexpr (late<T, false>) turn(x, y, c, s);
+      w.mc.x = x, w.mc.y = y;
+    }
+  }
+
   // (22), (23): what the children ask, and the body's own; at a tip this alone.
   template <Children N, class T, class C>
   MOMENTREE_INLINE static T with(const T& first, const T& others, const C& own) {
@@ -246,7 +299,7 @@ struct PinSteps {
   template <bool Slides, bool Late, bool CrossesZ, Children N, class L, class T>
   MOMENTREE_INLINE static void reduce_mass(const L& k, const T& c, const T& s, const detail::PinColumn<T>& e,
                                            const detail::PinColumn<T>& g, const SpatialMass<T>& in, const SpatialMass<T>& others,
-                                           detail::ReducedMass<T>& m, PinRecord<T>& w) {
+                                           detail::ReducedMass<T>& m, Record<T>& w) {
     const auto by = [&]() MOMENTREE_INLINE_LAMBDA {
       if constexpr (CrossesZ)
         return Turn<T>(c, s);
@@ -323,20 +376,26 @@ struct PinSteps {
     if constexpr (!tip) m.Azz -= e.lz * g.lz;
   }
 
-  // (16) from the parent's side of the joint to the parent.
-  template <LinkShape S, class L, class T>
-  MOMENTREE_INLINE static void mass_inboard(const L& k, const detail::ReducedMass<T>& m, SpatialMass<T>& out) {
+  // (16) from the parent's side of the joint to the parent. With a rotor there are M̂ E and its last number, too.
+  template <LinkShape S, class L, class T, class Column, class Last>
+  MOMENTREE_INLINE static void mass_inboard(const L& k, const detail::ReducedMass<T>& m, const Column& z, const Last& zz,
+                                            SpatialMass<T>& out) {
     using detail::Twist;
     constexpr Twist twist = Has<S>::right ? Twist::right : Has<S>::parallel ? Twist::none : Twist::any;
     SpatialMass<T> M;
     M.A = detail::turn_x<twist>(k, m.A, m.Az, m.Azz);
-    M.B = detail::turn_x<twist>(k, m.B, m.Bz);
-    M.J = detail::turn_x<twist>(k, m.J);
+    if constexpr (Rotor) {
+      M.B = detail::turn_x<twist>(k, m.B, m.Bz, Vector3<T>{z.lx, z.ly, z.lz});
+      M.J = detail::turn_x<twist>(k, m.J, detail::PlaneVector<T>{z.hx, z.hy}, zz);
+    } else {
+      M.B = detail::turn_x<twist>(k, m.B, m.Bz);
+      M.J = detail::turn_x<twist>(k, m.J);
+    }
     if constexpr (Has<S>::turn_b) turn_z(M, k.cos_b, k.sin_b);
     if constexpr (Has<S>::any_offset)
       shift(M, k.r);
     else if constexpr (Has<S>::a)
-      detail::shift_x<twist>(M, k.r.x);
+      detail::shift_x<Rotor ? Twist::any : twist>(M, k.r.x);
     // One by one: compilers take whole structs of lanes apart into bytes.
     out.A.xx = M.A.xx, out.A.yy = M.A.yy, out.A.zz = M.A.zz, out.A.xy = M.A.xy, out.A.xz = M.A.xz, out.A.yz = M.A.yz;
     out.B.xx = M.B.xx, out.B.xy = M.B.xy, out.B.xz = M.B.xz, out.B.yx = M.B.yx, out.B.yy = M.B.yy, out.B.yz = M.B.yz;
@@ -367,6 +426,9 @@ struct PinSteps {
   }
 };
 
+using PinSteps = PinStepsOf<false>;
+using RotorSteps = PinStepsOf<true>;
+
 /// Calls f(std::integral_constant<LinkShape, …>{}) for a shape known at run time.
 template <class F>
 MOMENTREE_INLINE void dispatch_shape(LinkShape shape, F&& f) {
@@ -387,6 +449,29 @@ MOMENTREE_INLINE void dispatch_shape(LinkShape shape, F&& f) {
 #undef MOMENTREE_SHAPE
   }
   __builtin_unreachable();
+}
+
+/// Of five shapes one that has all that the link's own has: for steps that are less frequent.
+template <class F>
+MOMENTREE_INLINE void dispatch_main_shape(LinkShape shape, F&& f) {
+  if (shape == LinkShape::general)
+    f(std::integral_constant<LinkShape, LinkShape::general>{});
+  else if (shape == LinkShape::tilted)
+    f(std::integral_constant<LinkShape, LinkShape::tilted>{});
+  else if (shape < LinkShape::right)
+    f(std::integral_constant<LinkShape, LinkShape::screw>{});
+  else if (shape < LinkShape::parallel)
+    f(std::integral_constant<LinkShape, LinkShape::right>{});
+  else
+    f(std::integral_constant<LinkShape, LinkShape::parallel>{});
+}
+/// The shape of a link, for steps of pins without rotor; for those with one, of which there are fewer, that of the five.
+template <bool Rotor, class F>
+MOMENTREE_INLINE void dispatch_link(LinkShape shape, F&& f) {
+  if constexpr (Rotor)
+    dispatch_main_shape(shape, f);
+  else
+    dispatch_shape(shape, f);
 }
 
 }  // namespace momentree

@@ -36,11 +36,13 @@ Link link_of_shape(LinkShape shape, Draw& draw) {
 
 // One step inboard and one outboard against the same by the generic pieces; `of`: the link's own shape, where steps inboard
 // are those of one that has more.
-template <LinkShape S, bool Gravity, bool Keep, Children N, bool Root>
+template <class Steps, LinkShape S, bool Gravity, bool Keep, Children N, bool Root>
 void step_laws(Draw& draw, LinkShape of = S) {
-  using L = PinWithRotor;
+  using L = PiecewisePin;
+  using K = std::conditional_t<Steps::rotor, RotorKernels, RevoluteKernels>;
   const Link k = link_of_shape(of, draw);
-  const double mass = 2 + draw(), q = 3 * draw(), p = draw(), c = std::cos(q), s = std::sin(q), no_rotor = 0;
+  const double mass = 2 + draw(), q = 3 * draw(), p = draw(), c = std::cos(q), s = std::sin(q),
+               armature = Steps::rotor ? 1.5 + draw() : 0;
   const JointState<double> joint{&q, &c, &s};
   const auto some = [&] { return Inboard<double>{random_mass(draw), {draw.vector(), draw.vector()}, draw.vector()}; };
   Inboard<double> in = some(), others = some(), expected{};
@@ -50,14 +52,14 @@ void step_laws(Draw& draw, LinkShape of = S) {
   expected.mc += k.body.mc;
   typename L::template Record<double> record{};
   record.mc = expected.mc;
-  L::reduce<double>(k, joint, &p, &no_rotor, expected.M, expected.D, record);  // (24)–(26)
+  L::reduce<double>(k, joint, &p, &armature, expected.M, expected.D, record);  // (24)–(26)
   const DenseCrossing<double> x = dense_crossing<L, double>(k, joint);
   x.inboard(expected.M), x.inboard(expected.D), x.inboard(expected.mc, mass);  // (16)
 
-  PinRecord<double> w{};
+  typename Steps::template Record<double> w{};
   Inboard<double> aside = in;
-  PinSteps::inboard<S, Gravity, Keep, N, Root>(k, mass, c, s, p, in, others, w, aside);
-  PinSteps::inboard<S, Gravity, Keep, N, Root>(k, mass, c, s, p, in, others, w, in);  // in its own place
+  Steps::template inboard<S, Gravity, Keep, N, Root>(k, mass, armature, c, s, p, in, others, w, aside);
+  Steps::template inboard<S, Gravity, Keep, N, Root>(k, mass, armature, c, s, p, in, others, w, in);  // in its own place
   CHECK(distance(flat(in.M), flat(aside.M)) == 0);
   CHECK(distance(flat(in.D), flat(aside.D)) == 0);
   if (!Root) {
@@ -71,8 +73,11 @@ void step_laws(Draw& draw, LinkShape of = S) {
   Outboard<double> out = base, far = base;
   double u = 0, pdot = 0, u_expected = 0, pdot_expected = 0;
   BodySweep<double> kept{};
-  dispatch_shape(
-      of, [&](auto own) { PinSteps::outboard<own(), Gravity, Keep>(k, c, s, w, p, Root, out, u, pdot, Keep ? &kept : nullptr); });
+  if constexpr (Root)
+    Steps::template outboard_root<Gravity, Keep>(k, c, s, w, p, out, u, pdot, &kept);
+  else
+    dispatch_link<Steps::rotor>(
+        of, [&](auto own) { Steps::template outboard<own(), Gravity, Keep>(k, c, s, w, p, false, out, u, pdot, &kept); });
   x.outboard(far.velocity), x.outboard(far.gravity);
   L::joint_velocity(record, far.velocity, &u_expected);                                                   // (27)
   const Force<double> Pb = L::articulated_momentum(record, &p, far.velocity);                             // (21)
@@ -90,15 +95,15 @@ void step_laws(Draw& draw, LinkShape of = S) {
 
   // The second recursion: (45), and (39) with (47).
   Force<double> W{draw.vector(), draw.vector()}, W_expected = W;
-  PinSteps::cross_inboard<S>(k, c, s, W), x.inboard(W_expected);
+  Steps::template cross_inboard<S>(k, c, s, W), x.inboard(W_expected);
   CHECK(distance(flat(W), flat(W_expected)) < 1e-13);
   if (!Keep) return;  // its records are none of these
   const Motion<double> velocity{draw.vector(), draw.vector()};
   Motion<double> a{draw.vector(), draw.vector()}, a_expected = a, approach{};
   const Motion<double> bias = L::acceleration_bias<double>(k, joint, velocity, &u);
   double udot = draw(), udot_expected = udot;
-  RevoluteKernels::joint_acceleration(w, bias, &udot);
-  PinSteps::rate_outboard<S>(k, c, s, w, velocity, u, udot, a, approach);
+  K::joint_acceleration(w, bias, &udot);
+  Steps::template rate_outboard<S>(k, c, s, w, velocity, u, udot, a, approach);
   x.outboard(a_expected);
   a_expected = a_expected + bias;
   CHECK(distance(flat(approach), flat(a_expected)) < 1e-13);
@@ -110,8 +115,9 @@ void step_laws(Draw& draw, LinkShape of = S) {
 
 }  // namespace
 
-TEST_CASE(
-    "steps of a pin, by the shape of its link, are the generic pieces: (22)-(27), (15)-(17), (20), (21), (39), (45), (47)") {
+TEST_CASE_TEMPLATE(
+    "steps of a pin, by the shape of its link, are the generic pieces: (22)-(27), (15)-(17), (20), (21), (39), (45), (47)", Steps,
+    PinSteps, RotorSteps) {
   Draw draw;
   const auto all = []<std::size_t... I>(std::index_sequence<I...>, auto law) {
     (law(std::integral_constant<LinkShape, static_cast<LinkShape>(I)>{}), ...);
@@ -124,26 +130,27 @@ TEST_CASE(
                                : S < LinkShape::parallel                         ? LinkShape::right
                                                                                  : LinkShape::parallel;
     constexpr LinkShape aside = main == S && S < LinkShape::screw ? LinkShape::general : LinkShape::screw;
+    constexpr LinkShape own = Steps::rotor ? main : S;  // those with a rotor go by five shapes alone
     for (int trial = 0; trial < 20; ++trial) {
-      step_laws<S, true, false, Children::one, false>(draw);
-      step_laws<S, true, false, Children::none, false>(draw);
-      step_laws<S, false, false, Children::one, false>(draw);
-      step_laws<S, true, true, Children::one, false>(draw);
-      step_laws<S, true, true, Children::none, false>(draw);
-      step_laws<S, false, true, Children::one, false>(draw);
+      step_laws<Steps, own, true, false, Children::one, false>(draw, S);
+      step_laws<Steps, own, true, false, Children::none, false>(draw, S);
+      step_laws<Steps, own, false, false, Children::one, false>(draw, S);
+      step_laws<Steps, own, true, true, Children::one, false>(draw, S);
+      step_laws<Steps, own, true, true, Children::none, false>(draw, S);
+      step_laws<Steps, own, false, true, Children::one, false>(draw, S);
       // Forks, and children that are not first, go by steps of fewer shapes.
-      step_laws<main, true, false, Children::several, false>(draw, S);
-      step_laws<main, false, true, Children::several, false>(draw, S);
-      step_laws<aside, true, false, Children::none, false>(draw, S);
-      step_laws<aside, true, true, Children::one, false>(draw, S);
-      step_laws<aside, true, false, Children::several, false>(draw, S);
+      step_laws<Steps, main, true, false, Children::several, false>(draw, S);
+      step_laws<Steps, main, false, true, Children::several, false>(draw, S);
+      step_laws<Steps, aside, true, false, Children::none, false>(draw, S);
+      step_laws<Steps, aside, true, true, Children::one, false>(draw, S);
+      step_laws<Steps, aside, true, false, Children::several, false>(draw, S);
       if constexpr (S == LinkShape::parallel || S == LinkShape::parallel_a) {  // roots go by these
-        step_laws<S, true, false, Children::one, true>(draw);
-        step_laws<S, true, false, Children::none, true>(draw);
-        step_laws<S, true, true, Children::one, true>(draw);
-        step_laws<S, false, true, Children::none, true>(draw);
-        step_laws<S, true, true, Children::several, true>(draw);
-        step_laws<S, false, false, Children::several, true>(draw);
+        step_laws<Steps, S, true, false, Children::one, true>(draw);
+        step_laws<Steps, S, true, false, Children::none, true>(draw);
+        step_laws<Steps, S, true, true, Children::one, true>(draw);
+        step_laws<Steps, S, false, true, Children::none, true>(draw);
+        step_laws<Steps, S, true, true, Children::several, true>(draw);
+        step_laws<Steps, S, false, false, Children::several, true>(draw);
       }
     }
   });

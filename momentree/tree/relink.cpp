@@ -152,6 +152,14 @@ void Tree::copy_with_rotors(const Tree& other) {
   arrange();
 }
 
+void Tree::copy_in_pieces(const Tree& other) {
+  *this = other;
+  for (const int b : order_)
+    if (class_[at(b)].variant == Variant::plain || class_[at(b)].variant == Variant::rotor)
+      class_[at(b)].variant = Variant::locked;
+  arrange();
+}
+
 // The joint of b was of another kind before: what is packed behind it moves. Returns whether the lists of joints are to be
 // renewed.
 bool Tree::repack(int b, Kind before) {

@@ -205,6 +205,9 @@ class Tree {
   /// Becomes a copy of `other` in which every joint that has parameters takes a rotor, whether or not it has one: what stands in
   /// rotors() is then its whole mass beside the bodies'. O(bodies); a copy of the same bodies as before allocates nothing.
   void copy_with_rotors(const Tree& other);
+  /// Becomes a copy of `other` in which joints with structured kernels go by the generic pieces, as locked ones do, though
+  /// nothing is locked: what those kernels are held to. Costs as much.
+  void copy_in_pieces(const Tree& other);
   /// The numbers of armature(), to change from one evaluation to the next in a tree of one's own.
   double* rotors() { return armature_.data(); }
   /// Makes this tree, which was compiled from the same model, what `topology` says. Counts a revision, as every edit: what was

@@ -16,7 +16,7 @@ bool Tree::alike(int place, int other, int count) const {
   for (int i = 0; i < count; ++i) {
     const Class& a = class_[at(order_[at(place + i)])];
     const Class& b = class_[at(order_[at(other + i)])];
-    const bool pin = a.kind == Kind::revolute && a.variant == Variant::plain;
+    const bool pin = a.kind == Kind::revolute && (a.variant == Variant::plain || a.variant == Variant::rotor);
     any_pin = any_pin || pin;
     const unsigned what = i == 0 ? flow::tip | flow::fork : flow::tip | flow::fork | flow::first | flow::last;
     if (!(a == b) || !(pin || a.kind == Kind::weld) || ((flows_[at(place + i)] ^ flows_[at(other + i)]) & what) != 0)
@@ -35,13 +35,13 @@ void Tree::pair_siblings(int first, int end) {
   std::size_t count = 0;
   for (int b = first; b >= 0; b = next_sibling_[at(b)]) {
     const int place = place_[at(b)], next = next_sibling_[at(b)], size = (next < 0 ? end : place_[at(next)]) - place;
-    if (size < few) continue;
+    if (size < few || (parent_[at(b)] < 0 && in_a_plane(place))) continue;  // those in a plane have a faster way
     std::size_t i = count;
     while (i > 0 && !(waiting[i - 1].size == size && alike(waiting[i - 1].place, place, size))) --i;
     if (i == 0) {
       if (count == waiting.size()) std::copy(waiting.begin() + 1, waiting.end(), waiting.begin()), --count;
       waiting[count++] = {place, size};
-    } else if (!(parent_[at(b)] < 0 && in_a_plane(place))) {  // those have a faster way
+    } else {
       if (!has_twins_) twin_.assign(order_.size(), -1), end_.resize(order_.size());
       has_twins_ = true;
       const int other = waiting[i - 1].place;
@@ -60,7 +60,10 @@ void Tree::find_twins(bool forks) {
   has_twins_ = false;
   pair_siblings(first_root_, count);
   if (forks) pair_branches();
-  if (has_twins_) cut_segments();
+  if (has_twins_)
+    cut_segments();
+  else
+    twin_segments_.clear(), twin_links_.clear(), end_.clear(), twin_.clear();  // copies are as long as they need to be
 }
 
 /// At every fork, but for those of mechanisms in a plane and of branches with a twin.

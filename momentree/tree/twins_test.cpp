@@ -10,11 +10,12 @@ using namespace momentree;
 
 namespace {
 
-/// A limb, its joints by letter: r a pin, w a weld, p a slide. Every body has a placement of its own.
+/// A limb, its joints by letter: r a pin, m one with a rotor, w a weld, p a slide. Every body has a placement of its own.
 Body limb(Model& model, Body last, const char* joints) {
   for (; *joints != '\0'; ++joints) {
     const double k = model.size() + 1;
     JointSpec joint = Revolute{.axis = {0.1 * k, 1, 0}};
+    if (*joints == 'm') joint = Revolute{.axis = {0.1 * k, 1, 0}, .armature = 0.1 * k};
     if (*joints == 'w') joint = Weld{};
     if (*joints == 'p') joint = Prismatic{};
     const std::string name = std::to_string(model.size());
@@ -75,8 +76,11 @@ TEST_CASE("limbs that are built alike are twins, whatever hangs between them; ot
   limb(model, base, "rrrr");                         // 28 … 31: a third
   limb(model, base, "rr"), limb(model, base, "rr");  // too short to gain
   limb(model, limb(model, base, "rrr"), "r");        // 36 … 39, of 28
+  limb(model, base, "rmmr");                         // 40 … 43: rotors in it
+  limb(model, base, "rrrr");                         // 44 … 47
+  limb(model, base, "rmmr");                         // 48 … 51, of 40
   const Tree tree(model);
-  CHECK(pairs(tree) == "1-12 8-24 28-36");
+  CHECK(pairs(tree) == "1-12 8-24 28-36 40-48");
   check_pieces(tree);
 }
 
@@ -96,19 +100,21 @@ TEST_CASE("what forks differently is no twin; within twins nobody looks for othe
 
 TEST_CASE("mechanisms are twins of one another, but for those in a plane, which have a faster way") {
   Model model;
-  limb(model, ground, "rrr"), limb(model, ground, "rrrr"), limb(model, ground, "rrr");
-  for (int k = 0; k < 2; ++k) {
+  const auto plane = [&model] {
     Body last = ground;
     for (int i = 0; i < 3; ++i)
-      last = model.add({.name = "plane" + std::to_string(3 * k + i),
+      last = model.add({.name = "plane" + std::to_string(model.size()),
                         .mass = 1,
                         .inertia = diagonal(1),
                         .parent = last,
                         .at = {0.5, 0, 0},
                         .joint = Revolute{}});
-  }
+  };
+  plane();  // 0 … 2
+  limb(model, ground, "rrr"), limb(model, ground, "rrrr"), limb(model, ground, "rrr");
+  plane(), plane();
   const Tree tree(model);
-  CHECK(pairs(tree) == "0-7");
+  CHECK(pairs(tree) == "3-10");
   check_pieces(tree);
 }
 

@@ -2,6 +2,25 @@
 
 namespace momentree {
 
+namespace {
+
+/// Calls f(tag of the kernels, std::bool_constant<falls>).
+template <class F>
+void dispatch_pins(const Segment& pins, bool falls, F&& f) {
+  const auto with = [&](auto gravity) {
+    if (pins.variant == Variant::rotor)
+      f(std::type_identity<RotorKernels>{}, gravity);
+    else
+      f(std::type_identity<RevoluteKernels>{}, gravity);
+  };
+  if (falls)
+    with(std::true_type{});
+  else
+    with(std::false_type{});
+}
+
+}  // namespace
+
 template <bool Keep>
 void twins_inboard(const Tree& tree, const Segment& second, bool falls, const double* p, Work<double>& work) noexcept {
   if constexpr (has_twin_lanes) {
@@ -9,7 +28,8 @@ void twins_inboard(const Tree& tree, const Segment& second, bool falls, const do
     if (second.kind == Kind::weld)
       sweep.welds_inboard<Keep>();
     else
-      falls ? sweep.pins_inboard<true, Keep>() : sweep.pins_inboard<false, Keep>();
+      dispatch_pins(second, falls,
+                    [&](auto tag, auto gravity) { sweep.pins_inboard<typename decltype(tag)::type, gravity(), Keep>(); });
   }
 }
 template <bool Keep>
@@ -20,7 +40,8 @@ void twins_outboard(const Tree& tree, const Segment& first, bool falls, const Ou
     if (first.kind == Kind::weld)
       sweep.welds_outboard<Keep>(base);
     else
-      falls ? sweep.pins_outboard<true, Keep>(base) : sweep.pins_outboard<false, Keep>(base);
+      dispatch_pins(first, falls,
+                    [&](auto tag, auto gravity) { sweep.pins_outboard<typename decltype(tag)::type, gravity(), Keep>(base); });
   }
 }
 

@@ -53,7 +53,7 @@ struct SixFreedoms : GenericKernels<K, 7, 6> {
   }
 };
 
-struct FreeWithRotor : SixFreedoms<FreeWithRotor> {};
+struct PiecewiseFree : SixFreedoms<PiecewiseFree> {};
 
 template <class T>
 struct FreeRecord {
@@ -124,7 +124,7 @@ struct Free {
   static constexpr Kind kind = Kind::free;
   static constexpr KindInfo info{Kind::free, "free", 7, 6, false, false, false, "mmmnnnn", "mmmrrr"};
   using Kernels = FreeKernels;
-  using ArmatureKernels = FreeWithRotor;
+  using Pieces = PiecewiseFree;
 
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
   JointFriction friction{};

@@ -7,7 +7,7 @@
 
 namespace momentree {
 
-/// What any pin needs; with the generic reduction it serves pins with a rotor (armature), whose reduced mass has no zeros.
+/// What any pin needs. With the generic pieces it serves pins that are locked, and is what their own steps are held to.
 template <class K>
 struct PinKernels : ScrewKernels<K, 1, 1> {
   static constexpr std::array<int, 1> angles{0};
@@ -27,26 +27,30 @@ struct PinKernels : ScrewKernels<K, 1, 1> {
     return {{u[0] * a.v.y, -(u[0] * a.v.x), T(0)}, {u[0] * a.w.y, -(u[0] * a.w.x), T(0)}};
   }
 };
-struct PinWithRotor : PinKernels<PinWithRotor> {};
+struct PiecewisePin : PinKernels<PiecewisePin> {};
 
-struct RevoluteKernels : PinKernels<RevoluteKernels> {
-  template <class T>
-  using Record = PinRecord<T>;
+/// Without a rotor (armature), or with one: then the reduced mass has no zeros.
+template <bool Rotor>
+struct PinKernelsWith : PinKernels<PinKernelsWith<Rotor>> {
   /// Whole steps of the two sweeps, by the shape of the link, instead of the pieces that other kinds have: (24)–(27), (21), (20).
-  using Steps = PinSteps;
+  using Steps = PinStepsOf<Rotor>;
+  template <class T>
+  using Record = typename Steps::template Record<T>;
 
   /// (17)
   template <class T>
   MOMENTREE_INLINE static Motion<T> spatial_velocity(const Link&, const JointState<T>&, const Motion<T>& in, const T* u) {
     return {in.v, {in.w.x, in.w.y, in.w.z + u[0]}};
   }
-  /// (51): the last component becomes τ, as that of D̂ becomes p.
+  /// (51): the last component becomes τ, as that of D̂ becomes p, less what the rotor takes.
   template <class T>
   MOMENTREE_INLINE static void reduce_wrench(const Link&, const JointState<T>&, const Record<T>& w, const T* tau, Force<T>& W,
                                              T* udot) {
     const T r = tau[0] - W.h.z;
+    T z = tau[0];
+    if constexpr (Rotor) z = W.h.z + w.ghz * r;
     W.l += r * w.gl;
-    W.h = {W.h.x + w.ghx * r, W.h.y + w.ghy * r, tau[0]};
+    W.h = {W.h.x + w.ghx * r, W.h.y + w.ghy * r, z};
     udot[0] = w.inverse_mass * r;
   }
   template <class T>
@@ -57,11 +61,14 @@ struct RevoluteKernels : PinKernels<RevoluteKernels> {
     F.l.z = F.l.z + ((w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y));
     F.h.x = F.h.x + ((w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y));
     F.h.y = F.h.y + ((w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y));
+    if constexpr (Rotor) F.h.z = F.h.z + w.rotor * along(w, bias);
   }
   /// (47)
   template <class T>
   MOMENTREE_INLINE static void joint_acceleration(const Record<T>& w, const Motion<T>& in, T* udot) {
-    udot[0] = udot[0] - ((w.gl.x * in.v.x + w.ghx * in.w.x) + (w.gl.y * in.v.y + w.ghy * in.w.y) + w.gl.z * in.v.z) - in.w.z;
+    T last = in.w.z;
+    if constexpr (Rotor) last = w.ghz * last;
+    udot[0] = udot[0] - along(w, in) - last;
   }
   template <class T>
   MOMENTREE_INLINE static void add_reduced(const Record<T>& w, const Motion<T>& a, Force<T>& F) {
@@ -71,15 +78,31 @@ struct RevoluteKernels : PinKernels<RevoluteKernels> {
     F.l.z = F.l.z + ((w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y) + w.A.zz * v.z);
     F.h.x = F.h.x + ((w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y) + w.Bzx * v.z);
     F.h.y = F.h.y + ((w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y) + w.Bzy * v.z);
+    if constexpr (Rotor) {
+      const T turned = w.rotor * o.z;
+      F.l += turned * w.gl;
+      F.h.x = F.h.x + turned * w.ghx, F.h.y = F.h.y + turned * w.ghy;
+      F.h.z = F.h.z + (w.rotor * along(w, a) + turned * w.ghz);
+    }
+  }
+
+ private:
+  /// Gᵀ a but for its last term.
+  template <class T>
+  MOMENTREE_INLINE static T along(const Record<T>& w, const Motion<T>& a) {
+    return (w.gl.x * a.v.x + w.ghx * a.w.x) + (w.gl.y * a.v.y + w.ghy * a.w.y) + w.gl.z * a.v.z;
   }
 };
+using RevoluteKernels = PinKernelsWith<false>;
+using RotorKernels = PinKernelsWith<true>;
 
 /// A pin: turns about `axis` through the joint's origin.
 struct Revolute {
   static constexpr Kind kind = Kind::revolute;
   static constexpr KindInfo info{Kind::revolute, "revolute", 1, 1, true, false, false, "r", "r"};
   using Kernels = RevoluteKernels;
-  using ArmatureKernels = PinWithRotor;
+  using RotorKernels = momentree::RotorKernels;
+  using Pieces = PiecewisePin;
 
   Vec3 axis{0, 0, 1};
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};

@@ -1,0 +1,18 @@
+#pragma once
+// Random changes, for tests.
+#include <momentree/dynamics/test_support.hpp>
+#include <momentree/topology/change.hpp>
+
+namespace momentree::test {
+
+/// A body that breaks off with probability `breaks`, or becomes the root of what floats; nothing where neither can be.
+inline void change_at_random(Tree& tree, State& state, Work<double>& work, Random& random, double breaks) {
+  const Body b{random.below(tree.bodies())};
+  forward_dynamics(tree, state, work);
+  if (random.chance(breaks) && can_break(tree, b))
+    apply(Break{b}, tree, state, work);
+  else if (floats(tree, b.index) && tree.parent(b.index) >= 0)
+    apply(Reroot{b}, tree, state, work);
+}
+
+}  // namespace momentree::test
