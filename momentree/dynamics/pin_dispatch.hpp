@@ -7,8 +7,8 @@ namespace momentree {
 
 /// Where a step inboard puts what the parent gets: nowhere, into what the next step goes on with, or elsewhere.
 enum class Way : unsigned char { root, on, aside };
-/// Calls f(shape, children, way), integral constants, for a step inboard of a body with that flow. A root crosses its joint at
-/// most, not the link behind it; last children, for whom the parent's x axis was not chosen, go aside.
+/// Calls f(shape, children, way), integral constants, for a step inboard of a body with that flow. A root crosses nothing
+/// on the way in; last children, for whom the parent's x axis was not chosen, go aside.
 template <bool Rotor, class F>
 MOMENTREE_INLINE void dispatch_inboard(LinkShape shape, unsigned flow, F&& f) {
   constexpr std::integral_constant<Children, Children::none> none{};
@@ -28,6 +28,8 @@ MOMENTREE_INLINE void dispatch_inboard(LinkShape shape, unsigned flow, F&& f) {
       dispatch_link<Rotor>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, one, on); });
     else if ((flow & flow::tip) != 0)
       dispatch_link<Rotor>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, none, on); });
+    else if constexpr (Rotor)
+      dispatch_link<Rotor>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, several, on); });
     else
       dispatch_main_shape(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, several, on); });
   } else if ((flow & flow::root) == 0) {
@@ -39,12 +41,7 @@ MOMENTREE_INLINE void dispatch_inboard(LinkShape shape, unsigned flow, F&& f) {
       by_children(aside, std::integral_constant<LinkShape, LinkShape::screw>{});
   } else {
     constexpr std::integral_constant<Way, Way::root> root{};
-    const bool d = shape == LinkShape::screw || shape == LinkShape::screw_d || shape == LinkShape::right ||
-                   shape == LinkShape::right_d || shape == LinkShape::parallel;
-    if (d)
-      by_children(root, std::integral_constant<LinkShape, LinkShape::parallel>{});
-    else
-      by_children(root, std::integral_constant<LinkShape, LinkShape::parallel_a>{});
+    by_children(root, std::integral_constant<LinkShape, LinkShape::parallel>{});
   }
 }
 

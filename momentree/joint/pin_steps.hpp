@@ -465,13 +465,17 @@ MOMENTREE_INLINE void dispatch_main_shape(LinkShape shape, F&& f) {
   else
     f(std::integral_constant<LinkShape, LinkShape::parallel>{});
 }
-/// The shape of a link, for steps of pins without rotor; for those with one, of which there are fewer, that of the five.
+/// The shape of a link, for steps of pins without rotor; for those with one, of which there are fewer, one of three.
 template <bool Rotor, class F>
 MOMENTREE_INLINE void dispatch_link(LinkShape shape, F&& f) {
-  if constexpr (Rotor)
-    dispatch_main_shape(shape, f);
-  else
+  if constexpr (!Rotor)
     dispatch_shape(shape, f);
+  else if (shape == LinkShape::general || shape == LinkShape::tilted)
+    f(std::integral_constant<LinkShape, LinkShape::general>{});
+  else if (shape >= LinkShape::right && shape < LinkShape::parallel)
+    f(std::integral_constant<LinkShape, LinkShape::right>{});
+  else
+    f(std::integral_constant<LinkShape, LinkShape::screw>{});
 }
 
 }  // namespace momentree
