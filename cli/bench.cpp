@@ -90,55 +90,6 @@ bool print_times(double budget, const Style& style) {
   return true;
 }
 
-std::vector<PeerRow> measure_peers(const std::vector<std::string>& programs) {
-  std::vector<PeerRow> rows;
-  for (const std::string& program : programs) {
-    if (InterruptGuard::interrupted()) break;
-    peer_evaluations(program, [&](const PeerRow& row) {
-      rows.push_back(row);
-      return !InterruptGuard::interrupted();
-    });
-  }
-  return rows;
-}
-
-/// A column for each model, a row for each way of an engine, the first of them ours.
-void print_peers(const std::vector<PeerRow>& rows, const Style& style) {
-  std::vector<std::string> models;
-  std::vector<std::vector<const PeerRow*>> ways;
-  for (const PeerRow& row : rows) {
-    if (std::ranges::find(models, row.model) == models.end()) models.push_back(row.model);
-    const bool known = std::ranges::any_of(ways, [&](auto& way) {
-      const bool same = way[0]->engine == row.engine && way[0]->way == row.way;
-      if (same) way.push_back(&row);
-      return same;
-    });
-    if (!known) ways.push_back({&row});
-  }
-  const auto time_of = [](const std::vector<const PeerRow*>& way, const std::string& model) {
-    const auto at = std::ranges::find(way, model, &PeerRow::model);
-    return at == way.end() ? 0.0 : (*at)->ns_per_body;
-  };
-  Table table;
-  std::vector<std::string> head{""};
-  head.insert(head.end(), models.begin(), models.end());
-  table.row(head);
-  for (const auto& way : ways) {
-    std::vector<std::string> cells{way[0]->engine + ", " + way[0]->way};
-    for (const std::string& model : models) {
-      const double time = time_of(way, model), ours = time_of(ways[0], model);
-      std::string cell = time > 0 ? format("%.0f", time) : "";
-      if (&way != ways.data() && time > 0 && ours > 0) cell += format(" (%.1f)", time / ours);
-      cells.push_back(cell);
-    }
-    table.row(cells);
-  }
-  print(style.heading("Other engines") +
-        " (grounded pins and a floating humanoid, with gravity: from positions and velocities, ours from momenta, to what a step "
-        "needs; ns per body, and how many times the first row; accelerations of all checked)\n" +
-        table.text("  ") + '\n');
-}
-
 void print_large_worlds(const std::vector<LargeRow>& rows, const Style& style) {
   const auto bytes = [](double value) { return value > 0 ? format("%.0f", value) : std::string("?"); };
   Table table;
@@ -212,14 +163,7 @@ bool print_json(const BenchOptions& options, const std::vector<LargeRow>& large,
     json.end_object();
   }
   json.end_array();
-  if (!peers.empty()) {
-    json.key("peers").begin_array();
-    for (const PeerRow& row : measure_peers(peers)) {
-      json.begin_object().member("engine", row.engine).member("way", row.way).member("model", row.model);
-      json.member("ns_per_body", row.ns_per_body).member("imbalance", row.imbalance).end_object();
-    }
-    json.end_array();
-  }
+  if (!peers.empty()) write_peers(json, measure_peers(peers, {}));
   json.end_object();
   if (go_on()) print(text + '\n');
   return go_on();
@@ -240,9 +184,12 @@ int measure(const BenchOptions& options, const std::vector<std::string>& peers) 
   if (InterruptGuard::interrupted() || !print_times(options.budget, style)) return interrupted;
   print_large_worlds(large, style);
   if (peers.empty()) return print(peers_hint), done;
-  const std::vector<PeerRow> rows = measure_peers(peers);
+  const std::vector<PeerRow> rows = measure_peers(peers, {});
   if (InterruptGuard::interrupted()) return interrupted;
-  print_peers(rows, style);
+  print(style.heading("Other engines") +
+        " (grounded pins and a floating humanoid, with gravity: from positions and velocities, ours from momenta, to what a step "
+        "needs; ns per body, and how many times the first row; accelerations of all checked)\n" +
+        peers_table(rows) + '\n');
   return done;
 }
 
@@ -256,6 +203,7 @@ int bench(const BenchOptions& options) {
     std::fprintf(stderr, "momentree bench: %s\n", error.message().c_str());
     return bad_input;
   }
+  if (!options.models.empty()) return bench_models(options, peers);
   try {
     return measure(options, peers);
   } catch (const Error& error) {  // no fault of the user's

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include <cli/interrupt.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/io/json_document.hpp>
@@ -23,7 +24,7 @@ namespace {
 /// A program whose standard output is read; ended where the reader stops before it does.
 class Reader {
  public:
-  Reader(const std::string& program, const char* argument) {
+  Reader(const std::string& program, std::vector<std::string> words) {
     int ends[2];
     if (pipe(ends) != 0) throw Error{program + ": no pipe to read it", "", ""};
     posix_spawn_file_actions_t actions;
@@ -31,9 +32,11 @@ class Reader {
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     posix_spawn_file_actions_addclose(&actions, ends[0]);
     posix_spawn_file_actions_addclose(&actions, ends[1]);
-    std::string words[] = {program, argument};
-    char* const arguments[] = {words[0].data(), words[1].data(), nullptr};
-    const int failed = posix_spawn(&process_, program.c_str(), &actions, nullptr, arguments, environ);
+    words.insert(words.begin(), program);
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    const int failed = posix_spawn(&process_, program.c_str(), &actions, nullptr, arguments.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
     output_ = fdopen(ends[0], "r");
@@ -99,12 +102,78 @@ std::vector<std::string> peer_programs(const std::string& folder) {
   return found;
 }
 
-void peer_evaluations(const std::string& program, const std::function<bool(const PeerRow&)>& row) {
-  Reader reader(program, "evaluate");
+void peer_evaluations(const std::string& program, const std::vector<std::string>& files,
+                      const std::function<bool(const PeerRow&)>& row) {
+  std::vector<std::string> words{"evaluate"};
+  words.insert(words.end(), files.begin(), files.end());
+  Reader reader(program, std::move(words));
   for (std::string line; reader.line(line);)
     if (!row(row_of(line, program))) return;
   if (const int status = reader.finish(); status != 0)
     throw Error{format("%s failed (exit status %d): what it wrote says why", program.c_str(), status), "", ""};
+}
+
+std::vector<PeerRow> measure_peers(const std::vector<std::string>& programs, const std::vector<std::string>& files) {
+  std::vector<PeerRow> rows;
+  const auto keep = [&](const PeerRow& row) {
+    rows.push_back(row);
+    return !InterruptGuard::interrupted();
+  };
+  for (const std::string& program : programs) {
+    if (InterruptGuard::interrupted()) return rows;
+    if (files.empty()) peer_evaluations(program, {}, keep);
+    for (const std::string& file : files) {
+      if (InterruptGuard::interrupted()) return rows;
+      try {
+        peer_evaluations(program, {file}, keep);
+      } catch (const Error& error) {  // an engine may not take every model: bodies without mass, say
+        std::fprintf(stderr, "momentree bench: left out: %s\n", error.what.c_str());
+      }
+    }
+  }
+  return rows;
+}
+
+std::string peers_table(const std::vector<PeerRow>& rows) {
+  std::vector<std::string> models;
+  std::vector<std::vector<const PeerRow*>> ways;
+  for (const PeerRow& row : rows) {
+    if (std::ranges::find(models, row.model) == models.end()) models.push_back(row.model);
+    const bool known = std::ranges::any_of(ways, [&](auto& way) {
+      const bool same = way[0]->engine == row.engine && way[0]->way == row.way;
+      if (same) way.push_back(&row);
+      return same;
+    });
+    if (!known) ways.push_back({&row});
+  }
+  const auto time_of = [](const std::vector<const PeerRow*>& way, const std::string& model) {
+    const auto at = std::ranges::find(way, model, &PeerRow::model);
+    return at == way.end() ? 0.0 : (*at)->ns_per_body;
+  };
+  Table table;
+  std::vector<std::string> head{""};
+  head.insert(head.end(), models.begin(), models.end());
+  table.row(head);
+  for (const auto& way : ways) {
+    std::vector<std::string> cells{way[0]->engine + ", " + way[0]->way};
+    for (const std::string& model : models) {
+      const double time = time_of(way, model), ours = time_of(ways[0], model);
+      std::string cell = time > 0 ? format("%.0f", time) : "";
+      if (&way != ways.data() && time > 0 && ours > 0) cell += format(" (%.1f)", time / ours);
+      cells.push_back(cell);
+    }
+    table.row(cells);
+  }
+  return table.text("  ");
+}
+
+void write_peers(io::JsonWriter& json, const std::vector<PeerRow>& rows) {
+  json.key("peers").begin_array();
+  for (const PeerRow& row : rows) {
+    json.begin_object().member("engine", row.engine).member("way", row.way).member("model", row.model);
+    json.member("ns_per_body", row.ns_per_body).member("imbalance", row.imbalance).end_object();
+  }
+  json.end_array();
 }
 
 }  // namespace momentree::cli

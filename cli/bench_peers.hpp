@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <momentree/io/json_writer.hpp>
+
 namespace momentree::cli {
 
 /// One model in one engine.
@@ -16,8 +18,19 @@ struct PeerRow {
 /// Paths of the programs peer-* in a folder: ours first, the others by name. Throws Error where there are none.
 std::vector<std::string> peer_programs(const std::string& folder);
 
-/// Runs `program evaluate` and calls `row` with each line that it prints, until that returns false.
+/// Runs `program evaluate FILE…` and calls `row` with each line that it prints, until that returns false. The files are models
+/// (cli/peer_links.hpp); without any, the program takes those that it has itself.
 /// Throws Error if it can't be started, fails, or prints something else.
-void peer_evaluations(const std::string& program, const std::function<bool(const PeerRow&)>& row);
+void peer_evaluations(const std::string& program, const std::vector<std::string>& files,
+                      const std::function<bool(const PeerRow&)>& row);
+
+/// All rows of all programs, until the user interrupts. A program that fails on one of the files is left out there, and that is
+/// said; throws Error where one fails on its own models.
+std::vector<PeerRow> measure_peers(const std::vector<std::string>& programs, const std::vector<std::string>& files);
+
+/// Nanoseconds per body: a column for each model, a row for each way of an engine, the first of them ours.
+std::string peers_table(const std::vector<PeerRow>& rows);
+/// The member `peers` of a document.
+void write_peers(io::JsonWriter& json, const std::vector<PeerRow>& rows);
 
 }  // namespace momentree::cli

@@ -8,11 +8,11 @@
 #endif
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 
 #include <bench/models.hpp>
+#include <cli/bench_timing.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/count.hpp>
@@ -27,31 +27,6 @@
 namespace momentree::cli {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
-
-/// What the compiler may not leave out.
-void keep(const void* p) { asm volatile("" : : "g"(p) : "memory"); }
-
-/// Shortest time of one call, in batches that a clock can tell, for `budget` seconds, seven batches at least.
-template <class F>
-double shortest(double budget, F&& call) {
-  long count = 1;
-  for (;; count *= 2) {
-    const auto begin = Clock::now();
-    for (long i = 0; i < count; ++i) call();
-    if (since(begin) > 2e-4) break;
-  }
-  double best = HUGE_VAL;
-  const auto start = Clock::now();
-  for (int batch = 0; batch < 7 || since(start) < budget; ++batch) {
-    const auto begin = Clock::now();
-    for (long i = 0; i < count; ++i) call();
-    best = std::min(best, since(begin) / static_cast<double>(count));
-  }
-  return best;
-}
 
 std::string linear_text(long slope, long offset) {
   return format("%ld n ", slope) + (offset < 0 ? "− " : "+ ") + format("%ld", std::labs(offset));
@@ -76,30 +51,6 @@ OperationsRow counted(const char* name, const Vec3& gravity, Model (*make)(int),
           line(a.total(), b.total(), c.total()),
           c.total(),
           source};
-}
-
-// Largest error of the momenta that the velocities just found belong to, relative to the largest momentum.
-double momentum_error(const Tree& tree, const double* q, const double* p, const Work<double>& work) {
-  std::vector<double> again(static_cast<std::size_t>(tree.nv()));
-  project_momentum(tree, q, work.v.get(), again.data());
-  double error = 0, largest = 0;
-  for (std::size_t i = 0; i < again.size(); ++i) {
-    const double off = std::fabs(again[i] - p[i]);
-    error = off <= error ? error : off;  // NaN stays
-    largest = std::max(largest, std::fabs(p[i]));
-  }
-  return error / largest;
-}
-
-// A second set of coordinates, near the first.
-std::vector<double> moved(const Tree& tree, std::vector<double> q) {
-  for (std::size_t i = 0; i < q.size(); ++i) q[i] += 1e-4 * static_cast<double>(i % 7 + 1);
-  for (const int b : tree.quaternion_joints()) {
-    double* u = q.data() + tree.first_q(b) + info(tree.joint(b).kind).nq - 4;
-    const double n = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3]);
-    for (int i = 0; i < 4; ++i) u[i] /= n;
-  }
-  return q;
 }
 
 EvaluationRow evaluation_time(const std::string& name, const Model& model, double budget) {

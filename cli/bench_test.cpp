@@ -142,7 +142,7 @@ TEST_CASE("momentree bench --peers: runs the programs of a folder, and believes 
   CHECK(peer_programs(folder / "") == std::vector{ours, good});
   std::vector<PeerRow> rows;
   const auto keep = [&](const PeerRow& row) { return rows.push_back(row), true; };
-  peer_evaluations(good, keep);
+  peer_evaluations(good, {}, keep);
   REQUIRE(rows.size() == 2);
   CHECK(rows[1].engine == "E 1");
   CHECK(rows[1].way == "f");
@@ -150,15 +150,65 @@ TEST_CASE("momentree bench --peers: runs the programs of a folder, and believes 
   CHECK(rows[1].ns_per_body == 250);
   CHECK(rows[1].imbalance == 1e-12);
   int count = 0;
-  peer_evaluations(program("endless", "while :; do echo '" + line + "'; done\n"), [&](const PeerRow&) { return ++count < 3; });
+  peer_evaluations(program("endless", "while :; do echo '" + line + "'; done\n"), {},
+                   [&](const PeerRow&) { return ++count < 3; });
   CHECK(count == 3);
-  CHECK_THROWS_AS(peer_evaluations(program("failing", "echo '" + line + "'; exit 1\n"), keep), Error);
-  CHECK_THROWS_AS(peer_evaluations(program("talking", "echo Welcome\n"), keep), Error);
-  CHECK_THROWS_AS(peer_evaluations(program("short", "echo '{\"model\": \"a\"}'\n"), keep), Error);
-  CHECK_THROWS_AS(peer_evaluations(folder / "missing", keep), Error);
+  CHECK_THROWS_AS(peer_evaluations(program("failing", "echo '" + line + "'; exit 1\n"), {}, keep), Error);
+  CHECK_THROWS_AS(peer_evaluations(program("talking", "echo Welcome\n"), {}, keep), Error);
+  CHECK_THROWS_AS(peer_evaluations(program("short", "echo '{\"model\": \"a\"}'\n"), {}, keep), Error);
+  CHECK_THROWS_AS(peer_evaluations(folder / "missing", {}, keep), Error);
   CHECK(std::system(
             ("'" MOMENTREE_PROGRAM "' bench --peers '" + (folder / "nothing") + "' 2>'" + (folder / "said") + "'").c_str()) ==
         2 << 8);
+}
+
+TEST_CASE("momentree bench MODEL: one's own models, and other engines on the same") {
+  const io::test::TemporaryFolder folder;
+  const auto call = [&](const std::string& arguments) {
+    return std::system(
+               ("'" MOMENTREE_PROGRAM "' bench " + arguments + " >'" + (folder / "out") + "' 2>'" + (folder / "err") + "'")
+                   .c_str()) >>
+           8;
+  };
+  const auto text = [&](const char* name) {
+    std::ostringstream all;
+    all << std::ifstream(folder / name).rdbuf();
+    return all.str();
+  };
+  const std::string sources = MOMENTREE_SOURCE_DIR "/scenarios/";
+  const std::string panda = "'" + sources + "models/panda/panda.urdf'",
+                    humanoid = "'" + sources + "models/mjcf_humanoid/humanoid.xml'",
+                    chimney = "'" + sources + "falling_chimney.toml'";
+  REQUIRE(call("--json " + panda + " " + humanoid + " " + chimney) == 0);
+  const io::JsonDocument json = io::parse_json(text("out"), "stdout");
+  CHECK(json.root.find("peers") == nullptr);
+  const io::JsonNode& rows = *json.root.find("models");
+  REQUIRE(rows.items.size() == 3);
+  CHECK(rows.items[0].find("model")->text == "panda");
+  CHECK(rows.items[0].find("freedoms")->number == 9);
+  CHECK(rows.items[1].find("broken")->text == "humanoid/ankle_x_right");
+  for (const io::JsonNode& row : rows.items) {
+    for (const char* key : {"evaluation_ns", "accelerations_ns", "break_ns"}) CHECK_MESSAGE(row.find(key)->number > 0, key);
+    CHECK(row.find("error")->number < 1e-9);
+  }
+
+  // A program is given the models one by one; where it takes one not, it is left out there.
+  const std::string program = folder / "peer-a";
+  std::ofstream(program) << "#!/bin/sh\n[ \"$1\" = evaluate ] && grep -q slide \"$2\" || exit 1\n"
+                            "echo '{\"model\": \"'$(head -1 \"$2\")'\", \"engine\": \"E 1\", \"way\": \"f\", \"imbalance\": 0, "
+                            "\"ns_per_body\": '$(wc -l <\"$2\")'}'\n";
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  REQUIRE(call("--json --peers '" + (folder / "") + "' " + panda + " " + humanoid) == 0);
+  const io::JsonDocument beside = io::parse_json(text("out"), "stdout");
+  const io::JsonNode& peers = *beside.root.find("peers");
+  REQUIRE(peers.items.size() == 1);
+  CHECK(peers.items[0].find("model")->text == "panda");
+  CHECK(peers.items[0].find("ns_per_body")->number == 10);  // nine moving bodies and a line with the name
+  CHECK(text("err").find("left out") != std::string::npos);
+
+  CHECK(call("'" + sources + "models/cassie/cassie_v2.sdf'") == 2);  // closed loops
+  CHECK(text("err").find("closed loops are not supported") != std::string::npos);
+  CHECK(call("nowhere.urdf") == 2);
 }
 
 }  // namespace momentree::cli

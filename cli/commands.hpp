@@ -70,6 +70,7 @@ struct PlayOptions {
 int play(const PlayOptions& options);
 
 struct BenchOptions {
+  std::vector<std::string> models{};  ///< scenarios or models to measure instead of the tables
   bool json = false;
   double budget = 0.15;  ///< s for each figure
   int repeats = 5;       ///< of the breaking chain
@@ -78,5 +79,7 @@ struct BenchOptions {
 };
 /// `failed` where a result is wrong: no time is printed for it.
 int bench(const BenchOptions& options);
+/// The same for `options.models`; `peers`: paths of the programs of other engines.
+int bench_models(const BenchOptions& options, const std::vector<std::string>& peers);
 
 }  // namespace momentree::cli

@@ -168,8 +168,12 @@ CommandLine::CommandLine() {
   overrides(play_command, play_options.overrides);
   served(play_command, play_options.port, play_options.no_browser);
 
-  CLI::App* bench_command =
-      command("bench", "Measure this machine on the tables of the paper", [this] { return bench(bench_options); });
+  CLI::App* bench_command = command("bench", "Measure this machine: the tables of the paper, or models of one's own",
+                                    [this] { return bench(bench_options); });
+  bench_command
+      ->add_option("models", bench_options.models,
+                   "Scenarios (.toml) or models (.urdf, .sdf, .xml) to measure instead of the tables")
+      ->type_name("SCENARIO|MODEL");
   bench_command->add_flag("--json", bench_options.json, "Print one JSON document and nothing else");
   bench_command->add_option("--peers", bench_options.peers, "Run the programs peer-* in this folder, too: other engines")
       ->type_name("FOLDER");

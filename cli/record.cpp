@@ -17,7 +17,7 @@ namespace momentree::cli {
 namespace fs = std::filesystem;
 
 TemporaryFolder::TemporaryFolder() {
-  std::string name = (fs::temp_directory_path() / "momentree-view-XXXXXX").string();
+  std::string name = (fs::temp_directory_path() / "momentree-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) fail({std::string("cannot make a temporary folder: ") + std::strerror(errno), name, ""});
   path_ = name;
 }

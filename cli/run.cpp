@@ -53,7 +53,8 @@ int run(const RunOptions& options) {
   refuse_unsupported(options);
   std::vector<std::string> overrides = options.overrides;
   if (!options.until.empty()) overrides.push_back("integrate.until=" + options.until);
-  const std::optional<io::Scenario> scenario = load(options.scenario, overrides, !options.quiet);
+  const std::optional<io::Scenario> scenario =
+      load(options.scenario, overrides, options.quiet ? io::Severity::warning : io::Severity::note);
   if (!scenario) return bad_input;
 
   Session session(*scenario);

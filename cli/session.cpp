@@ -12,9 +12,9 @@
 
 namespace momentree::cli {
 
-std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides, bool notes) {
+std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides, io::Severity least) {
   io::ReadResult result = io::read_scenario(path, overrides);
-  if (!notes) std::erase_if(result.diagnostics, [](const io::Diagnostic& d) { return d.severity == io::Severity::note; });
+  std::erase_if(result.diagnostics, [least](const io::Diagnostic& d) { return d.severity > least; });
   std::fputs(io::rendered(result.diagnostics).c_str(), stderr);
   return std::move(result.scenario);
 }

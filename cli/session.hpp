@@ -13,9 +13,10 @@
 
 namespace momentree::cli {
 
-/// Reads a scenario or a model; its warnings, and notes if asked for, go to standard error. Where it has errors, they go there
-/// too and the result is empty.
-std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides, bool notes = true);
+/// Reads a scenario or a model; what is as grave as `least` or worse is said on standard error. Where it has errors, the result
+/// is empty.
+std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides,
+                                 io::Severity least = io::Severity::note);
 
 /// A scenario at its start: model compiled, state documents restored.
 class Session {

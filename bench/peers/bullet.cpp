@@ -222,8 +222,8 @@ struct Forward : Evaluator {
 
 }  // namespace
 
-int main(int arguments, char**) {
+int main(int count, char** words) {
   const std::string name = "Bullet " + std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100);
-  if (arguments == 1) return run(name, ways);
-  return evaluate(name, {{"btMultiBody, articulated bodies", evaluator<Forward>()}});
+  if (count == 1) return run(name, ways);
+  return evaluate(name, {{"btMultiBody, articulated bodies", evaluator<Forward>()}}, {words + 2, words + count});
 }

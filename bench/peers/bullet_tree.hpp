@@ -48,9 +48,17 @@ struct Tree {
     for (int i = 0; i < moving; ++i) {
       const Link& link = links[numbers[i + first]];
       const int parent = link_of(link.parent);
-      const Vector3d com = link.parent < 0 ? Vector3d::Zero() : links[link.parent].com;
-      mb->setupRevolute(i, link.mass, vec(link.inertia), parent, turn(link.turn.transpose()), btVector3(0, 0, 1),
-                        vec(Vector3d(link.at - com)), vec(link.com), true);
+      const bool grounded = link.parent < 0;
+      // Its frames stand along the principal axes.
+      const Matrix3d own = link.axes.transpose(), outer = grounded ? Matrix3d::Identity() : links[link.parent].axes;
+      const Vector3d arm = outer.transpose() * (link.at - (grounded ? Vector3d::Zero() : links[link.parent].com));
+      const Matrix3d to_own = own * link.turn.transpose() * outer;
+      const Vector3d axis = own.col(2), com = own * link.com;
+      if (link.slides) {
+        mb->setupPrismatic(i, link.mass, vec(link.inertia), parent, turn(to_own), vec(axis), vec(arm), vec(com), true);
+      } else {
+        mb->setupRevolute(i, link.mass, vec(link.inertia), parent, turn(to_own), vec(axis), vec(arm), vec(com), true);
+      }
     }
     mb->finalizeMultiDof();
     mb->setLinearDamping(0);
@@ -62,7 +70,7 @@ struct Tree {
     return at == numbers.end() ? -1 : static_cast<int>(at - numbers.begin()) - first;
   }
   void set_base(const Motion& motion, const Link& link) {
-    mb->setBaseWorldTransform(btTransform(turn(motion.R), vec(centre(link, motion))));
+    mb->setBaseWorldTransform(btTransform(turn(motion.R * link.axes), vec(centre(link, motion))));
     mb->setBaseVel(vec(centre_velocity(link, motion)));
     mb->setBaseOmega(vec(motion.w));
   }
@@ -78,8 +86,9 @@ struct Tree {
     for (const int body : numbers) {
       const int i = link_of(body);
       const btTransform pose = i < 0 ? mb->getBaseWorldTransform() : mb->getLink(i).m_cachedWorldTransform;
-      const Matrix3d R = mat(pose.getBasis());
-      all[body] = from_centre(links[body], R, vec(pose.getOrigin()), R * vec(v[i + 1]), R * vec(w[i + 1]));
+      const Matrix3d P = mat(pose.getBasis());
+      all[body] =
+          from_centre(links[body], P * links[body].axes.transpose(), vec(pose.getOrigin()), P * vec(v[i + 1]), P * vec(w[i + 1]));
     }
   }
   std::vector<int> numbers;

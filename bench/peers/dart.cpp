@@ -5,6 +5,7 @@
 #include <dart/constraint/WeldJointConstraint.hpp>
 #include <dart/dynamics/BodyNode.hpp>
 #include <dart/dynamics/FreeJoint.hpp>
+#include <dart/dynamics/PrismaticJoint.hpp>
 #include <dart/dynamics/RevoluteJoint.hpp>
 #include <dart/dynamics/Skeleton.hpp>
 #include <dart/dynamics/WeldJoint.hpp>
@@ -132,7 +133,7 @@ struct Forward : Evaluator {
       body.mName = link.name;
       body.mInertia.setMass(link.mass);
       body.mInertia.setLocalCOM(link.com);
-      body.mInertia.setMoment(link.inertia.x(), link.inertia.y(), link.inertia.z(), 0, 0, 0);
+      body.mInertia.setMoment(inertia_of(link));
       dd::BodyNode* parent = link.parent < 0 ? nullptr : nodes[link.parent];
       Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
       pose.linear() = link.turn;
@@ -146,15 +147,23 @@ struct Forward : Evaluator {
         places.push_back(static_cast<int>(joint->getIndexInSkeleton(0)));
         continue;
       }
-      dd::RevoluteJoint::Properties pin;
-      pin.mName = link.name;
-      pin.mAxis = Vector3d::UnitZ();
-      pin.mT_ParentBodyToJoint = pose;
-      const auto [joint, node] = skeleton->createJointAndBodyNodePair<dd::RevoluteJoint>(parent, pin, body);
-      nodes.push_back(node);
-      places.push_back(static_cast<int>(joint->getIndexInSkeleton(0)));
+      if (link.slides) {
+        add<dd::PrismaticJoint>(link, parent, pose, body);
+      } else {
+        add<dd::RevoluteJoint>(link, parent, pose, body);
+      }
     }
     q = skeleton->getPositions(), u = skeleton->getVelocities();
+  }
+  template <class Joint>
+  void add(const Link& link, dd::BodyNode* parent, const Eigen::Isometry3d& pose, const dd::BodyNode::Properties& body) {
+    typename Joint::Properties along_z;
+    along_z.mName = link.name;
+    along_z.mAxis = Vector3d::UnitZ();
+    along_z.mT_ParentBodyToJoint = pose;
+    const auto [joint, node] = skeleton->createJointAndBodyNodePair<Joint>(parent, along_z, body);
+    nodes.push_back(node);
+    places.push_back(static_cast<int>(joint->getIndexInSkeleton(0)));
   }
   void evaluate(const double* from_q, const double* from_u) override {
     for (std::size_t i = floating ? 1 : 0; i < places.size(); ++i) q[places[i]] = from_q[i], u[places[i]] = from_u[i];
@@ -180,7 +189,7 @@ struct Forward : Evaluator {
 
 }  // namespace
 
-int main(int arguments, char**) {
-  if (arguments == 1) return run("DART " DART_VERSION, ways);
-  return evaluate("DART " DART_VERSION, {{"computeForwardDynamics", evaluator<Forward>()}});
+int main(int count, char** words) {
+  if (count == 1) return run("DART " DART_VERSION, ways);
+  return evaluate("DART " DART_VERSION, {{"computeForwardDynamics", evaluator<Forward>()}}, {words + 2, words + count});
 }

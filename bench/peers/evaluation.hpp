@@ -12,7 +12,7 @@ namespace peers {
 
 inline constexpr double gravity = -9.81;  ///< along z
 
-/// A tree of pins: grounded, or on a first link that is free.
+/// A tree of pins and slides: grounded, or on a first link that is free.
 struct EvaluationModel {
   std::string name;
   std::vector<Link> links;
@@ -38,8 +38,13 @@ struct Evaluation {
   int most = 1 << 30;        ///< bodies; larger models are left out
 };
 
-/// Times the ways of an engine on every model, and prints a line of JSON for each. Returns 1 where accelerations are wrong.
-int evaluate(const std::string& engine, const std::vector<Evaluation>& ways);
+/// The models of these files, as `momentree bench MODEL` writes them (cli/peer_links.hpp), or, where there are none, those of
+/// `momentree bench`. Stops the program where a file is none.
+std::vector<EvaluationModel> models(const std::vector<std::string>& files);
+
+/// Times the ways of an engine on every one of these models, and prints a line of JSON for each. Returns 1 where accelerations
+/// are wrong.
+int evaluate(const std::string& engine, const std::vector<Evaluation>& ways, const std::vector<std::string>& files);
 
 /// Largest force (N m) that is missing at a joint for these accelerations, as a share of the largest that its bodies take. What
 /// a free link is missing counts all six.

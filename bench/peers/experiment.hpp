@@ -11,19 +11,20 @@ namespace peers {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// A body and its inboard joint: free (a root), or a pin about z of a frame that stands at (turn, at) in the parent's frame; at
-/// angle zero the body's frame is that frame. Body axes are principal. SI units.
+/// A body and its inboard joint: free (a root), or a pin about z (evaluations have slides along z, too) of a frame that stands at
+/// (turn, at) in the parent's frame; at angle zero the body's frame is that frame. SI units.
 struct Link {
   std::string name;
   int parent = -1;
-  bool free = false;
+  bool free = false, slides = false;
   Matrix3d turn = Matrix3d::Identity();
   Vector3d at = Vector3d::Zero();
   double mass = 1;
   Vector3d com = Vector3d::Zero();
-  Vector3d inertia = Vector3d::Ones();  ///< about the centre of mass
-  double angle = 0, rate = 0;           ///< of a pin, at the start
-  Vector3d linear = Vector3d::Zero();   ///< of a free body at the start, world axes, of its origin
+  Vector3d inertia = Vector3d::Ones();   ///< principal, about the centre of mass
+  Matrix3d axes = Matrix3d::Identity();  ///< the principal axes, in the body's frame: other ones in evaluations alone
+  double angle = 0, rate = 0;            ///< of a pin, at the start
+  Vector3d linear = Vector3d::Zero();    ///< of a free body at the start, world axes, of its origin
   Vector3d angular = Vector3d::Zero();
 };
 
@@ -59,6 +60,8 @@ struct Books {
 };
 Books books(const Experiment& experiment, const std::vector<Motion>& motions);
 
+/// Inertia about the centre of mass, in the body's frame.
+inline Matrix3d inertia_of(const Link& link) { return link.axes * link.inertia.asDiagonal() * link.axes.transpose(); }
 inline Vector3d centre(const Link& link, const Motion& motion) { return motion.p + motion.R * link.com; }
 inline Vector3d centre_velocity(const Link& link, const Motion& motion) { return motion.v + motion.w.cross(motion.R * link.com); }
 /// Bodies of the subtree that hangs on `body`, itself the first.

@@ -17,10 +17,11 @@ KDL::Chain chain_of(const EvaluationModel& model) {
     const KDL::Frame frame(KDL::Rotation(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)),
                            vec(link.at));
     // It takes the inertia about the centre of mass along the frame's axes; the joint is given in the parent's frame.
+    const Matrix3d I = inertia_of(link);
     const KDL::RigidBodyInertia inertia(link.mass, vec(link.com),
-                                        KDL::RotationalInertia(link.inertia.x(), link.inertia.y(), link.inertia.z()));
-    chain.addSegment(
-        KDL::Segment(link.name, KDL::Joint(link.name, frame.p, frame.M.UnitZ(), KDL::Joint::RotAxis), frame, inertia));
+                                        KDL::RotationalInertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)));
+    const KDL::Joint::JointType type = link.slides ? KDL::Joint::TransAxis : KDL::Joint::RotAxis;
+    chain.addSegment(KDL::Segment(link.name, KDL::Joint(link.name, frame.p, frame.M.UnitZ(), type), frame, inertia));
   }
   return chain;
 }
@@ -61,9 +62,9 @@ struct Forward : Evaluator {
 
 }  // namespace
 
-int main(int arguments, char**) {
-  if (arguments == 1) return 0;  // it has no changes to be measured
+int main(int count, char** words) {
+  if (count == 1) return 0;  // it has no changes to be measured
   Evaluation way{"ChainHdSolver_Vereshchagin", evaluator<Forward>()};
   way.chains_only = true;
-  return evaluate("KDL " KDL_VERSION, {way});
+  return evaluate("KDL " KDL_VERSION, {way}, {words + 2, words + count});
 }

@@ -24,6 +24,7 @@ using namespace peers;
 mt::Vec3 vec(const Vector3d& a) { return {a.x(), a.y(), a.z()}; }
 Vector3d vec(const mt::Vec3& a) { return {a.x, a.y, a.z}; }
 mt::Mat3 mat(const Matrix3d& R) { return {R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)}; }
+mt::Sym3 sym(const Matrix3d& I) { return {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)}; }
 Matrix3d mat(const mt::Mat3& R) { return (Matrix3d() << R.xx, R.xy, R.xz, R.yx, R.yy, R.yz, R.zx, R.zy, R.zz).finished(); }
 
 mt::Model model_of(const std::vector<Link>& links, double along_z = 0) {
@@ -32,7 +33,7 @@ mt::Model model_of(const std::vector<Link>& links, double along_z = 0) {
     mt::BodySpec spec{.name = link.name,
                       .mass = link.mass,
                       .com = vec(link.com),
-                      .inertia = mt::diagonal(link.inertia.x(), link.inertia.y(), link.inertia.z()),
+                      .inertia = sym(inertia_of(link)),
                       .parent = mt::Body{link.parent},
                       .at = mt::Pose{vec(link.at), mt::quaternion_of(mat(link.turn))}};
     if (link.free) {
@@ -40,7 +41,8 @@ mt::Model model_of(const std::vector<Link>& links, double along_z = 0) {
       spec.joint = mt::Free{};
       spec.v = {v.x(), v.y(), v.z(), w.x(), w.y(), w.z()};
     } else {
-      spec.joint = mt::Revolute{.axis = mt::z_axis};
+      if (link.slides) spec.joint = mt::Prismatic{.axis = mt::z_axis};
+      if (!link.slides) spec.joint = mt::Revolute{.axis = mt::z_axis};
       spec.q = link.angle;
       spec.v = link.rate;
     }
@@ -201,8 +203,10 @@ struct Accelerations : Rates {
 
 }  // namespace
 
-int main(int arguments, char**) {
-  if (arguments == 1) return run("momentree", ways);
-  return evaluate("momentree", {{"evaluate_rates", evaluator<Rates>()},
-                                {"accelerate (accelerations, all reactions)", evaluator<Accelerations>()}});
+int main(int count, char** words) {
+  if (count == 1) return run("momentree", ways);
+  return evaluate(
+      "momentree",
+      {{"evaluate_rates", evaluator<Rates>()}, {"accelerate (accelerations, all reactions)", evaluator<Accelerations>()}},
+      {words + 2, words + count});
 }

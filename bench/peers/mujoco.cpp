@@ -184,8 +184,8 @@ struct Forward : Evaluator {
 
 }  // namespace
 
-int main(int arguments, char**) {
+int main(int count, char** words) {
   const std::string name = std::string("MuJoCo ") + mj_versionString();
-  if (arguments == 1) return run(name, ways);
-  return evaluate(name, {{"mj_kinematics … mj_solveM", evaluator<Forward>()}});
+  if (count == 1) return run(name, ways);
+  return evaluate(name, {{"mj_kinematics … mj_solveM", evaluator<Forward>()}}, {words + 2, words + count});
 }

@@ -18,12 +18,14 @@ inline std::string text(const Vector3d& a) {
   out << a.x() << ' ' << a.y() << ' ' << a.z();
   return out.str();
 }
-inline std::string pose(const Matrix3d& R, const Vector3d& p) {
-  const Eigen::Quaterniond q(R);
+inline std::string text(const Eigen::Quaterniond& q) {
   std::ostringstream out;
   out.precision(17);
-  out << "pos='" << text(p) << "' quat='" << q.w() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << '\'';
+  out << q.w() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z();
   return out.str();
+}
+inline std::string pose(const Matrix3d& R, const Vector3d& p) {
+  return "pos='" + text(p) + "' quat='" + text(Eigen::Quaterniond(R)) + '\'';
 }
 
 /// A compiled model of the links. A pin without freedom is a body without joint.
@@ -55,9 +57,11 @@ class Model {
   void write(int file, const std::vector<Link>& links, int i, int fixed) {
     const Link& link = links[i];
     files[file] << "<body name='" << link.name << "' " << pose(link.turn, link.at) << "><inertial pos='" << text(link.com)
-                << "' mass='" << link.mass << "' diaginertia='" << text(link.inertia) << "'/>";
+                << "' mass='" << link.mass << "' quat='" << text(Eigen::Quaterniond(link.axes)) << "' diaginertia='"
+                << text(link.inertia) << "'/>";
     if (link.free) files[file] << "<freejoint name='" << link.name << "'/>";
-    if (!link.free && i != fixed) files[file] << "<joint name='" << link.name << "' axis='0 0 1'/>";
+    if (!link.free && i != fixed)
+      files[file] << "<joint name='" << link.name << "' type='" << (link.slides ? "slide" : "hinge") << "' axis='0 0 1'/>";
     for (int k = i + 1; k < static_cast<int>(links.size()); ++k) {
       if (links[k].parent != i) continue;
       if (k % 50 > 0) {

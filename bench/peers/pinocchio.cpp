@@ -17,10 +17,10 @@ struct Forward : Evaluator {
     for (const Link& link : m.links) {
       const pin::JointIndex parent = link.parent < 0 ? 0 : numbers[link.parent];
       const pin::SE3 place = link.free ? pin::SE3::Identity() : pin::SE3(link.turn, link.at);
-      numbers.push_back(link.free ? model.addJoint(parent, pin::JointModelFreeFlyer(), place, link.name)
-                                  : model.addJoint(parent, pin::JointModelRZ(), place, link.name));
-      model.appendBodyToJoint(numbers.back(), pin::Inertia(link.mass, link.com, Matrix3d(link.inertia.asDiagonal())),
-                              pin::SE3::Identity());
+      numbers.push_back(link.free     ? model.addJoint(parent, pin::JointModelFreeFlyer(), place, link.name)
+                        : link.slides ? model.addJoint(parent, pin::JointModelPZ(), place, link.name)
+                                      : model.addJoint(parent, pin::JointModelRZ(), place, link.name));
+      model.appendBodyToJoint(numbers.back(), pin::Inertia(link.mass, link.com, inertia_of(link)), pin::SE3::Identity());
       places.push_back(model.joints[numbers.back()].idx_q());
       rows.push_back(model.joints[numbers.back()].idx_v());
     }
@@ -59,9 +59,9 @@ struct Forward : Evaluator {
 
 }  // namespace
 
-int main(int arguments, char**) {
-  if (arguments == 1) return 0;  // it has no changes to be measured
+int main(int count, char** words) {
+  if (count == 1) return 0;  // it has no changes to be measured
   Evaluation way{"aba", evaluator<Forward>()};
   way.most = 100;  // its data for 1000 bodies, matrices that this does not need among them, want 32 GB
-  return evaluate("Pinocchio " PINOCCHIO_VERSION, {way});
+  return evaluate("Pinocchio " PINOCCHIO_VERSION, {way}, {words + 2, words + count});
 }

@@ -13,16 +13,18 @@ rb::Math::Vector3d vec(const Vector3d& a) { return {a.x(), a.y(), a.z()}; }
 struct Forward : Evaluator {
   explicit Forward(const EvaluationModel& m) : n(m.links.size()), floating(m.floating()) {
     model.gravity = rb::Math::Vector3d(0, 0, gravity);
-    const rb::Joint pin(rb::Math::SpatialVector(0, 0, 1, 0, 0, 0)), base(rb::JointTypeFloatingBase);
+    const rb::Joint pin(rb::Math::SpatialVector(0, 0, 1, 0, 0, 0)), slide(rb::Math::SpatialVector(0, 0, 0, 0, 0, 1)),
+        base(rb::JointTypeFloatingBase);
     std::vector<unsigned> numbers;
     for (const Link& link : m.links) {
-      const rb::Math::Matrix3d inertia(link.inertia.x(), 0, 0, 0, link.inertia.y(), 0, 0, 0, link.inertia.z());
+      const Matrix3d I = inertia_of(link);
+      const rb::Math::Matrix3d inertia(I(0, 0), I(0, 1), I(0, 2), I(1, 0), I(1, 1), I(1, 2), I(2, 0), I(2, 1), I(2, 2));
       const rb::Body body(link.mass, vec(link.com), inertia);
       const Matrix3d& R = link.turn;
       const rb::Math::Matrix3d to_body(R(0, 0), R(1, 0), R(2, 0), R(0, 1), R(1, 1), R(2, 1), R(0, 2), R(1, 2), R(2, 2));
       const rb::Math::SpatialTransform place =
           link.free ? rb::Math::SpatialTransform() : rb::Math::SpatialTransform(to_body, vec(link.at));
-      const rb::Joint& joint = link.free ? base : pin;
+      const rb::Joint& joint = link.free ? base : link.slides ? slide : pin;
       numbers.push_back(model.AddBody(link.parent < 0 ? 0 : numbers[link.parent], place, joint, body, link.name));
       places.push_back(static_cast<int>(model.mJoints[numbers.back()].q_index));
     }
@@ -61,7 +63,7 @@ struct Forward : Evaluator {
 
 }  // namespace
 
-int main(int arguments, char**) {
-  if (arguments == 1) return 0;  // it has no changes to be measured
-  return evaluate("RBDL", {{"ForwardDynamics", evaluator<Forward>()}});
+int main(int count, char** words) {
+  if (count == 1) return 0;  // it has no changes to be measured
+  return evaluate("RBDL", {{"ForwardDynamics", evaluator<Forward>()}}, {words + 2, words + count});
 }

@@ -32,7 +32,8 @@ struct System {
   System(const std::vector<Link>& links, int loose) : matter(system) {
     for (int i = 0; i < static_cast<int>(links.size()); ++i) {
       const Link& link = links[i];
-      const st::Inertia inertia(vec(link.inertia));
+      const Matrix3d I = inertia_of(link);
+      const st::Inertia inertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
       const st::MassProperties mass(link.mass, vec(link.com), inertia.shiftFromMassCenter(vec(link.com), link.mass));
       st::MobilizedBody& parent = link.parent < 0 ? static_cast<st::MobilizedBody&>(matter.updGround()) : bodies[link.parent];
       free.push_back(link.free || i == loose);
@@ -40,7 +41,12 @@ struct System {
         bodies.push_back(st::MobilizedBody::Free(matter.updGround(), st::Body::Rigid(mass)));
       } else {
         const st::Transform frame(mat(link.turn), vec(link.at));
-        bodies.push_back(st::MobilizedBody::Pin(parent, frame, st::Body::Rigid(mass), st::Transform()));
+        if (link.slides) {  // along x there
+          const st::Transform along(st::Rotation(-st::Pi / 2, st::YAxis));
+          bodies.push_back(st::MobilizedBody::Slider(parent, frame * along, st::Body::Rigid(mass), along));
+        } else {
+          bodies.push_back(st::MobilizedBody::Pin(parent, frame, st::Body::Rigid(mass), st::Transform()));
+        }
       }
     }
   }
@@ -212,7 +218,7 @@ struct Forward : Evaluator {
 
 }  // namespace
 
-int main(int arguments, char**) {
-  if (arguments == 1) return run("Simbody 3.7", ways);
-  return evaluate("Simbody 3.7", {{"realize(Acceleration)", evaluator<Forward>()}});
+int main(int count, char** words) {
+  if (count == 1) return run("Simbody 3.7", ways);
+  return evaluate("Simbody 3.7", {{"realize(Acceleration)", evaluator<Forward>()}}, {words + 2, words + count});
 }

@@ -1,0 +1,121 @@
+// `momentree bench MODEL…`: what a user's own models take on this machine, and in other engines.
+#include <cstdio>
+#include <optional>
+
+#include <cli/bench_own.hpp>
+#include <cli/bench_peers.hpp>
+#include <cli/commands.hpp>
+#include <cli/interrupt.hpp>
+#include <cli/peer_links.hpp>
+#include <cli/record.hpp>
+#include <cli/session.hpp>
+#include <cli/text.hpp>
+#include <momentree/io/json_writer.hpp>
+#include <momentree/io/text_file.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+std::string time_or_dash(double seconds) { return seconds > 0 ? duration_text(seconds) : "–"; }
+
+void print_own(const std::vector<OwnRow>& rows, const Style& style) {
+  Table times;
+  times.row({"", "bodies", "freedoms", "evaluation", "accelerations", "in a batch", "kernels", "generated", "break", "lock"});
+  std::string notes;
+  for (const OwnRow& row : rows) {
+    times.row({row.model, format("%d", row.bodies), format("%d", row.freedoms), duration_text(row.evaluation),
+               duration_text(row.accelerations), time_or_dash(row.batch), time_or_dash(row.kernels), time_or_dash(row.generated),
+               time_or_dash(row.break_joint), time_or_dash(row.lock_joint)});
+    if (!row.batch_message.empty()) notes += "  " + row.model + ": " + row.batch_message + '\n';
+    if (!row.broken.empty()) notes += "  " + row.model + ": the joint that breaks is " + row.broken;
+    if (!row.broken.empty()) notes += row.locked.empty() ? "\n" : ", that which locks " + row.locked + '\n';
+  }
+  const std::string text =
+      style.heading("Your models") +
+      " (one core, double; shortest of many, each at other coordinates. Evaluation: rates with the forces in joints; with\n"
+      "accelerations and the wrenches in all joints; in a world among 64 of a batch; the rates alone, by the kernels and by "
+      "generated code;\na change by itself, without the evaluations before and after it)\n" +
+      times.text("  ") + notes + '\n';
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+void write_own(io::JsonWriter& json, const std::vector<OwnRow>& rows) {
+  const auto nanoseconds = [&](const char* key, double seconds) {
+    json.key(key);
+    seconds > 0 ? json.value(seconds * 1e9) : json.null();
+  };
+  json.key("models").begin_array();
+  for (const OwnRow& row : rows) {
+    json.begin_object().member("model", row.model).member("bodies", row.bodies).member("freedoms", row.freedoms);
+    nanoseconds("evaluation_ns", row.evaluation);
+    nanoseconds("accelerations_ns", row.accelerations);
+    nanoseconds("batch_ns", row.batch);
+    nanoseconds("kernels_ns", row.kernels);
+    nanoseconds("generated_ns", row.generated);
+    json.member("broken", row.broken);
+    nanoseconds("break_ns", row.break_joint);
+    json.member("locked", row.locked);
+    nanoseconds("lock_ns", row.lock_joint);
+    json.member("error", row.error).end_object();
+  }
+  json.end_array();
+}
+
+int measure(const BenchOptions& options, const std::vector<io::Scenario>& scenarios, const std::vector<std::string>& peers,
+            const std::vector<std::string>& files) {
+  const InterruptGuard guard;
+  const KernelCache kernels({.compiler = {}, .most_operations = 20000});
+  std::vector<OwnRow> rows;
+  for (const io::Scenario& scenario : scenarios) {
+    if (InterruptGuard::interrupted()) return interrupted;
+    rows.push_back(own_times(scenario.name, scenario.model, kernels, options.budget));
+  }
+  const Style style = Style::of_output();
+  if (!options.json) print_own(rows, style);
+  const std::vector<PeerRow> others = measure_peers(peers, files);
+  if (InterruptGuard::interrupted()) return interrupted;
+  std::string text;
+  if (options.json) {
+    io::JsonWriter json(text, 2);
+    json.begin_object();
+    write_own(json, rows);
+    if (!peers.empty()) write_peers(json, others);
+    json.end_object();
+  } else if (!peers.empty()) {
+    text =
+        style.heading("Other engines") +
+        " (with gravity, without what acts in joints, and without rotors: from positions and velocities, ours from momenta, to\n"
+        "what a step needs; ns per body that moves, and how many times the first row; accelerations of all checked)\n" +
+        peers_table(others);
+  }
+  if (!text.empty()) std::fputs((text + '\n').c_str(), stdout);
+  return done;
+}
+
+}  // namespace
+
+int bench_models(const BenchOptions& options, const std::vector<std::string>& peers) {
+  std::vector<io::Scenario> scenarios;
+  const TemporaryFolder folder;
+  std::vector<std::string> files;                   // for the programs of other engines
+  for (const std::string& path : options.models) {  // all are read before the first is measured
+    std::optional<io::Scenario> scenario = load(path, {}, io::Severity::error);
+    if (!scenario) return bad_input;
+    if (compile(scenario->model).nv() == 0) fail({"nothing in it moves: there is nothing to measure", path, ""});
+    if (!peers.empty()) {
+      files.push_back(folder.file(std::to_string(files.size())));
+      io::write_text_file(files.back(), peer_links(scenario->name, scenario->model));
+    }
+    scenarios.push_back(std::move(*scenario));
+  }
+  try {
+    return measure(options, scenarios, peers, files);
+  } catch (const Error& error) {  // no fault of the user's
+    std::fprintf(stderr, "momentree bench: %s\n", error.message().c_str());
+    return failed;
+  }
+}
+
+}  // namespace momentree::cli
