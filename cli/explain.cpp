@@ -122,6 +122,29 @@ std::string joints_by_kind(const World& world) {
   return text;
 }
 
+/// Branches that are built alike, which the sweeps of one world take two at once: "hip_left and hip_right, … (10 bodies of 13)".
+std::string pairs_text(const World& world) {
+  const Tree& tree = world.tree();
+  const auto name = [&](int place) { return world.model()[Body{tree.order()[static_cast<std::size_t>(place)]}].name; };
+  std::string text;
+  int bodies = 0;
+  for (const Segment& segment : tree.twin_segments()) {
+    if (segment.twin < 0) continue;
+    bodies += segment.end - segment.begin;
+    if (segment.branch && segment.begin < segment.twin)
+      text += (text.empty() ? "" : ", ") + name(segment.begin) + " and " + name(segment.twin);
+  }
+  return text.empty() || !has_twin_lanes ? "" : text + format(" (%d of %d bodies)", bodies, tree.bodies());
+}
+
+/// Bodies of mechanisms that move in a plane, which have a sweep of their own.
+int bodies_in_planes(const Tree& tree) {
+  int bodies = 0;
+  for (const Segment& segment : tree.segments())
+    if (segment.planar) bodies += segment.end - segment.begin;
+  return bodies;
+}
+
 std::string totals_text(const World& world) {
   double mass = 0;
   for (const BodySpec& body : world.model().bodies()) mass += body.mass;
@@ -139,6 +162,8 @@ std::string totals_text(const World& world) {
                                operations.multiplications) +
                             count_text(operations.divisions, "division", "divisions") + ") and " +
                             count_text(operations.sincos, "pair", "pairs") + " of sine and cosine");
+  if (const int bodies = bodies_in_planes(world.tree()); bodies > 0) row("in a plane", count_text(bodies, "body", "bodies"));
+  if (const std::string pairs = pairs_text(world); !pairs.empty()) row("two at once", pairs);
   return table.text("  ");
 }
 

@@ -307,7 +307,6 @@ TEST_CASE("usage") {
   refused("view s.toml --every 0.1", "--svg");
   refused("view s.toml --port 65536", "--port");
   refused("view none", "none");
-  refused("bench s.toml", "one argument too many");
   refused("bench --jsn", "did you mean '--json'?");
   refused("sweep s.toml --jobs 3", "not supported yet");
   refused("convert s.toml", "--out is required");
@@ -394,6 +393,12 @@ TEST_CASE("check, explain, evaluate, view") {
   CHECK(explain.says("7 × revolute about z, 10 g each"));
   CHECK(explain.says("at 0.1 s: break chain/4"));
   CHECK(explain.says("588 operations (292 additions, 288 multiplications, 8 divisions) and 8 pairs of sine and cosine"));
+  CHECK(explain.says("in a plane           8 bodies"));
+  CHECK(!explain.says("two at once"));
+  const Outcome robot = here.call("explain '" MOMENTREE_SOURCE_DIR "/scenarios/models/anymal_b/anymal.urdf'");
+  CHECK(!robot.says("in a plane"));
+  if (has_twin_lanes)
+    CHECK(robot.says("two at once          anymal/LF_HIP and anymal/RF_HIP, anymal/LH_HIP and anymal/RH_HIP (20 of 23 bodies)"));
   const Outcome evaluate = here.call("evaluate s.toml");
   CHECK(evaluate.code == 0);
   CHECK(evaluate.says("chain/8"));

@@ -151,12 +151,14 @@ double joint_spring(const Tree& tree, const double* q, int b, double* force) noe
 double joint_spring_at(const Tree& tree, const double* q, int b, double* force) noexcept {
   return dispatch(tree.kind(b), [&](auto tag) {
     using K = typename decltype(tag)::type;
+    constexpr int nq = K::info.nq, nv = K::info.nv;
     const JointParameters& p = *tree.parameters(b);
-    double stiffness[6] = {}, rest[7] = {};
-    K::Kernels::zero(rest);
-    for (int i = 0; i < K::info.nv; ++i) stiffness[i] = p.stiffness.of(i);
-    if (!p.rest.empty())
-      for (int i = 0; i < K::info.nq; ++i) rest[i] = p.rest[i];
+    double stiffness[nv > 0 ? nv : 1], rest[nq > 0 ? nq : 1];
+    for (int i = 0; i < nv; ++i) stiffness[i] = p.stiffness.of(i);
+    if (p.rest.empty())
+      K::Kernels::zero(rest);
+    else
+      for (int i = 0; i < nq; ++i) rest[i] = p.rest[i];
     return K::Kernels::spring(q, rest, stiffness, force);
   });
 }

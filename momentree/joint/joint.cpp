@@ -1,5 +1,6 @@
 #include <momentree/joint/joint.hpp>
 
+#include <iterator>
 #include <utility>
 
 #include <momentree/joint/kinds.hpp>
@@ -7,16 +8,20 @@
 
 namespace momentree {
 
-const std::vector<KindInfo>& all_kinds() {
-  static const std::vector<KindInfo> kinds{
+namespace {
+constexpr KindInfo every_kind[] = {
 #define MOMENTREE_KIND(name, Type) Type::info,
-      MOMENTREE_KINDS(MOMENTREE_KIND)
+    MOMENTREE_KINDS(MOMENTREE_KIND)
 #undef MOMENTREE_KIND
-  };
+};
+}  // namespace
+
+const std::vector<KindInfo>& all_kinds() {
+  static const std::vector<KindInfo> kinds(std::begin(every_kind), std::end(every_kind));
   return kinds;
 }
 
-const KindInfo& info(Kind kind) { return all_kinds()[static_cast<std::size_t>(kind)]; }
+const KindInfo& info(Kind kind) { return every_kind[static_cast<std::size_t>(kind)]; }
 
 const KindInfo* find_kind(std::string_view name) {
   for (const KindInfo& k : all_kinds())

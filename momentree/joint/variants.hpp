@@ -89,6 +89,12 @@ struct LockedKernels : B {
       if ((k.driven >> i & 1u) != 0) D += M * Motion<T>{p[i] * E[i].v, p[i] * E[i].w};
       if (locked) E[i] = Motion<T>{};
     }
+    if constexpr (NV == 1) {
+      if (k.locked != 0) {  // nothing is left to reduce
+        w.M = M, w.D = D, w.G[0] = Force<T>{}, w.u0[0] = p[0], w.Mj.inverse[0] = T(1);
+        return;
+      }
+    }
     reduce_generic<T, NV>(E, p, own, M, D, w);
   }
   /// (20): what is locked keeps p = 0; the rate of what is driven has its own, which is known outside.
