@@ -34,6 +34,7 @@ class Reader {
     posix_spawn_file_actions_addclose(&actions, ends[1]);
     words.insert(words.begin(), program);
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     const int failed = posix_spawn(&process_, program.c_str(), &actions, nullptr, arguments.data(), environ);
@@ -88,7 +89,7 @@ std::vector<std::string> peer_programs(const std::string& folder) {
   std::vector<std::string> found;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    const fs::path path = entry.path();
+    const fs::path& path = entry.path();
     if (path.filename().string().starts_with("peer-") && !path.has_extension() && entry.is_regular_file(error))
       found.push_back(path.string());
   }
