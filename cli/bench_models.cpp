@@ -106,7 +106,12 @@ int bench_models(const BenchOptions& options, const std::vector<std::string>& pe
     if (compile(scenario->model).nv() == 0) fail({"nothing in it moves: there is nothing to measure", path, ""});
     if (!peers.empty()) {
       files.push_back(folder.file(std::to_string(files.size())));
-      io::write_text_file(files.back(), peer_links(scenario->name, scenario->model));
+      try {
+        io::write_text_file(files.back(), peer_links(scenario->name, scenario->model));
+      } catch (Error& error) {
+        if (error.where.empty()) error.where = path;
+        throw;
+      }
     }
     scenarios.push_back(std::move(*scenario));
   }
