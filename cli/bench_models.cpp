@@ -98,14 +98,15 @@ int measure(const BenchOptions& options, const std::vector<io::Scenario>& scenar
 
 int bench_models(const BenchOptions& options, const std::vector<std::string>& peers) {
   std::vector<io::Scenario> scenarios;
-  const TemporaryFolder folder;
-  std::vector<std::string> files;                   // for the programs of other engines
+  std::optional<TemporaryFolder> folder;  // for the programs of other engines
+  std::vector<std::string> files;
+  if (!peers.empty()) folder.emplace();
   for (const std::string& path : options.models) {  // all are read before the first is measured
     std::optional<io::Scenario> scenario = load(path, {}, io::Severity::error);
     if (!scenario) return bad_input;
     if (compile(scenario->model).nv() == 0) fail({"nothing in it moves: there is nothing to measure", path, ""});
     if (!peers.empty()) {
-      files.push_back(folder.file(std::to_string(files.size())));
+      files.push_back(folder->file(std::to_string(files.size())));
       try {
         io::write_text_file(files.back(), peer_links(scenario->name, scenario->model));
       } catch (Error& error) {

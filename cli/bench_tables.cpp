@@ -53,14 +53,14 @@ OperationsRow counted(const char* name, const Vec3& gravity, Model (*make)(int),
           source};
 }
 
-EvaluationRow evaluation_time(const std::string& name, const Model& model, double budget) {
-  const Tree tree = compile(model);
-  const State start = start_state(model, tree);
+}  // namespace
+
+EvaluationRow evaluation_time(const std::string& name, const Tree& tree, const State& start, double budget) {
   Work<double> work(tree);
   const std::vector<double> p(start.p().begin(), start.p().end());
   const std::vector<double> first(start.q().begin(), start.q().end()), q[2] = {first, moved(tree, first)};
   int turn = 0;
-  EvaluationRow row{name, model.size(), tree.nv(), 0, 0};
+  EvaluationRow row{name, tree.bodies(), tree.nv(), 0, 0};
   row.seconds = shortest(budget, [&] {
     turn ^= 1;
     evaluate_stage(tree, 0, q[turn].data(), p.data(), work);
@@ -75,15 +75,14 @@ EvaluationRow evaluation_time(const std::string& name, const Model& model, doubl
   return row;
 }
 
-GeneratedRow generated_time(const char* name, const Model& model, const KernelCache& kernels, double budget) {
-  const Tree tree = compile(model);
-  const State start = start_state(model, tree);
+GeneratedRow generated_time(const std::string& name, const Tree& tree, const State& start, const KernelCache& kernels,
+                            double budget) {
   Work<double> work(tree), other(tree);
   const std::vector<double> p(start.p().begin(), start.p().end());
   const std::vector<double> first(start.q().begin(), start.q().end()), q[2] = {first, moved(tree, first)};
   const RatesFunction rates = kernels.find(tree);
-  if (rates == nullptr) throw Error{std::string(name) + ": no code was generated: " + kernels.message(), "", ""};
-  GeneratedRow row{name, model.size(), {count_operations(tree).total(), kernel_expressions(tree).operations().total()}, {}, 0};
+  if (rates == nullptr) throw Error{name + ": no code was generated: " + kernels.message(), "", ""};
+  GeneratedRow row{name, tree.bodies(), {count_operations(tree).total(), kernel_expressions(tree).operations().total()}, {}, 0};
   int turn = 0;
   const auto kernel = [&] {
     turn ^= 1;
@@ -110,8 +109,20 @@ GeneratedRow generated_time(const char* name, const Model& model, const KernelCa
     largest = std::max(largest, std::fabs(work.pdot[i]));
   }
   row.error = error / largest;
-  if (!(row.error < 1e-9)) throw Error{std::string(name) + ": generated code finds other rates than the kernels", "", ""};
+  if (!(row.error < 1e-9)) throw Error{name + ": generated code finds other rates than the kernels", "", ""};
   return row;
+}
+
+namespace {
+
+EvaluationRow at_start(const std::string& name, const Model& model, double budget) {
+  const Tree tree = compile(model);
+  return evaluation_time(name, tree, start_state(model, tree), budget);
+}
+
+GeneratedRow at_start(const std::string& name, const Model& model, const KernelCache& kernels, double budget) {
+  const Tree tree = compile(model);
+  return generated_time(name, tree, start_state(model, tree), kernels, budget);
 }
 
 /// `ratio`: of kinetic energies that is right, or any that is no gain where it is 0.
@@ -125,22 +136,8 @@ ChangeRow change_time(const char* name, const char* model_name, const Model& mod
     forward_dynamics(first, begin, work);
     apply(Break{{0}}, first, begin, work);
   }
-  const double before = totals(first, begin, work).kinetic;
-  Tree tree = first;
-  State state = begin;
-  ChangeRow row{name, model_name, model.size(), HUGE_VAL, 0};
-  const auto start = Clock::now();
-  for (int repeat = 0; repeat < 15 || since(start) < budget; ++repeat) {
-    tree = first;
-    state = begin;
-    forward_dynamics(tree, state, work);
-    const auto at = Clock::now();
-    keep(&tree);
-    apply(change, tree, state, work);
-    keep(&tree);
-    row.seconds = std::min(row.seconds, since(at));
-  }
-  row.energy = totals(tree, state, work).kinetic / before;
+  ChangeRow row{name, model_name, model.size(), 0, 0};
+  row.seconds = shortest_change(budget, change, first, begin, work, row.energy);
   const bool right = ratio == 0 ? row.energy > 0 && row.energy <= 1 + 1e-9 : std::fabs(row.energy - ratio) < 1e-8;
   if (!right) throw Error{std::string(name) + ", " + model_name + ": the kinetic energy is wrong afterwards", "", ""};
   return row;
@@ -205,17 +202,17 @@ BreakingChain breaking_chain(int repeats) {
 
 void evaluation_times(double budget, const std::function<bool(const EvaluationRow&)>& row) {
   for (const int n : {7, 10, 100, 1000})
-    if (!row(evaluation_time("planar chain", bench::planar_chain(n), budget))) return;
+    if (!row(at_start("planar chain", bench::planar_chain(n), budget))) return;
   for (const int n : {7, 10, 100, 1000})
-    if (!row(evaluation_time("spatial chain", bench::spatial_chain(n), budget))) return;
-  if (!row(evaluation_time("binary tree", bench::binary_tree(63), budget))) return;
-  row(evaluation_time("humanoid", bench::humanoid(), budget));
+    if (!row(at_start("spatial chain", bench::spatial_chain(n), budget))) return;
+  if (!row(at_start("binary tree", bench::binary_tree(63), budget))) return;
+  row(at_start("humanoid", bench::humanoid(), budget));
 }
 
 std::string generated_times(double budget, const std::function<bool(const GeneratedRow&)>& row) {
   const KernelCache kernels({.compiler = {}, .most_operations = 20000});
   if (kernels.compiler().empty()) return kernels.message();
-  const auto time = [&](const char* name, const Model& model) { return row(generated_time(name, model, kernels, budget)); };
+  const auto time = [&](const char* name, const Model& model) { return row(at_start(name, model, kernels, budget)); };
   if (!time("arm", bench::arm())) return "";
   for (const int n : {2, 5, 10, 20})
     if (!time("planar chain", bench::planar_chain(n))) return "";

@@ -4,9 +4,13 @@
 #include <string>
 #include <vector>
 
+#include <momentree/generate/kernel_cache.hpp>
+#include <momentree/tree/state.hpp>
+#include <momentree/tree/tree.hpp>
+
 namespace momentree::cli {
 
-/// Operations as printed: "316 n − 237", or what of it can be read.
+/// Operations as printed: "316 n − 354", or what of it can be read.
 struct OperationsRow {
   std::string algorithm, additions, multiplications, total;
   long of_100 = 0;  ///< total for 100 bodies; 0: not known
@@ -36,6 +40,8 @@ struct EvaluationRow {
 };
 /// Calls `row` with each as it is measured, `budget` seconds for each; stops where that returns false.
 void evaluation_times(double budget, const std::function<bool(const EvaluationRow&)>& row);
+/// Of one tree, from that state on, in which something moves. Throws Error where the velocities found are wrong.
+EvaluationRow evaluation_time(const std::string& name, const Tree& tree, const State& start, double budget);
 
 /// Time of a change alone, without the evaluations before and after it.
 struct ChangeRow {
@@ -56,6 +62,9 @@ struct GeneratedRow {
 };
 /// As above; returns why there is no such row, empty if there are.
 std::string generated_times(double budget, const std::function<bool(const GeneratedRow&)>& row);
+/// Of one tree likewise. Throws Error where there is no code for it, or it finds other rates than the kernels.
+GeneratedRow generated_time(const std::string& name, const Tree& tree, const State& start, const KernelCache& kernels,
+                            double budget);
 
 /// A chain so long that it is its memory that takes the time.
 struct LargeRow {

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include <momentree/dynamics/work.hpp>
-#include <momentree/tree/tree.hpp>
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/topology/change.hpp>
 
 namespace momentree::cli {
 
@@ -32,6 +33,30 @@ double shortest(double budget, F&& call) {
     for (long i = 0; i < count; ++i) call();
     best = std::min(best, since(begin) / static_cast<double>(count));
   }
+  return best;
+}
+
+/// Shortest time of a change alone, without the evaluations before and after it. `energy`: the kinetic energy after it, as a
+/// share of what it was.
+template <class Change>
+double shortest_change(double budget, const Change& change, const Tree& first, const State& begin, Work<double>& work,
+                       double& energy) {
+  const double before = totals(first, begin, work).kinetic;
+  Tree tree = first;
+  State state = begin;
+  double best = HUGE_VAL;
+  const auto start = Clock::now();
+  for (int repeat = 0; repeat < 15 || since(start) < budget; ++repeat) {
+    tree = first;
+    state = begin;
+    forward_dynamics(tree, state, work);
+    const auto at = Clock::now();
+    keep(&tree);
+    apply(change, tree, state, work);
+    keep(&tree);
+    best = std::min(best, since(at));
+  }
+  energy = totals(tree, state, work).kinetic / before;
   return best;
 }
 

@@ -5,6 +5,7 @@
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/joint/screw_kernels.hpp>
+#include <momentree/math/point_inertia.hpp>
 
 namespace momentree::cli {
 
@@ -19,13 +20,6 @@ struct Link {
   Vec3 first_moment{};  // about the frame's origin
   Sym3 inertia{};       // about the same
 };
-
-/// Inertia of a point about the origin.
-Sym3 point_inertia(double mass, const Vec3& r) {
-  const double rr = dot(r, r);
-  return {mass * (rr - r.x * r.x), mass * (rr - r.y * r.y), mass * (rr - r.z * r.z),
-          -mass * r.x * r.y,       -mass * r.x * r.z,       -mass * r.y * r.z};
-}
 
 /// Where the user's frame of a body stands in that of a link.
 struct Place {

@@ -2,26 +2,13 @@
 
 #include <cmath>
 #include <numeric>
-#include <random>
+
+#include "draw.hpp"
 
 namespace peers {
 namespace {
 
 Matrix3d turned(const Vector3d& by) { return Eigen::AngleAxisd(by.norm(), by.normalized()).toRotationMatrix(); }
-
-/// Numbers that every standard library draws alike.
-class Draw {
- public:
-  explicit Draw(unsigned seed) : engine_(seed) {}
-  double between(double low, double high) { return low + (high - low) * (static_cast<double>(engine_()) / 4294967295.0); }
-  Vector3d within(double size) {
-    const double x = between(-size, size), y = between(-size, size), z = between(-size, size);
-    return {x, y, z};
-  }
-
- private:
-  std::mt19937 engine_;
-};
 
 Link piece(Draw& draw, std::string name, int parent, double mass, double length) {
   Link link;

@@ -3,28 +3,15 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <random>
 #include <sstream>
 
 #include <Eigen/Eigenvalues>
 
+#include "draw.hpp"
 #include "evaluation.hpp"
 
 namespace peers {
 namespace {
-
-class Draw {
- public:
-  explicit Draw(unsigned seed) : engine_(seed) {}
-  double between(double low, double high) { return low + (high - low) * (static_cast<double>(engine_()) / 4294967295.0); }
-  Vector3d within(double size) {
-    const double x = between(-size, size), y = between(-size, size), z = between(-size, size);
-    return {x, y, z};
-  }
-
- private:
-  std::mt19937 engine_;
-};
 
 Link pin(Draw& draw, int number, int parent, bool planar) {
   Link link;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include <momentree/math/point_inertia.hpp>
 #include <momentree/tree/model.hpp>
 
 namespace momentree {
@@ -39,16 +40,6 @@ std::array<double, 3> principal_moments(const Sym3& inertia) {
 
 double largest(const Sym3& i) {
   return std::max({std::fabs(i.xx), std::fabs(i.yy), std::fabs(i.zz), std::fabs(i.xy), std::fabs(i.xz), std::fabs(i.yz)});
-}
-
-// m (|d|² 1 − d dᵀ): what a mass at d adds to the inertia about the origin.
-Sym3 at_distance(double m, const Vec3& d) {
-  return {m * (d.y * d.y + d.z * d.z),
-          m * (d.x * d.x + d.z * d.z),
-          m * (d.x * d.x + d.y * d.y),
-          -m * d.x * d.y,
-          -m * d.x * d.z,
-          -m * d.y * d.z};
 }
 
 // Bodies rigidly joined, in the frame of the first of them.
@@ -117,14 +108,14 @@ std::vector<GroupMassProblem> check_masses(std::span<const BodySpec> bodies) {
     const Vec3 com = in_group[b] * body.com;
     group.mass += body.mass;
     group.moment += body.mass * com;
-    group.inertia = group.inertia + rotate(rotation_matrix(in_group[b].rotation), body.inertia) + at_distance(body.mass, com);
+    group.inertia = group.inertia + rotate(rotation_matrix(in_group[b].rotation), body.inertia) + point_inertia(body.mass, com);
     ++group.bodies;
   }
   for (auto& [body, problem] : problems) {
     const Group& group = groups[first[body.index]];
     if (problem.warning || group.bodies < 2) continue;
     const Vec3 com = group.mass > 0 ? (1 / group.mass) * group.moment : Vec3{};
-    const MassProblem whole = check_mass(group.mass, group.inertia + at_distance(-group.mass, com));
+    const MassProblem whole = check_mass(group.mass, group.inertia + point_inertia(-group.mass, com));
     if (!whole.what.empty() && !whole.warning) continue;
     problem.warning = true;
     problem.hint = "what is rigidly joined to it makes up for that; " + problem.hint;
