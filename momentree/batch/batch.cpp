@@ -43,12 +43,7 @@ struct Batch::Impl {
   Out out;
 
   Impl(const Model& model, const BatchOptions& options)
-      : declared(model),
-        isa(std::min(options.widest, batch::best_isa())),
-        precision(options.precision),
-        pool(threads_of(options)) {
-    while (!batch::available(isa)) isa = static_cast<Isa>(static_cast<int>(isa) - 1);
-  }
+      : declared(model), isa(batch::best_isa(options.widest)), precision(options.precision), pool(threads_of(options)) {}
 
   // Scratch for trees of that many bodies.
   void make_room(const Tree& tree) {

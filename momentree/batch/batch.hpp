@@ -14,7 +14,7 @@ struct BatchOptions {
   /// float32: lanes are twice as many, the motion is as exact as float (seven digits). Changes are made in double either way.
   Precision precision = Precision::float64;
   int threads = 1;           ///< 0: as many as the machine has
-  Isa widest = Isa::avx512;  ///< no wider instruction set than this; narrower where the CPU has it not
+  Isa widest = Isa::avx512;  ///< the widest instruction set to use, where the CPU and this build have it
 };
 
 /// Worlds move by steps of the classical Runge–Kutta method (rk4). A world's numbers are those of a scalar run to round-off, and

@@ -33,26 +33,43 @@ ForcePlan::ForcePlan(const Tree& tree) : elements(tree.forced_joints().begin(), 
 
 Stepper::~Stepper() = default;
 
-bool available(Isa isa) noexcept {
-#ifdef MOMENTREE_X86_LANES
-  if (isa == Isa::avx2) return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0;
+// Lanes that this build has (MOMENTREE_LANES in CMakeLists.txt): a definition each.
+bool available([[maybe_unused]] Isa isa) noexcept {
+#ifdef MOMENTREE_LANES_AVX512
   if (isa == Isa::avx512)
     return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
            __builtin_cpu_supports("avx512vl") != 0 && __builtin_cpu_supports("fma") != 0;
 #endif
-  return isa == Isa::baseline;
+#ifdef MOMENTREE_LANES_AVX2
+  if (isa == Isa::avx2) return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0;
+#endif
+#ifdef MOMENTREE_LANES_BASELINE
+  if (isa == Isa::baseline) return true;
+#endif
+  return false;
 }
 
-Isa best_isa() noexcept { return available(Isa::avx512) ? Isa::avx512 : available(Isa::avx2) ? Isa::avx2 : Isa::baseline; }
+Isa best_isa(Isa widest) noexcept {
+  for (int isa = static_cast<int>(widest); isa >= 0; --isa)
+    if (available(static_cast<Isa>(isa))) return static_cast<Isa>(isa);
+  for (int isa = static_cast<int>(widest) + 1; isa <= static_cast<int>(Isa::avx512); ++isa)
+    if (available(static_cast<Isa>(isa))) return static_cast<Isa>(isa);
+  return Isa::baseline;
+}
 
 std::unique_ptr<Stepper> make_stepper(Isa isa, Precision precision, const Tree& tree) {
   if (!available(isa)) return nullptr;
-  const bool wide = precision == Precision::float64;
-#ifdef MOMENTREE_X86_LANES
-  if (isa == Isa::avx2) return std::unique_ptr<Stepper>(wide ? make_avx2_double(tree) : make_avx2_float(tree));
+  [[maybe_unused]] const bool wide = precision == Precision::float64;
+#ifdef MOMENTREE_LANES_AVX512
   if (isa == Isa::avx512) return std::unique_ptr<Stepper>(wide ? make_avx512_double(tree) : make_avx512_float(tree));
 #endif
-  return std::unique_ptr<Stepper>(wide ? make_baseline_double(tree) : make_baseline_float(tree));
+#ifdef MOMENTREE_LANES_AVX2
+  if (isa == Isa::avx2) return std::unique_ptr<Stepper>(wide ? make_avx2_double(tree) : make_avx2_float(tree));
+#endif
+#ifdef MOMENTREE_LANES_BASELINE
+  if (isa == Isa::baseline) return std::unique_ptr<Stepper>(wide ? make_baseline_double(tree) : make_baseline_float(tree));
+#endif
+  return nullptr;
 }
 
 void add_element_forces(const Tree& tree, int b, double t, const double* q, const double* u, double* force) noexcept {

@@ -50,8 +50,8 @@ class Stepper {
 
 /// True where this library has kernels for the instruction set and this CPU can run them.
 bool available(Isa isa) noexcept;
-/// The widest of those.
-Isa best_isa() noexcept;
+/// The widest of those up to `widest`; a build without any of these gives the narrowest that it has.
+Isa best_isa(Isa widest = Isa::avx512) noexcept;
 /// Null where it is not available.
 std::unique_ptr<Stepper> make_stepper(Isa isa, Precision precision, const Tree& tree);
 

@@ -244,7 +244,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexce
         else
           sweep.template inboard_steps<K, false, Keep>(s);
       } else {
-        sweep.template inboard<K, Keep>(s);
+        sweep.template inboard<K, Keep && K::rigid>(s);  // only rigid kernels keep anything on the way in
       }
     });
   }
