@@ -52,6 +52,37 @@ std::optional<std::pair<std::size_t, Verdict>> contradiction(std::span<const Due
   return std::nullopt;
 }
 
+// What one action did to the world's totals.
+struct Step {
+  std::size_t event;
+  Totals before, after;
+};
+
+// Gives each event its own before and after: energy and momenta that its own actions changed, whatever other events of the
+// instant did in between. Events follow one another in the order of the list: the first begins where the instant began, each
+// next one where the one before it ended. Where the actions were carried out in that order, these are states that were passed.
+void share_totals(const Totals& start, const std::vector<Step>& steps, std::vector<Event>& events) {
+  Totals now = start;
+  bool in_order = true;
+  for (std::size_t i = 1; i < steps.size(); ++i) in_order = in_order && steps[i - 1].event <= steps[i].event;
+  for (std::size_t e = 0; e < events.size(); ++e) {
+    events[e].before = now;
+    for (const Step& step : steps) {
+      if (step.event != e) continue;
+      if (in_order) {
+        now = step.after;
+        continue;
+      }
+      now.kinetic += step.after.kinetic - step.before.kinetic;
+      now.potential += step.after.potential - step.before.potential;
+      now.linear += step.after.linear - step.before.linear;
+      now.angular += step.after.angular - step.before.angular;
+    }
+    events[e].after = now;
+  }
+  if (!events.empty() && !steps.empty()) events.back().after = steps.back().after;  // else off by the rounding of the sums
+}
+
 // What moved before still moves, and no change that only lets go or holds brings energy (where no joint is driven): else a mass
 // is missing somewhere.
 Verdict check_energy(const Totals& before, const Totals& after, ActionPhase phase, bool driven) {
@@ -84,6 +115,8 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehear
     for (std::size_t a = 0; a < due[e].actions.size(); ++a) items.push_back({e, a, &due[e].actions[a]});
   }
   const WorldSnapshot start = world.snapshot();
+  const Totals totals_at_start = world.totals();
+  std::vector<Step> steps;
   std::vector<char> begun(due.size(), 0);
   const auto refuse = [&](const Item& item, Verdict verdict) {
     world.restore(start);
@@ -107,17 +140,17 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehear
   const auto carry = [&](const Item& item, bool prepares) {
     Event& event = report.events[item.event];
     const Totals before = world.totals();
-    if (begun[item.event] == 0) {
+    if (!prepares && begun[item.event] == 0) {  // preparing changes no mechanism
       begun[item.event] = 1;
-      event.before = before;
       event.mechanisms_before = world.mechanism_names();
     }
     surgery.begin(event, made_joint_name(due[item.event], item.action));
+    const long changes = surgery.changes;
     const ActionBase& action = **item.what;
     Verdict verdict = prepares ? action.prepare(surgery) : action.apply(surgery);
-    event.after = world.totals();
+    const Totals after = world.totals();
     if (verdict.outcome == Verdict::Outcome::done) {
-      const Verdict sound = check_energy(before, event.after, item.phase, !world.tree().driven_joints().empty());
+      const Verdict sound = check_energy(before, after, item.phase, !world.tree().driven_joints().empty());
       if (sound.outcome != Verdict::Outcome::done) verdict = sound;
       if (sound.outcome != Verdict::Outcome::done && prepares)  // between the old joint and the new one nothing holds it
         verdict = Verdict::refused("it can't be one impact with others: the child alone has not the inertia to move freely",
@@ -127,6 +160,8 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehear
       refuse(item, std::move(verdict));
       return false;
     }
+    const bool changed = surgery.changes != changes;
+    if (changed) steps.push_back({item.event, before, after});
     event.mechanisms_after = world.mechanism_names();
     if (prepares) return true;
     event.actions.push_back(item.what->text() + (verdict.outcome == Verdict::Outcome::skipped ? " skipped: " + verdict.why : ""));
@@ -146,6 +181,7 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehear
   for (const ActionPhase phase : {ActionPhase::impact, ActionPhase::impulse, ActionPhase::parameters})
     if (!in_phase(phase, [&](const Item& item) { return carry(item, false); })) return report;
 
+  share_totals(totals_at_start, steps, report.events);
   for (Event& event : report.events) surgery.certify(event);
   report.seconds = surgery.seconds;
   report.changes = surgery.changes;

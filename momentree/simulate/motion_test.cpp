@@ -244,6 +244,28 @@ TEST_CASE("impacts elsewhere leave a motion as it is: the drive's impulse is its
   CHECK(std::fabs(sim.energy().error) <= 1e-9 * scale(sim));
 }
 
+TEST_CASE("a hit on a stop beside a prescribed motion: the drive's work in the impact is in the balance") {
+  Model model({.gravity = {}});
+  const Body cart = model.add({.name = "cart",
+                               .mass = 1,
+                               .inertia = diagonal(1),
+                               .joint = Prismatic{.axis = x_axis, .drive = motion_drive(Signal::sine(0.2, 1))}});
+  model.add({.name = "arm",
+             .mass = 1,
+             .com = {0, 0.3, 0},
+             .inertia = diagonal(0.01),
+             .parent = cart,
+             .joint = Revolute{.limits = {.lower = -2, .upper = 0.3, .restitution = 0.5}},
+             .v = 3.0});
+  Simulation sim(model, {.method = "dop853", .rtol = 1e-12, .atol = 1e-12});
+  REQUIRE(sim.run_until(0.3) == Status::ok);
+  REQUIRE(sim.events().size() == 1);
+  const Event& hit = sim.events()[0];
+  CHECK(hit.work > 0.1);
+  CHECK(hit.lost > 0.1);
+  CHECK(std::fabs(sim.energy().error) <= 1e-11 * scale(sim));
+}
+
 TEST_CASE("a driven joint that becomes another keeps its speed, if that can; a capture beside one keeps its motion") {
   Model model = floating(Signal::sine(0.6, 1), 0);
   model.add({.name = "prey",

@@ -153,12 +153,17 @@ struct Simulation::Impl {
     return agenda.add(std::move(entry));
   }
 
-  // What touches a stop is dealt with, and told.
+  // Impacts, rests and releases at hard stops.
   void settle() {
     const std::size_t before = events.size();
     stops.settle(events);
-    for (std::size_t i = before; i < events.size(); ++i)
-      balance.lost_in_impacts += events[i].lost, balance.released += events[i].released;
+    for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
+  }
+
+  void add_to_balance(const Event& event) {
+    balance.released += event.released;
+    balance.lost_in_impacts += event.lost;
+    balance.work += event.work;
   }
 
   void report_divergence(double h) {
@@ -249,9 +254,7 @@ struct Simulation::Impl {
     }
     evaluate_state();
     for (Event& event : report.events) {
-      balance.released += event.released;
-      balance.lost_in_impacts += event.lost;
-      balance.work += event.work;
+      add_to_balance(event);
       events.push_back(std::move(event));
     }
     settle();

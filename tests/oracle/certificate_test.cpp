@@ -159,3 +159,52 @@ TEST_CASE("certificates: every body's momentum jumps by what its joints transmit
   CHECK(worst_ground < 1e-9);
   CHECK(worst_energy < 1e-10);
 }
+
+TEST_CASE("events of one instant: each certificate closes by itself, and one begins where the one before it ended") {
+  int done = 0, mixed = 0;
+  double worst = 0, worst_link = 0;
+  for (std::uint64_t seed = 0; seed < 900; ++seed) {
+    Prng random(seed * 17 + 3);
+    oracle::RandomTreeOptions options;
+    options.max_bodies = 9, options.several_mechanisms = true, options.all_free = seed % 3 == 0;
+    Simulation sim(oracle::random_tree(seed, options).model, {.step = 1e-4});
+    std::vector<std::vector<std::string>> keys;
+    for (int e = random.integer(2, 4); e > 0; --e) {
+      Simulation::Scheduled scheduled = sim.at(1e-4);
+      keys.emplace_back();
+      for (int a = random.integer(1, 2); a > 0; --a) {
+        const Action action = random_action(random, sim.world());
+        if (sim.unknown_name(action)) continue;
+        scheduled.then(action);
+        keys.back().emplace_back(action->key());
+      }
+    }
+    REQUIRE(sim.run_until(0.5e-4) == Status::ok);
+    const Totals start = sim.world().totals();
+    if (sim.run_until(1e-4) != Status::ok) continue;  // refused
+    ++done;
+    const std::vector<Event>& events = sim.events();
+    REQUIRE(events.size() == keys.size());
+    double scale = 1e-3 + std::fabs(start.kinetic) + std::fabs(start.potential);
+    for (const Event& e : events) scale = std::max({scale, std::fabs(e.before.kinetic), e.lost, std::fabs(e.work)});
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      const Event& e = events[i];
+      const double gone = e.before.kinetic + e.before.potential - e.after.kinetic - e.after.potential;
+      worst = std::max(worst, std::fabs(gone - e.lost - e.released + e.work) / scale);
+      if (i == 0) continue;
+      const Totals &end = events[i - 1].after, &begin = e.before;
+      worst_link = std::max({worst_link, std::fabs(end.kinetic - begin.kinetic) / scale,
+                             std::fabs(end.potential - begin.potential) / scale, norm(end.linear - begin.linear),
+                             norm(end.angular - begin.angular)});
+      mixed += events[i - 1].lost > 1e-6 && e.lost > 1e-6;
+    }
+    const Totals now = sim.world().totals();
+    CHECK(events.back().after.kinetic == now.kinetic);
+    CHECK(events.back().after.angular == now.angular);
+  }
+  MESSAGE(done, " instants, ", mixed, " pairs of lossy events; worst: certificate ", worst, ", link ", worst_link);
+  CHECK(done > 150);
+  CHECK(mixed > 20);
+  CHECK(worst < 1e-10);
+  CHECK(worst_link == 0);
+}
