@@ -162,6 +162,40 @@ TEST_CASE("a restart goes on as the run would have: conditions, delays, periods,
   }
 }
 
+TEST_CASE("actions that a run skips are skipped by a run that goes on from its state, too") {
+  const std::string head = R"(format = 1
+[integrate]
+until = 0.6
+[output]
+every = 0.1
+[[mechanism]]
+name = "m"
+[[mechanism.body]]
+name = "a"
+mass = 1
+com = [0.5, 0, 0]
+inertia = 0.01
+[mechanism.body.joint]
+kind = "revolute"
+axis = [0, 1, 0]
+v = 1
+)";
+  check_restarts(read(head + R"([[event]]
+when = { position = "m/a", exceeds = 0.1 }
+lock = "m/a"
+[[event]]
+at = 0.4
+lock = "m/a"
+)"),
+                 0.6, {0.2, 0.4});
+  check_restarts(read(head + R"([[event]]
+every = 0.15
+from = 0.15
+free = "m/a"
+)"),
+                 0.6, {0.2, 0.5});
+}
+
 TEST_CASE("what a document says of events must fit the scenario") {
   const io::Scenario scenario = read(swinging("step = 0.01\n"));
   const io::test::TemporaryFolder folder;

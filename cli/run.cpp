@@ -68,11 +68,7 @@ int run(const RunOptions& options) {
 
   Progress progress(start, scenario->until, !options.quiet && errors_on_terminal());
   const InterruptGuard guard;
-  double largest_kinetic = 0;
-  simulation.observe(scenario->output_every, [&](const World& world) {
-    largest_kinetic = std::max(largest_kinetic, world.totals().kinetic);
-    return recorder.observe(world);
-  });
+  simulation.observe(scenario->output_every, [&](const World& world) { return recorder.observe(world); });
   simulation.watch([&progress](double time) {
     progress.at(time);
     return !InterruptGuard::interrupted();
@@ -103,12 +99,13 @@ int run(const RunOptions& options) {
     std::fputs(io::summary_json(origin, status, simulation).c_str(), stdout);
   else if (!options.quiet)
     std::printf("%s\nResults: %s%s\n",
-                report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, freedoms,
-                             largest_kinetic},
+                report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, freedoms},
                             simulation, Style::of_output())
                     .c_str(),
                 recorder.directory().c_str(), options.report ? "/report.html" : "");
 
+  if (const std::string advice = simulation.energy().advice(scenario->integration); ended == Status::ok && !advice.empty())
+    std::fprintf(stderr, "%s: warning: %s\n", scenario->path.c_str(), advice.c_str());
   if (kernels) tell_about(*kernels, *scenario, options.quiet || options.json);
   if (trouble) std::fprintf(stderr, "%s\n", trouble->message().c_str());
   if (ended == Status::ok && !trouble) return done;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/io/results.hpp>
 
 namespace momentree::cli {
 
@@ -71,7 +72,7 @@ std::string event_text(const Event& event, const Style& style) {
   return text;
 }
 
-std::string energy_text(const EnergyBalance& e, double largest_kinetic, const Style& style) {
+std::string energy_text(const EnergyBalance& e, const Style& style) {
   Table table;
   const auto row = [&table](const char* name, double joules) { table.row({name, format("%.9g J", joules)}); };
   row("at the start", e.initial);
@@ -82,8 +83,21 @@ std::string energy_text(const EnergyBalance& e, double largest_kinetic, const St
   if (e.released != 0) row("released by topology changes", e.released);
   std::string text = style.heading("Energy balance") + '\n' + table.text("  ");
   text += format("  error of the integration: %.2e J", e.error);
-  if (largest_kinetic > 0)
-    text += format(", %.1e of the largest kinetic energy (%.4g J)", std::fabs(e.error) / largest_kinetic, largest_kinetic);
+  if (e.largest_kinetic > 0)
+    text += format(", %.1e of the largest kinetic energy (%.4g J)", std::fabs(e.error) / e.largest_kinetic, e.largest_kinetic);
+  return text + '\n';
+}
+
+std::string missed_text(const MissedEvent& m) {
+  std::string text = "  " + m.name + ": ";
+  if (m.quantity.empty()) {
+    if (!m.after.empty() && !std::isfinite(m.time)) return text + "comes after " + m.after + ", which did not happen\n";
+    return text + format("is due at %.9g s\n", m.time);
+  }
+  const char* const side = m.exceeds ? "exceeds" : "below";
+  if (std::isnan(m.nearest)) return text + m.quantity + format(" %s %.9g: there was nothing to measure\n", side, m.threshold);
+  text += m.quantity + format(" %s %.9g: came to %.6g at %.6g s", side, m.threshold, m.nearest, m.nearest_time);
+  if (m.lasts > 0 && m.held > 0) text += format(", held for %.4g s of %.4g s", m.held, m.lasts);
   return text + '\n';
 }
 
@@ -109,8 +123,12 @@ std::string report_text(const RunReport& report, const Simulation& simulation, c
   constexpr std::size_t most = 20;
   for (std::size_t i = 0; i < std::min(events.size(), most); ++i) text += event_text(events[i], style);
   if (events.size() > most) text += format("  … and %zu more, in events.jsonl\n", events.size() - most);
+  const std::vector<MissedEvent> missed = io::missed_events(simulation);
+  if (!missed.empty()) text += '\n' + style.heading("Events that did not happen") + '\n';
+  for (std::size_t i = 0; i < std::min(missed.size(), most); ++i) text += missed_text(missed[i]);
+  if (missed.size() > most) text += format("  … and %zu more, in summary.json\n", missed.size() - most);
   if (!simulation.message().empty()) return text;  // diverged: the last energies say nothing
-  return text + '\n' + energy_text(simulation.energy(), report.largest_kinetic, style);
+  return text + '\n' + energy_text(simulation.energy(), style);
 }
 
 }  // namespace momentree::cli

@@ -10,9 +10,8 @@ namespace momentree::cli {
 struct RunReport {
   std::string title;  ///< of the scenario, or its name
   Integration integration;
-  double start = 0;            ///< s
-  int freedoms = 0;            ///< at the start
-  double largest_kinetic = 0;  ///< largest kinetic energy that a row of the result has seen (J)
+  double start = 0;  ///< s
+  int freedoms = 0;  ///< at the start
 };
 
 /// The clock as in the paper's Table 2, the events with what they conserved, the energy balance.

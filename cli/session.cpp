@@ -119,6 +119,13 @@ void Session::schedule() {
   if (problems.empty() && from_document_) {  // else the reader has tried them
     const auto line = [](Place place) { return format("line %d", place.line); };
     problems = io::problems_of(simulation_.rehearse(), scheduled_, line);
+    // What has nothing to do any more is no mistake: the run that wrote the document went on past such actions, too.
+    std::erase_if(problems, [&](const io::EventProblem& problem) {
+      if (problem.idle)
+        std::fprintf(stderr, "%s:%d:%d: warning: %s\n", scenario_.path.c_str(), problem.place.line, problem.place.column,
+                     problem.what.c_str());
+      return problem.idle;
+    });
   }
   if (problems.empty()) return resume();
   const io::EventProblem& first = problems.front();

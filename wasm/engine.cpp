@@ -21,6 +21,7 @@ int status_of(MtWorld& world, Status status) {
   switch (status) {
     case Status::ok: return mt_ok;
     case Status::interrupted: return mt_interrupted;
+    case Status::stalled:
     case Status::diverged: world.text = world.simulation->message(); return mt_diverged;
     default: world.text = world.simulation->message(); return mt_refused;
   }

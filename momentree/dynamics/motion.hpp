@@ -10,4 +10,9 @@ struct BodyMotion {
   Vec3 linear, angular;
 };
 
+/// Velocity of a point that is given in the body's frame, world axes.
+inline Vec3 velocity_of(const BodyMotion& motion, const Vec3& point) {
+  return motion.linear + cross(motion.angular, rotation_matrix(motion.pose.rotation) * point);
+}
+
 }  // namespace momentree

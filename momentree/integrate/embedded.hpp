@@ -42,7 +42,7 @@ class Embedded : public Integrator {
   bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept final {
     begin(evaluate, state);
     stages(evaluate, state.time(), h);
-    if (!plausible(evaluate.tree(), q0_.get(), q_.get(), p_.get())) return false;
+    if (!sound(evaluate.tree(), q0_.get(), q_.get(), p_.get())) return false;
     accept(evaluate.tree(), state, books, h);
     evaluate(state);
     keep(Tableau::stages - 1, evaluate.work());
@@ -53,7 +53,7 @@ class Embedded : public Integrator {
     begin(evaluate, state);
     const double start = state.time();
     constexpr double longest_growth = 5, longest_cut = 0.2, safety = 0.9;
-    double h = most <= control_.max_step * (1 + 1e-9) ? most : control_.max_step;  // as next_step: no sliver is left
+    double h = most <= control_.max_step * (1 + sliver) ? most : control_.max_step;  // as next_step: no sliver is left
     bool rejected = false;
     const Books before = books;
     for (;;) {
@@ -62,7 +62,7 @@ class Embedded : public Integrator {
       if (rejected && !(h > shortest * std::max(std::fabs(start), control_.step))) break;
       stages(evaluate, state.time(), h);
       double error = HUGE_VAL;
-      const bool fine = plausible(evaluate.tree(), q0_.get(), q_.get(), p_.get());
+      const bool fine = sound(evaluate.tree(), q0_.get(), q_.get(), p_.get());
       if (fine) {
         accept(evaluate.tree(), state, books, h);
         evaluate(state);

@@ -107,6 +107,22 @@ void normalise(const Tree& tree, double* q) noexcept {
     dispatch(tree.kind(b), [&](auto tag) { decltype(tag)::type::Kernels::normalise(q + tree.first_q(b)); });
 }
 
+bool Integrator::sound(const Tree& tree, const double* q0, const double* q, const double* p) noexcept {
+  runaway_.reset();
+  if (plausible(tree, q0, q, p)) return true;
+  Runaway worst{-1, 0};
+  for (int i = 0; i < tree.nq(); ++i) {
+    const double moved = std::fabs(q[i] - q0[i]);
+    if (worst.coordinate < 0 || !(moved <= worst.moved)) worst = {i, moved};
+    if (!std::isfinite(moved)) break;
+  }
+  for (const int b : tree.order())
+    for (int i = 0; i < info(tree.kind(b)).nv && worst.moved <= runaway; ++i)
+      if (!std::isfinite(p[tree.first_p(b) + i])) worst = {tree.first_q(b), NAN};
+  runaway_ = worst;
+  return false;
+}
+
 bool plausible(const Tree& tree, const double* q0, const double* q, const double* p) noexcept {
   bool fine = true;
   for (int i = 0; i < tree.nq(); ++i) fine &= std::fabs(q[i] - q0[i]) <= runaway;  // false for NaN

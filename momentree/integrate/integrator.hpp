@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -66,7 +67,7 @@ class Integrator {
   Integrator& operator=(const Integrator&) = delete;
 
   /// One step of h seconds from `state`, at which `evaluate` was last called. Neither allocates nor throws.
-  /// Returns false, and leaves the state, where the motion ran away: see `plausible`.
+  /// Returns false, and leaves the state, where the motion ran away: see `plausible` and `runaway_coordinate`.
   virtual bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept = 0;
 
   /// One step of at most h seconds: an adaptive method takes less where its error asks for it, and changes its proposal. Returns
@@ -79,12 +80,20 @@ class Integrator {
   /// The step to try where `left` seconds are left to an instant that is to be hit: the method's own, `left` where that is not
   /// more; adaptive methods halve what would leave a sliver.
   double next_step(double left) const {
-    if (left <= proposal_ * (1 + 1e-9)) return left;
+    if (left <= proposal_ * (1 + sliver)) return left;
     return adaptive() && left < 2 * proposal_ ? left / 2 : proposal_;
   }
   /// All that an adaptive method remembers from step to step (s): to come back to with the very bits.
   double proposal() const { return proposal_; }
   void set_proposal(double seconds) { proposal_ = seconds; }
+
+  /// Where in q the last step that failed ran away, and how far it would have moved (rad, m; NaN: a momentum became NaN, in the
+  /// joint of that coordinate). Nothing where no step was short enough.
+  struct Runaway {
+    int coordinate = 0;
+    double moved = 0;
+  };
+  const std::optional<Runaway>& runaway_coordinate() const { return runaway_; }
 
   /// True for a method with dense output.
   virtual bool dense() const { return false; }
@@ -97,8 +106,16 @@ class Integrator {
   }
 
  protected:
+  /// What is left of a step's length that is taken along instead of by a step of its own. The clock adds up rounded steps: a
+  /// hundred thousand of 10 µs are off by some 1e-6 of one.
+  static constexpr double sliver = 1e-4;
+
+  /// `plausible`, and where it is not, notes what ran away.
+  bool sound(const Tree& tree, const double* q0, const double* q, const double* p) noexcept;
+
   const StepControl control_;
   double proposal_;
+  std::optional<Runaway> runaway_;
 };
 
 /// The method of that name for trees of this many bodies; null if there is none.

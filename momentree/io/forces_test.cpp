@@ -48,6 +48,25 @@ TEST_CASE("an effort is constant, or changes with time") {
   CHECK(c.drive->effort == std::vector<Signal>{1.0, Signal::sine(2, 3)});
 }
 
+TEST_CASE("motions at a constant rate, and tables with free ends") {
+  const auto motion = [](const std::string& keys) {
+    return joint("drive = { motion = " + keys + " }\n").drive->motion[0].signal();
+  };
+  CHECK(motion("{ rate = \"30 rpm\", offset = \"90 deg\" }") == Signal::ramp(std::acos(-1.0), std::acos(-1.0) / 2));
+  CHECK(motion("{ rate = 2 }") == Signal::ramp_from_here(2));
+  CHECK(motion("{ table = [[0, 1], [2, 3]], ends = \"free\" }") == Signal::table({{0, 1}, {2, 3}}, Signal::Ends::free));
+  CHECK(motion("{ table = [[0, 1], [2, 3]], ends = \"rest\" }") == Signal::table({{0, 1}, {2, 3}}));
+  const JointParameters effort = joint("drive = { effort = { rate = \"2 N m/s\" } }\n");
+  CHECK(effort.drive->effort[0] == Signal::ramp(2, 0));  // from 0 at time 0
+
+  // It begins where the joint starts.
+  const Scenario scenario =
+      read(one_body + "[mechanism.body.joint]\nkind = \"revolute\"\nangle = 0.3\ndrive = { motion = { rate = 2 } }\n");
+  CHECK(scenario.model[Body{0}].q[0] == 0.3);
+  CHECK(scenario.model[Body{0}].v[0] == 2);
+  CHECK(scenario.model[Body{0}].joint.parameters.drive->motion[0].at(1).value == doctest::Approx(2.3));
+}
+
 TEST_CASE("position control and prescribed motion") {
   const JointParameters p = joint(
       "drive = { effort = 1, pd = { kp = \"3 N m/rad\", kd = \"0.2 N m s\", target = { sine = { amplitude = \"30 deg\", "

@@ -17,8 +17,10 @@ Dimension dimension_of(Quantity quantity, char letter);
 Values read_values(const Value& value, Quantity quantity, std::string_view letters, bool single, std::string_view label,
                    Diagnostics& out);
 
-/// A number, `{ table = [[t, value], …] }` or `{ sine = { amplitude, frequency, phase, offset } }`; nothing, with reports, where
-/// it is wrong.
+/// A number, `{ table = [[t, value], …], ends }`, `{ sine = { amplitude, frequency, phase, offset } }` or `{ rate, offset }`;
+/// nothing, with reports, where it is wrong. `motion`: it is a position at every instant, not an effort.
 std::optional<Signal> read_signal(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out);
+std::optional<Signal> read_signal(const Value& value, const Dimension& expected, std::string_view label, bool motion,
+                                  Diagnostics& out);
 
 }  // namespace momentree::io

@@ -23,7 +23,13 @@ void write_signal(JsonWriter& json, const Signal& signal) {
   if (!signal.knots().empty()) {
     json.begin_object().key("table").begin_array();
     for (const Signal::Knot& knot : signal.knots()) json.begin_array().value(knot.time).value(knot.value).end_array();
-    json.end_array().end_object();
+    json.end_array();
+    if (signal.ends() == Signal::Ends::free) json.member("ends", "free");
+    json.end_object();
+  } else if (signal.ramp_rate() != 0 || signal.from_here()) {
+    json.begin_object().member("rate", signal.ramp_rate()).member("offset", signal.offset());
+    if (signal.from_here()) json.member("from_here", true);
+    json.end_object();
   } else if (signal == Signal(signal.offset())) {
     json.value(signal.offset());
   } else {
@@ -129,8 +135,15 @@ class Reader {
 
   Signal signal(const JsonNode& node) const {
     if (node.is(Type::number)) return node.number;
-    doc_.require_known(doc_.object(node, "a value that changes with time"), {"table", "sine"});
+    doc_.require_known(doc_.object(node, "a value that changes with time"),
+                       {"table", "ends", "sine", "rate", "offset", "from_here"});
     try {
+      if (node.find("rate") != nullptr) {
+        const Signal ramp = Signal::ramp(number(node, "rate", 0), number(node, "offset", 0));
+        const JsonNode* from_here = node.find("from_here");
+        if (from_here == nullptr || !from_here->is(Type::boolean) || from_here->number == 0) return ramp;
+        return Signal::ramp_from_here(ramp.ramp_rate()).begun_at(ramp.offset(), 0);
+      }
       if (const JsonNode* table = node.find("table")) {
         std::vector<Signal::Knot> knots;
         for (const JsonNode& item : doc_.array(*table, "`table`").items) {
@@ -138,7 +151,9 @@ class Reader {
           if (pair.size() != 2) doc_.fail_at(item, "an entry of `table` should be [time, value]");
           knots.push_back({pair[0], pair[1]});
         }
-        return Signal::table(std::move(knots));
+        const JsonNode* ends = node.find("ends");
+        const bool free = ends != nullptr && doc_.string(*ends, "`ends`") == "free";
+        return Signal::table(std::move(knots), free ? Signal::Ends::free : Signal::Ends::rest);
       }
       if (const JsonNode* sine = node.find("sine")) {
         doc_.require_known(doc_.object(*sine, "`sine`"), {"amplitude", "frequency", "phase", "offset"});
@@ -149,7 +164,7 @@ class Reader {
       if (!error.where.empty()) throw;
       doc_.fail_at(node, error.what, error.hint);
     }
-    doc_.fail_at(node, "a value that changes with time should be a number, a `table` or a `sine`");
+    doc_.fail_at(node, "a value that changes with time should be a number, a `table`, a `sine` or a `rate`");
   }
 
   std::vector<Signal> signals(const JsonNode& node, const char* key) const {

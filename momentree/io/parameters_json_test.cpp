@@ -44,6 +44,12 @@ TEST_CASE("parameters of every sort come back to the same bits") {
   JointParameters moved;
   moved.drive = motion_drive(Signal::table({{0, 0.1}, {1.0 / 3, 0.2}, {2, 0.3}}));
   CHECK(back(moved) == moved);
+  for (const Signal& signal :
+       {Signal::ramp(1.0 / 3, 0.1), Signal::ramp(1.0 / 3, 0), Signal::ramp_from_here(-2).begun_at(0.3, 1.7),
+        Signal::table({{0, 0.1}, {1.0 / 3, 0.2}}, Signal::Ends::free)}) {
+    moved.drive = motion_drive(signal);
+    CHECK(back(moved) == moved);
+  }
   CHECK(back({}) == JointParameters{});
 }
 
@@ -75,7 +81,8 @@ TEST_CASE("what is wrong with parameters stands where it is") {
   CHECK(mistake(R"({"drive": {"effort": [{"table": [[1, 2], [1, 3]]}]}})").find("p.json:1:23") == 0);
   CHECK(mistake(R"({"drive": {"effort": [{"table": [[1, 2], [1, 3]]}]}})").find("times must increase") != std::string::npos);
   CHECK(mistake(R"({"drive": {"motion": {"tabel": []}}})").find("tabel") != std::string::npos);
-  CHECK(mistake(R"({"drive": {"effort": [{}]}})").find("should be a number, a `table` or a `sine`") != std::string::npos);
+  CHECK(mistake(R"({"drive": {"effort": [{}]}})").find("should be a number, a `table`, a `sine` or a `rate`") !=
+        std::string::npos);
   CHECK(mistake(R"({"friction": {"coulomb": null}})").find("p.json:1:15") == 0);
   CHECK(mistake(R"({"strenght": {}})").find("did you mean 'strength'") != std::string::npos);
 }

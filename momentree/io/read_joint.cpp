@@ -92,8 +92,9 @@ void warn_of_rest(const Fields& fields, Diagnostics& out) {
 
 // A joint whose motion is prescribed starts where that starts; `q` and `v` say whether the file gives them, and where.
 void start_motion(BodySpec& spec, const std::optional<Place>& q, const std::optional<Place>& v, Diagnostics& out) {
-  const auto& drive = spec.joint.parameters.drive;
+  auto& drive = spec.joint.parameters.drive;
   if (!drive || drive->motion.size() != 1 || info(spec.joint.kind).nv != 1) return;
+  begin_motion(drive, spec.q.size() == 1 ? spec.q[0] : 0, 0);
   const Curve::Point start = drive->motion[0].at(0);
   const auto check = [&out](const Values& given, const std::optional<Place>& place, double is, const char* what) {
     if (!place || given.size() != 1 || std::fabs(given[0] - is) <= 1e-9 * std::max(1.0, std::fabs(is))) return;

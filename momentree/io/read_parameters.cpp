@@ -53,7 +53,7 @@ class Reader {
   }
 
   // One signal where there is one freedom, else a list with one per freedom.
-  std::vector<Signal> signals(const Value& value, Quantity quantity, const char* label) {
+  std::vector<Signal> signals(const Value& value, Quantity quantity, const char* label, bool motion = false) {
     const Value::Array one{value};
     const Value::Array& entries = value.array() ? *value.array() : one;
     const std::size_t expected = kind_ ? letters(quantity).size() : entries.size();
@@ -75,7 +75,7 @@ class Reader {
     std::vector<Signal> all;
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const auto signal =
-          read_signal(entries[i], kind_ ? dimension_of(quantity, letters(quantity)[i]) : dimension::number, label, out_);
+          read_signal(entries[i], kind_ ? dimension_of(quantity, letters(quantity)[i]) : dimension::number, label, motion, out_);
       if (!signal) return {};
       all.push_back(*signal);
     }
@@ -150,7 +150,7 @@ class Reader {
                    "leave out '" + std::string(key) + "' or 'motion'");
         return;
       }
-    const std::vector<Signal> read = signals(value, Quantity::q, "motion");
+    const std::vector<Signal> read = signals(value, Quantity::q, "motion", true);
     if (read.size() == 1) drive.motion.emplace_back(read.front());
   }
 

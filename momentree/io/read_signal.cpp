@@ -1,4 +1,4 @@
-// Values that change with time: a number, a table, a sine.
+// Values that change with time: a number, a table, a sine, a ramp.
 #include <cmath>
 
 #include <momentree/io/freedom_values.hpp>
@@ -9,7 +9,8 @@ namespace {
 
 std::string at(std::string_view label, std::string_view what) { return std::string(label) + ": " + std::string(what); }
 
-std::optional<Signal> read_table(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
+std::optional<Signal> read_table(const Value& value, const Dimension& expected, std::string_view label, Signal::Ends ends,
+                                 Diagnostics& out) {
   const Value::Array* entries = value.array();
   const char* const example = "for example table = [[0, 1], [\"2 s\", 5]]";
   if (!entries || entries->empty()) {
@@ -41,7 +42,25 @@ std::optional<Signal> read_table(const Value& value, const Dimension& expected, 
     knots.push_back({*time, *y});
   }
   if (!good) return {};
-  return Signal::table(std::move(knots));
+  if (knots.size() == 1 && ends == Signal::Ends::free) {
+    out.error(value.place, at(label, "a table with free ends needs two entries"), example);
+    return {};
+  }
+  return Signal::table(std::move(knots), ends);
+}
+
+// How a table that is a motion begins and ends.
+std::optional<Signal::Ends> read_ends(const Value& value, bool motion, Diagnostics& out) {
+  const std::string* const ends = value.string();
+  if (!motion)
+    out.error(value.place, "ends: is for tables that are motions; others are straight lines between their entries",
+              "leave 'ends' out");
+  else if (ends == nullptr || (*ends != "rest" && *ends != "free"))
+    out.error(value.place, "ends: is \"rest\" or \"free\"",
+              "at rest at both ends, or at a constant rate before the first entry and after the last one");
+  else
+    return *ends == "free" ? Signal::Ends::free : Signal::Ends::rest;
+  return {};
 }
 
 std::optional<Signal> read_sine(const Value& value, const Dimension& expected, Diagnostics& out) {
@@ -62,23 +81,42 @@ std::optional<Signal> read_sine(const Value& value, const Dimension& expected, D
 }  // namespace
 
 std::optional<Signal> read_signal(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
+  return read_signal(value, expected, label, false, out);
+}
+
+std::optional<Signal> read_signal(const Value& value, const Dimension& expected, std::string_view label, bool motion,
+                                  Diagnostics& out) {
   if (!value.table()) {
     const auto number = read_number(value, expected, label, out);
     return number ? std::optional<Signal>(*number) : std::nullopt;
   }
   const std::size_t errors = out.errors();
   Fields fields(value, std::string(label), out);
-  const Value* table = fields.find("table");
-  const Value* sine = fields.find("sine");
+  const Value *table = fields.find("table"), *sine = fields.find("sine"), *ends = fields.find("ends");
+  const Value* const ramp = fields.has("rate") ? &value : nullptr;
+  const std::optional<double> rate = fields.number("rate", expected / dimension::time);
+  const std::optional<double> offset = fields.number("offset", expected);
   fields.finish();
   if (errors != out.errors()) return {};
-  if ((table != nullptr) == (sine != nullptr)) {
+  if ((table != nullptr) + (sine != nullptr) + (ramp != nullptr) != 1) {
     out.error(value.place,
-              at(label, table ? "is a table or a sine, not both" : "expected a number, { table = … } or { sine = … }"),
+              at(label, table || sine || ramp ? "is one of 'table', 'sine' and 'rate', not several"
+                                              : "expected a number, { table = … }, { sine = … } or { rate = … }"),
               "for example { table = [[0, 1], [2, 5]] } or { sine = { amplitude = 2, frequency = \"0.5 Hz\" } }");
     return {};
   }
-  return table ? read_table(*table, expected, label, out) : read_sine(*sine, expected, out);
+  if (offset && !ramp) {
+    out.error(fields.place_of("offset"), "offset: belongs to a 'rate'", sine ? "put it into the sine's own table" : "");
+    return {};
+  }
+  if (ends != nullptr && table == nullptr) {
+    out.error(ends->place, "ends: belongs to a 'table'");
+    return {};
+  }
+  if (sine) return read_sine(*sine, expected, out);
+  if (ramp) return motion && !offset ? Signal::ramp_from_here(*rate) : Signal::ramp(*rate, offset.value_or(0));
+  const std::optional<Signal::Ends> how = ends ? read_ends(*ends, motion, out) : Signal::Ends::rest;
+  return how ? read_table(*table, expected, label, *how, out) : std::nullopt;
 }
 
 }  // namespace momentree::io

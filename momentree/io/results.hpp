@@ -28,6 +28,9 @@ struct RunOrigin {
 /// `summary.json`: `status` is "done", or why the run ended before its time.
 std::string summary_json(const RunOrigin& origin, const std::string& status, const Simulation& simulation);
 
+/// Events that did not happen: of the matches of a wildcard the one that came nearest, none where one of them happened.
+std::vector<MissedEvent> missed_events(const Simulation& simulation);
+
 /// One line of `events.jsonl`.
 std::string event_json(const Event& event);
 

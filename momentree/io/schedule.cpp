@@ -52,6 +52,7 @@ class Judge {
     if (trouble.verdict.outcome == Verdict::Outcome::refused) return judge_refused(at, trouble.verdict);
     // After something was refused what follows may be no fault of its own.
     if (event(at.first).wild || trouble.event > first_refused_) return;
+    const std::size_t first = found_.size();
     const At* before = origin(at);
     if (before != nullptr && key(at) == "break" && key(*before) == "break")
       add(at, "joint " + in_quotes(action(at).joints().front()) + " is broken already on " + place(*before),
@@ -60,6 +61,7 @@ class Judge {
       add(at, "does nothing: " + trouble.verdict.why + ", after " + told(*before));
     else
       add(at, "does nothing: " + trouble.verdict.why + made_later(at));
+    for (std::size_t i = first; i < found_.size(); ++i) found_[i].idle = true;
   }
 
   std::string place(const At& at) const { return name_of_(event(at.first).places[at.second]); }

@@ -12,12 +12,13 @@ namespace momentree::io {
 struct EventProblem {
   Place place;
   std::string what, hint;
+  bool idle = false;  ///< it is possible, but will have nothing to do
 };
 
 /// Events in the order in which they were scheduled: that of time, and of the file where times are equal.
 struct Schedule {
   std::vector<const ScenarioEvent*> events;
-  std::vector<EventProblem> problems;  ///< names that are none
+  std::vector<EventProblem> problems;  ///< unknown names
 };
 Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> events);
 

@@ -1,4 +1,8 @@
 // summary.json and the lines of events.jsonl.
+#include <cmath>
+#include <unordered_map>
+#include <unordered_set>
+
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/io/json_writer.hpp>
 #include <momentree/io/results.hpp>
@@ -23,6 +27,25 @@ void write_split(JsonWriter& json, const char* name, double before, double after
 }
 
 }  // namespace
+
+std::vector<MissedEvent> missed_events(const Simulation& simulation) {
+  std::unordered_set<std::string> happened;
+  for (const Event& event : simulation.events()) happened.insert(event.name);
+  std::vector<MissedEvent> all;
+  std::unordered_map<std::string, std::size_t> places;
+  for (MissedEvent& missed : simulation.missed()) {
+    if (happened.contains(missed.name)) continue;
+    const auto [place, fresh] = places.emplace(missed.name, all.size());
+    if (fresh) {
+      all.push_back(std::move(missed));
+      continue;
+    }
+    MissedEvent& known = all[place->second];
+    const bool nearer = missed.exceeds ? missed.nearest > known.nearest : missed.nearest < known.nearest;
+    if (std::isnan(known.nearest) || nearer) known = std::move(missed);
+  }
+  return all;
+}
 
 std::string event_json(const Event& event) {
   std::string text;
@@ -58,6 +81,28 @@ std::string event_json(const Event& event) {
   json.end_object();
   return text;
 }
+
+namespace {
+
+void write_missed(JsonWriter& json, const Simulation& simulation) {
+  json.key("missed").begin_array();
+  for (const MissedEvent& missed : missed_events(simulation)) {
+    json.begin_object().member("event", missed.name);
+    if (!missed.quantity.empty()) {
+      json.member("quantity", missed.quantity).member(missed.exceeds ? "exceeds" : "below", missed.threshold);
+      json.member("nearest", missed.nearest).member("nearest_time", missed.nearest_time);  // null where it was never there
+      if (missed.lasts > 0) json.member("for", missed.lasts).member("held", missed.held);
+    } else if (!missed.after.empty() && !std::isfinite(missed.time)) {
+      json.member("after", missed.after);
+    } else {
+      json.member("time", missed.time);
+    }
+    json.end_object();
+  }
+  json.end_array();
+}
+
+}  // namespace
 
 std::string summary_json(const RunOrigin& origin, const std::string& status, const Simulation& simulation) {
   const RunStatistics& run = simulation.statistics();
@@ -96,8 +141,12 @@ std::string summary_json(const RunOrigin& origin, const std::string& status, con
   json.member("initial", energy.initial).member("final", energy.final);
   json.member("dissipated", energy.dissipated).member("work", energy.work);
   json.member("lost_in_impacts", energy.lost_in_impacts).member("released", energy.released);
-  json.member("error", energy.error);
-  json.end_object().end_object();
+  json.member("error", energy.error).member("largest_kinetic", energy.largest_kinetic);
+  json.end_object();
+  write_missed(json, simulation);
+  json.key("warnings").begin_array();
+  if (const std::string advice = energy.advice(origin.integration); !advice.empty()) json.value(advice);
+  json.end_array().end_object();
   text += '\n';
   return text;
 }

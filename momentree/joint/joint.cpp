@@ -52,6 +52,13 @@ std::shared_ptr<const JointDrive> motion_drive(const Signal& position) {
   return std::make_shared<const JointDrive>(std::move(drive));
 }
 
+void begin_motion(std::shared_ptr<const JointDrive>& drive, double position, double t) {
+  if (drive == nullptr || !drive->moves() || !drive->motion[0].signal().from_here()) return;
+  JointDrive begun = *drive;
+  begun.motion[0] = Curve(drive->motion[0].signal().begun_at(position, t));
+  drive = std::make_shared<const JointDrive>(std::move(begun));
+}
+
 Mat3 tilt_rotation(const Link& k) {
   const Mat3 Rb{k.cos_b, -k.sin_b, 0, k.sin_b, k.cos_b, 0, 0, 0, 1};
   const Mat3 Ra{1, 0, 0, 0, k.cos_a, -k.sin_a, 0, k.sin_a, k.cos_a};

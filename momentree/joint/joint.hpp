@@ -91,6 +91,9 @@ std::shared_ptr<const JointDrive> effort_drive(std::vector<Signal> effort);
 std::shared_ptr<const JointDrive> pd_drive(JointDrive::Pd pd);
 std::shared_ptr<const JointDrive> motion_drive(const Signal& position);
 
+/// Gives a motion that begins where its joint stands (Signal::ramp_from_here) its offset, for a joint at `position` at time t.
+void begin_motion(std::shared_ptr<const JointDrive>& drive, double position, double t);
+
 /// What a joint bears: it breaks by itself at that reaction (norms at the joint, N and N m); infinite: any.
 struct JointStrength {
   double force = std::numeric_limits<double>::infinity(), torque = std::numeric_limits<double>::infinity();

@@ -20,10 +20,16 @@ std::size_t after(std::span<const Signal::Knot> knots, double t) {
       knots.begin());
 }
 
-// Slopes of the spline of second derivatives that are continuous, at rest at both ends: a tridiagonal system.
-std::vector<double> spline_slopes(std::span<const Signal::Knot> knots) {
+// Slopes of the spline whose second derivative is continuous: a tridiagonal system. At the ends the slope is zero (rest), or the
+// second derivative (free).
+std::vector<double> spline_slopes(std::span<const Signal::Knot> knots, Signal::Ends ends) {
   const std::size_t n = knots.size();
   std::vector<double> slope(n, 0.0), factor(n, 0.0);
+  const bool free = ends == Signal::Ends::free;
+  const auto chord_slope = [&](std::size_t i) {
+    return (knots[i + 1].value - knots[i].value) / (knots[i + 1].time - knots[i].time);
+  };
+  if (free) slope[0] = 1.5 * chord_slope(0), factor[0] = 0.5;
   for (std::size_t i = 1; i + 1 < n; ++i) {
     const double left = 1 / (knots[i].time - knots[i - 1].time), right = 1 / (knots[i + 1].time - knots[i].time);
     const double chord =
@@ -32,14 +38,16 @@ std::vector<double> spline_slopes(std::span<const Signal::Knot> knots) {
     factor[i] = right * pivot;
     slope[i] = (chord - left * slope[i - 1]) * pivot;
   }
+  if (free) slope[n - 1] = (3 * chord_slope(n - 2) - slope[n - 2]) / (2 - factor[n - 2]);
   for (std::size_t i = n; i-- > 1;) slope[i - 1] -= factor[i - 1] * slope[i];
   return slope;
 }
 
 }  // namespace
 
-Signal Signal::table(std::vector<Knot> knots) {
+Signal Signal::table(std::vector<Knot> knots, Ends ends) {
   if (knots.empty()) fail({"a table needs an entry", "", "[[time, value], …]"});
+  if (knots.size() == 1 && ends == Ends::free) fail({"a table with free ends needs two entries", "", "[[0, 0], [1, 2]]"});
   for (std::size_t i = 0; i < knots.size(); ++i) {
     if (!std::isfinite(knots[i].time) || !std::isfinite(knots[i].value))
       fail({"entry " + std::to_string(i + 1) + " of the table is not finite", "", ""});
@@ -48,6 +56,7 @@ Signal Signal::table(std::vector<Knot> knots) {
             "for a jump, let the value rise within a very short time"});
   }
   Signal signal;
+  signal.ends_ = ends;
   if (knots.size() == 1)
     signal.offset_ = knots[0].value;
   else
@@ -63,7 +72,27 @@ Signal Signal::sine(double amplitude, double frequency, double phase, double off
   return signal;
 }
 
+Signal Signal::ramp(double rate, double offset) {
+  if (!std::isfinite(rate) || !std::isfinite(offset)) fail({"rate and offset of a ramp must be finite", "", ""});
+  Signal signal(offset);
+  signal.ramp_ = rate;
+  return signal;
+}
+
+Signal Signal::ramp_from_here(double rate) {
+  Signal signal = ramp(rate, 0);
+  signal.from_here_ = true;
+  return signal;
+}
+
+Signal Signal::begun_at(double value, double t) const {
+  Signal signal = *this;
+  if (from_here_) signal.offset_ = value - ramp_ * t;
+  return signal;
+}
+
 double Signal::value(double t) const noexcept {
+  if (ramp_ != 0) return offset_ + ramp_ * t;
   if (!table_) return amplitude_ == 0 ? offset_ : offset_ + amplitude_ * std::sin(full_turn * frequency_ * t + phase_);
   const std::size_t i = after(*table_, t);
   if (i == 0) return table_->front().value;
@@ -74,6 +103,7 @@ double Signal::value(double t) const noexcept {
 }
 
 double Signal::rate(double t) const noexcept {
+  if (ramp_ != 0) return ramp_;
   if (!table_) return amplitude_ == 0 ? 0 : amplitude_ * full_turn * frequency_ * std::cos(full_turn * frequency_ * t + phase_);
   const std::size_t i = after(*table_, t);
   if (i == 0 || i == table_->size()) return 0;
@@ -90,22 +120,26 @@ double Signal::next_bend(double t) const noexcept {
 bool operator==(const Signal& a, const Signal& b) {
   const auto x = a.knots(), y = b.knots();
   return a.offset_ == b.offset_ && a.amplitude_ == b.amplitude_ && a.frequency_ == b.frequency_ && a.phase_ == b.phase_ &&
+         a.ramp_ == b.ramp_ && a.ends_ == b.ends_ && a.from_here_ == b.from_here_ &&
          std::equal(x.begin(), x.end(), y.begin(), y.end());
 }
 
 Curve::Curve(const Signal& signal) : signal_(signal) {
-  if (!signal.knots().empty()) slopes_ = std::make_shared<const std::vector<double>>(spline_slopes(signal.knots()));
+  if (!signal.knots().empty())
+    slopes_ = std::make_shared<const std::vector<double>>(spline_slopes(signal.knots(), signal.ends()));
 }
 
 Curve::Point Curve::at(double t) const noexcept {
   const auto knots = signal_.knots();
   if (knots.empty()) {
+    if (signal_.ramp_rate() != 0) return {signal_.value(t), signal_.ramp_rate(), 0};
     const double w = full_turn * signal_.frequency(), angle = w * t + signal_.phase(), a = signal_.amplitude();
     return {signal_.offset() + a * std::sin(angle), a * w * std::cos(angle), -a * w * w * std::sin(angle)};
   }
   const std::size_t i = after(knots, t);
-  if (i == 0) return {knots.front().value, 0, 0};
-  if (i == knots.size()) return {knots.back().value, 0, 0};
+  const auto beyond = [t](const Signal::Knot& end, double rate) { return Point{end.value + rate * (t - end.time), rate, 0}; };
+  if (i == 0) return beyond(knots.front(), slopes_->front());
+  if (i == knots.size()) return beyond(knots.back(), slopes_->back());
   // Hermite's cubic: x from 0 to 1 between the entries.
   const Signal::Knot &a = knots[i - 1], &b = knots[i];
   const double h = b.time - a.time, x = (t - a.time) / h, rise = b.value - a.value;

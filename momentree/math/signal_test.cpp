@@ -55,4 +55,44 @@ TEST_CASE("curves: rates are those of their values, without jumps at the entries
   CHECK(std::fabs(table.at(2.25 - 1e-12).rate) < 1e-9);
 }
 
+TEST_CASE("ramps, and tables with free ends") {
+  const Signal ramp = Signal::ramp(3, -1);
+  CHECK(ramp.value(2) == 5);
+  CHECK(ramp.rate(2) == 3);
+  CHECK_FALSE(ramp.constant());
+  CHECK_FALSE(ramp == Signal(-1));
+  CHECK(Curve(ramp).at(2).value == 5);
+  CHECK(Curve(ramp).at(-7).rate == 3);
+  CHECK(Curve(ramp).at(2).acceleration == 0);
+  const Signal here = Signal::ramp_from_here(3);
+  CHECK(here.from_here());
+  CHECK(here.begun_at(0.5, 2).value(2) == doctest::Approx(0.5));
+  CHECK(here.begun_at(0.5, 2).from_here());
+  CHECK(ramp.begun_at(0.5, 2) == ramp);
+  CHECK_THROWS_AS(Signal::ramp(NAN, 0), Error);
+  CHECK_THROWS_AS(Signal::table({{0, 1}}, Signal::Ends::free), Error);
+
+  // Two entries: a straight line for ever.
+  const Curve line(Signal::table({{1, 2}, {2, 5}}, Signal::Ends::free));
+  for (const double t : {-3.0, 1.0, 1.3, 2.0, 7.0}) {
+    CHECK(line.at(t).value == doctest::Approx(2 + 3 * (t - 1)));
+    CHECK(line.at(t).rate == doctest::Approx(3));
+    CHECK(std::fabs(line.at(t).acceleration) < 1e-12);
+  }
+  // Value, rate and acceleration are continuous everywhere; the acceleration is zero at the ends.
+  const Signal table = Signal::table({{0, 1}, {0.5, 2}, {1.5, -1}, {2, 0}, {2.25, 0.5}}, Signal::Ends::free);
+  const Curve curve(table);
+  const double e = 1e-9;
+  for (const Signal::Knot& k : table.knots()) {
+    CHECK(curve.at(k.time).value == doctest::Approx(k.value));
+    CHECK(std::fabs(curve.at(k.time - e).rate - curve.at(k.time + e).rate) < 1e-6);
+    CHECK(std::fabs(curve.at(k.time - e).acceleration - curve.at(k.time + e).acceleration) < 1e-5);
+  }
+  CHECK(std::fabs(curve.at(e).acceleration) < 1e-6);
+  CHECK(std::fabs(curve.at(2.25 - e).acceleration) < 1e-6);
+  CHECK(curve.at(5).rate == curve.at(2.25).rate);
+  CHECK(curve.at(5).value == doctest::Approx(0.5 + 2.75 * curve.at(2.25).rate));
+  CHECK_FALSE(table == Signal::table({{0, 1}, {0.5, 2}, {1.5, -1}, {2, 0}, {2.25, 0.5}}));
+}
+
 }  // namespace momentree

@@ -55,6 +55,21 @@ void Agenda::renew_strengths(const World& world) {
   }
 }
 
+namespace {
+
+// The highest point of the parabola through three looks, where that is between them.
+void look_between(Approach& nearest, const Agenda::Entry& e, double time, double excess) {
+  if (e.looked_before < 0 || !(e.excess >= e.excess_before && e.excess >= excess)) return;
+  const double before = e.looked - e.looked_before, after = time - e.looked;
+  const double rise = (e.excess - e.excess_before) / before, fall = (excess - e.excess) / after;
+  const double curvature = (fall - rise) / (before + after), slope = rise + curvature * before;  // where it was highest
+  if (!(curvature < 0)) return;
+  const double offset = -slope / (2 * curvature);
+  nearest.look(e.looked + offset, std::min(e.excess + offset * (slope + curvature * offset), std::max(0.0, e.excess)));
+}
+
+}  // namespace
+
 std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Event> now) {
   if (strengths_of_ != world.tree().revision()) renew_strengths(world);
   std::optional<std::size_t> first, load;
@@ -69,6 +84,8 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
       continue;
     }
     const double excess = c.above ? *value - c.threshold : c.threshold - *value;
+    e.nearest.look(world.time(), excess);
+    if (e.looked >= 0 && world.time() > e.looked) look_between(e.nearest, e, world.time(), excess);
     if (world.time() > e.looked) e.excess_before = e.excess, e.looked_before = e.looked, e.looked = world.time();
     e.excess = excess;
     if (e.resting && excess < -c.width()) e.resting = false;
@@ -77,6 +94,7 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
       continue;
     }
     if (e.since < 0) e.since = world.time();
+    e.nearest.held = std::max(e.nearest.held, world.time() - e.since);
     if (world.time() < e.since + c.duration) continue;
     if (!first) first = k;
     if (c.what->is_load() && c.ratio(*value) > largest) load = k, largest = c.ratio(*value);
@@ -101,7 +119,8 @@ std::span<const Watch> Agenda::watches(const World& world) {
     const auto counted = [&](double x) { return sign * (x + offset); };
     if (counted(*excess) > 0) continue;
     const double ago = e.looked == world.time() && e.looked_before >= 0 ? e.looked - e.looked_before : 0;
-    watches_.push_back({&c, counted(*excess), counted(e.excess_before), ago, sign, offset});
+    Watch& watch = watches_.emplace_back(Watch{&c, counted(*excess), counted(e.excess_before), ago, sign, offset, {}});
+    watch.start_rate = watch.rate(world);
   }
   return watches_;
 }
@@ -140,6 +159,7 @@ void Agenda::restore(std::span<const Armed> armed, double now) {
   for (std::size_t k = 0; k < entries.size(); ++k) {
     Entry& e = entries[k];
     e.looked = e.looked_before = -1;
+    e.nearest = {};
     if (k < armed.size()) {
       const Armed& a = armed[k];
       e.time = a.time, e.fired = a.fired, e.done = a.done, e.since = a.since, e.resting = a.resting;

@@ -13,6 +13,17 @@
 
 namespace momentree {
 
+/// How near a condition came to being true: the largest excess over its threshold at any look, negative where it never was; a
+/// peak between looks by the parabola through three of them.
+struct Approach {
+  double excess = -HUGE_VAL, time = 0;  ///< −infinity: there was nothing to look at
+  double held = 0;                      ///< the longest that it held without a gap (s)
+
+  void look(double time_now, double excess_now) {
+    if (excess_now > excess) excess = excess_now, time = time_now;
+  }
+};
+
 class Agenda {
  public:
   struct Entry {
@@ -27,6 +38,7 @@ class Agenda {
     double since = -1;                                                      ///< since when the condition holds, −1: it does not
     bool resting = false;                                                   ///< it repeats, and is not armed again yet
     double excess = 0, excess_before = 0, looked = -1, looked_before = -1;  ///< at the last two looks, and when; −1: none
+    Approach nearest;                                                       ///< since the start or the last restore
   };
 
   std::vector<Entry> entries;  ///< in the order of scheduling

@@ -46,6 +46,9 @@ class Quantity {
   virtual bool is_impulsive() const { return false; }
   /// Nothing where its joint, body or mechanism is gone. `now`: the events of this instant so far.
   virtual std::optional<double> value(const World& world, std::span<const Event> now) const = 0;
+  /// Its exact time derivative, where coordinates and velocities give it: crossings within a step are then found without further
+  /// evaluations.
+  virtual std::optional<double> rate(const World&) const { return std::nullopt; }
 };
 
 /// A quantity with its threshold. Happens at the instant of crossing, located to the run's event_tolerance, also at the start if
@@ -76,6 +79,11 @@ class Condition {
   std::optional<double> value(const World& world, std::span<const Event> now) const;
   /// Positive where it holds; nothing where the quantity is gone.
   std::optional<double> excess(const World& world, std::span<const Event> now) const;
+  /// Time derivative of the excess, where the quantity gives it.
+  std::optional<double> rate(const World& world) const {
+    const std::optional<double> found = what->rate(world);
+    return found ? std::optional(above ? *found : -*found) : std::nullopt;
+  }
   /// Load over threshold, or for what falls below it threshold over load.
   double ratio(double value) const { return above ? value / threshold : threshold / value; }
 

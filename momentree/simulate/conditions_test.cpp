@@ -201,6 +201,29 @@ TEST_CASE("a trigger far from its threshold costs no evaluation") {
   }
 }
 
+TEST_CASE("many conditions on positions take the evaluations of one for each that happens") {
+  const auto evaluations = [](int count) {
+    Simulation sim(falling(20), {.step = 0.05});  // a ball that is thrown up: every condition happens once, on the way up
+    for (int k = 1; k <= count; ++k) sim.when(position_of("ball").exceeds(20.0 * k / count)).then(impulse("ball", {}));
+    REQUIRE(sim.run_until(2) == Status::ok);
+    REQUIRE(sim.events().size() == static_cast<std::size_t>(count));
+    return sim.statistics().evaluations[0] + sim.statistics().evaluations[1];
+  };
+  const long few = evaluations(20), many = evaluations(400);
+  CHECK(many < 25 * few);  // 400 times as many where each event costs an evaluation for each condition
+}
+
+TEST_CASE("conditions without rates find the slopes of one step together") {
+  const auto evaluations = [](int count) {
+    Simulation sim(hanging(3), {.step = 1e-3});
+    sim.every(0.01).then(impulse("rod/3", {0.01, 0, 0}));  // each event: nothing is known of slopes in the step behind it
+    for (int k = 0; k < count; ++k) sim.when(reaction_force("rod/1").exceeds(1e4 + k)).then(break_joint("rod/1"));
+    REQUIRE(sim.run_until(0.2) == Status::ok);
+    return sim.statistics().evaluations[0] + sim.statistics().evaluations[1];
+  };
+  CHECK(evaluations(100) == evaluations(1));
+}
+
 TEST_CASE("snapshots know what is armed; a runaway is stopped with its story; impulses trigger") {
   Simulation sim(falling(), {.step = 1e-3});
   sim.when(height_of("ball").below(-0.5)).then(impulse("ball", {0, 0, 1}));

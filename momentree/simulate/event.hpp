@@ -1,6 +1,7 @@
 #pragma once
 // A row of the result: what happened, when, and what it conserved.
 #include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +29,21 @@ struct Event {
   std::string hardest_joint;
   double hardest_linear = 0, hardest_angular = 0;
   double duration_ns = 0;  ///< the change itself; evaluations before and after it and this certificate apart
+};
+
+/// A scheduled event that did not happen so far, and why.
+struct MissedEvent {
+  std::string name;
+  /// When it is due, where that is known; infinite where it follows another event or a condition.
+  double time = HUGE_VAL;
+  std::string after;  ///< the event that it follows, which did not happen
+  /// Of a condition: the quantity, "distance"; its threshold, exceeded or fallen below; the nearest that it came, and when. NaN
+  /// where there was nothing to look at, as with a joint that was gone. A condition that has to last held no longer than `held`.
+  std::string quantity;
+  double threshold = 0;
+  bool exceeds = true;
+  double nearest = NAN, nearest_time = NAN;
+  double lasts = 0, held = 0;  ///< s
 };
 
 }  // namespace momentree

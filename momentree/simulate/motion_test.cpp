@@ -295,6 +295,44 @@ TEST_CASE("a driven joint that becomes another keeps its speed, if that can; a c
   CHECK(std::fabs(sim.energy().error) <= 1e-9 * scale(sim));
 }
 
+TEST_CASE("a motion at a constant rate: from the start, from where the joint stands, and on after a lock") {
+  // A bead on a hoop that is turned at a constant rate: sin θ (ω² cos θ − g/r) = θ̈ has the integral θ̇²/2 − ω² sin²θ/2 − (g/r) cos
+  // θ.
+  constexpr double g = 9.81, r = 0.5, omega = 7;
+  Model model({.gravity = {0, 0, -g}});
+  const Body hoop = model.add({.name = "hoop",
+                               .mass = 1,
+                               .inertia = diagonal(0.1),
+                               .joint = Revolute{.axis = z_axis, .drive = motion_drive(Signal::ramp_from_here(omega))},
+                               .q = 0.4});
+  model.add({.name = "bead", .mass = 0.3, .com = {0, 0, -r}, .parent = hoop, .joint = Revolute{.axis = y_axis}, .q = 0.2});
+  Simulation sim(model, exactly());
+  const auto integral = [&] {
+    const double angle = sim.world().joint({1}).q[0], rate = sim.world().joint({1}).v[0], s = std::sin(angle);
+    return rate * rate / 2 - omega * omega * s * s / 2 - g / r * std::cos(angle);
+  };
+  CHECK(sim.world().joint({0}).q[0] == 0.4);
+  CHECK(sim.world().joint({0}).v[0] == omega);
+  const double start = integral();
+  REQUIRE(sim.run_until(2) == Status::ok);
+  CHECK(integral() == doctest::Approx(start).epsilon(1e-8));
+  CHECK(sim.world().joint({0}).q[0] == doctest::Approx(0.4 + 2 * omega).epsilon(1e-14));
+  CHECK(std::fabs(sim.energy().error) <= 1e-8 * scale(sim));
+
+  sim.apply(lock("hoop"));
+  const double stands = sim.world().joint({0}).q[0];
+  REQUIRE(sim.run_until(2.3) == Status::ok);
+  sim.apply(unlock("hoop"));  // goes on from there
+  REQUIRE(sim.run_until(2.5) == Status::ok);
+  CHECK(sim.world().joint({0}).q[0] == doctest::Approx(stands + 0.2 * omega).epsilon(1e-13));
+  JointParameters back;
+  back.drive = motion_drive(Signal::ramp_from_here(-1));
+  sim.apply(set_parameters("hoop", back));
+  REQUIRE(sim.run_until(3) == Status::ok);
+  CHECK(sim.world().joint({0}).q[0] == doctest::Approx(stands + 0.2 * omega - 0.5).epsilon(1e-13));
+  CHECK(std::fabs(sim.energy().error) <= 1e-8 * scale(sim));
+}
+
 TEST_CASE("a rehearsal judges no motion by where joints stand before it") {
   Simulation sim(floating(Signal::sine(0.6, 1)), exactly());
   JointParameters moved, none;

@@ -13,10 +13,16 @@ struct OneFreedom : Quantity {
   std::vector<std::string> joints() const override { return {joint}; }
   virtual double of(double position, double speed) const = 0;
   std::optional<double> value(const World& world, std::span<const Event>) const override {
+    const auto state = present(world);
+    return state ? std::optional(of(state->first, state->second)) : std::nullopt;
+  }
+
+ protected:
+  /// Coordinate and velocity, nothing where the joint is gone or of another kind.
+  std::optional<std::pair<double, double>> present(const World& world) const {
     const int number = world.find_joint(joint, number_);
     if (number < 0) return std::nullopt;
-    const std::optional<std::pair<double, double>> state = world.one_freedom({number});
-    return state ? std::optional(of(state->first, state->second)) : std::nullopt;
+    return world.one_freedom({number});
   }
 
  private:

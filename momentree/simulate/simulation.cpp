@@ -215,10 +215,32 @@ const std::vector<Event>& Simulation::events() const { return impl_->events; }
 const RunStatistics& Simulation::statistics() const { return impl_->statistics; }
 const std::string& Simulation::message() const { return impl_->message; }
 
+std::vector<MissedEvent> Simulation::missed() const {
+  std::vector<MissedEvent> all;
+  for (const Agenda::Entry& e : impl_->agenda.entries) {
+    if (e.fired > 0) continue;
+    MissedEvent missed;
+    missed.name = e.event.name, missed.time = e.time, missed.after = e.after;
+    if (e.condition) {
+      const Condition& c = *e.condition;
+      missed.quantity = c.what->key();
+      missed.threshold = c.threshold, missed.exceeds = c.above;
+      missed.lasts = c.duration, missed.held = e.nearest.held;
+      if (std::isfinite(e.nearest.excess)) {
+        missed.nearest = c.threshold + (c.above ? e.nearest.excess : -e.nearest.excess);
+        missed.nearest_time = e.nearest.time;
+      }
+    }
+    all.push_back(std::move(missed));
+  }
+  return all;
+}
+
 EnergyBalance Simulation::energy() const {
   EnergyBalance b = impl_->balance;
   const Totals t = impl_->world.totals();
   b.final = t.kinetic + t.potential;
+  b.largest_kinetic = std::max(b.largest_kinetic, t.kinetic);
   b.dissipated = impl_->books.dissipated;
   b.work += impl_->books.work;
   b.error = b.final + b.dissipated + b.lost_in_impacts + b.released - b.initial - b.work;

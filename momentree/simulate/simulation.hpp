@@ -31,7 +31,8 @@ struct Integration {
 };
 
 /// `refused`: an action was impossible; the world is as it was before its instant, and message() says which and why.
-enum class Status { ok, diverged, interrupted, refused };
+/// `stalled`: hundreds of thousands of steps, or events without end, took the run next to nowhere; message() says what to do.
+enum class Status { ok, diverged, interrupted, refused, stalled };
 
 /// Wall-clock and counts as in the paper's Table 2, [0] before and [1] after the first topology change.
 struct RunStatistics {
@@ -44,6 +45,10 @@ struct RunStatistics {
 /// Energy balance of the run (J). error = final + dissipated + lost_in_impacts + released − initial − work.
 struct EnergyBalance {
   double initial = 0, final = 0, dissipated = 0, work = 0, lost_in_impacts = 0, released = 0, error = 0;
+  double largest_kinetic = 0;  ///< the largest kinetic energy at the beginning of a step, or at an event
+
+  /// What to say where the error is more than a thousandth of that, and how to mend it; empty otherwise.
+  std::string advice(const Integration& integration) const;
 };
 
 /// All that an adaptive method remembers from step to step.
@@ -205,6 +210,8 @@ class Simulation {
   double time() const;
   const World& world() const;
   const std::vector<Event>& events() const;
+  /// Scheduled events that did not happen so far, in the order of scheduling.
+  std::vector<MissedEvent> missed() const;
   const RunStatistics& statistics() const;
   EnergyBalance energy() const;
   const std::string& message() const;

@@ -14,6 +14,7 @@
 #include <momentree/simulate/agenda.hpp>
 #include <momentree/simulate/instant.hpp>
 #include <momentree/simulate/stops.hpp>
+#include <momentree/simulate/trouble.hpp>
 
 namespace momentree {
 
@@ -36,7 +37,11 @@ inline std::string text(double x) {
 struct Simulation::Impl {
   using Clock = detail::Clock;
   Impl(const Model& model, const Integration& how)
-      : integration(how), world(model), evaluate(world.tree_, world.work_), method(new_method()), stops(world, evaluate) {
+      : integration(how),
+        world(model),
+        evaluate(world.tree_, world.work_),
+        method(new_method()),
+        stops(world, evaluate, how.event_tolerance) {
     if (method == nullptr)
       fail({"unknown integration method '" + how.method + "'", "", did_you_mean(how.method, integration_methods())});
     if (!(how.step > 0) || !std::isfinite(how.step))
@@ -56,6 +61,7 @@ struct Simulation::Impl {
     books = {};
     const Totals t = world.totals();
     balance.initial = t.kinetic + t.potential;
+    balance.largest_kinetic = t.kinetic;
     events.clear();
     observed = false;
   }
@@ -102,9 +108,15 @@ struct Simulation::Impl {
     // What the clock advances, which is rounded, is what the state advances: else they part by up to an ulp of the time per step,
     // always to the same side.
     const double h = last ? left : (world.time() + usual) - world.time();
+    if (!(h > 0)) {
+      message = no_progress_at(world.time()) + "a step of " + detail::text(usual) + " s is too short to move the clock";
+      stalled = true;
+      return false;
+    }
     ask_for_generated();
     const auto start = Clock::now();
     evaluate_state();
+    note_kinetic_energy();
     if (stops.any() || agenda.watching(world)) return step_and_look(h, last ? end : HUGE_VAL, start);
     const double stepped = method->advance(evaluate, world.state_, books, h);
     if (stepped == 0) {
@@ -121,7 +133,7 @@ struct Simulation::Impl {
   // The same where joints have stops or events conditions: the step may end earlier, and something happen there. `end`: what a
   // whole step ends at.
   bool step_and_look(double h, double end, Clock::time_point start) {
-    const std::optional<double> stepped = stops.step(*method, books, h, integration.event_tolerance, agenda.watches(world));
+    const std::optional<double> stepped = stops.step(*method, books, h, agenda.watches(world));
     if (!stepped) {
       report_divergence(h);
       return false;
@@ -160,7 +172,21 @@ struct Simulation::Impl {
     for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
   }
 
+  // Kinetic energy at the beginning of a step, which was evaluated: by p·u/2 it costs next to nothing.
+  void note_kinetic_energy() {
+    double kinetic = 0;
+    if (world.tree_.driven_joints().empty()) {
+      const auto p = world.state_.p();
+      for (std::size_t i = 0; i < p.size(); ++i) kinetic += p[i] * world.work_.v[i];
+      kinetic *= 0.5;
+    } else {  // what is driven has no momentum
+      kinetic = world.totals().kinetic;
+    }
+    balance.largest_kinetic = std::max(balance.largest_kinetic, kinetic);
+  }
+
   void add_to_balance(const Event& event) {
+    balance.largest_kinetic = std::max({balance.largest_kinetic, event.before.kinetic, event.after.kinetic});
     balance.released += event.released;
     balance.lost_in_impacts += event.lost;
     balance.work += event.work;
@@ -168,21 +194,7 @@ struct Simulation::Impl {
 
   void report_divergence(double h) {
     evaluate_state();  // of the last good state
-    const Tree& tree = world.tree_;
-    int worst = 0;
-    double fastest = -1;
-    for (const int carrier : tree.order()) {
-      const int b = tree.joint_of(carrier);
-      for (double v : world.joint({b}).v) {
-        const double speed = std::isfinite(v) ? std::fabs(v) : HUGE_VAL;
-        if (speed > fastest) fastest = speed, worst = b;
-      }
-    }
-    message = "diverged at t = " + detail::text(world.time()) + " s: joint '" + std::string(world.joint_name({worst})) +
-              "' reached a speed of " + detail::text(fastest) + " rad/s or m/s within a step of " + detail::text(h) + " s; use " +
-              (method->adaptive() ? "larger tolerances rtol and atol"
-                                  : "a smaller step, such as " + detail::text(integration.step / 4) + " s") +
-              ", or more damping or inertia at that joint";
+    message = divergence_text(world, *method, integration, h);
     diverged = true;
   }
 
@@ -196,8 +208,8 @@ struct Simulation::Impl {
       }
       if (places.empty()) return true;
       if (count > most_actions_at_once) {
-        message = "more than 10000 events at t = " + detail::text(world.time()) + " s, the last of them '" + events.back().name +
-                  "', '" + events[events.size() - 2].name + "'; does one bring about the other, at no delay?";
+        message = "more than 10000 events at t = " + detail::text(world.time()) + " s, the last of them " + last_events(events) +
+                  "; does one bring about the other, at no delay?";
         return false;
       }
       std::vector<DueEvent> due;
@@ -406,6 +418,8 @@ struct Simulation::Impl {
 
   Status run(double until) {
     if (diverged) return Status::diverged;
+    progress.begin(world.time(), events.size());
+    stalled = false;
     lap = Clock::now();
     Status status = Status::ok;
     settle();
@@ -417,14 +431,17 @@ struct Simulation::Impl {
       double end = std::min(until, agenda.next_time());
       if (observer && every > 0) end = std::min(end, next_look);
       if (!step_towards(end)) {
-        status = Status::diverged;
+        status = stalled ? Status::stalled : Status::diverged;
         break;
       }
       if (!happen()) {
         status = Status::refused;
         break;
       }
-      if (!look(false) || (watcher && !watcher(world.time()))) status = Status::interrupted;
+      if (!look(false) || (watcher && !watcher(world.time())))
+        status = Status::interrupted;
+      else if (const auto why = progress.step(world, *method, integration, events, until))
+        status = Status::stalled, message = *why;
     }
     if (status != Status::interrupted && !look(true)) status = Status::interrupted;
     evaluate_state();
@@ -458,7 +475,8 @@ struct Simulation::Impl {
   std::vector<Past> history;
   std::vector<Event> events;
   std::string message;
-  bool diverged = false;
+  bool diverged = false, stalled = false;
+  ProgressMonitor progress;
   double every = 0, next_look = 0, observed_at = 0;
   bool observed = false;
   std::function<bool(const World&)> observer;

@@ -198,3 +198,113 @@ TEST_CASE("a world restored from what it told goes on to the same bits") {
   for (std::size_t i = 0; i < whole.world().state().p().size(); ++i)
     CHECK(whole.world().state().p()[i] == branch.world().state().p()[i]);
 }
+
+TEST_CASE("a coordinate that runs away in the first step is named, with how far it would have gone") {
+  Model model({.gravity = {}});
+  model.add({.name = "calm", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}, .v = 1.0});
+  model.add({.name = "stiff", .mass = 1, .inertia = diagonal(1), .joint = Revolute{.stiffness = 1e12}, .q = 0.1});
+  Simulation sim(model, {.step = 1e-3});
+  CHECK(sim.run_until(1) == Status::diverged);
+  CHECK(sim.time() == 0);
+  CHECK(sim.message().find("diverged at t = 0 s: joint 'stiff' would move by ") == 0);
+  CHECK(sim.message().find("within a step of 0.001 s; use a smaller step") != std::string::npos);
+  Model sharp({.gravity = {}});
+  sharp.add({.name = "sharp", .mass = 1, .inertia = diagonal(1), .joint = Revolute{.stiffness = 1e308}, .q = 0.1});
+  Simulation beyond(sharp, {.step = 1});
+  CHECK(beyond.run_until(1) == Status::diverged);
+  CHECK(beyond.message().find("joint 'sharp' left the range of numbers") != std::string::npos);
+}
+
+TEST_CASE("a run that gets nowhere stops and says why") {
+  const Model model = chain(1);
+  Simulation tiny(model, {.step = 1e-300});
+  CHECK(tiny.run_until(1) == Status::stalled);
+  CHECK(tiny.message().find("no progress at t = ") == 0);
+  CHECK(tiny.message().find("the step of 1e-300 s is too short for a run of 1 s") != std::string::npos);
+  CHECK(tiny.run_until(tiny.time()) == Status::ok);  // it may be asked again
+  Simulation late(model, {.step = 1});
+  REQUIRE(late.run_until(1e6) == Status::ok);
+  Simulation fine(model, {.step = 1e-12});
+  fine.restore(1e6, {}, {});
+  CHECK(fine.run_until(1e6 + 1) == Status::stalled);
+  CHECK(fine.message().find("a step of 1e-12 s is too short to move the clock") != std::string::npos);
+
+  // A light body whose frame is far from its centre of mass: its angular velocity is noise in tight tolerances.
+  Model light({.gravity = {}});
+  light.add({.name = "light",
+             .mass = 1,
+             .com = {1, 0, 0},
+             .inertia = diagonal(1e-12),
+             .joint = Free{},
+             .q = {0, 0, 0, 1, 0, 0, 0},
+             .v = {0.1, 0.2, 0.3, 1, 2, 3}});
+  Simulation noisy(light, {.method = "dop853", .rtol = 1e-12, .atol = 1e-12});
+  CHECK(noisy.run_until(5) == Status::stalled);
+  CHECK(noisy.message().find("use larger rtol and atol") != std::string::npos);
+
+  // Events that bring each other about, each a little later.
+  Simulation busy(model, {.step = 1e-3});
+  busy.at(0).then(impulse("chain/1", {})).named("first");
+  busy.after("first", 1e-12).then(impulse("chain/1", {})).named("second");
+  busy.after("second", 1e-12).then(impulse("chain/1", {})).named("first");
+  CHECK(busy.run_until(1) == Status::stalled);
+  CHECK(busy.message().find("events follow one another without end") != std::string::npos);
+  CHECK(busy.message().find("'second: impulse chain/1'") != std::string::npos);
+}
+
+TEST_CASE("steps of a run that divides into them leave no sliver") {
+  const Model model = chain(1);
+  for (const double every : {25e-6, 0.03}) {
+    Simulation sim(model, {.step = 25e-6});
+    sim.observe(every, [](const World&) { return true; });
+    REQUIRE(sim.run_until(3) == Status::ok);
+    CHECK(sim.statistics().steps == 120'000);
+  }
+}
+
+TEST_CASE("events that did not happen: when they are due, what they follow, how near their condition came") {
+  Model model({.gravity = {}});
+  model.add(
+      {.name = "swing", .mass = 1, .inertia = diagonal(1), .joint = Prismatic{.stiffness = 4 * 9.869604401089358}, .q = 1.0});
+  const Action nothing = impulse("swing", {});
+  for (const char* method : {"rk4", "dop853"}) {
+    Simulation sim(model, {.method = method, .step = 0.02});
+    sim.at(5).then(nothing).named("later");
+    sim.after("later", 1).then(nothing).named("after it");
+    sim.when(position_of("swing").below(-1.25)).then(nothing).named("far");  // the swing comes to −1, at 0.5 s
+    sim.when(position_of("swing").below(-0.5).lasting(1)).then(nothing).named("long");
+    sim.when(position_of("swing").exceeds(0.5)).then(nothing).named("at once");
+    REQUIRE(sim.run_until(0.9) == Status::ok);
+    const std::vector<MissedEvent> missed = sim.missed();
+    REQUIRE(missed.size() == 4);
+    CHECK(missed[0].name == "later");
+    CHECK(missed[0].time == 5);
+    CHECK(missed[1].after == "later");
+    CHECK(missed[1].time == HUGE_VAL);
+    CHECK(missed[2].quantity == "position");
+    CHECK(missed[2].threshold == -1.25);
+    CHECK_FALSE(missed[2].exceeds);
+    CHECK(missed[2].nearest == doctest::Approx(-1).epsilon(1e-3));
+    CHECK(missed[2].nearest_time == doctest::Approx(0.5).epsilon(1e-2));
+    CHECK(missed[3].nearest == doctest::Approx(-1).epsilon(1e-3));
+    CHECK(missed[3].lasts == 1);
+    CHECK(missed[3].held == doctest::Approx(1.0 / 3).epsilon(0.2));
+  }
+}
+
+TEST_CASE("an energy balance that does not close comes with advice") {
+  Simulation rough(chain(20), {.step = 4e-3});
+  REQUIRE(rough.run_until(1) == Status::ok);
+  const EnergyBalance energy = rough.energy();
+  CHECK(energy.largest_kinetic > 0);
+  CHECK(std::fabs(energy.error) > 1e-3 * energy.largest_kinetic);
+  const std::string advice = energy.advice({.step = 4e-3});
+  CHECK(advice.find("the energy balance is off by ") == 0);
+  CHECK(advice.find("use a smaller step, such as 0.001 s, or an adaptive method") != std::string::npos);
+  CHECK(energy.advice({.method = "dopri5", .rtol = 1e-4}).find("rtol = 1e-06") != std::string::npos);
+  Simulation exact(chain(2), {.method = "dop853"});
+  REQUIRE(exact.run_until(1) == Status::ok);
+  CHECK(exact.energy().advice({.method = "dop853"}).empty());
+  Simulation still(Model(), {});
+  CHECK(still.energy().advice({}).empty());
+}

@@ -25,14 +25,22 @@ Peak peak_between(double h, double q0, double v0, double q1, double v1) {
 struct Bracket {
   double inside, within, outside, beyond;
 };
-// Narrows it to a width of `tolerance` by the secant of Illinois, kept off the ends so that both of them move; `value(s)` is
-// nothing where it can't be had, and this false. `guess`: where to look first.
+// Narrows it to a width of `tolerance` by the secant of Illinois, kept off the ends so that both of them move; halved where that
+// is slow, as where rounding makes stairs of the value. `value(s)` is nothing where it can't be had, and this false. `guess`:
+// where to look first.
 template <class Value>
 bool narrow(Bracket& b, double tolerance, std::optional<double> guess, Value value) {
-  for (int last = 0; b.outside - b.inside > tolerance; guess.reset()) {
+  double width = b.outside - b.inside;  // three looks ago
+  for (int last = 0, look = 1; b.outside - b.inside > tolerance; guess.reset(), ++look) {
+    bool halve = (b.within == 0 && last != 0) || !(b.beyond > b.within);
+    if (look % 3 == 0) {
+      halve = halve || b.outside - b.inside > 0.25 * width;
+      width = b.outside - b.inside;
+    }
     const double margin = std::min(0.25 * (b.outside - b.inside), 0.4 * tolerance);
     const double secant = (b.inside * b.beyond - b.outside * b.within) / (b.beyond - b.within);
-    const double s = std::clamp(guess.value_or(secant), b.inside + margin, b.outside - margin);
+    const double s = halve ? b.inside + 0.5 * (b.outside - b.inside)
+                           : std::clamp(guess.value_or(secant), b.inside + margin, b.outside - margin);
     const std::optional<double> found = value(s);
     if (!found) return false;
     if (*found > 0) {
@@ -100,40 +108,65 @@ double Stops::excess(const Watched& w) const {
   return w.held ? pull(*w.side) : w.side->sign * coordinate(*w.side) - w.limit;
 }
 
+// Values, and rates where they cost nothing, at the end of the step, where the world stands now.
+void Stops::look_at_end(std::size_t first) {
+  for (std::size_t i = first; i < watched_.size(); ++i) {
+    Watched& w = watched_[i];
+    w.last = excess(w);
+    if (w.held) continue;
+    w.last_rate = w.watch != nullptr ? w.watch->rate(*world_).value_or(NAN) : speed(*w.side);
+  }
+}
+
+// Slopes at both ends of the step by two short steps, at once for all conditions whose quantity gives no rate. False where the
+// method failed.
+bool Stops::find_slopes(Trial& trial, double end) {
+  if (slopes_of_ == end) return true;
+  const double bit = end / 64;
+  const auto unknown = [](const Watched& w) { return w.watch != nullptr && !w.watch->start_rate; };
+  if (!trial.see(bit)) return false;
+  for (Watched& w : watched_)
+    if (unknown(w)) w.rise = (excess(w) - w.watch->start) / bit;
+  if (!trial.see(end - bit)) return false;
+  for (Watched& w : watched_)
+    if (unknown(w)) w.fall = (w.last - excess(w)) / bit;
+  slopes_of_ = end;
+  return true;
+}
+
 // Where between two ends that are within something may have been beyond; −1: nowhere.
-std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) const {
+std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) {
   if (w.held) return -1;
   if (w.side != nullptr) {
-    if (!(w.v > 0 && speed(*w.side) < 0)) return -1;
-    const Peak found = peak_between(end, w.q, w.v, w.side->sign * coordinate(*w.side), speed(*w.side));
+    if (!(w.v > 0 && w.last_rate < 0)) return -1;
+    const Peak found = peak_between(end, w.q, w.v, w.last + w.limit, w.last_rate);
     return found.value < w.limit - 1e-2 * w.v * end ? -1 : found.time;
   }
-  // The parabola through the last three looks says whether it may have risen and fallen; slopes then say where: two short steps,
-  // seldom, and in the first step after something happened.
-  const double last = excess(w);
-  if (w.watch->ago > 0) {
-    const double ahead = (last - w.watch->start) / end, behind = (w.watch->start - w.watch->before) / w.watch->ago;
-    const double curvature = (ahead - behind) / (end + w.watch->ago),
-                 slope = ahead - curvature * end;  // at the start of the step
-    const double time = curvature < 0 ? std::clamp(-slope / (2 * curvature), 0.0, end) : 0;
-    const double value = w.watch->start + time * (slope + curvature * time);
-    if (curvature >= 0 || value < curvature * end * end) return -1;
+  double rise = 0, fall = 0;
+  if (w.watch->start_rate && std::isfinite(w.last_rate)) {
+    rise = *w.watch->start_rate, fall = w.last_rate;
+  } else {
+    // The parabola through the last three looks says whether it may have risen and fallen; seldom, and in the first step after
+    // something happened, slopes say where.
+    if (w.watch->ago > 0) {
+      const double ahead = (w.last - w.watch->start) / end, behind = (w.watch->start - w.watch->before) / w.watch->ago;
+      const double curvature = (ahead - behind) / (end + w.watch->ago),
+                   slope = ahead - curvature * end;  // at the start of the step
+      const double time = curvature < 0 ? std::clamp(-slope / (2 * curvature), 0.0, end) : 0;
+      const double value = w.watch->start + time * (slope + curvature * time);
+      if (curvature >= 0 || value < curvature * end * end) return -1;
+    }
+    if (!find_slopes(trial, end)) return std::nullopt;
+    rise = w.rise, fall = w.fall;
   }
-  const double bit = end / 64;
-  if (!trial.see(bit)) return std::nullopt;
-  const double rise = (excess(w) - w.watch->start) / bit;
-  if (!(rise > 0)) return -1;
-  if (!trial.see(end - bit)) return std::nullopt;
-  const double fall = (last - excess(w)) / bit;
-  if (!(fall < 0)) return -1;
-  const Peak found = peak_between(end, w.watch->start, rise, last, fall);
-  return found.value < -0.05 * (found.value - std::min(w.watch->start, last)) ? -1 : found.time;
+  if (!(rise > 0 && fall < 0)) return -1;
+  const Peak found = peak_between(end, w.watch->start, rise, w.last, fall);
+  return found.value < -0.05 * (found.value - std::min(w.watch->start, w.last)) ? -1 : found.time;
 }
 
 // The first crossing in (0, end], −1 where there is none; nothing where the method failed.
-std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end, double tolerance) const {
-  if (trial.at != end && !trial.go(end)) return std::nullopt;
-  double outside = end, beyond = excess(w);
+std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end) {
+  double outside = end, beyond = w.last;
   if (!(beyond > 0)) {  // out and back within the step?
     const std::optional<double> highest = peak(trial, w, end);
     if (!highest || *highest < 0) return highest;
@@ -147,22 +180,38 @@ std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end
   std::optional<double> guess;
   if (trial.method.dense()) {
     Bracket about = between;
-    if (!narrow(about, tolerance, {}, [&](double s) { return value(trial.see(s)); })) return std::nullopt;
+    if (!narrow(about, tolerance_, {}, [&](double s) { return value(trial.see(s)); })) return std::nullopt;
     guess = about.outside;
   }
-  if (!narrow(between, tolerance, guess, [&](double s) { return value(trial.go(s)); })) return std::nullopt;
-  return between.outside;
+  if (!narrow(between, tolerance_, guess, [&](double s) { return value(trial.go(s)); })) return std::nullopt;
+  if (w.side == nullptr || w.held) return between.outside;
+  // Once more by Newton: what hits a stop then stands on it but for rounding, however fast it is.
+  if (trial.at != between.outside && !trial.go(between.outside)) return std::nullopt;
+  const double at = between.outside - excess(w) / speed(*w.side);
+  return at > between.inside && at < between.outside ? at : between.outside;
 }
 
-std::optional<double> Stops::step(Integrator& method, Books& books, double h, double tolerance, std::span<const Watch> watches) {
+// Puts what hit a stop onto it. Every flight then begins and ends at the same place: were each hit a little deeper than the one
+// before it, bounces would gain the energy of that depth, and the smallest ones would never end.
+void Stops::put_on_stop(const Watched& w) {
+  const Side& s = *w.side;
+  const double limit = s.sign * w.limit;
+  if (coordinate(s) == limit || std::fabs(coordinate(s) - limit) > 1e-9 * (1 + std::fabs(limit))) return;
+  const Tree& tree = world_->tree_;
+  world_->state_.edit().q[static_cast<std::size_t>(tree.first_q(tree.carrier(s.joint)) + s.freedom)] = limit;
+}
+
+std::optional<double> Stops::step(Integrator& method, Books& books, double h, std::span<const Watch> watches) {
   (*evaluate_)(world_->state_);
   watched_.clear();
   bool holding = false;
   for (const Side& s : sides_) {
     if (locked(s) && !holds(s)) continue;
-    const double q = s.sign * coordinate(s);
-    // What stands on the stop, or beyond it by the tolerance of the last impact, leaves from there: only its return counts.
-    const double limit = std::max(s.sign * s.limit, q) + 1e-13 * (1 + std::fabs(s.limit));
+    const double q = s.sign * coordinate(s), stop = s.sign * s.limit;
+    // What stands on the stop, or beyond it at the start, leaves from there: only its return counts. What touches it at no speed
+    // has not hit it by rounding.
+    const bool touches = q >= stop && speed(s) >= -no_speed * s.rest_speed;
+    const double limit = std::max(stop, q) + (touches ? 1e-13 * (1 + std::fabs(s.limit)) : 0.0);
     watched_.push_back({&s, nullptr, limit, q, speed(s), holds(s)});
     holding = holding || holds(s);
   }
@@ -171,12 +220,19 @@ std::optional<double> Stops::step(Integrator& method, Books& books, double h, do
   Trial trial{*world_, *evaluate_, method, books, start_, books, holding};
   bool fine = trial.first(h);
   double end = trial.at;
+  const Watched* first = nullptr;
+  if (fine) look_at_end(0);
+  slopes_of_ = 0;
   for (std::size_t i = 0; fine && i < watched_.size(); ++i) {
-    const std::optional<double> found = crossing(trial, watched_[i], end, tolerance);
+    const std::optional<double> found = crossing(trial, watched_[i], end);
     fine = found.has_value();
-    if (fine && *found > 0) end = *found;
+    if (!fine || !(*found > 0)) continue;
+    end = *found, first = &watched_[i];  // the step ends here for all that follow
+    fine = trial.at == end || trial.go(end);
+    if (fine) look_at_end(i + 1);
   }
   if (fine && trial.at != end) fine = trial.go(end);
+  if (fine && first != nullptr && first->side != nullptr && !first->held) put_on_stop(*first);
   if (fine) return end;
   world_->state_ = trial.start;
   books = trial.books_at_start;

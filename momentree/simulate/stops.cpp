@@ -64,6 +64,15 @@ double Stops::pull(const Side& s) const {
   return s.sign * stop - noise;
 }
 
+// The joint's own rest speed; more where the stop is hit so slowly, or the joint pressed so hard against it, that the next flight
+// would be too short or too low to be told from rounding. Bounces end there, whatever the numbers.
+double Stops::rest_speed(const Side& s) const {
+  const double a = acceleration(s);
+  if (!(a > 0)) return s.rest_speed;
+  constexpr double lowest_flight = 1e-14;  // of 1 + |limit|: in rad or m
+  return std::max({s.rest_speed, 8 * tolerance_ * a, std::sqrt(2 * a * lowest_flight * (1 + std::fabs(s.limit)))});
+}
+
 void Stops::act(std::vector<Event>& events, const Side& s, Deed deed, double restitution) {
   static constexpr const char* verbs[] = {"hit", "rest", "leave"};
   Surgery surgery(*world_);
@@ -118,8 +127,13 @@ bool Stops::one_thing(std::vector<Event>& events) {
   (*evaluate_)(world_->state_);
   const auto at_stop = [this](const Side& s) { return s.sign * (coordinate(s) - s.limit) >= 0; };
   const Side* hit = nullptr;
-  for (const Side& s : sides_)
-    if (!locked(s) && at_stop(s) && speed(s) > s.rest_speed && (hit == nullptr || speed(s) > speed(*hit))) hit = &s;
+  bool accelerated = false;
+  for (const Side& s : sides_) {
+    if (locked(s) || !at_stop(s) || !(speed(s) > s.rest_speed) || (hit != nullptr && !(speed(s) > speed(*hit)))) continue;
+    if (!accelerated) accelerate(world_->tree_, world_->state_, world_->work_);
+    accelerated = true;
+    if (speed(s) > rest_speed(s)) hit = &s;
+  }
   if (hit != nullptr) {
     // Joints that rest elsewhere take part in the impact as long as their stops need not pull for it.
     const Side side = *hit;
@@ -154,7 +168,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
   for (const Side& s : sides_) {
     if (locked(s) || !at_stop(s) || speed(s) < -1e-3 * s.rest_speed) continue;
     const bool pressed = acceleration(s) > 0;
-    if (!pressed && speed(s) <= 1e-6 * s.rest_speed) continue;  // drawn off, or touching at no speed
+    if (!pressed && speed(s) <= no_speed * s.rest_speed) continue;  // drawn off, or touching at no speed
     const Side side = s;
     act(events, side, pressed ? Deed::rest : Deed::hit, 0);
     return true;

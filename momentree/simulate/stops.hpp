@@ -19,14 +19,22 @@ namespace momentree {
 /// to be armed again, when it is back far enough.
 struct Watch {
   const Condition* condition;
-  double start;                 ///< its excess now, not positive
-  double before = 0, ago = 0;   ///< its value at the last look, and how long ago that was (s); 0: something happened since
-  double sign = 1, offset = 0;  ///< what counts is sign·(excess + offset)
+  double start;                        ///< its excess now, not positive
+  double before = 0, ago = 0;          ///< its value at the last look, and how long ago that was (s); 0: something happened since
+  double sign = 1, offset = 0;         ///< what counts is sign·(excess + offset)
+  std::optional<double> start_rate{};  ///< its rate now, where its quantity gives one
+
+  /// The same rate where the world stands now.
+  std::optional<double> rate(const World& world) const {
+    const std::optional<double> found = condition->rate(world);
+    return found ? std::optional(sign * *found) : std::nullopt;
+  }
 };
 
 class Stops {
  public:
-  Stops(World& world, Evaluator& evaluate) : world_(&world), evaluate_(&evaluate) {}
+  /// Instants are located to `tolerance` seconds.
+  Stops(World& world, Evaluator& evaluate, double tolerance) : world_(&world), evaluate_(&evaluate), tolerance_(tolerance) {}
 
   /// False where no joint has limits: nothing else here needs to be called then.
   bool any();
@@ -34,9 +42,9 @@ class Stops {
   /// Deals with what touches a stop now: impacts, rests, releases. One event for each impact, rest and release.
   void settle(std::vector<Event>& events);
 
-  /// One step of at most h seconds, which ends early where a stop is hit or must let go, or one of `watches` happens, located to
-  /// `tolerance` seconds. Returns the seconds stepped, nothing where the method failed (the state is then what it was).
-  std::optional<double> step(Integrator& method, Books& books, double h, double tolerance, std::span<const Watch> watches = {});
+  /// One step of at most h seconds, which ends early where a stop is hit or must let go, or one of `watches` happens. Returns the
+  /// seconds stepped, nothing where the method failed (the state is then what it was).
+  std::optional<double> step(Integrator& method, Books& books, double h, std::span<const Watch> watches = {});
 
   /// Among joints resting on stops, those which transmitted impulses that a stop can't (it would have pulled) at `event`: lets go
   /// of them. False: there is none.
@@ -53,26 +61,37 @@ class Stops {
     const Watch* watch = nullptr;    ///< a condition
     double limit = 0, q = 0, v = 0;  ///< where it counts as crossed; at the start
     bool held = false;
+    double last = 0, last_rate = 0;  ///< excess at the end of the step, and its rate; NaN: not known
+    double rise = 0, fall = 0;       ///< slopes of a condition without rates, at both ends: find_slopes
   };
   double excess(const Watched& watched) const;
-  std::optional<double> crossing(Trial& trial, const Watched& watched, double end, double tolerance) const;
-  std::optional<double> peak(Trial& trial, const Watched& watched, double end) const;
+  void look_at_end(std::size_t first);
+  bool find_slopes(Trial& trial, double end);
+  std::optional<double> crossing(Trial& trial, const Watched& watched, double end);
+  std::optional<double> peak(Trial& trial, const Watched& watched, double end);
+  void put_on_stop(const Watched& watched);
   void find();
   double coordinate(const Side& side) const;
   double speed(const Side& side) const;         // towards the stop
   double acceleration(const Side& side) const;  // towards the stop; the work is accelerated
   double pull(const Side& side) const;          // force with which the stop would have to pull
+  double rest_speed(const Side& side) const;    // what hits the stop no faster rests; the work is accelerated
   bool holds(const Side& side) const;
   bool locked(const Side& side) const;
   bool one_thing(std::vector<Event>& events);
   enum class Deed { hit, rest, leave };
   void act(std::vector<Event>& events, const Side& side, Deed deed, double restitution);
 
+  /// What is no speed beside the speed of rest.
+  static constexpr double no_speed = 1e-6;
+
   World* world_;
   Evaluator* evaluate_;
+  double tolerance_;  // s
   std::vector<Side> sides_;
   // Of one step, kept so that the next one allocates nothing.
   std::vector<Watched> watched_;
+  double slopes_of_ = 0;  // the end of the step that slopes were found for
   State start_;
   std::optional<std::uint64_t> revision_;
 };

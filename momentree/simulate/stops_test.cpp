@@ -1,5 +1,6 @@
 // Hard stops: when they are hit, what an impact leaves, how bouncing ends, and that a stop pushes and never pulls.
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -90,6 +91,38 @@ TEST_CASE("a freedom that goes out and back within one step hits its stop") {
   REQUIRE(sim.run_until(2 * v / g) == Status::ok);
   REQUIRE(of(sim, "hit ball upper").size() == 1);
   CHECK(of(sim, "hit")[0]->time == doctest::Approx(v / g * (1 - std::sqrt(0.01))).epsilon(1e-8));
+}
+
+TEST_CASE("bouncing ends, whatever the load, the mass, the restitution, the rest speed and where the stop is") {
+  std::mt19937_64 random(5);
+  const auto between = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  for (int k = 0; k < 200; ++k) {
+    const double a = std::pow(10, between(-2, 7)), mass = std::pow(10, between(-6, 3)), e = between(0, 0.95);
+    const double limit = k % 4 == 0 ? 0 : -std::pow(10, between(-3, 3)), height = std::pow(10, between(-4, 0));
+    CAPTURE(a);
+    CAPTURE(mass);
+    CAPTURE(e);
+    CAPTURE(limit);
+    CAPTURE(height);
+    Model model({.gravity = {0, 0, -a}});
+    model.add({.name = "ball",
+               .mass = mass,
+               .inertia = diagonal(mass),
+               .joint = Prismatic{.limits = {.lower = limit, .restitution = e, .rest_speed = 1e-12}},
+               .q = limit + height});
+    const double fall = std::sqrt(2 * height / a), end = fall * (1 + 2 * e / (1 - e));  // where infinitely many bounces end
+    Simulation sim(model, {.method = k % 2 == 0 ? "rk4" : "dopri5", .step = fall / 8, .rtol = 1e-9, .atol = 1e-12});
+    const Status status = sim.run_until(1.01 * end);
+    CAPTURE(sim.message());
+    REQUIRE(status == Status::ok);
+    const auto rests = of(sim, "rest ball lower");
+    REQUIRE(rests.size() == 1);
+    const double slowest = std::max(8e-10 * a, std::sqrt(2e-14 * a * (1 + std::fabs(limit))));  // that is told from rounding
+    CHECK(std::fabs(rests[0]->time - end) < 1e-9 + 1e-6 * end + 3 * slowest / a / (1 - e));
+    CHECK(sim.world().joint({0}).q[0] == limit);
+    CHECK(sim.events().size() < 1000);
+    CHECK(std::fabs(sim.energy().error) < 1e-5 * mass * a * height);
+  }
 }
 
 TEST_CASE("a stop lets go at the instant at which it would have to pull") {

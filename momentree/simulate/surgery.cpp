@@ -158,6 +158,12 @@ void Surgery::set(int joint, const JointParameters& parameters) {
   carry_out(SetParameters{{tree().carrier(joint)}, parameters}, Nature::outside);
 }
 
+JointParameters Surgery::begun(int joint, JointParameters parameters) const {
+  const Values q = coordinates(joint);
+  if (q.size() == 1) begin_motion(parameters.drive, q[0], world_.time());
+  return parameters;
+}
+
 Verdict Surgery::can_follow(int joint, const JointParameters& parameters) const {
   if (rehearsal_ || parameters.drive == nullptr || !parameters.drive->moves()) return Verdict::done();
   const double at = parameters.drive->motion[0].at(world_.time()).value, is = coordinates(joint)[0];
@@ -219,9 +225,10 @@ Verdict Surgery::attach(int body, int to, const JointSpec& spec, const std::opti
   world_.names_.name_joint(tree().joint_of(carrier), made_name_);
   carry_out(change, Nature::impact);
   const int made = tree().joint_of(carrier);
-  const Verdict follows = can_follow(made, spec.parameters);
+  const JointParameters parameters = begun(made, spec.parameters);
+  const Verdict follows = can_follow(made, parameters);
   if (follows.outcome != Verdict::Outcome::done) return follows;
-  if (!(spec.parameters == JointParameters{})) set(made, spec.parameters);
+  if (!(parameters == JointParameters{})) set(made, parameters);
   return Verdict::done();
 }
 

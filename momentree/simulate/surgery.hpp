@@ -69,6 +69,8 @@ class Surgery {
   // Energy from outside.
   void push(int body, const Vec3& force, const Vec3& torque, const Vec3& point);
   void set(int joint, const JointParameters& parameters);
+  /// The same parameters, where their motion begins where the joint stands now: it does.
+  JointParameters begun(int joint, JointParameters parameters) const;
   /// Whether a motion that these parameters prescribe can begin, or go on, where the joint stands now.
   Verdict can_follow(int joint, const JointParameters& parameters) const;
 

@@ -74,6 +74,7 @@ Body Model::add_unjudged(BodySpec spec) {
   if (spec.parent.index < -1 || spec.parent.index >= size())
     fail({"the parent is not a body of this model", spec.name, "add the parent first, and give what add() returned for it"});
   complete(spec);
+  if (spec.q.size() == 1) begin_motion(spec.joint.parameters.drive, spec.q[0], 0);
   if (by_body_.contains(spec.name))
     fail({"there is a body of that name already", spec.name, "names of bodies are unique in a model"});
   if (by_joint_.contains(spec.joint_name))

@@ -147,7 +147,7 @@ inline bool Damped::step(Evaluator& evaluate, State& state, Books& books, double
     for (int i = 0; i < nv && (s == 0 || driven); ++i) done -= share * rate(giving_, s)[i] * u[i];
   }
   end_step(tree, state.time() + h, q_.get(), p_.get());
-  if (!plausible(tree, q, q_.get(), p_.get())) return false;
+  if (!sound(tree, q, q_.get(), p_.get())) return false;
   take_stored(tree, q, q_.get(), books);
   const State::Edit edit = state.edit();
   std::copy_n(q_.get(), nq, edit.q.begin());

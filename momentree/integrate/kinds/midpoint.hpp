@@ -48,7 +48,7 @@ inline bool Midpoint::step(Evaluator& evaluate, State& state, Books& books, doub
   for (int k = 0; k < nq; ++k) q_[static_cast<std::size_t>(k)] = 2 * q_[static_cast<std::size_t>(k)] - q[k];
   for (int k = 0; k < nv; ++k) p_[static_cast<std::size_t>(k)] = 2 * p_[static_cast<std::size_t>(k)] - p[k];
   end_step(evaluate.tree(), state.time() + h, q_.get(), p_.get());
-  if (!plausible(evaluate.tree(), q, q_.get(), p_.get())) return false;
+  if (!sound(evaluate.tree(), q, q_.get(), p_.get())) return false;
   take_stored(evaluate.tree(), q, q_.get(), books);
   const State::Edit edit = state.edit();
   std::copy_n(q_.get(), nq, edit.q.begin());

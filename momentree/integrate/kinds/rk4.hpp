@@ -55,7 +55,7 @@ inline bool Rk4::step(Evaluator& evaluate, State& state, Books& books, double h)
   for (int i = 0; i < nq; ++i) q_[static_cast<std::size_t>(i)] = q[i] + h6 * q_sum_[static_cast<std::size_t>(i)];
   for (int i = 0; i < nv; ++i) p_[static_cast<std::size_t>(i)] = p[i] + h6 * p_sum_[static_cast<std::size_t>(i)];
   end_step(evaluate.tree(), t + h, q_.get(), p_.get());
-  if (!plausible(evaluate.tree(), q, q_.get(), p_.get())) return false;
+  if (!sound(evaluate.tree(), q, q_.get(), p_.get())) return false;
   take_stored(evaluate.tree(), q, q_.get(), books);
   const State::Edit edit = state.edit();
   std::copy_n(q_.get(), nq, edit.q.begin());

@@ -36,6 +36,10 @@ Value signal_value(const Signal& signal, double more = 0) {
     for (const Signal::Knot& knot : signal.knots())
       entries.push_back(value(Value::Array{number(knot.time), number(knot.value + more)}));
     add(table, "table", value(std::move(entries)));
+    if (signal.ends() == Signal::Ends::free) add(table, "ends", text("free"));
+  } else if (signal.ramp_rate() != 0 || signal.from_here()) {
+    add(table, "rate", number(signal.ramp_rate()));
+    if (!signal.from_here()) add(table, "offset", number(signal.offset() + more));
   } else if (signal.amplitude() != 0) {
     const double sign = signal.frequency() < 0 ? -1 : 1;  // a sine that runs backwards is another one that runs forwards
     Value::Table sine;
@@ -121,12 +125,14 @@ void add_parameters(Value::Table& table, const JointParameters& p, const KindInf
 }
 
 void add_start(Value::Table& table, const BodySpec& spec, const KindInfo& kind) {
-  if (spec.joint.parameters.drive && spec.joint.parameters.drive->moves()) return;  // the motion says it
+  const auto& drive = spec.joint.parameters.drive;
+  if (drive && drive->moves() && !drive->motion[0].signal().from_here()) return;  // the motion says it
   const bool one = kind.nq == 1 && kind.nv == 1;
   if (!(spec.q == joint_zero(kind.kind))) {
     const char* const key = !one ? "q" : kind.q_units[0] == 'r' ? "angle" : "position";
     add(table, key, one ? number(spec.q[0]) : list_of(spec.q));
   }
+  if (drive && drive->moves()) return;
   if (spec.v.any()) add(table, one ? "speed" : "v", one ? number(spec.v[0]) : list_of(spec.v));
 }
 

@@ -43,6 +43,7 @@ struct Set : ActionBase {
     if (all.drive != nullptr && all.drive->moves() && surgery.declared(joint).function >= 0)
       return Verdict::refused("a function drives the joint: its motion can't be prescribed", "take the function away first");
     if ((surgery.declared(joint).locked & 1u) == 0) {
+      all = surgery.begun(joint, std::move(all));
       Verdict follows = surgery.can_follow(joint, all);
       if (follows.outcome != Verdict::Outcome::done) return follows;
     }

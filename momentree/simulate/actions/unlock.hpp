@@ -18,8 +18,10 @@ struct Unlock : Lock {
     const int joint = surgery.joint(name);
     if ((wanted & surgery.locked(joint)) == 0) return Verdict::skipped("it is not locked");
     if (const JointParameters* p = parameters(surgery)) {
-      Verdict follows = surgery.can_follow(joint, *p);
+      const JointParameters all = surgery.begun(joint, *p);
+      Verdict follows = surgery.can_follow(joint, all);
       if (follows.outcome != Verdict::Outcome::done) return follows;
+      if (!(all == *p)) surgery.set(joint, all);
     }
     surgery.unlock(joint, wanted);
     return verdict;

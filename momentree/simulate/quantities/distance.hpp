@@ -17,14 +17,27 @@ struct Distance : Quantity {
   }
   std::vector<std::string> bodies() const override { return {one, other}; }
   std::optional<double> value(const World& world, std::span<const Event>) const override {
-    const auto place = [&world](const std::string& name, const Vec3& point) -> std::optional<Vec3> {
-      if (name == "ground") return point;
-      const Body body = world.model().body(name);
-      if (!world.alive(body)) return std::nullopt;
-      return world.motions()[static_cast<std::size_t>(body.index)].pose * point;
-    };
-    const auto a = place(one, point_of_one), b = place(other, point_of_other);
-    return a && b ? std::optional(norm(*a - *b)) : std::nullopt;
+    const auto a = end(world, one, point_of_one), b = end(world, other, point_of_other);
+    return a && b ? std::optional(norm(a->place - b->place)) : std::nullopt;
+  }
+  std::optional<double> rate(const World& world) const override {
+    const auto a = end(world, one, point_of_one), b = end(world, other, point_of_other);
+    if (!a || !b) return std::nullopt;
+    const Vec3 apart = a->place - b->place;
+    const double distance = norm(apart);
+    return distance > 0 ? std::optional(dot(apart, a->velocity - b->velocity) / distance) : std::nullopt;
+  }
+
+ private:
+  struct End {
+    Vec3 place, velocity;
+  };
+  static std::optional<End> end(const World& world, const std::string& name, const Vec3& point) {
+    if (name == "ground") return End{point, {}};
+    const Body body = world.model().body(name);
+    if (!world.alive(body)) return std::nullopt;
+    const BodyMotion& motion = world.motions()[static_cast<std::size_t>(body.index)];
+    return End{motion.pose * point, velocity_of(motion, point)};
   }
 };
 

@@ -16,10 +16,19 @@ struct Height : Quantity {
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     const Body body = world.model().body(name);
     if (!world.alive(body)) return std::nullopt;
-    const Vec3 place = world.motions()[static_cast<std::size_t>(body.index)].pose * point;
+    return dot(up(world), world.motions()[static_cast<std::size_t>(body.index)].pose * point);
+  }
+  std::optional<double> rate(const World& world) const override {
+    const Body body = world.model().body(name);
+    if (!world.alive(body)) return std::nullopt;
+    return dot(up(world), velocity_of(world.motions()[static_cast<std::size_t>(body.index)], point));
+  }
+
+ private:
+  static Vec3 up(const World& world) {
     const Vec3 g = world.model().gravity();
     const double size = norm(g);
-    return size == 0 ? place.z : -dot(g, place) / size;
+    return size == 0 ? z_axis : (-1 / size) * g;
   }
 };
 

@@ -8,6 +8,10 @@ struct Position : OneFreedom {
   std::string_view key() const override { return "position"; }
   Dimension dimension() const override { return turns ? dimension::angle : dimension::length; }
   double of(double position, double) const override { return position; }
+  std::optional<double> rate(const World& world) const override {
+    const auto state = present(world);
+    return state ? std::optional(state->second) : std::nullopt;
+  }
 };
 
 }  // namespace momentree::quantities

@@ -1,0 +1,37 @@
+// What to say of an energy balance that does not close.
+#include <cmath>
+#include <cstdio>
+
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+namespace momentree {
+
+namespace {
+
+// Beyond this share of the largest kinetic energy the motion is not the one that was asked for.
+constexpr double tolerated = 1e-3;
+
+std::string text(const char* pattern, double a) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, pattern, a);
+  return buffer;
+}
+
+// A share of the kinetic energy: "11 %", "12 times".
+std::string share_text(double share) { return share < 10 ? text("%.2g %%", 100 * share) : text("%.0f times", share); }
+
+}  // namespace
+
+std::string EnergyBalance::advice(const Integration& how) const {
+  if (!(std::fabs(error) > tolerated * largest_kinetic)) return {};
+  std::string what = "the energy balance is off by " + text("%.3g J", error) + ", " +
+                     (largest_kinetic > 0 ? share_text(std::fabs(error) / largest_kinetic) + " of the largest kinetic energy"
+                                          : std::string("where nothing moves")) +
+                     ": the motion is not computed accurately";
+  if (is_adaptive(how.method)) return what + "; use smaller tolerances, such as " + text("rtol = %.0e", how.rtol / 100);
+  what += "; use a smaller step, such as " + text("%.3g s", how.step / 4);
+  return how.method == "damped" ? what : what + ", or an adaptive method: dop853";
+}
+
+}  // namespace momentree

@@ -1,0 +1,86 @@
+#include <momentree/simulate/trouble.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace momentree {
+
+namespace {
+
+std::string text(double x) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.9g", x);
+  return buffer;
+}
+
+std::string joint_text(const World& world, int carrier) {
+  return "joint '" + std::string(world.joint_name({world.tree().joint_of(carrier)})) + "'";
+}
+
+// The body that carries the joint with the largest velocity, and that velocity.
+std::pair<int, double> fastest_joint(const World& world) {
+  int fastest = -1;
+  double most = 0;
+  for (const int b : world.tree().order())
+    for (const double v : world.joint({world.tree().joint_of(b)}).v)
+      if (fastest < 0 || !(std::fabs(v) <= most)) most = std::fabs(v), fastest = b;
+  return {fastest, most};
+}
+
+std::string what_ran_away(const World& world, const Integrator& method, double h) {
+  const Tree& tree = world.tree();
+  const std::string within = " within a step of " + text(h) + " s";
+  if (const auto& away = method.runaway_coordinate()) {
+    for (const int b : tree.order()) {
+      const int place = away->coordinate - tree.first_q(b);
+      if (place < 0 || place >= info(tree.kind(b)).nq) continue;
+      if (!std::isfinite(away->moved)) return joint_text(world, b) + " left the range of numbers" + within;
+      return joint_text(world, b) + " would move by " + text(away->moved) + " rad or m" + within;
+    }
+  }
+  const auto [fastest, speed] = fastest_joint(world);
+  if (fastest < 0) return "no step is short enough";
+  return "no step is short enough; " + joint_text(world, fastest) + " is the fastest, at " + text(speed) + " rad/s or m/s";
+}
+
+}  // namespace
+
+std::string divergence_text(const World& world, const Integrator& method, const Integration& integration, double h) {
+  return "diverged at t = " + text(world.time()) + " s: " + what_ran_away(world, method, h) + "; use " +
+         (method.adaptive() ? "larger tolerances rtol and atol"
+                            : "a smaller step, such as " + text(integration.step / 4) + " s") +
+         ", or more damping or inertia at that joint";
+}
+
+std::string no_progress_at(double time) { return "no progress at t = " + text(time) + " s: "; }
+
+std::string last_events(std::span<const Event> events) {
+  const auto one = [](const Event& e) { return "'" + e.name + (e.actions.empty() ? "" : ": " + e.actions.front()) + "'"; };
+  if (events.empty()) return "none";
+  return one(events.back()) + (events.size() > 1 ? " and " + one(events[events.size() - 2]) : "");
+}
+
+std::optional<std::string> ProgressMonitor::look(const World& world, const Integrator& method, const Integration& integration,
+                                                 std::span<const Event> events, double until) {
+  const double gone = world.time() - time_, steps = steps_between_looks, left = (until - world.time()) / gone * steps;
+  const std::size_t happened = events.size() - std::min(events.size(), events_);
+  begin(world.time(), events.size());
+  // A fixed step is what was asked for, unless no machine could do it. Adaptive methods take steps in which next to nothing moves
+  // where their tolerances are below the noise of rounding.
+  const double moved = fastest_joint(world).second * gone / steps;
+  const bool lost = method.adaptive() ? left > 1e9 && moved < 1e-5 : left > 2e11;
+  const bool busy = happened > static_cast<std::size_t>(steps) / 4 && left > 1e9;
+  if (gone > 0 && !lost && !busy) return std::nullopt;
+  const std::string what = no_progress_at(world.time()) + "the last " + std::to_string(steps_between_looks) +
+                           " steps took it no more than " + text(gone) + " s further; ";
+  if (happened > static_cast<std::size_t>(steps) / 4)
+    return what + "events follow one another without end, the last of them " + last_events(events) +
+           "; do they bring about each other?";
+  if (method.adaptive())
+    return what +
+           "the tolerances ask for more digits than the motion can be computed to: use larger rtol and atol, or a fixed step";
+  return what + "the step of " + text(integration.step) + " s is too short for a run of " + text(until) + " s";
+}
+
+}  // namespace momentree
