@@ -1,8 +1,9 @@
 // What plots over time have in common: axes, curves and the legend with its values.
-import type uPlot from "uplot";
+import uPlot from "uplot";
 import { seriesColour, type Theme } from "../viewer/colours";
 import { h } from "./dom";
 import { digits } from "./numbers";
+import type { Range } from "./scales";
 
 /** Time below, values on the left. */
 export function axesOf(theme: Theme): uPlot.Axis[] {
@@ -10,7 +11,7 @@ export function axesOf(theme: Theme): uPlot.Axis[] {
     stroke: theme.ink,
     font: "11px system-ui, sans-serif",
     grid: { stroke: theme.grid, width: 1 },
-    ticks: { stroke: theme.grid, width: 1, size: 4 },
+    ticks: { stroke: theme.grid, width: 1, size: 6 },
   };
   return [
     { ...axis, size: 24, gap: 2, values: (_u, ticks) => ticks.map((t) => `${digits(t)} s`) },
@@ -18,19 +19,35 @@ export function axesOf(theme: Theme): uPlot.Axis[] {
   ];
 }
 
-export const curvesOf = (theme: Theme, labels: readonly string[]): uPlot.Series[] => [
+/** Right of the plot, so that half of the last label has room. */
+export const labelRoom = 24;
+
+/** `rows`: few of them are shown as points: what is between them is a line, not a result. */
+export const curvesOf = (theme: Theme, labels: readonly string[], rows = Infinity): uPlot.Series[] => [
   {},
   ...labels.map((label, i) => ({
     label,
     stroke: seriesColour(theme, i),
     width: 1.6,
     pxAlign: 0, // a slope has no stairs
-    points: { show: false },
+    points: { show: rows <= 40, size: 6 },
   })),
 ];
 
-/** Fills the legend anew; what it returns is for the values. */
-export function fillLegend(legend: HTMLElement, theme: Theme, labels: readonly string[]): HTMLElement[] {
+/** The axis of values for a range: as it is where all is flat, else with room above and below. */
+export const axisRange = ({ low, high, flat }: Range): [number, number] => {
+  if (flat) return [low, high];
+  const [from, to] = uPlot.rangeNum(low, high, 0.1, true);
+  return [from ?? low, to ?? high];
+};
+
+/** Fills the legend anew; what it returns is for the values. `flat`: what they all are, but for round-off. */
+export function fillLegend(
+  legend: HTMLElement,
+  theme: Theme,
+  labels: readonly string[],
+  flat: Range["flat"] = null,
+): HTMLElement[] {
   const values = labels.map(() => h("span", { class: "value" }));
   legend.replaceChildren(
     ...labels.map((label, i) => {
@@ -38,6 +55,7 @@ export function fillLegend(legend: HTMLElement, theme: Theme, labels: readonly s
       swatch.style.background = seriesColour(theme, i);
       return h("li", {}, swatch, label, values[i]);
     }),
+    ...(flat ? [h("li", { class: "flat" }, `${flat} to round-off`)] : []),
   );
   return values;
 }
