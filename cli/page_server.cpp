@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <thread>
 #include <utility>
 
 namespace momentree::cli {
+
+using std::chrono::milliseconds;
 
 namespace {
 
@@ -17,6 +20,8 @@ constexpr int quietly = MSG_NOSIGNAL;
 #else
 constexpr int quietly = 0;  // SO_NOSIGPIPE of the socket
 #endif
+
+constexpr int patience = 50;  // ms
 
 bool try_later() { return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR; }
 
@@ -33,7 +38,7 @@ void PageServer::run(const std::function<bool()>& stop) {
       const bool sending = connection.stage == Stage::sending;
       polled.push_back({connection.socket.get(), static_cast<short>(sending ? POLLOUT : POLLIN), 0});
     }
-    if (::poll(polled.data(), polled.size(), 50) < 0 && errno != EINTR) return;
+    if (::poll(polled.data(), polled.size(), patience) < 0 && errno != EINTR) std::this_thread::sleep_for(milliseconds(patience));
     const Clock::time_point now = Clock::now();
     for (std::size_t i = 0; i < connections_.size(); ++i) {
       Connection& connection = connections_[i];
@@ -51,7 +56,10 @@ void PageServer::accept_all() {
     Socket socket(::accept(listener_.socket.get(), nullptr, nullptr));
     if (!socket) {
       if (errno == EINTR || errno == ECONNABORTED) continue;
-      if ((errno == EMFILE || errno == ENFILE) && make_room()) continue;
+      if (errno == EMFILE || errno == ENFILE) {
+        if (make_room()) continue;
+        std::this_thread::sleep_for(milliseconds(patience));  // for other programs to close some
+      }
       return;
     }
     prepare(socket);

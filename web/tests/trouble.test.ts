@@ -117,11 +117,18 @@ describe("a graphics context that is lost", () => {
   it("is told in the playground, whose tools come back with it", async () => {
     const { page } = await open(browser, playgroundAddress);
     await ready(page);
+    const inert = () => page.locator(".tools").evaluateAll((all) => all.map((e) => (e as HTMLElement).inert));
     await context(page, "loseContext");
     await page.waitForSelector(".instead");
+    expect(await inert()).toEqual([true, true]);
     await context(page, "restoreContext");
     await expect.poll(() => page.locator(".instead").count(), patience).toBe(0);
-    expect(await page.getByRole("button", { name: "Grab" }).isVisible()).toBe(true);
+    expect(await inert()).toEqual([false, false]);
+    await context(page, "loseContext");
+    await page.waitForSelector(".instead");
+    await page.getByRole("button", { name: "⟲" }).click(); // another picture, with a context of its own
+    await expect.poll(() => page.locator(".instead").count(), patience).toBe(0);
+    expect(await inert()).toEqual([false, false]);
   });
 
   it("is none where a world takes the place of another", async () => {

@@ -11,7 +11,7 @@ export function axesOf(theme: Theme): uPlot.Axis[] {
     stroke: theme.ink,
     font: "11px system-ui, sans-serif",
     grid: { stroke: theme.grid, width: 1 },
-    ticks: { stroke: theme.grid, width: 1, size: 6 },
+    ticks: { stroke: theme.grid, width: 1, size: 4 },
   };
   return [
     { ...axis, size: 24, gap: 2, values: (_u, ticks) => ticks.map((t) => `${digits(t)} s`) },
@@ -19,10 +19,10 @@ export function axesOf(theme: Theme): uPlot.Axis[] {
   ];
 }
 
-/** Right of the plot, so that half of the last label has room. */
+/** Space to the right of the plot for half of the last label (pixels). */
 export const labelRoom = 24;
 
-/** `rows`: few of them are shown as points: what is between them is a line, not a result. */
+/** `rows`: if there are few, each is marked by a point, since the line between them is not a result. */
 export const curvesOf = (theme: Theme, labels: readonly string[], rows = Infinity): uPlot.Series[] => [
   {},
   ...labels.map((label, i) => ({
@@ -34,14 +34,14 @@ export const curvesOf = (theme: Theme, labels: readonly string[], rows = Infinit
   })),
 ];
 
-/** The axis of values for a range: as it is where all is flat, else with room above and below. */
+/** Limits of the value axis: with some room, unless all is flat. */
 export const axisRange = ({ low, high, flat }: Range): [number, number] => {
   if (flat) return [low, high];
   const [from, to] = uPlot.rangeNum(low, high, 0.1, true);
   return [from ?? low, to ?? high];
 };
 
-/** Fills the legend anew; what it returns is for the values. `flat`: what they all are, but for round-off. */
+/** Fills the legend anew; what it returns is for the values. `flat`: says that all values are zero, or constant, to round-off. */
 export function fillLegend(
   legend: HTMLElement,
   theme: Theme,

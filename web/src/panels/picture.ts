@@ -10,7 +10,7 @@ import type { Stage } from "../viewer/stage";
 import { Trails } from "../viewer/trails";
 import { h } from "./dom";
 import { count, instant } from "./numbers";
-import { stageIn } from "./stage_in";
+import { ownColoursSays, stageIn } from "./stage_in";
 
 /** What is drawn, and what can be switched on and off in it. */
 interface Drawn {
@@ -58,11 +58,11 @@ export class Picture {
     this.show(this.player.time);
   }
 
-  private switch(label: string, title: string, key: string, is: () => boolean, set: (on: boolean) => void): HTMLButtonElement {
-    const button = h("button", { type: "button", title: `${title} (${key})`, "aria-pressed": String(is()) }, label);
+  private switch(label: string, title: string, key: string, target: { visible: boolean }): HTMLButtonElement {
+    const button = h("button", { type: "button", title: `${title} (${key})`, "aria-pressed": String(target.visible) }, label);
     button.addEventListener("click", () => {
-      set(!is());
-      button.setAttribute("aria-pressed", String(is()));
+      target.visible = !target.visible;
+      button.setAttribute("aria-pressed", String(target.visible));
       this.show(this.player.time);
     });
     this.keys.set(key.toLowerCase(), button);
@@ -76,32 +76,23 @@ export class Picture {
       "Fit",
     );
     this.keys.set("f", fit);
-    const own = () =>
-      this.switch(
-        "Own colours",
-        "Bodies in their own colours, outlined in their mechanism's, or all in their mechanism's",
-        "O",
-        () => stage.ownColours,
-        (on) => (stage.ownColours = on),
+    const tools = h("div", { class: "tools" });
+    const own = {
+      get visible() {
+        return stage.ownColours;
+      },
+      set visible(wanted: boolean) {
+        stage.ownColours = wanted;
+      },
+    };
+    if (stage.shapes.coloured) tools.append(this.switch("Own colours", ownColoursSays, "O", own));
+    if (!this.options.still)
+      tools.append(
+        this.switch("Ghosts", `Where it was, every ${instant(ghosts.every, ghosts.every * 10)}`, "G", ghosts),
+        this.switch("Trails", "Paths of the ends and of a body that was clicked", "T", trails),
       );
-    const every = `Where it was, every ${instant(ghosts.every, ghosts.every * 10)}`;
-    const moving = () => [
-      this.switch(
-        "Ghosts",
-        every,
-        "G",
-        () => ghosts.visible,
-        (on) => (ghosts.visible = on),
-      ),
-      this.switch(
-        "Trails",
-        "Paths of the ends and of a body that was clicked",
-        "T",
-        () => trails.visible,
-        (on) => (trails.visible = on),
-      ),
-    ];
-    return h("div", { class: "tools" }, stage.shapes.coloured && own(), ...(this.options.still ? [] : moving()), fit);
+    tools.append(fit);
+    return tools;
   }
 
   /** Buttons by the key that presses them. */

@@ -45,7 +45,7 @@ export function balanceOf(columns: readonly Column[]): Column | null {
   return { label: worked ? "all, less work" : "all", unit: "J", values };
 }
 
-/** Of numbers in single precision, as those of joints come. */
+/** Relative precision of joint columns, which are stored in single precision. */
 const single = 2.4e-7;
 
 export class Plots {

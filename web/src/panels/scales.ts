@@ -1,8 +1,8 @@
-// By what the numbers of a plot are measured: what is round-off beside that is drawn as a flat line, not as a picture of noise.
+// Typical sizes of the quantities in a run: a plot that holds nothing but round-off is drawn as a flat line, not as noise.
 import type { Column, JointQuantity, Model, Recording, WorldQuantity } from "../recording";
 import { typicalLength } from "../viewer/mechanisms";
 
-/** Of doubles that were summed over bodies and steps, as a share of their scale. */
+/** Relative to the scale: of doubles that are sums over bodies and steps. */
 const roundOff = 1e-12;
 
 export interface Range {
@@ -20,7 +20,7 @@ const largest = (values: ArrayLike<number>) => {
 };
 const largestOf = (columns: readonly Column[]) => Math.max(0, ...columns.map(({ values }) => largest(values)));
 
-/** The values' axis. `scale`: what such numbers are in this run; `precision`: to which share of themselves they are kept. */
+/** The range of the value axis. `scale`: typical size of the quantity; `precision`: relative precision of the values. */
 export function rangeOf(columns: readonly ArrayLike<number>[], scale: number, precision = 0): Range {
   let [low, high] = [Infinity, -Infinity];
   for (const values of columns)
@@ -38,17 +38,17 @@ export function rangeOf(columns: readonly ArrayLike<number>[], scale: number, pr
   return { low: Math.min(0, 2 * middle), high: Math.max(0, 2 * middle), flat: "constant" };
 }
 
-/** How large the momentum of bodies is that have this mass and energy between them. */
+/** The largest momentum that bodies of this total mass and kinetic energy can have. */
 export const momentumScale = (mass: number, kinetic: number) => Math.sqrt(2 * mass * Math.max(kinetic, 0));
 
-/** How far from the origin bodies are that stand so. */
+/** The largest distance of a body from the origin at these poses, or the size of a body if that is larger. */
 export function reachOf(model: Model, poses: ArrayLike<number>): number {
   let most = typicalLength(model);
   for (let i = 0; i < poses.length; i += 7) most = Math.max(most, Math.hypot(poses[i], poses[i + 1], poses[i + 2]) || 0);
   return most;
 }
 
-/** How far from the origin the bodies come. */
+/** The same over the whole run. */
 function farthest(run: Recording): number {
   const step = Math.max(1, Math.floor(run.frames / 40));
   let most = 0;
@@ -56,7 +56,7 @@ function farthest(run: Recording): number {
   return most;
 }
 
-/** What such numbers are in a run. */
+/** The scales of one run, computed when they are needed. */
 export class Scales {
   private readonly known = new Map<string, number>();
 
@@ -72,7 +72,7 @@ export class Scales {
     });
   }
 
-  /** Angles are measured by one radian, all else by the largest number of its kind in any joint. */
+  /** One radian for angles, else the largest value of that quantity in any joint. */
   joint(quantity: JointQuantity, unit: string): number {
     if (quantity === "q") return unit === "m" ? typicalLength(this.run.model) : 1;
     return this.once(`${quantity} ${unit}`, () => {

@@ -3,10 +3,17 @@ import type { Model } from "../recording";
 import { hasWebGL, Stage } from "../viewer/stage";
 import { h } from "./dom";
 
+/** Of the button that switches them on and off. */
+export const ownColoursSays = "Bodies in their own colours, outlined in their mechanism's, or all in their mechanism's";
+
 const message = (...children: (Node | string)[]) => h("div", { class: "instead", role: "alert" }, ...children);
 
 /** null where the browser can't draw it: then the page says so there, and `besides` says what works without it. */
 export function stageIn(host: HTMLElement, model: Model, besides: readonly (Node | string)[]): Stage | null {
+  const disable = (tools: boolean) => {
+    for (const each of host.querySelectorAll<HTMLElement>(".tools")) each.inert = tools;
+  };
+  disable(false);
   let stage: Stage | null = null;
   let why = "it does not provide WebGL 2";
   try {
@@ -27,7 +34,7 @@ export function stageIn(host: HTMLElement, model: Model, besides: readonly (Node
   }
   let shown: HTMLElement | null = null;
   stage.whenLost((lost) => {
-    for (const tools of host.querySelectorAll<HTMLElement>(".tools")) tools.inert = lost;
+    disable(lost);
     shown?.remove();
     shown = null;
     if (!lost) return;

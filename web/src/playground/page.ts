@@ -1,6 +1,6 @@
 // The page: picture with its tools, timeline, plots and readouts, panel, editor. What needs a world can't be used without one.
 import { h } from "../panels/dom";
-import { stageIn } from "../panels/stage_in";
+import { ownColoursSays, stageIn } from "../panels/stage_in";
 import { tabs } from "../panels/tabs";
 import { marked } from "../panels/timeline";
 import { themeButton } from "../panels/theme_button";
@@ -112,15 +112,7 @@ export function showPlayground(page: HTMLElement, app: App) {
     { type: "button", title: "All in the picture (A)", onclick: () => app.run && stage?.fit(app.run) },
     "Fit",
   );
-  const colours = h(
-    "button",
-    {
-      type: "button",
-      title: "Bodies in their own colours, outlined in their mechanism's, or all in their mechanism's (O)",
-      "aria-pressed": "true",
-    },
-    "Own colours",
-  );
+  const colours = h("button", { type: "button", title: `${ownColoursSays} (O)`, "aria-pressed": "true" }, "Own colours");
   colours.addEventListener("click", () => {
     own = !own;
     colours.setAttribute("aria-pressed", String(own));

@@ -10,14 +10,14 @@ import { Chart } from "./chart";
 /** Between two drawings while frames come (ms). */
 const pause = 120;
 
-/** How large momenta are in these frames (N s). */
+/** The scale of momenta in these frames (N s). */
 function momentumIn(run: LiveRecording, from: number, to: number): number {
   let kinetic = 0;
   for (let frame = from; frame <= to; frame++) kinetic = Math.max(kinetic, run.totals(frame).kinetic);
   return momentumScale(massOf(run.model.bodies), kinetic);
 }
 
-/** Numbers beside each other; what is round-off beside `scale` is nothing. */
+/** The components in one line; round-off relative to `scale` is shown as zero. */
 const vector = (v: readonly number[], scale: number) =>
   v.map((x) => digits(Math.abs(x) <= 1e-12 * scale ? 0 : x, 5)).join("  ");
 

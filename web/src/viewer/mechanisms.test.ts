@@ -6,7 +6,7 @@ import { MechanismsView } from "./mechanisms";
 import { ShapeLibrary } from "./shapes";
 
 const at = { xyz: [0, 0, 0], quat: [1, 0, 0, 0] } as const;
-const ball = (colour?: string): Shape => ({ kind: "sphere", radius: 1, at, colour });
+const ball = (colour?: string): Shape => ({ kind: "sphere", radius: 1, at, ...(colour !== undefined && { colour }) });
 const body = (name: string, ...shapes: Shape[]) => ({ name, mass: 1, com: [0, 0, 0] as const, extent: [], shapes });
 const model: Model = {
   title: "",
