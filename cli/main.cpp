@@ -57,7 +57,7 @@ void CommandLine::overrides(CLI::App* sub, std::vector<std::string>& values) {
 }
 
 void CommandLine::served(CLI::App* sub, int& port, bool& no_browser) {
-  sub->add_option("--port", port, "Of 127.0.0.1; default: any that is free")->type_name("N")->check(CLI::Range(0, 65535));
+  sub->add_option("--port", port, "Port on 127.0.0.1; default: any free port")->type_name("N")->check(CLI::Range(0, 65535));
   sub->add_flag("--no-browser", no_browser, "Print the address and open nothing");
 }
 

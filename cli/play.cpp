@@ -37,7 +37,7 @@ int play(const PlayOptions& options) {
     if (!scenario) return bad_input;
     page = io::playground_page(page, text_of(*scenario, options.overrides));
   }
-  return serve({std::move(page), io::content_policy(playground_html())}, options.port, !options.no_browser);
+  return serve({std::move(page), io::content_policy(playground_html())}, listen_on(options.port), !options.no_browser);
 }
 
 }  // namespace momentree::cli

@@ -62,11 +62,12 @@ int view(const ViewOptions& options) {
   if (!options.svg.empty()) return draw(options);
   if (options.every != 0 || !options.look.empty() || options.layout != "overlay")
     fail({"--every, --look and --layout are of pictures", "", "draw the run with --svg FILE, or leave them out"});
+  Listener listener = listen_on(options.port);  // before a run that takes its time
   int code = done;
   const std::optional<std::string> data = data_of(options.source, code);
   if (!data) return code;
   const int served =
-      serve({io::report_page(report_html(), *data), io::content_policy(report_html())}, options.port, !options.no_browser);
+      serve({io::report_page(report_html(), *data), io::content_policy(report_html())}, std::move(listener), !options.no_browser);
   return code != done ? code : served;
 }
 

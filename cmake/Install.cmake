@@ -17,6 +17,7 @@ endif()
 install(DIRECTORY momentree "${PROJECT_BINARY_DIR}/generated/momentree" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
   FILES_MATCHING PATTERN "*.hpp" PATTERN "*.ipp" PATTERN "test_support.hpp" EXCLUDE)
 install(FILES docs/scenario.schema.json DESTINATION "${CMAKE_INSTALL_DATADIR}/momentree")
+install(FILES LICENSE NOTICE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 install(EXPORT momentreeTargets NAMESPACE momentree:: DESTINATION "${package_dir}")
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/momentreeConfig.cmake.in" "${PROJECT_BINARY_DIR}/momentreeConfig.cmake"
   INSTALL_DESTINATION "${package_dir}")

@@ -146,6 +146,8 @@ export interface Recording {
   time(frame: number): number;
   /** Of a frame: per body x, y, z, qw, qx, qy, qz of its frame in the world. Valid until the recording changes. */
   poses(frame: number): ArrayLike<number>;
+  /** Whether nothing can be said of the motion between a frame and the next: the run diverged there. */
+  gapAfter?(frame: number): boolean;
   readonly events: readonly RunEvent[];
   /** At least one; the first holds from the start. */
   readonly phases: readonly Phase[];

@@ -23,13 +23,13 @@ export function report(file: string, ...options: string[]): string {
   return folder;
 }
 
-/** WebGL by the processor: there is no graphics card where tests run. */
-export function launch(): Promise<Browser> {
+/** WebGL by the processor, as there is no graphics card where tests run, or none at all. */
+export function launch({ webgl = true } = {}): Promise<Browser> {
   const paths = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
   const executablePath = process.env.CHROMIUM ?? paths.find((path) => existsSync(path));
   if (!executablePath) throw new Error("no Chromium is installed; CHROMIUM may say where it is");
-  const args = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
-  return chromium.launch({ executablePath, args });
+  const gl = webgl ? ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] : ["--disable-3d-apis"];
+  return chromium.launch({ executablePath, args: ["--no-sandbox", ...gl] });
 }
 
 /** What the playground tells programs. */
@@ -55,6 +55,7 @@ export interface View {
   readonly dark?: boolean;
   readonly scale?: number;
   readonly touch?: boolean;
+  readonly noScript?: boolean;
 }
 
 export const desktop: View = { width: 1280, height: 800 };
@@ -66,13 +67,15 @@ export interface Opened {
   readonly complaints: string[];
 }
 
-export async function open(browser: Browser, address: string, view: View = desktop): Promise<Opened> {
+/** `awaited`: what is there when the page has begun. */
+export async function open(browser: Browser, address: string, view: View = desktop, awaited = "canvas"): Promise<Opened> {
   const context = await browser.newContext({
     viewport: { width: view.width, height: view.height },
     colorScheme: view.dark ? "dark" : "light",
     deviceScaleFactor: view.scale ?? 1,
     hasTouch: view.touch ?? false,
     reducedMotion: "reduce",
+    javaScriptEnabled: !view.noScript,
   });
   const page = await context.newPage();
   const complaints: string[] = [];
@@ -84,13 +87,18 @@ export async function open(browser: Browser, address: string, view: View = deskt
       complaints.push(`asked for ${request.url()}`);
   });
   await page.goto(address);
-  await page.waitForSelector("canvas");
-  await settled(page);
+  await page.waitForSelector(awaited);
+  if (!view.noScript) await settled(page);
   return { page, complaints };
 }
 
-export const openReport = (browser: Browser, folder: string, view?: View, time?: number) =>
-  open(browser, pathToFileURL(join(folder, "report.html")).href + (time === undefined ? "" : `#t=${time}`), view);
+export const openReport = (browser: Browser, folder: string, view?: View, time?: number, awaited?: string) =>
+  open(browser, pathToFileURL(join(folder, "report.html")).href + (time === undefined ? "" : `#t=${time}`), view, awaited);
+
+/** The playground's page, as it is built. */
+export const playgroundAddress = pathToFileURL(
+  join(fileURLToPath(new URL("..", import.meta.url)), "dist", "playground.html"),
+).href;
 
 /** Until what was asked for is drawn. */
 export const settled = (page: Page) =>

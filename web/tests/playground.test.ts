@@ -1,11 +1,8 @@
 // The playground in a real browser: what a reader does to a mechanism, and what the momenta say of it.
-import { join } from "node:path";
-import { pathToFileURL, fileURLToPath } from "node:url";
 import type { Browser, Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
-import { desktop, keep, launch, open, phone, type Opened, type View } from "./browser";
+import { desktop, keep, launch, open, phone, playgroundAddress as address, type Opened, type View } from "./browser";
 
-const address = pathToFileURL(join(fileURLToPath(new URL("..", import.meta.url)), "dist", "playground.html")).href;
 let browser: Browser;
 beforeAll(async () => {
   browser = await launch();

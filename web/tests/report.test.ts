@@ -57,6 +57,23 @@ describe("the report of a run", () => {
     await page.context().close();
   });
 
+  it("goes where its slider is put, by the pointer too, and stops there", async () => {
+    const { page, complaints } = await openReport(browser, chain);
+    await page.getByRole("button", { name: "Play", exact: true }).click();
+    const slider = page.getByLabel("Time", { exact: true });
+    await slider.fill("500");
+    expect(await clock(page)).toBe("1.500 s");
+    await page.getByRole("button", { name: "Play", exact: true }).waitFor();
+    const box = (await slider.boundingBox())!;
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 0.8 * box.width, box.y + box.height / 2, { steps: 4 });
+    await page.mouse.up();
+    expect(parseFloat(await clock(page))).toBeCloseTo(2.4, 1);
+    expect(complaints).toEqual([]);
+    await page.context().close();
+  });
+
   it("jumps to the break: two mechanisms in two colours, the pair before and after, and the certificate", async () => {
     const { page, complaints } = await openReport(browser, chain);
     const colours = [mechanismColour(light, 0), mechanismColour(light, 1)];

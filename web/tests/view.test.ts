@@ -45,7 +45,7 @@ const answer = (address: string, headers: Record<string, string>, method = "GET"
 
 it("shows a result, and ends on Ctrl-C", async () => {
   const address = await view(report(scenario("pendulum.toml")));
-  expect(address).toMatch(/^http:\/\/127\.0\.0\.1:\d+\/$/);
+  expect(address).toMatch(/^http:\/\/127\.0\.0\.1:\d+\/[0-9a-f]{32}$/);
   const { page, complaints } = await open(browser, address);
   expect(await page.locator("h1").innerText()).not.toBe("");
   expect(complaints).toEqual([]);
@@ -53,12 +53,12 @@ it("shows a result, and ends on Ctrl-C", async () => {
   expect(await ended()).toBe(0);
 });
 
-it("answers no other name, no other origin, nothing but the page, and says so in its headers", async () => {
+it("answers this machine's browser alone, with the page alone, and says so in its headers", async () => {
   const address = await view(scenario("pendulum.toml"));
   const { host } = new URL(address);
   const port = host.split(":")[1];
   const status = async (headers: Record<string, string>, path = "", method = "GET") =>
-    (await answer(address + path, headers, method)).statusCode;
+    (await answer(path ? new URL(path, address).href : address, headers, method)).statusCode;
   expect(await status({ host })).toBe(200);
   expect(await status({ host: `localhost:${port}` })).toBe(200);
   expect(await status({ host: `rebound.example:${port}` })).toBe(403);
@@ -66,8 +66,9 @@ it("answers no other name, no other origin, nothing but the page, and says so in
   expect(await status({ host, origin: "http://elsewhere.example" })).toBe(403);
   expect(await status({ host, origin: "null" })).toBe(403);
   expect(await status({ host, origin: `http://${host}` })).toBe(200);
-  expect(await status({ host }, "../etc/passwd")).toBe(404);
-  expect(await status({ host }, "", "POST")).toBe(404);
+  for (const path of ["/", "../etc/passwd", `${new URL(address).pathname}/x`]) expect(await status({ host }, path)).toBe(404);
+  expect(await status({ host }, "", "POST")).toBe(405);
+  expect(await status({ host, "content-length": "300000000" }, "", "POST")).toBe(413);
   const { headers } = await answer(address, { host });
   expect(headers["content-security-policy"]).toMatch(
     /^default-src 'none'; script-src 'sha256-[^']+'; .*frame-ancestors 'none'$/,

@@ -102,6 +102,7 @@ void read_model(const Json& model, const Numbers& numbers, Recording& run, std::
     RecordedBody& recorded = run.bodies[static_cast<std::size_t>(b)];
     for (const Json& segment : body.at("extent")) recorded.extent.emplace_back(vec(segment.at(0)), vec(segment.at(1)));
     if (body.contains("shape") && !body.at("shape").is_null()) recorded.shape = read_shape(body.at("shape"));
+    for (const Json& more : body.value("more_shapes", Json::array())) recorded.shape.more.push_back(read_shape(more));
   }
 }
 

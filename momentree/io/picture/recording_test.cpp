@@ -158,6 +158,24 @@ TEST_CASE("poses alone are enough for a picture") {
   CHECK(read_recording(directory.path()).bodies[0].extent.size() == 1);
 }
 
+TEST_CASE("all shapes of a body are drawn, each in its colour") {
+  Directory directory;
+  directory.write("bodies.csv", header_of_two + row(0, 1) + row(1, 2));
+  std::string model = model_of_two("Two");
+  const std::string at = R"("at": {"xyz": [0, 0, 0], "quat": [1, 0, 0, 0]})";
+  const std::string shapes = R"("shape": {"kind": "mesh", "file": "a.stl", "colour": "#aaaa01", )" + at +
+                             R"(}, "more_shapes": [{"kind": "box", "size": [0.2, 0.2, 0.2], "colour": "#aaaa02", )" + at +
+                             R"(}, {"kind": "sphere", "radius": 5, "colour": "gold", )" + at + "}]";
+  const std::string none = R"("shape": null)";
+  directory.write("model.json", model.replace(model.find(none), none.size(), shapes));
+  const Recording run = read_recording(directory.path());
+  REQUIRE(run.bodies[0].shape.more.size() == 2);
+  const std::string svg = draw_svg(run);
+  CHECK(!mentions(svg, "#aaaa01"));  // meshes are not drawn
+  CHECK(mentions(svg, "#aaaa02"));
+  CHECK(mentions(svg, "gold"));
+}
+
 TEST_CASE("a title cannot break the picture") {
   Directory directory;
   directory.write("bodies.csv", header_of_two + row(0, 1));

@@ -55,6 +55,12 @@ std::vector<Patch> patches_of(const Shape& shape) {
   return patches;
 }
 
+template <class Action>
+void for_each_shape(const Shape& shape, const Action& action) {
+  action(shape);
+  for (const Shape& more : shape.more) action(more);
+}
+
 double distance(const Point2& a, const Point2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
 /// Draws one instant.
@@ -89,15 +95,17 @@ class FrameBuilder {
   void add_body(std::size_t b) {
     const RecordedBody& body = run_.bodies[b];
     const Pose& pose = frame_.poses[b];
-    const std::vector<Patch> patches = patches_of(body.shape);
-    const Pose placed = pose * body.shape.at;
-    for (Patch patch : patches) {
-      const Vec3 normal = placed * patch.normal - placed.position;
-      if (dot(normal, view_.look) > 0) continue;  // on the far side
-      for (Vec3& p : patch.points) p = placed * p;
-      add(Primitive::Kind::area, b, patch.points, patch.radius, body.shape.colour);
-    }
-    const bool shaped = !patches.empty();
+    bool shaped = false;
+    for_each_shape(body.shape, [&](const Shape& shape) {
+      const Pose placed = pose * shape.at;
+      for (Patch patch : patches_of(shape)) {
+        shaped = true;
+        const Vec3 normal = placed * patch.normal - placed.position;
+        if (dot(normal, view_.look) > 0) continue;  // on the far side
+        for (Vec3& p : patch.points) p = placed * p;
+        add(Primitive::Kind::area, b, patch.points, patch.radius, shape.colour);
+      }
+    });
     for (const auto& [from, to] : body.extent) add(Primitive::Kind::line, b, {pose * from, pose * to});
     if (body.extent.empty() && !shaped) add(Primitive::Kind::dot, b, {pose * body.child_at});
     if (!phase_.joined[b]) return;
@@ -153,8 +161,10 @@ std::vector<Vec3> drawn_points(const Recording& run) {
     for (std::size_t b = 0; b < run.bodies.size(); ++b) {
       points.push_back(frame.poses[b].position);
       for (const auto& [from, to] : run.bodies[b].extent) points.push_back(frame.poses[b] * to);
-      for (const Patch& patch : patches_of(run.bodies[b].shape))
-        for (const Vec3& p : patch.points) points.push_back(frame.poses[b] * (run.bodies[b].shape.at * p));
+      for_each_shape(run.bodies[b].shape, [&](const Shape& shape) {
+        for (const Patch& patch : patches_of(shape))
+          for (const Vec3& p : patch.points) points.push_back(frame.poses[b] * (shape.at * p));
+      });
     }
   return points;
 }

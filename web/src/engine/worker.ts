@@ -11,8 +11,12 @@ let last = performance.now();
 const tell = (message: FromWorker) => scope.postMessage(message);
 
 async function begin() {
-  session = new Session(await Engine.of(module!), tell);
-  tell({ say: "ready" });
+  try {
+    session = new Session(await Engine.of(module!), tell);
+    tell({ say: "ready" });
+  } catch (error) {
+    tell({ say: "failed", message: `The engine can't start: ${String(error)}` });
+  }
 }
 
 /** What the engine could not foresee costs the world, not the page: a new instance takes over. */
@@ -29,10 +33,13 @@ function guarded(work: () => void) {
 
 scope.onmessage = ({ data }) => {
   if (data.say === "module")
-    void WebAssembly.compile(data.bytes).then((compiled) => {
-      module = compiled;
-      return begin();
-    });
+    WebAssembly.compile(data.bytes).then(
+      (compiled) => {
+        module = compiled;
+        return begin();
+      },
+      (error) => tell({ say: "failed", message: `The engine can't start: ${String(error)}` }),
+    );
   else guarded(() => session?.hear(data));
 };
 

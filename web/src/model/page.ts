@@ -1,7 +1,7 @@
 // A model to be posed by hand: a slider for each freedom, the picture beside them.
 import { listenToKeys } from "../panels/keys";
 import { count } from "../panels/numbers";
-import { h } from "../panels/dom";
+import { h, table } from "../panels/dom";
 import { Picture } from "../panels/picture";
 import { themeButton } from "../panels/theme_button";
 import type { Recording } from "../recording";
@@ -33,11 +33,18 @@ export function showModel(page: HTMLElement, run: Recording) {
     posed,
     player,
     (body) => legends.get(inboard.get(body) ?? "")?.scrollIntoView({ block: "nearest" }),
-    {
-      still: true,
-    },
+    { still: true, besides: [h("code", {}, "momentree view MODEL --svg FILE"), " draws the model without a browser."] },
   );
   const fill = () => {
+    if (!picture.stage) {
+      // nothing that sliders could move
+      const rows = model.joints.map(({ name, kind, parent }) => [
+        name,
+        kind,
+        parent < 0 ? "ground" : model.bodies[parent].name,
+      ]);
+      return list.replaceChildren(table("Joints", ["", "kind", "on"], rows));
+    }
     list.replaceChildren(
       h("button", { type: "button", onclick: reset }, "Back to the start"),
       ...moving.map((joint) => {
@@ -59,7 +66,7 @@ export function showModel(page: HTMLElement, run: Recording) {
   };
   page.classList.add("model");
   page.append(picture.element, list);
-  watchTheme((theme) => picture.stage.setTheme(theme));
+  watchTheme((theme) => picture.setTheme(theme));
   picture.fit();
   fill();
   listenToKeys(posed, player, picture.keys, { step: () => undefined });

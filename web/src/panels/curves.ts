@@ -1,8 +1,9 @@
 // What plots over time have in common: axes, curves and the legend with its values.
-import type uPlot from "uplot";
+import uPlot from "uplot";
 import { seriesColour, type Theme } from "../viewer/colours";
 import { h } from "./dom";
 import { digits } from "./numbers";
+import type { Range } from "./scales";
 
 /** Time below, values on the left. */
 export function axesOf(theme: Theme): uPlot.Axis[] {
@@ -18,19 +19,35 @@ export function axesOf(theme: Theme): uPlot.Axis[] {
   ];
 }
 
-export const curvesOf = (theme: Theme, labels: readonly string[]): uPlot.Series[] => [
+/** Space to the right of the plot for half of the last label (pixels). */
+export const labelRoom = 24;
+
+/** `rows`: if there are few, each is marked by a point, since the line between them is not a result. */
+export const curvesOf = (theme: Theme, labels: readonly string[], rows = Infinity): uPlot.Series[] => [
   {},
   ...labels.map((label, i) => ({
     label,
     stroke: seriesColour(theme, i),
     width: 1.6,
     pxAlign: 0, // a slope has no stairs
-    points: { show: false },
+    points: { show: rows <= 40, size: 6 },
   })),
 ];
 
-/** Fills the legend anew; what it returns is for the values. */
-export function fillLegend(legend: HTMLElement, theme: Theme, labels: readonly string[]): HTMLElement[] {
+/** Limits of the value axis: with some room, unless all is flat. */
+export const axisRange = ({ low, high, flat }: Range): [number, number] => {
+  if (flat) return [low, high];
+  const [from, to] = uPlot.rangeNum(low, high, 0.1, true);
+  return [from ?? low, to ?? high];
+};
+
+/** Fills the legend anew; what it returns is for the values. `flat`: says that all values are zero, or constant, to round-off. */
+export function fillLegend(
+  legend: HTMLElement,
+  theme: Theme,
+  labels: readonly string[],
+  flat: Range["flat"] = null,
+): HTMLElement[] {
   const values = labels.map(() => h("span", { class: "value" }));
   legend.replaceChildren(
     ...labels.map((label, i) => {
@@ -38,6 +55,7 @@ export function fillLegend(legend: HTMLElement, theme: Theme, labels: readonly s
       swatch.style.background = seriesColour(theme, i);
       return h("li", {}, swatch, label, values[i]);
     }),
+    ...(flat ? [h("li", { class: "flat" }, `${flat} to round-off`)] : []),
   );
   return values;
 }

@@ -34,9 +34,11 @@ export function certificate(event: RunEvent): { rows: string[][]; notes: string[
     momentum("angular momentum (N m s)", before.angular, after.angular);
   }
   const notes: string[] = [];
-  if (event.lost !== 0) notes.push(`Lost in the impact: ${digits(event.lost)} J`);
-  if (event.released !== 0) notes.push(`Released with the freedom: ${digits(event.released)} J`);
-  if (event.work !== 0) notes.push(`Work of the event: ${digits(event.work)} J`);
+  const least = before ? 1e-14 * Math.max(Math.abs(before.kinetic + before.potential), before.kinetic) : 0;
+  const matters = (energy: number) => Math.abs(energy) > least; // else it is round-off
+  if (matters(event.lost)) notes.push(`Lost in the impact: ${digits(event.lost)} J`);
+  if (matters(event.released)) notes.push(`Released with the freedom: ${digits(event.released)} J`);
+  if (matters(event.work)) notes.push(`Work of the event: ${digits(event.work)} J`);
   if (event.hardest) {
     const { joint, linear, angular } = event.hardest;
     notes.push(`Largest impulse: ${digits(linear)} N s, ${digits(angular)} N m s, through ${joint}`);
@@ -55,7 +57,7 @@ export class EventList {
 
   constructor(
     private readonly run: Recording,
-    private readonly stage: Stage,
+    private readonly stage: Stage | null,
     private readonly player: Player,
   ) {
     this.element = h("div", { class: "events" }, this.list, this.detail);
@@ -84,10 +86,8 @@ export class EventList {
     const more = this.run.events.length - most;
     if (more > 0) this.list.append(h("li", {}, `and ${count(more, "event", "events")} more, in events.jsonl`));
     this.list.hidden = this.run.events.length === 0;
-    if (this.run.events.length === 0)
-      this.detail.replaceChildren(h("p", { class: "nothing" }, "Nothing happened in this run."));
-    else if (this.chosen < 0)
-      this.detail.replaceChildren(h("p", { class: "nothing" }, "Choose an event: the picture goes there."));
+    if (this.run.events.length === 0) this.detail.replaceChildren(h("p", { class: "nothing" }, "This run has no events."));
+    else if (this.chosen < 0) this.detail.replaceChildren(h("p", { class: "nothing" }, "Choose an event to go there."));
   }
 
   /** Goes to the event, stops there, and shows it from nearby. */
@@ -117,7 +117,7 @@ export class EventList {
     const event = this.run.events[this.chosen >= 0 ? this.chosen : Math.max(changes, 0)];
     if (!event) return;
     const { rows, notes } = certificate(event);
-    const pair = drawPair(this.stage, this.run, event, 220, 150);
+    const pair = this.stage && !this.stage.lost && drawPair(this.stage, this.run, event, 220, 150);
     const figure = (canvas: HTMLCanvasElement, text: string) => {
       canvas.setAttribute("role", "img");
       canvas.setAttribute("aria-label", text);
@@ -127,13 +127,16 @@ export class EventList {
     const names =
       before.join() === after.join() ? mechanismsText(after) : `${mechanismsText(before)} → ${mechanismsText(after)}`;
     const took = event.durationNs > 0 ? ` · the change took ${duration(event.durationNs * 1e-9)}` : "";
-    const parts = [
+    const pictures =
+      pair &&
       h(
         "div",
         { class: "pair" },
         figure(pair.before, "before"),
         figure(pair.after, pair.delay > 0 ? `${duration(pair.delay)} after` : "after"),
-      ),
+      );
+    const parts = [
+      ...(pictures ? [pictures] : []),
       h(
         "div",
         { class: "certificate" },

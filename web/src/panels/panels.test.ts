@@ -4,6 +4,7 @@ import { certificate } from "./events";
 import { count, digits, duration, instant } from "./numbers";
 import { worthShowing } from "./plot";
 import { balanceOf } from "./plots";
+import { momentumScale, rangeOf } from "./scales";
 import { energyTable, timesTable } from "./summary";
 import { marked } from "./timeline";
 
@@ -60,6 +61,30 @@ describe("plots", () => {
   });
 });
 
+describe("the axis of values", () => {
+  it("holds what there is, and skips gaps", () => {
+    expect(rangeOf([[1, Number.NaN, 3], [-2]], 5)).toEqual({ low: -2, high: 3, flat: null });
+    expect(rangeOf([[1e-9, 2e-9]], 1)).toEqual({ low: 1e-9, high: 2e-9, flat: null }); // small, but no noise
+    expect(rangeOf([[Number.NaN]], 1)).toEqual({ low: -1, high: 1, flat: null });
+  });
+
+  it("is not filled with round-off: zero is a line in the middle, a constant one above zero", () => {
+    const noise = [1e-14, -3e-15, 2e-14];
+    expect(rangeOf([noise, [0, 0, 0]], 20)).toEqual({ low: -20, high: 20, flat: "zero" });
+    expect(rangeOf([noise.map((x) => 5 + x)], 0)).toMatchObject({ low: 0, flat: "constant" });
+    expect(rangeOf([noise.map((x) => x - 5)], 0)).toMatchObject({ high: 0, flat: "constant" });
+    expect(rangeOf([noise], 0).flat).toBeNull(); // nothing says that it is noise
+    expect(rangeOf([[0, 0]], 0)).toEqual({ low: -1, high: 1, flat: "zero" });
+    expect(rangeOf([[5, 5 + 4e-7]], 5, 2.4e-7).flat).toBe("constant"); // in single precision
+    expect(rangeOf([[5, 5 + 4e-7]], 5).flat).toBeNull();
+  });
+
+  it("momenta are as large as mass and energy make them", () => {
+    expect(momentumScale(2, 9)).toBe(6);
+    expect(momentumScale(2, -1e-20)).toBe(0);
+  });
+});
+
 describe("the timeline", () => {
   it("marks events that can be told apart", () => {
     const events = [0, 1, 1.001, 1.5, 2].map((time) => ({ time }) as RunEvent);
@@ -100,6 +125,10 @@ describe("certificates", () => {
     expect(notes).toEqual(["Lost in the impact: 1 J", "Largest impulse: 8 N s, 0.5 N m s, through grasp"]);
   });
 
+  it("say nothing of energies that are round-off", () => {
+    expect(certificate({ ...event, lost: 1e-16, released: -2e-17, hardest: null }).notes).toEqual([]);
+  });
+
   it("have no rows where nothing was recorded", () => {
     expect(certificate({ ...event, before: null }).rows).toEqual([]);
   });
@@ -131,8 +160,9 @@ describe("the summary", () => {
     expect(timesTable({ ...summary, times: null })).toEqual([]);
   });
 
-  it("leaves out energies that are zero, but not the error", () => {
-    expect(energyTable(summary)).toEqual([
+  it("leaves out energies that are zero but for round-off, but not the error", () => {
+    const energy = { ...summary.energy, dissipated: -7e-30 };
+    expect(energyTable({ ...summary, energy })).toEqual([
       ["at the start", "8 J"],
       ["error of the balance", "0 J"],
     ]);

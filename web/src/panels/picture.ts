@@ -1,19 +1,28 @@
-// The picture with what stands on it: names of mechanisms in their colours, and what can be switched on and off.
+// The picture with what stands on it: names of mechanisms in their colours, and what can be switched on and off. Where the
+// browser can't draw it, there are words in its place, and the names.
 import type { Recording } from "../recording";
-import { mechanismColour } from "../viewer/colours";
+import { mechanismColour, themeOf, type Theme } from "../viewer/colours";
 import { endTime, phaseAt, posesAt, startTime } from "../viewer/frames";
 import { Ghosts } from "../viewer/ghosts";
 import type { Player } from "../viewer/player";
-import { Stage } from "../viewer/stage";
+import { typicalLength } from "../viewer/mechanisms";
+import type { Stage } from "../viewer/stage";
 import { Trails } from "../viewer/trails";
 import { h } from "./dom";
 import { count, instant } from "./numbers";
+import { ownColoursSays, stageIn } from "./stage_in";
 
-export class Picture {
-  readonly element = h("section", { class: "picture", "aria-label": "Picture" });
+/** What is drawn, and what can be switched on and off in it. */
+interface Drawn {
   readonly stage: Stage;
   readonly ghosts: Ghosts;
   readonly trails: Trails;
+}
+
+export class Picture {
+  readonly element = h("section", { class: "picture", "aria-label": "Picture" });
+  private readonly drawn: Drawn | null;
+  private theme: Theme = themeOf(false);
   private readonly names = h("ul", { class: "names", "aria-label": "Mechanisms" });
   private readonly spoken = h("p", { class: "hidden-text", "aria-live": "polite" });
   private readonly poses: Float64Array;
@@ -24,84 +33,101 @@ export class Picture {
     private readonly run: Recording,
     private readonly player: Player,
     private readonly choose: (body: number) => void,
-    private readonly options: { readonly still?: boolean } = {},
+    private readonly options: { readonly still?: boolean; readonly besides: readonly (Node | string)[] },
   ) {
     const host = h("div", { class: "stage" });
     this.element.append(host);
-    this.stage = new Stage(host, run.model);
-    this.ghosts = new Ghosts(this.stage, run);
-    this.trails = new Trails(this.stage, run);
     this.poses = new Float64Array(7 * run.model.bodies.length);
-    host.append(h("div", { class: "over" }, this.names, this.tools()), this.spoken);
-    this.stage.whenThemed(() => (this.named = ""));
-    const { canvas } = this.stage;
-    canvas.tabIndex = 0;
-    canvas.setAttribute("role", "img");
-    canvas.addEventListener("keydown", (event) => this.onKey(event));
-    this.listenToClicks(canvas);
+    const stage = stageIn(host, run.model, options.besides);
+    this.drawn = stage && { stage, ghosts: new Ghosts(stage, run), trails: new Trails(stage, run) };
+    host.append(h("div", { class: "over" }, this.names, this.drawn && this.tools(this.drawn)), this.spoken);
+    if (this.drawn) this.listenTo(this.drawn.stage.canvas);
     player.listen((time) => this.show(time));
-    this.stage.fit(run);
+    stage?.fit(run);
   }
 
-  private switch(label: string, title: string, target: { visible: boolean }): HTMLButtonElement {
-    const button = h("button", { type: "button", title, "aria-pressed": String(target.visible) }, label);
+  /** null where the browser can't draw it. */
+  get stage(): Stage | null {
+    return this.drawn?.stage ?? null;
+  }
+
+  setTheme(theme: Theme) {
+    this.theme = theme;
+    this.stage?.setTheme(theme);
+    this.named = "";
+    this.show(this.player.time);
+  }
+
+  private switch(label: string, title: string, key: string, target: { visible: boolean }): HTMLButtonElement {
+    const button = h("button", { type: "button", title: `${title} (${key})`, "aria-pressed": String(target.visible) }, label);
     button.addEventListener("click", () => {
       target.visible = !target.visible;
       button.setAttribute("aria-pressed", String(target.visible));
       this.show(this.player.time);
     });
+    this.keys.set(key.toLowerCase(), button);
     return button;
   }
 
-  private readonly ghostSwitch = () =>
-    this.switch("Ghosts", `Where it was, every ${instant(this.ghosts.every, this.ghosts.every * 10)} (G)`, this.ghosts);
-  private readonly trailSwitch = () =>
-    this.switch("Trails", "Paths of the ends and of a body that was clicked (T)", this.trails);
-
-  private tools(): HTMLElement {
+  private tools({ stage, ghosts, trails }: Drawn): HTMLElement {
     const fit = h(
       "button",
       { type: "button", title: "All of the motion in the picture (F)", onclick: () => this.fit() },
       "Fit",
     );
-    this.keys = new Map([["f", fit]]);
-    if (this.options.still) return h("div", { class: "tools" }, fit);
-    const [ghosts, trails] = [this.ghostSwitch(), this.trailSwitch()];
-    this.keys.set("g", ghosts).set("t", trails);
-    return h("div", { class: "tools" }, ghosts, trails, fit);
+    this.keys.set("f", fit);
+    const tools = h("div", { class: "tools" });
+    const own = {
+      get visible() {
+        return stage.ownColours;
+      },
+      set visible(wanted: boolean) {
+        stage.ownColours = wanted;
+      },
+    };
+    if (stage.shapes.coloured) tools.append(this.switch("Own colours", ownColoursSays, "O", own));
+    if (!this.options.still)
+      tools.append(
+        this.switch("Ghosts", `Where it was, every ${instant(ghosts.every, ghosts.every * 10)}`, "G", ghosts),
+        this.switch("Trails", "Paths of the ends and of a body that was clicked", "T", trails),
+      );
+    tools.append(fit);
+    return tools;
   }
 
   /** Buttons by the key that presses them. */
-  keys = new Map<string, HTMLButtonElement>();
+  readonly keys = new Map<string, HTMLButtonElement>();
 
   /** How wide all of the motion is (m). */
   get size() {
-    return this.stage.size;
+    return this.stage?.size ?? 4 * typicalLength(this.run.model);
   }
 
   fit() {
-    this.stage.fit(this.run);
+    this.stage?.fit(this.run);
   }
 
   show(time: number) {
     const phase = phaseAt(this.run, time);
-    this.ghosts.show(time);
-    this.trails.show(time);
-    this.stage.show(posesAt(this.run, time, this.poses), phase);
+    if (this.drawn) {
+      this.drawn.ghosts.show(time);
+      this.drawn.trails.show(time);
+      this.drawn.stage.show(posesAt(this.run, time, this.poses), phase);
+    }
     this.showNames(phase.mechanism);
     if (!this.player.playing) this.describe(time);
   }
 
   private showNames(mechanism: ArrayLike<number>) {
     const there = [...new Set(Array.from(mechanism))].sort((a, b) => a - b);
-    const key = there.join() + this.stage.theme.dark;
+    const key = there.join() + this.theme.dark;
     if (key === this.named) return;
     this.named = key;
     const most = 6;
     this.names.replaceChildren(
       ...there.slice(0, most).map((m) => {
         const swatch = h("span", { class: "swatch" });
-        swatch.style.background = mechanismColour(this.stage.theme, m);
+        swatch.style.background = mechanismColour(this.theme, m);
         return h("li", {}, swatch, this.run.mechanisms[m]);
       }),
       ...(there.length > most ? [h("li", {}, `and ${there.length - most} more`)] : []),
@@ -113,7 +139,7 @@ export class Picture {
     const span = endTime(this.run) - startTime(this.run);
     const bodies = count(this.run.model.bodies.length, "body", "bodies");
     const text = `${bodies} in ${count(there, "mechanism", "mechanisms")} at ${instant(time, span)}`;
-    this.stage.canvas.setAttribute(
+    this.stage?.canvas.setAttribute(
       "aria-label",
       `3D picture: ${text}. Arrow keys turn it, plus and minus come nearer and go away.`,
     );
@@ -133,18 +159,21 @@ export class Picture {
     if (!turn || event.shiftKey || event.ctrlKey || event.metaKey) return;
     event.preventDefault();
     event.stopPropagation();
-    this.stage.turn(...turn);
+    this.stage?.turn(...turn);
   }
 
-  /** A press that turned nothing is a click: it chooses a body, or none. */
-  private listenToClicks(canvas: HTMLCanvasElement) {
+  /** Keys turn it; a press that turned nothing is a click: it chooses a body, or none. */
+  private listenTo(canvas: HTMLCanvasElement) {
+    canvas.tabIndex = 0;
+    canvas.setAttribute("role", "img");
+    canvas.addEventListener("keydown", (event) => this.onKey(event));
     let [x, y] = [0, 0];
     canvas.addEventListener("pointerdown", (event) => ([x, y] = [event.clientX, event.clientY]));
     canvas.addEventListener("pointerup", (event) => {
-      if (Math.hypot(event.clientX - x, event.clientY - y) > 4) return;
-      const body = this.stage.pick(x, y)?.body ?? -1;
-      this.stage.mechanisms.highlighted = body;
-      this.trails.choose(body);
+      if (!this.drawn || Math.hypot(event.clientX - x, event.clientY - y) > 4) return;
+      const body = this.drawn.stage.pick(x, y)?.body ?? -1;
+      this.drawn.stage.mechanisms.highlighted = body;
+      this.drawn.trails.choose(body);
       this.show(this.player.time);
       if (body >= 0) this.choose(body);
     });

@@ -5,9 +5,10 @@ import type { Column, Recording } from "../recording";
 import type { Theme } from "../viewer/colours";
 import { frameAt } from "../viewer/frames";
 import type { Player } from "../viewer/player";
-import { axesOf, curvesOf, fillLegend } from "./curves";
+import { axesOf, axisRange, curvesOf, fillLegend, labelRoom } from "./curves";
 import { h } from "./dom";
 import { digits } from "./numbers";
+import { rangeOf, type Range } from "./scales";
 
 /** Columns that are nothing beside the largest are left out, but one stays. */
 export function worthShowing(columns: readonly Column[], share = 1e-7): readonly Column[] {
@@ -30,6 +31,8 @@ export class Plot {
   private values: HTMLElement[] = [];
   private theme: Theme | null = null;
   private title = "";
+  private scale = 0;
+  private precision = 0;
   private readonly watcher = new ResizeObserver(() => this.resize());
 
   constructor(
@@ -42,12 +45,15 @@ export class Plot {
 
   setTheme(theme: Theme) {
     this.theme = theme;
-    this.show(this.title, this.columns);
+    this.show(this.title, this.columns, this.scale, this.precision);
   }
 
-  show(title: string, columns: readonly Column[]) {
+  /** `scale`, `precision`: as of rangeOf(). */
+  show(title: string, columns: readonly Column[], scale: number, precision: number) {
     this.title = title;
     this.columns = columns;
+    this.scale = scale;
+    this.precision = precision;
     if (!this.theme) return;
     this.chart?.destroy();
     this.chart = null;
@@ -62,27 +68,34 @@ export class Plot {
     const times = Array.from({ length: this.run.frames }, (_none, frame) => this.run.time(frame));
     // A gap in a line is null to uPlot.
     const data = columns.map((column) => Array.from(column.values, (value) => (Number.isFinite(value) ? value : null)));
-    this.chart = new uPlot(this.options(theme, width, height), [times, ...data] as uPlot.AlignedData, this.element);
+    const range = rangeOf(
+      columns.map(({ values }) => values),
+      scale,
+      precision,
+    );
+    this.chart = new uPlot(this.options(theme, width, height, range), [times, ...data] as uPlot.AlignedData, this.element);
     this.chart.over.append(this.cursor);
     const labels = columns.map(({ label }) => label);
-    this.values = fillLegend(this.legend, theme, labels);
+    this.values = fillLegend(this.legend, theme, labels, this.run.frames > 1 ? range.flat : null);
     const unit = columns[0].unit;
     this.element.setAttribute("aria-label", `${title}${unit ? ` in ${unit}` : ""} over time: ${labels.join(", ")}`);
     this.follow();
   }
 
-  private options(theme: Theme, width: number, height: number): uPlot.Options {
+  private options(theme: Theme, width: number, height: number, range: Range): uPlot.Options {
+    const [first, last] = [this.run.time(0), this.run.time(this.run.frames - 1)];
     return {
       width: Math.max(width, 50),
       height: Math.max(height, 50),
       legend: { show: false },
-      padding: [6, 18, 0, 0],
-      scales: { x: { time: false } },
+      padding: [6, labelRoom, 0, 0],
+      scales: { x: { time: false, range: [first, last > first ? last : first + 1] }, y: { range: axisRange(range) } },
       cursor: { y: false, points: { size: 6 }, drag: { x: false, y: false }, sync: { key: "time" } },
       axes: axesOf(theme),
       series: curvesOf(
         theme,
         this.columns.map(({ label }) => label),
+        this.run.frames,
       ),
       hooks: { ready: [(u) => this.listen(u)], drawClear: [(u) => this.drawEvents(u, theme)] },
     };

@@ -4,6 +4,7 @@ import type { Theme } from "../viewer/colours";
 import type { Player } from "../viewer/player";
 import { h } from "./dom";
 import { Plot, worthShowing } from "./plot";
+import { Scales } from "./scales";
 
 const worldNames: Record<WorldQuantity, string> = {
   energy: "Energy by kind",
@@ -44,9 +45,13 @@ export function balanceOf(columns: readonly Column[]): Column | null {
   return { label: worked ? "all, less work" : "all", unit: "J", values };
 }
 
+/** Relative precision of joint columns, which are stored in single precision. */
+const single = 2.4e-7;
+
 export class Plots {
   readonly element = h("section", { class: "plots", "aria-label": "Plots" });
   private readonly all: { plot: Plot; show: () => void }[] = [];
+  private readonly scales: Scales;
   private readonly joint = h("select", { "aria-label": "Joint" });
   private readonly quantity = h("select", { "aria-label": "Quantity of the joint" });
 
@@ -54,6 +59,7 @@ export class Plots {
     private readonly run: Recording,
     private readonly player: Player,
   ) {
+    this.scales = new Scales(run);
     this.world(["energy", "balance"]);
     this.world(["linear", "angular"]);
     if (run.joints.length > 0) this.joints();
@@ -75,11 +81,14 @@ export class Plots {
     for (const { show } of this.all) show();
   }
 
-  private add(controls: HTMLElement[], columns: () => { title: string; columns: readonly Column[] }) {
+  private add(
+    controls: HTMLElement[],
+    content: () => { title: string; columns: readonly Column[]; scale: number; precision: number },
+  ) {
     const plot = new Plot(this.run, this.player);
     const show = () => {
-      const now = columns();
-      plot.show(now.title, now.columns);
+      const { title, columns, scale, precision } = content();
+      plot.show(title, columns, scale, precision);
     };
     for (const control of controls) control.addEventListener("change", show);
     this.all.push({ plot, show });
@@ -100,7 +109,12 @@ export class Plots {
         ...column,
         label: readable[column.label] ?? column.label,
       }));
-      return { title: worldNames[quantity], columns: balance && columns.length > 0 ? [...shown, balance] : shown };
+      return {
+        title: worldNames[quantity],
+        columns: balance && columns.length > 0 ? [...shown, balance] : shown,
+        scale: this.scales.world(quantity),
+        precision: 0,
+      };
     });
   }
 
@@ -118,10 +132,16 @@ export class Plots {
     const about = [...parting, ...this.run.events].flatMap((event) => event.bodies.map((body) => this.jointOf(body)))[0];
     if (about !== undefined) this.joint.value = about;
     fill();
-    this.add([this.joint, this.quantity], () => ({
-      title: `${this.joint.value}: ${jointNames[this.quantity.value as JointQuantity] ?? ""}`,
-      columns: this.run.joint(this.joint.value, this.quantity.value as JointQuantity),
-    }));
+    this.add([this.joint, this.quantity], () => {
+      const quantity = this.quantity.value as JointQuantity;
+      const columns = this.run.joint(this.joint.value, quantity);
+      return {
+        title: `${this.joint.value}: ${jointNames[quantity] ?? ""}`,
+        columns,
+        scale: Math.max(0, ...columns.map(({ unit }) => this.scales.joint(quantity, unit))),
+        precision: single,
+      };
+    });
   }
 
   private jointOf(body: number): string | undefined {

@@ -30,8 +30,11 @@ const energyNames: Record<string, string> = {
 };
 
 export function energyTable(summary: Summary): string[][] {
-  return Object.entries(summary.energy ?? {})
-    .filter(([key, value]) => value !== 0 || key === "error")
+  const all = Object.entries(summary.energy ?? {});
+  // What is round-off beside the others is nothing.
+  const least = 1e-14 * Math.max(0, ...all.map(([, value]) => Math.abs(value ?? 0)));
+  return all
+    .filter(([key, value]) => key === "error" || value === null || Math.abs(value) > least)
     .map(([key, value]) => [energyNames[key] ?? key, value === null ? "–" : `${digits(value, key === "error" ? 3 : 7)} J`]);
 }
 

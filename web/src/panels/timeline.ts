@@ -43,8 +43,9 @@ export class Timeline {
       "aria-label": "Time",
       oninput: () => {
         const [from, to] = this.range();
-        player.pause();
-        player.seek(from + (Number(this.slider.value) / 1000) * (to - from));
+        const wanted = from + (Number(this.slider.value) / 1000) * (to - from);
+        player.pause(); // which puts the slider back to where the clock stands
+        player.seek(wanted);
       },
     });
     this.clock = h("output", { class: "clock" });

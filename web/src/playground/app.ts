@@ -31,6 +31,7 @@ export class App {
     module: ArrayBuffer,
   ) {
     worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.hear(data);
+    worker.onerror = (event) => this.say(`The engine can't start: ${event.message || "its worker is blocked"}`);
     worker.postMessage({ say: "module", bytes: module } satisfies ToWorker, [module]);
   }
 
@@ -112,7 +113,7 @@ export class App {
       case "loaded":
         this.onDiagnostics(message);
         if (!message.scenario || !message.topology || !message.frame) {
-          this.say("The scenario has errors: see the editor");
+          this.say(this.run ? `The scenario has errors: see the editor. This is still “${this.run.model.title}”.` : "");
           return;
         }
         this.scenario = message.scenario;
@@ -157,7 +158,7 @@ export class App {
         return this.say(message.message);
       case "failed":
         this.playing = false;
-        return this.say(`${message.message}. Load a scenario to start again.`);
+        return this.say(`${message.message}${this.run ? ". Load a scenario to start again." : ""}`);
     }
   }
 

@@ -2,9 +2,10 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { LiveRecording } from "../engine/live";
-import { axesOf, curvesOf, fillLegend } from "../panels/curves";
+import { axesOf, axisRange, curvesOf, fillLegend, labelRoom } from "../panels/curves";
 import { h } from "../panels/dom";
 import { digits } from "../panels/numbers";
+import { rangeOf, type Range } from "../panels/scales";
 import type { Theme } from "../viewer/colours";
 import type { WorldTotals } from "../../../wasm/host.mjs";
 
@@ -21,11 +22,16 @@ export class Chart {
   private readonly legend = h("ul", { class: "legend" });
   private chart: uPlot | null = null;
   private values: HTMLElement[] = [];
+  private theme: Theme | null = null;
+  private times: [number, number] = [0, 1];
+  private range: Range = { low: -1, high: 1, flat: null };
 
+  /** `scale`: how large such numbers are in these frames (rangeOf). */
   constructor(
     title: string,
     private readonly unit: string,
     private readonly series: readonly Series[],
+    private readonly scale: (run: LiveRecording, from: number, to: number) => number,
   ) {
     this.host.setAttribute("aria-label", `${title} over time: ${series.map((s) => s.label).join(", ")}`);
     this.element = h("figure", {}, h("figcaption", {}, h("span", {}, title), this.legend), this.host);
@@ -36,6 +42,7 @@ export class Chart {
   }
 
   setTheme(theme: Theme) {
+    this.theme = theme;
     const labels = this.series.map(({ label }) => label);
     const data = this.chart?.data ?? ([[], ...this.series.map(() => [])] as uPlot.AlignedData);
     this.chart?.destroy();
@@ -44,11 +51,11 @@ export class Chart {
         width: Math.max(this.host.clientWidth, 50),
         height: Math.max(this.host.clientHeight, 50),
         legend: { show: false },
-        padding: [6, 10, 0, 0],
+        padding: [6, labelRoom, 0, 0],
         cursor: { show: false },
         scales: {
-          x: { time: false, range: (_u, from, to) => [from ?? 0, Math.max(to ?? 1, (from ?? 0) + 1)] },
-          y: { range: (_u, low, high) => (low === high ? [low - 1, high + 1] : uPlot.rangeNum(low, high, 0.1, true)) },
+          x: { time: false, range: () => this.times },
+          y: { range: () => axisRange(this.range) },
         },
         axes: axesOf(theme),
         series: curvesOf(theme, labels),
@@ -56,7 +63,12 @@ export class Chart {
       data,
       this.host,
     );
-    this.values = fillLegend(this.legend, theme, labels);
+    this.fillLegend();
+  }
+
+  private fillLegend() {
+    const labels = this.series.map(({ label }) => label);
+    if (this.theme) this.values = fillLegend(this.legend, this.theme, labels, this.range.flat);
   }
 
   /** Up to the frame that is shown. */
@@ -69,6 +81,11 @@ export class Chart {
       times.push(run.time(i));
       this.series.forEach((each, k) => columns[k].push(each.of(totals)));
     }
+    const wasFlat = this.range.flat;
+    this.times = [times[0], Math.max(times[times.length - 1], times[0] + 1)];
+    this.range = rangeOf(columns, this.scale(run, from, frame));
+    if (frame === 0) this.range = { ...this.range, flat: null }; // one frame says nothing of what changes
+    if (this.range.flat !== wasFlat) this.fillLegend();
     this.chart?.setData([times, ...columns]);
     this.series.forEach((_each, k) => {
       if (this.values[k]) this.values[k].textContent = ` ${digits(columns[k][columns[k].length - 1] ?? NaN)} ${this.unit}`;

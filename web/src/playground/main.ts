@@ -4,26 +4,41 @@ import EngineWorker from "../engine/worker?worker&inline";
 import "../panels/base.css";
 import "../panels/parts.css";
 import "./style.css";
+import { h } from "../panels/dom";
 import { App } from "./app";
 import { gallery } from "./gallery";
 import { showPlayground } from "./page";
-import { bytesOf, inflated, textOf } from "./share";
+import { bytesOf, inflated, linkOf } from "./share";
 
 async function begin(page: HTMLElement) {
+  if (typeof WebAssembly === "undefined" || typeof DecompressionStream === "undefined")
+    throw new Error("this browser has no WebAssembly, or can't inflate data");
   const module = await inflated(bytesOf(packedModule));
   const app = new App(new EngineWorker(), module.buffer as ArrayBuffer);
   const playground = showPlayground(page, app);
   Object.assign(window, { playground: { app, placeOf: playground.placeOf } });
   const handed: unknown = JSON.parse(document.getElementById("scenario")?.textContent || "null");
-  const open = async () =>
-    playground.start((await textOf(location.hash)) ?? (typeof handed === "string" ? handed : gallery[0].text));
+  const own = typeof handed === "string" ? handed : gallery[0].text;
+  /** What the address holds, and nothing else in its place. */
+  const follow = async (otherwise: string | null) => {
+    const link = await linkOf(location.hash);
+    if (link.holds === "trouble") playground.refuse(link.says, own);
+    else if (link.holds === "scenario") playground.start(link.text, "The scenario in this link");
+    else if (otherwise !== null) playground.start(otherwise);
+  };
   window.addEventListener("hashchange", async () => {
-    const text = await textOf(location.hash);
-    if (text !== null && text !== app.text) playground.start(text);
+    const link = await linkOf(location.hash);
+    if (link.holds !== "scenario" || link.text !== app.text) await follow(null);
   });
-  await open();
+  await follow(own);
 }
 
 begin(document.getElementById("page")!).catch((error: unknown) => {
-  document.getElementById("page")!.textContent = `The playground needs WebAssembly and WebGL: ${String(error)}`;
+  const words = error instanceof Error ? error.message : String(error);
+  document
+    .getElementById("page")!
+    .replaceChildren(
+      h("p", { class: "nothing", role: "alert" }, `The playground can't start: ${words}.`),
+      h("p", { class: "nothing" }, "It needs Chromium 111, Firefox 114, Safari 16.4 or later, with WebAssembly."),
+    );
 });

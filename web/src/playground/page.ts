@@ -1,20 +1,23 @@
-// The page: picture with its tools, timeline, plots and readouts, panel, editor.
+// The page: picture with its tools, timeline, plots and readouts, panel, editor. What needs a world can't be used without one.
 import { h } from "../panels/dom";
-import { digits } from "../panels/numbers";
+import { ownColoursSays, stageIn } from "../panels/stage_in";
 import { tabs } from "../panels/tabs";
+import { marked } from "../panels/timeline";
 import { themeButton } from "../panels/theme_button";
 import { watchTheme, type Theme } from "../viewer/colours";
+import type { Model } from "../recording";
 import { phaseAt } from "../viewer/frames";
-import { Stage } from "../viewer/stage";
+import type { Stage } from "../viewer/stage";
 import type { App } from "./app";
-import { Chart } from "./chart";
+import { Blank } from "./blank";
 import { Editor } from "./editor";
 import { gallery } from "./gallery";
 import { Hand, type Tool } from "./hand";
 import { loadsOf } from "./loads";
 import { happenings, jointControls, sliders } from "./panel";
+import { Readings } from "./readings";
 import { roomOf } from "./room";
-import { fragmentOf } from "./share";
+import { fragmentOf, reachOf } from "./share";
 
 const speeds = [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2];
 const tools: readonly { tool: Tool; label: string; key: string; says: string }[] = [
@@ -31,6 +34,7 @@ export function showPlayground(page: HTMLElement, app: App) {
   let tool: Tool = "grab";
   let first = -1;
   let loads = true;
+  let own = true;
 
   const title = h("h1", {}, "momentree playground");
   const choice = h("select", { "aria-label": "Scenario" });
@@ -44,28 +48,44 @@ export function showPlayground(page: HTMLElement, app: App) {
   const share = h("button", { type: "button", title: "A link that holds this scenario" }, "Share");
   share.addEventListener("click", async () => {
     location.hash = await fragmentOf(editor.text);
+    const reach = reachOf(location);
+    let says = "link copied";
     try {
       await navigator.clipboard.writeText(location.href);
-      shared.textContent = "link copied";
     } catch {
-      shared.textContent = "the link is in the address bar";
+      says = "the link is in the address bar";
     }
+    shared.textContent = reach ? `${says}; ${reach}` : says;
   });
 
   const editor = new Editor(
     (text) => start(text),
     (text) => app.check(text),
   );
-  const start = (text: string) => {
+  const blank = new Blank();
+  let source = "";
+  /** `from`: what the text is, in words that begin a sentence. */
+  const start = (text: string, from = "The scenario") => {
+    source = from;
     app.play(false);
     if (editor.text !== text) editor.text = text;
     choice.value = gallery.find((example) => example.text === text)?.name ?? "";
     app.load(text);
   };
+  /** There is no scenario to show: says why, and shows no other in its place. */
+  const refuse = (says: string, other: string) => {
+    if (app.run) return app.say(`${says} This is still “${app.run.model.title}”.`);
+    const title = gallery.find(({ text }) => text === other)?.title ?? "the scenario of this page";
+    choice.selectedIndex = -1;
+    blank.show("No scenario", says, { label: `Open “${title}” instead`, go: () => start(other) });
+  };
   app.onChecked = (diagnostics) => editor.mark(diagnostics);
   app.onDiagnostics = ({ diagnostics }) => {
     editor.show(diagnostics);
-    if (diagnostics.some(({ severity }) => severity === "error")) openTab("scenario");
+    if (!diagnostics.some(({ severity }) => severity === "error")) return;
+    openTab("scenario");
+    const way = "Correct them and press “Run this”, or choose another scenario from the list at the top.";
+    blank.show(`${source} has errors`, `They are listed with their lines below the text. ${way}`);
   };
 
   const host = h("div", { class: "stage" });
@@ -92,6 +112,12 @@ export function showPlayground(page: HTMLElement, app: App) {
     { type: "button", title: "All in the picture (A)", onclick: () => app.run && stage?.fit(app.run) },
     "Fit",
   );
+  const colours = h("button", { type: "button", title: `${ownColoursSays} (O)`, "aria-pressed": "true" }, "Own colours");
+  colours.addEventListener("click", () => {
+    own = !own;
+    colours.setAttribute("aria-pressed", String(own));
+    if (stage) stage.ownColours = own;
+  });
   const hint = h("p", { class: "hint" });
   const load = h("p", { class: "hint load" });
   const notice = h("p", { class: "notice", role: "status" });
@@ -107,10 +133,8 @@ export function showPlayground(page: HTMLElement, app: App) {
     { class: "tools", role: "group", "aria-label": "Tools" },
     ...toolButtons.map(({ button }) => button),
   );
-  host.append(
-    h("div", { class: "over" }, buttons, h("div", { class: "tools" }, loadButton, fit)),
-    h("div", { class: "below" }, notice, load, hint),
-  );
+  const over = h("div", { class: "over" }, buttons, h("div", { class: "tools" }, loadButton, colours, fit));
+  host.append(over, h("div", { class: "below" }, notice, load, hint), blank.element);
 
   const play = h("button", { class: "play", type: "button", "aria-label": "Play", onclick: () => app.toggle() });
   const slider = h("input", { type: "range", min: 0, max: 1, step: "any", value: 1, "aria-label": "Time" });
@@ -134,29 +158,20 @@ export function showPlayground(page: HTMLElement, app: App) {
     pace,
   );
 
-  const energy = new Chart("Energy", "J", [
-    { label: "kinetic", of: (t) => t.kinetic },
-    { label: "potential", of: (t) => t.potential },
-    { label: "total", of: (t) => t.kinetic + t.potential },
-  ]);
-  const momentum = new Chart("Momentum", "N s", [
-    { label: "x", of: (t) => t.linear[0] },
-    { label: "y", of: (t) => t.linear[1] },
-    { label: "z", of: (t) => t.linear[2] },
-  ]);
-  const readout = h("dl", { class: "readout", "aria-label": "Momentum" });
-  const plots = h("div", { class: "plots" }, energy.element, momentum.element, readout);
+  const readings = new Readings();
   const panel = h("div", { class: "controls" }, jointControls(app), sliders(app), happenings(app));
   const side = tabs("What to do", [
     { name: "Play", content: panel },
     { name: "Scenario", content: editor.element },
   ]);
+  for (const part of [over, timeline, panel]) part.inert = true;
+  hint.hidden = true;
   const openTab = (name: string) => side.querySelector<HTMLElement>(`#panel-${name}-tab`)?.click();
 
   page.append(
     h("header", {}, title, choice, share, shared, h("span", { class: "gap" }), themeButton()),
     h("section", { class: "picture", "aria-label": "Picture" }, host, timeline),
-    plots,
+    readings.element,
     side,
   );
 
@@ -191,18 +206,40 @@ export function showPlayground(page: HTMLElement, app: App) {
     },
   };
 
+  function showWorld(model: Model) {
+    stage?.dispose();
+    for (const words of host.querySelectorAll(".instead")) words.remove();
+    for (const part of [over, timeline, panel]) part.inert = false;
+    stage = stageIn(host, model, [
+      "The simulation, the plots and the panel work without it: joints can be cut and locked by name.",
+    ]);
+    hand = stage && new Hand(stage, scene, wishes);
+    over.hidden = hint.hidden = stage === null;
+    if (!stage) return;
+    take(tool);
+    stage.canvas.tabIndex = 0;
+    stage.canvas.setAttribute("role", "img");
+    stage.canvas.setAttribute("aria-label", `${model.title}: the mechanisms in 3D`);
+    stage.ownColours = own;
+    colours.hidden = !stage.shapes.coloured;
+    if (theme) stage.setTheme(theme);
+    look();
+  }
+
   function look() {
     if (app.run && stage) stage.lookAt(roomOf(app.run, app.frame, (body) => stage!.shapes.reach(body)));
   }
 
   function draw() {
     const { run } = app;
-    if (!run || !stage) return;
+    if (!run) return;
     const frame = run.frame(app.frame);
     const carried = loads ? loadsOf(frame, run.topology) : null;
-    stage.mechanisms.colourJoints(carried?.colours ?? new Map());
-    stage.mechanisms.highlighted = first;
-    stage.show(frame.poses, phaseAt(run, frame.time));
+    if (stage) {
+      stage.mechanisms.colourJoints(carried?.colours ?? new Map());
+      stage.mechanisms.highlighted = first;
+      stage.show(frame.poses, phaseAt(run, frame.time));
+    }
     hand?.show();
     load.textContent = carried?.says ?? "";
     const end = run.time(run.frames - 1);
@@ -212,34 +249,13 @@ export function showPlayground(page: HTMLElement, app: App) {
     clock.textContent = `${frame.time.toFixed(2)} s`;
   }
 
-  let drawnPlots = 0;
-  function drawPlots(force = false) {
-    const { run } = app;
-    const now = performance.now();
-    if (!run || (!force && now - drawnPlots < 120)) return;
-    drawnPlots = now;
-    energy.show(run, app.frame);
-    momentum.show(run, app.frame);
-    const { linear, angular, balance } = run.totals(app.frame);
-    const vector = (v: readonly number[]) => v.map((x) => digits(Math.abs(x) < 1e-12 ? 0 : x, 5)).join("  ");
-    const rows: [string, string][] = [
-      ["Linear momentum (N s)", vector(linear)],
-      ["Angular momentum (N m s)", vector(angular)],
-      ["Energy balance, error (J)", digits(balance.error, 3)],
-      ["Engine, per frame", `${(1000 * app.engineSeconds).toFixed(1)} ms`],
-    ];
-    readout.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
-    readout.dataset.linear = linear.join(" ");
-    readout.dataset.angular = angular.join(" ");
-    readout.dataset.time = String(run.time(app.frame));
-  }
-
   function drawMarks() {
     const { run } = app;
     if (!run) return;
     const end = Math.max(run.time(run.frames - 1), 1e-3);
     marks.replaceChildren(
-      ...run.events.slice(-60).map((event) => {
+      ...marked(run.events, 0, end).map((index) => {
+        const event = run.events[index];
         const says = `${event.time.toFixed(3)} s: ${event.actions.join("; ")}`;
         const mark = h("button", { type: "button", title: says, "aria-label": says, onclick: () => app.look(event.time) });
         mark.style.left = `${(100 * event.time) / end}%`;
@@ -250,30 +266,22 @@ export function showPlayground(page: HTMLElement, app: App) {
 
   app.listen((changed) => {
     if (changed === "world" && app.run) {
-      stage?.dispose();
-      stage = new Stage(host, app.run.model);
-      hand = new Hand(stage, scene, wishes);
-      take(tool);
-      stage.canvas.tabIndex = 0;
-      stage.canvas.setAttribute("role", "img");
-      stage.canvas.setAttribute("aria-label", `${app.run.model.title}: the mechanisms in 3D`);
-      if (theme) stage.setTheme(theme);
-      look();
+      showWorld(app.run.model);
       title.textContent = app.run.model.title || "momentree playground";
       document.title = `${title.textContent} – momentree`;
     }
-    notice.textContent = app.notice;
+    if (!app.run && app.notice) blank.show("Nothing to show", app.notice);
+    notice.textContent = app.run ? app.notice : "";
     play.setAttribute("aria-label", app.playing ? "Pause" : "Play");
     play.dataset.playing = String(app.playing);
     if (changed !== "status") draw();
-    drawPlots(changed !== "frame" || !app.playing);
+    if (app.run) readings.show(app.run, app.frame, app.engineSeconds, changed !== "frame" || !app.playing);
     if (changed !== "status" && (changed !== "frame" || app.run!.events.length > 0)) drawMarks();
   });
   watchTheme((next) => {
     theme = next;
     stage?.setTheme(next);
-    energy.setTheme(next);
-    momentum.setTheme(next);
+    readings.setTheme(next);
     draw();
   });
   take("grab");
@@ -281,18 +289,21 @@ export function showPlayground(page: HTMLElement, app: App) {
   document.addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
     if (event.ctrlKey || event.metaKey || event.altKey || target.matches("textarea, select, input:not([type=range])")) return;
-    const found = toolButtons.find(({ key }) => key === event.key.toLowerCase());
+    if (!app.run) return;
+    const found = stage && toolButtons.find(({ key }) => key === event.key.toLowerCase());
     if (found) take(found.tool);
     else if (event.key === " " && !target.matches("button")) app.toggle();
     else if (event.key.toLowerCase() === "r") again.click();
     else if (event.key.toLowerCase() === "f") loadButton.click();
     else if (event.key.toLowerCase() === "a") fit.click();
+    else if (event.key.toLowerCase() === "o" && !colours.hidden) colours.click();
     else return;
     event.preventDefault();
   });
 
   return {
     start,
+    refuse,
     // For those who write programs that play: where a joint is on the page.
     placeOf: (child: number) => {
       const link = scene.phase().links.find((each) => each.child === child);

@@ -88,11 +88,13 @@ export function happenings(app: App): HTMLElement {
   const show = (changed: string) => {
     if (changed !== "world" && changed !== "line") return;
     const run = app.run;
-    const events = (run?.events ?? []).map((event, index) => ({ event, index }));
+    const most = 200;
+    const events = (run?.events ?? [])
+      .map((event, index) => ({ event, index }))
+      .filter(({ event }) => !event.actions.every((action) => action.startsWith("set ")));
     list.replaceChildren(
       ...events
-        .filter(({ event }) => !event.actions.every((action) => action.startsWith("set ")))
-        .slice(-200)
+        .slice(-most)
         .reverse()
         .map(({ event, index }) =>
           h(
@@ -108,6 +110,7 @@ export function happenings(app: App): HTMLElement {
           ),
         ),
     );
+    if (events.length > most) list.append(h("li", { class: "nothing" }, `and ${events.length - most} before them`));
     if (list.childElementCount === 0) list.append(h("li", { class: "nothing" }, "Nothing has happened yet."));
     branches.replaceChildren(
       ...(run?.left ?? [])

@@ -1,14 +1,31 @@
 // A scenario as a link: compressed, in the fragment, which is never sent to a server.
 
-const through = async (bytes: Uint8Array, stream: GenericTransformStream): Promise<Uint8Array> => {
-  const out = new Response(
-    new Blob([bytes as BlobPart]).stream().pipeThrough(stream as ReadableWritablePair<Uint8Array, Uint8Array>),
-  );
-  return new Uint8Array(await out.arrayBuffer());
-};
+/** More than any scenario has; a few bytes can inflate to any size. */
+const mostBytes = 32e6;
 
-export const inflated = (bytes: Uint8Array) => through(bytes, new DecompressionStream("deflate"));
-const deflated = (bytes: Uint8Array) => through(bytes, new CompressionStream("deflate"));
+const streamOf = (bytes: Uint8Array, through: GenericTransformStream) =>
+  new Blob([bytes as BlobPart]).stream().pipeThrough(through as ReadableWritablePair<Uint8Array, Uint8Array>);
+
+/** Throws where the bytes are not whole, or become more than `most`. */
+export async function inflated(bytes: Uint8Array, most = Infinity): Promise<Uint8Array> {
+  const reader = streamOf(bytes, new DecompressionStream("deflate")).getReader();
+  const parts: Uint8Array[] = [];
+  let size = 0;
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) break;
+    parts.push(value);
+    size += value.length;
+    if (size > most) {
+      await reader.cancel();
+      throw new RangeError("too large");
+    }
+  }
+  return new Uint8Array(await new Blob(parts as BlobPart[]).arrayBuffer());
+}
+
+const deflated = async (bytes: Uint8Array) =>
+  new Uint8Array(await new Response(streamOf(bytes, new CompressionStream("deflate"))).arrayBuffer());
 
 export const bytesOf = (base64: string) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
 
@@ -19,14 +36,33 @@ export async function fragmentOf(text: string): Promise<string> {
   return `#s=${btoa(binary).replace(/\+/g, "-").replace(/\//g, "_").replace(/=+$/, "")}`;
 }
 
-/** The text of a fragment; null where it has none, or what is there is no text of ours. */
-export async function textOf(fragment: string): Promise<string | null> {
-  const found = /^#s=([\w-]+)$/.exec(fragment);
-  if (!found) return null;
+/** What the fragment of an address holds: nothing, a scenario, or something that can't be read, and why not. */
+export type Link =
+  | { readonly holds: "nothing" }
+  | { readonly holds: "scenario"; readonly text: string }
+  | { readonly holds: "trouble"; readonly says: string };
+
+const damaged = "It may have been cut off or changed when it was copied or sent. Ask for it again.";
+
+export async function linkOf(fragment: string): Promise<Link> {
+  if (fragment === "" || fragment === "#") return { holds: "nothing" };
+  const found = /^#s(\d*)=([\w-]*)(.*)$/s.exec(fragment);
+  if (!found) return { holds: "trouble", says: `This address does not end with a scenario. ${damaged}` };
+  const [, version, base64, rest] = found;
+  if (version !== "")
+    return { holds: "trouble", says: "This link was made by a newer version of momentree. Open it with that." };
   try {
-    const bytes = await inflated(bytesOf(found[1].replace(/-/g, "+").replace(/_/g, "/")));
-    return new TextDecoder("utf-8", { fatal: true }).decode(bytes);
+    if (/[^\s.,;:!?)\]>"'*]/.test(rest)) throw new Error("not base64"); // what a sentence leaves at a link's end does no harm
+    const bytes = await inflated(bytesOf(base64.replace(/-/g, "+").replace(/_/g, "/")), mostBytes);
+    return { holds: "scenario", text: new TextDecoder("utf-8", { fatal: true }).decode(bytes) };
   } catch {
-    return null;
+    return { holds: "trouble", says: `The link to this scenario is damaged. ${damaged}` };
   }
+}
+
+/** Where a link to this page can be opened, in words; empty: anywhere. */
+export function reachOf({ protocol, hostname }: Pick<Location, "protocol" | "hostname">): string {
+  if (protocol === "file:") return "it opens where this file is";
+  if (hostname === "127.0.0.1" || hostname === "localhost") return "it opens on this machine until the command ends";
+  return "";
 }

@@ -216,6 +216,7 @@ export function recordingOf(data: ReportData): Recording {
             values: column(source.values, source.columns.length, source.columns.indexOf(name)),
           }));
 
+  const diverged = data.summary?.status.startsWith("diverged") ?? false;
   const placed = (body: number, when: number): Vec3 => {
     const at = lastNotAfter(data.frames, (frame) => time[frame], when) * width + 7 * body;
     return [poses[at], poses[at + 1], poses[at + 2]];
@@ -227,6 +228,7 @@ export function recordingOf(data: ReportData): Recording {
     revision: 0,
     time: (frame) => time[frame],
     poses: (frame) => poses.subarray(frame * width, (frame + 1) * width),
+    gapAfter: (frame) => diverged && frame >= data.frames - 2,
     events: data.events.map((event, i) => ({
       ...event,
       name: event.event,

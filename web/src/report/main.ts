@@ -25,14 +25,26 @@ function begin(data: ReportData) {
   else if (!window.matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 }
 
-const data = JSON.parse(document.getElementById("recording")!.textContent || "null") as ReportData | null;
-if (data === null) {
-  page.append(h("p", { class: "nothing" }, "This page holds no run: `momentree run SCENARIO --report` writes one that does."));
-} else {
+/** The data in the page; null where it holds none. Throws where they are damaged. */
+function dataIn(): ReportData | null {
+  const text = document.getElementById("recording")?.textContent;
+  if (text === undefined || text === null) throw new Error("the file is cut off");
   try {
-    begin(data);
-  } catch (error) {
-    page.replaceChildren(h("p", { class: "nothing", role: "alert" }, `The run can't be shown: ${String(error)}`));
-    throw error;
+    return JSON.parse(text.trim() || "null") as ReportData | null;
+  } catch {
+    throw new Error("its data are damaged, or the file is cut off");
   }
+}
+
+try {
+  const data = dataIn();
+  if (data) begin(data);
+  else
+    page.append(
+      h("p", { class: "nothing" }, "This page holds no run: `momentree run SCENARIO --report` writes one that does."),
+    );
+} catch (error) {
+  const words = error instanceof Error ? error.message : String(error);
+  page.replaceChildren(h("p", { class: "nothing", role: "alert" }, `The run can't be shown: ${words}.`));
+  throw error;
 }

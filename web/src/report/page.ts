@@ -18,8 +18,13 @@ function subtitle(run: Recording, notes: readonly string[]): string {
   const { summary, model } = run;
   const parts = [count(model.bodies.length, "body", "bodies"), count(run.events.length, "event", "events")];
   if (summary?.method) parts.push(summary.method);
-  if (summary && summary.status !== "done") parts.push(summary.status);
   return [...parts, ...notes].join(" · ");
+}
+
+/** Of a run that is not whole: why, and what to do, all of it. */
+function statusOf(run: Recording): HTMLElement | false {
+  const status = run.summary ? run.summary.status : "it left no summary";
+  return status !== "done" && h("p", { class: "status", role: "alert" }, h("strong", {}, "This run is not complete: "), status);
 }
 
 /** `notes`: what the reader should know of the data. */
@@ -27,11 +32,17 @@ export function showRun(page: HTMLElement, run: Recording, notes: readonly strin
   const title = run.model.title || run.summary?.scenario || "A run";
   document.title = `${title} – momentree`;
   const player = new Player(() => [startTime(run), endTime(run)]);
-  page.append(h("header", {}, h("h1", {}, title), h("p", {}, subtitle(run, notes)), themeButton()));
+  page.append(h("header", {}, h("h1", {}, title), h("p", {}, subtitle(run, notes)), themeButton(), statusOf(run)));
 
   const plots = new Plots(run, player);
   const jointOf = new Map(run.model.joints.map((joint) => [joint.child, joint.name]));
-  const picture = new Picture(run, player, (body) => plots.chooseJoint(jointOf.get(body) ?? ""));
+  const picture = new Picture(run, player, (body) => plots.chooseJoint(jointOf.get(body) ?? ""), {
+    besides: [
+      "Plots, events and tables work without it. ",
+      h("code", {}, "momentree view DIR --svg FILE"),
+      " draws a result without a browser.",
+    ],
+  });
   const events = new EventList(run, picture.stage, player);
   const timeline = new Timeline(run, player, (event) => events.choose(event));
   picture.element.append(timeline.element);
@@ -41,10 +52,11 @@ export function showRun(page: HTMLElement, run: Recording, notes: readonly strin
   ];
   page.append(picture.element, plots.element, tabs("About the run", panels));
   watchTheme((theme) => {
-    picture.stage.setTheme(theme);
+    picture.setTheme(theme);
     plots.setTheme(theme);
     events.show();
   });
+  picture.stage?.whenLost((lost) => lost || events.show());
   picture.fit();
   listenToKeys(run, player, picture.keys, events);
 

@@ -89,6 +89,11 @@ describe("the data of a report as a recording", () => {
     expect(run.phases[0].links[0].locked ?? false).toBe(false);
   });
 
+  it("has a gap before the last row of a run that diverged", () => {
+    const diverged = recordingOf({ ...data, summary: { status: "diverged at t = 1 s: joint 'm/a' …" } });
+    expect([diverged.gapAfter!(0), run.gapAfter!(0)]).toEqual([true, false]);
+  });
+
   it("has columns by quantity, with units", () => {
     expect(run.joint("m/a", "q").map(({ label, unit, values }) => [label, unit, ...Array.from(values)])).toEqual([
       ["q0", "rad", 1, 3],

@@ -28,6 +28,39 @@ export const themeOf = (isDark: boolean): Theme => (isDark ? dark : light);
 
 export const mechanismColour = (theme: Theme, mechanism: number) => theme.mechanisms[mechanism % theme.mechanisms.length];
 
+/** Names of colours that scenarios know beside "#rrggbb" (docs/scenario.md), as CSS has them. */
+const named: ReadonlyMap<string, string> = new Map(
+  Object.entries({
+    black: "#000000",
+    white: "#ffffff",
+    gray: "#808080",
+    grey: "#808080",
+    silver: "#c0c0c0",
+    red: "#ff0000",
+    maroon: "#800000",
+    orange: "#ffa500",
+    gold: "#ffd700",
+    yellow: "#ffff00",
+    olive: "#808000",
+    green: "#008000",
+    lime: "#00ff00",
+    teal: "#008080",
+    cyan: "#00ffff",
+    blue: "#0000ff",
+    navy: "#000080",
+    purple: "#800080",
+    magenta: "#ff00ff",
+    pink: "#ffc0cb",
+    brown: "#a52a2a",
+    tan: "#d2b48c",
+    steelblue: "#4682b4",
+  }),
+);
+
+/** A shape's colour as "#rrggbb"; null where it is none, and the mechanism's holds. */
+export const hexOf = (colour: string): string | null =>
+  /^#[0-9a-f]{6}$/i.test(colour) ? colour.toLowerCase() : (named.get(colour) ?? null);
+
 /** A colour between two, both as "#rrggbb"; share 0: the first. */
 export function mixed(a: string, b: string, share: number): string {
   const parts = [1, 3, 5].map((at) => {

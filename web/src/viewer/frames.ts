@@ -21,6 +21,20 @@ export const phaseAt = (run: Recording, time: number): Phase =>
 export const startTime = (run: Recording) => (run.frames > 0 ? run.time(0) : 0);
 export const endTime = (run: Recording) => (run.frames > 0 ? run.time(run.frames - 1) : 0);
 
+/** A body that turns by more than this from a frame to the next (rad) may as well have turned the other way round. */
+const farthestTurn = 2.6;
+
+/** Whether poses between a frame and the next would be made up: they are those of the frame then. */
+export function isGap(run: Recording, frame: number): boolean {
+  if (frame + 1 >= run.frames) return false;
+  if (run.gapAfter?.(frame)) return true;
+  const [a, b] = [run.poses(frame), run.poses(frame + 1)];
+  const least = Math.cos(0.5 * farthestTurn);
+  for (let i = 3; i < a.length; i += 7)
+    if (Math.abs(a[i] * b[i] + a[i + 1] * b[i + 1] + a[i + 2] * b[i + 2] + a[i + 3] * b[i + 3]) < least) return true;
+  return false;
+}
+
 /** Poses at a time, between the two frames around it: positions on a line, rotations on the shorter arc. Poses have no jumps. */
 export function posesAt(run: Recording, time: number, out: Float64Array): Float64Array {
   if (run.frames === 0) return out;
@@ -29,7 +43,7 @@ export function posesAt(run: Recording, time: number, out: Float64Array): Float6
   const next = Math.min(frame + 1, run.frames - 1);
   const span = run.time(next) - run.time(frame);
   const share = span > 0 ? Math.min(Math.max((time - run.time(frame)) / span, 0), 1) : 0;
-  if (share === 0) {
+  if (share === 0 || (share < 1 && isGap(run, frame))) {
     out.set(a);
     return out;
   }

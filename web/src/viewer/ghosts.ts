@@ -1,7 +1,7 @@
 // Where the mechanisms were, at even times up to now, faded: the picture of the paper's Figure 3 as it comes about.
 import type { Recording } from "../recording";
 import type { Theme } from "./colours";
-import { endTime, phaseAt, posesAt, startTime } from "./frames";
+import { endTime, frameAt, phaseAt, posesAt, startTime } from "./frames";
 import { MechanismsView } from "./mechanisms";
 import type { Stage } from "./stage";
 
@@ -11,6 +11,20 @@ export function ghostSpacing(span: number): number {
   for (let unit = 1e-9; unit < 1e9; unit *= 10)
     for (const step of [1, 2, 5]) if (span / (step * unit) <= 32) return step * unit;
   return span / 10;
+}
+
+/** When they are: at frames of the run alone, the first at or after every so often. */
+export function ghostTimes(run: Recording, every: number): number[] {
+  const times: number[] = [];
+  const [first, last] = [startTime(run), endTime(run)];
+  for (let k = 0; first + k * every <= last + 1e-9 && k < 200; k++) {
+    const wanted = first + k * every - 1e-9;
+    const before = frameAt(run, wanted);
+    const frame = run.time(before) < wanted ? Math.min(before + 1, run.frames - 1) : before;
+    const time = run.time(frame);
+    if (time !== times[times.length - 1]) times.push(time);
+  }
+  return times;
 }
 
 export class Ghosts {
@@ -23,12 +37,11 @@ export class Ghosts {
     private readonly run: Recording,
     readonly every: number = ghostSpacing(endTime(run) - startTime(run)),
   ) {
-    const first = startTime(run);
-    for (let k = 0; first + k * this.every <= endTime(run) + 1e-9 && k < 200; k++) {
+    for (const time of run.frames > 0 ? ghostTimes(run, this.every) : []) {
       const view = new MechanismsView(run.model, stage.shapes, { faded: 0.7, pixels: 2, joints: false });
       view.group.visible = false;
       stage.scene.add(view.group);
-      this.views.push({ time: first + k * this.every, view });
+      this.views.push({ time, view });
     }
     stage.whenThemed((theme) => this.place(theme));
     stage.whenDrawn((camera, height) => {
@@ -49,6 +62,7 @@ export class Ghosts {
     this.theme = theme;
     for (const { time, view } of this.views) {
       const poses = new Float64Array(7 * this.run.model.bodies.length);
+      view.ownColours = this.stage.ownColours;
       view.place(posesAt(this.run, time, poses), phaseAt(this.run, time), theme);
     }
   }

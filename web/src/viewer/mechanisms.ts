@@ -4,8 +4,9 @@ import * as THREE from "three";
 import type { Model, Phase, Vec3 } from "../recording";
 import { mechanismColour, mixed, type Theme } from "./colours";
 import { pointOf } from "./frames";
+import { outlineMaterial, type Resolution } from "./outline";
 import { pixelSize, Rods } from "./rods";
-import { ShapeLibrary } from "./shapes";
+import type { ShapeLibrary, ShapeMeshes } from "./shapes";
 
 /** What the pointer is on, at a point of the world. */
 export interface Hit {
@@ -36,8 +37,10 @@ export class MechanismsView {
   readonly group = new THREE.Group();
   private readonly rods: Rods;
   private readonly rodMaterial = new THREE.MeshLambertMaterial();
-  private readonly bodies: (THREE.Group | null)[];
-  private materials: THREE.MeshLambertMaterial[] = [];
+  private readonly bodies: (ShapeMeshes | null)[];
+  private readonly materials = new Map<string, THREE.MeshLambertMaterial>();
+  private readonly outlines = new Map<number, THREE.MeshBasicMaterial>();
+  private readonly resolution: Resolution = { value: new THREE.Vector2(1, 1) };
   private readonly disks: THREE.Mesh[] = [];
   // Transparent, so that they are drawn after the bodies, and over them.
   private readonly rim = new THREE.MeshBasicMaterial({ transparent: true, depthTest: false });
@@ -51,6 +54,9 @@ export class MechanismsView {
   private readonly jointColours = new Map<string, string>();
   /** Body under the pointer or chosen; −1: none. */
   highlighted = -1;
+  /** Shapes in colours of their own where they have them, outlined where there are several mechanisms; else all in those of
+   * their mechanisms. */
+  ownColours = true;
 
   constructor(
     private readonly model: Model,
@@ -67,8 +73,8 @@ export class MechanismsView {
     this.rods = new Rods(this.rodMaterial, look.faded > 0 ? 0 : 5);
     this.group.add(this.rods.group);
     const first = new THREE.MeshLambertMaterial();
-    this.bodies = model.bodies.map((_body, b) => (shapes.has(b) ? shapes.copy(b, first) : null));
-    for (const body of this.bodies) if (body) this.group.add(body);
+    this.bodies = model.bodies.map((_body, b) => (shapes.has(b) ? shapes.copy(b, first, look.faded === 0) : null));
+    for (const body of this.bodies) if (body) this.group.add(body.group);
   }
 
   /** Joints by name in colours of their own (a load, say); an empty map gives them back. */
@@ -81,12 +87,21 @@ export class MechanismsView {
     return mixed(mechanismColour(theme, mechanism), theme.ground, this.look.faded);
   }
 
-  private material(theme: Theme, mechanism: number): THREE.MeshLambertMaterial {
-    this.materials[mechanism] ??= new THREE.MeshLambertMaterial();
-    const material = this.materials[mechanism];
-    material.color.set(this.colour(theme, mechanism));
+  /** Of shapes in a colour. */
+  private material(colour: string): THREE.MeshLambertMaterial {
+    let material = this.materials.get(colour);
+    if (material) return material;
+    material = new THREE.MeshLambertMaterial({ color: colour });
     this.layer(material);
     if (this.look.faded > 0) material.opacity = 0.35 * (1 - this.look.faded) + 0.1;
+    this.materials.set(colour, material);
+    return material;
+  }
+
+  private outline(theme: Theme, mechanism: number): THREE.MeshBasicMaterial {
+    let material = this.outlines.get(mechanism);
+    if (!material) this.outlines.set(mechanism, (material = outlineMaterial(2.5, this.resolution)));
+    material.color.set(this.colour(theme, mechanism));
     return material;
   }
 
@@ -99,6 +114,7 @@ export class MechanismsView {
   place(poses: ArrayLike<number>, phase: Phase, theme: Theme) {
     this.rods.clear();
     this.lines = [];
+    const several = this.ownColours && Array.from(phase.mechanism).some((mechanism) => mechanism !== phase.mechanism[0]);
     const colours = new Map<number, THREE.Color>();
     const colourOf = (mechanism: number) => {
       let colour = colours.get(mechanism);
@@ -108,20 +124,26 @@ export class MechanismsView {
     this.model.bodies.forEach((body, b) => {
       const mechanism = phase.mechanism[b];
       const bright = b === this.highlighted ? new THREE.Color(theme.ink) : colourOf(mechanism);
-      const group = this.bodies[b];
-      if (group) {
+      const shapes = this.bodies[b];
+      if (shapes) {
         const i = 7 * b;
-        group.position.set(poses[i], poses[i + 1], poses[i + 2]);
-        group.quaternion.set(poses[i + 4], poses[i + 5], poses[i + 6], poses[i + 3]);
-        const material = this.material(theme, mechanism);
-        for (const mesh of group.children) {
-          (mesh as THREE.Mesh).material = material;
+        shapes.group.position.set(poses[i], poses[i + 1], poses[i + 2]);
+        shapes.group.quaternion.set(poses[i + 4], poses[i + 5], poses[i + 6], poses[i + 3]);
+        const common = this.colour(theme, mechanism);
+        for (const { mesh, own } of shapes.meshes) {
+          const colour = own && this.ownColours ? mixed(own, theme.ground, this.look.faded) : common;
+          mesh.material = this.material(colour);
           mesh.renderOrder = this.look.faded > 0 ? 0 : 5;
+        }
+        for (const mesh of shapes.outlines) {
+          mesh.visible = several;
+          mesh.renderOrder = 4;
+          if (several) mesh.material = this.outline(theme, mechanism);
         }
       }
       for (const [from, to] of this.sticks[b])
         this.line(b, vector(pointOf(poses, b, from)), vector(pointOf(poses, b, to)), bright);
-      if (body.extent.length === 0 && !group) {
+      if (body.extent.length === 0 && !shapes) {
         const at = vector(pointOf(poses, b, body.com));
         this.rods.ball(at, bright, 2.5);
         this.lines.push({ body: b, from: at, to: at });
@@ -178,6 +200,7 @@ export class MechanismsView {
 
   /** Before each drawing: widths in pixels, disks towards the camera. */
   fit(camera: THREE.PerspectiveCamera, height: number) {
+    this.resolution.value.set(height * camera.aspect, height);
     this.rods.fit(camera, height, this.radius, this.look.pixels);
     this.disks.forEach((disk, i) => {
       const r = Math.max(2.4 * this.radius, 6 * pixelSize(camera, height, disk.position)) * (i % 2 === 0 ? 1 : 0.62);
@@ -211,7 +234,8 @@ export class MechanismsView {
   dispose() {
     this.rods.dispose();
     this.group.removeFromParent();
-    for (const material of [this.rodMaterial, this.rim, this.face, ...this.materials]) material?.dispose();
+    for (const material of [this.rodMaterial, this.rim, this.face, ...this.materials.values(), ...this.outlines.values()])
+      material.dispose();
     this.circle.dispose();
   }
 }

@@ -1,6 +1,8 @@
-// The shapes of bodies as three.js meshes: each a unit geometry, scaled; what stands in another file is not loaded.
+// The shapes of bodies as three.js meshes; what stands in another file is not loaded.
 import * as THREE from "three";
 import type { Model, Shape } from "../recording";
+import { hexOf } from "./colours";
+import { addOutward } from "./outline";
 
 /** A mesh in its body's frame, or null where there is nothing to draw. */
 function meshOf(shape: Shape, material: THREE.Material): THREE.Mesh | null {
@@ -25,7 +27,18 @@ function meshOf(shape: Shape, material: THREE.Material): THREE.Mesh | null {
   }
   const [w, x, y, z] = shape.at.quat;
   geometry.applyQuaternion(new THREE.Quaternion(x, y, z, w)).translate(...shape.at.xyz);
-  return new THREE.Mesh(geometry, material);
+  const mesh = new THREE.Mesh(geometry, material);
+  const colour = hexOf(shape.colour ?? "");
+  if (colour) mesh.userData.colour = colour;
+  if (colour) addOutward(geometry);
+  return mesh;
+}
+
+/** What the view of a body's shapes holds: `own`: their own colours, where they have any; `outlines`: of those that have. */
+export interface ShapeMeshes {
+  readonly group: THREE.Group;
+  readonly meshes: readonly { readonly mesh: THREE.Mesh; readonly own: string | null }[];
+  readonly outlines: readonly THREE.Mesh[];
 }
 
 /** By body: a group with its shapes, or null where it has none that can be drawn. Geometries are shared between copies. */
@@ -43,15 +56,25 @@ export class ShapeLibrary {
     return this.parts[body].length > 0;
   }
 
-  /** New meshes over the same geometries; `userData.body` tells whose they are. */
-  copy(body: number, material: THREE.Material): THREE.Group {
+  /** Whether any shape has a colour of its own. */
+  get coloured(): boolean {
+    return this.parts.some((parts) => parts.some((part) => part.userData.colour !== undefined));
+  }
+
+  /** New meshes over the same geometries; `userData.body` of those that can be picked tells whose they are. */
+  copy(body: number, material: THREE.Material, outlined: boolean): ShapeMeshes {
     const group = new THREE.Group();
-    for (const part of this.parts[body]) {
+    const outlines: THREE.Mesh[] = [];
+    const meshes = this.parts[body].map((part) => {
       const mesh = new THREE.Mesh(part.geometry, material);
       mesh.userData.body = body;
-      group.add(mesh);
-    }
-    return group;
+      const own = (part.userData.colour as string | undefined) ?? null;
+      if (own && outlined) outlines.push(new THREE.Mesh(part.geometry, material));
+      return { mesh, own };
+    });
+    for (const outline of outlines) outline.visible = false;
+    group.add(...meshes.map(({ mesh }) => mesh), ...outlines);
+    return { group, meshes, outlines };
   }
 
   /** How far a body's shapes reach from its origin (m). */

@@ -7,6 +7,17 @@ import { mixed, themeOf, type Theme } from "./colours";
 import { MechanismsView, type Hit } from "./mechanisms";
 import { ShapeLibrary } from "./shapes";
 
+/** Whether this browser can draw the picture. */
+export function hasWebGL(): boolean {
+  try {
+    const context = document.createElement("canvas").getContext("webgl2");
+    context?.getExtension("WEBGL_lose_context")?.loseContext();
+    return context !== null;
+  } catch {
+    return false;
+  }
+}
+
 export class Stage {
   readonly scene = new THREE.Scene();
   readonly camera = new THREE.PerspectiveCamera(32, 1, 0.01, 1000);
@@ -23,9 +34,12 @@ export class Stage {
   private state: { poses: ArrayLike<number>; phase: Phase } | null = null;
   private readonly beforeDraw: ((camera: THREE.PerspectiveCamera, height: number) => void)[] = [];
   private readonly onTheme: ((theme: Theme) => void)[] = [];
+  private readonly onLost: ((lost: boolean) => void)[] = [];
   private readonly watcher: ResizeObserver;
+  private disposed = false;
+  private contextLost = false;
 
-  /** Throws where the browser has no WebGL. */
+  /** Throws where the browser has no WebGL: see hasWebGL(). */
   constructor(
     private readonly host: HTMLElement,
     model: Model,
@@ -41,6 +55,11 @@ export class Stage {
     this.camera.up.copy(upOf(model)); // before the controls, which ask for it once
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener("change", () => this.draw());
+    for (const [name, lost] of [
+      ["webglcontextlost", true],
+      ["webglcontextrestored", false],
+    ] as const)
+      this.canvas.addEventListener(name, () => this.tellLost(lost));
     this.watcher = new ResizeObserver(() => this.resize());
     this.watcher.observe(host);
     this.resize();
@@ -48,6 +67,33 @@ export class Stage {
 
   get canvas(): HTMLCanvasElement {
     return this.renderer.domElement;
+  }
+
+  /** Called when the browser has taken the graphics context away (true), and when it is back. */
+  whenLost(listener: (lost: boolean) => void) {
+    this.onLost.push(listener);
+  }
+
+  /** There is nothing to draw on, for now. */
+  get lost() {
+    return this.contextLost;
+  }
+
+  private tellLost(lost: boolean) {
+    if (this.disposed) return;
+    this.contextLost = lost;
+    this.canvas.style.visibility = lost ? "hidden" : "";
+    if (!lost) this.draw();
+    for (const listener of this.onLost) listener(lost);
+  }
+
+  /** Bodies in colours of their own where they have them, or all in those of their mechanisms. */
+  get ownColours() {
+    return this.mechanisms.ownColours;
+  }
+  set ownColours(wanted: boolean) {
+    this.mechanisms.ownColours = wanted;
+    this.setTheme(this.theme);
   }
 
   setTheme(theme: Theme) {
@@ -90,6 +136,7 @@ export class Stage {
 
   drawNow() {
     this.wanted = false;
+    if (this.disposed) return;
     const height = this.canvas.clientHeight || 1;
     this.camera.updateMatrixWorld();
     this.mechanisms.fit(this.camera, height);
@@ -215,11 +262,13 @@ export class Stage {
   }
 
   dispose() {
+    this.disposed = true;
     this.watcher.disconnect();
     this.mechanisms.dispose();
     this.shapes.dispose();
     this.controls.dispose();
     this.renderer.dispose();
+    this.renderer.forceContextLoss(); // browsers keep few contexts, and take the oldest away
     this.canvas.remove();
   }
 }

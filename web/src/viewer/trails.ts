@@ -48,6 +48,9 @@ export function between([a, b, c, d]: readonly (readonly number[])[], share: num
   );
 }
 
+/** The point as far on the other side of `a` as `b` is. */
+const mirrored = (a: readonly number[], b: readonly number[]) => a.map((x, k) => 2 * x - b[k]);
+
 interface Trail {
   readonly body: number;
   readonly line: Line2;
@@ -106,7 +109,17 @@ export class Trails {
     const positions: number[] = [];
     const shades: number[] = [];
     for (let frame = 0; frame < this.run.frames; frame++) {
-      const around = [at(frame - 1), at(frame), at(frame + 1), at(frame + 2)];
+      // Straight where the run has a gap, which bends nothing beside it.
+      const [here, next] = [at(frame), at(frame + 1)];
+      const gap = this.run.gapAfter ?? (() => false);
+      const around = gap(frame)
+        ? [mirrored(here, next), here, next, mirrored(next, here)]
+        : [
+            gap(frame - 1) ? mirrored(here, next) : at(frame - 1),
+            here,
+            next,
+            gap(frame + 1) ? mirrored(next, here) : at(frame + 2),
+          ];
       const colour = colours[phaseAt(this.run, this.run.time(frame)).mechanism[body]];
       for (let k = 0; k < pieces; k++) {
         positions.push(...between(around, k / pieces));

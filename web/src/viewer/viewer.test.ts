@@ -1,8 +1,10 @@
 import { describe, expect, it } from "vitest";
 import type { Recording } from "../recording";
-import { mixed } from "./colours";
-import { frameAt, lastNotAfter, phaseAt, pointOf, posesAt } from "./frames";
-import { ghostSpacing } from "./ghosts";
+import { BoxGeometry, Vector3 } from "three";
+import { hexOf, mixed } from "./colours";
+import { frameAt, isGap, lastNotAfter, phaseAt, pointOf, posesAt } from "./frames";
+import { ghostSpacing, ghostTimes } from "./ghosts";
+import { addOutward } from "./outline";
 import { Player } from "./player";
 import { between, endBodies } from "./trails";
 
@@ -66,6 +68,18 @@ describe("frames", () => {
     expect(posesAt(recording(), -1, new Float64Array(7))[0]).toBe(0);
   });
 
+  it("holds still where what is between two frames is not known", () => {
+    const wild: Recording = { ...recording(), gapAfter: (frame) => frame === 1 };
+    expect(posesAt(wild, 0.5, new Float64Array(7))[0]).toBe(1);
+    expect(posesAt(wild, 1.9, new Float64Array(7))[0]).toBe(2);
+    expect(posesAt(wild, 2, new Float64Array(7))[0]).toBe(4);
+    // By 160°, it may as well have turned the other way round.
+    const [c, s] = [Math.cos((80 * Math.PI) / 180), Math.sin((80 * Math.PI) / 180)];
+    const fast: Recording = { ...recording(), poses: (frame) => [frame, 0, 0, frame === 1 ? c : 1, 0, 0, frame === 1 ? s : 0] };
+    expect([isGap(recording(), 0), isGap(fast, 0), isGap(fast, 2)]).toEqual([false, true, false]);
+    expect(posesAt(fast, 0.5, new Float64Array(7))[0]).toBe(0);
+  });
+
   it("points of a body turn with it", () => {
     const [x, y, z] = pointOf([1, 2, 3, half, 0, 0, half], 0, [1, 0, 0]);
     expect([x, y, z].map((v) => v.toFixed(12))).toEqual([1, 3, 3].map((v) => v.toFixed(12)));
@@ -109,6 +123,18 @@ describe("what is drawn beside the bodies", () => {
     for (const span of [1e-4, 0.01, 0.7, 13, 1e5]) expect(span / ghostSpacing(span)).toBeLessThanOrEqual(60);
   });
 
+  it("ghosts stand at frames: of two rows there are no thirty", () => {
+    const times = (...frames: number[]) => {
+      const run: Recording = { ...recording(), frames: frames.length, time: (frame) => frames[frame] };
+      return ghostTimes(run, ghostSpacing(frames[frames.length - 1] - frames[0]));
+    };
+    expect(times(0, 0.001)).toEqual([0, 0.001]);
+    expect(times(...Array.from({ length: 101 }, (_none, k) => k * 0.02)).map((time) => time.toFixed(6))).toEqual(
+      Array.from({ length: 11 }, (_none, k) => (0.2 * k).toFixed(6)),
+    );
+    expect(times(0, 0.9, 1, 5)).toEqual([0, 0.9, 1, 5]);
+  });
+
   it("trails go through the frames, and along a straight line between frames on one", () => {
     const points = [0, 1, 2, 3].map((k) => [k, 2 * k, -k]);
     expect(between(points, 0)).toEqual([1, 2, -1]);
@@ -137,5 +163,22 @@ describe("what is drawn beside the bodies", () => {
   it("mixes colours", () => {
     expect(mixed("#000000", "#ffffff", 0.5)).toBe("#808080");
     expect(mixed("#123456", "#ffffff", 0)).toBe("#123456");
+  });
+
+  it("knows the colours that scenarios know, and no others", () => {
+    expect([hexOf("#12aB34"), hexOf("gold"), hexOf("steelblue")]).toEqual(["#12ab34", "#ffd700", "#4682b4"]);
+    for (const none of ["", "#fff", "#12345g", "url(#x)", "constructor"]) expect(hexOf(none)).toBeNull();
+  });
+
+  it("outlines have no gaps: a corner goes one way, whatever face it is of", () => {
+    const box = new BoxGeometry(1, 2, 3).translate(5, 0, 0);
+    addOutward(box);
+    const [position, outward] = [box.getAttribute("position"), box.getAttribute("outward")];
+    expect(position.count).toBe(24);
+    for (let i = 0; i < position.count; i++) {
+      const corner = new Vector3(position.getX(i) - 5, position.getY(i), position.getZ(i));
+      for (const [k, axis] of (["x", "y", "z"] as const).entries())
+        expect(outward.array[3 * i + k]).toBeCloseTo(Math.sign(corner[axis]) / Math.sqrt(3), 5);
+    }
   });
 });

@@ -1,0 +1,161 @@
+#include <cli/http.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <utility>
+
+#include <momentree/base/check.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+bool same_name(std::string_view a, std::string_view b) {
+  return std::ranges::equal(a, b, [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
+/// tchar of RFC 9110, 5.6.2.
+bool is_token(std::string_view text) {
+  return !text.empty() && std::ranges::all_of(text, [](unsigned char c) {
+    return std::isalnum(c) || std::string_view("!#$%&'*+-.^_`|~").find(static_cast<char>(c)) != std::string_view::npos;
+  });
+}
+
+/// The next line without its end, which is taken off `text`. A bare LF ends a line, too (RFC 9112, 2.2).
+std::string_view take_line(std::string_view& text) {
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  std::string_view line = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
+/// "GET /path?query HTTP/1.1".
+bool parse_first_line(std::string_view line, HttpRequest& request) {
+  const std::size_t first = line.find(' '), last = line.rfind(' ');
+  if (first == std::string_view::npos || first == last) return false;
+  const std::string_view target = line.substr(first + 1, last - first - 1), version = line.substr(last + 1);
+  request.method = line.substr(0, first);
+  request.path = target.substr(0, target.find('?'));
+  return is_token(request.method) && target.starts_with('/') && (version == "HTTP/1.1" || version == "HTTP/1.0") &&
+         std::ranges::all_of(target, [](unsigned char c) { return c > ' ' && c != 0x7f; });
+}
+
+/// By names of this machine alone, at this port: else another site may have its name lead here.
+bool is_this_machine(std::string_view host, std::string_view port) {
+  for (const std::string_view name : {"127.0.0.1:", "localhost:"})
+    if (host.starts_with(name) && host.substr(name.size()) == port) return true;
+  return false;
+}
+
+bool is_welcome(const HttpRequest& request, const Site& site) {
+  constexpr std::string_view scheme = "http://";
+  const std::string_view origin = request.origin;
+  return is_this_machine(request.host, site.port) &&
+         (origin.empty() || (origin.starts_with(scheme) && is_this_machine(origin.substr(scheme.size()), site.port)));
+}
+
+/// In a time that does not tell how much of it is right.
+bool is_path(std::string_view path, std::string_view key) {
+  if (path.size() != key.size() + 1) return false;
+  unsigned char differs = 0;
+  for (std::size_t i = 0; i < key.size(); ++i) differs |= static_cast<unsigned char>(path[i + 1] ^ key[i]);
+  return differs == 0;
+}
+
+struct Status {
+  int code;
+  std::string_view name, says;
+};
+constexpr std::array statuses = {
+    Status{200, "OK", ""},
+    Status{303, "See Other", ""},
+    Status{400, "Bad Request", "This is no request that a browser would send.\n"},
+    Status{403, "Forbidden", "This page is for the browser of this machine alone.\n"},
+    Status{404, "Not Found", "Open the whole address that momentree printed, with the key at its end.\n"},
+    Status{405, "Method Not Allowed", "Only GET and HEAD are answered.\n"},
+    Status{413, "Content Too Large", "Requests with a body are not answered.\n"},
+    Status{431, "Request Header Fields Too Large", "The head of the request is too large.\n"},
+};
+
+Reply make_reply(const Site& site, int code, std::string_view body, std::string_view type, const std::string& more = "") {
+  const auto* status = std::ranges::find(statuses, code, &Status::code);
+  MT_REQUIRE(status != statuses.end(), "a status that has a name");
+  if (body.empty()) body = status->says;
+  std::string head = "HTTP/1.1 " + std::to_string(code) + ' ' + std::string(status->name) + "\r\n";
+  head += "Content-Type: " + std::string(type) + "; charset=utf-8\r\n";
+  head += "Content-Length: " + std::to_string(body.size()) + "\r\n";
+  head += "Content-Security-Policy: " + site.policy + "; frame-ancestors 'none'\r\n";
+  head += "X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n";
+  head += "Cross-Origin-Resource-Policy: same-origin\r\nCache-Control: no-store\r\nAccept-Ranges: none\r\n";
+  head += more + "Connection: close\r\n\r\n";
+  return {std::move(head), body};
+}
+
+}  // namespace
+
+std::size_t head_size(std::string_view received, std::size_t before) {
+  for (std::size_t at = received.find('\n', before - std::min<std::size_t>(before, 2)); at != std::string_view::npos;
+       at = received.find('\n', at + 1)) {
+    const std::string_view rest = received.substr(at + 1);
+    if (rest.starts_with('\n')) return at + 2;
+    if (rest.starts_with("\r\n")) return at + 3;
+  }
+  return std::string_view::npos;
+}
+
+std::optional<HttpRequest> parse_head(std::string_view head) {
+  HttpRequest request;
+  if (!parse_first_line(take_line(head), request)) return std::nullopt;
+  bool has_host = false;
+  for (std::string_view line = take_line(head); !line.empty(); line = take_line(head)) {
+    const std::size_t colon = line.find(':');
+    if (colon == std::string_view::npos || !is_token(line.substr(0, colon))) return std::nullopt;  // folded lines, too
+    const std::string_view name = line.substr(0, colon), value = trimmed(line.substr(colon + 1));
+    if (std::ranges::any_of(value, [](unsigned char c) { return (c < ' ' && c != '\t') || c == 0x7f; })) return std::nullopt;
+    if (same_name(name, "Host")) {
+      if (std::exchange(has_host, true)) return std::nullopt;
+      request.host = value;
+    } else if (same_name(name, "Origin")) {
+      if (!request.origin.empty()) return std::nullopt;
+      request.origin = value;
+    } else if (same_name(name, "Transfer-Encoding") || (same_name(name, "Content-Length") && value != "0")) {
+      request.has_body = true;
+    }
+  }
+  return request;
+}
+
+Reply refusal(const Site& site, int status) {
+  return make_reply(site, status, {}, "text/plain", status == 405 ? "Allow: GET, HEAD\r\n" : "");
+}
+
+Reply reply_to(const HttpRequest& request, Site& site) {
+  Reply reply;
+  if (!is_welcome(request, site))
+    reply = refusal(site, 403);
+  else if (request.has_body)
+    reply = refusal(site, 413);
+  else if (request.method != "GET" && request.method != "HEAD")
+    reply = refusal(site, 405);
+  else if (is_path(request.path, site.key))
+    reply = make_reply(site, 200, site.html, "text/html");
+  else if (!site.once.empty() && is_path(request.path, site.once))
+    reply = make_reply(site, 303, {}, "text/plain", "Location: /" + site.key + "\r\n");
+  else
+    reply = refusal(site, 404);
+  if (request.method == "HEAD")
+    reply.body = {};
+  else if (is_path(request.path, site.once))
+    site.once.clear();
+  return reply;
+}
+
+}  // namespace momentree::cli

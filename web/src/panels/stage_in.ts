@@ -1,0 +1,50 @@
+// The 3D picture in its place in the page, or words about why there is none.
+import type { Model } from "../recording";
+import { hasWebGL, Stage } from "../viewer/stage";
+import { h } from "./dom";
+
+/** Of the button that switches them on and off. */
+export const ownColoursSays = "Bodies in their own colours, outlined in their mechanism's, or all in their mechanism's";
+
+const message = (...children: (Node | string)[]) => h("div", { class: "instead", role: "alert" }, ...children);
+
+/** null where the browser can't draw it: then the page says so there, and `besides` says what works without it. */
+export function stageIn(host: HTMLElement, model: Model, besides: readonly (Node | string)[]): Stage | null {
+  const disable = (tools: boolean) => {
+    for (const each of host.querySelectorAll<HTMLElement>(".tools")) each.inert = tools;
+  };
+  disable(false);
+  let stage: Stage | null = null;
+  let why = "it does not provide WebGL 2";
+  try {
+    if (hasWebGL()) stage = new Stage(host, model);
+  } catch (error) {
+    why = error instanceof Error ? error.message : String(error);
+  }
+  if (!stage) {
+    host.append(
+      message(
+        h("h2", {}, "No 3D picture"),
+        h("p", {}, `This browser can't draw it: ${why}.`),
+        h("p", {}, "Switch on hardware acceleration in its settings, or open this page in another browser."),
+        h("p", {}, ...besides),
+      ),
+    );
+    return null;
+  }
+  let shown: HTMLElement | null = null;
+  stage.whenLost((lost) => {
+    disable(lost);
+    shown?.remove();
+    shown = null;
+    if (!lost) return;
+    const reload = h("button", { type: "button", onclick: () => location.reload() }, "Reload");
+    shown = message(
+      h("h2", {}, "The 3D picture is gone"),
+      h("p", {}, "The browser lost its graphics context, as after a reset of the graphics driver."),
+      h("p", {}, "It comes back by itself when the browser gives it another one. If it does not, reload the page. ", reload),
+    );
+    host.append(shown);
+  });
+  return stage;
+}

@@ -1,0 +1,16 @@
+// What stands in the place of the picture while no world is there to be shown: why, and a way on.
+import { h } from "../panels/dom";
+
+export class Blank {
+  readonly element = h("div", { class: "instead", role: "alert" });
+
+  constructor() {
+    this.show("Loading", "The engine is being started.");
+  }
+
+  /** `way`: a button's words and what it does. */
+  show(title: string, says: string, way?: { label: string; go: () => void }) {
+    this.element.replaceChildren(h("h2", {}, title), h("p", {}, says));
+    if (way) this.element.append(h("button", { type: "button", onclick: way.go }, way.label));
+  }
+}

@@ -1,0 +1,71 @@
+// What the running world says in numbers: plots of energy and momentum, and the momenta at the instant that is shown.
+import type { LiveRecording } from "../engine/live";
+import { h } from "../panels/dom";
+import { digits } from "../panels/numbers";
+import { momentumScale, reachOf } from "../panels/scales";
+import type { Theme } from "../viewer/colours";
+import { massOf } from "./app";
+import { Chart } from "./chart";
+
+/** Between two drawings while frames come (ms). */
+const pause = 120;
+
+/** The scale of momenta in these frames (N s). */
+function momentumIn(run: LiveRecording, from: number, to: number): number {
+  let kinetic = 0;
+  for (let frame = from; frame <= to; frame++) kinetic = Math.max(kinetic, run.totals(frame).kinetic);
+  return momentumScale(massOf(run.model.bodies), kinetic);
+}
+
+/** The components in one line; round-off relative to `scale` is shown as zero. */
+const vector = (v: readonly number[], scale: number) =>
+  v.map((x) => digits(Math.abs(x) <= 1e-12 * scale ? 0 : x, 5)).join("  ");
+
+export class Readings {
+  private readonly energy = new Chart(
+    "Energy",
+    "J",
+    [
+      { label: "kinetic", of: (t) => t.kinetic },
+      { label: "potential", of: (t) => t.potential },
+      { label: "total", of: (t) => t.kinetic + t.potential },
+    ],
+    () => 0,
+  );
+  private readonly momentum = new Chart(
+    "Momentum",
+    "N s",
+    [
+      { label: "x", of: (t) => t.linear[0] },
+      { label: "y", of: (t) => t.linear[1] },
+      { label: "z", of: (t) => t.linear[2] },
+    ],
+    momentumIn,
+  );
+  private readonly readout = h("dl", { class: "readout", "aria-label": "Momentum" });
+  readonly element = h("div", { class: "plots" }, this.energy.element, this.momentum.element, this.readout);
+  private drawn = 0;
+
+  setTheme(theme: Theme) {
+    this.energy.setTheme(theme);
+    this.momentum.setTheme(theme);
+  }
+
+  /** Up to a frame; not more often than a reader can follow, unless that is `wanted`. */
+  show(run: LiveRecording, frame: number, engineSeconds: number, wanted: boolean) {
+    const now = performance.now();
+    if (!wanted && now - this.drawn < pause) return;
+    this.drawn = now;
+    this.energy.show(run, frame);
+    this.momentum.show(run, frame);
+    const { linear, angular, balance } = run.totals(frame);
+    const size = momentumIn(run, 0, frame);
+    const rows: [string, string][] = [
+      ["Linear momentum (N s)", vector(linear, size)],
+      ["Angular momentum (N m s)", vector(angular, size * reachOf(run.model, run.poses(frame)))],
+      ["Energy balance, error (J)", digits(balance.error, 3)],
+      ["Engine, per frame", `${(1000 * engineSeconds).toFixed(1)} ms`],
+    ];
+    this.readout.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
+  }
+}

@@ -1,0 +1,44 @@
+// Outlines of bodies that have colours of their own, in the colour of their mechanism: the shape's back faces, some pixels wider.
+import * as THREE from "three";
+
+/** Gives a geometry the attribute `outward`: normals that corners share, so that the widened shape has no gaps. */
+export function addOutward(geometry: THREE.BufferGeometry) {
+  const position = geometry.getAttribute("position");
+  const normal = geometry.getAttribute("normal");
+  geometry.computeBoundingBox();
+  const size = geometry.boundingBox!.getSize(new THREE.Vector3()).length() || 1;
+  const key = (i: number) =>
+    [position.getX(i), position.getY(i), position.getZ(i)].map((x) => Math.round((1e5 * x) / size)).join();
+  const sums = new Map<string, THREE.Vector3>();
+  const vector = new THREE.Vector3();
+  for (let i = 0; i < position.count; i++) {
+    const at = key(i);
+    if (!sums.has(at)) sums.set(at, new THREE.Vector3());
+    sums.get(at)!.add(vector.fromBufferAttribute(normal, i));
+  }
+  const outward = new Float32Array(3 * position.count);
+  for (let i = 0; i < position.count; i++)
+    vector
+      .copy(sums.get(key(i))!)
+      .normalize()
+      .toArray(outward, 3 * i);
+  geometry.setAttribute("outward", new THREE.BufferAttribute(outward, 3));
+}
+
+/** The size of the picture (pixels of the page), shared by all materials of a view. */
+export type Resolution = { value: THREE.Vector2 };
+
+export function outlineMaterial(pixels: number, resolution: Resolution): THREE.MeshBasicMaterial {
+  // Drawn among what is transparent, where the order is that of `renderOrder`.
+  const material = new THREE.MeshBasicMaterial({ side: THREE.BackSide, transparent: true });
+  material.onBeforeCompile = (shader) => {
+    shader.uniforms.resolution = resolution;
+    shader.vertexShader = `attribute vec3 outward;\nuniform vec2 resolution;\n${shader.vertexShader}`.replace(
+      "#include <project_vertex>",
+      `#include <project_vertex>
+      vec2 aside = (projectionMatrix * modelViewMatrix * vec4(outward, 0.0)).xy * resolution;
+      gl_Position.xy += ${pixels.toFixed(1)} * 2.0 * gl_Position.w * aside / max(length(aside), 1e-6) / resolution;`,
+    );
+  };
+  return material;
+}

@@ -1,0 +1,108 @@
+// Colours of a body's own, which scenarios and model files give it, in all pages.
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
+import type { Browser, Page } from "playwright-core";
+import { afterAll, afterEach, beforeAll, expect, it } from "vitest";
+import { fragmentOf } from "../src/playground/share";
+import { mechanismColour, themeOf } from "../src/viewer/colours";
+import {
+  desktop,
+  keep,
+  launch,
+  open,
+  openReport,
+  phone,
+  pixelsLike,
+  playgroundAddress,
+  report,
+  settled,
+  temporary,
+} from "./browser";
+
+let browser: Browser;
+beforeAll(async () => {
+  browser = await launch();
+});
+afterAll(() => browser?.close());
+afterEach(async () => {
+  for (const context of browser.contexts()) await context.close();
+});
+
+const crane = `format = 1
+title = "Painted crane"
+[[mechanism]]
+name = "crane"
+[[mechanism.body]]
+name = "jib"
+mass = 50
+com = [1, 0, 0]
+inertia = [1, 10, 10]
+shape = { box = [3, 0.4, 0.4], at = { xyz = [1.5, 0, 0] }, colour = "lime" }
+joint = { kind = "revolute", axis = [0, 0, 1], at = { xyz = [0, 0, 4] } }
+[[mechanism.body]]
+name = "load"
+mass = 20
+com = [0, 0, -1]
+inertia = [1, 1, 1]
+shape = { sphere = 0.6, at = { xyz = [0, 0, -1] }, colour = "#ff00ff" }
+joint = { kind = "ball", parent = "jib", at = { xyz = [3, 0, 0] }, damping = 0.5 }
+[[event]]
+at = 0.3
+break = "crane/load"
+[integrate]
+step = 1e-2
+until = 0.6
+`;
+const own = ["#00ff00", "#ff00ff"];
+
+async function seen(page: Page, dark = false) {
+  await settled(page);
+  const theme = themeOf(dark);
+  const counts = await pixelsLike(page, ".stage canvas", [...own, mechanismColour(theme, 0), mechanismColour(theme, 1)], 110);
+  return { lime: counts[0], magenta: counts[1], first: counts[2], second: counts[3] };
+}
+
+it("a report has them, outlines the parts after a break, and can show mechanisms instead", async () => {
+  const file = join(temporary(), "crane.toml");
+  writeFileSync(file, crane);
+  const folder = report(file);
+  for (const view of [desktop, { ...desktop, dark: true }, phone]) {
+    const { page, complaints } = await openReport(browser, folder, view, 0.2);
+    for (const name of ["Ghosts", "Trails"]) await page.getByRole("button", { name }).click();
+    const before = await seen(page, view.dark);
+    expect(before.lime).toBeGreaterThan(500);
+    expect(before.magenta).toBeGreaterThan(500);
+    expect(before.second).toBeLessThan(20);
+    await page.getByLabel("Time", { exact: true }).fill("660");
+    const after = await seen(page, view.dark);
+    expect(after.lime).toBeGreaterThan(500);
+    expect(after.magenta).toBeGreaterThan(500);
+    expect(after.first).toBeGreaterThan(before.first + 100); // an outline
+    expect(after.second).toBeGreaterThan(before.second + 100);
+    await keep(page, `painted_${view.width}${view.dark ? "_dark" : ""}`);
+    await page.keyboard.press("o");
+    expect(await page.getByRole("button", { name: "Own colours" }).getAttribute("aria-pressed")).toBe("false");
+    const mechanisms = await seen(page, view.dark);
+    expect([mechanisms.lime, mechanisms.magenta]).toEqual([0, 0]);
+    expect(mechanisms.second).toBeGreaterThan(500);
+    expect(complaints).toEqual([]);
+  }
+});
+
+it("the playground has them, too, and keeps the choice", async () => {
+  const { page, complaints } = await open(browser, playgroundAddress + (await fragmentOf(crane)));
+  await page.waitForFunction(() => Boolean(window.playground?.app.run));
+  expect((await seen(page)).magenta).toBeGreaterThan(500);
+  await page.getByRole("button", { name: "Own colours" }).click();
+  expect((await seen(page)).magenta).toBe(0);
+  await page.getByRole("button", { name: "⟲" }).click();
+  await page.waitForTimeout(300);
+  expect((await seen(page)).magenta).toBe(0);
+  await page.keyboard.press("o");
+  expect((await seen(page)).magenta).toBeGreaterThan(500);
+  await keep(page, "painted_playground");
+  await page.getByLabel("Scenario", { exact: true }).first().selectOption("breaking_chain");
+  await page.waitForFunction(() => document.title.startsWith("Breaking chain"));
+  expect(await page.getByRole("button", { name: "Own colours" }).isVisible()).toBe(false);
+  expect(complaints).toEqual([]);
+});
