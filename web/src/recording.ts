@@ -122,6 +122,20 @@ export interface Times {
 }
 
 /** What summary.json says (docs/results.md), as far as it is shown. */
+/** An event that did not happen: what it waited for, and how near that came. */
+export interface Missed {
+  readonly event: string;
+  readonly quantity?: string;
+  readonly exceeds?: number;
+  readonly below?: number;
+  readonly nearest?: number | null;
+  readonly nearest_time?: number | null;
+  readonly for?: number;
+  readonly held?: number;
+  readonly after?: string;
+  readonly time?: number;
+}
+
 export interface Summary {
   readonly status: string;
   readonly version: string;
@@ -134,6 +148,8 @@ export interface Summary {
   readonly realTimeFactor: number | null;
   readonly times: Times | null;
   readonly energy: Readonly<Record<string, number | null>> | null;
+  readonly missed: readonly Missed[];
+  readonly warnings: readonly string[];
 }
 
 export interface Recording {

@@ -101,7 +101,7 @@ it("the playground has them, too, and keeps the choice", async () => {
   await page.keyboard.press("o");
   expect((await seen(page)).magenta).toBeGreaterThan(500);
   await keep(page, "painted_playground");
-  await page.getByLabel("Scenario", { exact: true }).first().selectOption("breaking_chain");
+  await page.getByLabel("Scenario", { exact: true }).first().selectOption("breaking_chain_accurate");
   await page.waitForFunction(() => document.title.startsWith("Breaking chain"));
   expect(await page.getByRole("button", { name: "Own colours" }).isVisible()).toBe(false);
   expect(complaints).toEqual([]);

@@ -32,6 +32,7 @@ describe("the report of a run", () => {
   it("opens from disk, complains of nothing, asks for nothing", async () => {
     const { page, complaints } = await openReport(browser, chain);
     expect(await page.title()).toBe("Breaking chain – momentree");
+    await page.getByRole("note").getByText("the energy balance is off by").waitFor();
     expect(await clock(page)).toBe("0.000 s");
     expect(await names(page)).toEqual(["chain"]);
     expect(complaints).toEqual([]);

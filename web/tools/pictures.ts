@@ -16,7 +16,7 @@ interface Picture {
 }
 
 const pictures: readonly Picture[] = [
-  { name: "report_chain", scenario: "breaking_chain.toml", time: 2.05, width: 1280, height: 800 },
+  { name: "report_chain", scenario: "breaking_chain_accurate.toml", time: 2.05, width: 1280, height: 800 },
   { name: "report_crane", scenario: "crane.toml", time: 4.0, dark: true, width: 1280, height: 800 },
 ];
 

@@ -5,7 +5,7 @@ import { count, digits, duration, instant } from "./numbers";
 import { worthShowing } from "./plot";
 import { balanceOf } from "./plots";
 import { momentumScale, rangeOf } from "./scales";
-import { energyTable, timesTable } from "./summary";
+import { energyTable, missedRow, timesTable } from "./summary";
 import { marked } from "./timeline";
 
 describe("numbers as text", () => {
@@ -147,6 +147,8 @@ describe("the summary", () => {
     realTimeFactor: 2,
     times: { evaluations: { before: 1, after: 2 }, topology: { before: 0, after: 0.5 }, total: { before: 2, after: 4 } },
     energy: { initial: 8, released: 0, error: 0 },
+    missed: [],
+    warnings: [],
   };
 
   it("has the rows of Table 2: before, the change, after without it, and all of it", () => {
@@ -158,6 +160,20 @@ describe("the summary", () => {
     ]);
     expect(timesTable({ ...summary, changes: 0 })).toHaveLength(1);
     expect(timesTable({ ...summary, times: null })).toEqual([]);
+  });
+
+  it("says of events that did not happen what they waited for, and how near it came", () => {
+    expect(missedRow({ event: "grasp", quantity: "distance", below: 0.3, nearest: 0.353, nearest_time: 12.7 })).toEqual([
+      "grasp",
+      "distance below 0.3",
+      "nearest: 0.353 at 12.7 s",
+    ]);
+    expect(missedRow({ event: "a", quantity: "speed", exceeds: 2, nearest: 3, nearest_time: 1, for: 0.5, held: 0.25 })[2]).toBe(
+      "nearest: 3 at 1 s, held for 250 ms of 500 ms",
+    );
+    expect(missedRow({ event: "b", quantity: "position", exceeds: 2, nearest: null })[2]).toBe("there was nothing to measure");
+    expect(missedRow({ event: "c", after: "grasp" })).toEqual(["c", "after grasp", "that did not happen"]);
+    expect(missedRow({ event: "d", time: 40 })).toEqual(["d", "at 40 s", "the run ended before"]);
   });
 
   it("leaves out energies that are zero but for round-off, but not the error", () => {

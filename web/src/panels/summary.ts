@@ -1,5 +1,5 @@
 // How the run was computed: times as in Table 2 of the paper, the energy balance, where it came from.
-import type { Recording, Summary } from "../recording";
+import type { Missed, Recording, Summary } from "../recording";
 import { h, table } from "./dom";
 import { count, digits, duration } from "./numbers";
 
@@ -27,6 +27,7 @@ const energyNames: Record<string, string> = {
   lost_in_impacts: "lost in impacts",
   released: "released by changes",
   error: "error of the balance",
+  largest_kinetic: "largest kinetic energy",
 };
 
 export function energyTable(summary: Summary): string[][] {
@@ -36,6 +37,19 @@ export function energyTable(summary: Summary): string[][] {
   return all
     .filter(([key, value]) => key === "error" || value === null || Math.abs(value) > least)
     .map(([key, value]) => [energyNames[key] ?? key, value === null ? "–" : `${digits(value, key === "error" ? 3 : 7)} J`]);
+}
+
+/** An event that did not happen, and why: "position exceeds 20", "nearest: 12.8 at 2 s". */
+export function missedRow(missed: Missed): string[] {
+  if (missed.quantity !== undefined) {
+    const [side, threshold] = missed.exceeds !== undefined ? ["exceeds", missed.exceeds] : ["below", missed.below ?? 0];
+    const waits = `${missed.quantity} ${side} ${digits(threshold, 6)}`;
+    if (missed.nearest == null) return [missed.event, waits, "there was nothing to measure"];
+    const held = missed.for === undefined ? "" : `, held for ${duration(missed.held ?? 0)} of ${duration(missed.for)}`;
+    return [missed.event, waits, `nearest: ${digits(missed.nearest, 6)} at ${digits(missed.nearest_time ?? 0, 6)} s${held}`];
+  }
+  if (missed.after !== undefined) return [missed.event, `after ${missed.after}`, "that did not happen"];
+  return [missed.event, `at ${digits(missed.time ?? 0, 6)} s`, "the run ended before"];
 }
 
 export function summaryPanel(run: Recording): HTMLElement {
@@ -55,6 +69,7 @@ export function summaryPanel(run: Recording): HTMLElement {
     { class: "summary" },
     times.length > 0 && table("Processing times", ["", "function evaluations", "total"], times),
     energy.length > 0 && table("Energy balance", ["", "energy"], energy),
+    summary.missed.length > 0 && table("Events that did not happen", ["", "waited for", ""], summary.missed.map(missedRow)),
     table("The run", ["", ""], facts),
   );
 }

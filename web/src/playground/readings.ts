@@ -10,11 +10,22 @@ import { Chart } from "./chart";
 /** Between two drawings while frames come (ms). */
 const pause = 120;
 
-/** The scale of momenta in these frames (N s). */
-function momentumIn(run: LiveRecording, from: number, to: number): number {
+/** The largest kinetic energy in these frames (J). */
+function largestKinetic(run: LiveRecording, from: number, to: number): number {
   let kinetic = 0;
   for (let frame = from; frame <= to; frame++) kinetic = Math.max(kinetic, run.totals(frame).kinetic);
-  return momentumScale(massOf(run.model.bodies), kinetic);
+  return kinetic;
+}
+
+/** The scale of momenta in these frames (N s). */
+const momentumIn = (run: LiveRecording, from: number, to: number) =>
+  momentumScale(massOf(run.model.bodies), largestKinetic(run, from, to));
+
+/** The error of the energy balance, and what to do where it is more than a thousandth of the kinetic energy. */
+function balanceText(error: number, kinetic: number): string {
+  const share = kinetic > 0 ? Math.abs(error) / kinetic : 0;
+  const text = digits(error, 3);
+  return share > 1e-3 ? `${text}: ${digits(100 * share, 2)} % of the kinetic energy; use a smaller step` : text;
 }
 
 /** The components in one line; round-off relative to `scale` is shown as zero. */
@@ -59,11 +70,12 @@ export class Readings {
     this.energy.show(run, frame);
     this.momentum.show(run, frame);
     const { linear, angular, balance } = run.totals(frame);
-    const size = momentumIn(run, 0, frame);
+    const kinetic = largestKinetic(run, 0, frame);
+    const size = momentumScale(massOf(run.model.bodies), kinetic);
     const rows: [string, string][] = [
       ["Linear momentum (N s)", vector(linear, size)],
       ["Angular momentum (N m s)", vector(angular, size * reachOf(run.model, run.poses(frame)))],
-      ["Energy balance, error (J)", digits(balance.error, 3)],
+      ["Energy balance, error (J)", balanceText(balance.error, kinetic)],
       ["Engine, per frame", `${(1000 * engineSeconds).toFixed(1)} ms`],
     ];
     this.readout.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));

@@ -67,6 +67,8 @@ interface SummaryFile {
   real_time_factor?: number | null;
   wall_clock?: Summary["times"];
   energy?: Summary["energy"];
+  missed?: Summary["missed"];
+  warnings?: Summary["warnings"];
 }
 
 export interface ReportData {
@@ -164,6 +166,8 @@ const summaryOf = (file: SummaryFile): Summary => ({
   realTimeFactor: file.real_time_factor ?? null,
   times: file.wall_clock ?? null,
   energy: file.energy ?? null,
+  missed: file.missed ?? [],
+  warnings: file.warnings ?? [],
 });
 
 const energyColumns: Record<WorldQuantity, readonly string[]> = {

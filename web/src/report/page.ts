@@ -27,12 +27,20 @@ function statusOf(run: Recording): HTMLElement | false {
   return status !== "done" && h("p", { class: "status", role: "alert" }, h("strong", {}, "This run is not complete: "), status);
 }
 
+/** What to know before using the results: an energy balance that does not close. */
+const warningsOf = (run: Recording): HTMLElement[] =>
+  (run.summary?.warnings ?? []).map((text) =>
+    h("p", { class: "status warning", role: "note" }, h("strong", {}, "Warning: "), text),
+  );
+
 /** `notes`: what the reader should know of the data. */
 export function showRun(page: HTMLElement, run: Recording, notes: readonly string[] = []): Player {
   const title = run.model.title || run.summary?.scenario || "A run";
   document.title = `${title} – momentree`;
   const player = new Player(() => [startTime(run), endTime(run)]);
-  page.append(h("header", {}, h("h1", {}, title), h("p", {}, subtitle(run, notes)), themeButton(), statusOf(run)));
+  page.append(
+    h("header", {}, h("h1", {}, title), h("p", {}, subtitle(run, notes)), themeButton(), statusOf(run), ...warningsOf(run)),
+  );
 
   const plots = new Plots(run, player);
   const jointOf = new Map(run.model.joints.map((joint) => [joint.child, joint.name]));
