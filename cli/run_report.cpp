@@ -74,7 +74,10 @@ std::string event_text(const Event& event, const Style& style) {
 
 std::string energy_text(const EnergyBalance& e, const Style& style) {
   Table table;
-  const auto row = [&table](const char* name, double joules) { table.row({name, format("%.9g J", joules)}); };
+  const double scale = std::max({std::fabs(e.initial), std::fabs(e.final), e.largest_kinetic});
+  const auto row = [&](const char* name, double joules) {  // what is rounding beside the others is nothing
+    table.row({name, format("%.9g J", std::fabs(joules) < 1e-15 * scale ? 0.0 : joules)});
+  };
   row("at the start", e.initial);
   row("at the end", e.final);
   row("dissipated by dampers", e.dissipated);

@@ -145,7 +145,8 @@ std::string summary_json(const RunOrigin& origin, const std::string& status, con
   json.end_object();
   write_missed(json, simulation);
   json.key("warnings").begin_array();
-  if (const std::string advice = energy.advice(origin.integration); !advice.empty()) json.value(advice);
+  const std::string advice = energy.advice(origin.integration);
+  if (simulation.message().empty() && !advice.empty()) json.value(advice);  // the last energies of a run that diverged say nothing
   json.end_array().end_object();
   text += '\n';
   return text;
