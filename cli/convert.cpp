@@ -32,9 +32,7 @@ Format format_of(const std::string& path) {
 
 int convert(const ConvertOptions& options) {
   const Format format = format_of(options.out);
-  std::error_code failed;
-  if (options.out != "-" && fs::equivalent(options.out, options.source, failed))
-    fail({"is the file that is read: it would be overwritten", options.out, "give another name after -o"});
+  refuse_to_overwrite(options.out, options.source);
   const std::optional<io::Scenario> scenario = load(options.source, options.overrides);
   if (!scenario) return bad_input;
   if (format == Format::toml && !options.mechanism.empty())

@@ -83,7 +83,11 @@ int serve(const Page& page, int port, bool open_browser) {
   std::thread listener([&server] { server.listen_after_bind(); });
   const std::string address = "http://127.0.0.1:" + number + "/";
   std::printf("%s\n", address.c_str());
-  std::fflush(stdout);
+  if (std::fflush(stdout) != 0) {  // nobody would find the page
+    server.stop();
+    listener.join();
+    return failed;
+  }
   std::fprintf(stderr, "Ctrl-C ends it\n");
   if (open_browser) show_in_browser(address);
   while (!InterruptGuard::interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));

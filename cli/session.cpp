@@ -19,6 +19,12 @@ std::optional<io::Scenario> load(const std::string& path, const std::vector<std:
   return std::move(result.scenario);
 }
 
+void refuse_to_overwrite(const std::string& out, const std::string& source) {
+  std::error_code ignored;
+  if (out != "-" && std::filesystem::equivalent(out, source, ignored))
+    fail({"this is the file that is read: it would be overwritten", out, "give another name after -o"});
+}
+
 Session::Session(const io::Scenario& scenario, const std::string& state)
     : scenario_(scenario), simulation_(scenario.model, scenario.integration) {
   for (const io::ScenarioEvent& event : scenario.events) {
