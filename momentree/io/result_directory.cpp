@@ -140,7 +140,7 @@ void ResultDirectory::check_names() const {
     if (destination_marker_) check(destination_, *destination_marker_, name);
   }
   if (destination_marker_)  // files of the user's in the one folder would meet those in the other
-    for (const std::string& name : others_in(working_, &*marker_)) check(destination_, *destination_marker_, name);
+    for (const std::string& name : others_in(working_, *marker_)) check(destination_, *destination_marker_, name);
 }
 
 std::string ResultDirectory::file(const char* name) {
@@ -189,7 +189,7 @@ void ResultDirectory::discard() noexcept {
     if (marker_ && (made_ || cleared_)) {
       remove_own(working_, *marker_);
       remove_if_empty(working_);
-    } else if (marker_ && marker_->names().empty() && others_in(working_, &*marker_).empty()) {
+    } else if (marker_ && marker_->names().empty() && others_in(working_, *marker_).empty()) {
       ::unlink((working_ / ResultMarker::file_name).c_str());  // the folder was empty
     } else if (made_) {
       ::rmdir(working_.c_str());
@@ -204,6 +204,7 @@ void ResultDirectory::discard() noexcept {
 
 std::vector<std::string> ResultDirectory::publish() {
   std::vector<std::string> warnings;
+  const fs::path above = destination_.parent_path();  // once the result is in its place nothing may throw
   if (lasting_) {
     marker_->to_disk();
     if (const std::error_code error = sync_folder(working_)) fail_with_reason("cannot finish writing", working_.string(), error);
@@ -225,7 +226,7 @@ std::vector<std::string> ResultDirectory::publish() {
     if (::rename(working_.c_str(), destination_.c_str()) == 0) break;  // it was empty
     if (is_there(destination_) && !is_empty_folder(destination_)) refuse_foreign(destination_);
   }
-  if (lasting_) sync_folder(destination_.parent_path());
+  if (lasting_) sync_folder(above);
   kept_ = true;
   return warnings;
 }
@@ -233,6 +234,7 @@ std::vector<std::string> ResultDirectory::publish() {
 // Either result is in its place at every instant; without an exchange there is one at which the earlier one is in the working
 // folder, and the next run brings it back.
 void ResultDirectory::replace_destination(std::vector<std::string>& warnings) {
+  const fs::path above = destination_.parent_path(), within = working_ / helper::former, after = destination_ / helper::former;
   check_names();
   take_mode(working_, destination_);
   const auto require = [this](std::error_code error) {
@@ -244,24 +246,21 @@ void ResultDirectory::replace_destination(std::vector<std::string>& warnings) {
     fail({"this folder was replaced by another while the run went on", destination_.string(), ""});
   };
   std::error_code error = exchange(working_, destination_);
-  fs::path earlier = working_;
-  if (!error) {
-    require_same(earlier, [this] { exchange(working_, destination_); });
-  } else if (error == std::errc::operation_not_supported) {
-    earlier = working_ / helper::former;
-    require(move_to_new(destination_, earlier));
-    const auto undo = [&] { move_to_new(earlier, destination_); };
-    require_same(earlier, undo);
+  const bool exchanged = error != std::errc::operation_not_supported;
+  if (exchanged) {
+    require(error);
+    require_same(working_, [this] { exchange(working_, destination_); });
+  } else {
+    const auto undo = [&] { move_to_new(within, destination_); };
+    require(move_to_new(destination_, within));
+    require_same(within, undo);
     error = move_to_new(working_, destination_);
     if (error) undo();
     require(error);
-    earlier = destination_ / helper::former;
-  } else {
-    require(error);
   }
   kept_ = true;  // from here on the working folder's name is the earlier result's
-  if (lasting_) sync_folder(destination_.parent_path());
-  warnings = retire(earlier, *destination_marker_, destination_);
+  if (lasting_) sync_folder(above);
+  warnings = retire(exchanged ? working_ : after, *destination_marker_, destination_);
 }
 
 }  // namespace momentree::io

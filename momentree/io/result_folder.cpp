@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <new>
 
 #include <momentree/base/error.hpp>
 
@@ -26,10 +27,9 @@ void remove_file(const fs::path& path) {
 
 bool is_empty_folder(const fs::path& folder) { return names_in(folder).empty(); }
 
-std::vector<std::string> others_in(const fs::path& folder, const ResultMarker* marker) {
+std::vector<std::string> others_in(const fs::path& folder, const ResultMarker& marker) {
   std::vector<std::string> names = names_in(folder);
-  if (marker != nullptr)
-    std::erase_if(names, [&](const std::string& name) { return is_helper(name) || marker->owns(folder, name); });
+  std::erase_if(names, [&](const std::string& name) { return is_helper(name) || marker.owns(folder, name); });
   return names;
 }
 
@@ -52,18 +52,26 @@ void remove_if_empty(const fs::path& folder) {
 
 std::vector<std::string> retire(const fs::path& folder, const ResultMarker& marker, const fs::path& destination) {
   std::vector<std::string> warnings;
-  const auto attempt = [&warnings](const auto& action) {
+  const auto warn = [&warnings](const std::string& where, const char* what) {
+    try {
+      warnings.push_back(where + ": warning: " + what);
+    } catch (const std::bad_alloc&) {  // nothing is lost: the next run finds what stays here
+    }
+  };
+  const auto attempt = [&](const auto& action) {
     try {
       action();
     } catch (const Error& error) {
-      warnings.push_back(error.where + ": warning: " + error.what);
+      warn(error.where, error.what.c_str());
+    } catch (const std::bad_alloc&) {
+      warn(folder.native(), "out of memory: the earlier result is still here");
     }
   };
   attempt([&] {
     if (marker.owns(folder, "summary.json")) remove_file(folder / "summary.json");
   });
   attempt([&] {
-    for (const std::string& name : others_in(folder, &marker))
+    for (const std::string& name : others_in(folder, marker))
       attempt([&] {
         if (const std::error_code error = move_to_new(folder / name, destination / name))
           fail_with_reason("cannot move this to the new result", (folder / name).string(), error);

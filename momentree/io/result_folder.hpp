@@ -15,10 +15,11 @@ constexpr const char* reserve = ".momentree.reserve";  ///< room on the disk for
 constexpr const char* former = ".momentree.former";    ///< the earlier result, for an instant, where folders can't be exchanged
 }  // namespace helper
 
+/// Throws Error where it can't be read.
 bool is_empty_folder(const std::filesystem::path& folder);
 
-/// Names in the folder that are neither momentree's nor its marker or helpers. `marker` null: all names.
-std::vector<std::string> others_in(const std::filesystem::path& folder, const ResultMarker* marker);
+/// Names in the folder that are neither of momentree's files nor of its marker and helpers. Throws Error.
+std::vector<std::string> others_in(const std::filesystem::path& folder, const ResultMarker& marker);
 
 /// Removes momentree's files, the summary first: from then on nothing there claims to be whole. Throws Error.
 void remove_own(const std::filesystem::path& folder, const ResultMarker& marker);
@@ -27,8 +28,8 @@ void remove_own(const std::filesystem::path& folder, const ResultMarker& marker)
 /// marker.
 void remove_if_empty(const std::filesystem::path& folder);
 
-/// Moves what is not momentree's from an earlier result to `destination` and removes the rest. Returns warnings: what stays, and
-/// why.
+/// Moves what is not momentree's from an earlier result to `destination` and removes the rest. Throws nothing; returns warnings:
+/// what stays, and why.
 std::vector<std::string> retire(const std::filesystem::path& folder, const ResultMarker& marker,
                                 const std::filesystem::path& destination);
 

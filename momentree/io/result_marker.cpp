@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 
 #include <momentree/base/error.hpp>
 
@@ -56,10 +57,13 @@ std::optional<ResultMarker> ResultMarker::open(const fs::path& folder, int flags
   return marker;
 }
 
-bool ResultMarker::is_in(const fs::path& folder) const {
+// Takes no memory: it is asked while a result is between two places.
+bool ResultMarker::is_in(const fs::path& folder) const noexcept {
+  char path[4096];
+  const int length = std::snprintf(path, sizeof path, "%s/%s", folder.c_str(), file_name);
   struct stat here {
   }, there{};
-  return ::fstat(file_.number(), &here) == 0 && ::lstat((folder / file_name).c_str(), &there) == 0 &&
+  return length < static_cast<int>(sizeof path) && ::fstat(file_.number(), &here) == 0 && ::lstat(path, &there) == 0 &&
          here.st_dev == there.st_dev && here.st_ino == there.st_ino;
 }
 
@@ -103,8 +107,7 @@ void ResultMarker::add(std::initializer_list<std::string_view> names) {
   const off_t end = ::lseek(file_.number(), 0, SEEK_END);
   std::size_t written = 0;
   if (const std::error_code error = end < 0 ? last_error() : write_all(file_, text, written)) {
-    if (written > 0) [[maybe_unused]]
-      const int again = ::ftruncate(file_.number(), end);
+    if (written > 0) cut(file_, static_cast<std::size_t>(end));
     fail_with_reason("cannot write this file", path_, error);
   }
   for (const std::string_view name : names) names_.emplace(name);
@@ -115,8 +118,7 @@ void ResultMarker::to_disk() {
 }
 
 void ResultMarker::clear() {
-  if (::ftruncate(file_.number(), static_cast<off_t>(first_line.size())) != 0)
-    fail_with_reason("cannot write this file", path_, last_error());
+  if (!cut(file_, first_line.size())) fail_with_reason("cannot write this file", path_, last_error());
   names_.clear();
 }
 

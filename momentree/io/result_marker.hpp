@@ -25,7 +25,7 @@ class ResultMarker {
   static std::optional<ResultMarker> make(const std::filesystem::path& folder);
 
   /// Whether the folder still has this very marker. `folder` may have been renamed since.
-  bool is_in(const std::filesystem::path& folder) const;
+  bool is_in(const std::filesystem::path& folder) const noexcept;
   /// Whether `folder / name` is a regular file that momentree made. Throws Error where that can't be found out.
   bool owns(const std::filesystem::path& folder, const std::string& name) const;
   const std::set<std::string>& names() const { return names_; }

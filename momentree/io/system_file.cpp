@@ -31,7 +31,7 @@ std::error_code sync_number(int number) {
     if (errno == EINTR) continue;
     const std::error_code error = last_error();
     return is_one_of(error, {std::errc::invalid_argument, std::errc::not_supported, std::errc::operation_not_supported,
-                             std::errc::function_not_supported, std::errc::bad_file_descriptor})
+                             std::errc::function_not_supported})
                ? std::error_code()
                : error;
   }
@@ -92,7 +92,12 @@ std::error_code write_all(const Descriptor& file, std::string_view text, std::si
   return {};
 }
 
-std::error_code sync(const Descriptor& file) { return sync_number(file.number()); }
+bool cut(const Descriptor& file, std::size_t size) {
+  const auto end = static_cast<off_t>(size);
+  return ::ftruncate(file.number(), end) == 0 && ::lseek(file.number(), end, SEEK_SET) == end;
+}
+
+std::error_code sync(const Descriptor& file) { return file ? sync_number(file.number()) : std::error_code(); }
 
 std::error_code sync_folder(const std::filesystem::path& folder) {
   const Descriptor opened(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -140,7 +145,7 @@ std::vector<std::string> names_in(const std::filesystem::path& folder) {
   return names;
 }
 
-void remove_tree(const std::filesystem::path& path) noexcept {
+void remove_tree(const std::string& path) noexcept {
   const auto remove = [](const char* name, const struct stat*, int, FTW*) { return ::remove(name), 0; };
   constexpr int descriptors = 16;
   for (int tries = 0; tries < 2; ++tries)  // the walk takes memory: a second one may have it

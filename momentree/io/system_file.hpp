@@ -47,6 +47,9 @@ std::size_t read_some(const Descriptor& file, char* data, std::size_t size, cons
 /// Writes all of `text`; `written` counts what got into the file before an error.
 std::error_code write_all(const Descriptor& file, std::string_view text, std::size_t& written);
 
+/// Cuts a file, and goes on writing there. False where that fails.
+bool cut(const Descriptor& file, std::size_t size);
+
 /// Waits until the file's data are on the disk. Devices and pipes, which have no such thing, are no error.
 std::error_code sync(const Descriptor& file);
 /// The same for the names in a folder: files made, renamed and removed there.
@@ -60,7 +63,7 @@ std::error_code exchange(const std::filesystem::path& a, const std::filesystem::
 /// The names in a folder, in their order. Throws Error where they can't be read.
 std::vector<std::string> names_in(const std::filesystem::path& folder);
 /// Removes a file, or a folder with all that is in it, as far as that is possible. Links are not followed.
-void remove_tree(const std::filesystem::path& path) noexcept;
+void remove_tree(const std::string& path) noexcept;
 
 /// Whether there is something of that name, be it a link that leads nowhere. Throws Error where that can't be found out.
 bool is_there(const std::filesystem::path& path);

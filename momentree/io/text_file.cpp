@@ -69,11 +69,12 @@ class Replacement {
   const Descriptor& file() const { return file_; }
 
   std::error_code take_place_of(const std::string& target) {
+    const fs::path folder = fs::path(target).parent_path();
     if (const std::error_code error = sync(file_)) return error;
     if (const std::error_code error = file_.close()) return error;
     if (::rename(path_.c_str(), target.c_str()) != 0) return last_error();
     path_.clear();
-    sync_folder(fs::path(target).parent_path());  // the file is in place and whole: there is nothing left to undo
+    sync_folder(folder);  // the file is in place and whole: there is nothing left to undo
     return {};
   }
 
@@ -100,9 +101,7 @@ void TextFile::flush() {
   const std::size_t whole = newline == std::string::npos ? 0 : newline + 1;
   size_ += whole;
   text_.erase(0, whole);
-  const auto end = static_cast<off_t>(size_);
-  // Where that fails, too, the cut line stays: readers leave out a line without an end.
-  if (written > whole && ::ftruncate(file_.number(), end) == 0) ::lseek(file_.number(), end, SEEK_SET);
+  if (written > whole) cut(file_, size_);  // where that fails, too, readers leave out a line without an end
   fail_with_reason("cannot write this file", path_, error);
 }
 

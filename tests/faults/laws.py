@@ -150,10 +150,16 @@ def run_law(before, after, good, code, said, killed=False, lasts=False, out="r")
             status = status_of(partial)
             require(status is None or same(split(partial)[0], own_old), "the earlier result is cut, and says " + str(status))
         return
+    kept = re.search(r"kept in (\S+)", said)
+    require(kept is None or below(after, kept[1]), "it names a folder that is not there")
     if code == 0:
         require(replaced, "exit 0, but the result is not in its place")
-        require(same(after, good) or "warning:" in said, "exit 0 without a warning, but the folders are not as they should be")
+        require(same(after, good) or "warning:" in said or lasts,  # without any memory there is none for the warning
+                "exit 0 without a warning, but the folders are not as they should be")
         return
+    if replaced and not same(own_old, own_wanted):
+        require(kept is None and ("standard output" in said or "out of memory" in said),
+                "the result is in its place, but it says otherwise")
     if same(partial, left) or (lasts and partial.items() <= left.items()):
         return
     if code == 2 and not lasts:  # what goes on to fail can't be cleaned up, but says what it is
