@@ -65,7 +65,7 @@ class Folder {
     }
     const std::string rows = place + ".partial/bodies.csv";
     std::error_code ignored;
-    for (int i = 0; i < 1000 && !(fs::exists(rows, ignored) && fs::file_size(rows, ignored) > 100000); ++i) usleep(10000);
+    for (int i = 0; i < 3000 && !(fs::exists(rows, ignored) && fs::file_size(rows, ignored) > 100000); ++i) usleep(10000);
     return child;
   }
   std::string text(const std::string& name) const { return io::read_text_file(path(name)); }
@@ -118,7 +118,7 @@ TEST_CASE("a run that is killed leaves what can be drawn: rows with the events b
 
 TEST_CASE("on a full disk a run fails, says so everywhere, and keeps whole rows") {
   const Folder here;
-  const std::string limit = "ulimit -f 100";  // each file has 50 or 100 kB
+  const std::string limit = "ulimit -f 40";  // 20 or 40 kB for each file
   const Outcome run = here.call("run s.toml --out r --json --report", limit);
   CHECK(run.code == 1);
   CHECK(run.errors.find("r.partial/bodies.csv: error: cannot write this file: ") != std::string::npos);
@@ -164,6 +164,12 @@ TEST_CASE("what can't be printed is an error; a closed output is not mistaken fo
 TEST_CASE("outputs that would replace what is read, or be taken for something else, are refused") {
   const Folder here;
   fs::create_symlink("s.toml", here.path("link.toml"));
+  REQUIRE(here.call("convert s.toml -o m.urdf").code == 0);
+  REQUIRE(here.call("evaluate s.toml --json >f.json").code == 0);
+  io::write_text_file(here.path("t.toml"), "format = 1\n[[mechanism]]\nname = \"m\"\nmodel = \"m.urdf\"\n");
+  io::write_text_file(here.path("u.toml"), "state = \"f.json\"\n" + std::string(scenario));
+  for (const char* command : {"convert t.toml -o m.urdf", "compile t.toml -o m.urdf", "compile u.toml -o ./f.json"})
+    CHECK_MESSAGE(here.call(command).says("it would be overwritten"), command);
   for (const char* command : {"convert s.toml -o ./s.toml", "compile s.toml -o s.toml", "compile s.toml -o link.toml"}) {
     const Outcome outcome = here.call(command);
     CHECK(outcome.code == 2);
