@@ -61,6 +61,7 @@ void require_plain_forces(const World& world, const std::string& path) {
 int compile(const CompileOptions& options) {
   const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides);
   if (!scenario) return bad_input;
+  refuse_to_overwrite(options.out, *scenario);
   const Session session(*scenario);
   const World& world = session.simulation().world();
   const Tree& tree = world.tree();

@@ -32,11 +32,9 @@ Format format_of(const std::string& path) {
 
 int convert(const ConvertOptions& options) {
   const Format format = format_of(options.out);
-  std::error_code failed;
-  if (options.out != "-" && fs::equivalent(options.out, options.source, failed))
-    fail({"is the file that is read: it would be overwritten", options.out, "give another name after -o"});
   const std::optional<io::Scenario> scenario = load(options.source, options.overrides);
   if (!scenario) return bad_input;
+  refuse_to_overwrite(options.out, *scenario);
   if (format == Format::toml && !options.mechanism.empty())
     fail({"--mechanism is for .urdf, which has one", "", "a scenario has all of them"});
   const std::string folder = options.out == "-" ? "" : fs::path(options.out).parent_path().string();

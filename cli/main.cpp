@@ -1,9 +1,16 @@
 // The command line: turns arguments into options, and errors into messages and exit codes. No physics.
 #include <CLI/CLI.hpp>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <functional>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -148,7 +155,9 @@ CommandLine::CommandLine() {
   view_command->add_option("source", view_options.source, "A result directory of `momentree run`, or a scenario or model")
       ->required()
       ->type_name("DIR|SCENARIO|MODEL");
-  view_command->add_option("--svg", view_options.svg, "Draw frames of the run into this file instead")->type_name("FILE");
+  view_command
+      ->add_option("--svg", view_options.svg, "Draw frames of the run into this file (.svg; - is standard output) instead")
+      ->type_name("FILE");
   view_command->add_option("--every", view_options.every, "Time between frames in seconds; default 0.2, or what suits the run")
       ->type_name("T");
   view_command
@@ -230,21 +239,40 @@ int call(int argc, char** argv) {
   return bad_input;
 }
 
+// Without memory for the line in one, its parts.
+void say_error(const Error& error) {
+  const bool placed = !error.where.empty(), hinted = !error.hint.empty();
+  std::fprintf(stderr, "%s: error: %s%s%s\n", placed ? error.where.c_str() : "momentree", error.what.c_str(), hinted ? "; " : "",
+               error.hint.c_str());
+}
+
+// A file that is opened while a standard stream is closed would get its number, and what is printed would go into it.
+void require_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0 && errno == EBADF) [[maybe_unused]]
+      const int number = open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // using it fails
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  require_standard_streams();
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes is an error of writing
   int code = failed;
   try {
     code = call(argc, argv);
   } catch (const Error& error) {
-    std::fprintf(stderr, "%s\n", error.where.empty() ? ("momentree: " + error.message()).c_str() : error.message().c_str());
     code = bad_input;
+    say_error(error);
+  } catch (const std::bad_alloc&) {
+    std::fputs("momentree: error: out of memory\n", stderr);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "momentree: error: %s\n", error.what());
-    code = failed;
   }
+  errno = 0;
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-    std::fputs("momentree: error: cannot write to standard output\n", stderr);
+    std::fprintf(stderr, "momentree: error: cannot write to standard output%s%s\n", errno != 0 ? ": " : "",
+                 errno != 0 ? std::strerror(errno) : "");
     if (code == done) code = failed;
   }
   return code;

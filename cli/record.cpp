@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <utility>
 
 #include <cli/exit_codes.hpp>
 #include <cli/interrupt.hpp>
@@ -11,6 +13,7 @@
 #include <cli/session.hpp>
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/results.hpp>
+#include <momentree/io/system_file.hpp>
 
 namespace momentree::cli {
 
@@ -19,23 +22,27 @@ namespace fs = std::filesystem;
 TemporaryFolder::TemporaryFolder() {
   std::string name = (fs::temp_directory_path() / "momentree-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) fail({std::string("cannot make a temporary folder: ") + std::strerror(errno), name, ""});
-  path_ = name;
+  path_ = std::move(name);  // takes no memory, without which the folder would stay
 }
 
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
+TemporaryFolder::~TemporaryFolder() { io::remove_tree(path_); }
 
 Recorded record(const io::Scenario& scenario, const std::string& folder, double until, Purpose purpose) {
   Session session(scenario);
   session.schedule();
   Simulation& simulation = session.simulation();
   const double start = simulation.time();
-  io::Recorder recorder(scenario.model, session.joints(), scenario.output_every, folder, purpose == Purpose::report);
-  if (purpose == Purpose::report) recorder.record_energy(simulation);
-  Progress progress(start, until, errors_on_terminal());
   const InterruptGuard guard;
+  io::Recorder recorder(
+      simulation, {scenario.name, scenario.title, scenario.path, scenario.hash, {}, start, scenario.until, scenario.integration},
+      io::model_json(scenario.model, scenario.title, scenario.shapes),
+      {.directory = folder,
+       .joints = session.joints(),
+       .every = scenario.output_every,
+       .reactions = purpose == Purpose::report,
+       .energy = purpose == Purpose::report,
+       .lasting = false});
+  Progress progress(start, until, errors_on_terminal());
   simulation.observe(scenario.output_every, [&](const World& world) { return recorder.observe(world); });
   simulation.watch([&](double time) {
     progress.at(time);
@@ -43,15 +50,13 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, double 
   });
   const Status status = simulation.run_until(until);
   progress.clear();
-  if (recorder.error()) fail(*recorder.error());
   std::string says = "done";
   if (status == Status::interrupted) says = "interrupted at t = " + std::to_string(simulation.time()) + " s";
-  if (status != Status::ok && status != Status::interrupted) {
-    says = simulation.message();
+  if (status != Status::ok && status != Status::interrupted) says = simulation.message();
+  recorder.finish(says, session.armed());
+  if (recorder.error()) fail(*recorder.error());
+  if (status != Status::ok && status != Status::interrupted)
     std::fprintf(stderr, "%s: error: %s\n", scenario.path.c_str(), says.c_str());
-  }
-  recorder.finish({scenario.name, scenario.title, scenario.path, scenario.hash, {}, start, scenario.until, scenario.integration},
-                  says, simulation, session.armed(), io::model_json(scenario.model, scenario.title, scenario.shapes));
   return {recorder.directory(), status == Status::ok ? done : status == Status::interrupted ? interrupted : failed};
 }
 

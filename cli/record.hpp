@@ -1,6 +1,5 @@
 #pragma once
 // A scenario that is run for its picture alone: its results stand in a temporary folder.
-#include <filesystem>
 #include <string>
 
 #include <momentree/io/scenario.hpp>
@@ -15,10 +14,10 @@ class TemporaryFolder {
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
   std::string result() const { return file("result"); }
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
+  std::string file(const std::string& name) const { return path_ + '/' + name; }
 
  private:
-  std::filesystem::path path_;
+  std::string path_;
 };
 
 struct Recorded {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <new>
 #include <optional>
 
 #include <cli/commands.hpp>
@@ -47,6 +48,10 @@ void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool q
               count_text(s.found_again, "time", "times").c_str(), duration_text(s.seconds).c_str());
 }
 
+void tell_where(const io::Recorder& recorder) {
+  std::fprintf(stderr, "what was computed is kept in %s\n", recorder.directory().c_str());
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
@@ -62,12 +67,18 @@ int run(const RunOptions& options) {
   Simulation& simulation = session.simulation();
   const double start = simulation.time();
   const int freedoms = simulation.world().tree().nv();
-  io::Recorder recorder(scenario->model, session.joints(), scenario->output_every,
-                        options.out.empty() ? "results/" + scenario->name : options.out, options.reactions);
-  recorder.record_energy(simulation);
+  const InterruptGuard guard;  // before there is a folder to leave behind
+  io::Recorder recorder(
+      simulation,
+      {scenario->name, scenario->title, scenario->path, scenario->hash, overrides, start, scenario->until, scenario->integration},
+      io::model_json(scenario->model, scenario->title, scenario->shapes),
+      {.directory = options.out.empty() ? "results/" + scenario->name : options.out,
+       .joints = session.joints(),
+       .every = scenario->output_every,
+       .reactions = options.reactions,
+       .report = options.report});
 
   Progress progress(start, scenario->until, !options.quiet && errors_on_terminal());
-  const InterruptGuard guard;
   simulation.observe(scenario->output_every, [&](const World& world) { return recorder.observe(world); });
   simulation.watch([&progress](double time) {
     progress.at(time);
@@ -75,45 +86,47 @@ int run(const RunOptions& options) {
   });
   std::optional<KernelCache> kernels;
   if (options.generate) simulation.use_generated(kernels.emplace().provider());
-  const Status ended = simulation.run_until(scenario->until);
+  Status ended = Status::refused;
+  try {
+    ended = simulation.run_until(scenario->until);
+  } catch (const std::bad_alloc&) {  // amid a step or an event
+    progress.clear();
+    recorder.abandon("failed: out of memory");
+    std::fprintf(stderr, "%s: error: out of memory\n", scenario->path.c_str());
+    tell_where(recorder);
+    return failed;
+  }
   progress.clear();
 
-  const io::RunOrigin origin{scenario->name, scenario->title, scenario->path,  scenario->hash,
-                             overrides,      start,           scenario->until, scenario->integration};
-  const std::optional<Error> unwritten = recorder.error();
-  std::string status = unwritten ? "failed: " + unwritten->message() : status_text(ended, simulation);
-  std::optional<Error> trouble = unwritten;
-  try {
-    recorder.finish(origin, status, simulation, session.armed(),
-                    io::model_json(scenario->model, scenario->title, scenario->shapes), [&](const std::filesystem::path& folder) {
-                      if (!options.report) return;
-                      io::write_text_file((folder / "report.html").string(),
-                                          io::report_page(report_html(), io::report_data(folder)));
-                    });
-  } catch (const Error& error) {
-    if (!trouble) trouble = error;
-    if (!unwritten) status = "failed: " + error.message();
-  }
+  io::ReportPage report;
+  if (options.report)
+    report = [](const std::filesystem::path& folder, const std::string& summary) {
+      return io::report_page(report_html(), io::report_data(folder, {.summary = summary}));
+    };
+  recorder.finish(status_text(ended, simulation), session.armed(), report);
 
   if (options.json)
-    std::fputs(io::summary_json(origin, status, simulation).c_str(), stdout);
+    std::fputs(recorder.summary().c_str(), stdout);
   else if (!options.quiet)
     std::printf("%s\nResults: %s%s\n",
                 report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, freedoms},
                             simulation, Style::of_output())
                     .c_str(),
-                recorder.directory().c_str(), options.report ? "/report.html" : "");
+                recorder.directory().c_str(), recorder.has_report() ? "/report.html" : "");
 
   if (const std::string advice = simulation.energy().advice(scenario->integration); ended == Status::ok && !advice.empty())
     std::fprintf(stderr, "%s: warning: %s\n", scenario->path.c_str(), advice.c_str());
   if (kernels) tell_about(*kernels, *scenario, options.quiet || options.json);
-  if (trouble) std::fprintf(stderr, "%s\n", trouble->message().c_str());
-  if (ended == Status::ok && !trouble) return done;
-  if (!trouble)
+  for (const std::string& warning : recorder.warnings()) std::fprintf(stderr, "%s\n", warning.c_str());
+  if (recorder.is_published()) return done;
+  const std::optional<Error>& error = recorder.error();
+  if (error)
+    std::fprintf(stderr, "%s%s\n", error->where.empty() ? "momentree: " : "", error->message().c_str());
+  else
     std::fprintf(stderr, "%s: %s\n", scenario->path.c_str(),
-                 (ended == Status::interrupted ? status : "error: " + status).c_str());
-  std::fprintf(stderr, "what was computed is kept in %s\n", recorder.directory().c_str());
-  return trouble || ended != Status::interrupted ? failed : interrupted;
+                 (ended == Status::interrupted ? recorder.status() : "error: " + recorder.status()).c_str());
+  tell_where(recorder);
+  return error || ended != Status::interrupted ? failed : interrupted;
 }
 
 }  // namespace momentree::cli

@@ -69,7 +69,7 @@ int serve(Page page, Listener listener, bool open_browser) {
 
   const InterruptGuard guard;
   std::printf("%s\n", address.c_str());
-  std::fflush(stdout);
+  if (std::fflush(stdout) != 0) return failed;  // nobody would find the page
   std::fprintf(stderr, "Press Ctrl-C to stop.\n");
   // Other users see the arguments of the browser's process: they get an address that works once, for the browser.
   if (opens) show_in_browser(once);

@@ -19,6 +19,23 @@ std::optional<io::Scenario> load(const std::string& path, const std::vector<std:
   return std::move(result.scenario);
 }
 
+void refuse_to_overwrite(const std::string& out, const io::Scenario& scenario) {
+  namespace fs = std::filesystem;
+  const auto refuse = [&out](const fs::path& source) {
+    std::error_code ignored;
+    if (fs::equivalent(out, source, ignored))
+      fail({"this is a file that is read: it would be overwritten", out, "give another name after -o"});
+  };
+  if (out == "-") return;
+  refuse(scenario.path);
+  for (const io::StateFile& state : scenario.state_files) refuse(state.file);
+  const Value::Entry* const mechanisms = scenario.document->find("mechanism");
+  if (mechanisms == nullptr || mechanisms->value.array() == nullptr) return;
+  for (const Value& mechanism : *mechanisms->value.array())
+    if (const Value::Entry* model = mechanism.find("model"); model != nullptr && model->value.string() != nullptr)
+      refuse(fs::path(scenario.path).parent_path() / *model->value.string());
+}
+
 Session::Session(const io::Scenario& scenario, const std::string& state)
     : scenario_(scenario), simulation_(scenario.model, scenario.integration) {
   for (const io::ScenarioEvent& event : scenario.events) {

@@ -18,6 +18,9 @@ namespace momentree::cli {
 std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides,
                                  io::Severity least = io::Severity::note);
 
+/// Throws Error where the file to write is the scenario, or a model or state document that it names. "-" is standard output.
+void refuse_to_overwrite(const std::string& out, const io::Scenario& scenario);
+
 /// A scenario at its start: model compiled, state documents restored.
 class Session {
  public:

@@ -19,7 +19,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool is_folder(const std::string& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
+/// A picture by another name would be opened by a program that does not know what it is.
+void require_svg(const std::string& file) {
+  std::string ending = fs::path(file).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return static_cast<char>(c | 0x20); });
+  if (ending.empty() || ending == ".svg") return;
+  fail({"'" + ending + "' pictures are not drawn, only SVG", file, "name a file that ends in .svg; other programs convert it"});
+}
+
 int draw(const ViewOptions& options) {
+  require_svg(options.svg);
   io::PictureOptions picture;
   picture.every = options.every;
   if (!options.look.empty()) picture.look = io::parse_direction(options.look);
@@ -27,24 +41,30 @@ int draw(const ViewOptions& options) {
     picture.layout = io::PictureOptions::Layout::multiples;
   else if (options.layout != "overlay")
     fail({"there is no layout '" + options.layout + "'", "--layout", "one of: overlay, multiples"});
-  if (fs::is_directory(options.source)) {
-    io::write_svg(options.source, options.svg, picture);
-  } else {
-    const std::optional<io::Scenario> scenario = load(options.source, {});
-    if (!scenario) return bad_input;
-    const TemporaryFolder folder;
-    const Recorded recorded = record(*scenario, folder.result(), scenario->until, Purpose::picture);
-    if (recorded.code != done) return recorded.code;
-    io::write_svg(recorded.folder, options.svg, picture);
+  const auto draw_result = [&](const std::string& folder) {
+    if (options.svg == "-") {
+      std::fputs(io::draw_svg(io::read_recording(folder, options.every), picture).c_str(), stdout);
+    } else {
+      io::write_svg(folder, options.svg, picture);
+      std::printf("%s\n", options.svg.c_str());
+    }
+  };
+  if (is_folder(options.source)) {
+    draw_result(options.source);
+    return done;
   }
-  std::printf("%s\n", options.svg.c_str());
-  return done;
+  const std::optional<io::Scenario> scenario = load(options.source, {});
+  if (!scenario) return bad_input;
+  const TemporaryFolder folder;
+  const Recorded recorded = record(*scenario, folder.result(), scenario->until, Purpose::picture);
+  if (recorded.code == done) draw_result(recorded.folder);
+  return recorded.code;
 }
 
 /// The data of what is looked at, or nothing, with an exit code: of a result, of a scenario that is run for it (as far as it
 /// gets), or of a model at its start, to be posed by hand.
 std::optional<std::string> data_of(const std::string& source, int& code) {
-  if (fs::is_directory(source)) return io::report_data(source);
+  if (is_folder(source)) return io::report_data(source);
   const std::optional<io::Scenario> scenario = load(source, {});
   code = bad_input;
   if (!scenario) return std::nullopt;

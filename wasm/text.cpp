@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include <momentree/io/json_writer.hpp>
-#include <momentree/io/results.hpp>
+#include <momentree/io/summary.hpp>
 #include <wasm/world.hpp>
 
 namespace momentree::wasm {

@@ -21,7 +21,13 @@ class Value {
   struct Entry;
   using Array = std::vector<Value>;
   using Table = std::vector<Entry>;  ///< in the order of the file
-  struct Time {};                    ///< a date or a time of day: nothing here takes one
+  /// A date or a time of day: nothing here takes one. It is not trivial so that the variant may be without a value: libstdc++ 12
+  /// destroys one whose copying ran out of memory as if it had one, where no alternative could leave it without.
+  struct Time {
+    Time() = default;
+    Time(const Time&) noexcept {}
+    Time& operator=(const Time&) noexcept { return *this; }
+  };
 
   /// An empty table, nowhere.
   Value();

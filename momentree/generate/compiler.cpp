@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
+#include <utility>
 
 extern char** environ;
 
@@ -48,13 +49,15 @@ class PrivateFolder {
     std::string name = of_environment("TMPDIR");
     if (name.empty()) name = "/tmp";
     name += "/momentree-XXXXXX";
-    if (mkdtemp(name.data()) != nullptr) path_ = name;  // mode 0700
+    if (mkdtemp(name.data()) != nullptr) path_ = std::move(name);  // mode 0700
   }
   PrivateFolder(const PrivateFolder&) = delete;
   PrivateFolder& operator=(const PrivateFolder&) = delete;
   ~PrivateFolder() {
     if (path_.empty()) return;
-    for (const char* name : names) unlink(file(name).c_str());
+    char path[4096];  // it is also removed where memory has run out
+    for (const char* name : names)
+      if (std::snprintf(path, sizeof path, "%s/%s", path_.c_str(), name) < static_cast<int>(sizeof path)) unlink(path);
     rmdir(path_.c_str());
   }
   bool made() const { return !path_.empty(); }

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <new>
 #include <utility>
 
 #include <momentree/base/check.hpp>
@@ -18,13 +19,22 @@ std::size_t Expressions::Hash::operator()(const Node& node) const {
   return static_cast<std::size_t>(h);
 }
 
-Expressions::Expressions() { make(Operation::constant, 0, 0, 0.0); }
+Expressions::Expressions() {
+  make(Operation::constant, 0, 0, 0.0);
+  if (exhausted_) throw std::bad_alloc();
+}
 
 int Expressions::make(Operation operation, int a, int b, double value) {
+  if (exhausted_) return zero;
   const Node node{operation, a, b, value};
-  const auto [place, fresh] = numbers_.emplace(node, static_cast<int>(nodes_.size()));
-  if (fresh) nodes_.push_back(node);
-  return place->second;
+  try {
+    const auto [place, fresh] = numbers_.emplace(node, static_cast<int>(nodes_.size()));
+    if (fresh) nodes_.push_back(node);
+    return place->second;
+  } catch (const std::bad_alloc&) {
+    exhausted_ = true;
+    return zero;
+  }
 }
 
 int Expressions::constant(double value) {

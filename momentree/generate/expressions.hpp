@@ -39,6 +39,8 @@ class Expressions {
   int quotient(int a, int b);
 
   const std::vector<Node>& nodes() const { return nodes_; }
+  /// There was no memory for a node: all from then on are the constant 0. Kernels, which don't throw, can't say so.
+  bool exhausted() const { return exhausted_; }
   /// Operations that the results take, in the accounting of `count_operations`: changes of sign are free.
   Operations operations(std::span<const int> results) const;
 
@@ -53,6 +55,7 @@ class Expressions {
 
   std::vector<Node> nodes_;
   std::unordered_map<Node, int, Hash> numbers_;
+  bool exhausted_ = false;
 };
 
 /// True where an operation has two operands.

@@ -1,5 +1,7 @@
 #include <momentree/generate/kernel.hpp>
 
+#include <new>
+
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/generate/symbolic.hpp>
 #include <momentree/joint/dispatch.hpp>
@@ -31,6 +33,7 @@ KernelExpressions expressions_of(const Tree& tree) {
   take(work.v, tree.nv(), kernel.v);
   take(work.qdot, tree.nq(), kernel.qdot);
   take(work.pdot, tree.nv(), kernel.pdot);
+  if (all.exhausted()) throw std::bad_alloc();
   return kernel;
 }
 

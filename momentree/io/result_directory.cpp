@@ -1,13 +1,15 @@
 #include <momentree/io/result_directory.hpp>
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <string_view>
-#include <system_error>
+#include <cerrno>
+#include <utility>
 
 #include <momentree/base/error.hpp>
+#include <momentree/io/result_folder.hpp>
 
 namespace momentree::io {
 
@@ -15,33 +17,60 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 9> our_files = {"bodies.csv",   "joints.csv", "energy.csv",  "events.jsonl", "final.json",
-                                                       "summary.json", "model.json", "report.html", "result.h5"};
+std::error_code last_error() { return {errno, std::generic_category()}; }
 
-bool is_ours(const fs::path& file) { return std::ranges::count(our_files, file.filename().string()) > 0; }
-
-// A result, or a folder with nothing in it. A run that was killed at its start may have left nothing but a summary.
-bool replaceable(const fs::path& folder) {
-  std::error_code error;
-  return fs::is_directory(folder, error) && (fs::is_empty(folder, error) || fs::is_regular_file(folder / "summary.json", error));
+Descriptor make_new(const fs::path& path) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (!file) fail_with_reason("cannot make this file", path.string(), last_error());
+  return file;
 }
 
-void require_replaceable(const fs::path& path) {
+void require_real_folder(const fs::path& path) {
   std::error_code error;
-  if (!fs::exists(fs::symlink_status(path, error)) || replaceable(path)) return;
-  if (fs::is_directory(path, error))
-    fail({"this folder has files in it, but no result of momentree: it is not replaced", path.string(),
-          "name another folder with --out"});
-  fail({"there is a file of that name already", path.string(), "name a folder with --out"});
+  const fs::file_status status = fs::symlink_status(path, error);
+  if (error) fail_with_reason("cannot look at this folder", path.string(), error);
+  if (fs::is_symlink(status))
+    fail({"this is a symbolic link: a run does not replace it", path.string(), "name the folder that it leads to with --out"});
+  if (!fs::is_directory(status)) fail({"there is a file of that name already", path.string(), "name a folder with --out"});
+  if (::access(path.c_str(), R_OK | W_OK | X_OK) != 0)
+    fail_with_reason("cannot write into this folder", path.string(), last_error());
+  struct stat own {
+  }, above{};
+  if (::stat(path.c_str(), &own) == 0 && ::stat((path / "..").c_str(), &above) == 0 && own.st_dev != above.st_dev)
+    fail({"this is the root of a disk, which can't be renamed", path.string(),
+          "name a folder in it: --out " + (path / "run").string()});
 }
 
-void require_ok(const std::error_code& error, const char* what, const fs::path& path) {
-  if (error) fail({std::string(what) + ": " + error.message(), path.string(), ""});
+[[noreturn]] void refuse_foreign(const fs::path& folder) {
+  fail({"this folder has files in it, but no result of momentree: it is not replaced", folder.string(),
+        "name another folder with --out"});
+}
+
+// A new result is as open to others as the one that it replaces.
+void take_mode(const fs::path& folder, const fs::path& from) {
+  struct stat status {};
+  if (::stat(from.c_str(), &status) != 0 || ::chmod(folder.c_str(), status.st_mode & 0777) != 0)
+    fail_with_reason("cannot set the permissions of this folder", folder.string(), last_error());
 }
 
 }  // namespace
 
-ResultDirectory::ResultDirectory(const std::string& destination) {
+ResultDirectory::ResultDirectory(const std::string& destination, std::vector<std::string> files, bool lasting)
+    : files_(std::move(files)), lasting_(lasting) {
+  name_folders(destination);
+  try {
+    begin();
+  } catch (...) {
+    discard();
+    throw;
+  }
+}
+
+ResultDirectory::~ResultDirectory() {
+  if (!kept_) discard();
+}
+
+void ResultDirectory::name_folders(const std::string& destination) {
   if (destination.empty()) fail({"the result folder's name is empty", "--out", "name a folder"});
   destination_ = fs::path(destination).lexically_normal();
   if (!destination_.has_filename() || destination_ == "." || destination_ == "..")  // "results/", ".", "/"
@@ -50,38 +79,188 @@ ResultDirectory::ResultDirectory(const std::string& destination) {
   if (!destination_.has_filename()) fail({"a run does not replace this folder", destination, "name another folder with --out"});
   working_ = destination_;
   working_ += ".partial";
-
-  require_replaceable(destination_);
-  require_replaceable(working_);
-  std::error_code error;
-  if (fs::exists(fs::symlink_status(working_, error))) {
-    fs::remove_all(working_, error);
-    require_ok(error, "cannot remove what an earlier run left", working_);
-  }
-  fs::create_directories(working_, error);
-  require_ok(error, "cannot make the result folder", working_);
-  if (access(working_.c_str(), W_OK | X_OK) != 0) fail({"cannot write into the result folder", working_.string(), ""});
 }
 
-void ResultDirectory::publish() {
-  std::error_code error;
-  fs::path former;
-  if (fs::exists(fs::symlink_status(destination_, error))) {
-    require_replaceable(destination_);
-    for (const auto& entry : fs::directory_iterator(destination_))
-      if (!is_ours(entry.path())) {
-        fs::rename(entry.path(), working_ / entry.path().filename(), error);
-        require_ok(error, "cannot keep this file of the earlier result", entry.path());
-      }
-    former = destination_;
-    former += ".former";
-    fs::remove_all(former, error);
-    fs::rename(destination_, former, error);
-    require_ok(error, "cannot replace the earlier result", destination_);
+void ResultDirectory::begin() {
+  if (is_there(destination_)) require_real_folder(destination_);
+  lock_working();
+  bring_back_former();
+  check_destination();
+  check_names();
+  cleared_ = true;
+  if (const fs::path former = destination_ / helper::former; is_there(former)) {  // a run was killed while it removed this
+    if (const std::optional<ResultMarker> marker = ResultMarker::lock(former))
+      retire(former, *marker, destination_);
+    else
+      remove_if_empty(former);
   }
-  fs::rename(working_, destination_, error);
-  require_ok(error, "cannot move the result to its place", destination_);
-  if (!former.empty()) fs::remove_all(former, error);
+  remove_own(working_, *marker_);
+  marker_->clear();
+}
+
+void ResultDirectory::lock_working() {
+  std::error_code error;
+  for (fs::path folder = working_.parent_path(); !folder.empty() && !is_there(folder); folder = folder.parent_path())
+    topmost_made_ = folder;
+  if (!topmost_made_.empty()) fs::create_directories(working_.parent_path(), error);
+  if (error) fail_with_reason("cannot make the result folder", working_.string(), error);
+  for (int tries = 0; !marker_ && tries < 100; ++tries) {  // another run may remove or move it meanwhile
+    made_ = ::mkdir(working_.c_str(), 0777) == 0;
+    if (!made_ && errno != EEXIST) fail_with_reason("cannot make the result folder", working_.string(), last_error());
+    if (!made_) require_real_folder(working_);
+    marker_ = ResultMarker::make(working_);
+    if (!marker_ && is_there(working_)) refuse_foreign(working_);
+  }
+  if (!marker_) fail({"cannot make the result folder: others remove it", working_.string(), ""});
+}
+
+// Of a run that was killed between the two renames that stand for an exchange.
+void ResultDirectory::bring_back_former() {
+  const fs::path former = working_ / helper::former;
+  if (is_there(destination_) || !is_there(former)) return;
+  if (const std::error_code error = move_to_new(former, destination_))
+    fail_with_reason("cannot bring back the earlier result", former.string(), error);
+}
+
+void ResultDirectory::check_destination() {
+  if (!is_there(destination_)) return;
+  require_real_folder(destination_);
+  destination_marker_ = ResultMarker::lock(destination_);
+  if (!destination_marker_ && !is_empty_folder(destination_)) refuse_foreign(destination_);
+}
+
+void ResultDirectory::check_names() const {
+  const auto check = [](const fs::path& folder, const ResultMarker& marker, const std::string& name) {
+    if (is_there(folder / name) && !marker.owns(folder, name))
+      fail({"this file is not one that momentree wrote: it is not replaced", (folder / name).string(),
+            "move it, or name another folder with --out"});
+  };
+  for (const std::string& name : files_) {
+    check(working_, *marker_, name);
+    if (destination_marker_) check(destination_, *destination_marker_, name);
+  }
+  if (destination_marker_)  // files of the user's in the one folder would meet those in the other
+    for (const std::string& name : others_in(working_, *marker_)) check(destination_, *destination_marker_, name);
+}
+
+std::string ResultDirectory::file(const char* name) {
+  const fs::path path = working_ / name;
+  if (is_there(path) && !marker_->owns(working_, name))
+    fail({"this file is not one that momentree wrote: it is not replaced", path.string(), ""});
+  marker_->add({name});
+  return path.string();
+}
+
+void ResultDirectory::reserve(std::size_t size) {
+  const std::string path = (working_ / helper::reserve).string();
+  reserve_ = make_new(path);
+  std::size_t written = 0;
+  if (const std::error_code error = write_all(reserve_, std::string(size, '\n'), written))
+    fail_with_reason("cannot write this file", path, error);
+}
+
+void ResultDirectory::write(const char* name, std::string_view text, bool from_reserve) {
+  const std::string path = file(name);
+  from_reserve = from_reserve && reserve_;
+  const fs::path fresh = working_ / (from_reserve ? helper::reserve : helper::fresh);
+  Descriptor out = from_reserve ? std::exchange(reserve_, Descriptor()) : make_new(fresh);
+  std::size_t written = 0;
+  std::error_code error;
+  if (from_reserve && ::lseek(out.number(), 0, SEEK_SET) != 0) error = last_error();
+  if (!error) error = write_all(out, text, written);
+  if (!error && from_reserve && ::ftruncate(out.number(), static_cast<off_t>(text.size())) != 0) error = last_error();
+  if (!error && lasting_) error = sync(out);
+  if (const std::error_code at_end = out.close(); !error) error = at_end;
+  if (!error && ::rename(fresh.c_str(), path.c_str()) != 0) error = last_error();
+  if (!error) return;
+  ::unlink(fresh.c_str());
+  fail_with_reason("cannot write this file", path, error);
+}
+
+void ResultDirectory::remove(const char* name) noexcept {
+  try {
+    if (marker_->names().contains(name)) ::unlink((working_ / name).c_str());
+  } catch (const std::exception&) {  // no memory for its path
+  }
+}
+
+void ResultDirectory::discard() noexcept {
+  try {
+    if (marker_ && (made_ || cleared_)) {
+      remove_own(working_, *marker_);
+      remove_if_empty(working_);
+    } else if (marker_ && marker_->names().empty() && others_in(working_, *marker_).empty()) {
+      ::unlink((working_ / ResultMarker::file_name).c_str());  // the folder was empty
+    } else if (made_) {
+      ::rmdir(working_.c_str());
+    }
+    if (topmost_made_.empty()) return;
+    for (fs::path folder = working_.parent_path();; folder = folder.parent_path())
+      if ((::rmdir(folder.c_str()) != 0 && errno != ENOENT) || folder == topmost_made_) break;
+  } catch (const Error&) {  // what stays has a marker: the next run removes it
+  } catch (const std::exception&) {
+  }
+}
+
+std::vector<std::string> ResultDirectory::publish() {
+  std::vector<std::string> warnings;
+  const fs::path above = destination_.parent_path();  // once the result is in its place nothing may throw
+  if (lasting_) {
+    marker_->to_disk();
+    if (const std::error_code error = sync_folder(working_)) fail_with_reason("cannot finish writing", working_.string(), error);
+  }
+  for (int tries = 0;; ++tries) {  // what is there may change meanwhile
+    if (tries == 100) fail({"cannot move the result to its place", destination_.string(), ""});
+    std::error_code error = move_to_new(working_, destination_);
+    if (error && error != std::errc::file_exists && error != std::errc::directory_not_empty)
+      fail_with_reason("cannot move the result to its place", destination_.string(), error);
+    if (!error) break;
+    require_real_folder(destination_);
+    if (destination_marker_ && !destination_marker_->is_in(destination_)) destination_marker_.reset();
+    if (!destination_marker_) destination_marker_ = ResultMarker::lock(destination_);
+    if (destination_marker_) {
+      replace_destination(warnings);
+      break;
+    }
+    take_mode(working_, destination_);
+    if (::rename(working_.c_str(), destination_.c_str()) == 0) break;  // it was empty
+    if (is_there(destination_) && !is_empty_folder(destination_)) refuse_foreign(destination_);
+  }
+  if (lasting_) sync_folder(above);
+  kept_ = true;
+  return warnings;
+}
+
+// Either result is in its place at every instant; without an exchange there is one at which the earlier one is in the working
+// folder, and the next run brings it back.
+void ResultDirectory::replace_destination(std::vector<std::string>& warnings) {
+  const fs::path above = destination_.parent_path(), within = working_ / helper::former, after = destination_ / helper::former;
+  check_names();
+  take_mode(working_, destination_);
+  const auto require = [this](std::error_code error) {
+    if (error) fail_with_reason("cannot move the result to its place", destination_.string(), error);
+  };
+  const auto require_same = [this](const fs::path& folder, const auto& undo) {
+    if (destination_marker_->is_in(folder)) return;
+    undo();
+    fail({"this folder was replaced by another while the run went on", destination_.string(), ""});
+  };
+  std::error_code error = exchange(working_, destination_);
+  const bool exchanged = error != std::errc::operation_not_supported;
+  if (exchanged) {
+    require(error);
+    require_same(working_, [this] { exchange(working_, destination_); });
+  } else {
+    const auto undo = [&] { move_to_new(within, destination_); };
+    require(move_to_new(destination_, within));
+    require_same(within, undo);
+    error = move_to_new(working_, destination_);
+    if (error) undo();
+    require(error);
+  }
+  kept_ = true;  // from here on the working folder's name is the earlier result's
+  if (lasting_) sync_folder(above);
+  warnings = retire(exchanged ? working_ : after, *destination_marker_, destination_);
 }
 
 }  // namespace momentree::io

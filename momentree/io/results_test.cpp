@@ -31,18 +31,22 @@ std::size_t column(const Rows& rows, const std::string& name) {
   return rows[0].size();
 }
 
+std::vector<JointKinds> all_joints(Simulation& simulation) { return joints_of(simulation, simulation.rehearse(), {}); }
+
 // The whole run of two_mechanisms with a break at 0.105 s, rows every `every`.
 Rows run(const std::string& out, double every, const char* file, double until = 0.5, bool reactions = false) {
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});
   simulation.at(0.105).then(break_joint("arm/shoulder"));
-  Recorder recorder(model, joints_of(simulation, simulation.rehearse(), {}), every, out, reactions);
-  recorder.record_energy(simulation);
-  simulation.observe(every, [&](const World& world) { return recorder.observe(world); });
-  REQUIRE(simulation.run_until(until) == Status::ok);
   RunOrigin origin;
   origin.name = "arm";
-  recorder.finish(origin, "done", simulation, {{"#1", 1}}, "{}");
+  Recorder recorder(simulation, origin, "{}",
+                    {.directory = out, .joints = all_joints(simulation), .every = every, .reactions = reactions});
+  simulation.observe(every, [&](const World& world) { return recorder.observe(world); });
+  REQUIRE(simulation.run_until(until) == Status::ok);
+  recorder.finish("done", {{"#1", 1}});
+  CHECK_FALSE(recorder.error());
+  CHECK(recorder.is_published());
   CHECK(recorder.directory() == out);
   return table(out + '/' + file);
 }
@@ -180,10 +184,10 @@ TEST_CASE("a run that is not done stays beside its place") {
   const test::TemporaryFolder folder;
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});
-  Recorder recorder(model, {}, 0, folder / "r");
+  Recorder recorder(simulation, {}, "{}", {.directory = folder / "r"});
   simulation.observe(0, [&](const World& world) { return recorder.observe(world) && world.time() < 0.095; });
   CHECK(simulation.run_until(1) == Status::interrupted);
-  recorder.finish({}, "interrupted at t = 0.1 s", simulation, {}, "{}");
+  recorder.finish("interrupted at t = 0.1 s", {});
   CHECK_FALSE(std::filesystem::exists(folder / "r"));
   CHECK(recorder.directory() == folder / "r.partial");
   CHECK(table(folder / "r.partial/bodies.csv").size() == 12);
@@ -191,17 +195,79 @@ TEST_CASE("a run that is not done stays beside its place") {
   CHECK(read_text_file(folder / "r.partial/summary.json").find("interrupted at t = 0.1 s") != std::string::npos);
 }
 
+TEST_CASE("a run whose simulation broke off keeps its rows and says why; one that is dropped says that") {
+  const test::TemporaryFolder folder;
+  const Model model = test::two_mechanisms();
+  Simulation simulation(model, {.step = 0.01});
+  {
+    Recorder recorder(simulation, {}, "{}", {.directory = folder / "r"});
+    simulation.observe(0, [&](const World& world) { return recorder.observe(world); });
+    CHECK(simulation.run_until(0.05) == Status::ok);
+    CHECK(read_text_file(folder / "r.partial/summary.json").find("running, or killed") != std::string::npos);
+    recorder.abandon("failed: out of memory");
+    CHECK(recorder.directory() == folder / "r.partial");
+  }
+  CHECK(table(folder / "r.partial/bodies.csv").size() == 1 + 6);
+  CHECK(read_text_file(folder / "r.partial/summary.json").find("\"status\": \"failed: out of memory\"") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(folder / "r.partial/final.json"));
+  { const Recorder dropped(simulation, {}, "{}", {.directory = folder / "r"}); }
+  CHECK(read_text_file(folder / "r.partial/summary.json").find("\"status\": \"failed: the program ended") != std::string::npos);
+}
+
+TEST_CASE("what a result lacks at its end makes it a failed one: the report, or its place") {
+  const test::TemporaryFolder folder;
+  const Model model = test::two_mechanisms();
+  Simulation simulation(model, {.step = 0.01});
+  const auto finish = [&](const ReportPage& report) {
+    Recorder recorder(simulation, {}, "{}", {.directory = folder / "r", .report = true});
+    CHECK(simulation.run_until(simulation.time() + 0.1) == Status::ok);
+    recorder.finish("done", {}, report);
+    CHECK_FALSE(recorder.is_published());
+    REQUIRE(recorder.error());
+    CHECK(recorder.summary() == read_text_file(folder / "r.partial/summary.json"));
+    CHECK(recorder.has_report() == std::filesystem::exists(folder / "r.partial/report.html"));
+    return recorder.status();
+  };
+  CHECK(finish([](const std::filesystem::path&, const std::string&) -> std::string {
+          fail({"no page", "report.html", ""});
+        }) == "failed: report.html: error: no page");
+  const auto taken = [&](const std::filesystem::path&, const std::string& summary) {
+    std::filesystem::create_directories(folder / "r");
+    write_text_file(folder / "r/thesis.tex", "years of work");
+    return summary;
+  };
+  CHECK(finish(taken).find("it is not replaced") != std::string::npos);
+  CHECK(read_text_file(folder / "r.partial/report.html") == read_text_file(folder / "r.partial/summary.json"));
+}
+
+TEST_CASE("rows are on the disk with their events, whole, while the run goes on") {
+  const test::TemporaryFolder folder;
+  const Model model = test::two_mechanisms();
+  Simulation simulation(model, {.step = 0.001});
+  simulation.at(0.105).then(break_joint("arm/shoulder"));
+  Recorder recorder(simulation, {}, "{}", {.directory = folder / "r"});
+  simulation.observe(0, [&](const World& world) { return recorder.observe(world); });
+  REQUIRE(simulation.run_until(2) == Status::ok);
+  const Rows bodies = table(folder / "r.partial/bodies.csv"), energy = table(folder / "r.partial/energy.csv");
+  CHECK(bodies.size() > 500);
+  CHECK(energy.size() == bodies.size());
+  CHECK(energy.back()[0] == bodies.back()[0]);
+  CHECK(read_text_file(folder / "r.partial/bodies.csv").ends_with('\n'));
+  CHECK(std::stod(bodies.back()[0]) > 0.105);
+  CHECK(read_text_file(folder / "r.partial/events.jsonl").find("break arm/shoulder") != std::string::npos);
+}
+
 TEST_CASE("a world that bodies left and came to is recorded: empty cells for the ones, no columns for the others") {
   const test::TemporaryFolder folder;
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});
-  Recorder recorder(model, joints_of(simulation, simulation.rehearse(), {}), 0, folder / "r");
+  Recorder recorder(simulation, {}, "{}", {.directory = folder / "r", .joints = all_joints(simulation)});
   simulation.observe(0, [&](const World& world) { return recorder.observe(world); });
   REQUIRE(simulation.run_until(0.02) == Status::ok);
   simulation.remove(model.body("arm/link"));
   simulation.add({.name = "guest", .mass = 1, .inertia = diagonal(1), .joint = Free{}});
   REQUIRE(simulation.run_until(0.04) == Status::ok);
-  recorder.finish({}, "done", simulation, {}, "{}");
+  recorder.finish("done", {});
   const Rows rows = table(folder / "r/bodies.csv");
   const std::size_t gone = column(rows, "arm/link.x");
   CHECK(rows[1][gone] != "");

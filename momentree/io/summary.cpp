@@ -1,11 +1,11 @@
-// summary.json and the lines of events.jsonl.
+#include <momentree/io/summary.hpp>
+
 #include <cmath>
 #include <unordered_map>
 #include <unordered_set>
 
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/io/json_writer.hpp>
-#include <momentree/io/results.hpp>
 
 #ifndef MOMENTREE_VERSION
 #error "MOMENTREE_VERSION is set by the build"
@@ -24,6 +24,20 @@ void write_totals(JsonWriter& json, const Totals& totals) {
 
 void write_split(JsonWriter& json, const char* name, double before, double after) {
   json.key(name).begin_object().member("before", before).member("after", after).end_object();
+}
+
+void write_origin(JsonWriter& json, const RunOrigin& origin, const std::string& status) {
+  json.member("status", status).member("version", MOMENTREE_VERSION);
+  json.key("scenario").begin_object();
+  json.member("name", origin.name).member("title", origin.title).member("file", origin.file).member("hash", origin.hash);
+  json.key("overrides").begin_array();
+  for (const std::string& set : origin.overrides) json.value(set);
+  json.end_array().end_object();
+  json.member("method", origin.integration.method).member("step", origin.integration.step);
+  if (is_adaptive(origin.integration.method)) {  // without a bound: null
+    json.member("rtol", origin.integration.rtol).member("atol", origin.integration.atol);
+    json.member("max_step", origin.integration.max_step);
+  }
 }
 
 }  // namespace
@@ -104,6 +118,15 @@ void write_missed(JsonWriter& json, const Simulation& simulation) {
 
 }  // namespace
 
+std::string summary_json(const RunOrigin& origin, const std::string& status) {
+  std::string text;
+  JsonWriter json(text, 2);
+  json.begin_object();
+  write_origin(json, origin, status);
+  json.member("start", origin.start).member("until", origin.until).end_object();
+  return text + '\n';
+}
+
 std::string summary_json(const RunOrigin& origin, const std::string& status, const Simulation& simulation) {
   const RunStatistics& run = simulation.statistics();
   const EnergyBalance energy = simulation.energy();
@@ -112,17 +135,7 @@ std::string summary_json(const RunOrigin& origin, const std::string& status, con
   std::string text;
   JsonWriter json(text, 2);
   json.begin_object();
-  json.member("status", status).member("version", MOMENTREE_VERSION);
-  json.key("scenario").begin_object();
-  json.member("name", origin.name).member("title", origin.title).member("file", origin.file).member("hash", origin.hash);
-  json.key("overrides").begin_array();
-  for (const std::string& set : origin.overrides) json.value(set);
-  json.end_array().end_object();
-  json.member("method", origin.integration.method).member("step", origin.integration.step);
-  if (is_adaptive(origin.integration.method)) {  // without a bound: null
-    json.member("rtol", origin.integration.rtol).member("atol", origin.integration.atol);
-    json.member("max_step", origin.integration.max_step);
-  }
+  write_origin(json, origin, status);
   json.member("start", origin.start).member("until", origin.until).member("time", simulation.time());
   json.member("steps", run.steps).member("evaluations", run.evaluations[0] + run.evaluations[1]);
   json.member("topology_changes", run.changes).member("events", static_cast<long>(simulation.events().size()));

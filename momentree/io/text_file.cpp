@@ -1,7 +1,11 @@
 #include <momentree/io/text_file.hpp>
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <utility>
 
@@ -9,54 +13,139 @@
 
 namespace momentree::io {
 
+namespace fs = std::filesystem;
+
 namespace {
-[[noreturn]] void fail_with_reason(const char* what, const std::string& path) {
-  const int reason = errno;
-  fail({std::string(what) + ": " + std::strerror(reason), path,
-        reason == ENOSPC ? "free some space on that disk, or write elsewhere" : ""});
+
+std::error_code last_error() { return {errno, std::generic_category()}; }
+
+Descriptor make_new(const std::string& path, unsigned mode = 0666) {
+  return Descriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
 }
+
+// Where a chain of symbolic links ends, which may be a file that is still to be made.
+std::string end_of_links(const std::string& path) {
+  fs::path end = path;
+  std::error_code error;
+  for (int links = 0; fs::is_symlink(fs::symlink_status(end, error)); ++links) {
+    const fs::path next = fs::read_symlink(end, error);
+    if (error || links == 40)
+      fail_with_reason("cannot follow this link", path,
+                       error ? error : std::make_error_code(std::errc::too_many_symbolic_link_levels));
+    end = end.parent_path() / next;
+  }
+  return end.string();
+}
+
+// A device or a pipe: there is no place beside it.
+void write_directly(const std::string& path, std::string_view text) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY));
+  if (!file) fail_with_reason("cannot write this file", path, last_error());
+  std::size_t written = 0;
+  std::error_code error = write_all(file, text, written);
+  if (!error) error = file.close();
+  if (error) fail_with_reason("cannot write this file", path, error);
+}
+
+/// A file beside another that is to take its place; removed unless it does.
+class Replacement {
+ public:
+  Replacement(const std::string& target, unsigned mode) {
+    const fs::path place(target);
+    // A name may have 255 bytes.
+    const std::string stem = (place.parent_path() / place.filename().string().substr(0, 200)).string() + ".partial-";
+    for (int i = 0; !file_ && i < 100; ++i) {
+      path_ = stem + std::to_string(::getpid()) + (i == 0 ? "" : "-" + std::to_string(i));
+      file_ = make_new(path_, mode);
+      if (!file_ && errno != EEXIST) break;
+    }
+    if (!file_) fail_with_reason("cannot write this file", target, last_error());
+  }
+  Replacement(const Replacement&) = delete;
+  Replacement& operator=(const Replacement&) = delete;
+  ~Replacement() {
+    if (!path_.empty()) ::unlink(path_.c_str());
+  }
+  const Descriptor& file() const { return file_; }
+
+  std::error_code take_place_of(const std::string& target) {
+    const fs::path folder = fs::path(target).parent_path();
+    if (const std::error_code error = sync(file_)) return error;
+    if (const std::error_code error = file_.close()) return error;
+    if (::rename(path_.c_str(), target.c_str()) != 0) return last_error();
+    path_.clear();
+    sync_folder(folder);  // the file is in place and whole: there is nothing left to undo
+    return {};
+  }
+
+ private:
+  std::string path_;
+  Descriptor file_;
+};
+
 }  // namespace
 
-TextFile::TextFile(std::string path) : path_(std::move(path)), file_(std::fopen(path_.c_str(), "wb")) {
-  if (!file_) fail_with_reason("cannot write this file", path_);
-  std::setvbuf(file_.get(), nullptr, _IONBF, 0);  // text_ is the buffer
+TextFile::TextFile(std::string path) : path_(std::move(path)), file_(make_new(path_)) {
+  if (!file_) fail_with_reason("cannot make this file", path_, last_error());
 }
 
 void TextFile::flush() {
-  errno = 0;
-  if (!text_.empty() && std::fwrite(text_.data(), 1, text_.size(), file_.get()) != text_.size())
-    fail_with_reason("cannot write on", path_);
-  text_.clear();
+  std::size_t written = 0;
+  const std::error_code error = write_all(file_, text_, written);
+  if (!error) {
+    size_ += text_.size();
+    text_.clear();
+    return;
+  }
+  const std::size_t newline = std::string_view(text_).substr(0, written).rfind('\n');
+  const std::size_t whole = newline == std::string::npos ? 0 : newline + 1;
+  size_ += whole;
+  text_.erase(0, whole);
+  if (written > whole) cut(file_, size_);  // where that fails, too, readers leave out a line without an end
+  fail_with_reason("cannot write this file", path_, error);
 }
 
-void TextFile::close() {
+void TextFile::close(bool to_disk) {
   flush();
-  errno = 0;
-  if (std::fclose(file_.release()) != 0) fail_with_reason("cannot finish writing", path_);
+  std::error_code error = to_disk ? sync(file_) : std::error_code();
+  if (const std::error_code at_end = file_.close(); !error) error = at_end;
+  if (error) fail_with_reason("cannot finish writing", path_, error);
 }
 
 void write_text_file(const std::string& path, std::string_view text) {
-  TextFile file(path);
-  file.text() = text;
-  file.close();
+  const std::string target = end_of_links(path);
+  struct stat status {};
+  const bool exists = ::stat(target.c_str(), &status) == 0;
+  if (!exists && errno != ENOENT) fail_with_reason("cannot write this file", path, last_error());
+  if (exists && S_ISDIR(status.st_mode)) fail({"this is a folder: a file is to be written", path, "name a file in it"});
+  if (exists && !S_ISREG(status.st_mode)) return write_directly(path, text);
+  if (exists && ::access(target.c_str(), W_OK) != 0) fail_with_reason("cannot write this file", path, last_error());
+
+  Replacement fresh(target, exists ? status.st_mode & 0777 : 0666);
+  if (exists && ::fchmod(fresh.file().number(), status.st_mode & 0777) != 0)
+    fail_with_reason("cannot write this file", path, last_error());
+  std::size_t written = 0;
+  std::error_code error = write_all(fresh.file(), text, written);
+  if (!error) error = fresh.take_place_of(target);
+  if (error) fail_with_reason("cannot write this file", path, error);
 }
 
-std::string read_text_file(const std::string& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) fail({"there is no such file", path, ""});
-  if (!std::filesystem::is_regular_file(status)) fail({"this is not a file", path, "give the path of a text file"});
-  constexpr std::uintmax_t largest = 1u << 30;
-  const auto size = std::filesystem::file_size(path, error);
-  if (error) fail({"cannot read this file: " + error.message(), path, ""});
-  if (size > largest) fail({"this file is larger than 1 GiB", path, ""});
-  errno = 0;
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) fail_with_reason("cannot read this file", path);
-  std::string text(static_cast<std::size_t>(size), '\0');
-  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
-  if (std::ferror(file.get()) != 0) fail_with_reason("cannot read this file", path);
-  return text;
+std::string read_text_file(const std::string& path, Links links) {
+  const Descriptor file = open_regular(path, links);
+  constexpr std::size_t largest = 1u << 30, least = 1u << 16;
+  struct stat status {};
+  std::size_t expected = 0;
+  if (::fstat(file.number(), &status) == 0 && status.st_size > 0) expected = static_cast<std::size_t>(status.st_size);
+  std::string text;
+  for (std::size_t size = 0;;) {  // the file may grow or shrink meanwhile, and those of /proc have no size
+    if (size > largest || expected > largest) fail({"this file is larger than 1 GiB", path, ""});
+    if (size == text.size()) text.resize(std::max({2 * size, expected + 1, std::size_t{least}}));
+    const std::size_t count = read_some(file, text.data() + size, text.size() - size, path);
+    size += count;
+    if (count > 0) continue;
+    text.resize(size);
+    return text;
+  }
 }
 
 }  // namespace momentree::io

@@ -1,42 +1,43 @@
 #pragma once
-// A text file that is written through one large buffer, and that notices a full disk.
-#include <cstdio>
-#include <memory>
+// Text files that are written through a large buffer and notice a full disk, and whole files at once.
 #include <string>
 #include <string_view>
 
+#include <momentree/io/system_file.hpp>
+
 namespace momentree::io {
 
-/// Append to `text()`, then call `settle()`: it hands full buffers to the system. Errors of opening, writing and closing are
-/// thrown as Error with the file's name and the system's reason.
+/// A file of lines that grows. Append whole lines to `text()`, then call `settle()`: it hands full buffers to the system. Errors
+/// are thrown as Error with the file's name and the system's reason; the file then ends with the last whole line that fitted.
 class TextFile {
  public:
+  /// Makes the file; an error where one of that name exists.
   explicit TextFile(std::string path);
 
   std::string& text() { return text_; }
   const std::string& path() const { return path_; }
-  /// Writes the buffer out where it has grown large.
+  /// Whether the buffer has grown so large that it should be written.
+  bool is_full() const { return text_.size() >= large; }
   void settle() {
-    if (text_.size() >= large) flush();
+    if (is_full()) flush();
   }
-  /// Writes the buffer out.
+  /// Writes the buffer out. After an error the buffer holds what did not fit: another flush tries again.
   void flush();
-  /// Flushes and closes. A file that is destroyed without it may be incomplete: an error would have nowhere to go.
-  void close();
+  /// Flushes, waits for the disk where `to_disk`, and closes.
+  void close(bool to_disk = false);
 
  private:
   static constexpr std::size_t large = 1u << 18;
-  struct Closer {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
   std::string path_, text_;
-  std::unique_ptr<std::FILE, Closer> file_;
+  Descriptor file_;
+  std::size_t size_ = 0;  ///< of the file: whole lines
 };
 
-/// Writes a whole file at once; throws as TextFile does.
+/// Writes a whole file, or leaves what was there: the text is written beside it as `PATH.partial-NUMBER`, which takes the file's
+/// place once it is on the disk. Links are followed; devices and pipes are written to directly. Throws Error.
 void write_text_file(const std::string& path, std::string_view text);
 
-/// The whole text of a regular file; throws Error where it can't be read, is a directory or a device, or larger than 1 GiB.
-std::string read_text_file(const std::string& path);
+/// The whole text of a regular file; throws Error where it can't be read, is something else, or is larger than 1 GiB.
+std::string read_text_file(const std::string& path, Links links = Links::follow);
 
 }  // namespace momentree::io

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
 
 #include <momentree/base/error.hpp>
+#include <momentree/io/line_reader.hpp>
 
 namespace momentree::io {
 namespace {
@@ -25,10 +25,6 @@ double number(const std::string& field, const std::string& column, const std::st
   if (!std::isfinite(value))
     fail({"column '" + column + "' is " + field + ", not a finite number", where, "the run diverged here; try a smaller step"});
   return value;
-}
-
-void trim_end(std::string& line) {
-  while (!line.empty() && (line.back() == '\r' || line.back() == '\n')) line.pop_back();
 }
 
 std::vector<PoseColumns> find_bodies(const std::vector<std::string>& columns, const std::string& where) {
@@ -78,20 +74,17 @@ std::vector<std::string> split_csv(const std::string& line) {
 }
 
 BodyTable::BodyTable(std::filesystem::path file) : file_(std::move(file)) {
-  std::ifstream in(file_, std::ios::binary);
-  if (!in) fail({"there is no such file, or it cannot be read", file_.string(), "give the directory that `momentree run` wrote"});
+  if (!is_there(file_)) fail({"there is no such file", file_.string(), "give the directory that `momentree run` wrote"});
+  LineReader in(file_);
   std::string line;
-  if (!std::getline(in, line)) fail({"the file is empty", file_.string(), {}});
-  trim_end(line);
+  if (!in.next(line)) fail({"the file is empty", file_.string(), {}});
   columns_ = split_csv(line);
   if (columns_.front() != "time") fail({"the first column is '" + columns_.front() + "', not 'time'", place(file_, 1), {}});
   bodies_ = find_bodies(columns_, place(file_, 1));
-  for (std::size_t n = 2; std::getline(in, line); ++n) {
-    if (in.eof()) break;  // no end of line: an interrupted run was still writing this row
-    trim_end(line);
+  while (in.next(line) && in.is_whole()) {  // else a run that was stopped was still writing this row
     if (line.empty()) continue;
-    const double time = number(line.substr(0, line.find(',')), "time", place(file_, n));
-    if (!times_.empty() && time < times_.back()) fail({"time runs backwards", place(file_, n), {}});
+    const double time = number(line.substr(0, line.find(',')), "time", place(file_, in.number()));
+    if (!times_.empty() && time < times_.back()) fail({"time runs backwards", place(file_, in.number()), {}});
     times_.push_back(time);
   }
   if (times_.empty()) fail({"it has no complete row", file_.string(), "the run stopped before it wrote one"});
@@ -111,16 +104,14 @@ std::size_t BodyTable::row_near(double time) const {
 
 std::vector<RecordedFrame> BodyTable::read(const std::vector<std::size_t>& rows) const {
   std::vector<RecordedFrame> frames;
-  std::ifstream in(file_, std::ios::binary);
+  LineReader in(file_);
   std::string line;
-  std::getline(in, line);
-  std::size_t n = 1, row = 0;
+  in.next(line);
+  std::size_t row = 0;
   for (const std::size_t wanted : rows) {
-    while (row <= wanted && std::getline(in, line)) {
-      ++n;
-      trim_end(line);
+    while (row <= wanted && in.next(line))
       if (!line.empty()) ++row;
-    }
+    const std::size_t n = in.number();
     const std::vector<std::string> fields = split_csv(line);
     if (fields.size() != columns_.size())
       fail({"the row has " + std::to_string(fields.size()) + " of " + std::to_string(columns_.size()) + " columns",

@@ -1,88 +1,106 @@
 #include <momentree/io/picture/recording.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <fstream>
-#include <functional>
 #include <map>
 #include <optional>
 
-#include <nlohmann/json.hpp>
-
 #include <momentree/base/error.hpp>
+#include <momentree/io/json_document.hpp>
+#include <momentree/io/line_reader.hpp>
 #include <momentree/io/picture/body_table.hpp>
 #include <momentree/io/picture/phases.hpp>
+#include <momentree/io/text_file.hpp>
 
 namespace momentree::io {
 namespace {
 
-using Json = nlohmann::json;
+constexpr const char* cut = "the file was cut or changed: run again, or remove it";
 
-std::optional<Json> parse_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return std::nullopt;
+std::optional<JsonDocument> parse_file(const std::filesystem::path& file) {
+  if (!is_there(file)) return std::nullopt;
   try {
-    return Json::parse(in);
-  } catch (const Json::exception& error) {  // broken syntax, or a number beyond all bounds
-    fail({"it is not JSON: " + std::string(error.what()), file.string(), "the file was cut or changed: run again, or remove it"});
+    return parse_json(read_text_file(file.string(), Links::refuse), file.string());
+  } catch (Error& error) {
+    if (error.hint.empty()) error.hint = cut;
+    throw;
   }
 }
 
-/// Runs `body`; what the JSON lacks becomes an Error that names the file.
-void reading(const std::string& where, const std::function<void()>& body) {
-  try {
-    body();
-  } catch (const Json::exception& error) {
-    fail({"it does not hold what was expected: " + std::string(error.what()), where, "it must be as `momentree run` wrote it"});
-  }
+const JsonNode& member(const JsonDocument& document, const JsonNode& object, const char* key) {
+  const JsonNode* found = document.object(object, "what holds `" + std::string(key) + "`").find(key);
+  if (!found) document.fail_at(object, "`" + std::string(key) + "` is missing", cut);
+  return *found;
 }
 
-Vec3 vec(const Json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
-Quat quat(const Json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>(), j.at(3).get<double>()}; }
-Pose pose(const Json& j) { return {vec(j.at("xyz")), quat(j.at("quat"))}; }
+std::string text_or_none(const JsonNode& object, const char* key) {
+  const JsonNode* found = object.find(key);
+  return found ? found->text : "";
+}
 
-Shape read_shape(const Json& j) {
+template <std::size_t Count>
+std::array<double, Count> numbers(const JsonDocument& document, const JsonNode& node, const char* what) {
+  const std::vector<double> values = document.numbers(node, what);
+  if (values.size() != Count)
+    document.fail_at(node, std::string(what) + " should have " + std::to_string(Count) + " numbers", cut);
+  std::array<double, Count> all{};
+  std::copy(values.begin(), values.end(), all.begin());
+  return all;
+}
+
+Vec3 vec(const JsonDocument& document, const JsonNode& node, const char* what) {
+  const auto [x, y, z] = numbers<3>(document, node, what);
+  return {x, y, z};
+}
+
+Pose pose(const JsonDocument& document, const JsonNode& node) {
+  const auto [w, x, y, z] = numbers<4>(document, member(document, node, "quat"), "`quat`");
+  return {vec(document, member(document, node, "xyz"), "`xyz`"), Quat{w, x, y, z}};
+}
+
+Shape read_shape(const JsonDocument& document, const JsonNode& node) {
   Shape shape;
-  const std::string kind = j.at("kind");
-  if (kind == "box") shape.kind = Shape::Kind::box, shape.size = vec(j.at("size"));
+  const std::string kind = document.string(member(document, node, "kind"), "`kind`");
+  if (kind == "box") shape.kind = Shape::Kind::box, shape.size = vec(document, member(document, node, "size"), "`size`");
   if (kind == "sphere") shape.kind = Shape::Kind::sphere;
   if (kind == "cylinder") shape.kind = Shape::Kind::cylinder;
   if (kind == "capsule") shape.kind = Shape::Kind::capsule;
-  if (kind == "mesh") shape.kind = Shape::Kind::mesh, shape.mesh = j.value("file", "");
-  shape.radius = j.value("radius", 0.0);
-  shape.length = j.value("length", 0.0);
-  shape.colour = j.value("colour", "");
-  if (j.contains("at")) shape.at = pose(j.at("at"));
+  if (kind == "mesh") shape.kind = Shape::Kind::mesh, shape.mesh = text_or_none(node, "file");
+  if (const JsonNode* radius = node.find("radius")) shape.radius = document.number(*radius, "`radius`");
+  if (const JsonNode* length = node.find("length")) shape.length = document.number(*length, "`length`");
+  shape.colour = text_or_none(node, "colour");
+  if (const JsonNode* at = node.find("at")) shape.at = pose(document, *at);
   return shape;
 }
 
 using Numbers = std::map<std::string, int>;
 
-int find(const Numbers& numbers, const Json& name) {
-  if (!name.is_string()) return -1;
-  const auto it = numbers.find(name.get<std::string>());
+int find(const Numbers& numbers, const JsonNode& name) {
+  const auto it = name.is(JsonNode::Type::string) ? numbers.find(name.text) : numbers.end();
   return it == numbers.end() ? -1 : it->second;
 }
 
-void read_joints(const Json& joints, const Numbers& numbers, Recording& run) {
-  for (const auto& [name, joint] : joints.items()) {
-    const int child = find(numbers, joint.at("child"));
+void read_joints(const JsonDocument& document, const JsonNode& joints, const Numbers& numbers, Recording& run) {
+  for (const auto& [name, joint] : document.object(joints, "`joints`").members) {
+    const int child = find(numbers, member(document, joint, "child"));
     if (child < 0) continue;  // bodies.csv may hold fewer bodies than the world
     RecordedBody& body = run.bodies[static_cast<std::size_t>(child)];
     body.joint = name;
-    body.kind = joint.at("kind").get<std::string>();
-    body.parent = find(numbers, joint.at("parent"));
-    body.at = vec(joint.at("at").at("xyz"));
-    body.child_at = vec(joint.at("child_at").at("xyz"));
+    body.kind = document.string(member(document, joint, "kind"), "`kind`");
+    body.parent = find(numbers, member(document, joint, "parent"));
+    body.at = vec(document, member(document, member(document, joint, "at"), "xyz"), "`xyz`");
+    body.child_at = vec(document, member(document, member(document, joint, "child_at"), "xyz"), "`xyz`");
   }
 }
 
 /// By body the name of its mechanism, from a list of mechanisms with their bodies.
-void read_mechanisms(const Json& mechanisms, const Numbers& numbers, std::vector<std::string>& of_body) {
-  for (const Json& mechanism : mechanisms)
-    for (const Json& name : mechanism.at("bodies"))
+void read_mechanisms(const JsonDocument& document, const JsonNode& mechanisms, const Numbers& numbers,
+                     std::vector<std::string>& of_body) {
+  for (const JsonNode& mechanism : document.array(mechanisms, "`mechanisms`").items)
+    for (const JsonNode& name : document.array(member(document, mechanism, "bodies"), "`bodies`").items)
       if (const int b = find(numbers, name); b >= 0)
-        of_body[static_cast<std::size_t>(b)] = mechanism.at("name").get<std::string>();
+        of_body[static_cast<std::size_t>(b)] = document.string(member(document, mechanism, "name"), "`name`");
 }
 
 /// Without model.json: a line from each body's origin to those of its children.
@@ -91,48 +109,62 @@ void guess_extents(Recording& run) {
     if (body.parent >= 0) run.bodies[static_cast<std::size_t>(body.parent)].extent.emplace_back(Vec3{}, body.at);
 }
 
-void read_model(const Json& model, const Numbers& numbers, Recording& run, std::vector<std::string>& mechanism_of) {
-  run.title = model.value("title", "");
-  run.gravity = vec(model.at("gravity"));
-  read_joints(model.at("joints"), numbers, run);
-  read_mechanisms(model.at("mechanisms"), numbers, mechanism_of);
-  for (const auto& [name, body] : model.at("bodies").items()) {
-    const int b = find(numbers, name);
-    if (b < 0) continue;
-    RecordedBody& recorded = run.bodies[static_cast<std::size_t>(b)];
-    for (const Json& segment : body.at("extent")) recorded.extent.emplace_back(vec(segment.at(0)), vec(segment.at(1)));
-    if (body.contains("shape") && !body.at("shape").is_null()) recorded.shape = read_shape(body.at("shape"));
-    for (const Json& more : body.value("more_shapes", Json::array())) recorded.shape.more.push_back(read_shape(more));
+void read_model(const JsonDocument& document, const Numbers& numbers, Recording& run, std::vector<std::string>& mechanism_of) {
+  const JsonNode& model = document.root;
+  run.title = text_or_none(model, "title");
+  run.gravity = vec(document, member(document, model, "gravity"), "`gravity`");
+  read_joints(document, member(document, model, "joints"), numbers, run);
+  read_mechanisms(document, member(document, model, "mechanisms"), numbers, mechanism_of);
+  for (const auto& [name, body] : document.object(member(document, model, "bodies"), "`bodies`").members) {
+    const auto known = numbers.find(name);
+    if (known == numbers.end()) continue;
+    RecordedBody& recorded = run.bodies[static_cast<std::size_t>(known->second)];
+    for (const JsonNode& segment : document.array(member(document, body, "extent"), "`extent`").items) {
+      if (document.array(segment, "a segment").items.size() != 2) document.fail_at(segment, "a segment has two ends", cut);
+      recorded.extent.emplace_back(vec(document, segment.items[0], "an end"), vec(document, segment.items[1], "an end"));
+    }
+    if (const JsonNode* shape = body.find("shape"); shape && !shape->is(JsonNode::Type::null))
+      recorded.shape = read_shape(document, *shape);
+    if (const JsonNode* more = body.find("more_shapes"))
+      for (const JsonNode& shape : document.array(*more, "`more_shapes`").items)
+        recorded.shape.more.push_back(read_shape(document, shape));
   }
 }
 
+std::vector<std::string> texts(const JsonDocument& document, const JsonNode& list) {
+  std::vector<std::string> all;
+  for (const JsonNode& item : document.array(list, "a list of names").items) all.push_back(item.text);
+  return all;
+}
+
 void read_events(const std::filesystem::path& file, Recording& run) {
-  std::ifstream in(file, std::ios::binary);
-  std::string line;
-  for (int n = 1; std::getline(in, line); ++n) {
+  if (!is_there(file)) return;
+  LineReader in(file);
+  for (std::string line; in.next(line);) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    if (in.eof() && !Json::accept(line)) break;  // an interrupted run was still writing this line
-    const std::string where = file.string() + ":" + std::to_string(n);
-    if (!Json::accept(line)) fail({"the line is not JSON", where, "the file was cut or changed: run again, or remove it"});
-    reading(where, [&] {
-      const Json json = Json::parse(line);
-      RecordedEvent event;
-      event.time = json.at("time").get<double>();
-      event.name = json.value("event", "");
-      for (const Json& action : json.at("actions"))
-        event.actions.push_back(action.is_string() ? action.get<std::string>() : action.dump());
-      if (json.contains("mechanisms")) {
-        event.before = json.at("mechanisms").at("before").get<std::vector<std::string>>();
-        event.after = json.at("mechanisms").at("after").get<std::vector<std::string>>();
-      }
-      run.events.push_back(std::move(event));
-    });
+    JsonDocument document;
+    try {
+      document = parse_json(line, file.string() + ':' + std::to_string(in.number()));
+    } catch (const Error&) {
+      if (!in.is_whole()) break;  // a run that was stopped was still writing this line
+      fail({"the line is not JSON", file.string() + ':' + std::to_string(in.number()), cut});
+    }
+    const JsonNode& json = document.root;
+    RecordedEvent event;
+    event.time = document.number(member(document, json, "time"), "`time`");
+    event.name = text_or_none(json, "event");
+    event.actions = texts(document, member(document, json, "actions"));
+    if (const JsonNode* mechanisms = json.find("mechanisms")) {
+      event.before = texts(document, member(document, *mechanisms, "before"));
+      event.after = texts(document, member(document, *mechanisms, "after"));
+    }
+    run.events.push_back(std::move(event));
   }
 }
 
 }  // namespace
 
-Recording read_story(const std::filesystem::path& directory, const std::vector<std::string>& bodies) {
+Recording read_story(const std::filesystem::path& directory, const std::vector<std::string>& bodies, double last) {
   Recording run;
   Numbers numbers;
   std::vector<std::string> mechanism_of;
@@ -143,23 +175,22 @@ Recording read_story(const std::filesystem::path& directory, const std::vector<s
     mechanism_of.push_back(name.substr(0, name.find('/')));
   }
 
-  const std::optional<Json> model = parse_file(directory / "model.json");
-  const std::optional<Json> final_state = parse_file(directory / "final.json");
+  const std::optional<JsonDocument> model = parse_file(directory / "model.json");
+  const std::optional<JsonDocument> final_state = parse_file(directory / "final.json");
   if (model)
-    reading((directory / "model.json").string(), [&] { read_model(*model, numbers, run, mechanism_of); });
+    read_model(*model, numbers, run, mechanism_of);
   else if (final_state)
-    reading((directory / "final.json").string(),
-            [&] { read_joints(final_state->at("joints"), numbers, run), guess_extents(run); });
+    read_joints(*final_state, member(*final_state, final_state->root, "joints"), numbers, run), guess_extents(run);
   if (run.title.empty()) run.title = std::filesystem::absolute(directory).lexically_normal().filename().string();
   read_events(directory / "events.jsonl", run);
   find_phases(run, mechanism_of);
-  if (final_state) {
-    reading((directory / "final.json").string(), [&] {
-      std::vector<std::string> at_end = mechanism_of;
-      read_mechanisms(final_state->at("mechanisms"), numbers, at_end);
-      correct_last_phase(run, at_end);
-    });
-  }
+  if (!final_state) return run;
+  // Of a run whose tables were cut, by a full disk, it is the state at a time that they do not reach.
+  const JsonNode* const time = final_state->root.find("time");
+  if (time && final_state->number(*time, "`time`") > last + 1e-9 * std::max(1.0, std::abs(last))) return run;
+  std::vector<std::string> at_end = mechanism_of;
+  read_mechanisms(*final_state, member(*final_state, final_state->root, "mechanisms"), numbers, at_end);
+  correct_last_phase(run, at_end);
   return run;
 }
 
@@ -169,7 +200,7 @@ Recording read_recording(const std::filesystem::path& directory, double every) {
   const BodyTable table(directory / "bodies.csv");
   std::vector<std::string> names;
   for (const PoseColumns& column : table.bodies()) names.push_back(column.name);
-  Recording run = read_story(directory, names);
+  Recording run = read_story(directory, names, table.times().back());
   const std::vector<std::size_t> rows = choose_rows(table, every);
   run.every = every;
   run.frames = table.read(rows);

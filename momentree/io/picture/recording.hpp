@@ -69,8 +69,8 @@ struct Recording {
 };
 
 /// All but the frames: reads `model.json`, `events.jsonl` and `final.json` of a result directory where they exist. `bodies`: the
-/// names of bodies.csv, in its order. Throws Error that names the file and the line.
-Recording read_story(const std::filesystem::path& directory, const std::vector<std::string>& bodies);
+/// names of bodies.csv, in its order; `last`: the time of its last row. Throws Error that names the file and the line.
+Recording read_story(const std::filesystem::path& directory, const std::vector<std::string>& bodies, double last);
 
 /// Reads `bodies.csv` and, where they exist, `model.json`, `events.jsonl` and `final.json` of a result directory.
 /// One frame every `every` seconds; 0: every 0.2 s, or a round number that gives 4 to 60 frames where that does not.

@@ -215,11 +215,11 @@ TEST_CASE("what is wrong with the files is told with its place") {
   CHECK(mentions(complaint(directory), "events.jsonl:1"));
   directory.write("events.jsonl", "");
   directory.write("model.json", "{");
-  CHECK(mentions(complaint(directory), "model.json: error: it is not JSON"));
+  CHECK(mentions(complaint(directory), "model.json:1:1: error: this is not JSON"));
   directory.write("model.json", "{\"gravity\": [0, 1e999, 0]}");
-  CHECK(mentions(complaint(directory), "model.json: error: it is not JSON"));
+  CHECK(mentions(complaint(directory), "model.json:1:"));
   directory.write("model.json", "{}");
-  CHECK(mentions(complaint(directory), "model.json: error: it does not hold what was expected"));
+  CHECK(mentions(complaint(directory), "model.json:1:1: error: `gravity` is missing"));
 }
 
 TEST_CASE("fields of CSV may be quoted") {

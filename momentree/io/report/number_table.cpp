@@ -2,10 +2,10 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <string_view>
 
 #include <momentree/base/error.hpp>
+#include <momentree/io/line_reader.hpp>
 #include <momentree/io/picture/body_table.hpp>
 
 namespace momentree::io {
@@ -13,10 +13,6 @@ namespace momentree::io {
 namespace {
 
 std::string place(const std::filesystem::path& file, std::size_t line) { return file.string() + ":" + std::to_string(line); }
-
-void trim_end(std::string& line) {
-  while (!line.empty() && (line.back() == '\r' || line.back() == '\n')) line.pop_back();
-}
 
 double number(std::string_view cell, const std::string& where) {
   if (cell.empty()) return std::nan("");
@@ -31,28 +27,26 @@ double number(std::string_view cell, const std::string& where) {
 }  // namespace
 
 NumberTable::NumberTable(std::filesystem::path file) : file_(std::move(file)) {
-  std::ifstream in(file_, std::ios::binary);
-  if (!in) fail({"there is no such file, or it cannot be read", file_.string(), "give the directory that `momentree run` wrote"});
+  if (!is_there(file_)) fail({"there is no such file", file_.string(), "give the directory that `momentree run` wrote"});
+  LineReader in(file_);
   std::string line;
-  std::getline(in, line);
-  trim_end(line);
+  in.next(line);
   columns_ = split_csv(line);
   if (columns_.front() != "time") fail({"the first column is '" + columns_.front() + "', not 'time'", place(file_, 1), {}});
   columns_.erase(columns_.begin());
-  for (std::size_t n = 2; std::getline(in, line) && !in.eof(); ++n)
-    times_.push_back(number(std::string_view(line).substr(0, line.find(',')), place(file_, n)));
+  while (in.next(line) && in.is_whole())
+    times_.push_back(number(std::string_view(line).substr(0, line.find(',')), place(file_, in.number())));
 }
 
 std::vector<double> NumberTable::read(const std::vector<std::size_t>& rows) const {
   std::vector<double> numbers;
   numbers.reserve(rows.size() * columns_.size());
-  std::ifstream in(file_, std::ios::binary);
+  LineReader in(file_);
   std::string line;
-  std::getline(in, line);
+  in.next(line);
   std::size_t next = 0;
   for (const std::size_t wanted : rows) {
-    for (; next <= wanted; ++next) std::getline(in, line);
-    trim_end(line);
+    for (; next <= wanted; ++next) in.next(line);
     const std::string where = place(file_, wanted + 2);
     std::size_t cells = 0;
     for (std::size_t at = line.find(','); at != std::string::npos; ++cells) {

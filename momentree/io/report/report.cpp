@@ -109,7 +109,7 @@ void write_phases(JsonWriter& json, const Recording& run) {
 
 /// The lines of events.jsonl; by event the bodies that it was about.
 void write_events(JsonWriter& json, std::string& text, const fs::path& file, const Recording& run) {
-  const std::string lines = fs::exists(file) ? read_text_file(file.string()) : "";
+  const std::string lines = is_there(file) ? read_text_file(file.string(), Links::refuse) : "";
   json.key("events").begin_array();
   std::size_t written = 0;
   for (std::size_t at = 0; at < lines.size() && written < run.events.size();) {
@@ -140,12 +140,12 @@ void write_table(JsonWriter& json, std::string& text, const char* key, const Num
 
 /// One of the tables that may be missing.
 std::optional<NumberTable> table_of(const fs::path& file) {
-  if (!fs::exists(file)) return std::nullopt;
+  if (!is_there(file)) return std::nullopt;
   return NumberTable(file);
 }
 
 std::string document(const fs::path& file) {
-  std::string text = read_text_file(file.string());
+  std::string text = read_text_file(file.string(), Links::refuse);
   parse_json(text, file.string());  // or throws
   return text;
 }
@@ -156,7 +156,7 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   if (!fs::is_directory(directory))
     fail({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
   const fs::path model = directory / "model.json", summary = directory / "summary.json";
-  if (!fs::exists(model)) fail({"it has no model.json", directory.string(), "was the run killed? run it again"});
+  if (!is_there(model)) fail({"it has no model.json", directory.string(), "was the run killed? run it again"});
   const NumberTable bodies(directory / "bodies.csv");
   const std::vector<std::string> names = body_names(bodies, (directory / "bodies.csv").string());
   std::optional<NumberTable> joints = table_of(directory / "joints.csv");
@@ -178,7 +178,7 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   if (rows.empty()) fail({"its first row has no finite poses", (directory / "bodies.csv").string(), ""});
   poses.resize(rows.size() * width);
 
-  const Recording run = read_story(directory, names);
+  const Recording run = read_story(directory, names, bodies.times()[count - 1]);
   std::string text;
   JsonWriter json(text);
   json.begin_object().member("format", 1).member("pose", options.pose);
@@ -187,7 +187,7 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   json.key("model");
   raw(json, text, document(model));
   json.key("summary");
-  raw(json, text, fs::exists(summary) ? document(summary) : "null");
+  raw(json, text, !options.summary.empty() ? options.summary : is_there(summary) ? document(summary) : "null");
   write_names(json, "mechanisms", run.mechanisms);
   write_phases(json, run);
   write_events(json, text, directory / "events.jsonl", run);

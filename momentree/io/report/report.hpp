@@ -11,6 +11,7 @@ inline constexpr std::size_t most_report_numbers = 3'000'000;
 struct ReportOptions {
   bool pose = false;  ///< a model to be posed by hand: its joints get sliders
   std::size_t most_numbers = most_report_numbers;
+  std::string summary = {};  ///< the text of summary.json, where that is not written yet
 };
 
 /// The tables and documents of a result as JSON that can stand in a page: it has no '<'. Poses and joints in single precision,

@@ -1,6 +1,7 @@
 #include <momentree/io/report/report.hpp>
 
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 
@@ -24,13 +25,13 @@ void write_result(const std::string& out) {
   simulation.at(0.07).then(change_joint("arm/wrist", Ball{}));
   simulation.at(0.1).then(break_joint("arm/shoulder"));
   simulation.at(0.2).then(weld("arm/link", "pendulum"));
-  Recorder recorder(model, joints_of(simulation, simulation.rehearse(), {}), 0, out);
-  recorder.record_energy(simulation);
-  simulation.observe(0, [&](const World& world) { return recorder.observe(world); });
-  REQUIRE(simulation.run_until(0.3) == Status::ok);
   RunOrigin origin;
   origin.name = "arm";
-  recorder.finish(origin, "done", simulation, {}, model_json(model, hostile));
+  Recorder recorder(simulation, origin, model_json(model, hostile),
+                    {.directory = out, .joints = joints_of(simulation, simulation.rehearse(), {})});
+  simulation.observe(0, [&](const World& world) { return recorder.observe(world); });
+  REQUIRE(simulation.run_until(0.3) == Status::ok);
+  recorder.finish("done", {});
 }
 
 std::vector<std::string> texts(const JsonNode& list) {
@@ -143,6 +144,26 @@ TEST_CASE("a run that diverged is shown as far as it has numbers; what is not wh
   std::filesystem::remove(folder / "r/model.json");
   CHECK(test::error_of([&] { report_data(folder / "r"); }).find("model.json") != std::string::npos);
   CHECK(test::error_of([&] { report_data(folder / "none"); }).find("no such directory") != std::string::npos);
+}
+
+TEST_CASE("a report's summary may be given before it is written; only regular files of the folder are read") {
+  const test::TemporaryFolder folder;
+  write_result(folder / "r");
+  CHECK(report_data(folder / "r", {.summary = "{\"status\": \"soon\"}"}).find("\"status\": \"soon\"") != std::string::npos);
+  for (const char* name :
+       {"bodies.csv", "joints.csv", "energy.csv", "model.json", "summary.json", "events.jsonl", "final.json"}) {
+    const std::filesystem::path file = std::filesystem::path(folder / "r") / name;
+    const auto refused = [&] { return test::error_of([&] { report_data(folder / "r"); }); };
+    std::filesystem::rename(file, folder / "kept");
+    std::filesystem::create_symlink(folder / "kept", file);
+    CHECK_MESSAGE(refused().find("symbolic link") != std::string::npos, name);
+    std::filesystem::remove(file);
+    REQUIRE(mkfifo(file.c_str(), 0600) == 0);
+    CHECK_MESSAGE(refused().find("not a regular file") != std::string::npos, name);  // and it does not wait for a writer
+    std::filesystem::remove(file);
+    std::filesystem::rename(folder / "kept", file);
+    CHECK(refused() == "");
+  }
 }
 
 }  // namespace

@@ -1,0 +1,32 @@
+#pragma once
+// summary.json and the lines of events.jsonl.
+#include <string>
+#include <vector>
+
+#include <momentree/simulate/simulation.hpp>
+
+namespace momentree::io {
+
+/// What a result says of where it came from.
+struct RunOrigin {
+  std::string name, title;
+  std::string file;                    ///< the scenario, as the user named it
+  std::string hash;                    ///< of its text and the overrides: names the input
+  std::vector<std::string> overrides;  ///< "integrate.step=1e-4"
+  double start = 0, until = 0;         ///< s
+  Integration integration;
+};
+
+/// `summary.json`: `status` is "done", or why the run ended before its time.
+std::string summary_json(const RunOrigin& origin, const std::string& status, const Simulation& simulation);
+
+/// The same of a run that is not over, or that broke off where its simulation can't be trusted: without results.
+std::string summary_json(const RunOrigin& origin, const std::string& status);
+
+/// Events that did not happen: of the matches of a wildcard the one that came nearest, none where one of them happened.
+std::vector<MissedEvent> missed_events(const Simulation& simulation);
+
+/// One line of `events.jsonl`.
+std::string event_json(const Event& event);
+
+}  // namespace momentree::io

@@ -1,0 +1,71 @@
+#pragma once
+// What the standard library lacks of the operating system's files: descriptors, renames that replace nothing, and flushing to
+// disk.
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace momentree::io {
+
+/// An open file, closed by the destructor.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int number) : number_(number) {}
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  ~Descriptor() { close(); }
+
+  int number() const { return number_; }
+  explicit operator bool() const { return number_ >= 0; }
+  /// The error that closing reports: some file systems notice only then that data could not be written.
+  std::error_code close();
+
+ private:
+  int number_ = -1;
+};
+
+/// Throws Error: `what`, the reason that the system gives, and how to mend it where that is known.
+[[noreturn]] void fail_with_reason(const std::string& what, const std::string& path, std::error_code reason);
+
+enum class Links { follow, refuse };
+
+/// Opens a regular file for reading. Throws Error where there is none, it may not be read, or it is something else: a folder, a
+/// device, a pipe (which would wait for a writer), a symbolic link where links are refused.
+Descriptor open_regular(const std::string& path, Links links = Links::follow);
+
+/// Reads up to `size` bytes; 0 at the end of the file. Throws Error; `path` is for its message.
+std::size_t read_some(const Descriptor& file, char* data, std::size_t size, const std::string& path);
+
+/// Writes all of `text`; `written` counts what got into the file before an error.
+std::error_code write_all(const Descriptor& file, std::string_view text, std::size_t& written);
+
+/// Cuts a file, and goes on writing there. False where that fails.
+bool cut(const Descriptor& file, std::size_t size);
+
+/// Waits until the file's data are on the disk. Devices and pipes, which have no such thing, are no error.
+std::error_code sync(const Descriptor& file);
+/// The same for the names in a folder: files made, renamed and removed there.
+std::error_code sync_folder(const std::filesystem::path& folder);
+
+/// Renames; `EEXIST` where `to` exists already.
+std::error_code move_to_new(const std::filesystem::path& from, const std::filesystem::path& to);
+/// Exchanges two files or folders in one step; `std::errc::operation_not_supported` where the file system can't.
+std::error_code exchange(const std::filesystem::path& a, const std::filesystem::path& b);
+
+/// The names in a folder, in their order. Throws Error where they can't be read.
+std::vector<std::string> names_in(const std::filesystem::path& folder);
+/// Removes a file, or a folder with all that is in it, as far as that is possible. Links are not followed.
+void remove_tree(const std::string& path) noexcept;
+
+/// Whether there is something of that name, be it a link that leads nowhere. Throws Error where that can't be found out.
+bool is_there(const std::filesystem::path& path);
+
+}  // namespace momentree::io
