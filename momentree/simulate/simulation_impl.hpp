@@ -11,6 +11,7 @@
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/integrate/stiffness.hpp>
 #include <momentree/simulate/agenda.hpp>
 #include <momentree/simulate/instant.hpp>
 #include <momentree/simulate/stops.hpp>
@@ -173,11 +174,16 @@ struct Simulation::Impl {
         if (speed > fastest) fastest = speed, worst = b;
       }
     }
-    message = "diverged at t = " + detail::text(world.time()) + " s: joint '" + std::string(world.joint_name({worst})) +
-              "' reached a speed of " + detail::text(fastest) + " rad/s or m/s within a step of " + detail::text(h) + " s; use " +
-              (method->adaptive() ? "larger tolerances rtol and atol"
-                                  : "a smaller step, such as " + detail::text(integration.step / 4) + " s") +
-              ", or more damping or inertia at that joint";
+    message = "diverged at t = " + detail::text(world.time()) + " s: ";
+    const std::string reached = "joint '" + std::string(world.joint_name({worst})) + "' reached a speed of " +
+                                detail::text(fastest) + " rad/s or m/s within a step of " + detail::text(h) + " s; use ";
+    if (const auto stiff = too_stiff(tree, world.state_.q(), integration.method, h))
+      message += stiff->what(world.joint_name({stiff->joint}), h) + "; " + stiff->cure();
+    else if (method->adaptive())
+      message += reached + "larger tolerances rtol and atol, or more damping or inertia at that joint";
+    else
+      message += reached + "a smaller step, such as " + detail::text(integration.step / 4) +
+                 " s, or more damping or inertia at that joint";
     diverged = true;
   }
 
