@@ -63,6 +63,7 @@ void check_whole(Reading& reading) {
   }
   if (errors == 0 && out.errors() + reading.model_errors() == 0) {
     check_tolerance(reading);
+    check_integration(reading);
     check_events(reading);
   }
 }
@@ -105,7 +106,9 @@ void read_document(const Value& document, Reading& reading) {
   finish_events(reading);
   if (const Value* integrate = fields.find("integrate")) read_integrate(*integrate, reading);
   if (const Value* output = fields.find("output")) read_output(*output, reading);
-  fields.later({"loop"}, "closed loops are not supported: a mechanism is a tree");
+  fields.later({"loop", "spring"}, "closed loops are not supported: a mechanism is a tree");
+  fields.later({"contact", "cable"}, "there is no contact: bodies pass through each other");
+  fields.later({"scenario", "worlds", "seed", "vary", "measure"}, "this is a scenario of one world, not a sweep");
   fields.finish();
   check_whole(reading);
 }
