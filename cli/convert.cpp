@@ -35,7 +35,7 @@ int convert(const ConvertOptions& options) {
   std::error_code failed;
   if (options.out != "-" && fs::equivalent(options.out, options.source, failed))
     fail({"is the file that is read: it would be overwritten", options.out, "give another name after -o"});
-  const std::optional<io::Scenario> scenario = load(options.source, options.overrides);
+  const std::optional<io::Scenario> scenario = load(options.source, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
   if (format == Format::toml && !options.mechanism.empty())
     fail({"--mechanism is for .urdf, which has one", "", "a scenario has all of them"});
