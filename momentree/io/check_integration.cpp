@@ -25,7 +25,7 @@ std::string text(double x) {
 class Judge {
  public:
   explicit Judge(Reading& reading)
-      : reading_(reading), scenario_(reading.scenario), how_(scenario_.integration), at_(reading.integrate), out_(reading.out) {}
+      : scenario_(reading.scenario), how_(scenario_.integration), at_(reading.integrate), out_(reading.out) {}
 
   void times() const {
     const double until = scenario_.until;
@@ -88,6 +88,9 @@ class Judge {
   void model() const {
     const Model& model = scenario_.model;
     if (model.size() == 0 || model.size() > most_bodies || is_adaptive(how_.method) || !(scenario_.until > 0)) return;
+    // What a document or an event makes of it before the first step is not known here.
+    const auto at_start = [](const ScenarioEvent& event) { return !event.condition && event.after.empty() && event.time == 0; };
+    if (!scenario_.state_files.empty() || std::any_of(scenario_.events.begin(), scenario_.events.end(), at_start)) return;
     const Tree tree(model);
     if (tree.nv() == 0) return;
     State state = start_state(model, tree);
@@ -95,7 +98,7 @@ class Judge {
     if (const auto stiff = too_stiff(tree, state.q(), how_.method, step)) {
       const std::string& name = model[Body{stiff->joint}].joint_name;
       out_.warning(at_.step, stiff->what(name, step) + " by " + how_.method, stiff->cure());
-    } else if (scenario_.state_files.empty()) {
+    } else {
       first_step(tree, state, step);
     }
   }
@@ -148,7 +151,6 @@ class Judge {
     return true;
   }
 
-  Reading& reading_;
   const Scenario& scenario_;
   const Integration& how_;
   const IntegratePlaces& at_;

@@ -92,6 +92,17 @@ strength = { force = "3 kN" }
   CHECK(joint(result, "m/flange").joint.parameters.strength.force == 3000);
 }
 
+TEST_CASE("a joint whose motion is prescribed goes without the model's limits") {
+  const Arm arm;
+  const ReadResult result =
+      arm.read("limits = true\n[mechanism.joint.shoulder]\ndrive = { motion = { table = [[0, 0.5], [1, 3]] } }\n");
+  CHECK(said(result).ends_with(
+      "s.toml:5:10: note: limits: joint 'shoulder' goes without those of the model: its motion is prescribed"));
+  CHECK(joint(result, "m/shoulder").q == Values(0.5));
+  CHECK_FALSE(joint(result, "m/shoulder").joint.parameters.limits.any());
+  CHECK(joint(result, "m/slide").joint.parameters.limits.any());
+}
+
 TEST_CASE("limits that a joint is given count where those of the model don't") {
   const Arm arm;
   const std::string given = "[mechanism.joint.shoulder]\nlimits = { lower = 0 }\n";
@@ -240,6 +251,20 @@ TEST_CASE("a scenario with tables of joints is converted to one that moves alike
     CHECK(joint(chain_again, name).joint.parameters == joint(of_chain, name).joint.parameters);
 }
 
+TEST_CASE("angles of more than a turn are written with their unit, and read back without a warning") {
+  const ReadResult first = read_scenario_text(
+      bad_input::pinned +
+          "angle = \"9 rad\"\nlimits = { lower = \"-7 rad\", upper = \"10 rad\" }\nstiffness = 1\nrest = \"8.5 rad\"\n",
+      "s.toml");
+  REQUIRE(first.scenario);
+  const std::string text = to_toml(first.scenario->model);
+  CAPTURE(text);
+  const ReadResult again = read_scenario_text(text, "again.toml");
+  CHECK(said(again) == "");
+  CHECK(joint(again, "m/a").q == Values(9));
+  CHECK(joint(again, "m/a").joint.parameters == joint(first, "m/a").joint.parameters);
+}
+
 TEST_CASE("set under a wildcard passes over welds, and what else can't have it") {
   const Arm arm;
   const ReadResult result = arm.read(
@@ -255,6 +280,13 @@ TEST_CASE("set under a wildcard passes over welds, and what else can't have it")
   REQUIRE(late.scenario);
   CHECK(late.scenario->events.size() == 3);  // the condition is looked at on two joints
   CHECK(late.scenario->events.back().actions.size() == 2);
+  const ReadResult turned =
+      arm.read("limits = false\n[[event]]\nwhen = { position = \"m/*\", exceeds = \"10 deg\" }\nbreak = \"m/*\"\n");
+  CHECK(said(turned) == "");
+  REQUIRE(turned.scenario);
+  CHECK(turned.scenario->events.size() == 1);  // the slide has no angle
+  CHECK(arm.says("limits = false\n[[event]]\nwhen = { position = \"m/*\", exceeds = \"10 kg\" }\nbreak = \"m/*\"\n") ==
+        "s.toml:7:38: error: exceeds: '10 kg' is a mass (kg), not an angle (rad); for example 0.5236, or \"30 deg\"");
   CHECK(arm.says("limits = false\n[[event]]\nat = 0\nset = { joint = \"m/f*\", damping = 1 }\n") ==
         "s.toml:8:35: error: damping: all joints that match 'm/f*' are welds, which do not move");
   CHECK(arm.says("limits = false\n[[event]]\nat = 0\nset = { joint = \"m/flange\", damping = 1 }\n") ==

@@ -45,6 +45,11 @@ const Import* model_of(const Value& file, Reading& reading) {
 // Stops of the file, which the joint has where it is given no others.
 void take_limits(const ImportedBody& body, const ModelChoice& choice, BodySpec& spec, Reading& reading) {
   if (!choice.limits.value_or(false) || !body.limits.any() || spec.joint.parameters.limits.any()) return;
+  if (const auto& drive = spec.joint.parameters.drive; drive && drive->moves()) {
+    reading.out.note(choice.limits_place, "limits: joint " + in_quotes(body.spec.joint_name) +
+                                              " goes without those of the model: its motion is prescribed");
+    return;
+  }
   spec.joint.parameters.limits = body.limits;
   for (int i = 0; i < std::max(body.limits.lower.size(), body.limits.upper.size()); ++i) {
     const double q = i < spec.q.size() ? spec.q[i] : 0;
@@ -59,11 +64,12 @@ void take_limits(const ImportedBody& body, const ModelChoice& choice, BodySpec& 
 }
 
 // `limited`: how many joints have limits in the file, and none here.
-void warn_of_limits(std::ptrdiff_t limited, const ModelChoice& choice, Reading& reading) {
+void warn_of_limits(std::ptrdiff_t limited, const std::string& mechanism, const ModelChoice& choice, Reading& reading) {
   if (limited > 0 && !choice.limits)
     reading.out.warning(choice.model_place,
                         "the limits of " + std::to_string(limited) + (limited == 1 ? " joint" : " joints") + " are not taken up",
-                        "write limits = true or limits = false");
+                        reading.direct ? "say so by --set mechanism." + mechanism + ".limits=true, or false"
+                                       : "write limits = true or limits = false");
 }
 
 void hold(BodySpec& spec, const ImportedBody& body, const ModelChoice& choice) {
@@ -242,7 +248,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
     }
     joints.check(spec.joint_name, spec);
   }
-  warn_of_limits(limited, choice, reading);
+  warn_of_limits(limited, mechanism, choice, reading);
   coupled = coupled && check_motions(*import, choice, specs, reading);
   if (coupled) start_followers(*import, choice.state, joints, specs);
   for (const ImportedBody& body : import->model.bodies) {

@@ -162,12 +162,23 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
   return Condition(std::move(quantity), *number, above);
 }
 
+// False where a threshold has a unit that joints which slide, or those which turn, can't be compared with.
+bool fits_unit(const Value& when, bool slides, bool of_speed) {
+  const Dimension way = slides ? dimension::length : dimension::angle, dimension = of_speed ? way / dimension::time : way;
+  for (const char* key : {"exceeds", "below"})
+    if (const Value::Entry* threshold = when.find(key); threshold && threshold->value.string()) {
+      QuantityProblem ignored;
+      return parse_quantity(*threshold->value.string(), dimension, ignored).has_value();
+    }
+  return true;
+}
+
 }  // namespace
 
 std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, Reading& reading) {
   const Value::Entry* when = event.find("when");
   const Value *pattern = nullptr, *another = nullptr;
-  bool bodies = false, of_one = false;
+  bool bodies = false, of_one = false, speed = false;
   if (!when || !when->value.table()) return std::nullopt;
   const auto look = [&](const Value& name) {
     if (!name.string() || name.string()->find('*') == std::string::npos) return;
@@ -179,6 +190,7 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
     if (!quantity || key == "kinetic_energy") continue;  // of a mechanism
     bodies = key == "distance" || key == "height";
     of_one = key == "position" || key == "speed";
+    speed = key == "speed";
     const auto look_in = [&look](const Value& entry) {
       look(entry);
       for (const char* field : {"joint", "body"})
@@ -199,6 +211,7 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
   }
   const std::string& name = *pattern->string();
   int others = 0;
+  std::vector<TriggerMatch> of_other_unit;
   const Model& model = reading.scenario.model;
   for (const std::string& found : bodies ? matching_bodies(name, reading) : matching_joints(name, reading)) {
     TriggerMatch match{name, found, found};
@@ -207,9 +220,14 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
       const BodySpec& joint = model[model.joint(found)];
       if (of_one && (info(joint.joint.kind).nv != 1 || info(joint.joint.kind).nq != 1) && ++others) continue;
       match.body = joint.name;
+      if (of_one && !fits_unit(when->value, info(joint.joint.kind).v_units[0] == 'm', speed)) {
+        of_other_unit.push_back(std::move(match));
+        continue;
+      }
     }
     matches.push_back(std::move(match));
   }
+  if (matches.empty()) matches = std::move(of_other_unit);  // what is wrong with the unit is said for one of them
   if (matches.empty() && others > 0) {
     out.error(pattern->place, "when: no joint that matches " + in_quotes(name) + " has one freedom",
               "position and speed are of joints with one freedom");

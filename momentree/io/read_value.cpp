@@ -12,22 +12,24 @@ namespace momentree::io {
 
 namespace {
 
+std::string no_cure() { return {}; }
+
 std::string labelled(std::string_view label, std::string_view what) { return std::string(label) + ": " + std::string(what); }
 
-// The entries of a list that has one of the allowed lengths. `cure`: what to write instead of a value that is no such list.
+// The entries of a list that has one of the allowed lengths. `cure`: says what to write instead of a value that is no such list.
+template <class Cure>
 const Value::Array* list_of(const Value& value, std::string_view label, std::string_view expected,
-                            std::initializer_list<std::size_t> lengths, Diagnostics& out, std::string cure = {}) {
+                            std::initializer_list<std::size_t> lengths, Diagnostics& out, Cure cure) {
   const Value::Array* entries = value.array();
   if (!entries) {
-    out.error(value.place, labelled(label, "expected ") + std::string(expected) + ", found " + value.type_name(),
-              std::move(cure));
+    out.error(value.place, labelled(label, "expected ") + std::string(expected) + ", found " + value.type_name(), cure());
     return nullptr;
   }
   for (const std::size_t length : lengths)
     if (entries->size() == length) return entries;
   out.error(value.place,
             labelled(label, "expected ") + std::string(expected) + ", found a list of " + std::to_string(entries->size()),
-            std::move(cure));
+            cure());
   return nullptr;
 }
 
@@ -74,7 +76,7 @@ std::optional<std::string> read_string(const Value& value, std::string_view labe
 }
 
 std::optional<Vec3> read_vec3(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
-  const Value::Array* entries = list_of(value, label, "three numbers", {3}, out, cure_of_vector(label, value));
+  const Value::Array* entries = list_of(value, label, "three numbers", {3}, out, [&] { return cure_of_vector(label, value); });
   if (!entries) return {};
   const auto x = read_number((*entries)[0], expected, label, out), y = read_number((*entries)[1], expected, label, out),
              z = read_number((*entries)[2], expected, label, out);
@@ -94,7 +96,7 @@ std::optional<Pose> read_pose(const Value& value, std::string_view label, Diagno
   if (const auto rpy = fields.vec3("rpy", dimension::angle)) pose.rotation = from_rpy(rpy->x, rpy->y, rpy->z);
   if (const Value* quat = fields.find("quat")) {
     if (fields.has("rpy")) out.error(quat->place, labelled(label, "takes 'rpy' or 'quat', not both"));
-    if (const Value::Array* entries = list_of(*quat, "quat", "four numbers w, x, y, z", {4}, out)) {
+    if (const Value::Array* entries = list_of(*quat, "quat", "four numbers w, x, y, z", {4}, out, no_cure)) {
       double q[4] = {1, 0, 0, 0};
       for (std::size_t i = 0; i < 4; ++i)
         q[i] = read_number((*entries)[i], dimension::number, "quat", out).value_or(i == 0 ? 1 : 0);
@@ -123,7 +125,8 @@ std::optional<Sym3> read_inertia(const Value& value, std::string_view label, Dia
     out.error(value.place, labelled(label, "expected 1, 3 or 6 numbers, found a list of lists"), cure_of_inertia(value));
     return {};
   }
-  const Value::Array* entries = list_of(value, label, "1, 3 or 6 numbers", {1, 3, 6}, out, cure_of_inertia(value));
+  const Value::Array* entries =
+      list_of(value, label, "1, 3 or 6 numbers", {1, 3, 6}, out, [&] { return cure_of_inertia(value); });
   if (!entries) return {};
   double i[6] = {};
   bool good = true;
