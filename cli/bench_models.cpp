@@ -102,7 +102,7 @@ int bench_models(const BenchOptions& options, const std::vector<std::string>& pe
   std::vector<std::string> files;
   if (!peers.empty()) folder.emplace();
   for (const std::string& path : options.models) {  // all are read before the first is measured
-    std::optional<io::Scenario> scenario = load(path, {}, io::Severity::error);
+    std::optional<io::Scenario> scenario = load(path, {}, Notes::counted, io::Severity::error);
     if (!scenario) return bad_input;
     if (compile(scenario->model).nv() == 0) fail({"nothing in it moves: there is nothing to measure", path, ""});
     if (!peers.empty()) {

@@ -45,10 +45,11 @@ io::Diagnostic diagnostic_of(const Error& error, const std::string& file) {
 }
 
 // What is wrong with a file that reads well shows when it is compiled: state documents that do not fit, events too early.
-Checked check_one(const std::string& file) {
-  Checked checked{file, {}, {}};
+Checked check_one(const std::string& file, Notes notes) {
+  Checked checked{is_standard_input(file) ? standard_input : file, {}, {}};
   try {
-    io::ReadResult result = io::read_scenario(file);
+    io::ReadResult result = read_input(file);
+    if (notes == Notes::counted) count_notes(result);
     checked.diagnostics = std::move(result.diagnostics);
     if (!result.scenario) return checked;
     Session session(*result.scenario);
@@ -57,7 +58,7 @@ Checked check_one(const std::string& file) {
     checked.counts = {static_cast<long>(world.mechanisms().size()), world.model().size(), world.tree().nv(),
                       static_cast<long>(result.scenario->events.size())};
   } catch (const Error& error) {
-    checked.diagnostics.push_back(diagnostic_of(error, file));
+    checked.diagnostics.push_back(diagnostic_of(error, checked.file));
   }
   return checked;
 }
@@ -92,7 +93,7 @@ int check(const CheckOptions& options) {
   io::JsonWriter json(text, 4);
   json.begin_object().key("files").begin_array();
   for (const std::string& file : options.files) {
-    const Checked checked = check_one(file);
+    const Checked checked = check_one(file, notes_of(options.verbose || options.json));
     if (!checked.counts) code = bad_input;
     for (const io::Diagnostic& each : checked.diagnostics) {
       errors += each.severity == io::Severity::error;

@@ -1,6 +1,6 @@
 #pragma once
-// The commands, one function each; main.cpp turns the command line into their options. All return an exit code, print messages to
-// standard error and results to standard output, and throw Error for bad input.
+// The commands, one function each; command_line.cpp turns the command line into their options. All return an exit code, print
+// messages to standard error and results to standard output, and throw Error for bad input.
 #include <string>
 #include <vector>
 
@@ -13,26 +13,27 @@ struct RunOptions {
   std::string out;                     ///< empty: results/<scenario's name>
   std::vector<std::string> overrides;  ///< KEY=VALUE
   std::string until, format = "csv", checkpoint;
-  bool report = false, reactions = false, resume = false, quiet = false, json = false, generate = false;
+  bool report = false, reactions = false, resume = false, quiet = false, json = false, generate = false, verbose = false;
 };
 int run(const RunOptions& options);
 
 struct CheckOptions {
   std::vector<std::string> files;
-  bool json = false;
+  bool json = false, verbose = false;
 };
 int check(const CheckOptions& options);
 
 struct EvaluateOptions {
   std::string scenario, state;
   std::vector<std::string> overrides;
-  bool json = false;
+  bool json = false, verbose = false;
 };
 int evaluate(const EvaluateOptions& options);
 
 struct ExplainOptions {
   std::string scenario;
   std::vector<std::string> overrides;
+  bool verbose = false;
 };
 int explain(const ExplainOptions& options);
 
@@ -40,6 +41,7 @@ struct ConvertOptions {
   std::string source, out;  ///< "-": TOML to standard output
   std::string mechanism;    ///< for a URDF; empty: the only one
   std::vector<std::string> overrides;
+  bool verbose = false;
 };
 int convert(const ConvertOptions& options);
 
@@ -47,7 +49,7 @@ struct CompileOptions {
   std::string scenario, out;  ///< "-": standard output
   std::string name;           ///< of what the code defines; empty: the scenario's
   std::vector<std::string> overrides;
-  bool without_joint_forces = false;
+  bool without_joint_forces = false, verbose = false;
 };
 int compile(const CompileOptions& options);
 
@@ -57,7 +59,7 @@ struct ViewOptions {
   std::string look;
   std::string layout = "overlay";  ///< or "multiples"
   int port = 0;                    ///< 0: any that is free
-  bool no_browser = false;
+  bool no_browser = false, verbose = false;
 };
 int view(const ViewOptions& options);
 
@@ -65,7 +67,7 @@ struct PlayOptions {
   std::string source;  ///< empty: the playground's own gallery
   std::vector<std::string> overrides;
   int port = 0;  ///< 0: any that is free
-  bool no_browser = false;
+  bool no_browser = false, verbose = false;
 };
 int play(const PlayOptions& options);
 

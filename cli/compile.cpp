@@ -59,7 +59,7 @@ void require_plain_forces(const World& world, const std::string& path) {
 }  // namespace
 
 int compile(const CompileOptions& options) {
-  const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides);
+  const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
   refuse_to_overwrite(options.out, *scenario);
   const Session session(*scenario);

@@ -32,7 +32,7 @@ Format format_of(const std::string& path) {
 
 int convert(const ConvertOptions& options) {
   const Format format = format_of(options.out);
-  const std::optional<io::Scenario> scenario = load(options.source, options.overrides);
+  const std::optional<io::Scenario> scenario = load(options.source, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
   refuse_to_overwrite(options.out, *scenario);
   if (format == Format::toml && !options.mechanism.empty())

@@ -50,7 +50,7 @@ std::string evaluation_text(const World& world, const Style& style) {
 }  // namespace
 
 int evaluate(const EvaluateOptions& options) {
-  const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides);
+  const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
   const Session session(*scenario, options.state);
   const World& world = session.simulation().world();

@@ -183,7 +183,7 @@ std::string when_text(const io::ScenarioEvent& event) {
 }  // namespace
 
 int explain(const ExplainOptions& options) {
-  const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides);
+  const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
   const Session session(*scenario);
   const World& world = session.simulation().world();

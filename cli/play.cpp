@@ -33,7 +33,7 @@ int play(const PlayOptions& options) {
   std::string page(playground_html());
   if (options.source.empty() && !options.overrides.empty()) fail({"--set is for a scenario", "", "name the one that it changes"});
   if (!options.source.empty()) {
-    const std::optional<io::Scenario> scenario = load(options.source, options.overrides);
+    const std::optional<io::Scenario> scenario = load(options.source, options.overrides, notes_of(options.verbose));
     if (!scenario) return bad_input;
     page = io::playground_page(page, text_of(*scenario, options.overrides));
   }

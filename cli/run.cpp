@@ -59,7 +59,7 @@ int run(const RunOptions& options) {
   std::vector<std::string> overrides = options.overrides;
   if (!options.until.empty()) overrides.push_back("integrate.until=" + options.until);
   const std::optional<io::Scenario> scenario =
-      load(options.scenario, overrides, options.quiet ? io::Severity::warning : io::Severity::note);
+      load(options.scenario, overrides, notes_of(options.verbose), options.quiet ? io::Severity::warning : io::Severity::note);
   if (!scenario) return bad_input;
 
   Session session(*scenario);

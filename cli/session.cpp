@@ -12,8 +12,10 @@
 
 namespace momentree::cli {
 
-std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides, io::Severity least) {
-  io::ReadResult result = io::read_scenario(path, overrides);
+std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides, Notes notes,
+                                 io::Severity least) {
+  io::ReadResult result = read_input(path, overrides);
+  if (notes == Notes::counted) count_notes(result);
   std::erase_if(result.diagnostics, [least](const io::Diagnostic& d) { return d.severity > least; });
   std::fputs(io::rendered(result.diagnostics).c_str(), stderr);
   return std::move(result.scenario);
@@ -47,10 +49,12 @@ Session::Session(const io::Scenario& scenario, const std::string& state)
   }
 
   std::vector<io::RestoredState> documents;
-  if (state.empty())
-    for (const io::StateFile& file : scenario.state_files) read(file.file, file.mechanism, documents);
+  if (is_standard_input(state))
+    documents.push_back(io::read_state(read_standard_input(), standard_input, scenario.model, ""));
+  else if (!state.empty())
+    read({state, "", {}}, documents);
   else
-    read(state, "", documents);
+    for (const io::StateFile& file : scenario.state_files) read(file, documents);
   if (!documents.empty()) {
     from_document_ = true;
     io::restore(simulation_, documents);
@@ -110,8 +114,8 @@ void Session::schedule_followers(std::vector<const io::ScenarioEvent*>& events) 
   }
 }
 
-void Session::read(const std::string& file, const std::string& mechanism, std::vector<io::RestoredState>& documents) const {
-  documents.push_back(io::read_state(io::read_text_file(file), file, scenario_.model, mechanism));
+void Session::read(const io::StateFile& document, std::vector<io::RestoredState>& documents) const {
+  documents.push_back(io::read_state(io::read_text_file(document.file), document.file, scenario_.model, document.mechanism));
 }
 
 void Session::schedule() {

@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include <cli/input.hpp>
 #include <momentree/io/result_columns.hpp>
 #include <momentree/io/scenario.hpp>
 #include <momentree/io/schedule.hpp>
@@ -13,10 +14,12 @@
 
 namespace momentree::cli {
 
-/// Reads a scenario or a model; what is as grave as `least` or worse is said on standard error. Where it has errors, the result
-/// is empty.
-std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides,
+/// Reads a scenario or a model, from standard input where the path is "-"; what is as grave as `least` or worse is said on
+/// standard error, notes on model files by their number alone unless they are to be `listed`. Where it has errors, the result is
+/// empty.
+std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides, Notes notes = Notes::counted,
                                  io::Severity least = io::Severity::note);
+inline Notes notes_of(bool verbose) { return verbose ? Notes::listed : Notes::counted; }
 
 /// Throws Error where the file to write is the scenario, or a model or state document that it names. "-" is standard output.
 void refuse_to_overwrite(const std::string& out, const io::Scenario& scenario);
@@ -24,7 +27,8 @@ void refuse_to_overwrite(const std::string& out, const io::Scenario& scenario);
 /// A scenario at its start: model compiled, state documents restored.
 class Session {
  public:
-  /// `state`: a state document that replaces those of the scenario; empty: none. Throws Error for what is wrong with a document.
+  /// `state`: a state document that replaces those of the scenario, "-" on standard input; empty: none. Throws Error for what is
+  /// wrong with a document.
   explicit Session(const io::Scenario& scenario, const std::string& state = "");
 
   Simulation& simulation() { return simulation_; }
@@ -38,7 +42,7 @@ class Session {
   std::vector<io::JointKinds> joints();
 
  private:
-  void read(const std::string& file, const std::string& mechanism, std::vector<io::RestoredState>& documents) const;
+  void read(const io::StateFile& document, std::vector<io::RestoredState>& documents) const;
   void take_armed(const io::ArmedEvent& event, const std::string& file);
   const Agenda::Armed* past_of(const io::ScenarioEvent& event) const;
   void resume();

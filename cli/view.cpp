@@ -53,7 +53,7 @@ int draw(const ViewOptions& options) {
     draw_result(options.source);
     return done;
   }
-  const std::optional<io::Scenario> scenario = load(options.source, {});
+  const std::optional<io::Scenario> scenario = load(options.source, {}, notes_of(options.verbose));
   if (!scenario) return bad_input;
   const TemporaryFolder folder;
   const Recorded recorded = record(*scenario, folder.result(), scenario->until, Purpose::picture);
@@ -63,9 +63,9 @@ int draw(const ViewOptions& options) {
 
 /// The data of what is looked at, or nothing, with an exit code: of a result, of a scenario that is run for it (as far as it
 /// gets), or of a model at its start, to be posed by hand.
-std::optional<std::string> data_of(const std::string& source, int& code) {
+std::optional<std::string> data_of(const std::string& source, Notes notes, int& code) {
   if (is_folder(source)) return io::report_data(source);
-  const std::optional<io::Scenario> scenario = load(source, {});
+  const std::optional<io::Scenario> scenario = load(source, {}, notes);
   code = bad_input;
   if (!scenario) return std::nullopt;
   const bool pose = io::is_model(scenario->path, scenario->text);
@@ -84,7 +84,7 @@ int view(const ViewOptions& options) {
     fail({"--every, --look and --layout are of pictures", "", "draw the run with --svg FILE, or leave them out"});
   Listener listener = listen_on(options.port);  // before a run that takes its time
   int code = done;
-  const std::optional<std::string> data = data_of(options.source, code);
+  const std::optional<std::string> data = data_of(options.source, notes_of(options.verbose), code);
   if (!data) return code;
   const int served =
       serve({io::report_page(report_html(), *data), io::content_policy(report_html())}, std::move(listener), !options.no_browser);

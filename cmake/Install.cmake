@@ -1,4 +1,4 @@
-# cmake --install: headers, libraries, the program, and what find_package(momentree) reads.
+# cmake --install: headers, libraries, the program with its completion and manual page, and what find_package(momentree) reads.
 include(CMakePackageConfigHelpers)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/momentree")
@@ -13,6 +13,13 @@ install(TARGETS ${library_targets} EXPORT momentreeTargets
   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 if(TARGET momentree-cli)
   install(TARGETS momentree-cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  if(NOT CMAKE_CROSSCOMPILING)
+    set(shell "${PROJECT_BINARY_DIR}/shell")
+    install(FILES "${shell}/momentree.bash" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME momentree)
+    install(FILES "${shell}/_momentree" DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions")
+    install(FILES "${shell}/momentree.fish" DESTINATION "${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d")
+    install(FILES "${shell}/momentree.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
+  endif()
 endif()
 install(DIRECTORY momentree "${PROJECT_BINARY_DIR}/generated/momentree" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
   FILES_MATCHING PATTERN "*.hpp" PATTERN "*.ipp" PATTERN "test_support.hpp" EXCLUDE)

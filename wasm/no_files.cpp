@@ -26,7 +26,8 @@ Place XmlElement::place() const { return {}; }
 Place XmlElement::text_place() const { return {}; }
 Place XmlElement::attribute_place(std::size_t, bool) const { return {}; }
 
-void read_model(const Value& file, const std::string& mechanism, const ModelChoice&, std::size_t, Reading& reading) {
+void read_model(const Value& file, const std::string& mechanism, const ModelChoice&, JointTables&, std::size_t,
+                Reading& reading) {
   reading.out.error(file.place, "model: model files are not read here",
                     "`momentree convert` writes a model as a mechanism of the scenario");
   reading.opaque.insert(mechanism);

@@ -50,10 +50,20 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
+std::string plain_word(std::string_view word) {
+  std::string plain;
+  for (const char c : word)
+    if (c != '_' && c != '-' && c != ' ') plain += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return plain;
+}
+
 std::string nearest(std::string_view word, const std::vector<std::string>& known) {
   if (word.size() > 200) return {};
+  const std::string plain = plain_word(word);
+  for (const std::string& candidate : known)
+    if (!plain.empty() && candidate.size() <= 200 && candidate != word && plain_word(candidate) == plain) return candidate;
   std::string best;
-  std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+  std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;  // of a short word nearly everything is near
   for (const std::string& candidate : known) {
     if (candidate.size() > 200) continue;
     const std::size_t distance = edit_distance(word, candidate);

@@ -20,7 +20,8 @@ struct Error {
 /// Throws `error`; without exceptions (WebAssembly) it stops the program: validate first there.
 [[noreturn]] void fail(Error error);
 
-/// The entry of `known` that `word` most likely meant (edit distance at most 2, or a third of its length); empty if none is near.
+/// The entry of `known` that `word` most likely meant: the same but for capitals, '_', '-' and spaces, or else within an edit
+/// distance of a third of its length (at least 1). Empty if none is near.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);
 
 /// "did you mean 'x'?" for the nearest entry, or empty.

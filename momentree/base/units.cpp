@@ -87,9 +87,14 @@ const Unit* find_unit(std::string_view name) {
   return nullptr;
 }
 
-std::string suggestion(std::string_view name) {
+std::string_view meant_by(std::string_view written) {
   for (const Habit& habit : habits)
-    if (name == habit.written) return "write " + std::string(habit.meant);
+    if (written == habit.written) return habit.meant;
+  return written;
+}
+
+std::string suggestion(std::string_view name) {
+  if (const std::string_view meant = meant_by(name); meant != name) return "write " + std::string(meant);
   const std::size_t digit = name.find_first_of("0123456789");
   if (digit != std::string_view::npos && digit > 0 && find_unit(name.substr(0, digit)))
     return "powers are written with ^: " + std::string(name.substr(0, digit)) + "^" + std::string(name.substr(digit));
@@ -144,11 +149,11 @@ bool Parser::number(double& value, QuantityProblem& problem) {
   std::from_chars_result read{};
   if (digits) read = read_number(rest_, value);
   if (!digits || read.ec == std::errc::invalid_argument) {
-    problem = {"'" + std::string(all) + "' does not begin with a number", "for example \"1.5 kg\""};
+    problem = {"'" + std::string(all) + "' does not begin with a number", ""};
     return false;
   }
   if (read.ec == std::errc::result_out_of_range) {
-    problem = {"'" + std::string(all) + "' is outside the range of numbers", ""};
+    problem = {"'" + std::string(all) + "' is outside the range of numbers", "they go up to 1.8e308"};
     return false;
   }
   rest_.remove_prefix(static_cast<std::size_t>(read.ptr - rest_.data()));
@@ -161,7 +166,7 @@ bool Parser::number(double& value, QuantityProblem& problem) {
     problem = {"'" + std::string(all) + "' has a comma in its number", "the decimal sign is a point"};
   else
     problem = {"'" + std::string(all) + "' runs number and unit together",
-               "write \"" + written + " " + std::string(rest_) + "\""};
+               "write \"" + written + " " + std::string(meant_by(rest_)) + "\""};
   return false;
 }
 
@@ -251,35 +256,40 @@ void append_power(std::string& text, const char* unit, int n) {
 
 }  // namespace
 
+namespace {
+
+struct NamedDimension {
+  Dimension dimension;
+  const char *name, *plain, *with_unit;  // the same value in SI and with a unit
+};
+constexpr NamedDimension named_dimensions[] = {
+    {number, "a number without unit", "1.5", ""},
+    {length, "a length (m)", "0.5", "50 cm"},
+    {mass, "a mass (kg)", "0.2", "200 g"},
+    {time, "a time (s)", "2", "2 s"},
+    {angle, "an angle (rad)", "0.5236", "30 deg"},
+    {speed, "a speed (m/s)", "0.5", "50 cm/s"},
+    {angular_speed, "an angular speed (rad/s)", "0.5236", "30 deg/s"},
+    {acceleration, "an acceleration (m/s^2)", "9.81", "9.81 m/s^2"},
+    {inertia, "a moment of inertia (kg m^2)", "2e-5", "200 g cm^2"},
+    {force, "a force (N)", "4000", "4 kN"},
+    {torque, "a torque (N m)", "2", "2 N m"},
+    {torque / angular_speed, "a rotational damping (N m s/rad)", "0.1", "0.1 N m s"},
+    {force / speed, "a damping (N s/m)", "20", "20 N s/m"},
+    {torque / angle, "a rotational stiffness (N m/rad)", "3", "3 N m"},
+    {force / length, "a stiffness (N/m)", "2000", "2 kN/m"},
+    {torque * time, "an angular momentum (N m s)", "0.1", "0.1 N m s"},
+    {force * time, "a momentum (N s)", "2", "2 N s"},
+    {length * length, "an area (m^2)", "0.5", "0.5 m^2"},
+    {frequency, "a frequency (Hz)", "0.5", "0.5 Hz"},
+    {force / (speed * speed), "a quadratic drag (N s^2/m^2)", "0.3", "0.3 N s^2/m^2"},
+    {mass / (length * length * length), "a density (kg/m^3)", "0.6", "0.6 kg/m^3"},
+};
+
+}  // namespace
+
 std::string name_of(const Dimension& d) {
-  struct Named {
-    Dimension dimension;
-    const char* name;
-  };
-  static constexpr Named named[] = {
-      {number, "a number without unit"},
-      {length, "a length (m)"},
-      {mass, "a mass (kg)"},
-      {time, "a time (s)"},
-      {angle, "an angle (rad)"},
-      {speed, "a speed (m/s)"},
-      {angular_speed, "an angular speed (rad/s)"},
-      {acceleration, "an acceleration (m/s^2)"},
-      {inertia, "a moment of inertia (kg m^2)"},
-      {force, "a force (N)"},
-      {torque, "a torque (N m)"},
-      {torque / angular_speed, "a rotational damping (N m s/rad)"},
-      {force / speed, "a damping (N s/m)"},
-      {torque / angle, "a rotational stiffness (N m/rad)"},
-      {force / length, "a stiffness (N/m)"},
-      {torque * time, "an angular momentum (N m s)"},
-      {force * time, "a momentum (N s)"},
-      {length * length, "an area (m^2)"},
-      {frequency, "a frequency (Hz)"},
-      {force / (speed * speed), "a quadratic drag (N s^2/m^2)"},
-      {mass / (length * length * length), "a density (kg/m^3)"},
-  };
-  for (const Named& n : named)
+  for (const NamedDimension& n : named_dimensions)
     if (n.dimension == d) return n.name;
   std::string text;
   append_power(text, "kg", d.kg);
@@ -287,6 +297,12 @@ std::string name_of(const Dimension& d) {
   append_power(text, "s", d.s);
   append_power(text, "rad", d.rad);
   return "a quantity in " + text;
+}
+
+std::string example_of(const Dimension& d) {
+  for (const NamedDimension& n : named_dimensions)
+    if (n.dimension == d) return *n.with_unit == '\0' ? n.plain : std::string(n.plain) + ", or \"" + n.with_unit + "\"";
+  return "a number in SI units";
 }
 
 std::optional<double> parse_quantity(std::string_view text, const Dimension& expected, QuantityProblem& problem) {
@@ -299,13 +315,26 @@ std::optional<double> parse_quantity(std::string_view text, const Dimension& exp
   double value = 0, factor = 1;
   int decade = 0;
   bool any = false;
-  if (!parser.number(value, problem) || !parser.unit_product(dimension, factor, decade, any, problem)) return {};
+  const std::string given(text);
+  if (!parser.number(value, problem)) {
+    if (problem.hint.empty()) problem.hint = "expected " + name_of(expected) + ", for example " + example_of(expected);
+    if (expected == angle && text.find("pi") != std::string_view::npos)
+      problem.hint = "a value is no formula: write degrees, as in \"90 deg\", or the number itself";
+    return {};
+  }
+  if (!parser.unit_product(dimension, factor, decade, any, problem)) return {};
   if (!any) {
-    problem = {"'" + std::string(text) + "' has no unit", "without quotes it is in SI; expected " + name_of(expected)};
+    const std::string name = name_of(expected);
+    const std::size_t from = name.find('(') + 1;  // past the end where no unit stands there
+    problem = {"'" + given + "' has no unit", "expected " + name + ": write " + given + " without quotes"};
+    if (from > 0)
+      problem.hint = "write " + given + " without quotes, or \"" + given + " " + name.substr(from, name.find(')') - from) + "\"";
+    if (expected == number) problem = {"'" + given + "' is in quotes", "write " + given + " without them"};
+    if (expected == angle) problem.hint = "write \"" + given + " deg\", or \"" + given + " rad\"";
     return {};
   }
   if (!agrees(dimension, expected)) {
-    problem = {"'" + std::string(text) + "' is " + name_of(dimension) + ", not " + name_of(expected), ""};
+    problem = {"'" + given + "' is " + name_of(dimension) + ", not " + name_of(expected), "for example " + example_of(expected)};
     return {};
   }
   value = scaled(value * factor, decade);

@@ -27,6 +27,8 @@ inline constexpr Dimension inertia = mass * length * length, force = mass * acce
 
 /// "an angle (rad)", "a damping (N m s/rad)" …: the name of a dimension with its SI unit.
 std::string name_of(const Dimension& dimension);
+/// How a value of that dimension is written, for hints: `0.5, or "50 cm"`; `1.5` where it has no unit.
+std::string example_of(const Dimension& dimension);
 
 /// What could not be read: what is wrong and how to mend it.
 struct QuantityProblem {

@@ -22,6 +22,7 @@ template <class Tableau>
 class Embedded : public Integrator {
  public:
   static constexpr bool chooses_steps = true;
+  static constexpr double damper_limit = HUGE_VAL, spring_limit = HUGE_VAL;  // it shortens its steps
   Embedded(const Tree& tree, const StepControl& control)
       : Integrator(control),
         nq_max_(7L * tree.bodies()),

@@ -124,7 +124,7 @@ TEST_CASE("wrong types, units and freedoms are refused") {
        "s.toml:44:8: error: weld: expected a table, found a string; for example weld = { body = \"satellite/hull\", to = "
        "\"tug/gripper\" }"},
       {first + "weld = []\n", "s.toml:44:8: error: weld: an empty list does nothing"},
-      {first + "lock = 3\n", "s.toml:44:8: error: lock: expected a string, found a number"},
+      {first + "lock = 3\n", "s.toml:44:8: error: lock: expected a string, found a number; write \"3\""},
       {first + "lock = { joints = \"m/j\" }\n",
        "s.toml:44:8: error: lock has no 'joint'; a name, or for example { joint = \"arm/elbow\", freedoms = [0] }\n"
        "s.toml:44:10: error: unknown key 'joints' in lock; did you mean 'joint'?"},
@@ -138,21 +138,23 @@ TEST_CASE("wrong types, units and freedoms are refused") {
       {first + "lock = { joint = \"m/j\", freedoms = 1 }\n",
        "s.toml:44:36: error: freedoms: expected a list, found a number" + count},
       {first + "impulse = { body = \"f/x\", force = [\"1 N\", 2, 3] }\n",
-       "s.toml:44:36: error: force: '1 N' is a force (N), not a momentum (N s)"},
+       "s.toml:44:36: error: force: '1 N' is a force (N), not a momentum (N s); for example 2, or \"2 N s\""},
       {first + "impulse = { body = \"f/x\", point = [0, 0, \"1 s\"], force = [1, 2, 3] }\n",
-       "s.toml:44:42: error: point: '1 s' is a time (s), not a length (m)"},
+       "s.toml:44:42: error: point: '1 s' is a time (s), not a length (m); for example 0.5, or \"50 cm\""},
       {first + "impulse = { body = \"f/x\" }\n",
        "s.toml:44:11: error: impulse: changes nothing; for example impulse = { body = \"arm/hand\", force = [\"2 N s\", 0, 0] }"},
       {first + "set = { joint = \"m/j\" }\n",
        "s.toml:44:7: error: set: changes nothing; for example set = { joint = \"arm/elbow\", damping = 0.1 }"},
       {first + "set = { joint = \"m/j\", damping = \"3 kg\" }\n",
-       "s.toml:44:34: error: damping: '3 kg' is a mass (kg), not a rotational damping (N m s/rad)"},
+       "s.toml:44:34: error: damping: '3 kg' is a mass (kg), not a rotational damping (N m s/rad); for example 0.1, or \"0.1 N m "
+       "s\""},
       {first + "set = { joint = \"m/a\", damping = -1 }\n", "s.toml:44:34: error: damping: must not be negative"},
       {first + "set = { joint = \"m/j\", drive = { effort = 1 } }\n",
        "s.toml:44:43: error: effort: a ball joint has 3 freedoms: one number could mean any; give a list, one effort per "
        "freedom"},
       {first + "set = { joint = \"m/*\", damping = \"3 kg\" }\n",
-       "s.toml:44:34: error: damping: '3 kg' is a mass (kg), not a rotational damping (N m s/rad)"},
+       "s.toml:44:34: error: damping: '3 kg' is a mass (kg), not a rotational damping (N m s/rad); for example 0.1, or \"0.1 N m "
+       "s\""},
       {first + "reroot = \"f/y\"\n",
        "s.toml:42:1: error: event '#1' does nothing; for example break = \"chain/41\"\n"
        "s.toml:44:1: error: unknown key 'reroot' in [[event]]; known here: name at when after every from repeat for locate "

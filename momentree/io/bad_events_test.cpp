@@ -12,11 +12,12 @@ TEST_CASE("impossible events are refused") {
        "s.toml:12:9: error: break: there is no joint 'a'; names are complete: 'm/a'"},
       {pinned + "[[event]]\nat = -1\nbreak = \"m/a\"\n", "s.toml:11:6: error: at: must not be negative"},
       {pinned + "[[event]]\nat = nan\nbreak = \"m/a\"\n", "s.toml:11:6: error: at: must be finite"},
-      {pinned + "[[event]]\nat = \"1 kg\"\nbreak = \"m/a\"\n", "s.toml:11:6: error: at: '1 kg' is a mass (kg), not a time (s)"},
+      {pinned + "[[event]]\nat = \"1 kg\"\nbreak = \"m/a\"\n",
+       "s.toml:11:6: error: at: '1 kg' is a mass (kg), not a time (s); for example 2, or \"2 s\""},
       {pinned + "[[event]]\nat = 1\nbreak = \"x/*\"\n",
        "s.toml:12:9: error: break: no joint matches 'x/*'; * matches within a name: \"chain/*\""},
       {pinned + "[[event]]\nat = 1\nbreak = []\n", "s.toml:12:9: error: break: names no joint"},
-      {pinned + "[[event]]\nat = 1\nbreak = 3\n", "s.toml:12:9: error: break: expected a string, found a number"},
+      {pinned + "[[event]]\nat = 1\nbreak = 3\n", "s.toml:12:9: error: break: expected a string, found a number; write \"3\""},
       {pinned + "[[event]]\nbreak = \"m/a\"\n",
        "s.toml:10:1: error: event '#1' has no instant; for example at = \"1.8 s\", or when = { "
        "reaction_force = \"crane/hook\", exceeds = \"4 kN\" }"},
@@ -41,7 +42,9 @@ TEST_CASE("impossible steps are refused") {
       {pinned + "[integrate]\nstep = 0\n", "s.toml:11:8: error: step: must be greater than 0"},
       {pinned + "[integrate]\nstep = \"-1 ms\"\n", "s.toml:11:8: error: step: must be greater than 0"},
       {pinned + "[integrate]\nuntil = -1\n", "s.toml:11:9: error: until: must not be negative"},
-      {pinned + "[integrate]\nmethod = \"rk5\"\n", "s.toml:11:10: error: unknown method 'rk5'; did you mean 'rk4'?"},
+      {pinned + "[integrate]\nmethod = \"rk5\"\n",
+       "s.toml:11:10: error: unknown method 'rk5'; write method = \"dopri5\", the Runge-Kutta method of Dormand and Prince that "
+       "chooses its steps"},
       {pinned + "[integrate]\nevent_tolerance = 0\n", "s.toml:11:19: error: event_tolerance: must be greater than 0"},
       {pinned + "[output]\nevery = -1\n", "s.toml:11:9: error: every: must not be negative"},
   });
@@ -105,9 +108,10 @@ TEST_CASE("conditions that mean nothing are refused") {
       {event + "when = { reaction_force = \"m/a\", exceeds = 0 }\n",
        "s.toml:12:44: error: when: reaction_force is never negative: the threshold must be positive"},
       {event + "when = { reaction_force = \"m/a\", exceeds = \"4 N m\" }\n",
-       "s.toml:12:44: error: exceeds: '4 N m' is a torque (N m), not a force (N)"},
+       "s.toml:12:44: error: exceeds: '4 N m' is a torque (N m), not a force (N); for example 4000, or \"4 kN\""},
       {event + "when = { speed = \"m/a\", exceeds = \"2 m/s\" }\n",
-       "s.toml:12:35: error: exceeds: '2 m/s' is a speed (m/s), not an angular speed (rad/s)"},
+       "s.toml:12:35: error: exceeds: '2 m/s' is a speed (m/s), not an angular speed (rad/s); for example 0.5236, or \"30 "
+       "deg/s\""},
       {event + "when = { distance = [\"m/a\"], below = 1 }\n",
        "s.toml:12:21: error: distance: expected a list of two bodies; for example [\"tug/gripper\", \"satellite/hull\"]"},
       {event + "when = { reaction = { joint = \"m/a\", component = \"fw\" }, exceeds = 1 }\n",

@@ -127,7 +127,7 @@ TEST_CASE("unknown keys are errors, with the nearest known key") {
        "s.toml:4:1: error: unknown key 'roto' in [[mechanism]]; did you mean 'root'?"},
       {chain + "lenght = 1\n", "s.toml:8:1: error: unknown key 'lenght' in [mechanism.chain]; did you mean 'length'?"},
       {pinned + "at = { xyz = [0, 0, 0], quaternion = [1, 0, 0, 0] }\n",
-       "s.toml:10:25: error: unknown key 'quaternion' in 'at'; known here: xyz rpy quat"},
+       "s.toml:10:25: error: unknown key 'quaternion' in 'at'; write 'quat', as in quat = [w, x, y, z]"},
   });
 }
 

@@ -18,8 +18,10 @@ TEST_CASE("values that change with time") {
        "5]]"},
       {effort("{ table = [[0, 1], [1]] }"),
        "s.toml:10:39: error: effort: expected [time, value], found a list of 1; for example table = [[0, 1], [\"2 s\", 5]]"},
-      {effort("{ table = [[0, \"1 N\"]] }"), "s.toml:10:35: error: effort: '1 N' is a force (N), not a torque (N m)"},
-      {effort("{ table = [[\"1 m\", 1]] }"), "s.toml:10:32: error: effort: '1 m' is a length (m), not a time (s)"},
+      {effort("{ table = [[0, \"1 N\"]] }"),
+       "s.toml:10:35: error: effort: '1 N' is a force (N), not a torque (N m); for example 2, or \"2 N m\""},
+      {effort("{ table = [[\"1 m\", 1]] }"),
+       "s.toml:10:32: error: effort: '1 m' is a length (m), not a time (s); for example 2, or \"2 s\""},
       {effort("{ }"), "s.toml:10:20: error: effort: expected a number, { table = … }, { sine = … } or { rate = … }" + hint},
       {effort("{ table = [[0, 1]], sine = { amplitude = 1, frequency = 1 } }"),
        "s.toml:10:20: error: effort: is one of 'table', 'sine' and 'rate', not several" + hint},
@@ -32,11 +34,12 @@ TEST_CASE("values that change with time") {
       {effort("{ tabel = [[0, 1]] }"), "s.toml:10:22: error: unknown key 'tabel' in effort; did you mean 'table'?"},
       {effort("{ sine = { amplitude = 1 } }"), "s.toml:10:29: error: sine has no 'frequency'; in Hz: turns per second"},
       {effort("{ sine = { amplitude = 1, frequency = \"3 rad/s\" } }"),
-       "s.toml:10:58: error: frequency: '3 rad/s' is an angular speed (rad/s), not a frequency (Hz)"},
+       "s.toml:10:58: error: frequency: '3 rad/s' is an angular speed (rad/s), not a frequency (Hz); for example 0.5, or \"0.5 "
+       "Hz\""},
       {effort("{ sine = { amplitude = 1, frequency = 1, phase = \"1 s\" } }"),
-       "s.toml:10:69: error: phase: '1 s' is a time (s), not an angle (rad)"},
+       "s.toml:10:69: error: phase: '1 s' is a time (s), not an angle (rad); for example 0.5236, or \"30 deg\""},
       {effort("{ sine = { amplitude = 1, frequency = 1, fase = 1 } }"),
-       "s.toml:10:61: error: unknown key 'fase' in sine; did you mean 'phase'?"},
+       "s.toml:10:61: error: unknown key 'fase' in sine; write 'phase', as in phase = \"90 deg\""},
   });
 }
 
@@ -50,7 +53,7 @@ TEST_CASE("drives that are none") {
        "s.toml:10:16: error: pd: has neither 'kp' nor 'kd'; the effort is kp·(target − q) + kd·(target_speed − v)"},
       {pinned + "drive = { pd = { kp = -1, target = 1 } }\n", "s.toml:10:23: error: kp: must not be negative"},
       {pinned + "drive = { pd = { kp = 1, target = \"1 m\" } }\n",
-       "s.toml:10:35: error: target: '1 m' is a length (m), not an angle (rad)"},
+       "s.toml:10:35: error: target: '1 m' is a length (m), not an angle (rad); for example 0.5236, or \"30 deg\""},
       {pinned + "drive = { pd = { kp = 1, max_effort = 0 } }\n",
        "s.toml:10:39: error: max_effort: must be greater than 0; leave it out where there is no bound"},
       {ball + "drive = { pd = { kp = 1 } }\n",
@@ -85,7 +88,7 @@ TEST_CASE("friction, soft stops and strengths that are none") {
       {pinned + "friction = { coulomb = 1, speed = 0 }\n",
        "s.toml:10:35: error: speed: must be greater than 0; friction is smoothed over it: coulomb·tanh(v/speed)"},
       {pinned + "friction = { coulomb = \"1 N\", speed = 1 }\n",
-       "s.toml:10:24: error: coulomb: '1 N' is a force (N), not a torque (N m)"},
+       "s.toml:10:24: error: coulomb: '1 N' is a force (N), not a torque (N m); for example 2, or \"2 N m\""},
       {pinned + "limits = { lower = 0, upper = 1, stiffness = 0 }\n",
        "s.toml:10:46: error: stiffness: must be greater than 0; leave it out for a hard stop"},
       {pinned + "limits = { lower = 0, damping = 1 }\n",
@@ -96,7 +99,8 @@ TEST_CASE("friction, soft stops and strengths that are none") {
        "s.toml:10:12: error: strength: neither 'force' nor 'torque'; for example strength = { force = \"4 kN\" }"},
       {pinned + "strength = { force = 0 }\n",
        "s.toml:10:22: error: force: must be greater than 0; the load at which the joint breaks; leave it out where it bears any"},
-      {pinned + "strength = { torque = \"4 N\" }\n", "s.toml:10:23: error: torque: '4 N' is a force (N), not a torque (N m)"},
+      {pinned + "strength = { torque = \"4 N\" }\n",
+       "s.toml:10:23: error: torque: '4 N' is a force (N), not a torque (N m); for example 2, or \"2 N m\""},
       {chain + "inertia = 1\nstrength = { force = -1 }\n",
        "s.toml:9:22: error: force: must be greater than 0; the load at which the joint breaks; leave it out where it bears any"},
   });
@@ -117,7 +121,7 @@ TEST_CASE("forces on bodies that are none") {
        "s.toml:12:9: error: force: expected three values, found a number; each of them a number, { table = … } or { sine = … }: "
        "[0, 0, { sine = { amplitude = 2, frequency = 1 } }]"},
       {force + "body = \"m/a\"\nforce = [1, 0, \"2 N m\"]\n",
-       "s.toml:12:16: error: force: '2 N m' is a torque (N m), not a force (N)"},
+       "s.toml:12:16: error: force: '2 N m' is a torque (N m), not a force (N); for example 4000, or \"4 kN\""},
       {force + "body = \"m/a\"\nforce = [1, 0, 0]\naxes = \"bodies\"\n",
        "s.toml:13:8: error: axes: there is no 'bodies'; \"world\" (the default) or \"body\""},
       {force + "body = \"m/a\"\ndrag = { linear = -1 }\n", "s.toml:12:19: error: linear: must not be negative"},
@@ -127,7 +131,8 @@ TEST_CASE("forces on bodies that are none") {
       {force + "body = \"m/a\"\ndrag = { linear = 1, area = 2 }\n",
        "s.toml:12:29: error: drag: 'area' goes with 'quadratic'; the force is quadratic·area·v²"},
       {force + "body = \"m/a\"\ndrag = { quadratic = \"0.6 kg/m^3\" }\n",
-       "s.toml:12:22: error: quadratic: '0.6 kg/m^3' is a density (kg/m^3), not a quadratic drag (N s^2/m^2)"},
+       "s.toml:12:22: error: quadratic: '0.6 kg/m^3' is a density (kg/m^3), not a quadratic drag (N s^2/m^2); for example 0.3, "
+       "or \"0.3 N s^2/m^2\""},
       {force + "body = \"m/a\"\nforces = [1, 0, 0]\ntorque = [0, 0, 1]\n",
        "s.toml:12:1: error: unknown key 'forces' in [[force]]; did you mean 'force'?"},
   });

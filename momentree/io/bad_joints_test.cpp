@@ -9,7 +9,9 @@ TEST_CASE("impossible joints are refused") {
       {one_body + "[mechanism.body.joint]\nkind = \"revolut\"\n",
        "s.toml:9:8: error: unknown joint kind 'revolut'; did you mean 'revolute'?"},
       {one_body + "[mechanism.body.joint]\nkind = \"hinge\"\n",
-       "s.toml:9:8: error: unknown joint kind 'hinge'; one of: ball cylindrical free helical planar prismatic revolute universal "
+       "s.toml:9:8: error: unknown joint kind 'hinge'; write kind = \"revolute\""},
+      {one_body + "[mechanism.body.joint]\nkind = \"qqqq\"\n",
+       "s.toml:9:8: error: unknown joint kind 'qqqq'; one of: ball cylindrical free helical planar prismatic revolute universal "
        "weld"},
       {one_body + "[mechanism.body.joint]\naxis = [0, 0, 1]\n",
        "s.toml:8:1: error: [mechanism.body.joint] has no 'kind'; one of: ball cylindrical free helical planar prismatic revolute "
@@ -98,7 +100,7 @@ TEST_CASE("mechanisms that are no trees are refused") {
       {head + "[mechanism.chain]\nlinks = 1000000000\nlength = 1\nmass = 1\n",
        "s.toml:5:9: error: links: must be from 1 to 1000000"},
       {head + "[mechanism.chain]\nlinks = 2.5\nlength = 1\nmass = 1\n",
-       "s.toml:5:9: error: links: expected a whole number, found a fraction"},
+       "s.toml:5:9: error: links: expected a whole number, found a fraction; write links = 10"},
       {head + "[mechanism.chain]\nlynks = 3\nlength = 1\nmass = 1\n[[event]]\nat = 1\nbreak = \"m/3\"\n",
        "s.toml:4:1: error: [mechanism.chain] has no 'links'; how many bodies\n"
        "s.toml:5:1: error: unknown key 'lynks' in [mechanism.chain]; did you mean 'links'?"},
@@ -112,7 +114,7 @@ TEST_CASE("mechanisms that are no trees are refused") {
               "1\n[mechanism.body.joint]\nkind = \"revolute\"\n",
        "s.toml:4:22: error: velocity: the root body is not free: its joint gives its velocity; write root = \"free\", or the "
        "joint's start 'v'"},
-      {pinned + "parent = 3\n", "s.toml:10:10: error: parent: expected a string, found a number"},
+      {pinned + "parent = 3\n", "s.toml:10:10: error: parent: expected a string, found a number; write \"3\""},
       {pinned + "parent = \"\"\n", "s.toml:10:10: error: parent: expected the name of a body"},
   });
 }
@@ -134,7 +136,8 @@ TEST_CASE("impossible limits are refused") {
       {pinned + "limits = { }\n",
        "s.toml:10:10: error: limits: neither 'lower' nor 'upper'; for example limits = { lower = \"-90 deg\", upper = \"90 deg\" "
        "}"},
-      {pinned + "limits = { lower = \"1 m\" }\n", "s.toml:10:20: error: lower: '1 m' is a length (m), not an angle (rad)"},
+      {pinned + "limits = { lower = \"1 m\" }\n",
+       "s.toml:10:20: error: lower: '1 m' is a length (m), not an angle (rad); for example 0.5236, or \"30 deg\""},
       {pinned + "limits = { upper = [-inf, 2] }\n",
        "s.toml:10:20: error: upper: expected 1 number, found a list of 2; one per freedom or coordinate, in the order of the "
        "kind"},
@@ -143,6 +146,7 @@ TEST_CASE("impossible limits are refused") {
        "s.toml:10:10: error: limits: a restitution of more than 1 would make energy; 0 is plastic, 1 elastic"},
       {pinned + "limits = { upper = 1, rest_speed = 0 }\n", "s.toml:10:10: error: limits: 'rest_speed' must be positive"},
       {pinned + "angle = 2\nlimits = { upper = 1 }\n", "s.toml:10:9: error: q: starts beyond its limits"},
-      {pinned + "limits = 3\n", "s.toml:10:10: error: limits: expected a table, found a number"},
+      {pinned + "limits = 3\n",
+       "s.toml:10:10: error: limits: expected a table, found a number; write limits = { lower = -3, upper = 3 }"},
   });
 }

@@ -7,9 +7,9 @@ using namespace momentree::io::bad_input;
 TEST_CASE("values of the wrong type, unit or range are refused") {
   check({
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = \"3 m\"\ninertia = 1\n",
-       "s.toml:6:8: error: mass: '3 m' is a length (m), not a mass (kg)"},
+       "s.toml:6:8: error: mass: '3 m' is a length (m), not a mass (kg); for example 0.2, or \"200 g\""},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = \"3\"\ninertia = 1\n",
-       "s.toml:6:8: error: mass: '3' has no unit; without quotes it is in SI; expected a mass (kg)"},
+       "s.toml:6:8: error: mass: '3' has no unit; write 3 without quotes, or \"3 kg\""},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = \"1,5 kg\"\ninertia = 1\n",
        "s.toml:6:8: error: mass: '1,5 kg' has a comma in its number; the decimal sign is a point"},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = \"1.0kg\"\ninertia = 1\n",
@@ -19,26 +19,32 @@ TEST_CASE("values of the wrong type, unit or range are refused") {
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = nan\ninertia = 1\n", "s.toml:6:8: error: mass: must be finite"},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = -inf\ninertia = 1\n", "s.toml:6:8: error: mass: must be finite"},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = true\ninertia = 1\n",
-       "s.toml:6:8: error: mass: expected a mass (kg), found true or false"},
+       "s.toml:6:8: error: mass: expected a mass (kg), found true or false; for example 0.2, or \"200 g\""},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = 2026-01-01\ninertia = 1\n",
-       "s.toml:6:8: error: mass: expected a mass (kg), found a date or time"},
+       "s.toml:6:8: error: mass: expected a mass (kg), found a date or time; for example 0.2, or \"200 g\""},
       {head + "[[mechanism.body]]\nname = 3\nmass = 1\ninertia = 1\n",
-       "s.toml:5:8: error: name: expected a string, found a number"},
-      {one_body + "com = [0, 1]\n", "s.toml:8:7: error: com: expected three numbers, found a list of 2"},
-      {one_body + "com = 1\n", "s.toml:8:7: error: com: expected three numbers, found a number"},
-      {one_body + "com = [0, \"3 kg\", 0]\n", "s.toml:8:11: error: com: '3 kg' is a mass (kg), not a length (m)"},
-      {pinned + "angle = \"3 m\"\n", "s.toml:10:9: error: angle: '3 m' is a length (m), not an angle (rad)"},
+       "s.toml:5:8: error: name: expected a string, found a number; write \"3\""},
+      {one_body + "com = [0, 1]\n",
+       "s.toml:8:7: error: com: expected three numbers, found a list of 2; write x, y and z, as in com = [0, 1, 0]"},
+      {one_body + "com = 1\n",
+       "s.toml:8:7: error: com: expected three numbers, found a number; write x, y and z, as in com = [1, 0, 0]"},
+      {one_body + "com = [0, \"3 kg\", 0]\n",
+       "s.toml:8:11: error: com: '3 kg' is a mass (kg), not a length (m); for example 0.5, or \"50 cm\""},
+      {pinned + "angle = \"3 m\"\n",
+       "s.toml:10:9: error: angle: '3 m' is a length (m), not an angle (rad); for example 0.5236, or \"30 deg\""},
       {pinned + "speed = \"3 rpm/s\"\n",
-       "s.toml:10:9: error: speed: '3 rpm/s' is a quantity in s^-2 rad, not an angular speed (rad/s)"},
+       "s.toml:10:9: error: speed: '3 rpm/s' is a quantity in s^-2 rad, not an angular speed (rad/s); for example 0.5236, or "
+       "\"30 deg/s\""},
       {pinned + "damping = \"1 N s/m\"\n",
-       "s.toml:10:11: error: damping: '1 N s/m' is a damping (N s/m), not a rotational damping (N m s/rad)"},
-      {pinned + "at = [0, 0, 0]\n",
-       "s.toml:10:6: error: at: expected a table, found a list; write { xyz = [x, y, z] }, with rpy = [r, p, y] or quat = [w, x, "
-       "y, z]"},
+       "s.toml:10:11: error: damping: '1 N s/m' is a damping (N s/m), not a rotational damping (N m s/rad); for example 0.1, or "
+       "\"0.1 N m s\""},
+      {pinned + "at = [0, 0, 0]\n", "s.toml:10:6: error: at: expected a table, found a list; write at = { xyz = [0, 0, 0] }"},
       {head + "state = 3\n[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = 1\n",
        "s.toml:4:9: error: state: expected a table or the name of a file, found a number"},
-      {pinned + "[world]\ngravity = 9.81\n", "s.toml:11:11: error: gravity: expected three numbers, found a number"},
-      {pinned + "[integrate]\nstep = \"1 m\"\n", "s.toml:11:8: error: step: '1 m' is a length (m), not a time (s)"},
+      {pinned + "[world]\ngravity = 9.81\n",
+       "s.toml:11:11: error: gravity: expected three numbers, found a number; write gravity = [0, 0, -9.81]"},
+      {pinned + "[integrate]\nstep = \"1 m\"\n",
+       "s.toml:11:8: error: step: '1 m' is a length (m), not a time (s); for example 2, or \"2 s\""},
   });
 }
 
@@ -50,7 +56,8 @@ TEST_CASE("impossible bodies are refused") {
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = \"0 g\"\ninertia = 1\n",
        "s.toml:7:11: error: inertia: a body without mass has none; give a mass, or an inertia of 0"},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = [1, 1]\n",
-       "s.toml:7:11: error: inertia: expected 1, 3 or 6 numbers, found a list of 2"},
+       "s.toml:7:11: error: inertia: expected 1, 3 or 6 numbers, found a list of 2; 1 number for all, 3 for xx, yy, zz, or 6 for "
+       "xx, yy, zz, xy, xz, yz"},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = [1, 1, 3]\n",
        "s.toml:7:11: error: inertia: the largest principal moment is more than the sum of the others, which no body has; it is "
        "meant about the centre of mass, and products of inertia as elements of the matrix (xy = −Σ m x y)"},

@@ -1,5 +1,6 @@
 // What only all events together show: parts without mass, actions that are impossible or do nothing by then.
 #include <algorithm>
+#include <cstdio>
 #include <map>
 
 #include <momentree/io/scenario_parts.hpp>
@@ -63,10 +64,72 @@ void check_parts(const Broken& broken, Reading& reading) {
 
 }  // namespace
 
+namespace {
+
+// The earliest instants at which events of each name can happen: those that wait for a condition at once.
+std::unordered_map<std::string, double> earliest_instants(const Scenario& scenario) {
+  std::unordered_map<std::string, double> earliest;
+  const auto take = [&earliest](const std::string& name, double time) {
+    const auto [known, fresh] = earliest.emplace(name, time);
+    const bool sooner = fresh || time < known->second;
+    if (sooner) known->second = time;
+    return sooner;
+  };
+  for (const BodySpec& body : scenario.model.bodies())  // joints break by themselves, too
+    if (body.joint.parameters.strength.any()) take("strength of " + body.joint_name, 0);
+  std::unordered_map<std::string_view, std::vector<const ScenarioEvent*>> followers;
+  for (const ScenarioEvent& event : scenario.events) {
+    if (event.after.empty())
+      take(event.name, event.condition ? event.condition->duration : event.time);
+    else
+      followers[event.after].push_back(&event);
+  }
+  std::vector<std::string> sooner;
+  for (const auto& [name, time] : earliest) sooner.push_back(name);
+  while (!sooner.empty()) {
+    const std::string name = std::move(sooner.back());
+    sooner.pop_back();
+    if (const auto found = followers.find(name); found != followers.end())
+      for (const ScenarioEvent* event : found->second)
+        if (take(event->name, earliest.at(name) + event->delay)) sooner.push_back(event->name);
+  }
+  return earliest;
+}
+
+// Events that come after the end. Where the command line says when that is, it is meant so.
+void warn_of_late(Reading& reading) {
+  const Scenario& scenario = reading.scenario;
+  if (reading.integrate.until.option > 0) return;
+  const double end = scenario.until * (1 + 1e-12);
+  const std::unordered_map<std::string, double> earliest = earliest_instants(scenario);
+  const auto text = [](double x) {
+    char buffer[32];
+    std::snprintf(buffer, sizeof buffer, "%.9g", x);
+    return std::string(buffer);
+  };
+  for (const ScenarioEvent& event : scenario.events) {
+    double time = event.condition ? event.condition->duration : event.time;
+    if (!event.after.empty()) {
+      const auto before = earliest.find(event.after);
+      if (before == earliest.end()) continue;  // said where it is scheduled
+      time = before->second + event.delay;
+    }
+    if (!(time > end)) continue;
+    const bool exact = !event.condition && event.after.empty();
+    reading.out.warning(event.place,
+                        "event " + in_quotes(event.name) + " can't happen: it comes at " + text(time) + " s" +
+                            (exact ? "" : " at the earliest") + ", and the run ends at " + text(scenario.until) + " s",
+                        "let the run be longer, as in until = \"" + text(time) + " s\", or the event come sooner");
+  }
+}
+
+}  // namespace
+
 void check_events(Reading& reading) {
   const Scenario& scenario = reading.scenario;
   if (scenario.events.empty()) return;
   Diagnostics& out = reading.out;
+  warn_of_late(reading);
   const auto whole = [](const StateFile& file) { return file.mechanism.empty(); };
   if (std::any_of(scenario.state_files.begin(), scenario.state_files.end(), whole)) return;  // another world: judged there
   const std::size_t errors = out.errors();

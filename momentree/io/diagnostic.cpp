@@ -100,6 +100,9 @@ std::string_view Diagnostics::line_text(int line) {
 }
 
 void Diagnostics::add(Severity severity, Place place, std::string what, std::string hint) {
+  // What several readers of one value find is said once.
+  for (std::size_t i = diagnostics_.size(), look = 8; i-- > 0 && look-- > 0;)
+    if (places_[i] == place && diagnostics_[i].severity == severity && diagnostics_[i].what == what && place != Place{}) return;
   if (severity == Severity::error && errors_++ >= most) return;
   if (severity == Severity::warning && warnings_++ >= most) return;
   if (severity == Severity::note && notes_++ >= most) return;

@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <momentree/io/joint_tables.hpp>
 #include <momentree/io/read_action.hpp>
 #include <momentree/simulate/actions/attach.hpp>
 #include <momentree/simulate/actions/change.hpp>
+#include <momentree/simulate/actions/set.hpp>
 #include <momentree/simulate/instant.hpp>
 
 namespace momentree::io {
@@ -84,6 +86,71 @@ class Names {
   bool joins_ = false;
 };
 
+// What is `set` under a name with a wildcard: each joint that it stands for gets what it can have.
+class WildSets {
+ public:
+  WildSets(const Names& names, Reading& reading) : names_(names) {
+    std::unordered_map<const Value*, std::vector<Kind>> kinds;
+    std::vector<const Value*> order;
+    for (const Reading::LateEntry& late : reading.late) {
+      const KindInfo* kind = kind_of(late);
+      if (!kind) continue;
+      std::vector<Kind>& met = kinds[late.value];
+      if (met.empty()) order.push_back(late.value);
+      if (std::find(met.begin(), met.end(), kind->kind) == met.end()) met.push_back(kind->kind);
+    }
+    for (const Value* value : order) {
+      Fields fields(*value, "set", reading.out);
+      const Value* name = fields.find("joint");
+      JointTable table(fields, value->place, false, name && name->string() ? *name->string() : "", "set");
+      fields.finish();
+      if (table.empty())
+        reading.out.error(value->place, "set: changes nothing", "for example set = { joint = \"arm/elbow\", damping = 0.1 }");
+      table.read(kinds[value], reading.out);
+      table.check(reading.out);
+      tables_.emplace(value, std::move(table));
+    }
+  }
+
+  /// True where it is one, and the action is filled in or has nothing to do.
+  bool fill(const Reading::LateEntry& late) {
+    auto* set = dynamic_cast<actions::Set*>(late.action.get());
+    const KindInfo* kind = kind_of(late);
+    if (!set || !kind) return false;
+    set->name = late.match;
+    if (const JointTable::Part* part = tables_.at(late.value).part(kind->kind))
+      set->parameters = part->parameters;
+    else
+      idle_.insert(late.action.get());
+    return true;
+  }
+
+  /// Takes actions that have nothing to do out of their events.
+  void drop_idle(std::vector<ScenarioEvent>& events) const {
+    if (idle_.empty()) return;
+    for (ScenarioEvent& event : events) {
+      std::vector<Action> actions;
+      std::vector<Place> places;
+      for (std::size_t a = 0; a < event.actions.size(); ++a) {
+        if (idle_.contains(&*event.actions[a])) continue;
+        actions.push_back(event.actions[a]);
+        places.push_back(event.places[a]);
+      }
+      event.actions = std::move(actions), event.places = std::move(places);
+    }
+    std::erase_if(events, [](const ScenarioEvent& event) { return event.actions.empty(); });
+  }
+
+ private:
+  const KindInfo* kind_of(const Reading::LateEntry& late) const {
+    return late.match.empty() || !late.value->table() ? nullptr : names_.kind_of(late.match, late.time);
+  }
+
+  const Names& names_;
+  std::unordered_map<const Value*, JointTable> tables_;
+  std::unordered_set<const ActionBase*> idle_;
+};
+
 void report_unknown(const Reading::JointUse& use, Reading& reading) {
   const std::string& target = use.name;
   std::string hint;
@@ -103,13 +170,15 @@ void report_unknown(const Reading::JointUse& use, Reading& reading) {
 void finish_events(Reading& reading) {
   if (reading.joint_uses.empty() && reading.late.empty()) return;
   const Names names(reading);
+  WildSets wild(names, reading);
   const Value* wrong = nullptr;  // what is wrong in one table is so for every match of its wildcard
   for (const Reading::LateEntry& late : reading.late) {
-    if (late.value == wrong) continue;
+    if (late.value == wrong || wild.fill(late)) continue;
     ActionReader reader(*late.value, std::string(late.action->key()), nullptr, late.match, late.time, reading);
     reader.kind_of = [&](const std::string& joint) { return names.kind_of(joint, late.time); };
     if (!reader.read(*late.action)) wrong = late.value;
   }
+  wild.drop_idle(reading.scenario.events);
   for (const Reading::JointUse& use : reading.joint_uses)
     if (!names.known(use.name))
       report_unknown(use, reading);

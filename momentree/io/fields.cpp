@@ -4,27 +4,69 @@
 #include <utility>
 
 #include <momentree/base/error.hpp>
+#include <momentree/io/mistakes/shapes.hpp>
 
 namespace momentree::io {
 
-Fields::Fields(const Value& table, std::string where, Diagnostics& out) : table_(table), where_(std::move(where)), out_(out) {
-  if (!table.table()) out.error(table.place, where_ + ": expected a table, found " + table.type_name());
+Fields::Fields(const Value& table, std::string where, Diagnostics& out, const char* context)
+    : table_(table), where_(std::move(where)), context_(context), out_(out) {
+  if (!table.table())
+    out.error(table.place, where_ + ": expected a table, found " + table.type_name(), cure_of_table(where_, table));
+}
+
+const std::vector<Fields::Alias>& Fields::aliases() const {
+  if (aliases_) return *aliases_;
+  aliases_.emplace();
+  if (const Value::Table* entries = table_.table())
+    for (const Value::Entry& entry : *entries)
+      for (const Mistake* mistake : mistakes_of(context_ ? context_ : std::string_view(where_), entry.key))
+        if (!table_.find(mistake->key)) aliases_->push_back({&entry, mistake});
+  return *aliases_;
+}
+
+const Value::Entry* Fields::entry_of(std::string_view key) const {
+  if (const Value::Entry* entry = table_.find(key)) return entry;
+  for (const Alias& alias : aliases())
+    if (alias.mistake->key == key && alias.mistake->same) return alias.entry;
+  return nullptr;
+}
+
+// True where an entry is a natural mistake for the key, which is then said, once.
+bool Fields::report_alias(std::string_view key) {
+  aliases();
+  for (Alias& alias : *aliases_) {
+    if (alias.mistake->key != key) continue;
+    if (!alias.reported) report_unknown(*alias.entry, cure_of(*alias.mistake));
+    for (Alias& same : *aliases_) same.reported = same.reported || same.entry == alias.entry;
+    return true;
+  }
+  return false;
 }
 
 Place Fields::place_of(std::string_view key) const {
-  const Value::Entry* entry = table_.find(key);
+  const Value::Entry* entry = entry_of(key);
   return entry ? entry->value.place : table_.place;
 }
 
 const Value* Fields::find(std::string_view key) {
   if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.push_back(key);
-  const Value::Entry* entry = table_.find(key);
+  const Value::Entry* entry = entry_of(key);
+  if (entry && entry->key != key) report_alias(key);
   return entry ? &entry->value : nullptr;
+}
+
+std::string_view Fields::meant(const Value::Entry& entry) const {
+  for (const std::string_view key : known_)
+    if (entry.key == key) return key;
+  for (const std::string_view key : known_)
+    if (entry_of(key) == &entry) return key;
+  return entry.key;
 }
 
 const Value* Fields::require(std::string_view key, std::string hint) {
   const Value* value = find(key);
-  if (!value && table_.table()) out_.error(table_.place, where_ + " has no '" + std::string(key) + "'", std::move(hint));
+  if (!value && table_.table() && !report_alias(key))
+    out_.error(table_.place, where_ + " has no '" + std::string(key) + "'", std::move(hint));
   return value;
 }
 
@@ -52,11 +94,11 @@ std::optional<std::string> Fields::string(std::string_view key) {
   return value ? read_string(*value, key, out_) : std::nullopt;
 }
 
-std::optional<bool> Fields::boolean(std::string_view key) {
+std::optional<bool> Fields::boolean(std::string_view key, std::string hint) {
   const Value* value = find(key);
   if (!value) return {};
   if (const bool* b = value->boolean()) return *b;
-  out_.error(value->place, std::string(key) + ": expected true or false, found " + value->type_name());
+  out_.error(value->place, std::string(key) + ": expected true or false, found " + value->type_name(), std::move(hint));
   return {};
 }
 
@@ -73,7 +115,7 @@ std::optional<Pose> Fields::pose(std::string_view key) {
 bool Fields::later(std::initializer_list<std::string_view> keys, const char* hint) {
   bool any = false;
   for (const std::string_view key : keys) {
-    known_.push_back(key);
+    later_.push_back(key);
     const Value::Entry* entry = table_.find(key);
     if (!entry) continue;
     any = true;
@@ -82,16 +124,32 @@ bool Fields::later(std::initializer_list<std::string_view> keys, const char* hin
   return any;
 }
 
+void Fields::report_unknown(const Value::Entry& entry, std::string hint) {
+  out_.error(entry.place, "unknown key " + in_quotes(entry.key) + " in " + where_, std::move(hint));
+}
+
+// What to write instead of an unknown key.
+std::string Fields::hint_for(const Value::Entry& entry) const {
+  const auto is_known = [this](std::string_view key) { return std::find(known_.begin(), known_.end(), key) != known_.end(); };
+  for (const Mistake* mistake : mistakes_of(context_ ? context_ : std::string_view(where_), entry.key))
+    if (*mistake->key == '\0' || is_known(mistake->key)) return cure_of(*mistake);
+  std::string hint = did_you_mean(entry.key, {known_.begin(), known_.end()});
+  if (!hint.empty()) return hint;
+  hint = "known here:";
+  for (const std::string_view key : known_) hint += " " + std::string(key);
+  return hint;
+}
+
 void Fields::finish() {
   if (!table_.table()) return;
+  const auto among = [](const std::vector<std::string_view>& keys, const std::string& key) {
+    return std::find(keys.begin(), keys.end(), key) != keys.end();
+  };
   for (const Value::Entry& entry : *table_.table()) {
-    if (std::find(known_.begin(), known_.end(), entry.key) != known_.end() || out_.full()) continue;
-    std::string hint = did_you_mean(entry.key, {known_.begin(), known_.end()});
-    if (hint.empty()) {
-      hint = "known here:";
-      for (const std::string_view key : known_) hint += " " + std::string(key);
-    }
-    out_.error(entry.place, "unknown key " + in_quotes(entry.key) + " in " + where_, std::move(hint));
+    if (among(known_, entry.key) || among(later_, entry.key) || out_.full()) continue;
+    const auto reported = [&entry](const Alias& alias) { return alias.entry == &entry && alias.reported; };
+    if (aliases_ && std::any_of(aliases_->begin(), aliases_->end(), reported)) continue;
+    report_unknown(entry, hint_for(entry));
   }
 }
 

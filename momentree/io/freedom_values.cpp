@@ -24,7 +24,10 @@ Values read_values(const Value& value, Quantity quantity, std::string_view lette
     if (single || letters.size() == 1) {
       // One number for freedoms of different dimension is in SI for each; with a unit it must fit them all.
       std::optional<double> number;
-      for (const char letter : letters.empty() ? std::string_view("r") : letters) {
+      const std::string_view all = letters.empty() ? std::string_view("r") : letters;
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        const char letter = all[i];
+        if (all.find(letter) < i) continue;
         number = read_number(value, dimension_of(quantity, letter), label, out);
         if (!number) return {};
       }

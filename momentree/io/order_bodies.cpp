@@ -69,6 +69,7 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
     if (names.empty())
       for (const BodyEntry& each : bodies) names.emplace(each.bare_name, each.name_place);
     std::string hint = reading.suggest(body.parent, names);
+    if (hint.empty() && means_ground(body.parent)) hint = "write parent = \"ground\"";
     if (body.parent.find('/') != std::string::npos) hint = "a parent is a body of the same mechanism";
     if (!body.parent.empty())
       out.error(body.parent_place, "unknown parent " + in_quotes(body.parent), std::move(hint));

@@ -42,7 +42,8 @@ TEST_CASE("what is wrong with an override points to it") {
   const auto refusal = [](const std::string& text) { return said(read({text})); };
   CHECK(refusal("integrate.step=0") == "--set integrate.step=0: error: step: must be greater than 0");
   CHECK(refusal("integrate.stp=1") == "--set integrate.stp=1: error: unknown key 'stp' in [integrate]; did you mean 'step'?");
-  CHECK(refusal("integrate.step=3 m") == "--set integrate.step=3 m: error: step: '3 m' is a length (m), not a time (s)");
+  CHECK(refusal("integrate.step=3 m") ==
+        "--set integrate.step=3 m: error: step: '3 m' is a length (m), not a time (s); for example 2, or \"2 s\"");
   CHECK(refusal("mechanism.m.body.b.mass=1") == "--set mechanism.m.body.b.mass=1: error: no entry of the list is named 'b'");
   CHECK(refusal("mechanism.7.name=x") == "--set mechanism.7.name=x: error: there is no entry '7' in a list of 1; the first is 0");
   CHECK(refusal("event.#2.at=1") == "--set event.#2.at=1: error: there is no entry '#2' in a list of 1; the first is #1");

@@ -91,6 +91,7 @@ void ActionReader::body(const char* key, std::string& name, bool ground_too) {
       for (const auto& [mechanism, where] : reading_.mechanisms)
         if (reading_.bodies.contains(mechanism + "/" + name)) hint = "names are complete: " + in_quotes(mechanism + "/" + name);
     if (hint.empty()) hint = reading_.suggest(name, reading_.bodies);
+    if (hint.empty() && means_ground(name)) hint = "the ground is \"ground\"";
     out_.error(place, key_ + ": there is no body " + in_quotes(name), std::move(hint));
   }
 }

@@ -43,6 +43,7 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
   BodyEntry body;
   body.table = &table;
   Fields fields(table, "[[mechanism.body]]", out);
+  fields.later({"collision"}, "there is no contact: bodies pass through each other");
   fields.require("name", "for example name = \"arm\"");
   const auto name = fields.string("name");
   body.name_place = fields.place_of("name");

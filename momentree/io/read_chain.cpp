@@ -1,7 +1,7 @@
 // The generator [mechanism.chain]: bodies and joints 1 … links along +x.
 #include <algorithm>
 
-#include <momentree/io/scenario_parts.hpp>
+#include <momentree/io/joint_tables.hpp>
 
 namespace momentree::io {
 
@@ -48,7 +48,8 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
     const std::int64_t* n = links->integer();
     if (!n)
       out.error(links->place,
-                std::string("links: expected a whole number, found ") + (links->real() ? "a fraction" : links->type_name()));
+                std::string("links: expected a whole number, found ") + (links->real() ? "a fraction" : links->type_name()),
+                "write links = 10");
     else if (*n < 1 || *n > most)
       out.error(links->place, "links: must be from 1 to " + std::to_string(most) +
                                   (most < 1'000'000 ? ": a scenario has at most 1000000 bodies" : ""));
@@ -75,7 +76,7 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
 }  // namespace
 
 void read_chain(const Value& table, const std::string& mechanism, bool free_root, const Pose& pose, const MechanismState& state,
-                std::size_t errors, Reading& reading) {
+                JointTables& joints, std::size_t errors, Reading& reading) {
   Diagnostics& out = reading.out;
   Fields fields(table, "[mechanism.chain]", out);
   if (!table.table()) return;
@@ -99,17 +100,27 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
     reading.opaque.insert(mechanism);
     return;
   }
+  if (joints.any()) {
+    std::vector<std::pair<std::string, Kind>> names;
+    for (int k = 1; k <= chain.links; ++k)
+      names.emplace_back(std::to_string(k), k == 1 && free_root ? Kind::free : Kind::revolute);
+    joints.read(names);
+  }
   Body parent = ground;
   std::size_t states_used = 0;
   for (int k = 1; k <= chain.links; ++k) {
     BodySpec link = make_link(chain, k, mechanism, free_root, pose, parent);
+    const std::string number = joints.any() ? std::to_string(k) : std::string();
+    joints.apply(number, link);
     if (!state.joints.empty()) {
       const auto found = state.joints.find(std::to_string(k));
       if (found != state.joints.end()) {
         ++states_used;
+        check_start(joints, found->first, *found->second, out);
         read_joint_state(*found->second, found->first, link, out);
       }
     }
+    joints.check(number, link);
     if (k == 1 && state.velocity) read_root_velocity(*state.velocity, link, out);
     reading.bodies.emplace(link.name, fields.place());
     reading.joints.emplace(link.name, fields.place());

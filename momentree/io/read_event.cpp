@@ -27,9 +27,10 @@ bool read_one(const Value& table, const std::string& name, bool named, const Tri
   for (const std::string& key : keys) fields.find(key);
   if (const Value::Table* entries = table.table())
     for (const Value::Entry& entry : *entries) {
-      if (std::find(keys.begin(), keys.end(), entry.key) == keys.end()) continue;
+      const std::string key(fields.meant(entry));
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) continue;
       acts = true;
-      read_actions(entry.value, entry.key, event, match, wild, reading);
+      read_actions(entry.value, key, event, match, wild, reading);
     }
   fields.finish();
   if (!event.actions.empty()) reading.scenario.events.push_back(std::move(event));

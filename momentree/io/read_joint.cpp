@@ -6,6 +6,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/freedom_values.hpp>
+#include <momentree/io/mistakes/shapes.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
@@ -26,7 +27,8 @@ const KindInfo* read_kind(Fields& fields, Diagnostics& out) {
   if (!name) return nullptr;
   const KindInfo* kind = find_kind(*name);
   if (kind) return kind;
-  const std::string hint = did_you_mean(*name, kind_names());
+  std::string hint = cure_of_kind(*name);
+  if (hint.empty()) hint = did_you_mean(*name, kind_names());
   out.error(value->place, "unknown joint kind " + in_quotes(*name), hint.empty() ? all : hint);
   return nullptr;
 }
@@ -58,6 +60,26 @@ void read_geometry(Fields& fields, const KindInfo& kind, bool keeps_axes, JointS
   }
 }
 
+void warn_of_rest(const Fields& fields, Diagnostics& out) {
+  if (fields.has("rest") && !fields.has("stiffness"))
+    out.warning(fields.place_of("rest"), "'rest' without 'stiffness' does nothing");
+}
+
+std::optional<Place> first_of(const Fields& fields, std::initializer_list<const char*> keys) {
+  for (const char* key : keys)
+    if (fields.has(key)) return fields.place_of(key);
+  return {};
+}
+
+// Keys that can't be judged where the kind is not known.
+void pass_over(Fields& fields) {
+  for (const char* key : {"axis", "axis2", "pitch", "q", "v", "angle", "position", "speed", "damping", "stiffness", "armature",
+                          "rest", "drive", "limits", "friction", "strength"})
+    fields.find(key);
+}
+
+}  // namespace
+
 void read_start(Fields& fields, const KindInfo& kind, Values& q, Values& v, Diagnostics& out) {
   const Value* list = fields.find("q");
   const Value* rates = fields.find("v");
@@ -75,6 +97,11 @@ void read_start(Fields& fields, const KindInfo& kind, Values& q, Values& v, Diag
                        : "write its coordinates as q = […]");
       continue;
     }
+    if (const Value::Array* place = value->array(); place && place->size() == 3 && key == std::string_view("position")) {
+      out.error(value->place, "position: expected the joint's coordinate, found a list of 3",
+                "a joint stands where its `at` is; write at = { xyz = " + as_written(*value) + " }");
+      continue;
+    }
     Values& target = rate ? v : q;
     if ((rate ? rates != nullptr : list != nullptr) || (key == std::string_view("position") && fields.has("angle"))) {
       out.error(value->place, std::string("'") + key + "' gives the start a second time",
@@ -85,12 +112,6 @@ void read_start(Fields& fields, const KindInfo& kind, Values& q, Values& v, Diag
   }
 }
 
-void warn_of_rest(const Fields& fields, Diagnostics& out) {
-  if (fields.has("rest") && !fields.has("stiffness"))
-    out.warning(fields.place_of("rest"), "'rest' without 'stiffness' does nothing");
-}
-
-// A joint whose motion is prescribed starts where that starts; `q` and `v` say whether the file gives them, and where.
 void start_motion(BodySpec& spec, const std::optional<Place>& q, const std::optional<Place>& v, Diagnostics& out) {
   auto& drive = spec.joint.parameters.drive;
   if (!drive || drive->motion.size() != 1 || info(spec.joint.kind).nv != 1) return;
@@ -107,21 +128,6 @@ void start_motion(BodySpec& spec, const std::optional<Place>& q, const std::opti
   check(spec.v, v, start.rate, "speed");
   spec.q = start.value, spec.v = start.rate;
 }
-
-std::optional<Place> first_of(const Fields& fields, std::initializer_list<const char*> keys) {
-  for (const char* key : keys)
-    if (fields.has(key)) return fields.place_of(key);
-  return {};
-}
-
-// Keys that can't be judged where the kind is not known.
-void pass_over(Fields& fields) {
-  for (const char* key : {"axis", "axis2", "pitch", "q", "v", "angle", "position", "speed", "damping", "stiffness", "armature",
-                          "rest", "drive", "limits", "friction", "strength"})
-    fields.find(key);
-}
-
-}  // namespace
 
 void read_joint(const Value& table, BodyEntry& body, Reading& reading) {
   Diagnostics& out = reading.out;
@@ -178,7 +184,7 @@ bool report_problems(const JointSpec& joint, const Fields& fields, Diagnostics& 
 void read_joint_state(const Value& value, std::string_view joint, BodySpec& spec, Diagnostics& out) {
   const KindInfo& kind = info(spec.joint.kind);
   if (value.table()) {
-    Fields fields(value, in_quotes(joint), out);
+    Fields fields(value, in_quotes(joint), out, "start");
     read_start(fields, kind, spec.q, spec.v, out);
     start_motion(spec, first_of(fields, {"q", "angle", "position"}), first_of(fields, {"v", "speed"}), out);
     fields.finish();

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include <momentree/base/error.hpp>
+#include <momentree/io/joint_tables.hpp>
 #include <momentree/io/massless.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
@@ -24,7 +25,8 @@ MechanismState read_state(const Value& value, const std::string& mechanism, Read
   Fields fields(value, "state", out);
   if (const Value* joints = fields.find("joints")) {
     if (!joints->table())
-      out.error(joints->place, std::string("state.joints: expected a table, found ") + joints->type_name());
+      out.error(joints->place, std::string("state.joints: expected a table, found ") + joints->type_name(),
+                "write joints = { elbow = \"20 deg\" }: names and values");
     else
       for (const Value::Entry& entry : *joints->table()) state.joints.emplace(entry.key, &entry.value);
   }
@@ -38,8 +40,9 @@ Held read_root(Fields& fields, Diagnostics& out) {
   if (!text) return Held::unsaid;
   if (*text == "fixed") return Held::fixed;
   if (*text == "free") return Held::free;
+  const std::string cure = cure_of_root(*text);
   out.error(fields.place_of("root"), "root: expected \"fixed\" or \"free\", found " + in_quotes(*text),
-            did_you_mean(*text, {"fixed", "free"}));
+            cure.empty() ? did_you_mean(*text, {"fixed", "free"}) : cure);
   return Held::unsaid;
 }
 
@@ -227,7 +230,10 @@ void read_mechanism(const Value& table, Reading& reading) {
   const Value* bodies = fields.find("body");
   const Value* given_state = fields.find("state");
   const Value* model = fields.find("model");
-  const auto limits = fields.boolean("limits");
+  const Value* joints = fields.find("joint");
+  const auto limits = fields.boolean("limits",
+                                     "true or false: whether the model's are taken up; other ones are given to joints: "
+                                     "[mechanism.joint.elbow] with limits = { lower = …, upper = … }");
   std::optional<CouplingSpring> mimic;
   if (const Value* spring = fields.find("mimic")) {
     Fields parts(*spring, "mimic", out);
@@ -253,13 +259,17 @@ void read_mechanism(const Value& table, Reading& reading) {
               "give the joints their limits");
   if (chain && held == Held::fixed)
     out.error(fields.place_of("root"), "root: a chain has a pin to the ground", "leave out 'root'; \"free\" leaves out the pin");
+  if (joints && !model && !chain && bodies)
+    out.error(fields.place_of("joint"), "joint: a mechanism of bodies has its joints in the tables of the bodies",
+              "write it in [mechanism.body.joint], which --set reaches by mechanism." + name + ".body.BODY.joint.damping=0.1");
+  JointTables tables(model || chain ? joints : nullptr, model ? "model" : "chain", reading);
   if (model)
     read_model(*model, name,
                {held, pose, state, limits, mimic, model->place, fields.place_of("root"), fields.place_of("limits"),
                 fields.place_of("mimic")},
-               errors, reading);
+               tables, errors, reading);
   else if (chain)
-    read_chain(*chain, name, held == Held::free, pose, state, errors, reading);
+    read_chain(*chain, name, held == Held::free, pose, state, tables, errors, reading);
   else if (bodies)
     read_bodies(*bodies, name, held, given_pose, fields.place_of("root"), fields.place(), state, roots, errors, reading);
   fields.finish();

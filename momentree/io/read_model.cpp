@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/scenario_parts.hpp>
+#include <momentree/io/joint_tables.hpp>
 
 namespace momentree::io {
 
@@ -42,9 +42,14 @@ const Import* model_of(const Value& file, Reading& reading) {
   return reading.models.emplace_back(*name, std::move(import)).second.get();
 }
 
-// Stops of the file.
+// Stops of the file, which the joint has where it is given no others.
 void take_limits(const ImportedBody& body, const ModelChoice& choice, BodySpec& spec, Reading& reading) {
-  if (!body.limits.any() || !choice.limits.value_or(false)) return;
+  if (!choice.limits.value_or(false) || !body.limits.any() || spec.joint.parameters.limits.any()) return;
+  if (const auto& drive = spec.joint.parameters.drive; drive && drive->moves()) {
+    reading.out.note(choice.limits_place, "limits: joint " + in_quotes(body.spec.joint_name) +
+                                              " goes without those of the model: its motion is prescribed");
+    return;
+  }
   spec.joint.parameters.limits = body.limits;
   for (int i = 0; i < std::max(body.limits.lower.size(), body.limits.upper.size()); ++i) {
     const double q = i < spec.q.size() ? spec.q[i] : 0;
@@ -52,18 +57,19 @@ void take_limits(const ImportedBody& body, const ModelChoice& choice, BodySpec& 
     if (q >= lower && q <= upper) continue;
     char text[120];
     std::snprintf(text, sizeof text, " starts at %.6g, beyond its limits of %.6g and %.6g", q, lower, upper);
-    reading.out.error(choice.limits_place, "limits: joint " + in_quotes(body.spec.joint_name) + text,
-                      "give it a start in state = { joints = { … } }");
+    reading.out.error(
+        choice.limits_place, "limits: joint " + in_quotes(body.spec.joint_name) + text,
+        "give it a start within them, in state = { joints = { … } } or [mechanism.joint." + body.spec.joint_name + "]");
   }
 }
 
-void warn_of_limits(const Import& import, const ModelChoice& choice, Reading& reading) {
-  const auto& bodies = import.model.bodies;
-  const auto limited = std::count_if(bodies.begin(), bodies.end(), [](const ImportedBody& body) { return body.limits.any(); });
+// `limited`: how many joints have limits in the file, and none here.
+void warn_of_limits(std::ptrdiff_t limited, const std::string& mechanism, const ModelChoice& choice, Reading& reading) {
   if (limited > 0 && !choice.limits)
     reading.out.warning(choice.model_place,
                         "the limits of " + std::to_string(limited) + (limited == 1 ? " joint" : " joints") + " are not taken up",
-                        "write limits = true or limits = false");
+                        reading.direct ? "say so by --set mechanism." + mechanism + ".limits=true, or false"
+                                       : "write limits = true or limits = false");
 }
 
 void hold(BodySpec& spec, const ImportedBody& body, const ModelChoice& choice) {
@@ -146,11 +152,13 @@ bool check_followers(const Import& import, const ModelChoice& choice, Reading& r
   return errors == reading.out.errors();
 }
 
-// Followers start behind their leaders where the mechanism's state does not say otherwise.
-void start_followers(const Import& import, const MechanismState& state, std::deque<BodySpec>& specs) {
+// Followers start behind their leaders where the mechanism does not say otherwise.
+void start_followers(const Import& import, const MechanismState& state, const JointTables& joints, std::deque<BodySpec>& specs) {
   std::unordered_map<int, const Follower*> waiting;
-  for (const Follower& each : import.model.followers)
-    if (!state.joints.contains(specs[static_cast<std::size_t>(each.body)].joint_name)) waiting.emplace(each.body, &each);
+  for (const Follower& each : import.model.followers) {
+    const std::string& name = specs[static_cast<std::size_t>(each.body)].joint_name;
+    if (!state.joints.contains(name) && !joints.start_of(name)) waiting.emplace(each.body, &each);
+  }
   const auto q = [&](int body) -> double& { return specs[static_cast<std::size_t>(body)].q[0]; };
   while (!waiting.empty()) {
     std::vector<const Follower*> path;  // from a follower to a leader that stands
@@ -166,6 +174,19 @@ void start_followers(const Import& import, const MechanismState& state, std::deq
   }
 }
 
+// A spring does not move a joint whose motion is prescribed.
+bool check_motions(const Import& import, const ModelChoice& choice, const std::deque<BodySpec>& specs, Reading& reading) {
+  const std::size_t errors = reading.out.errors();
+  for (const Follower& each : import.model.followers)
+    for (const int end : {each.body, each.leader}) {
+      const BodySpec& spec = specs[static_cast<std::size_t>(end)];
+      if (const auto& drive = spec.joint.parameters.drive; drive && drive->moves())
+        reading.out.error(choice.mimic_place, "mimic: the motion of joint " + in_quotes(spec.joint_name) + " is prescribed",
+                          "drive it by position control: drive = { pd = { … } }");
+    }
+  return errors == reading.out.errors();
+}
+
 void couple_followers(const Import& import, const ModelChoice& choice, int first, Reading& reading) {
   for (const Follower& each : import.model.followers)
     add_coupling({{first + each.body},
@@ -179,8 +200,8 @@ void couple_followers(const Import& import, const ModelChoice& choice, int first
 
 }  // namespace
 
-void read_model(const Value& file, const std::string& mechanism, const ModelChoice& choice, std::size_t errors,
-                Reading& reading) {
+void read_model(const Value& file, const std::string& mechanism, const ModelChoice& choice, JointTables& joints,
+                std::size_t errors, Reading& reading) {
   const bool fresh = reading.direct || !file.string() || !reading.model_named(*file.string());
   const Import* import = model_of(file, reading);
   if (!import || import->errors() > 0 || import->model.bodies.empty()) {
@@ -195,22 +216,41 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
   reading.bodies_left -= static_cast<int>(import->model.bodies.size());
   const bool one_root = check_roots(*import, choice, reading);
   check_state(*import, choice.state, reading);
-  warn_of_limits(*import, choice, reading);
   if (fresh && !choice.mimic) warn_of_followers(*import);
-  const bool coupled = choice.mimic && check_followers(*import, choice, reading);
+  bool coupled = choice.mimic && check_followers(*import, choice, reading);
+  if (joints.any()) {
+    std::vector<std::pair<std::string, Kind>> names;
+    std::unordered_map<std::string, std::string> of_bodies;
+    for (const ImportedBody& body : import->model.bodies) {
+      BodySpec held;
+      held.joint.kind = body.spec.joint.kind;
+      if (body.spec.parent == ground) hold(held, body, choice);
+      names.emplace_back(body.spec.joint_name, held.joint.kind);
+      if (body.spec.name != body.spec.joint_name) of_bodies.emplace(body.spec.name, body.spec.joint_name);
+    }
+    joints.read(names, of_bodies);
+  }
 
   const int first = reading.scenario.model.size();
   std::deque<BodySpec> specs;  // large ones, that no growth should copy
+  std::ptrdiff_t limited = 0;
   for (const ImportedBody& body : import->model.bodies) {
     BodySpec& spec = specs.emplace_back(body.spec);
     if (spec.parent == ground) {
       hold(spec, body, choice);
       if (one_root && choice.state.velocity) read_root_velocity(*choice.state.velocity, spec, reading.out);
     }
-    const auto state = choice.state.joints.find(spec.joint_name);
-    if (state != choice.state.joints.end()) read_joint_state(*state->second, state->first, spec, reading.out);
+    joints.apply(spec.joint_name, spec);
+    limited += body.limits.any() && !spec.joint.parameters.limits.any();
+    if (const auto state = choice.state.joints.find(spec.joint_name); state != choice.state.joints.end()) {
+      check_start(joints, state->first, *state->second, reading.out);
+      read_joint_state(*state->second, state->first, spec, reading.out);
+    }
+    joints.check(spec.joint_name, spec);
   }
-  if (coupled) start_followers(*import, choice.state, specs);
+  warn_of_limits(limited, mechanism, choice, reading);
+  coupled = coupled && check_motions(*import, choice, specs, reading);
+  if (coupled) start_followers(*import, choice.state, joints, specs);
   for (const ImportedBody& body : import->model.bodies) {
     BodySpec spec = std::move(specs.front());
     specs.pop_front();

@@ -49,7 +49,13 @@ class Reader {
   }
 
   void take(Fields& fields, const char* key, Quantity quantity, Values& target) {
-    if (const Value* value = fields.find(key)) target = values(*value, quantity, true, key);
+    const Value* value = fields.find(key);
+    if (!value) return;
+    target = values(*value, quantity, true, key);
+    if (!kind_ || kind_->nv > 0 || !target.any()) return;
+    out_.error(value->place, std::string(key) + ": " + a_joint() + " does not move",
+               "leave it out; a weld has at most a strength");
+    target = {};
   }
 
   // One signal where there is one freedom, else a list with one per freedom.

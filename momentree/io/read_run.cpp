@@ -12,6 +12,7 @@ namespace momentree::io {
 
 void read_world(const Value& table, Reading& reading) {
   Fields fields(table, "[world]", reading.out);
+  fields.later({"floor"}, "there is no contact: bodies pass through each other");
   if (const auto gravity = fields.vec3("gravity", dimension::acceleration)) reading.scenario.model.set_gravity(*gravity);
   fields.finish();
 }
@@ -46,11 +47,15 @@ void read_integrate(const Value& table, Reading& reading) {
     for (const std::string& name : known) all += (all.empty() ? "this version has \"" : ", \"") + name + '"';
     if (in(known)) {
       integration.method = *method;
+    } else if (*method == "stepping") {
+      not_supported_yet(fields.place_of("method"), "method \"stepping\"", out, "there is no contact; use \"rk4\" or \"dopri5\"");
     } else {
-      const std::string hint = did_you_mean(*method, known);
+      std::string hint = cure_of_method(*method);
+      if (hint.empty()) hint = did_you_mean(*method, known);
       out.error(fields.place_of("method"), "unknown method " + in_quotes(*method), hint.empty() ? all : hint);
     }
   }
+  fields.later({"simultaneous", "resolve"}, "there is no contact: bodies pass through each other");
   integration.step = fields.positive("step", dimension::time).value_or(integration.step);
   integration.event_tolerance = fields.positive("event_tolerance", dimension::time).value_or(integration.event_tolerance);
   reading.scenario.until = fields.not_negative("until", dimension::time).value_or(reading.scenario.until);
@@ -65,7 +70,10 @@ void read_integrate(const Value& table, Reading& reading) {
                     "use method = \"dopri5\", which chooses its steps");
   if (fields.has("event_tolerance"))
     check_event_tolerance(integration.event_tolerance, fields.place_of("event_tolerance"), reading);
-  reading.rtol = fields.has("rtol") ? fields.place_of("rtol") : fields.place();
+  reading.integrate = {fields.place_of("step"),     fields.place_of("until"),
+                       fields.place_of("rtol"),     fields.place_of("atol"),
+                       fields.place_of("max_step"), fields.has("event_tolerance") ? fields.place_of("event_tolerance") : Place{},
+                       reading.integrate.every};
   fields.finish();
 }
 
@@ -78,13 +86,14 @@ void check_tolerance(Reading& reading) {
   char text[64], mend[64];
   std::snprintf(text, sizeof text, "rtol = %.3g is below", integration.rtol);
   std::snprintf(mend, sizeof mend, "%.1g: use rtol = %.0e or more", resolved, 10 * resolved);
-  reading.out.warning(reading.rtol, std::string(text) + " what the velocities of this mechanism can be resolved to",
+  reading.out.warning(reading.integrate.rtol, std::string(text) + " what the velocities of this mechanism can be resolved to",
                       std::string("they are known to about ") + mend);
 }
 
 void read_output(const Value& table, Reading& reading) {
   Fields fields(table, "[output]", reading.out);
   reading.scenario.output_every = fields.not_negative("every", dimension::time).value_or(0);
+  reading.integrate.every = fields.has("every") ? fields.place_of("every") : Place{};
   fields.finish();
 }
 

@@ -31,7 +31,7 @@ std::optional<Signal> read_table(const Value& value, const Dimension& expected, 
       return {};
     }
     const auto time = read_number((*entry.array())[0], dimension::time, label, out);
-    const auto y = read_number((*entry.array())[1], expected, label, out);
+    const auto y = read_plain_number((*entry.array())[1], expected, label, out);
     good = good && time && y;
     if (!good) continue;
     if (!knots.empty() && !(*time > knots.back().time)) {
@@ -91,7 +91,7 @@ std::optional<Signal> read_signal(const Value& value, const Dimension& expected,
     return number ? std::optional<Signal>(*number) : std::nullopt;
   }
   const std::size_t errors = out.errors();
-  Fields fields(value, std::string(label), out);
+  Fields fields(value, std::string(label), out, "signal");
   const Value *table = fields.find("table"), *sine = fields.find("sine"), *ends = fields.find("ends");
   const Value* const ramp = fields.has("rate") ? &value : nullptr;
   const std::optional<double> rate = fields.number("rate", expected / dimension::time);

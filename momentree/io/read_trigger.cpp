@@ -77,7 +77,12 @@ class QuantityReader final : public QuantityFields {
  private:
   // A table's field, or the value itself where it is a plain name.
   const Value* field(const char* key) {
-    if (!value_.table()) return key == std::string_view("joint") ? &value_ : nullptr;
+    if (!value_.table() && key == std::string_view("joint")) return &value_;
+    if (!value_.table()) {
+      out_.error(value_.place, key_ + ": names no component",
+                 "write reaction = { joint = …, component = \"fx\" }, or reaction_force for the norm");
+      return nullptr;
+    }
     if (!fields_) fields_.emplace(value_, key_, out_);
     return fields_->require(key);
   }
@@ -108,6 +113,11 @@ void know_unit(Quantity& quantity, const Value& value, Reading& reading) {
                       "for joints with one freedom");
 }
 
+bool is_time(const Value& value) {
+  QuantityProblem ignored;
+  return value.integer() || value.real() || (value.string() && parse_quantity(*value.string(), dimension::time, ignored));
+}
+
 std::optional<Condition> read_condition(const Value& when, const TriggerMatch* match, Reading& reading) {
   Diagnostics& out = reading.out;
   const std::size_t errors = out.errors();
@@ -130,6 +140,9 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
     reader.finish();
     if (out.errors() == errors) know_unit(*quantity, *value, reading);
   }
+  fields.later({"touch", "gap", "contact_force", "contact_impulse", "slip"},
+               "there is no contact: bodies pass through each other");
+  fields.later({"undetermined"}, "closed loops are not supported: a mechanism is a tree");
   const bool above = fields.has("exceeds"), below = fields.has("below");
   const Value *over = fields.find("exceeds"), *under = fields.find("below");
   const Value* threshold = below ? under : over;
@@ -149,12 +162,23 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
   return Condition(std::move(quantity), *number, above);
 }
 
+// False where a threshold has a unit that joints which slide, or those which turn, can't be compared with.
+bool fits_unit(const Value& when, bool slides, bool of_speed) {
+  const Dimension way = slides ? dimension::length : dimension::angle, dimension = of_speed ? way / dimension::time : way;
+  for (const char* key : {"exceeds", "below"})
+    if (const Value::Entry* threshold = when.find(key); threshold && threshold->value.string()) {
+      QuantityProblem ignored;
+      return parse_quantity(*threshold->value.string(), dimension, ignored).has_value();
+    }
+  return true;
+}
+
 }  // namespace
 
 std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, Reading& reading) {
   const Value::Entry* when = event.find("when");
   const Value *pattern = nullptr, *another = nullptr;
-  bool bodies = false;
+  bool bodies = false, of_one = false, speed = false;
   if (!when || !when->value.table()) return std::nullopt;
   const auto look = [&](const Value& name) {
     if (!name.string() || name.string()->find('*') == std::string::npos) return;
@@ -165,6 +189,8 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
     const Value::Entry* quantity = when->value.find(key);
     if (!quantity || key == "kinetic_energy") continue;  // of a mechanism
     bodies = key == "distance" || key == "height";
+    of_one = key == "position" || key == "speed";
+    speed = key == "speed";
     const auto look_in = [&look](const Value& entry) {
       look(entry);
       for (const char* field : {"joint", "body"})
@@ -184,12 +210,28 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
     return matches;
   }
   const std::string& name = *pattern->string();
+  int others = 0;
+  std::vector<TriggerMatch> of_other_unit;
   const Model& model = reading.scenario.model;
   for (const std::string& found : bodies ? matching_bodies(name, reading) : matching_joints(name, reading)) {
     TriggerMatch match{name, found, found};
     if (bodies && model.has_body(found)) match.joint = model[model.body(found)].joint_name;
-    if (!bodies && model.has_joint(found)) match.body = model[model.joint(found)].name;
+    if (!bodies && model.has_joint(found)) {
+      const BodySpec& joint = model[model.joint(found)];
+      if (of_one && (info(joint.joint.kind).nv != 1 || info(joint.joint.kind).nq != 1) && ++others) continue;
+      match.body = joint.name;
+      if (of_one && !fits_unit(when->value, info(joint.joint.kind).v_units[0] == 'm', speed)) {
+        of_other_unit.push_back(std::move(match));
+        continue;
+      }
+    }
     matches.push_back(std::move(match));
+  }
+  if (matches.empty()) matches = std::move(of_other_unit);  // what is wrong with the unit is said for one of them
+  if (matches.empty() && others > 0) {
+    out.error(pattern->place, "when: no joint that matches " + in_quotes(name) + " has one freedom",
+              "position and speed are of joints with one freedom");
+    return matches;
   }
   if (matches.empty() && !reading.opaque.contains(name.substr(0, name.find('/'))))
     out.error(pattern->place, std::string("when: no ") + (bodies ? "body" : "joint") + " matches " + in_quotes(name),
@@ -201,7 +243,7 @@ void read_trigger(Fields& fields, ScenarioEvent& event, const TriggerMatch* matc
   Diagnostics& out = reading.out;
   int triggers = 0;
   for (const char* key : {"at", "when", "after", "every"}) triggers += fields.has(key);
-  if (triggers == 0)
+  if (triggers == 0 && !fields.mistaken("when"))
     out.error(fields.place(), "event " + in_quotes(event.name) + " has no instant",
               "for example at = \"1.8 s\", or when = { reaction_force = \"crane/hook\", exceeds = \"4 kN\" }");
   if (triggers > 1)
@@ -220,6 +262,9 @@ void read_trigger(Fields& fields, ScenarioEvent& event, const TriggerMatch* matc
       if (const Value* name = inner.require("event")) event.after = read_string(*name, "event", out).value_or("");
       event.delay = inner.not_negative("delay", dimension::time).value_or(0);
       inner.finish();
+    } else if (is_time(*after)) {
+      out.error(after->place, "after: names no event",
+                "write after = { event = \"grasp\", delay = \"0.5 s\" }, or an instant: at = \"0.5 s\"");
     } else {
       event.after = read_string(*after, "after", out).value_or("");
     }

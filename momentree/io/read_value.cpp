@@ -1,34 +1,55 @@
 // Numbers with units, vectors, placements and inertias.
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include <momentree/io/fields.hpp>
+#include <momentree/io/mistakes/shapes.hpp>
 #include <momentree/math/unit.hpp>
 
 namespace momentree::io {
 
 namespace {
 
+std::string no_cure() { return {}; }
+
 std::string labelled(std::string_view label, std::string_view what) { return std::string(label) + ": " + std::string(what); }
 
-// The entries of a list that has one of the allowed lengths.
+// The entries of a list that has one of the allowed lengths. `cure`: says what to write instead of a value that is no such list.
+template <class Cure>
 const Value::Array* list_of(const Value& value, std::string_view label, std::string_view expected,
-                            std::initializer_list<std::size_t> lengths, Diagnostics& out) {
+                            std::initializer_list<std::size_t> lengths, Diagnostics& out, Cure cure) {
   const Value::Array* entries = value.array();
   if (!entries) {
-    out.error(value.place, labelled(label, "expected ") + std::string(expected) + ", found " + value.type_name());
+    out.error(value.place, labelled(label, "expected ") + std::string(expected) + ", found " + value.type_name(), cure());
     return nullptr;
   }
   for (const std::size_t length : lengths)
     if (entries->size() == length) return entries;
   out.error(value.place,
-            labelled(label, "expected ") + std::string(expected) + ", found a list of " + std::to_string(entries->size()));
+            labelled(label, "expected ") + std::string(expected) + ", found a list of " + std::to_string(entries->size()),
+            cure());
   return nullptr;
 }
 
 }  // namespace
 
 std::optional<double> read_number(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
+  const std::optional<double> number = read_plain_number(value, expected, label, out);
+  // A turn and a bit: limits of one turn are written with all sorts of roundings.
+  constexpr double turn = 6.283185307179586, suspicious = 1.001 * turn, of_degrees = 1e5;
+  if (!number || !(expected == dimension::angle) || value.string()) return number;
+  if (std::fabs(*number) <= suspicious || std::fabs(*number) > of_degrees) return number;
+  char turns[32];
+  std::snprintf(turns, sizeof turns, "%.3g", std::fabs(*number) / turn);
+  const std::string given = as_written(value);
+  out.warning(value.place, labelled(label, given) + " is taken in radians, " + turns + " turns",
+              "write \"" + given + " deg\" for degrees, or \"" + given + " rad\" if that is what you mean");
+  return number;
+}
+
+std::optional<double> read_plain_number(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
   if (const std::int64_t* n = value.integer()) return static_cast<double>(*n);
   if (const double* x = value.real()) {
     if (std::isfinite(*x)) return *x;
@@ -41,18 +62,21 @@ std::optional<double> read_number(const Value& value, const Dimension& expected,
     if (!number) out.error(value.place, labelled(label, problem.what), std::move(problem.hint));
     return number;
   }
-  out.error(value.place, labelled(label, "expected ") + name_of(expected) + ", found " + value.type_name());
+  out.error(value.place, labelled(label, "expected ") + name_of(expected) + ", found " + value.type_name(),
+            "for example " + example_of(expected));
   return {};
 }
 
 std::optional<std::string> read_string(const Value& value, std::string_view label, Diagnostics& out) {
   if (const std::string* text = value.string()) return *text;
-  out.error(value.place, labelled(label, "expected a string, found ") + value.type_name());
+  const bool number = value.integer() || value.real();
+  out.error(value.place, labelled(label, "expected a string, found ") + value.type_name(),
+            number ? "write \"" + as_written(value) + "\"" : "");
   return {};
 }
 
 std::optional<Vec3> read_vec3(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
-  const Value::Array* entries = list_of(value, label, "three numbers", {3}, out);
+  const Value::Array* entries = list_of(value, label, "three numbers", {3}, out, [&] { return cure_of_vector(label, value); });
   if (!entries) return {};
   const auto x = read_number((*entries)[0], expected, label, out), y = read_number((*entries)[1], expected, label, out),
              z = read_number((*entries)[2], expected, label, out);
@@ -62,18 +86,17 @@ std::optional<Vec3> read_vec3(const Value& value, const Dimension& expected, std
 
 std::optional<Pose> read_pose(const Value& value, std::string_view label, Diagnostics& out) {
   if (!value.table()) {
-    out.error(value.place, labelled(label, "expected a table, found ") + value.type_name(),
-              value.array() ? "write { xyz = [x, y, z] }, with rpy = [r, p, y] or quat = [w, x, y, z]" : "");
+    out.error(value.place, labelled(label, "expected a table, found ") + value.type_name(), cure_of_placement(label, value));
     return {};
   }
-  Fields fields(value, in_quotes(label), out);
+  Fields fields(value, in_quotes(label), out, "placement");
   const std::size_t errors = out.errors();
   Pose pose;
   if (const auto xyz = fields.vec3("xyz", dimension::length)) pose.position = *xyz;
   if (const auto rpy = fields.vec3("rpy", dimension::angle)) pose.rotation = from_rpy(rpy->x, rpy->y, rpy->z);
   if (const Value* quat = fields.find("quat")) {
     if (fields.has("rpy")) out.error(quat->place, labelled(label, "takes 'rpy' or 'quat', not both"));
-    if (const Value::Array* entries = list_of(*quat, "quat", "four numbers w, x, y, z", {4}, out)) {
+    if (const Value::Array* entries = list_of(*quat, "quat", "four numbers w, x, y, z", {4}, out, no_cure)) {
       double q[4] = {1, 0, 0, 0};
       for (std::size_t i = 0; i < 4; ++i)
         q[i] = read_number((*entries)[i], dimension::number, "quat", out).value_or(i == 0 ? 1 : 0);
@@ -92,12 +115,18 @@ std::optional<Pose> read_pose(const Value& value, std::string_view label, Diagno
 }
 
 std::optional<Sym3> read_inertia(const Value& value, std::string_view label, Diagnostics& out) {
-  if (!value.array()) {
+  if (!value.array() && !value.table()) {
     const auto all = read_number(value, dimension::inertia, label, out);
     if (!all) return {};
     return diagonal(*all);
   }
-  const Value::Array* entries = list_of(value, label, "1, 3 or 6 numbers", {1, 3, 6}, out);
+  if (value.array() &&
+      std::any_of(value.array()->begin(), value.array()->end(), [](const Value& v) { return v.array() != nullptr; })) {
+    out.error(value.place, labelled(label, "expected 1, 3 or 6 numbers, found a list of lists"), cure_of_inertia(value));
+    return {};
+  }
+  const Value::Array* entries =
+      list_of(value, label, "1, 3 or 6 numbers", {1, 3, 6}, out, [&] { return cure_of_inertia(value); });
   if (!entries) return {};
   double i[6] = {};
   bool good = true;

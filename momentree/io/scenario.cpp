@@ -63,6 +63,7 @@ void check_whole(Reading& reading) {
   }
   if (errors == 0 && out.errors() + reading.model_errors() == 0) {
     check_tolerance(reading);
+    check_integration(reading);
     check_events(reading);
   }
 }
@@ -105,7 +106,9 @@ void read_document(const Value& document, Reading& reading) {
   finish_events(reading);
   if (const Value* integrate = fields.find("integrate")) read_integrate(*integrate, reading);
   if (const Value* output = fields.find("output")) read_output(*output, reading);
-  fields.later({"loop"}, "closed loops are not supported: a mechanism is a tree");
+  fields.later({"loop", "spring"}, "closed loops are not supported: a mechanism is a tree");
+  fields.later({"contact", "cable"}, "there is no contact: bodies pass through each other");
+  fields.later({"scenario", "worlds", "seed", "vary", "measure"}, "this is a scenario of one world, not a sweep");
   fields.finish();
   check_whole(reading);
 }
@@ -136,12 +139,23 @@ Value document_of(const std::string& name, const std::string& file, const Import
   return {std::move(document), nowhere};
 }
 
-ReadResult read_text(std::string text, const std::string& path, const std::vector<std::string>& overrides, bool looks_at_files) {
+// Where a text comes from.
+struct Origin {
+  std::string path, name, folder;
+  bool looks_at_files = true;
+  explicit Origin(const std::string& file)
+      : path(file),
+        name(std::filesystem::path(file).stem().string()),
+        folder(std::filesystem::path(file).parent_path().string()) {}
+};
+
+ReadResult read_text(std::string text, const Origin& origin, const std::vector<std::string>& overrides) {
   namespace fs = std::filesystem;
+  const std::string& path = origin.path;
   ReadResult result;
   Scenario scenario;
   scenario.path = path;
-  scenario.name = fs::path(path).stem().string();
+  scenario.name = origin.name;
   scenario.text = std::move(text);
   Hash hash;
   hash.add(scenario.text);
@@ -150,13 +164,13 @@ ReadResult read_text(std::string text, const std::string& path, const std::vecto
     hash.add(each);
   }
   Diagnostics out(path, scenario.text, overrides);
-  Reading reading{scenario, out, fs::path(path).parent_path().string(), looks_at_files};
+  Reading reading{scenario, out, origin.folder, origin.looks_at_files};
   SyntaxError error;
   std::optional<Value> document;
   reading.direct = is_model(path, scenario.text);
   if (reading.direct) {
     const std::string file = fs::path(path).filename().string(), folder = reading.folder.empty() ? "." : reading.folder;
-    reading.models.emplace_back(file, read_model_text(path, scenario.text, looks_at_files ? folder : ""));
+    reading.models.emplace_back(file, read_model_text(path, scenario.text, origin.looks_at_files ? folder : ""));
     const Import& import = *reading.models.back().second;
     if (import.errors() == 0) document = document_of(mechanism_name(scenario.name), file, import.model);
   } else {
@@ -175,6 +189,7 @@ ReadResult read_text(std::string text, const std::string& path, const std::vecto
     for (const auto& file : import->files()) {
       const bool known = reading.direct && file == import->files().front();
       if (!known) hash.add("\n--model "), hash.add(file->text());
+      result.model_files.push_back(file->path());
       for (Diagnostic& each : file->take()) result.diagnostics.push_back(std::move(each));
     }
   }
@@ -195,11 +210,22 @@ ReadResult read_scenario(const std::string& path, const std::vector<std::string>
   if (!read_whole_file(path, "scenario", largest_file, text, why)) return refused(path, why.what, why.hint);
   if (text.size() > largest_model && is_model(path, text))
     return refused(path, "is larger than " + std::to_string(largest_model >> 20) + " MiB: this is no model", "");
-  return read_text(std::move(text), path, overrides, true);
+  return read_text(std::move(text), Origin(path), overrides);
+}
+
+ReadResult read_scenario_from(std::string text, const std::string& path, const std::string& name, const std::string& folder,
+                              const std::vector<std::string>& overrides) {
+  if (text.size() > largest_model && is_model(path, text))
+    return refused(path, "is larger than " + std::to_string(largest_model >> 20) + " MiB: this is no model", "");
+  Origin origin(path);
+  origin.name = name, origin.folder = folder;
+  return read_text(std::move(text), origin, overrides);
 }
 
 ReadResult read_scenario_text(std::string_view text, const std::string& path, const std::vector<std::string>& overrides) {
-  return read_text(std::string(text), path, overrides, false);
+  Origin origin(path);
+  origin.looks_at_files = false;
+  return read_text(std::string(text), origin, overrides);
 }
 
 }  // namespace momentree::io

@@ -59,13 +59,19 @@ struct Scenario {
 };
 
 struct ReadResult {
-  std::optional<Scenario> scenario;     ///< absent where there is an error
-  std::vector<Diagnostic> diagnostics;  ///< errors and warnings, in the order of the file
+  std::optional<Scenario> scenario;        ///< absent where there is an error
+  std::vector<Diagnostic> diagnostics;     ///< errors and warnings, in the order of the file
+  std::vector<std::string> model_files{};  ///< that were read, as diagnostics name them
 };
 
 /// Reads and checks a scenario, or a model file (URDF, MJCF) as a scenario of that mechanism alone, named after the file.
 /// `overrides` are KEY=VALUE: a dotted path and a TOML value, else a string. Every problem is a diagnostic; nothing is thrown.
 ReadResult read_scenario(const std::string& path, const std::vector<std::string>& overrides = {});
+
+/// The same from a text that stands in no file, as that of standard input. `path`: what messages call it; `name`: of the
+/// scenario, or of the mechanism of a model; `folder`: where the files that it names are looked for, empty: the working folder.
+ReadResult read_scenario_from(std::string text, const std::string& path, const std::string& name, const std::string& folder,
+                              const std::vector<std::string>& overrides = {});
 
 /// The same from a text. `path` is for messages and names alone: files that the scenario names are not looked for.
 ReadResult read_scenario_text(std::string_view text, const std::string& path, const std::vector<std::string>& overrides = {});

@@ -14,6 +14,11 @@
 
 namespace momentree::io {
 
+/// Where [integrate] and [output] say what; the table, or nowhere, where they don't.
+struct IntegratePlaces {
+  Place step{}, until{}, rtol{}, atol{}, max_step{}, event_tolerance{}, every{};
+};
+
 /// What the parts share while one file is read.
 struct Reading {
   Scenario& scenario;
@@ -48,7 +53,7 @@ struct Reading {
   };
   std::vector<JointUse> joint_uses{};
   std::vector<LateEntry> late{};
-  Place rtol{};                       ///< of the tolerance, or of [integrate]
+  IntegratePlaces integrate{};
   long suggestions_left = 2'000'000;  ///< names that may yet be compared to find the nearest
   int bodies_left = 1'000'000;
 
@@ -112,12 +117,20 @@ void read_joint(const Value& table, BodyEntry& body, Reading& reading);
 /// coordinates, or a table with the keys of a joint's start.
 void read_joint_state(const Value& value, std::string_view joint, BodySpec& spec, Diagnostics& out);
 
+/// q, v, angle, position and speed.
+void read_start(Fields& fields, const KindInfo& kind, Values& q, Values& v, Diagnostics& out);
+/// A joint whose motion is prescribed starts where that starts; `q` and `v`: where the file gives them otherwise.
+void start_motion(BodySpec& spec, const std::optional<Place>& q, const std::optional<Place>& v, Diagnostics& out);
+
+class JointTables;
+
 void read_mechanism(const Value& table, Reading& reading);
 /// `errors`: how many there were before this mechanism. Its bodies are added where none came since.
 void read_chain(const Value& table, const std::string& mechanism, bool free_root, const Pose& pose, const MechanismState& state,
-                std::size_t errors, Reading& reading);
+                JointTables& joints, std::size_t errors, Reading& reading);
 /// The bodies of a model file. `errors`: as above.
-void read_model(const Value& file, const std::string& mechanism, const ModelChoice& choice, std::size_t errors, Reading& reading);
+void read_model(const Value& file, const std::string& mechanism, const ModelChoice& choice, JointTables& joints,
+                std::size_t errors, Reading& reading);
 /// Puts the bodies of a mechanism, root first and parents before children, in the order of the file as far as that allows; empty,
 /// with reports, where there are not as many roots as the mechanism says, a parent is unknown or the joints go round in a circle.
 std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const std::string& mechanism, Place place,
@@ -134,6 +147,8 @@ void read_plain_parameters(Fields& fields, JointParameters& parameters, Diagnost
 /// What check_joint() finds, at the keys; true if it found something.
 bool report_problems(const JointSpec& joint, const Fields& fields, Diagnostics& out);
 
+/// `*` matches any run of characters but '/'.
+bool matches_wildcard(std::string_view pattern, std::string_view name);
 /// What a name with `*` stands for, in the order of the model.
 std::vector<std::string> matching_joints(const std::string& pattern, Reading& reading);
 std::vector<std::string> matching_bodies(const std::string& pattern, Reading& reading);
@@ -170,6 +185,8 @@ void check_events(Reading& reading);
 
 void read_world(const Value& table, Reading& reading);
 void read_integrate(const Value& table, Reading& reading);
+/// Judges steps, tolerances and the length of the run, together and for the model.
+void check_integration(Reading& reading);
 /// Warns where a tolerance asks for more than the momenta of this mechanism can tell.
 void check_tolerance(Reading& reading);
 void read_output(const Value& table, Reading& reading);

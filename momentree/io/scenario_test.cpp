@@ -174,7 +174,8 @@ TEST_CASE("every kind of joint, with its parameters") {
 TEST_CASE("a unit that does not fit every freedom is refused") {
   CHECK(
       said(read_scenario_text(one_body + "[mechanism.body.joint]\nkind = \"cylindrical\"\ndamping = \"1 N m s\"\n", "s.toml")) ==
-      "s.toml:10:11: error: damping: '1 N m s' is an angular momentum (N m s), not a damping (N s/m)");
+      "s.toml:10:11: error: damping: '1 N m s' is an angular momentum (N m s), not a damping (N s/m); for example 20, or \"20 N "
+      "s/m\"");
 }
 
 TEST_CASE("an event with a wildcard is one event for each match, in the order of the model") {

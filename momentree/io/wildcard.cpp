@@ -5,10 +5,8 @@
 
 namespace momentree::io {
 
-namespace {
-
 // Two positions to go back to at most: linear in practice, never recursive.
-bool matches(std::string_view pattern, std::string_view name) {
+bool matches_wildcard(std::string_view pattern, std::string_view name) {
   std::size_t p = 0, n = 0, star = std::string_view::npos, star_n = 0;
   while (n < name.size()) {
     if (p < pattern.size() && pattern[p] == '*') {
@@ -25,6 +23,8 @@ bool matches(std::string_view pattern, std::string_view name) {
   return p == pattern.size();
 }
 
+namespace {
+
 template <class Number>
 std::vector<std::string> matching(const std::string& pattern, const std::unordered_map<std::string, Place>& names,
                                   std::vector<std::string_view>& sorted, Number number) {
@@ -36,7 +36,7 @@ std::vector<std::string> matching(const std::string& pattern, const std::unorder
   std::vector<std::pair<int, std::string>> numbered;
   for (auto at = std::lower_bound(sorted.begin(), sorted.end(), literal);
        at != sorted.end() && at->substr(0, literal.size()) == literal; ++at)
-    if (matches(pattern, *at)) numbered.emplace_back(number(*at), std::string(*at));
+    if (matches_wildcard(pattern, *at)) numbered.emplace_back(number(*at), std::string(*at));
   std::sort(numbered.begin(), numbered.end());
   std::vector<std::string> found;
   for (auto& [index, name] : numbered) found.push_back(std::move(name));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <momentree/integrate/stiffness.hpp>
+
 namespace momentree {
 
 namespace {
@@ -47,7 +49,10 @@ std::string what_ran_away(const World& world, const Integrator& method, double h
 }  // namespace
 
 std::string divergence_text(const World& world, const Integrator& method, const Integration& integration, double h) {
-  return "diverged at t = " + text(world.time()) + " s: " + what_ran_away(world, method, h) + "; use " +
+  const std::string when = "diverged at t = " + text(world.time()) + " s: ";
+  if (const auto stiff = too_stiff(world.tree(), world.state().q(), integration.method, h))
+    return when + stiff->what(world.joint_name({stiff->joint}), h) + "; " + stiff->cure();
+  return when + what_ran_away(world, method, h) + "; use " +
          (method.adaptive() ? "larger tolerances rtol and atol"
                             : "a smaller step, such as " + text(integration.step / 4) + " s") +
          ", or more damping or inertia at that joint";

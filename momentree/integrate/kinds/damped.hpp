@@ -19,12 +19,15 @@ namespace momentree {
 class Damped final : public Integrator {
  public:
   static constexpr bool chooses_steps = false;
+  // Dampers it takes at any step; springs as its explicit part does.
+  static constexpr double damper_limit = HUGE_VAL, spring_limit = 1.57;
+  static constexpr double implicit_share = 0.5;  ///< γ
   Damped(const Tree& tree, const StepControl& control);
   bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept override;
 
  private:
   static constexpr int stages = 5;
-  static constexpr double gamma = 0.5;
+  static constexpr double gamma = implicit_share;
   static constexpr int most_linearised = 20;  // times in a stage; one to three are usual
   static constexpr double c[stages] = {0, 1.0 / 2, 2.0 / 3, 1.0 / 2, 1};
   static constexpr double explicit_part[stages][stages] = {

@@ -11,6 +11,8 @@ namespace momentree {
 class Midpoint final : public Integrator {
  public:
   static constexpr bool chooses_steps = false;
+  // Above these the iteration does not converge.
+  static constexpr double damper_limit = 2, spring_limit = 2;
   Midpoint(const Tree& tree, const StepControl& control);
   bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept override;
 

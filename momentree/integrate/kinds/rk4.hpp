@@ -19,6 +19,8 @@ inline void advance(int n, const double* start, const double* rate, double weigh
 class Rk4 final : public Integrator {
  public:
   static constexpr bool chooses_steps = false;
+  // Steps times the rate of a damper, or of a spring, above which it is unstable (the furthest that its region reaches).
+  static constexpr double damper_limit = 2.785, spring_limit = 2.97;
   Rk4(const Tree& tree, const StepControl& control);
   bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept override;
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <momentree/io/convert/describe.hpp>
+#include <momentree/io/number_text.hpp>
 
 namespace momentree::io {
 
@@ -12,6 +13,25 @@ namespace {
 using namespace pieces;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Angles of more than a turn say their unit: without one they would be taken for degrees, with a warning.
+Value coordinate(double x, char letter) {
+  return letter == 'r' && std::fabs(x) > 6.2832 ? text(number_text(x) + " rad") : number(x);
+}
+
+Value coordinates(const Values& values, const char* letters) {
+  Value::Array all;
+  for (int i = 0; i < values.size(); ++i) all.push_back(coordinate(values[i], letters[i]));
+  return value(std::move(all));
+}
+
+// Stops, which may be one number for all freedoms.
+void add_stops(Value::Table& table, const char* key, const Values& values, const char* letters) {
+  if (values.size() == 1)
+    add(table, key, coordinate(values[0], letters[0]));
+  else if (!values.empty())
+    add(table, key, coordinates(values, letters));
+}
 
 Value list_of(const Values& values) {
   Value::Array all;
@@ -88,10 +108,10 @@ Value::Table drive_table(const JointParameters& p, const KindInfo& kind) {
   return table;
 }
 
-Value::Table limits_table(const JointLimits& limits) {
+Value::Table limits_table(const JointLimits& limits, const KindInfo& kind) {
   Value::Table table;
-  add_values(table, "lower", limits.lower);
-  add_values(table, "upper", limits.upper);
+  add_stops(table, "lower", limits.lower, kind.q_units);
+  add_stops(table, "upper", limits.upper, kind.q_units);
   if (limits.soft()) {
     add_values(table, "stiffness", limits.stiffness);
     add_any(table, "damping", limits.damping);
@@ -107,7 +127,7 @@ void add_parameters(Value::Table& table, const JointParameters& p, const KindInf
   const bool rests_apart = !p.rest.empty() && !(p.rest == zero);
   add_any(table, "damping", p.damping);
   if (p.stiffness.any() || rests_apart) add_values(table, "stiffness", p.stiffness.empty() ? Values(0) : p.stiffness);
-  if (rests_apart) add(table, "rest", kind.nq == 1 ? number(p.rest[0]) : list_of(p.rest));
+  if (rests_apart) add(table, "rest", kind.nq == 1 ? coordinate(p.rest[0], kind.q_units[0]) : coordinates(p.rest, kind.q_units));
   add_any(table, "armature", p.armature);
   if (p.friction.given()) {
     Value::Table friction;
@@ -116,7 +136,7 @@ void add_parameters(Value::Table& table, const JointParameters& p, const KindInf
     add(table, "friction", value(std::move(friction)));
   }
   if (Value::Table drive = drive_table(p, kind); !drive.empty()) add(table, "drive", value(std::move(drive)));
-  if (p.limits.any()) add(table, "limits", value(limits_table(p.limits)));
+  if (p.limits.any()) add(table, "limits", value(limits_table(p.limits, kind)));
   if (!p.strength.any()) return;
   Value::Table strength;
   if (p.strength.force < infinity) add(strength, "force", number(p.strength.force));
@@ -130,7 +150,7 @@ void add_start(Value::Table& table, const BodySpec& spec, const KindInfo& kind) 
   const bool one = kind.nq == 1 && kind.nv == 1;
   if (!(spec.q == joint_zero(kind.kind))) {
     const char* const key = !one ? "q" : kind.q_units[0] == 'r' ? "angle" : "position";
-    add(table, key, one ? number(spec.q[0]) : list_of(spec.q));
+    add(table, key, one ? coordinate(spec.q[0], kind.q_units[0]) : coordinates(spec.q, kind.q_units));
   }
   if (drive && drive->moves()) return;
   if (spec.v.any()) add(table, one ? "speed" : "v", one ? number(spec.v[0]) : list_of(spec.v));

@@ -116,7 +116,7 @@ void Import::read_mesh(const std::string& name, const XmlSpot& at, Shape& shape,
     shape.mesh = each.generic_string();
     return;
   }
-  file.once(Severity::warning, "a mesh is not in the model's folder: pictures leave it out", "the motion does not need it", at);
+  file.once(Severity::note, "a mesh is not in the model's folder: pictures leave it out", "the motion does not need it", at);
 }
 
 }  // namespace momentree::io

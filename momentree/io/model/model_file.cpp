@@ -65,6 +65,14 @@ bool is_model(std::string_view path, std::string_view text) {
   return first != std::string_view::npos && text[first] == '<';
 }
 
+std::vector<std::string> model_endings() {
+  std::vector<std::string> all{".xml"};
+  for (const Format& format : formats())
+    for (const std::string& ending : format.endings)
+      if (std::find(all.begin(), all.end(), ending) == all.end()) all.push_back(ending);
+  return all;
+}
+
 std::unique_ptr<Import> read_model_text(std::string path, std::string text, std::string folder) {
   auto import = std::make_unique<Import>(std::move(path), std::move(text), std::move(folder));
   read(*import);

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <momentree/io/model/importer.hpp>
 
@@ -10,6 +11,9 @@ namespace momentree::io {
 
 /// True where a file of that name or that text is a model and no scenario.
 bool is_model(std::string_view path, std::string_view text);
+
+/// Endings of the names of model files, each with its point.
+std::vector<std::string> model_endings();
 
 /// Reads a model from its text; what is wrong is in the files of the result. `folder`: for the files that it names; empty: none
 /// is looked for.

@@ -50,7 +50,7 @@ void read_limit(XmlElement element, const Type& type, AxisPart& axis, XmlFile& f
   const double upper = texts.bound("upper").value_or(inf);
   const auto effort = texts.bound("effort");
   if (effort && *effort == 0)
-    file.once(Severity::warning, "an effort limit of 0: nothing could drive this joint", "efforts are not limited here",
+    file.once(Severity::note, "an effort limit of 0: nothing could drive this joint", "efforts are not limited here",
               texts.spot());
   texts.bound("velocity");
   texts.bound("stiffness");
@@ -94,7 +94,7 @@ AxisPart read_axis(XmlElement element, const Type& type, Version version, XmlFil
       file.error(axis.spot, "xyz: an axis of length zero has no direction", "for example <xyz>0 0 1</xyz>");
       axis.xyz = {0, 0, 1};
     } else if (std::fabs(length - 1) > 1e-3) {
-      file.once(Severity::warning, "an axis is not of length 1: it is taken as a direction", "", axis.spot);
+      file.once(Severity::note, "an axis is not of length 1: it is taken as a direction", "", axis.spot);
     }
   }
   // Axes were those of the model until 1.4, and by choice until 1.6.

@@ -58,8 +58,7 @@ Vec3 read_axis(XmlFields& fields, XmlFile& file) {
     file.error(spot, "xyz: an axis of length zero has no direction", "for example xyz=\"0 0 1\"");
     return axis;
   }
-  if (std::fabs(length - 1) > 1e-3)
-    file.once(Severity::warning, "an axis is not of length 1: it is taken as a direction", "", spot);
+  if (std::fabs(length - 1) > 1e-3) file.once(Severity::note, "an axis is not of length 1: it is taken as a direction", "", spot);
   return *given;
 }
 
@@ -69,7 +68,7 @@ void read_limit(XmlElement limit, const Type& type, Joint& joint, XmlFile& file)
   const auto effort = fields.not_negative("effort");
   fields.not_negative("velocity");
   if (effort && *effort == 0)
-    file.once(Severity::warning, "an effort limit of 0: nothing could drive this joint", "efforts are not limited here",
+    file.once(Severity::note, "an effort limit of 0: nothing could drive this joint", "efforts are not limited here",
               fields.spot("effort"));
   fields.finish();
   if (!type.limited || (!fields.has("lower") && !fields.has("upper"))) return;

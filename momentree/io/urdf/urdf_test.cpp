@@ -133,13 +133,13 @@ TEST_CASE("URDF: what is left out is said once, with its lines") {
   REQUIRE(result.scenario);
   CHECK(said(result, Severity::note) ==
         "r.urdf:2:16: note: <collision> is ignored (lines 2 and 3); bodies do not touch here\n"
+        "r.urdf:4:75: note: unknown attribute 'D' of <dynamics> is ignored\n"
+        "r.urdf:4:81: note: unknown attribute 'K' of <dynamics> is ignored\n"
         "r.urdf:5:1: note: <transmission> is ignored (lines 5 and 7); efforts act on joints themselves\n"
         "r.urdf:6:1: note: <gazebo> is ignored; it belongs to another program\n"
         "r.urdf:8:1: note: <unheard> in <robot> is ignored");
   CHECK(said(result, Severity::warning) ==
-        "r.urdf:2:86: warning: <colision> in <link> is ignored (lines 2 and 3); did you mean <collision>?\n"
-        "r.urdf:4:75: warning: unknown attribute 'D' of <dynamics> is ignored\n"
-        "r.urdf:4:81: warning: unknown attribute 'K' of <dynamics> is ignored");
+        "r.urdf:2:86: warning: <colision> in <link> is ignored (lines 2 and 3); did you mean <collision>?");
 }
 
 TEST_CASE("URDF: what is legal but odd is a warning") {
@@ -156,11 +156,12 @@ TEST_CASE("URDF: what is legal but odd is a warning") {
       "r.urdf:4:16: warning: inertia: the largest principal moment is slightly more than the sum of the others ('c'); "
       "rounded values? give more digits\n"
       "r.urdf:5:16: warning: <inertial> has no <inertia>: all the mass is in one point; give ixx, iyy and izz\n"
-      "r.urdf:6:80: warning: an axis is not of length 1: it is taken as a direction\n"
       "r.urdf:6:88: warning: the limits of this joint are equal: it could not move; they are not taken up; a joint that does not "
       "move is type=\"fixed\"\n"
-      "r.urdf:6:123: warning: an effort limit of 0: nothing could drive this joint; efforts are not limited here\n"
       "r.urdf:7:1: warning: a revolute joint without <limit>: it has none; type=\"continuous\" says so");
+  CHECK(said(result, Severity::note) ==
+        "r.urdf:6:80: note: an axis is not of length 1: it is taken as a direction\n"
+        "r.urdf:6:123: note: an effort limit of 0: nothing could drive this joint; efforts are not limited here");
 }
 
 TEST_CASE("URDF: visuals are kept, with their colours; meshes may be missing, but not elsewhere") {
@@ -188,10 +189,10 @@ TEST_CASE("URDF: visuals are kept, with their colours; meshes may be missing, bu
   CHECK(first.more[1].mesh == "r/meshes/a.stl");
   CHECK(first.more[1].scale == Vec3{2, 2, 2});
   CHECK(first.more[2].mesh == "b.stl");
-  const std::string warned = said(result, Severity::warning);
-  CAPTURE(warned);
-  CHECK(warned.ends_with(
-      "r.urdf:2:350: warning: a mesh is not in the model's folder: pictures leave it out; the motion does not need it"));
+  const std::string noted = said(result, Severity::note);
+  CAPTURE(noted);
+  CHECK(noted.ends_with(
+      "r.urdf:2:350: note: a mesh is not in the model's folder: pictures leave it out; the motion does not need it"));
 }
 
 TEST_CASE("a mechanism of a scenario places, holds and starts a model, and takes up its limits") {

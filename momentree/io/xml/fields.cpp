@@ -58,9 +58,14 @@ std::optional<double> number_of(std::string_view word, Trouble& trouble) {
 
 // The one of `known` that is one or two letters away: three letters are another word by two.
 std::string slip_of(std::string_view word, const std::vector<std::string>& known) {
-  const std::string meant = nearest(word, known);
-  const std::size_t shorter = std::min(word.size(), meant.size());
-  return shorter > 2 && edit_distance(word, meant) <= (shorter > 3 ? 2u : 1u) ? meant : std::string{};
+  std::string meant;
+  std::size_t best = 3;
+  if (word.size() > 200) return meant;
+  for (const std::string& candidate : known) {
+    const std::size_t shorter = std::min(word.size(), candidate.size()), distance = edit_distance(word, candidate);
+    if (distance < best && shorter > 2 && distance <= (shorter > 3 ? 2u : 1u)) best = distance, meant = candidate;
+  }
+  return meant;
 }
 
 }  // namespace
@@ -226,7 +231,7 @@ void XmlFields::finish() {
     if (!meant.empty())
       file_.error(spot, "unknown attribute " + in_quotes(name) + " of " + element_.tag(), "did you mean '" + meant + "'?");
     else
-      file_.once(Severity::warning, "unknown attribute " + in_quotes(name) + " of " + element_.tag() + " is ignored", "", spot);
+      file_.once(Severity::note, "unknown attribute " + in_quotes(name) + " of " + element_.tag() + " is ignored", "", spot);
   }
   for (const XmlElement each : element_.children()) {
     const std::string_view name = each.name();

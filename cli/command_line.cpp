@@ -1,0 +1,329 @@
+#include <cli/command_line.hpp>
+
+#include <algorithm>
+#include <cstdio>
+
+#include <cli/arguments.hpp>
+#include <cli/completion.hpp>
+#include <cli/man_page.hpp>
+#include <momentree/base/error.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+constexpr const char* closing =
+    "Exit codes: 0 done, 1 the simulation failed, 2 bad input or usage, 3 interrupted (what was computed is kept).";
+constexpr const char* a_source = "A scenario (.toml) or a model (.urdf, .sdf, .xml); - is standard input";
+
+bool offered(const std::string& group) { return !group.empty(); }
+
+std::string quoted(const std::string& words) { return "`momentree " + words + "`"; }
+
+}  // namespace
+
+CLI::App* CommandLine::command(const char* name, const char* does, std::function<int()> action) {
+  CLI::App* sub = app_.add_subcommand(name, does);
+  sub->footer(closing);
+  sub->allow_extras();  // require_known_arguments has better words for them
+  actions_.emplace_back(sub, std::move(action));
+  return sub;
+}
+
+void CommandLine::overrides(CLI::App* sub, std::vector<std::string>& values) {
+  sub->add_option("--set", values, "Replace a value of the scenario: a dotted path = a TOML value, as in integrate.step=1e-4")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all();
+}
+
+void CommandLine::verbose(CLI::App* sub, bool& value) {
+  sub->add_flag("-v,--verbose", value, "List what is noted of a model file, instead of its number alone");
+}
+
+void CommandLine::served(CLI::App* sub, int& port, bool& no_browser) {
+  sub->add_option_function<std::string>(
+         "--port", [&port](const std::string& text) { port = number_argument("--port", text, 0, 65535); },
+         "Port on 127.0.0.1; default: any free port")
+      ->type_name("N");
+  sub->add_flag("--no-browser", no_browser, "Print the address and open nothing");
+}
+
+CLI::Option* CommandLine::source(CLI::App* sub, const char* name, std::string& value, const char* type, const char* does) {
+  return sub->add_option(name, value, does)->type_name(type);
+}
+
+void CommandLine::later(const char* name) {
+  CLI::App* sub = command(name, "", [name]() -> int { throw Error{quoted(name) + " is not supported yet", "", ""}; });
+  sub->group("");
+  later_commands_.push_back(sub);
+}
+
+void CommandLine::later(CLI::App* sub, const char* option, bool takes_value) {
+  CLI::Option* added = sub->add_option(option)->group("");
+  if (takes_value)
+    added->expected(0, 1);
+  else
+    added->expected(0);
+  later_options_.emplace_back(option, added);
+}
+
+CommandLine::CommandLine() {
+  app_.set_version_flag("-V,--version", "momentree " MOMENTREE_VERSION);
+  app_.footer(closing);
+  app_.require_subcommand(0, 1);
+  app_.allow_extras();
+  add_run();
+  add_readers();
+  add_writers();
+  add_pages();
+  add_helpers();
+  for (const char* name : {"sweep", "gradient", "replay"}) later(name);
+}
+
+void CommandLine::add_run() {
+  CLI::App* sub = command("run", "Run a scenario or a model and write the results", [this] { return run(run_); });
+  source(sub, "scenario", run_.scenario, "SCENARIO|MODEL", a_source)->required();
+  sub->add_option("--out", run_.out, "Where the results go; default results/ and the scenario's name")->type_name("DIR");
+  overrides(sub, run_.overrides);
+  sub->add_option_function<std::string>(
+         "--until", [this](const std::string& text) { run_.until = time_argument("--until", text); },
+         "End the run at this time instead: seconds, or with a unit as in \"2 min\"")
+      ->type_name("T");
+  sub->add_flag("--report", run_.report, "Also write report.html: the motion, events and plots in one page");
+  sub->add_flag("--reactions", run_.reactions, "Add to joints.csv what each joint carries: fx, fy, fz, mx, my, mz");
+  sub->add_flag("--generate", run_.generate, "Compile code for each topology as it comes, and run that (short chains and arms)");
+  sub->add_flag("--quiet", run_.quiet, "Print nothing but warnings and errors");
+  verbose(sub, run_.verbose);
+  sub->add_flag("--json", run_.json, "Print summary.json and nothing else");
+  sub->add_option("--format", run_.format)->group("");  // there is but one
+  later(sub, "--checkpoint", true);
+  later(sub, "--resume", false);
+}
+
+void CommandLine::add_readers() {
+  CLI::App* check_command =
+      command("check", "Say what is wrong with scenarios and models, as file:line:col", [this] { return check(check_); });
+  check_command->add_option("files", check_.files, "Scenarios (.toml) or models (.urdf, .sdf, .xml); - is standard input")
+      ->required()
+      ->type_name("FILE");
+  verbose(check_command, check_.verbose);
+  check_command->add_flag("--json", check_.json, "Print one JSON document and nothing else: problems for an editor");
+
+  CLI::App* evaluate_command = command("evaluate", "Evaluate a scenario or a model once, at its start or at a state",
+                                       [this] { return evaluate(evaluate_); });
+  source(evaluate_command, "scenario", evaluate_.scenario, "SCENARIO|MODEL", a_source)->required();
+  evaluate_command
+      ->add_option("--state", evaluate_.state, "A state document, such as the final.json of a run; - is standard input")
+      ->type_name("STATE.json");
+  overrides(evaluate_command, evaluate_.overrides);
+  verbose(evaluate_command, evaluate_.verbose);
+  evaluate_command->add_flag("--json", evaluate_.json, "Print the state document and nothing else");
+
+  CLI::App* explain_command = command("explain", "Draw the tree in the terminal, with masses and degrees of freedom",
+                                      [this] { return explain(explain_); });
+  source(explain_command, "scenario", explain_.scenario, "SCENARIO|MODEL", a_source)->required();
+  overrides(explain_command, explain_.overrides);
+  verbose(explain_command, explain_.verbose);
+}
+
+void CommandLine::add_writers() {
+  CLI::App* convert_command = command("convert", "Write a scenario or a model as a scenario (.toml) or a model (.urdf)",
+                                      [this] { return convert(convert_); });
+  source(convert_command, "source", convert_.source, "SCENARIO|MODEL", a_source)->required();
+  convert_command->add_option("-o,--out", convert_.out, "The file to write: .toml or .urdf; - is TOML on standard output")
+      ->required()
+      ->type_name("FILE");
+  convert_command->add_option("--mechanism", convert_.mechanism, "Which one, for a URDF of a scenario with several")
+      ->type_name("NAME");
+  overrides(convert_command, convert_.overrides);
+  verbose(convert_command, convert_.verbose);
+
+  CLI::App* compile_command =
+      command("compile", "Write code that is specialised for one topology, as a C++ file", [this] { return compile(compile_); });
+  source(compile_command, "scenario", compile_.scenario, "SCENARIO|MODEL", a_source)->required();
+  compile_command->add_option("-o,--out", compile_.out, "The file to write; - is standard output")->required()->type_name("FILE");
+  compile_command->add_option("--name", compile_.name, "What its names begin with; default: the scenario's name")
+      ->type_name("NAME");
+  compile_command->add_flag("--without-joint-forces", compile_.without_joint_forces,
+                            "The recursion alone, without dampers, springs and efforts");
+  overrides(compile_command, compile_.overrides);
+  verbose(compile_command, compile_.verbose);
+}
+
+void CommandLine::add_pages() {
+  CLI::App* view_command =
+      command("view", "Look at a run in the browser, or draw it as a picture", [this] { return view(view_); });
+  source(view_command, "source", view_.source, "DIR|SCENARIO|MODEL",
+         "A result directory of `momentree run`, or a scenario or model; - is standard input")
+      ->required();
+  view_command->add_option("--svg", view_.svg, "Draw frames of the run into this file (.svg; - is standard output) instead")->type_name("FILE");
+  view_command
+      ->add_option_function<std::string>(
+          "--every", [this](const std::string& text) { view_.every = seconds_argument("--every", text); },
+          "Time between frames: seconds, or with a unit; default 0.2 s, or what suits the run")
+      ->type_name("T");
+  view_command->add_option("--look", view_.look, "Direction in which the viewer looks, as in 0,0,-1; default: what shows most")
+      ->type_name("X,Y,Z");
+  view_command
+      ->add_option("--layout", view_.layout, "overlay: all frames in one picture; multiples: side by side; default overlay")
+      ->type_name("overlay|multiples");
+  served(view_command, view_.port, view_.no_browser);
+  verbose(view_command, view_.verbose);
+  later(view_command, "--export", true);
+
+  CLI::App* play_command =
+      command("play", "Play with a scenario or a model in the browser: cut, lock, weld, throw", [this] { return play(play_); });
+  source(play_command, "source", play_.source, "SCENARIO|MODEL",
+         "A scenario (.toml) or a model (.urdf, .sdf, .xml); - is standard input; default: a gallery");
+  overrides(play_command, play_.overrides);
+  served(play_command, play_.port, play_.no_browser);
+  verbose(play_command, play_.verbose);
+
+  CLI::App* bench_command =
+      command("bench", "Measure this machine: the tables of the paper, or your own models", [this] { return bench(bench_); });
+  bench_command
+      ->add_option("models", bench_.models, "Scenarios (.toml) or models (.urdf, .sdf, .xml) to measure instead of the tables")
+      ->type_name("SCENARIO|MODEL");
+  bench_command->add_flag("--json", bench_.json, "Print one JSON document and nothing else");
+  bench_command->add_option("--peers", bench_.peers, "Also run the programs peer-* in this folder: other engines")
+      ->type_name("DIR");
+  bench_command
+      ->add_option_function<std::string>(
+          "--bodies", [this](const std::string& text) { bench_.bodies = number_argument("--bodies", text, 1000, 100000000); },
+          "Bodies of the largest chains; default 1000000, which takes some 3 GB")
+      ->type_name("N");
+}
+
+void CommandLine::add_helpers() {
+  CLI::App* help_command = command("help", "Print the help of a command", [this] { return print_help(); });
+  help_command->add_option("command", help_on_, "The command; default: all of them")->type_name("COMMAND");
+
+  CLI::App* completion_command = command("completion", "Print a script that completes command lines in a shell", [this] {
+    std::fputs(completion_script(*this, shell_).c_str(), stdout);
+    return done;
+  });
+  completion_command->add_option("shell", shell_, "The shell")->required()->type_name("bash|zsh|fish");
+
+  CLI::App* page = command("man-page", "", [this] {  // for the build
+    std::fputs(man_page(*this).c_str(), stdout);
+    return done;
+  });
+  page->group("");
+}
+
+std::vector<const CLI::App*> CommandLine::commands() const {
+  std::vector<const CLI::App*> all;
+  for (const auto& [sub, action] : actions_)
+    if (offered(sub->get_group())) all.push_back(sub);
+  return all;
+}
+
+std::vector<const CLI::Option*> CommandLine::options_of(const CLI::App& command) {
+  std::vector<const CLI::Option*> all;
+  for (const CLI::Option* option : command.get_options())
+    if (!option->get_positional() && offered(option->get_group())) all.push_back(option);
+  return all;
+}
+
+std::vector<const CLI::Option*> CommandLine::arguments_of(const CLI::App& command) {
+  std::vector<const CLI::Option*> all;
+  for (const CLI::Option* option : command.get_options())
+    if (option->get_positional()) all.push_back(option);
+  return all;
+}
+
+std::string CommandLine::help(std::string_view command) const {
+  const CLI::App* about = &app_;
+  for (const CLI::App* sub : commands())
+    if (sub->get_name() == command) about = sub;
+  const std::string name = about == &app_ ? "momentree" : "momentree " + about->get_name();
+  std::string text = about->get_formatter()->make_help(about, name, CLI::AppFormatMode::Normal);
+  for (std::size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);  // where a group is hidden
+  while (text.ends_with('\n')) text.pop_back();
+  return text + '\n';
+}
+
+int CommandLine::print_help() const {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : commands()) names.push_back(sub->get_name());
+  if (!help_on_.empty() && std::ranges::count(names, help_on_) == 0) {
+    const std::string guess = did_you_mean(help_on_, names);
+    throw Error{"unknown command '" + help_on_ + "'", "", guess.empty() ? "see `momentree help`" : guess};
+  }
+  std::fputs(help(help_on_).c_str(), stdout);
+  return done;
+}
+
+const CLI::App* CommandLine::parsed() const {
+  const std::vector<CLI::App*> subs = app_.get_subcommands();
+  return subs.empty() ? &app_ : subs.front();
+}
+
+void CommandLine::require_known_arguments() const {
+  const CLI::App* sub = parsed();
+  if (std::ranges::count(later_commands_, sub) > 0) return;  // they take any arguments
+  const std::string help = "see " + quoted(sub == &app_ ? "help" : "help " + sub->get_name());
+  const auto suggestion = [&help](const std::string& word, const std::vector<std::string>& known) {
+    const std::string guess = did_you_mean(word, known);
+    return guess.empty() ? help : guess;
+  };
+  const std::vector<std::string> extras = sub->remaining();
+  if (!extras.empty()) {
+    const auto option_like =
+        std::ranges::find_if(extras, [](const std::string& e) { return e.size() > 1 && e.starts_with('-'); });
+    const bool about_command = sub == &app_ && !extras.front().starts_with('-');
+    std::string word = option_like == extras.end() || about_command ? extras.front() : *option_like;
+    if (word.size() > 1 && word.starts_with('-')) {
+      word = word.substr(0, word.find('='));
+      std::vector<std::string> known;
+      for (const CLI::Option* option : options_of(*sub))
+        for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+      throw Error{"unknown option '" + word + "'", "", suggestion(word, known)};
+    }
+    if (sub != &app_)
+      throw Error{"one argument too many: '" + word + "'", "",
+                  sub->get_name() == "run" ? "it runs one scenario: call it once for each" : help};
+    std::vector<std::string> names;
+    for (const CLI::App* each : commands()) names.push_back(each->get_name());
+    throw Error{"unknown command '" + word + "'", "", suggestion(word, names)};
+  }
+  if (sub == &app_) throw Error{"no command is given", "", help};
+}
+
+// What is parsed, but still to come; and standard input, which can be read once.
+void CommandLine::require_what_there_is() const {
+  for (const auto& [name, option] : later_options_)
+    if (option->count() > 0) throw Error{"`" + name + "` is not supported yet", "", ""};
+  long inputs = 0;
+  for (const CLI::Option* option : parsed()->get_options())
+    if (option->get_positional() || option->get_name() == "--state") inputs += std::ranges::count(option->results(), "-");
+  if (inputs > 1) throw Error{"standard input can be read only once", "", "give one of them as a file"};
+}
+
+int CommandLine::call(int argc, char** argv) {
+  try {
+    app_.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    std::fputs(help(parsed()->get_name()).c_str(), stdout);
+    return done;
+  } catch (const CLI::CallForVersion& e) {
+    return app_.exit(e) == 0 ? done : bad_input;
+  } catch (const CLI::ParseError& e) {
+    require_known_arguments();  // a slip in an option's name may be why another is missing
+    const CLI::App* sub = parsed();
+    std::string what = e.what();
+    if (const std::size_t colon = what.find(": 1 required "); colon != std::string::npos)  // "--until: 1 required T missing"
+      what = "`" + what.substr(0, colon) + "` needs a value";
+    for (const CLI::Option* argument : arguments_of(*sub))
+      if (what == argument->get_name() + " is required") what = argument->get_type_name() + " is required";
+    throw Error{what, "", "see " + quoted(sub == &app_ ? "help" : "help " + sub->get_name())};
+  }
+  require_known_arguments();
+  require_what_there_is();
+  for (const auto& [sub, action] : actions_)
+    if (sub->parsed()) return action();
+  return bad_input;
+}
+
+}  // namespace momentree::cli

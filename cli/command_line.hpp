@@ -1,0 +1,70 @@
+#pragma once
+// The table of commands and options: what is parsed, what --help, the manual page and completion show.
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <cli/commands.hpp>
+
+namespace momentree::cli {
+
+class CommandLine {
+ public:
+  CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  /// Parses and carries out. Throws Error for what is no command line.
+  int call(int argc, char** argv);
+
+  const CLI::App& app() const { return app_; }
+  /// Commands that are offered, in their order: those that are still to come are not.
+  std::vector<const CLI::App*> commands() const;
+  /// The help of a command, or of the program where there is none of that name ("" is one).
+  std::string help(std::string_view command) const;
+
+  /// Options of a command that are offered, --help among them; positional arguments.
+  static std::vector<const CLI::Option*> options_of(const CLI::App& command);
+  static std::vector<const CLI::Option*> arguments_of(const CLI::App& command);
+
+ private:
+  CLI::App* command(const char* name, const char* does, std::function<int()> action);
+  void add_run();
+  void add_readers();
+  void add_writers();
+  void add_pages();
+  void add_helpers();
+  void overrides(CLI::App* sub, std::vector<std::string>& values);
+  void verbose(CLI::App* sub, bool& value);
+  void served(CLI::App* sub, int& port, bool& no_browser);
+  CLI::Option* source(CLI::App* sub, const char* name, std::string& value, const char* type, const char* does);
+  // Names of the interface that have no code yet, so that nobody looks for a slip of the pen: answered, and not offered.
+  void later(const char* name);
+  void later(CLI::App* sub, const char* option, bool takes_value);
+
+  const CLI::App* parsed() const;
+  void require_known_arguments() const;
+  void require_what_there_is() const;
+  int print_help() const;
+
+  CLI::App app_{"momentree: dynamics of mechanisms whose topology changes while they move", "momentree"};
+  RunOptions run_;
+  CheckOptions check_;
+  EvaluateOptions evaluate_;
+  ExplainOptions explain_;
+  ConvertOptions convert_;
+  CompileOptions compile_;
+  ViewOptions view_;
+  PlayOptions play_;
+  BenchOptions bench_;
+  std::string help_on_, shell_;
+  std::vector<std::pair<CLI::App*, std::function<int()>>> actions_;
+  std::vector<const CLI::App*> later_commands_;
+  std::vector<std::pair<std::string, const CLI::Option*>> later_options_;
+};
+
+}  // namespace momentree::cli

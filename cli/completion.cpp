@@ -1,0 +1,70 @@
+#include <cli/completion.hpp>
+
+#include <algorithm>
+
+#include <momentree/base/error.hpp>
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/io/model/model_file.hpp>
+
+namespace momentree::cli {
+
+std::string completion_script(const CommandLine& line, std::string_view shell) {
+  if (shell == "bash") return bash_completion(line);
+  if (shell == "zsh") return zsh_completion(line);
+  if (shell == "fish") return fish_completion(line);
+  const std::string name(shell);
+  const std::string guess = did_you_mean(name, {"bash", "zsh", "fish"});
+  throw Error{"there is no completion for '" + name + "'", "", guess.empty() ? "one of: bash, zsh, fish" : guess};
+}
+
+Completed completed(const CLI::Option& option) {
+  using What = Completed::What;
+  const std::string type = option.get_type_name();
+  const auto has = [&type](const char* word) { return type.find(word) != std::string::npos; };
+  if (!takes_value(option)) return {};
+  if (has("SCENARIO") || (type == "FILE" && option.get_positional())) return {What::sources};
+  if (has("DIR")) return {What::folders};
+  if (has("STATE")) return {What::states};
+  if (has("FILE")) return {What::files};
+  if (has("COMMAND")) return {What::commands};
+  if (has("KEY=VALUE")) return {What::settings};
+  const bool small = std::ranges::all_of(type, [](char c) { return (c >= 'a' && c <= 'z') || c == '|'; });
+  if (!small || !has("|")) return {};
+  Completed choice{What::words};
+  for (std::size_t begin = 0; begin <= type.size();) {
+    const std::size_t end = std::min(type.find('|', begin), type.size());
+    choice.words.push_back(type.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return choice;
+}
+
+std::vector<std::string> source_endings() {
+  std::vector<std::string> endings{"toml", "xml"};
+  for (const std::string& ending : io::model_endings())
+    if (std::ranges::count(endings, ending.substr(1)) == 0) endings.push_back(ending.substr(1));
+  return endings;
+}
+
+std::vector<std::string> setting_keys() {
+  return {"integrate.method=", "integrate.step=",     "integrate.until=",           "integrate.rtol=",
+          "integrate.atol=",   "integrate.max_step=", "integrate.event_tolerance=", "output.every=",
+          "world.gravity="};
+}
+
+std::vector<std::string> method_names() { return integration_methods(); }
+
+std::string spaced(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
+
+std::vector<std::string> flags_of(const CLI::Option& option) {
+  std::vector<std::string> flags;
+  for (const std::string& name : option.get_snames()) flags.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) flags.push_back("--" + name);
+  return flags;
+}
+
+}  // namespace momentree::cli

@@ -1,0 +1,38 @@
+#pragma once
+// Scripts that complete command lines in bash, zsh and fish, from the table of commands and options.
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <cli/command_line.hpp>
+
+namespace momentree::cli {
+
+/// The script for "bash", "zsh" or "fish"; throws Error for any other shell.
+std::string completion_script(const CommandLine& line, std::string_view shell);
+
+/// What may stand in the place of an argument or after an option.
+struct Completed {
+  enum class What { nothing, sources, folders, states, files, commands, settings, words };
+  What what = What::nothing;
+  std::vector<std::string> words{};  ///< of What::words
+};
+Completed completed(const CLI::Option& option);
+
+/// Endings of scenarios and models, without the point.
+std::vector<std::string> source_endings();
+/// Keys that --set is often given, each with its '='; and those of their values that are words.
+std::vector<std::string> setting_keys();
+std::vector<std::string> method_names();
+
+std::string bash_completion(const CommandLine& line);
+std::string zsh_completion(const CommandLine& line);
+std::string fish_completion(const CommandLine& line);
+
+/// "A B C"
+std::string spaced(const std::vector<std::string>& words);
+/// "--long" and "-s" of an option.
+std::vector<std::string> flags_of(const CLI::Option& option);
+inline bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
+
+}  // namespace momentree::cli

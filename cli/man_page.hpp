@@ -1,0 +1,12 @@
+#pragma once
+// The manual page, from the table of commands and options.
+#include <string>
+
+#include <cli/command_line.hpp>
+
+namespace momentree::cli {
+
+/// momentree(1) as troff text, with the macros of man(7).
+std::string man_page(const CommandLine& line);
+
+}  // namespace momentree::cli

@@ -1,0 +1,134 @@
+#include <momentree/integrate/stiffness.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/integrate/method_list.hpp>
+#include <momentree/integrate/methods.hpp>
+
+namespace momentree {
+
+namespace {
+
+struct Limits {
+  double damper, spring;
+};
+
+// Of the product of a rate (1/s) and the step, above which a method is unstable.
+Limits limits_of(std::string_view method) {
+#define MOMENTREE_METHOD(name, Type) \
+  if (method == #name) return {Type::damper_limit, Type::spring_limit};
+  MOMENTREE_METHODS(MOMENTREE_METHOD)
+#undef MOMENTREE_METHOD
+  return {HUGE_VAL, HUGE_VAL};
+}
+
+// Dampers and springs of a freedom.
+struct Freedom {
+  int body, place;
+  double damping, kd, stiffness, kp;
+  bool turns;
+};
+
+std::vector<Freedom> stiff_freedoms(const Tree& tree) {
+  std::vector<Freedom> all;
+  for (const int b : tree.order()) {
+    const JointParameters* p = tree.parameters(b);
+    if (p == nullptr || tree.link(b).driven != 0) continue;
+    const KindInfo& kind = info(tree.kind(b));
+    const JointDrive::Pd* pd = p->drive != nullptr && p->drive->pd.any() ? &p->drive->pd : nullptr;
+    for (int i = 0; i < kind.nv; ++i) {
+      if ((tree.link(b).locked >> i & 1u) != 0) continue;
+      const Freedom freedom{b,
+                            tree.first_p(b) + i,
+                            p->damping.of(i),
+                            pd != nullptr ? pd->kd.of(i) : 0,
+                            p->stiffness.of(i),
+                            pd != nullptr ? pd->kp.of(i) : 0,
+                            kind.v_units[i] == 'r'};
+      if (freedom.damping + freedom.kd > 0 || freedom.stiffness + freedom.kp > 0) all.push_back(freedom);
+    }
+  }
+  return all;
+}
+
+std::string text(double x) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.3g", x);
+  return buffer;
+}
+
+}  // namespace
+
+std::string StiffJoint::what(std::string_view joint_name, double step) const {
+  const std::string name = "joint '" + std::string(joint_name) + "'";
+  const char* const unit = damper ? (turns ? " N m s/rad" : " N s/m") : (turns ? " N m/rad" : " N/m");
+  return std::string(servo    ? "the servo of "
+                     : damper ? "the damper of "
+                              : "the spring of ") +
+         name + " (" +
+         (servo    ? (damper ? "kd = " : "kp = ")
+          : damper ? "damping = "
+                   : "stiffness = ") +
+         text(coefficient) + unit + " on " + text(inertia) + (turns ? " kg m^2" : " kg") + ") is too stiff for steps of " +
+         text(step) + " s";
+}
+
+std::string StiffJoint::cure() const {
+  const std::string steps = "a step below " + text(longest_step) + " s";
+  return damped_helps ? "use method = \"damped\", or " + steps : "use " + steps;
+}
+
+std::optional<StiffJoint> too_stiff(const Tree& tree, std::span<const double> q, std::string_view method, double step) {
+  const Limits limits = limits_of(method);
+  std::vector<Freedom> freedoms = stiff_freedoms(tree);
+  if (freedoms.empty() || !std::isfinite(limits.spring)) return {};
+  constexpr std::size_t most_bodies_solved = 4'000'000;
+  const std::size_t most = std::max<std::size_t>(1, most_bodies_solved / static_cast<std::size_t>(tree.bodies()));
+  if (freedoms.size() > most) {
+    const auto size = [](const Freedom& f) { return std::max(f.damping + f.kd, f.stiffness + f.kp); };
+    std::nth_element(freedoms.begin(), freedoms.begin() + static_cast<std::ptrdiff_t>(most), freedoms.end(),
+                     [&](const Freedom& a, const Freedom& b) { return size(a) > size(b); });
+    freedoms.resize(most);
+  }
+  Work<double> work(tree);
+  std::vector<double> p(static_cast<std::size_t>(tree.nv()), 0.0);
+  std::optional<StiffJoint> worst;
+  double worst_excess = 1;
+  for (const Freedom& f : freedoms) {
+    // A column of H⁻¹: its diagonal is at most the fastest rate that a unit of damping in this freedom makes.
+    p[static_cast<std::size_t>(f.place)] = 1;
+    evaluate_rates<double>(tree, q.data(), p.data(), work);
+    p[static_cast<std::size_t>(f.place)] = 0;
+    const double mobility = work.v[static_cast<std::size_t>(f.place)];
+    if (!(mobility > 0) || !std::isfinite(mobility)) continue;
+    const double damping = f.damping + f.kd, stiffness = f.stiffness + f.kp;
+    // "damped" adds γ h c to the inertia that everything else meets.
+    const auto swing = [&](bool damped) {
+      return std::sqrt(stiffness / (1 / mobility + (damped ? Damped::implicit_share * step * damping : 0)));
+    };
+    const Limits damped = limits_of("damped");
+    const bool helps = swing(true) * step <= damped.spring;
+    const auto judge = [&](bool damper, double rate, double limit) {
+      const double excess = rate * step / limit;
+      if (!(excess > worst_excess)) return;
+      worst_excess = excess;
+      worst = StiffJoint{tree.joint_of(f.body),
+                         damper,
+                         damper ? f.kd > f.damping : f.kp > f.stiffness,
+                         f.turns,
+                         damper ? damping : stiffness,
+                         1 / mobility,
+                         limit / rate,
+                         method != "damped" && helps && damping > 0};
+    };
+    judge(true, damping * mobility, limits.damper);
+    judge(false, swing(method == "damped"), limits.spring);
+  }
+  return worst;
+}
+
+}  // namespace momentree

@@ -1,0 +1,137 @@
+// What is said to be too stiff is unstable, and below the step that is named it is not.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/integrate/stiffness.hpp>
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+namespace momentree {
+namespace {
+
+// An arm of three bodies with joint parameters `p` at its light end.
+Model arm(const JointParameters& p, Kind kind = Kind::revolute) {
+  Model model({.gravity = {}});
+  const Body base = model.add({.name = "base", .mass = 5, .inertia = diagonal(0.4), .joint = Revolute{.axis = y_axis}});
+  const Body link = model.add({.name = "link",
+                               .mass = 2,
+                               .com = {0.2, 0, 0},
+                               .inertia = diagonal(0.05),
+                               .parent = base,
+                               .at = {0.3, 0, 0},
+                               .joint = Revolute{.axis = y_axis}});
+  BodySpec hand{.name = "hand", .mass = 0.1, .com = {0.05, 0, 0}, .inertia = diagonal(2e-4), .parent = link, .at = {0.4, 0, 0}};
+  hand.joint.kind = kind;
+  hand.joint.axis = y_axis;
+  hand.joint.parameters = p;
+  if (kind != Kind::weld) hand.v = 0.01;
+  model.add(hand);
+  return model;
+}
+
+std::optional<StiffJoint> judged(const Model& model, std::string_view method, double step) {
+  const Tree tree(model);
+  return too_stiff(tree, start_state(model, tree).q(), method, step);
+}
+
+// The largest speed of the hand within 400 steps.
+double largest_speed(const Model& model, const char* method, double step) {
+  Simulation simulation(model, {.method = method, .step = step});
+  double largest = 0;
+  simulation.observe(0, [&](const World& world) {
+    largest = std::max(largest, std::fabs(world.joint({2}).v[0]));
+    return true;
+  });
+  if (simulation.run_until(400 * step) != Status::ok) return HUGE_VAL;
+  return largest;
+}
+
+JointParameters servo(double kp, double kd) {
+  JointParameters p;
+  p.drive = pd_drive({.kp = kp, .kd = kd});
+  return p;
+}
+
+}  // namespace
+
+TEST_CASE("a damper that is too strong for steps makes them unstable, and the step that is named does not") {
+  for (const bool by_servo : {false, true}) {
+    JointParameters p;
+    if (by_servo)
+      p = servo(0, 8);
+    else
+      p.damping = 8;
+    const Model model = arm(p);
+    const auto stiff = judged(model, "rk4", 1e-3);
+    REQUIRE(stiff);
+    CHECK(stiff->damper);
+    CHECK(stiff->servo == by_servo);
+    CHECK(stiff->joint == 2);
+    CHECK(stiff->coefficient == 8);
+    CHECK(stiff->damped_helps);
+    CHECK(stiff->longest_step < 1e-3);
+    CHECK(largest_speed(model, "rk4", 1.02 * stiff->longest_step) > 1);
+    CHECK(largest_speed(model, "rk4", 0.98 * stiff->longest_step) < 0.011);
+    CHECK(largest_speed(model, "damped", 1e-3) < 0.011);
+    CHECK_FALSE(judged(model, "rk4", 0.99 * stiff->longest_step));
+    CHECK_FALSE(judged(model, "damped", 1e-3));
+    CHECK_FALSE(judged(model, "dopri5", 1e-3));
+  }
+}
+
+TEST_CASE("a spring that swings too fast for steps makes them unstable") {
+  JointParameters p;
+  p.stiffness = 4000;
+  const Model model = arm(p);
+  for (const char* method : {"rk4", "damped", "midpoint"}) {
+    CAPTURE(method);
+    const auto stiff = judged(model, method, 1e-2);
+    REQUIRE(stiff);
+    CHECK_FALSE(stiff->damper);
+    CHECK_FALSE(stiff->damped_helps);  // springs stay explicit
+    CHECK(stiff->coefficient == 4000);
+    CHECK(largest_speed(model, method, 1.05 * stiff->longest_step) > 1);
+    CHECK(largest_speed(model, method, 0.5 * stiff->longest_step) < 0.02);
+  }
+  CHECK(judged(model, "rk4", 1e-2)
+            ->what("arm/hand", 1e-2)
+            .starts_with("the spring of joint 'arm/hand' (stiffness = 4e+03 N m/rad on"));
+}
+
+TEST_CASE("with a strong damper beside it a servo's spring is no reason for small steps by the method damped") {
+  const Model model = arm(servo(4000, 80));
+  const auto stiff = judged(model, "rk4", 2e-3);
+  REQUIRE(stiff);
+  CHECK(stiff->damper);
+  CHECK(stiff->damped_helps);
+  CHECK(stiff->cure().starts_with("use method = \"damped\", or a step below "));
+  CHECK(largest_speed(model, "damped", 2e-3) < 0.011);
+}
+
+TEST_CASE("what can't move by itself is not too stiff") {
+  CHECK_FALSE(judged(arm({}), "rk4", 1));
+  JointParameters moved;
+  moved.drive = motion_drive(Signal::sine(0.1, 1));
+  moved.damping = 1e6;
+  Model driven = arm(moved);
+  CHECK_FALSE(judged(driven, "rk4", 1e-3));
+}
+
+TEST_CASE("a run that diverges on a servo names the method for it") {
+  Simulation simulation(arm(servo(100, 8)), {.method = "rk4", .step = 1e-3});
+  CHECK(simulation.run_until(5) == Status::diverged);
+  CHECK(simulation.message().find("the servo of joint 'hand' (kd = 8 N m s/rad on 0.000") != std::string::npos);
+  CHECK(simulation.message().find("is too stiff for steps of 0.001 s; use method = \"damped\", or a step below ") !=
+        std::string::npos);
+  Model fast({.gravity = {}});
+  fast.add(
+      {.name = "a", .mass = 1, .com = {0.3, 0, 0}, .inertia = diagonal(0.1), .joint = Free{}, .v = {0, 0, 0, 1e5, 2e5, 3e5}});
+  Simulation wild(fast, {.method = "rk4", .step = 1});
+  CHECK(wild.run_until(5) == Status::diverged);
+  CHECK(wild.message().find("a smaller step") != std::string::npos);
+  CHECK(wild.message().find("damped") == std::string::npos);
+}
+
+}  // namespace momentree
