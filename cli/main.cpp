@@ -133,7 +133,9 @@ CommandLine::CommandLine() {
 
   CLI::App* compile_command = command("compile", "Write code that is specialised for one topology, as a C++ file",
                                       [this] { return compile(compile_options); });
-  compile_command->add_option("scenario", compile_options.scenario, "A scenario file (.toml)")->required()->type_name("SCENARIO");
+  compile_command->add_option("scenario", compile_options.scenario, "A scenario (.toml) or a model (.urdf, .sdf, .xml)")
+      ->required()
+      ->type_name("SCENARIO|MODEL");
   compile_command->add_option("-o,--out", compile_options.out, "The file to write; - is standard output")
       ->required()
       ->type_name("FILE");

@@ -39,6 +39,7 @@ class Expressions {
   int quotient(int a, int b);
 
   const std::vector<Node>& nodes() const { return nodes_; }
+  bool has(int node) const { return node >= 0 && static_cast<std::size_t>(node) < nodes_.size(); }
   /// Operations that the results take, in the accounting of `count_operations`: changes of sign are free.
   Operations operations(std::span<const int> results) const;
 
