@@ -6,6 +6,7 @@
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/count.hpp>
+#include <momentree/generate/comment.hpp>
 #include <momentree/generate/source.hpp>
 #include <momentree/io/text_file.hpp>
 
@@ -17,7 +18,7 @@ const char* unit_of_q(char letter) { return letter == 'r' ? "rad" : letter == 'm
 const char* unit_of_p(char letter) { return letter == 'r' ? "N m s" : "N s"; }
 
 std::string range(const char* array, int first, int count) {
-  return count == 1 ? format("%s[%d]", array, first) : format("%s[%d] … %s[%d]", array, first, array, first + count - 1);
+  return count == 1 ? format("%s[%d]", array, first) : format("%s[%d] to %s[%d]", array, first, array, first + count - 1);
 }
 
 std::string units(const char* letters, const char* (*unit)(char)) {
@@ -36,7 +37,7 @@ std::string packing(const World& world) {
     if (b < 0) continue;
     const KindInfo& kind = info(tree.joint(b).kind);
     if (kind.nv == 0) continue;
-    table.row({std::string(world.joint_name({number})) + ", " + kind.name, range("q", tree.first_q(b), kind.nq),
+    table.row({comment_text(world.joint_name({number})) + ", " + kind.name, range("q", tree.first_q(b), kind.nq),
                units(kind.q_units, unit_of_q), range("p", tree.first_p(b), kind.nv), units(kind.v_units, unit_of_p)});
   }
   return table.text("");

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
+#include <sstream>
 
 #include <momentree/io/test_support.hpp>
 #include <momentree/io/text_file.hpp>
@@ -93,8 +94,8 @@ TEST_CASE("compile writes a file, says what stands where and how much it saves")
   CHECK(contains(made.output, "per body, where the kernels take"));
   const std::string text = here.text("kernel.cpp");
   for (const char* part : {"// Two pendulums: 2 bodies, 3 degrees of freedom, gravity 0 0 -9.81 m/s^2.",
-                           "Dampers, springs and constant efforts", "double pendulum/upper, revolute", "q[1] … q[2]",
-                           "p[1] … p[2]", "N m s", "void two_pendulums_rates(", "const int two_pendulums_nq = 3;"})
+                           "Dampers, springs and constant efforts", "double pendulum/upper, revolute", "q[1] to q[2]",
+                           "p[1] to p[2]", "N m s", "void two_pendulums_rates(", "const int two_pendulums_nq = 3;"})
     CHECK_MESSAGE(contains(text, part), part);
   CHECK_FALSE(contains(text, "/two"));  // no path of this machine
 
@@ -115,6 +116,32 @@ TEST_CASE("compile: what is written compiles by itself, without a warning") {
         0);
   CHECK(here.text("err") == "");
   CHECK(here.has("kernel.o"));
+}
+
+TEST_CASE("compile: a mechanism without gravity, whatever stood in memory before") {
+  const Place here;
+  const char* const humanoid = "compile '" MOMENTREE_SOURCE_DIR "/scenarios/humanoid_wave.toml' --without-joint-forces -o ";
+  REQUIRE(here.call(std::string(humanoid) + "one.cpp", "MALLOC_PERTURB_=85").code == 0);
+  REQUIRE(here.call(std::string(humanoid) + "other.cpp", "MALLOC_PERTURB_=170").code == 0);
+  CHECK(here.text("one.cpp") == here.text("other.cpp"));
+}
+
+TEST_CASE("compile: titles and names become comments of plain ASCII, whatever they say") {
+  std::string odd = with("Two pendulums", R"(Zwei Überschläge */ int evil = 1; /* ??\\)");
+  for (std::size_t at = 0; (at = odd.find("upper", at)) != std::string::npos; at += 10) odd.replace(at, 5, R"(Ü upper\\)");
+  const Place here(odd), plain;
+  REQUIRE(here.call("compile 'two pendulums.toml' -o k.cpp").code == 0);
+  REQUIRE(plain.call("compile 'two pendulums.toml' -o k.cpp").code == 0);
+  const std::string text = here.text("k.cpp"), expected = plain.text("k.cpp");
+  CHECK(contains(text, "// Zwei <U+00DC>berschl<U+00E4>ge *<U+002F> int evil = 1; /<U+002A> ?<U+003F><U+005C>: 2 bodies"));
+  CHECK(contains(text, "\n// double pendulum/<U+00DC> upper<U+005C>, revolute "));
+  CHECK(text.find_first_not_of(
+            "\n !\"#$%&'()*+,-./0123456789:;<=>?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[]^_`abcdefghijklmnopqrstuvwxyz{|}~") ==
+        std::string::npos);
+  const auto code = [](const std::string& source) { return source.substr(source.find("#include")); };
+  CHECK(code(text) == code(expected));
+  std::istringstream head(text.substr(0, text.find("#include")));
+  for (std::string line; std::getline(head, line);) CHECK_MESSAGE(line.starts_with("//"), line);
 }
 
 TEST_CASE("compile refuses what it can't write, with names and a way out") {

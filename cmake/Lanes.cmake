@@ -1,5 +1,5 @@
 # The instruction sets that batches are compiled for: momentree_lanes, and momentree_lane_flags_SET for each.
-# All of them where the program is to run elsewhere (which is used is found at run time); the widest alone where it is not.
+# All of them where the program is to run elsewhere (which is used is found at run time); the widest alone where it is not; the narrowest alone where valgrind runs it.
 set(momentree_lanes baseline)
 set(momentree_lane_flags_avx2 -O3 -mavx2 -mfma)
 set(momentree_lane_flags_avx512 ${momentree_lane_flags_avx2} -mavx512f -mavx512dq -mavx512vl)
@@ -14,7 +14,9 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     elseif(MOMENTREE_CPU_HAS_avx2)
       set(momentree_lanes avx2)
     endif()
-  else()
+  elseif(MOMENTREE_LANES STREQUAL all)
     list(APPEND momentree_lanes avx2 avx512)
+  elseif(NOT MOMENTREE_LANES STREQUAL baseline)
+    message(FATAL_ERROR "MOMENTREE_LANES is ${MOMENTREE_LANES}: it must be all, native or baseline")
   endif()
 endif()

@@ -131,10 +131,13 @@ struct Sweep {
               link, tree.subtree_mass(b), K::Steps::rotor ? armature[at] : 0.0, work.cos[angle], work.sin[angle], p[at], a,
               passage.inlets[b], *record, out);
         };
-        if constexpr (way() == Way::aside)
-          to(passage.inlets[tree.parent(b)]);
-        else
+        if constexpr (way() == Way::aside) {
+          Inboard<T>& inlet = passage.inlets[tree.parent(b)];
+          to(inlet);
+          begin_moments<Gravity>(inlet);
+        } else {
           to(a);
+        }
       };
       dispatch_inboard<K::Steps::rotor>(link.shape, flow, step);
       passage.add(b, flow, a);

@@ -35,7 +35,7 @@ struct TwinSweep {
     Inboard<Twins> a;
     within.enter_in(first, a);
     for (int i = length() - 1; i >= 0; --i) {
-      const auto [b, c] = bodies(i);
+      const int b = bodies(i).one, c = bodies(i).other;  // no binding: clang 14 does not let lambdas have one
       const unsigned flow = flow_at(i);
       const TwinLinks& k = links[i];
       const int angle = tree.first_angle(b), there = tree.first_angle(c), at = tree.first_p(b), other = tree.first_p(c);
@@ -48,10 +48,13 @@ struct TwinSweep {
               k, twins(tree.subtree_mass(b), tree.subtree_mass(c)), armature, of(work.cos.get(), angle, there),
               of(work.sin.get(), angle, there), of(p, at, other), a, within.inlets[b], record, out);
         };
-        if constexpr (way() == Way::aside)
-          to(within.inlets[tree.parent(b)]);
-        else
+        if constexpr (way() == Way::aside) {
+          Inboard<Twins>& inlet = within.inlets[tree.parent(b)];
+          to(inlet);
+          begin_moments<Gravity>(inlet);
+        } else {
           to(a);
+        }
       };
       dispatch_inboard<Steps::rotor>(k.shape, flow, step);
       if constexpr (Keep) {
@@ -69,7 +72,7 @@ struct TwinSweep {
     Outboard<Twins> a;
     enter_out(base, a);
     for (int i = 0; i < length(); ++i) {
-      const auto [b, c] = bodies(i);
+      const int b = bodies(i).one, c = bodies(i).other;  // no binding: clang 14 does not let lambdas have one
       const unsigned flow = flow_at(i);
       const TwinLinks& k = links[i];
       const int angle = tree.first_angle(b), there = tree.first_angle(c), at = tree.first_p(b), other = tree.first_p(c);

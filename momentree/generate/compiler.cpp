@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -11,7 +12,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
-#include <utility>
+
+#include <momentree/generate/private_folder.hpp>
 
 extern char** environ;
 
@@ -31,7 +33,10 @@ std::vector<std::string> words(const std::string& text) {
   return all;
 }
 
-bool runs(const std::string& path) { return access(path.c_str(), X_OK) == 0; }
+bool runs(const std::string& path) {
+  struct stat about {};
+  return access(path.c_str(), X_OK) == 0 && stat(path.c_str(), &about) == 0 && S_ISREG(about.st_mode);
+}
 
 // As execvp looks for it; relative entries of PATH are not searched.
 std::string path_of(const std::string& program) {
@@ -41,33 +46,6 @@ std::string path_of(const std::string& program) {
     if (folder.starts_with('/') && runs(folder + '/' + program)) return folder + '/' + program;
   return "";
 }
-
-/// A folder that none but this user can enter, gone with what is in it at the end.
-class PrivateFolder {
- public:
-  PrivateFolder() {
-    std::string name = of_environment("TMPDIR");
-    if (name.empty()) name = "/tmp";
-    name += "/momentree-XXXXXX";
-    if (mkdtemp(name.data()) != nullptr) path_ = std::move(name);  // mode 0700
-  }
-  PrivateFolder(const PrivateFolder&) = delete;
-  PrivateFolder& operator=(const PrivateFolder&) = delete;
-  ~PrivateFolder() {
-    if (path_.empty()) return;
-    char path[4096];  // it is also removed where memory has run out
-    for (const char* name : names)
-      if (std::snprintf(path, sizeof path, "%s/%s", path_.c_str(), name) < static_cast<int>(sizeof path)) unlink(path);
-    rmdir(path_.c_str());
-  }
-  bool made() const { return !path_.empty(); }
-  std::string file(const char* name) const { return path_ + '/' + name; }
-
-  static constexpr const char* names[] = {"kernel.cpp", "kernel.so", "messages"};
-
- private:
-  std::string path_;
-};
 
 bool write_file(const std::string& path, const std::string& text) {
   std::FILE* file = std::fopen(path.c_str(), "wx");
@@ -130,6 +108,7 @@ constexpr const char* contraction =
 
 std::vector<std::string> find_compiler(const std::string& asked) {
   for (const std::string& given : {asked, of_environment("MOMENTREE_CXX"), of_environment("CXX")}) {
+    if (given.find('/') != std::string::npos && runs(given)) return {given};  // spaces are part of a path that is there
     std::vector<std::string> command = words(given);
     if (command.empty()) continue;
     command[0] = path_of(command[0]);
@@ -146,8 +125,12 @@ void* Library::symbol(const char* name) const { return handle_ == nullptr ? null
 Library compile_library(const std::vector<std::string>& compiler, const std::string& source, std::string& why) {
   Library library;
   const PrivateFolder folder;
-  if (!folder.made() || !write_file(folder.file("kernel.cpp"), source)) {
-    why = "no file for generated code could be written in TMPDIR";
+  if (!folder.made()) {
+    why = folder.problem();
+    return library;
+  }
+  if (!write_file(folder.file("kernel.cpp"), source)) {
+    why = "generated code could not be written to " + folder.file("kernel.cpp") + ": set TMPDIR to a folder with room";
     return library;
   }
   const std::string object = folder.file("kernel.so");

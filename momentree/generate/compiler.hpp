@@ -6,8 +6,10 @@
 
 namespace momentree {
 
-/// The compiler and its arguments: of `asked`, or else of MOMENTREE_CXX, CXX, or c++, g++, clang++, whichever is there first. The
-/// program as a path; empty where there is none. What is asked for and is not there is no reason to take another.
+/// The compiler and its arguments: of `asked`, or else of MOMENTREE_CXX, CXX, or c++, g++, clang++, whichever is there first.
+/// Text that is the path of a program names it, spaces and all; other text is split at its spaces, and nothing in it is a quote
+/// or a shell's. The program comes as a path; empty where there is none. What is asked for and is not there is no reason to take
+/// another.
 std::vector<std::string> find_compiler(const std::string& asked);
 
 /// A loaded shared object; closed with its last copy.
@@ -23,8 +25,8 @@ class Library {
   std::shared_ptr<void> handle_;
 };
 
-/// Compiles the text of a C++20 file for this CPU and loads it. Where that fails the result is empty and `why` says so. Leaves
-/// nothing behind on the disk.
+/// Compiles the text of a C++20 file for this CPU, in a PrivateFolder, and loads it. Where that fails the result is empty and
+/// `why` says so. Leaves nothing behind on the disk.
 Library compile_library(const std::vector<std::string>& compiler, const std::string& source, std::string& why);
 
 }  // namespace momentree

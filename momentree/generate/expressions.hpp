@@ -41,6 +41,7 @@ class Expressions {
   const std::vector<Node>& nodes() const { return nodes_; }
   /// There was no memory for a node: all from then on are the constant 0. Kernels, which don't throw, can't say so.
   bool exhausted() const { return exhausted_; }
+  bool has(int node) const { return node >= 0 && static_cast<std::size_t>(node) < nodes_.size(); }
   /// Operations that the results take, in the accounting of `count_operations`: changes of sign are free.
   Operations operations(std::span<const int> results) const;
 

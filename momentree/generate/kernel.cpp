@@ -26,13 +26,13 @@ KernelExpressions expressions_of(const Tree& tree) {
   for (int i = 0; i < tree.nv(); ++i) p.push_back(T::of_node(all.input(Operation::p, i)));
   Work<T> work(tree);
   evaluate_rates(tree, q.data(), p.data(), work);
-  T::graph() = nullptr;
   const auto take = [](const auto& results, int n, std::vector<int>& nodes) {
     for (int i = 0; i < n; ++i) nodes.push_back(results[static_cast<std::size_t>(i)].node());
   };
   take(work.v, tree.nv(), kernel.v);
   take(work.qdot, tree.nq(), kernel.qdot);
   take(work.pdot, tree.nv(), kernel.pdot);
+  T::graph() = nullptr;
   if (all.exhausted()) throw std::bad_alloc();
   return kernel;
 }

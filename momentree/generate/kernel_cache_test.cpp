@@ -212,7 +212,28 @@ TEST_CASE("the compiler: what is asked for, else the environment, else PATH") {
   CHECK(find_compiler("") == std::vector<std::string>{"/bin/false"});
   setenv("CXX", "no-such-compiler", 1);
   CHECK(find_compiler("").empty());  // what was named and is not there is no reason to take another
+  CHECK(find_compiler("/bin").empty());
+  // No shell reads it.
+  CHECK(find_compiler("/bin/true $(id) 'a b' ;x") == std::vector<std::string>{"/bin/true", "$(id)", "'a", "b'", ";x"});
   for (int i = 0; i < 2; ++i) before[i].empty() ? unsetenv(names[i]) : setenv(names[i], before[i].c_str(), 1);
+}
+
+TEST_CASE("a compiler and a temporary folder whose paths have spaces, quotes and what a shell would run") {
+  namespace fs = std::filesystem;
+  const fs::path odd = fs::temp_directory_path() / ("momentree 'test' $(id) \"-" + std::to_string(std::rand()));
+  fs::create_directory(odd);
+  const fs::path compiler = odd / "my c++";
+  std::ofstream(compiler) << "#!/bin/sh\nexec '" MOMENTREE_COMPILER "' \"$@\"\n";
+  fs::permissions(compiler, fs::perms::owner_all);
+  CHECK(find_compiler(compiler.string()) == std::vector<std::string>{compiler.string()});
+  const char* const given = std::getenv("TMPDIR");
+  const std::string before = given != nullptr ? given : "";
+  setenv("TMPDIR", odd.c_str(), 1);
+  const KernelCache kernels({.compiler = compiler.string()});
+  CHECK((kernels.find(Tree(arm())) != nullptr));
+  CHECK(kernels.message() == "");
+  before.empty() ? unsetenv("TMPDIR") : setenv("TMPDIR", before.c_str(), 1);
+  fs::remove_all(odd);
 }
 
 TEST_CASE("nothing stays in the temporary folder, whatever happens") {

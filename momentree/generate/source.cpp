@@ -1,10 +1,11 @@
 #include <momentree/generate/source.hpp>
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <vector>
 
+#include <momentree/base/check.hpp>
+#include <momentree/generate/comment.hpp>
 #include <momentree/generate/sincos_text.hpp>
 
 namespace momentree {
@@ -131,21 +132,10 @@ std::string sincos_source() {
   return all;
 }
 
-std::string comment(std::string_view lines) {
-  std::string all;
-  for (std::size_t begin = 0; begin < lines.size();) {
-    const std::size_t end = std::min(lines.find('\n', begin), lines.size());
-    std::string line(lines.substr(begin, end - begin));
-    if (line.ends_with('\\')) line += ' ';  // would go on on the next line
-    all += line.empty() ? "//\n" : "// " + line + '\n';
-    begin = end + 1;
-  }
-  return all;
-}
-
 }  // namespace
 
 std::string kernel_source(const KernelExpressions& kernel, const SourceText& how) {
+  MT_REQUIRE(how.name == identifier(how.name), "the name of a kernel is an identifier");
   const Operations o = kernel.operations();
   const std::string nq = std::to_string(kernel.qdot.size()), nv = std::to_string(kernel.v.size());
   std::string text = comment(how.about);

@@ -9,8 +9,8 @@ namespace momentree {
 
 /// How a kernel's file names and describes what it defines.
 struct SourceText {
-  std::string name = "kernel";  ///< an identifier: all names begin with it
-  std::string about;            ///< lines for the comment at its head, without //
+  std::string name = "kernel";  ///< all names begin with it; `identifier` leaves it as it is
+  std::string about;            ///< lines for the comment at its head, without //; any text: see comment_text
 };
 
 /// A C++20 file by itself, which needs the standard library alone: `extern "C" void NAME_rates(const double* q, const double* p,

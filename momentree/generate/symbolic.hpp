@@ -2,6 +2,7 @@
 // A scalar that is an expression: the kernels run on it as they run on double, and what they would compute is written down.
 #include <type_traits>
 
+#include <momentree/base/check.hpp>
 #include <momentree/generate/expressions.hpp>
 #include <momentree/joint/pin_steps.hpp>
 
@@ -18,22 +19,26 @@ class Symbolic {
     s.node_ = node;
     return s;
   }
-  int node() const { return node_; }
+  /// Its node. Memory that was never written holds none: where the number falls outside the graph, the program stops.
+  int node() const {
+    MT_REQUIRE(graph() != nullptr && graph()->has(node_), "a number is written before it is read");
+    return node_;
+  }
   /// Where this thread's expressions are written; null: nowhere, and no operation is allowed.
   static Expressions*& graph() {
     thread_local Expressions* current = nullptr;
     return current;
   }
 
-  friend Symbolic operator+(Symbolic a, Symbolic b) { return of_node(graph()->sum(a.node_, b.node_)); }
-  friend Symbolic operator-(Symbolic a, Symbolic b) { return of_node(graph()->difference(a.node_, b.node_)); }
-  friend Symbolic operator*(Symbolic a, Symbolic b) { return of_node(graph()->product(a.node_, b.node_)); }
-  friend Symbolic operator/(Symbolic a, Symbolic b) { return of_node(graph()->quotient(a.node_, b.node_)); }
-  friend Symbolic operator-(Symbolic a) { return of_node(graph()->negative(a.node_)); }
+  friend Symbolic operator+(Symbolic a, Symbolic b) { return of_node(graph()->sum(a.node(), b.node())); }
+  friend Symbolic operator-(Symbolic a, Symbolic b) { return of_node(graph()->difference(a.node(), b.node())); }
+  friend Symbolic operator*(Symbolic a, Symbolic b) { return of_node(graph()->product(a.node(), b.node())); }
+  friend Symbolic operator/(Symbolic a, Symbolic b) { return of_node(graph()->quotient(a.node(), b.node())); }
+  friend Symbolic operator-(Symbolic a) { return of_node(graph()->negative(a.node())); }
   friend Symbolic& operator+=(Symbolic& a, Symbolic b) { return a = a + b; }
   friend Symbolic& operator-=(Symbolic& a, Symbolic b) { return a = a - b; }
   friend void sincos(const Symbolic& x, Symbolic& s, Symbolic& c) {
-    s = of_node(graph()->sine(x.node_)), c = of_node(graph()->cosine(x.node_));
+    s = of_node(graph()->sine(x.node())), c = of_node(graph()->cosine(x.node()));
   }
 
  private:

@@ -61,6 +61,11 @@ MOMENTREE_INLINE void operator+=(Inboard<T>& a, const Inboard<T>& b) {
   a.D += b.D;
   a.mc += b.mc;
 }
+/// Without gravity the steps across pins leave first moments out. An inlet that others are added to needs them all the same.
+template <bool Gravity, class T>
+MOMENTREE_INLINE void begin_moments(Inboard<T>& sum) {
+  if constexpr (!Gravity) sum.mc.x = T(0), sum.mc.y = T(0), sum.mc.z = T(0);
+}
 /// What a child needs of its parent: velocity, and gravity in the parent's axes.
 template <class T>
 struct Outboard {

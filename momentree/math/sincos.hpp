@@ -9,10 +9,10 @@ namespace momentree {
 /// Largest |x| (rad) for which `sincos` reduces accurately; beyond it those who take many angles call libm.
 inline constexpr double sincos_range = 1e6;
 
-/// Error below 1 ulp for |x| <= sincos_range. Cody–Waite reduction in three parts (33 + 33 + 53 bits of pi/2, as in fdlibm),
+/// Error below 1 ulp for |x| <= sincos_range. Cody-Waite reduction in three parts (33 + 33 + 53 bits of pi/2, as in fdlibm),
 /// minimax polynomials of degree 13 and 14 on [-pi/4, pi/4].
 inline void sincos(double x, double& s, double& c) {
-  constexpr double magic = 6755399441055744.0;  // 1.5·2^52: adding it rounds to an integer in the low bits
+  constexpr double magic = 6755399441055744.0;  // 1.5*2^52: adding it rounds to an integer in the low bits
   const double t = x * 0.63661977236758134308 + magic;
   const auto n = std::bit_cast<std::int64_t>(t);
   const double k = t - magic;

@@ -11,7 +11,6 @@
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/integrate/stiffness.hpp>
 #include <momentree/simulate/agenda.hpp>
 #include <momentree/simulate/instant.hpp>
 #include <momentree/simulate/stops.hpp>

@@ -252,7 +252,7 @@ TEST_CASE("source: identifiers, comments, constants") {
   CHECK(identifier("") == "k");
   const Tree tree(bench::arm());
   const std::string text = kernel_source(kernel_expressions(tree), {"arm", "An arm\\\nof seven pins\n"});
-  CHECK(text.starts_with("// An arm\\ \n// of seven pins\n"));
+  CHECK(text.starts_with("// An arm<U+005C>\n// of seven pins\n"));
   for (const char* part : {"extern \"C\"", "void arm_rates(", "const int arm_nq = 7;", "const int arm_nv = 7;", "pdot[6] = "})
     CHECK_MESSAGE(text.find(part) != std::string::npos, part);
   // Strict about warnings, as a user's build may be.

@@ -1,0 +1,192 @@
+// No sweep of any scalar computes with memory that it has not written. Fresh memory holds signalling NaNs: arithmetic on one
+// raises a flag of the processor, even where nobody reads the result. What only decides (an index, a node of an expression) makes
+// results differ, or stops the program. Under valgrind, which knows of memory itself, it is valgrind that complains.
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/base/error.hpp>
+#include <momentree/batch/group.hpp>
+#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/count.hpp>
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/generate/kernel.hpp>
+#include <tests/memory/bits.hpp>
+#include <tests/memory/filled_memory.hpp>
+#include <tests/memory/random_worlds.hpp>
+
+namespace momentree::memory {
+
+namespace {
+
+constexpr std::uint64_t worlds = 240;
+
+/// find(work, found) twice, in memory that held different patterns.
+template <class Find>
+void check_double(const Tree& tree, const char* what, const Find& find) {
+  CAPTURE(std::string(what));
+  Bits found[2];
+  {
+    const Filled fill(Fill::doubles);
+    Work<double> work(tree);
+    watch();
+    find(work, found[0]);
+    CHECK_FALSE(signalled());
+  }
+  Work<double> work(tree);
+  find(work, found[1]);
+  CHECK((found[0] == found[1]));
+}
+
+void add_rates(const Tree& tree, const Work<double>& work, Bits& found) {
+  found.add(work.v.get(), tree.nv()), found.add(work.qdot.get(), tree.nq()), found.add(work.pdot.get(), tree.nv());
+}
+
+}  // namespace
+
+TEST_CASE("the fill is what it says: arithmetic on it is noticed, moving it is not") {
+  if (off()) return;
+  for (const Fill fill : {Fill::doubles, Fill::floats}) {
+    const Filled filled(fill);
+    const auto numbers = std::make_unique_for_overwrite<double[]>(4);
+    float halves[2];
+    std::memcpy(halves, numbers.get(), sizeof halves);
+    volatile double sink = 0;
+    volatile float narrow = 0;
+    watch();
+    const double moved[2] = {numbers[0], numbers[1]};
+    CHECK_FALSE(signalled());
+    if (fill == Fill::doubles) sink = moved[0] + moved[1];
+    if (fill == Fill::floats) narrow = halves[0] + 1.0F;
+    CHECK(signalled());
+    static_cast<void>(sink), static_cast<void>(narrow);
+  }
+}
+
+TEST_CASE("double: stages, motions, accelerations, wrenches, places") {
+  Seen seen;
+  for (std::uint64_t seed = 0; seed < worlds; ++seed) {
+    CAPTURE(seed);
+    const Changed world = random_world(seed);
+    const Tree& tree = world.tree;
+    const double *const q = world.state.q().data(), *const p = world.state.p().data();
+    seen.note(tree);
+    check_double(tree, "a stage", [&](Work<double>& work, Bits& found) {
+      evaluate_rates(tree, q, p, work);
+      add_rates(tree, work, found);
+    });
+    check_double(tree, "motions", [&](Work<double>& work, Bits& found) {
+      evaluate_motions(tree, q, p, work);
+      add_rates(tree, work, found);
+      for (const int b : tree.order()) {
+        const BodySweep<double>& body = work.motions[static_cast<std::size_t>(b)];
+        found.add(body.velocity), found.add(body.articulated);
+      }
+    });
+    check_double(tree, "a stage with forces", [&](Work<double>& work, Bits& found) {
+      evaluate_stage(tree, 0.3, q, p, work);
+      add_rates(tree, work, found);
+      found.add(work.power.dissipated), found.add(work.power.work);
+    });
+    check_double(tree, "accelerations", [&](Work<double>& work, Bits& found) {
+      accelerate(tree, world.state, work);
+      locate_bodies(tree, world.state, work);
+      found.add(work.a.get(), tree.nv());
+      for (const int b : tree.order()) {
+        double effort[6] = {};
+        joint_effort(tree, world.state, work, b, effort);
+        found.add(effort, 6);
+        found.add(transmitted_wrench(tree, work, b)), found.add(felt_acceleration(tree, q, work, b));
+        const BodyAcceleration a = body_acceleration(tree, world.state, work, b);
+        found.add(a.linear), found.add(a.angular);
+        const BodyMotion motion = user_motion(tree, work.bodies[static_cast<std::size_t>(b)], b);
+        found.add(motion.pose.position), found.add(motion.linear), found.add(motion.angular);
+      }
+      const Totals sum = totals(tree, world.state, work);
+      found.add(sum.kinetic), found.add(sum.potential), found.add(sum.linear), found.add(sum.angular);
+    });
+  }
+  CHECK(seen.missing() == "");
+}
+
+TEST_CASE("lanes: rates and steps of every instruction set and precision") {
+  for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512})
+    for (const Precision precision : {Precision::float64, Precision::float32}) {
+      if (!batch::available(isa)) continue;
+      CAPTURE(static_cast<int>(isa));
+      CAPTURE(static_cast<int>(precision));
+      long steps = 0;
+      for (std::uint64_t seed = 0; seed < worlds; ++seed) {
+        CAPTURE(seed);
+        const Changed world = random_world(seed);
+        const Tree& tree = world.tree;
+        const batch::ForcePlan plan(tree);
+        bool can_step = true;
+        try {
+          batch::check(tree);
+        } catch (const Error&) {
+          can_step = false;
+        }
+        steps += can_step;
+        const auto find = [&](Fill fill, Bits& found) {
+          std::unique_ptr<batch::Stepper> stepper;
+          {
+            const Filled filled(fill);
+            stepper = batch::make_stepper(isa, precision, tree);
+          }
+          const int lanes = stepper->lanes();
+          const auto spread = [&](std::span<const double> of_one) {
+            std::vector<double> all;
+            for (const double x : of_one) all.insert(all.end(), static_cast<std::size_t>(lanes), x);
+            return all;
+          };
+          auto q = spread(world.state.q()), p = spread(world.state.p());
+          auto qdot = q, pdot = p, v = p;
+          std::vector<double> time(static_cast<std::size_t>(lanes)), h(time.size(), 1e-3);
+          std::vector<unsigned char> ran_away(time.size());
+          watch();
+          stepper->rates(tree, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
+          if (can_step) stepper->step(tree, plan, {q.data(), p.data(), nullptr, time.data(), h.data(), ran_away.data()});
+          if (fill != Fill::zeros) CHECK_FALSE(signalled());
+          for (const auto& numbers : {q, p, qdot, pdot, v}) found.add(numbers.data(), static_cast<int>(numbers.size()));
+        };
+        Bits found[2];
+        find(precision == Precision::float64 ? Fill::doubles : Fill::floats, found[0]);
+        find(Fill::zeros, found[1]);
+        CHECK((found[0] == found[1]));
+      }
+      CHECK(steps > 50);
+    }
+}
+
+TEST_CASE("the counter and symbols") {
+  const std::uint64_t some = off() ? worlds / 6 : worlds;  // graphs are slow under valgrind
+  for (std::uint64_t seed = 0; seed < some; ++seed) {
+    CAPTURE(seed);
+    const Tree tree = random_world(seed).tree;
+    Operations counted[2];
+    {
+      const Filled fill(Fill::doubles);
+      watch();
+      counted[0] = count_operations(tree);
+      CHECK_FALSE(signalled());
+    }
+    counted[1] = count_operations(tree);
+    CHECK(counted[0].total() == counted[1].total());
+    for (const PinOrder order : {PinOrder::reduce_first, PinOrder::turn_first}) {
+      KernelExpressions one;
+      {
+        const Filled fill(Fill::quiet);
+        one = kernel_expressions(tree, order);
+      }
+      const KernelExpressions other = kernel_expressions(tree, order);
+      CHECK((one.expressions.nodes() == other.expressions.nodes()));
+      CHECK((one.results() == other.results()));
+    }
+  }
+}
+
+}  // namespace momentree::memory
