@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <functional>
+#include <new>
 #include <string>
 #include <vector>
 
 #include <cli/commands.hpp>
+#include <cli/text.hpp>
+#include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
 
 namespace {
@@ -237,10 +240,13 @@ int main(int argc, char** argv) {
   try {
     code = call(argc, argv);
   } catch (const Error& error) {
-    std::fprintf(stderr, "%s\n", error.where.empty() ? ("momentree: " + error.message()).c_str() : error.message().c_str());
+    show(stderr, (error.where.empty() ? "momentree: " : "") + error.message() + '\n');
     code = bad_input;
+  } catch (const std::bad_alloc&) {
+    std::fputs("momentree: error: the memory that is free is not enough; a model takes some 3 kB for each body\n", stderr);
+    code = failed;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "momentree: error: %s\n", error.what());
+    show(stderr, "momentree: error: " + momentree::printable(error.what()) + '\n');
     code = failed;
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {

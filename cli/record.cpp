@@ -9,6 +9,8 @@
 #include <cli/interrupt.hpp>
 #include <cli/progress.hpp>
 #include <cli/session.hpp>
+#include <cli/text.hpp>
+#include <momentree/base/characters.hpp>
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/results.hpp>
 
@@ -48,7 +50,7 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, double 
   if (status == Status::interrupted) says = "interrupted at t = " + std::to_string(simulation.time()) + " s";
   if (status != Status::ok && status != Status::interrupted) {
     says = simulation.message();
-    std::fprintf(stderr, "%s: error: %s\n", scenario.path.c_str(), says.c_str());
+    show(stderr, printable(scenario.path) + ": error: " + says + '\n');
   }
   recorder.finish({scenario.name, scenario.title, scenario.path, scenario.hash, {}, start, scenario.until, scenario.integration},
                   says, simulation, session.armed(), io::model_json(scenario.model, scenario.title, scenario.shapes));

@@ -9,6 +9,8 @@
 #include <cli/progress.hpp>
 #include <cli/run_report.hpp>
 #include <cli/session.hpp>
+#include <cli/text.hpp>
+#include <momentree/base/characters.hpp>
 #include <momentree/generate/kernel_cache.hpp>
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/report/page.hpp>
@@ -41,7 +43,7 @@ void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool q
   std::string why = kernels.message();
   if (scenario.integration.method == "damped")
     why = "the method damped has masses of its own, which generated code does not know";
-  if (!why.empty()) std::fprintf(stderr, "%s: warning: --generate: %s\n", scenario.path.c_str(), why.c_str());
+  if (!why.empty()) show(stderr, printable(scenario.path) + ": warning: --generate: " + why + '\n');
   if (quiet || s.compiled == 0) return;
   std::printf("Generated code: %s compiled, found again %s, in %s\n", count_text(s.compiled, "topology", "topologies").c_str(),
               count_text(s.found_again, "time", "times").c_str(), duration_text(s.seconds).c_str());
@@ -102,20 +104,16 @@ int run(const RunOptions& options) {
   if (options.json)
     std::fputs(io::summary_json(origin, status, simulation).c_str(), stdout);
   else if (!options.quiet)
-    std::printf("%s\nResults: %s%s\n",
-                report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, freedoms,
-                             largest_kinetic},
-                            simulation, Style::of_output())
-                    .c_str(),
-                recorder.directory().c_str(), options.report ? "/report.html" : "");
+    show(stdout, report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, freedoms,
+                              largest_kinetic},
+                             simulation, Style::of_output()) +
+                     "\nResults: " + printable(recorder.directory()) + (options.report ? "/report.html\n" : "\n"));
 
   if (kernels) tell_about(*kernels, *scenario, options.quiet || options.json);
-  if (trouble) std::fprintf(stderr, "%s\n", trouble->message().c_str());
+  if (trouble) show(stderr, trouble->message() + '\n');
   if (ended == Status::ok && !trouble) return done;
-  if (!trouble)
-    std::fprintf(stderr, "%s: %s\n", scenario->path.c_str(),
-                 (ended == Status::interrupted ? status : "error: " + status).c_str());
-  std::fprintf(stderr, "what was computed is kept in %s\n", recorder.directory().c_str());
+  if (!trouble) show(stderr, printable(scenario->path) + (ended == Status::interrupted ? ": " : ": error: ") + status + '\n');
+  show(stderr, "what was computed is kept in " + printable(recorder.directory()) + '\n');
   return trouble || ended != Status::interrupted ? failed : interrupted;
 }
 

@@ -13,6 +13,9 @@
 
 namespace momentree::cli {
 
+/// Reads a scenario or a model. Throws Error where there is not enough memory.
+io::ReadResult read(const std::string& path, const std::vector<std::string>& overrides = {});
+
 /// Reads a scenario or a model; what is as grave as `least` or worse is said on standard error. Where it has errors, the result
 /// is empty.
 std::optional<io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides,

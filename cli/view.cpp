@@ -8,6 +8,8 @@
 #include <cli/record.hpp>
 #include <cli/serve.hpp>
 #include <cli/session.hpp>
+#include <cli/text.hpp>
+#include <momentree/base/characters.hpp>
 #include <momentree/io/model/model_file.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
@@ -37,7 +39,7 @@ int draw(const ViewOptions& options) {
     if (recorded.code != done) return recorded.code;
     io::write_svg(recorded.folder, options.svg, picture);
   }
-  std::printf("%s\n", options.svg.c_str());
+  show(stdout, printable(options.svg) + '\n');
   return done;
 }
 

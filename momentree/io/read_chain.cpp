@@ -98,6 +98,9 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
     reading.opaque.insert(mechanism);
     return;
   }
+  if (sound) reading.scenario.model.reserve(reading.scenario.model.size() + chain.links);
+  reading.bodies.reserve(reading.bodies.size() + static_cast<std::size_t>(chain.links));
+  reading.joints.reserve(reading.joints.size() + static_cast<std::size_t>(chain.links));
   Body parent = ground;
   std::size_t states_used = 0;
   for (int k = 1; k <= chain.links; ++k) {
