@@ -19,7 +19,7 @@ const char* const peers_hint =
     "(-DMOMENTREE_PEERS=ON; bench/peers/README.md).\n";
 
 void print(const std::string& text) {
-  std::fputs(text.c_str(), stdout);
+  show(stdout, text);
   std::fflush(stdout);
 }
 
@@ -200,14 +200,14 @@ int bench(const BenchOptions& options) {
   try {
     if (!options.peers.empty()) peers = peer_programs(options.peers);
   } catch (const Error& error) {
-    std::fprintf(stderr, "momentree bench: %s\n", error.message().c_str());
+    show(stderr, "momentree bench: " + error.message() + '\n');
     return bad_input;
   }
   if (!options.models.empty()) return bench_models(options, peers);
   try {
     return measure(options, peers);
   } catch (const Error& error) {  // no fault of the user's
-    std::fprintf(stderr, "momentree bench: %s\n", error.message().c_str());
+    show(stderr, "momentree bench: " + error.message() + '\n');
     return failed;
   }
 }

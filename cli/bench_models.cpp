@@ -37,7 +37,7 @@ void print_own(const std::vector<OwnRow>& rows, const Style& style) {
       "accelerations and the wrenches in all joints; in a world among 64 of a batch; the rates alone, by the kernels and by "
       "generated code;\na change by itself, without the evaluations before and after it)\n" +
       times.text("  ") + notes + '\n';
-  std::fputs(text.c_str(), stdout);
+  show(stdout, text);
   std::fflush(stdout);
 }
 
@@ -90,7 +90,11 @@ int measure(const BenchOptions& options, const std::vector<io::Scenario>& scenar
         "what a step needs; ns per body that moves, and how many times the first row; accelerations of all checked)\n" +
         peers_table(others);
   }
-  if (!text.empty()) std::fputs((text + '\n').c_str(), stdout);
+  if (text.empty()) return done;
+  if (options.json)
+    std::fputs((text + '\n').c_str(), stdout);
+  else
+    show(stdout, text + '\n');
   return done;
 }
 
@@ -119,7 +123,7 @@ int bench_models(const BenchOptions& options, const std::vector<std::string>& pe
   try {
     return measure(options, scenarios, peers, files);
   } catch (const Error& error) {  // no fault of the user's
-    std::fprintf(stderr, "momentree bench: %s\n", error.message().c_str());
+    show(stderr, "momentree bench: " + error.message() + '\n');
     return failed;
   }
 }

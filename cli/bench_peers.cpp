@@ -12,6 +12,7 @@
 
 #include <cli/interrupt.hpp>
 #include <cli/text.hpp>
+#include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/io/json_document.hpp>
 
@@ -128,7 +129,7 @@ std::vector<PeerRow> measure_peers(const std::vector<std::string>& programs, con
       try {
         peer_evaluations(program, {file}, keep);
       } catch (const Error& error) {  // an engine may not take every model: bodies without mass, say
-        std::fprintf(stderr, "momentree bench: left out: %s\n", error.what.c_str());
+        show(stderr, "momentree bench: left out: " + printable(error.what) + '\n');
       }
     }
   }

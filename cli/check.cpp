@@ -6,6 +6,7 @@
 #include <cli/commands.hpp>
 #include <cli/session.hpp>
 #include <cli/text.hpp>
+#include <momentree/base/characters.hpp>
 #include <momentree/io/diagnostic_json.hpp>
 
 namespace momentree::cli {
@@ -64,13 +65,13 @@ Checked check_one(const std::string& file, Notes notes) {
 }
 
 void print(const Checked& checked) {
-  std::fputs(io::rendered(checked.diagnostics).c_str(), stdout);
+  show(stdout, io::rendered(checked.diagnostics));
   if (!checked.counts) return;
   const Checked::Counts& n = *checked.counts;
-  std::printf("%s: ok: %s, %s, %s, %s\n", checked.file.c_str(), count_text(n.mechanisms, "mechanism", "mechanisms").c_str(),
-              count_text(n.bodies, "body", "bodies").c_str(),
-              count_text(n.freedoms, "degree of freedom", "degrees of freedom").c_str(),
-              count_text(n.events, "event", "events").c_str());
+  show(stdout, printable(checked.file) + ": ok: " + count_text(n.mechanisms, "mechanism", "mechanisms") + ", " +
+                   count_text(n.bodies, "body", "bodies") + ", " +
+                   count_text(n.freedoms, "degree of freedom", "degrees of freedom") + ", " +
+                   count_text(n.events, "event", "events") + '\n');
 }
 
 void write(io::JsonWriter& json, const Checked& checked) {

@@ -96,7 +96,7 @@ int compile(const CompileOptions& options) {
   const std::string report =
       format("%s_rates: %ld operations, %.1f per body, where the kernels take %ld, %.1f per body\n", text.name.c_str(), recursion,
              static_cast<double>(recursion) / bodies, before, static_cast<double>(before) / bodies);
-  std::fputs(report.c_str(), to_output ? stderr : stdout);
+  show(to_output ? stderr : stdout, report);
   return done;
 }
 

@@ -5,6 +5,7 @@
 
 #include <cli/commands.hpp>
 #include <cli/session.hpp>
+#include <cli/text.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/io/convert/convert.hpp>
 #include <momentree/io/text_file.hpp>
@@ -40,7 +41,7 @@ int convert(const ConvertOptions& options) {
   const std::string folder = options.out == "-" ? "" : fs::path(options.out).parent_path().string();
   const io::Converted result =
       format == Format::toml ? io::to_toml(*scenario, folder) : io::to_urdf(*scenario, options.mechanism, folder);
-  std::fputs(io::rendered(result.diagnostics).c_str(), stderr);
+  show(stderr, io::rendered(result.diagnostics));
   if (options.out == "-")
     std::fputs(result.text.c_str(), stdout);
   else

@@ -54,8 +54,10 @@ int evaluate(const EvaluateOptions& options) {
   if (!scenario) return bad_input;
   const Session session(*scenario, options.state);
   const World& world = session.simulation().world();
-  std::fputs((options.json ? io::state_json(world, session.armed()) : evaluation_text(world, Style::of_output())).c_str(),
-             stdout);
+  if (options.json)
+    std::fputs(io::state_json(world, session.armed()).c_str(), stdout);
+  else
+    show(stdout, evaluation_text(world, Style::of_output()));
   return done;
 }
 

@@ -206,7 +206,7 @@ int explain(const ExplainOptions& options) {
   if (!scenario->events.empty()) text += '\n' + style.heading("Events") + '\n';
   for (const io::ScenarioEvent& event : scenario->events)
     for (const Action& action : event.actions) text += "  " + when_text(event) + ": " + action.text() + '\n';
-  std::fputs(text.c_str(), stdout);
+  show(stdout, text);
   return done;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <map>
+#include <new>
 
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
@@ -26,8 +27,12 @@ std::string read_standard_input() {
 }
 
 io::ReadResult read_input(const std::string& path, const std::vector<std::string>& overrides) {
-  if (!is_standard_input(path)) return io::read_scenario(path, overrides);
-  return io::read_scenario_from(read_standard_input(), standard_input, "stdin", "", overrides);
+  try {
+    if (!is_standard_input(path)) return io::read_scenario(path, overrides);
+    return io::read_scenario_from(read_standard_input(), standard_input, "stdin", "", overrides);
+  } catch (const std::bad_alloc&) {
+    fail({"the memory that is free is not enough to read it", path, "some 3 kB are needed for each body"});
+  }
 }
 
 void count_notes(io::ReadResult& result) {

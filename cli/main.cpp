@@ -10,15 +10,23 @@
 #include <new>
 
 #include <cli/command_line.hpp>
+#include <cli/text.hpp>
+#include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
 
 namespace {
 
+using namespace momentree;
+
 // Without memory for the line in one, its parts.
-void say_error(const momentree::Error& error) {
+void say_error(const Error& error) {
   const bool placed = !error.where.empty(), hinted = !error.hint.empty();
-  std::fprintf(stderr, "%s: error: %s%s%s\n", placed ? error.where.c_str() : "momentree", error.what.c_str(), hinted ? "; " : "",
-               error.hint.c_str());
+  try {
+    cli::show(stderr, (placed ? "" : "momentree: ") + error.message() + '\n');
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "%s: error: %s%s%s\n", placed ? error.where.c_str() : "momentree", error.what.c_str(),
+                 hinted ? "; " : "", error.hint.c_str());
+  }
 }
 
 // A file that is opened while a standard stream is closed would get its number, and what is printed would go into it.
@@ -31,7 +39,6 @@ void require_standard_streams() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  using namespace momentree;
   require_standard_streams();
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes is an error of writing
   int code = cli::failed;
@@ -41,9 +48,9 @@ int main(int argc, char** argv) {
     code = cli::bad_input;
     say_error(error);
   } catch (const std::bad_alloc&) {
-    std::fputs("momentree: error: out of memory\n", stderr);
+    std::fputs("momentree: error: out of memory; a model takes some 3 kB for each body\n", stderr);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "momentree: error: %s\n", error.what());
+    cli::show(stderr, "momentree: error: " + printable(error.what()) + '\n');
   }
   errno = 0;
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {

@@ -11,6 +11,8 @@
 #include <cli/interrupt.hpp>
 #include <cli/progress.hpp>
 #include <cli/session.hpp>
+#include <cli/text.hpp>
+#include <momentree/base/characters.hpp>
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/results.hpp>
 #include <momentree/io/system_file.hpp>
@@ -56,7 +58,7 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, double 
   recorder.finish(says, session.armed());
   if (recorder.error()) fail(*recorder.error());
   if (status != Status::ok && status != Status::interrupted)
-    std::fprintf(stderr, "%s: error: %s\n", scenario.path.c_str(), says.c_str());
+    show(stderr, printable(scenario.path) + ": error: " + says + '\n');
   return {recorder.directory(), status == Status::ok ? done : status == Status::interrupted ? interrupted : failed};
 }
 

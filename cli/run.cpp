@@ -10,6 +10,8 @@
 #include <cli/progress.hpp>
 #include <cli/run_report.hpp>
 #include <cli/session.hpp>
+#include <cli/text.hpp>
+#include <momentree/base/characters.hpp>
 #include <momentree/generate/kernel_cache.hpp>
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/report/page.hpp>
@@ -42,7 +44,7 @@ void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool q
   std::string why = kernels.message();
   if (scenario.integration.method == "damped")
     why = "the method damped has masses of its own, which generated code does not know";
-  if (!why.empty()) std::fprintf(stderr, "%s: warning: --generate: %s\n", scenario.path.c_str(), why.c_str());
+  if (!why.empty()) show(stderr, printable(scenario.path) + ": warning: --generate: " + why + '\n');
   if (quiet || s.compiled == 0) return;
   std::printf("Generated code: %s compiled, found again %s, in %s\n", count_text(s.compiled, "topology", "topologies").c_str(),
               count_text(s.found_again, "time", "times").c_str(), duration_text(s.seconds).c_str());
@@ -92,7 +94,7 @@ int run(const RunOptions& options) {
   } catch (const std::bad_alloc&) {  // amid a step or an event
     progress.clear();
     recorder.abandon("failed: out of memory");
-    std::fprintf(stderr, "%s: error: out of memory\n", scenario->path.c_str());
+    show(stderr, printable(scenario->path) + ": error: out of memory\n");
     tell_where(recorder);
     return failed;
   }
@@ -108,23 +110,22 @@ int run(const RunOptions& options) {
   if (options.json)
     std::fputs(recorder.summary().c_str(), stdout);
   else if (!options.quiet)
-    std::printf("%s\nResults: %s%s\n",
-                report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, freedoms},
-                            simulation, Style::of_output())
-                    .c_str(),
-                recorder.directory().c_str(), recorder.has_report() ? "/report.html" : "");
+    show(stdout,
+         report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, freedoms},
+                     simulation, Style::of_output()) +
+             "\nResults: " + printable(recorder.directory()) + (recorder.has_report() ? "/report.html\n" : "\n"));
 
   if (const std::string advice = simulation.energy().advice(scenario->integration); ended == Status::ok && !advice.empty())
-    std::fprintf(stderr, "%s: warning: %s\n", scenario->path.c_str(), advice.c_str());
+    show(stderr, printable(scenario->path) + ": warning: " + advice + '\n');
   if (kernels) tell_about(*kernels, *scenario, options.quiet || options.json);
-  for (const std::string& warning : recorder.warnings()) std::fprintf(stderr, "%s\n", warning.c_str());
+  for (const std::string& warning : recorder.warnings()) show(stderr, warning + '\n');
   if (recorder.is_published()) return done;
   const std::optional<Error>& error = recorder.error();
   if (error)
-    std::fprintf(stderr, "%s%s\n", error->where.empty() ? "momentree: " : "", error->message().c_str());
+    show(stderr, (error->where.empty() ? "momentree: " : "") + error->message() + '\n');
   else
-    std::fprintf(stderr, "%s: %s\n", scenario->path.c_str(),
-                 (ended == Status::interrupted ? recorder.status() : "error: " + recorder.status()).c_str());
+    show(stderr,
+         printable(scenario->path) + (ended == Status::interrupted ? ": " : ": error: ") + recorder.status() + '\n');
   tell_where(recorder);
   return error || ended != Status::interrupted ? failed : interrupted;
 }

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <new>
 #include <unordered_set>
 #include <utility>
 
 #include <cli/text.hpp>
+#include <momentree/base/characters.hpp>
 #include <momentree/io/text_file.hpp>
 
 namespace momentree::cli {
@@ -17,7 +19,7 @@ std::optional<io::Scenario> load(const std::string& path, const std::vector<std:
   io::ReadResult result = read_input(path, overrides);
   if (notes == Notes::counted) count_notes(result);
   std::erase_if(result.diagnostics, [least](const io::Diagnostic& d) { return d.severity > least; });
-  std::fputs(io::rendered(result.diagnostics).c_str(), stderr);
+  show(stderr, io::rendered(result.diagnostics));
   return std::move(result.scenario);
 }
 
@@ -38,8 +40,21 @@ void refuse_to_overwrite(const std::string& out, const io::Scenario& scenario) {
       refuse(fs::path(scenario.path).parent_path() / *model->value.string());
 }
 
+namespace {
+
+Simulation simulation_of(const io::Scenario& scenario) {
+  try {
+    return Simulation(scenario.model, scenario.integration);
+  } catch (const std::bad_alloc&) {
+    fail({format("the memory that is free is not enough for %d bodies", scenario.model.size()), scenario.path,
+          "some 3 kB are needed for each body"});
+  }
+}
+
+}  // namespace
+
 Session::Session(const io::Scenario& scenario, const std::string& state)
-    : scenario_(scenario), simulation_(scenario.model, scenario.integration) {
+    : scenario_(scenario), simulation_(simulation_of(scenario)) {
   for (const io::ScenarioEvent& event : scenario.events) {
     const auto [place, fresh] = by_name_.emplace(event.name, armed_at_start_.size());
     if (fresh) armed_at_start_.push_back({event.name}), matches_.emplace_back();
@@ -128,8 +143,8 @@ void Session::schedule() {
     if (event.condition && fired && once) continue;
     if (event.period == 0 && (event.time < start || (event.time == start && fired))) {
       if (!fired)
-        std::fprintf(stderr, "%s:%d: warning: event '%s' at %g s does not happen: the run starts at %g s\n",
-                     scenario_.path.c_str(), event.place.line, event.name.c_str(), event.time, start);
+        show(stderr, printable(scenario_.path) + format(":%d: warning: event '", event.place.line) + event.name +
+                         format("' at %g s does not happen: the run starts at %g s\n", event.time, start));
       continue;
     }
     events.push_back(&event);

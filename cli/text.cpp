@@ -8,7 +8,34 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include <momentree/base/characters.hpp>
+
 namespace momentree::cli {
+
+namespace {
+
+constexpr std::string_view bold = "\x1b[1m", faint = "\x1b[2m", alarm = "\x1b[1;31m", usual = "\x1b[0m";
+
+// Length of a sequence of Style that begins at text[i], or 0.
+std::size_t style_at(std::string_view text, std::size_t i) {
+  for (const std::string_view code : {bold, faint, alarm, usual})
+    if (text.substr(i).starts_with(code)) return code.size();
+  return 0;
+}
+
+}  // namespace
+
+void show(std::FILE* stream, std::string_view text) {
+  const bool terminal = isatty(fileno(stream)) == 1;
+  std::string out;
+  out.reserve(text.size());
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t kept = text[i] == '\n' ? 1 : terminal && text[i] == '\x1b' ? style_at(text, i) : 0;
+    out += text.substr(i, kept);
+    i += kept > 0 ? kept : append_printable(out, text, i);
+  }
+  std::fwrite(out.data(), 1, out.size(), stream);
+}
 
 std::string format(const char* pattern, ...) {
   std::va_list arguments, again;
@@ -69,9 +96,13 @@ Style Style::of_output() {
   return Style(isatty(STDOUT_FILENO) == 1 && (no_color == nullptr || *no_color == '\0'));
 }
 
-std::string Style::wrapped(const char* code, std::string_view text) const {
-  if (!colours_) return std::string(text);
-  return "\x1b[" + std::string(code) + 'm' + std::string(text) + "\x1b[0m";
+std::string Style::heading(std::string_view text) const { return wrapped(bold, text); }
+std::string Style::dim(std::string_view text) const { return wrapped(faint, text); }
+std::string Style::bad(std::string_view text) const { return wrapped(alarm, text); }
+
+std::string Style::wrapped(std::string_view code, std::string_view text) const {
+  if (!colours_) return printable(text);
+  return std::string(code) + printable(text) + std::string(usual);
 }
 
 }  // namespace momentree::cli

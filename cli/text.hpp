@@ -1,10 +1,15 @@
 #pragma once
 // Text for a terminal: numbers with units, aligned columns, colours where they are wanted.
+#include <cstdio>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace momentree::cli {
+
+/// Writes text for people: whatever stands in it, nothing but line ends, tabs and the colours of Style commands a terminal. A
+/// name of a file in it goes through printable() first, since it may have line ends of its own. Not for what programs read.
+void show(std::FILE* stream, std::string_view text);
 
 /// printf into a string.
 [[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...);
@@ -33,18 +38,18 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// ANSI colours, or nothing at all.
+/// ANSI colours around text as printable() shows it, or that text alone.
 class Style {
  public:
   explicit Style(bool colours) : colours_(colours) {}
   /// For standard output: colours on a terminal, unless NO_COLOR is set.
   static Style of_output();
-  std::string heading(std::string_view text) const { return wrapped("1", text); }
-  std::string dim(std::string_view text) const { return wrapped("2", text); }
-  std::string bad(std::string_view text) const { return wrapped("1;31", text); }
+  std::string heading(std::string_view text) const;
+  std::string dim(std::string_view text) const;
+  std::string bad(std::string_view text) const;
 
  private:
-  std::string wrapped(const char* code, std::string_view text) const;
+  std::string wrapped(std::string_view code, std::string_view text) const;
   bool colours_;
 };
 

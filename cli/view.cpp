@@ -8,6 +8,8 @@
 #include <cli/record.hpp>
 #include <cli/serve.hpp>
 #include <cli/session.hpp>
+#include <cli/text.hpp>
+#include <momentree/base/characters.hpp>
 #include <momentree/io/model/model_file.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
@@ -46,7 +48,7 @@ int draw(const ViewOptions& options) {
       std::fputs(io::draw_svg(io::read_recording(folder, options.every), picture).c_str(), stdout);
     } else {
       io::write_svg(folder, options.svg, picture);
-      std::printf("%s\n", options.svg.c_str());
+      show(stdout, printable(options.svg) + '\n');
     }
   };
   if (is_folder(options.source)) {

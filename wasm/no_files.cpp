@@ -7,7 +7,10 @@ namespace momentree::io {
 
 bool is_model(std::string_view, std::string_view) { return false; }
 
-bool is_file(const std::string&) { return false; }
+std::optional<Unreadable> why_unreadable(const std::string&, const char*) { return Unreadable{"files are not read here", ""}; }
+
+Enclosure::Enclosure(const std::string&) {}
+bool Enclosure::holds(const std::filesystem::path&) const { return true; }
 
 bool read_whole_file(const std::string&, const char*, std::uintmax_t, std::string&, Unreadable& why) {
   why = {"files are not read here", ""};

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include <momentree/base/characters.hpp>
 #include <momentree/base/words.hpp>
 
 #if defined(__wasm__) && !defined(__cpp_exceptions)
@@ -15,9 +16,9 @@ extern "C" [[noreturn]] __attribute__((import_module("momentree"), import_name("
 namespace momentree {
 
 std::string Error::message() const {
-  std::string text = where.empty() ? "error: " : where + ": error: ";
-  text += what;
-  if (!hint.empty()) text += "; " + hint;
+  std::string text = where.empty() ? "error: " : printable(where) + ": error: ";
+  text += printable(what);
+  if (!hint.empty()) text += "; " + printable(hint);
   return text;
 }
 

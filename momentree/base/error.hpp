@@ -13,7 +13,7 @@ struct Error {
   std::string where;
   std::string hint;
 
-  /// One line: `where: error: what; hint`.
+  /// One line: `where: error: what; hint`, fit for a terminal (see printable()).
   std::string message() const;
 };
 

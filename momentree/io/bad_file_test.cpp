@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <momentree/io/toml.hpp>
 #include <tests/bad_input.hpp>
 
 using namespace momentree::io::bad_input;
@@ -21,9 +22,10 @@ TEST_CASE("broken TOML is refused at its first error") {
        "s.toml:8:8: error: cannot read this key-value pair: cannot redefine existing integer 'mass'; it is given twice"},
       {pinned + "damping = 1 \"N m s\"\n",
        "s.toml:10:13: error: a quotation mark stands where no string can begin; strings are quoted as a whole"},
-      {"title = it's\n", "s.toml:1:11: error: a quotation mark stands where no string can begin; strings are quoted as a whole"},
-      {"title = \"a\"\"b\"\n",
-       "s.toml:1:12: error: a quotation mark stands where no string can begin; strings are quoted as a whole"},
+      {"format = 1\ntitle = it's\n",
+       "s.toml:2:11: error: a quotation mark stands where no string can begin; strings are quoted as a whole"},
+      {"format = 1\ntitle = \"a\"\"b\"\n",
+       "s.toml:2:12: error: a quotation mark stands where no string can begin; strings are quoted as a whole"},
       {pinned + "axis = z\n",
        "s.toml:10:8: error: cannot read this value: could not determine value type; a word is a string: write it in quotes"},
       {pinned + "axis = \n",
@@ -61,9 +63,9 @@ TEST_CASE("depth is refused, however it is written") {
   std::string keys = "a", arrays = "a = ", nested;
   for (int i = 0; i < 1'000'000; ++i) keys += ".a", arrays += '[', nested += "a = {";
   check({
-      {keys + " = 1\n", "s.toml:1:34: error: a key of more than 17 parts"},
-      {"[" + keys + "]\n", "s.toml:1:35: error: a key of more than 17 parts"},
-      {"x = { " + keys + " = 1 }\n", "s.toml:1:40: error: a key of more than 17 parts"},
+      {"format = 1\n" + keys + " = 1\n", "s.toml:2:34: error: a key of more than 17 parts"},
+      {"format = 1\n[" + keys + "]\n", "s.toml:2:35: error: a key of more than 17 parts"},
+      {"format = 1\nx = { " + keys + " = 1 }\n", "s.toml:2:40: error: a key of more than 17 parts"},
   });
   for (const std::string& text : {arrays, nested}) {
     const momentree::io::ReadResult result = momentree::io::read_scenario_text(text, "s.toml");
@@ -77,7 +79,7 @@ TEST_CASE("dots in strings, numbers and comments are no depth") {
   const auto said_of = [](const std::string& text) { return said(momentree::io::read_scenario_text(text, "s.toml")); };
   CHECK(said_of(pinned + "# " + dots + "\naxis = [0.0, 0.0, 1.0]\n[world]\ngravity = [0.0, 0.0, 1.0] # " + dots + "\n") == "");
   for (const std::string& quotes :
-       {"\"\"\"" + dots + "\"\"\"\"\"", "'''\n" + dots + "\n'''", "\"\\\"" + dots + "\"", "'" + dots + "'"}) {
+       {"\"\"\"" + dots + "\"\"\"\"\"", "'''\n" + dots + "'''", "\"\\\"" + dots + "\"", "'" + dots + "'"}) {
     CAPTURE(quotes);
     CHECK(said_of("title = " + quotes + "\n" + pinned) == "");
   }
@@ -133,13 +135,51 @@ TEST_CASE("unknown keys are errors, with the nearest known key") {
 
 TEST_CASE("letters of every alphabet stay what they are, in strings and names") {
   const std::string letters = "aß\xc2\x80 Ж\xc2\x85\xe2\x80\xa8שש漢字\xef\xbf\xbd🌳\xf3\xaf\xbf\xbf";
-  const auto result = momentree::io::read_scenario_text("title = \"\"\"\\\n  " + letters + "\\u0416\"\"\"\n" + pinned, "s.toml");
-  CHECK(said(result) == "");
-  REQUIRE(result.scenario);
-  CHECK(result.scenario->title == letters + "Ж");
-  check(
-      {{pinned + "\"größe\" = 1\n",
-        "s.toml:10:1: error: unknown key 'größe' in [mechanism.body.joint]; known here: name parent at child_at kind "
-        "axis q v angle position speed damping stiffness armature rest drive limits friction strength"},
-       {"title = \"Жß\" x\n", "s.toml:1:14: error: cannot read this key-value pair: expected a comment or whitespace, saw 'x'"}});
+  momentree::io::SyntaxError error;
+  const auto document = momentree::io::parse_toml("words = \"\"\"\\\n  " + letters + "\\u0416\"\"\"\n", error);
+  REQUIRE(document);
+  CHECK(*document->find("words")->value.string() == letters + "Ж");
+  check({{pinned + "\"größe\" = 1\n",
+          "s.toml:10:1: error: unknown key 'größe' in [mechanism.body.joint]; known here: name parent at child_at kind "
+          "axis q v angle position speed damping stiffness armature rest drive limits friction strength"},
+         {"format = 1\ntitle = \"Жß\" x\n",
+          "s.toml:2:14: error: cannot read this key-value pair: expected a comment or whitespace, saw 'x'"}});
+}
+
+TEST_CASE("lines are quoted only of what is known for a scenario") {
+  const auto refused = [](const std::string& text) {
+    const momentree::io::ReadResult result = momentree::io::read_scenario_text(text, "s.toml");
+    CHECK(!result.scenario);
+    return momentree::io::rendered(result.diagnostics);
+  };
+  const std::string generic = ": error: this is not a scenario: it cannot be read as TOML; a scenario begins with format = 1\n";
+  CHECK(refused("root:$6$secret:19000:0:99999:7:::\ndaemon:*:\n") == "s.toml:1:5" + generic);
+  CHECK(refused("key = 'a'\nsecret = 12 kg\n").find("s.toml:2:") == 0);
+  for (const char* text : {"password=secret\n", "[default]\nkey = \"secret\"\n", "key = 12 secret\n", "secret\n", "\"secret\n",
+                           "key = “secret”\n", "#secret\xff", "secret\0", "format = \"%(secret)s\"\nx\n",
+                           "[formatters]\nkey = secret\n", "formats = 1\nkey = secret\n", "mechanisms = secret\n"}) {
+    CAPTURE(text);
+    CHECK(refused(text).find("secret") == std::string::npos);
+  }
+  CHECK(refused("#" + std::string(1u << 20, 'x') + "\n[a]\n") ==
+        "s.toml: error: this is not a scenario: no line says the format, and none begins a mechanism; a scenario begins with "
+        "format "
+        "= 1\n");
+  // One that has such a line is shown, wherever it is wrong.
+  for (const char* text :
+       {"format = 1\nsecret\n", "secret\nformat=1\n", "\xEF\xBB\xBF format\t= '1'\nsecret\n", "secret\n[[mechanism]]\n",
+        "secret\n [ mechanism.chain ]\n", "secret\nmechanism = []\n", "secret\nformat 1\n"}) {
+    CAPTURE(text);
+    CHECK(refused(text).find(" | secret") != std::string::npos);
+  }
+}
+
+TEST_CASE("a title is a line that is seen") {
+  check({
+      {"format = 1\ntitle = \"a\\u001b[31mb\"\n" + one_body.substr(11),
+       "s.toml:2:9: error: title: 'a\\x1b[31mb' has a character that is not seen; a title is one line without control "
+       "characters"},
+      {"format = 1\ntitle = \"\"\"a\nb\"\"\"\n" + one_body.substr(11),
+       "s.toml:2:9: error: title: 'a\\nb' has a character that is not seen; a title is one line without control characters"},
+  });
 }

@@ -115,6 +115,18 @@ TEST_CASE("the Panda's second finger follows the first where the scenario says s
   CHECK(same.multiplier == pair.multiplier);
 }
 
+TEST_CASE("couplings that go round in a circle are refused at the first of them") {
+  const std::string three = two.substr(0, two.rfind("roots")) + "roots = 3\n" + wheel("a", 1) + wheel("b", 1) + wheel("c", 1);
+  const auto coupling = [](const char* joint, const char* leader) {
+    return "[[coupling]]\nstiffness = 1\njoint = \"m/" + std::string(joint) + "\"\nfollows = \"m/" + leader + "\"\n";
+  };
+  const auto words = [&](const std::string& couplings) { return said(read_scenario_text(three + couplings, "s.toml")); };
+  CHECK(words(coupling("b", "a") + coupling("c", "b") + coupling("c", "a")).empty());
+  CHECK(words(coupling("b", "a") + coupling("c", "b") + coupling("a", "c")) ==
+        "s.toml:29:1: error: coupling: joint 'm/b' follows 'm/a', which follows 'm/c', which follows 'm/b'; one of them has to "
+        "lead: it follows none");
+}
+
 TEST_CASE("what is wrong with a coupling is told at its place") {
   const auto refused = [](const std::string& text, const std::string& message) {
     CAPTURE(text);

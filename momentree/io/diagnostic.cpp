@@ -5,19 +5,11 @@
 #include <tuple>
 #include <utility>
 
+#include <momentree/base/characters.hpp>
+
 namespace momentree::io {
 
 namespace {
-
-// What a terminal could take for a command becomes a question mark; tabs stay.
-std::string printable(std::string_view text) {
-  std::string safe(text);
-  for (char& c : safe) {
-    const auto u = static_cast<unsigned char>(c);
-    if ((u < 0x20 && c != '\t') || u == 0x7f) c = '?';
-  }
-  return safe;
-}
 
 bool continues_character(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
 
@@ -47,15 +39,19 @@ std::string Diagnostic::rendered() const {
   if (source.empty() || line == 0) return text;
   const std::string_view shown = shortened(source, source_width);
   const std::string number = std::to_string(line), margin(std::max<std::size_t>(number.size(), 4) + 1, ' ');
-  text += std::string(margin.size() - number.size(), ' ') + number + " | " + printable(shown);
-  if (shown.size() < source.size()) text += " …";
-  text += "\n";
+  text += std::string(margin.size() - number.size(), ' ') + number + " | ";
+  std::string blanks;  // up to the caret; an escape takes several columns of the terminal
+  int at = 0;
+  for (std::size_t i = 0; i < shown.size();) {
+    at += !continues_character(shown[i]);
+    const std::size_t begin = text.size();
+    i += append_printable(text, shown, i);
+    for (std::size_t k = begin; k < text.size() && at < column; ++k)
+      if (!continues_character(text[k])) blanks += text[k] == '\t' ? '\t' : ' ';
+  }
+  text += shown.size() < source.size() ? " …\n" : "\n";
   if (column < 1 || static_cast<std::size_t>(column) > source_width + 1) return text;
-  text += margin + " | ";
-  int at = 1;
-  for (std::size_t i = 0; i < shown.size() && at < column; ++i)
-    if (i + 1 == shown.size() || !continues_character(shown[i + 1])) text += shown[i] == '\t' ? '\t' : ' ', ++at;
-  return text + "^\n";
+  return text + margin + " | " + blanks + "^\n";
 }
 
 bool has_errors(const std::vector<Diagnostic>& diagnostics) {

@@ -36,7 +36,8 @@ std::string rendered(const std::vector<Diagnostic>& diagnostics);
 /// Collects the problems of one file: places become lines, and a file that is wrong everywhere stays readable.
 class Diagnostics {
  public:
-  /// `options`: the overrides of the command line, for places in them. `text` must outlive this.
+  /// `options`: the overrides of the command line, for places in them. `text` must outlive this; where it is empty, no lines are
+  /// shown.
   Diagnostics(std::string file, std::string_view text, std::vector<std::string> options = {});
 
   void error(Place place, std::string what, std::string hint = {}) {
@@ -70,7 +71,7 @@ class Diagnostics {
   std::size_t errors_ = 0, warnings_ = 0, notes_ = 0;
 };
 
-/// `name` in quotes, shortened where it is long, with control characters replaced: fit for a message.
+/// `name` in quotes, shortened where it is long, and as printable() shows it: fit for a message.
 std::string in_quotes(std::string_view name);
 
 }  // namespace momentree::io

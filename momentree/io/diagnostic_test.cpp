@@ -58,10 +58,19 @@ TEST_CASE("a terminal gets no control characters, and no endless lines") {
   const std::string text = rendered(out.take());
   CHECK(text.find('\x1b') == std::string::npos);
   CHECK(text.find('\x07') == std::string::npos);
-  CHECK(text.find("s?.toml:1:1: error: a?b; c?\n    1 | ?[31mxxx") == 0);
+  CHECK(text.find("s\\x1b.toml:1:1: error: a\\nb; c\\x07\n    1 | \\x1b[31mxxx") == 0);
   CHECK(text.size() < 300);
-  CHECK(in_quotes("ö\n" + std::string(100, 'x')) == "'ö?" + std::string(58, 'x') + "…'");
+  CHECK(in_quotes("ö\n" + std::string(100, 'x')) == "'ö\\n" + std::string(58, 'x') + "…'");
 }
+
+TEST_CASE("the caret stands below its character, whatever comes before it") {
+  Diagnostics out("s.toml", "\tö\x1b\xC2\x9B\xFF\xE2\x80\xAEx = 1");
+  out.error({1, 7, 0}, "e");
+  CHECK(out.take().at(0).rendered() ==
+        "s.toml:1:7: error: e\n    1 | \tö\\x1b\\u009b\xEF\xBF\xBD\\u202ex = 1\n"
+        "      | \t                  ^\n");
+}
+
 TEST_CASE("where a problem ends: after the key, the string, the list, the tag that stands there") {
   CHECK(end_column("kind = \"revolut\"  # no", 8) == 17);
   CHECK(end_column("kind = \"rev\\\"olut\"", 8) == 19);

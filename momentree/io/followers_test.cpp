@@ -91,11 +91,42 @@ TEST_CASE("what can't follow is told where mimic is asked for") {
   refused(a + joint("b", "fixed", follows("a")), "'b' is not one of one freedom");
   refused(a + joint("b", "floating", follows("a")), "'b' is not one of one freedom");
   refused(joint("b", "fixed", "") + joint("a", "continuous", follows("b")), "'b' is not one of one freedom");
-  refused(joint("a", "continuous", follows("b")) + joint("b", "continuous", follows("a")),
-          "'a' follows itself, by way of others");
-  std::string circle = joint("x", "continuous", follows("j0"));  // what leads into a circle is not of it
-  for (int i = 0; i < 3; ++i) circle += joint("j" + std::to_string(i), "continuous", follows("j" + std::to_string((i + 1) % 3)));
-  refused(circle, "'j0' follows itself, by way of others");
+}
+
+TEST_CASE("URDF: joints that follow each other in a circle are refused, with the circle") {
+  const std::string head_line = "<robot name='r'>\n<link name='base'/>\n";
+  const auto refused = [&](const std::string& joints, const std::string& message) {
+    const ReadResult result = read_scenario_text(head_line + joints + "</robot>", "r.urdf");
+    CHECK(!result.scenario);
+    CHECK_MESSAGE(said(result).find(message + "; one of them has to lead: it follows none") != std::string::npos, said(result));
+  };
+  const auto turning = [](const std::string& name, const std::string& leader) {
+    return joint(name, "continuous", follows(leader));
+  };
+  refused(turning("a", "b") + turning("b", "a"), "r.urdf:4:95: error: mimic: joint 'a' follows 'b', which follows 'a'");
+  refused(turning("a", "a"), "r.urdf:4:95: error: mimic: joint 'a' follows itself");
+  std::string circle = turning("x", "j0");  // what leads into a circle is not of it
+  for (int i = 0; i < 3; ++i) circle += turning("j" + std::to_string(i), "j" + std::to_string((i + 1) % 3));
+  refused(circle, "r.urdf:6:97: error: mimic: joint 'j0' follows 'j1', which follows 'j2', which follows 'j0'");
+  std::string long_circle;
+  for (int i = 0; i < 100; ++i) long_circle += turning("j" + std::to_string(i), "j" + std::to_string((i + 1) % 100));
+  refused(long_circle,
+          "mimic: joint 'j0' follows 'j1', which follows 'j2', which follows 'j3', …, which follows 'j99', which follows 'j0'");
+}
+
+TEST_CASE("SDF: joints that follow each other in a circle are refused, with the circle") {
+  const auto turning = [](const std::string& name, const std::string& leader) {
+    return "<link name='of_" + name + "'/><joint name='" + name + "' type='revolute'><parent>base</parent><child>of_" + name +
+           "</child><axis><xyz>0 0 1</xyz>\n<mimic joint='" + leader + "'><multiplier>1</multiplier></mimic></axis></joint>\n";
+  };
+  const auto refused = [](const std::string& joints, const std::string& message) {
+    const ReadResult result = read_scenario_text(
+        "<sdf version='1.11'><model name='r'><static>0</static><link name='base'/>\n" + joints + "</model></sdf>", "r.sdf");
+    CHECK(!result.scenario);
+    CHECK_MESSAGE(said(result).find(message) != std::string::npos, said(result));
+  };
+  refused(turning("a", "b") + turning("b", "a"), "r.sdf:3:1: error: mimic: joint 'a' follows 'b', which follows 'a'");
+  refused(turning("a", "a"), "r.sdf:3:1: error: mimic: joint 'a' follows itself");
 }
 
 }  // namespace momentree::io

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <unordered_set>
 
 namespace momentree::io {
@@ -109,9 +110,15 @@ struct Builder {
     JsonNode node;
     reached = text.data() + std::min(position, text.size());
     place(node, 1);
-    const std::string words = error.what();
+    std::string words = error.what();
     const std::size_t colon = words.find(": ");
-    document.fail_at(node, "this is not JSON: " + (colon == std::string::npos ? words : words.substr(colon + 2)));
+    if (colon == std::string::npos) document.fail_at(node, "this is not JSON: a number is outside the range of numbers");
+    words.erase(0, colon + 2);
+    // Any file may be named as a document, and the parser's message goes on with its text.
+    const std::size_t text_at = words.find("; last read: "), expected = words.rfind("; expected ");
+    if (text_at != std::string::npos)
+      words.erase(text_at, expected != std::string::npos && expected > text_at ? expected - text_at : std::string::npos);
+    document.fail_at(node, "this is not JSON: " + words);
   }
 };
 

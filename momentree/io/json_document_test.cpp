@@ -30,11 +30,22 @@ TEST_CASE("broken JSON is refused with its place") {
   CHECK(mistake("[1, 2").starts_with("f.json:1:"));
   CHECK(mistake("[1] [2]").starts_with("f.json:1:5"));
   CHECK(mistake("[NaN]").starts_with("f.json:1:"));
-  CHECK(mistake("[1e999]").starts_with("f.json:1:"));
+  CHECK(mistake("[1e999]").ends_with("this is not JSON: a number is outside the range of numbers"));
   CHECK(mistake("[\"\xff\"]").starts_with("f.json:1:"));
   CHECK(mistake("{\"a\": 1, \"a\": 2}") == "f.json:1:10: error: the key \"a\" is given twice");
   CHECK(mistake(std::string(1000000, '[')).find("nested deeper than 64") != std::string::npos);
   CHECK(mistake(std::string("[1]\0", 4)).starts_with("f.json:1:4: error"));
+}
+
+TEST_CASE("what is no JSON is not quoted") {
+  for (const char* text :
+       {"root:$6$secret:19000::", "secret", "{ \"a\": secret }", "{ \"secret\n\" }", "[1secret]", "{ \"a\" \"secret\" }"}) {
+    CAPTURE(text);
+    const std::string message = mistake(text);
+    CHECK(message.starts_with("f.json:1:"));
+    CHECK(message.find("secret") == std::string::npos);
+  }
+  CHECK(mistake("{ \"a\": 1,, }").ends_with("syntax error while parsing object key - unexpected ','; expected string literal"));
 }
 
 TEST_CASE("what is asked for must be what is there") {

@@ -1,10 +1,27 @@
 #include <momentree/io/json_writer.hpp>
 
+#include <algorithm>
 #include <cmath>
 
+#include <momentree/base/characters.hpp>
 #include <momentree/io/number_text.hpp>
 
 namespace momentree::io {
+
+namespace {
+
+// \uXXXX; two of them, surrogates, beyond the first plane.
+void append_escape(std::string& text, char32_t c) {
+  const auto append = [&text](char32_t unit) {
+    text += "\\u";
+    for (int shift = 12; shift >= 0; shift -= 4) text += "0123456789abcdef"[unit >> shift & 15];
+  };
+  if (c < 0x10000) return append(c);
+  append(0xd800 + ((c - 0x10000) >> 10));
+  append(0xdc00 + ((c - 0x10000) & 0x3ff));
+}
+
+}  // namespace
 
 void JsonWriter::line() {
   text_ += '\n';
@@ -73,18 +90,16 @@ JsonWriter& JsonWriter::null() {
 JsonWriter& JsonWriter::value(std::string_view words) {
   before_item();
   text_ += '"';
-  for (const char c : words) {
-    if (c == '"' || c == '\\') {
-      text_ += '\\';
-      text_ += c;
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      static constexpr char digits[] = "0123456789abcdef";
-      text_ += "\\u00";
-      text_ += digits[(c >> 4) & 15];
-      text_ += digits[c & 15];
-    } else {
-      text_ += c;
-    }
+  for (std::size_t i = 0; i < words.size();) {
+    const std::size_t length = character_length(words, i);
+    const char32_t c = length == 0 ? U'\ufffd' : code_point(words.substr(i, length));
+    if (c == '"' || c == '\\')
+      text_ += '\\', text_ += words[i];
+    else if (length > 0 && is_visible(c))
+      text_ += words.substr(i, length);
+    else
+      append_escape(text_, c);
+    i += std::max<std::size_t>(length, 1);
   }
   text_ += '"';
   return *this;

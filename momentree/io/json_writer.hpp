@@ -23,6 +23,7 @@ class JsonWriter {
   JsonWriter& value(long number);
   JsonWriter& value(int number) { return value(static_cast<long>(number)); }
   JsonWriter& value(bool truth);
+  /// Any bytes: what is not visible is escaped, and a byte that is not UTF-8 becomes U+FFFD.
   JsonWriter& value(std::string_view words);
   JsonWriter& value(const char* words) { return value(std::string_view(words)); }
   JsonWriter& value(const std::string& words) { return value(std::string_view(words)); }

@@ -5,8 +5,6 @@ namespace momentree::io {
 
 namespace {
 
-constexpr std::size_t most_events = 1'000'000;
-
 const char* example(std::string_view key) {
   if (key == "weld") return "for example weld = { body = \"satellite/hull\", to = \"tug/gripper\" }";
   if (key == "attach") return "for example attach = { body = \"load/hook\", to = \"crane/rope\", kind = \"ball\" }";
@@ -163,6 +161,11 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
   // At an instant that is known each match is an event of its own; else they happen together, when the event does.
   const bool together = trigger != nullptr || event.condition || !event.after.empty() || event.period > 0;
   const auto add = [&](const Value& entry, const std::string& match, ScenarioEvent& to) {
+    if (--reading.actions_left < 0) {
+      if (reading.actions_left == -1)
+        out.error(entry.place, "more than 1000000 actions", "a wildcard is as many as the names that it matches");
+      return false;
+    }
     const std::shared_ptr<ActionBase> action = make_action(key);
     if (key == "set")  // units are those of a joint that perhaps another event makes
       reading.late.push_back({action, value.array() ? &entry : &value, match, event.time});
@@ -198,8 +201,6 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
       each.name = event.name, each.wild = true, each.time = event.time, each.place = event.place;
       if (!add(entry, match, each)) break;
       wild.push_back(std::move(each));
-      if (reading.scenario.events.size() + wild.size() > most_events)
-        return out.error(pattern->place, "more than 1000000 events");
     }
   }
 }

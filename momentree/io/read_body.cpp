@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include <momentree/base/characters.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
@@ -9,13 +10,14 @@ bool check_bare_name(const std::string& name, Place place, std::string_view what
     out.error(place, "name: " + std::string(what) + " cannot be named " + in_quotes(name) + ": " + why, hint);
     return false;
   };
-  const auto forbidden = [](unsigned char c) { return c < 0x20 || c == 0x7f || c == ',' || c == '"' || c == '*' || c == '/'; };
   if (name.empty()) return refuse("that is no name", "");
   if (name.size() > 200) return refuse("it is longer than 200 characters", "");
   if (name == "ground") return refuse("that is the ground", "");
   if (name == "." || name == "..") return refuse("that is a folder", "");
   if (name.front() == '#') return refuse("# begins the numbers of events", "");
-  if (std::any_of(name.begin(), name.end(), forbidden))
+  if (first_invisible(name) != std::string::npos)
+    return refuse("it has a character that is not seen", "not in a name: control characters, marks of direction and the like");
+  if (name.find_first_of("/,\"*") != std::string::npos)
     return refuse("it has a character that names do not have", "not in a name: / , \" * and control characters");
   return true;
 }

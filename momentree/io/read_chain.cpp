@@ -100,6 +100,9 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
     reading.opaque.insert(mechanism);
     return;
   }
+  if (sound) reading.scenario.model.reserve(reading.scenario.model.size() + chain.links);
+  reading.bodies.reserve(reading.bodies.size() + static_cast<std::size_t>(chain.links));
+  reading.joints.reserve(reading.joints.size() + static_cast<std::size_t>(chain.links));
   if (joints.any()) {
     std::vector<std::pair<std::string, Kind>> names;
     for (int k = 1; k <= chain.links; ++k)

@@ -1,9 +1,12 @@
 // [[coupling]]: a joint that follows another by a spring; and `mimic` of a mechanism, which has a model's joints do so.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string_view>
 #include <unordered_set>
+#include <utility>
 
+#include <momentree/io/follow_circles.hpp>
 #include <momentree/io/read_action.hpp>
 
 namespace momentree::io {
@@ -64,6 +67,7 @@ void add_coupling(const JointCoupling& coupling, Place place, Reading& reading) 
                         "the spring pulls it there from the start");
   }
   reading.scenario.couplings.push_back(coupling);
+  reading.coupling_places.push_back(place);
 }
 
 void read_coupling(const Value& table, Reading& reading) {
@@ -90,6 +94,14 @@ void read_coupling(const Value& table, Reading& reading) {
 
 void check_couplings(Reading& reading) {
   const Model& model = reading.scenario.model;
+  std::vector<std::pair<int, int>> pairs;
+  for (const JointCoupling& each : reading.scenario.couplings) pairs.emplace_back(each.joint.index, each.leader.index);
+  for (const std::vector<int>& circle : circles_of(pairs)) {
+    const auto first = std::find(pairs.begin(), pairs.end(), std::pair(circle[0], circle[1]));
+    reading.out.error(reading.coupling_places[static_cast<std::size_t>(first - pairs.begin())],
+                      "coupling: " + circle_text(circle, [&](int joint) { return in_quotes(model[Body{joint}].joint_name); }),
+                      "one of them has to lead: it follows none");
+  }
   std::unordered_set<std::string_view> coupled;
   for (const JointCoupling& each : reading.scenario.couplings)
     for (const Body joint : {each.joint, each.leader}) coupled.insert(model[joint].joint_name);

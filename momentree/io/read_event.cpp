@@ -7,8 +7,6 @@ namespace momentree::io {
 
 namespace {
 
-constexpr std::size_t most_events = 1'000'000;
-
 // One event: that of `match`, where its condition has a wildcard. False where it does nothing.
 bool read_one(const Value& table, const std::string& name, bool named, const TriggerMatch* match, Reading& reading) {
   Fields fields(table, "[[event]]", reading.out);
@@ -57,9 +55,6 @@ void read_event(const Value& table, int number, Reading& reading) {
     for (const TriggerMatch& match : *matches) {
       acts = read_one(table, event, named, &match, reading);
       if (!acts || errors != out.errors()) break;  // and so it would be for the others
-      if (reading.scenario.events.size() <= most_events) continue;
-      out.error(fields.place(), "more than 1000000 events");
-      break;
     }
   } else {
     acts = read_one(table, event, named, nullptr, reading);

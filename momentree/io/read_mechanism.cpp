@@ -160,6 +160,7 @@ void add_bodies(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& 
   for (const int b : massless_links(each))
     out.warning(place_of(bodies[order[static_cast<std::size_t>(b)]], "mass"),
                 massless_link(specs[static_cast<std::size_t>(b)].name), massless_hint);
+  reading.scenario.model.reserve(first + static_cast<int>(order.size()));
   for (std::size_t i = 0; i < order.size(); ++i) {
     BodySpec& spec = specs[i];
     if (spec.parent != ground) spec.parent.index += first;

@@ -4,7 +4,6 @@
 #include <deque>
 #include <filesystem>
 #include <unordered_map>
-#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -124,31 +123,16 @@ void warn_of_followers(const Import& import) {
         "mimic = { stiffness = … } in the mechanism couples them by a spring");
 }
 
-// Joints that follow others can be coupled: one freedom each, and none follows itself by way of others.
+// Joints that follow others can be coupled where they have one freedom each.
 bool check_followers(const Import& import, const ModelChoice& choice, Reading& reading) {
   const auto& bodies = import.model.bodies;
   const auto name = [&](int body) { return in_quotes(bodies[static_cast<std::size_t>(body)].spec.joint_name); };
   const std::size_t errors = reading.out.errors();
-  std::unordered_map<int, int> leaders;
-  for (const Follower& each : import.model.followers) {
-    leaders.emplace(each.body, each.leader);
+  for (const Follower& each : import.model.followers)
     for (const int end : {each.body, each.leader})
       if (info(bodies[static_cast<std::size_t>(end)].spec.joint.kind).nv != 1)
         reading.out.error(choice.mimic_place, "mimic: joint " + name(end) + " is not one of one freedom",
                           "couple the others by [[coupling]] tables");
-  }
-  std::unordered_set<int> well;
-  for (const Follower& each : import.model.followers) {
-    std::unordered_set<int> path;
-    int body = each.body;
-    while (leaders.contains(body) && !well.contains(body) && path.insert(body).second) body = leaders.at(body);
-    if (path.contains(body)) {
-      reading.out.error(choice.mimic_place, "mimic: joint " + name(body) + " follows itself, by way of others",
-                        "couple them by [[coupling]] tables, one less than there are joints");
-      break;
-    }
-    well.insert(path.begin(), path.end());
-  }
   return errors == reading.out.errors();
 }
 
@@ -232,6 +216,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
   }
 
   const int first = reading.scenario.model.size();
+  reading.scenario.model.reserve(first + static_cast<int>(import->model.bodies.size()));
   std::deque<BodySpec> specs;  // large ones, that no growth should copy
   std::ptrdiff_t limited = 0;
   for (const ImportedBody& body : import->model.bodies) {

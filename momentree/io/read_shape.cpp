@@ -3,6 +3,7 @@
 #include <string>
 
 #include <momentree/base/error.hpp>
+#include <momentree/io/file_name.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
@@ -33,21 +34,21 @@ void read_colour(Fields& fields, std::string_view key, std::string& colour, Diag
             hint.empty() ? "write \"#rrggbb\"" : hint);
 }
 
-// Meshes stand in the scenario's folder or below it: a scenario from elsewhere must not make us open anything else.
+// Meshes stand in the scenario's folder or below it: a scenario from elsewhere must not make us look at anything else.
 void read_mesh(const Value& value, Shape& shape, Reading& reading) {
   const auto file = read_string(value, "mesh", reading.out);
   if (!file) return;
-  const std::filesystem::path path(*file);
-  bool leaves = path.is_absolute() || path.has_root_name() || file->find('\\') != std::string::npos;
-  for (const auto& part : path) leaves = leaves || part == "..";
-  if (file->empty() || leaves) {
-    reading.out.error(value.place, "mesh: " + in_quotes(*file) + " is not a file in the scenario's folder or below it",
-                      "copy it there");
-    return;
-  }
-  if (reading.looks_at_files && !is_file((std::filesystem::path(reading.folder) / path).string())) {
-    reading.out.error(value.place, "mesh: there is no file " + in_quotes(*file), "it is looked for in the scenario's folder");
-    return;
+  const auto refuse = [&](const std::string& what, const char* hint) { reading.out.error(value.place, "mesh: " + what, hint); };
+  if (file->empty() || leaves_folder(*file))
+    return refuse(in_quotes(*file) + " is not a file in the scenario's folder or below it", "copy it there");
+  if (reading.looks_at_files) {
+    const std::string path = (std::filesystem::path(reading.folder) / *file).string();
+    if (!reading.enclosure.holds(path))
+      return refuse(in_quotes(*file) + " is a symbolic link out of the scenario's folder, or below one", "copy the file there");
+    const auto reason = why_unreadable(path, "mesh");
+    if (reason && reason->missing)
+      return refuse("there is no file " + in_quotes(*file), "it is looked for in the scenario's folder");
+    if (reason) return refuse(in_quotes(*file) + " " + reason->what, reason->hint.c_str());
   }
   shape.kind = Shape::Kind::mesh;
   shape.mesh = *file;

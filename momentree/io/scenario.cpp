@@ -1,8 +1,11 @@
 #include <momentree/io/scenario.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
+#include <momentree/base/characters.hpp>
+#include <momentree/io/known_scenario.hpp>
 #include <momentree/io/override.hpp>
 #include <momentree/io/scenario_parts.hpp>
 #include <momentree/io/toml.hpp>
@@ -12,6 +15,7 @@ namespace momentree::io {
 namespace {
 
 constexpr std::uintmax_t largest_file = 256u << 20;
+constexpr std::size_t largest_unknown = 1u << 20;  // of what is not known for a scenario: it is not worth reading
 
 // FNV-1a, 64 bits: the same on every machine; names an input, protects nothing.
 class Hash {
@@ -39,6 +43,16 @@ void read_format(Fields& fields, Diagnostics& out) {
   if (!n || *n != 1)
     out.error(format->place, n ? "format " + std::to_string(*n) + " is not known to this version" : "format: expected 1",
               "this version reads format 1");
+}
+
+// It stands in pictures, tables and the comments of generated code: one line that is seen as it is.
+void read_title(Fields& fields, Reading& reading) {
+  std::string title = fields.string("title").value_or("");
+  if (first_invisible(title) == std::string::npos)
+    reading.scenario.title = std::move(title);
+  else
+    reading.out.error(fields.place_of("title"), "title: " + in_quotes(title) + " has a character that is not seen",
+                      "a title is one line without control characters");
 }
 
 void read_state_file(Fields& fields, Reading& reading) {
@@ -72,7 +86,7 @@ void read_document(const Value& document, Reading& reading) {
   Diagnostics& out = reading.out;
   Fields fields(document, "a scenario", out);
   read_format(fields, out);
-  reading.scenario.title = fields.string("title").value_or("");
+  read_title(fields, reading);
   if (const Value* world = fields.find("world")) read_world(*world, reading);
   read_state_file(fields, reading);
   if (const Value* mechanisms = fields.find("mechanism")) {
@@ -116,10 +130,10 @@ void read_document(const Value& document, Reading& reading) {
 // A name that a mechanism may have, from a file's.
 std::string mechanism_name(const std::string& stem) {
   std::string name = stem.substr(0, 200);
-  for (char& c : name) {
-    const auto u = static_cast<unsigned char>(c);
-    if (u < 0x20 || u == 0x7f || c == ',' || c == '"' || c == '*' || c == '/') c = '_';
-  }
+  for (char& c : name)
+    if (c == ',' || c == '"' || c == '*' || c == '/') c = '_';
+  for (std::size_t i = 0; (i = first_invisible(name)) != std::string::npos;)
+    name.replace(i, std::max<std::size_t>(character_length(name, i), 1), "_");
   if (!name.empty() && name.front() == '#') name.front() = '_';
   return name.empty() || name == "ground" || name == "." || name == ".." ? "model" : name;
 }
@@ -130,7 +144,7 @@ Value document_of(const std::string& name, const std::string& file, const Import
   const auto entry = [&](const char* key, auto value) { return Value::Entry{key, nowhere, Value(std::move(value), nowhere)}; };
   Value::Table mechanism{entry("name", name), entry("model", file)};
   Value::Table document{entry("format", std::int64_t{1})};
-  if (!model.title.empty()) document.push_back(entry("title", model.title));
+  if (!model.title.empty()) document.push_back(entry("title", printable(model.title)));
   if (const auto& g = model.gravity) {
     Value::Array gravity{{g->x, nowhere}, {g->y, nowhere}, {g->z, nowhere}};
     document.push_back(entry("world", Value::Table{entry("gravity", std::move(gravity))}));
@@ -163,8 +177,9 @@ ReadResult read_text(std::string text, const Origin& origin, const std::vector<s
     hash.add("\n--set ");
     hash.add(each);
   }
-  Diagnostics out(path, scenario.text, overrides);
-  Reading reading{scenario, out, origin.folder, origin.looks_at_files};
+  const bool quotes = is_known_scenario(scenario.text);
+  Diagnostics out(path, quotes ? std::string_view(scenario.text) : std::string_view(), overrides);
+  Reading reading{scenario, out, origin.folder, origin.looks_at_files ? Enclosure(path) : Enclosure(), origin.looks_at_files};
   SyntaxError error;
   std::optional<Value> document;
   reading.direct = is_model(path, scenario.text);
@@ -173,9 +188,15 @@ ReadResult read_text(std::string text, const Origin& origin, const std::vector<s
     reading.models.emplace_back(file, read_model_text(path, scenario.text, origin.looks_at_files ? folder : ""));
     const Import& import = *reading.models.back().second;
     if (import.errors() == 0) document = document_of(mechanism_name(scenario.name), file, import.model);
+  } else if (!quotes && scenario.text.size() > largest_unknown) {
+    out.error({}, "this is not a scenario: no line says the format, and none begins a mechanism",
+              "a scenario begins with format = 1");
   } else {
     document = parse_toml(scenario.text, error);
-    if (!document) out.error(error.place, error.what, error.hint);
+    if (!document && !quotes && error.quotes)
+      out.error(error.place, "this is not a scenario: it cannot be read as TOML", "a scenario begins with format = 1");
+    else if (!document)
+      out.error(error.place, error.what, error.hint);
   }
   if (document) {
     apply_overrides(*document, overrides, out);

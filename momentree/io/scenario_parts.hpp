@@ -23,7 +23,8 @@ struct IntegratePlaces {
 struct Reading {
   Scenario& scenario;
   Diagnostics& out;
-  std::string folder;  ///< of the scenario, for the files that it names
+  std::string folder;   ///< of the scenario, for the files that it names
+  Enclosure enclosure;  ///< where the meshes that it names stand
   bool looks_at_files = true;
   bool direct = false;  ///< a model without a scenario
 
@@ -52,10 +53,11 @@ struct Reading {
     double time = 0;
   };
   std::vector<JointUse> joint_uses{};
+  std::vector<Place> coupling_places{};  ///< of the scenario's couplings
   std::vector<LateEntry> late{};
   IntegratePlaces integrate{};
   long suggestions_left = 2'000'000;  ///< names that may yet be compared to find the nearest
-  int bodies_left = 1'000'000;
+  int bodies_left = 1'000'000, actions_left = 1'000'000;
 
   std::size_t model_errors() const {
     std::size_t count = 0;
@@ -160,7 +162,8 @@ void read_coupling(const Value& table, Reading& reading);
 CouplingSpring read_coupling_spring(Fields& fields, bool slides);
 /// Takes it up, with a warning where the joint does not start where it should.
 void add_coupling(const JointCoupling& coupling, Place place, Reading& reading);
-/// Coupled joints do not become others: what a change would have to do with the spring is not said.
+/// None follows itself by way of others. And coupled joints do not become others: what a change would have to do with the spring
+/// is not said.
 void check_couplings(Reading& reading);
 
 /// One of the names that a wildcard in a condition stands for; where the event's actions have the same wildcard, they act on it:

@@ -5,6 +5,8 @@
 #include <set>
 #include <string_view>
 
+#include <momentree/base/characters.hpp>
+#include <momentree/io/diagnostic.hpp>
 #include <momentree/io/state_document.hpp>
 #include <momentree/io/state_joint.hpp>
 
@@ -23,6 +25,10 @@ class Reader {
 
   RestoredState read() {
     const JsonNode& root = doc_.object(doc_.root, "a state document");
+    const std::vector<std::string> known{"time", "mechanisms", "joints", "bodies", "armed", "integration", "totals"};
+    const auto meant = [&known](const auto& member) { return !nearest(member.key, known).empty(); };
+    if (!root.members.empty() && std::none_of(root.members.begin(), root.members.end(), meant))
+      doc_.fail_at(root, "this is not a state document", "it has none of `time`, `mechanisms`, `joints`, `bodies`");
     doc_.require_known(root, {"time", "mechanisms", "joints", "bodies", "armed", "integration", "totals"});
     const JsonNode* mechanisms = root.find("mechanisms");
     const bool whole = mechanisms != nullptr && mechanism_.empty();
@@ -78,7 +84,16 @@ class Reader {
     result_.where.push_back(doc_.where(node));
   }
 
+  /// A joint or a mechanism that the model does not have gets its name from the document alone.
+  void require_name(const std::string& name, const JsonNode& node, const char* what) const {
+    if (name.empty() || name.size() > 500 || name.find_first_of(",\"*") != std::string::npos ||
+        first_invisible(name) != std::string::npos)
+      doc_.fail_at(node, std::string(what) + " cannot be named " + in_quotes(name),
+                   "not in a name: , \" * and characters that are not seen");
+  }
+
   void describe(const std::string& name, const JsonNode& node) {
+    require_name(name, node, "a joint");
     const BodySpec* like = model_.has_joint(name) ? &spec(model_.joint(name)) : nullptr;
     Body child = like != nullptr ? model_.joint(name) : ground;
     if (const JsonNode* given = node.find("child")) child = joints_.body_named(doc_.string(*given, "`child`"), *given);
@@ -258,6 +273,7 @@ class Reader {
         doc_.fail_at(*mechanism_of[b], "body '" + body + "' is in another mechanism than the parent of its joint");
       if (is_root && !rooted.insert(mechanism_of[b]).second)
         doc_.fail_at(*mechanism_of[b], "a mechanism has one root, but '" + body + "' is a second one");
+      if (is_root && name != nullptr) require_name(doc_.string(*name, "`name`"), *name, "a mechanism");
       if (is_root)
         result_.forest.mechanisms.emplace_back(static_cast<int>(b), name != nullptr ? doc_.string(*name, "`name`") : body);
     }

@@ -9,6 +9,7 @@ namespace momentree::io {
 struct SyntaxError {
   Place place;
   std::string what, hint;
+  bool quotes = true;  ///< they may have words of the file
 };
 
 }  // namespace momentree::io

@@ -84,13 +84,6 @@ namespace {
 
 constexpr char32_t plane = 0x100000;
 
-char32_t decoded(std::string_view character) {
-  char32_t c = static_cast<unsigned char>(character[0]);
-  if (character.size() > 1) c &= 0x7fu >> character.size();
-  for (const char byte : character.substr(1)) c = c << 6 | (static_cast<unsigned char>(byte) & 0x3fu);
-  return c;
-}
-
 void append_encoded(std::string& text, char32_t c) {
   const auto tail = [&](int shift) { text += static_cast<char>(0x80u | (c >> shift & 0x3fu)); };
   if (c < 0x800) {
@@ -112,7 +105,7 @@ std::string with_moved(std::string_view text, Moved moved) {
   result.reserve(text.size());
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = std::max<std::size_t>(character_length(text, i), 1);
-    const char32_t c = decoded(text.substr(i, length)), to = moved(c);
+    const char32_t c = code_point(text.substr(i, length)), to = moved(c);
     if (to == c)
       result += text.substr(i, length);
     else

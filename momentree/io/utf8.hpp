@@ -4,12 +4,10 @@
 #include <optional>
 #include <string_view>
 
+#include <momentree/base/characters.hpp>
 #include <momentree/io/syntax_error.hpp>
 
 namespace momentree::io {
-
-/// Length of the UTF-8 character at text[i]; 0 if it is none.
-std::size_t character_length(std::string_view text, std::size_t i);
 
 /// Line and column, in characters, of the byte text[end].
 Place place_at(std::string_view text, std::size_t end);

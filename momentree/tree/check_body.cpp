@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <utility>
 
+#include <momentree/base/characters.hpp>
 #include <momentree/tree/model.hpp>
 
 namespace momentree {
@@ -226,9 +227,10 @@ std::vector<BodyProblem> check_body(const BodySpec& spec) {
   const auto check_name = [&](const char* field, const std::string& name) {
     if (name.size() > 500) checks.add(field, "is longer than 500 characters");
     // Columns of CSV, targets of events, terminals: none of them should have to quote a name.
-    if (std::any_of(name.begin(), name.end(),
-                    [](unsigned char c) { return c < 0x20 || c == 0x7f || c == ',' || c == '"' || c == '*'; }))
-      checks.add(field, "must not contain a comma, a quotation mark, an asterisk or a control character");
+    if (name.find_first_of(",\"*") != std::string::npos)
+      checks.add(field, "must not contain a comma, a quotation mark or an asterisk");
+    if (first_invisible(name) != std::string::npos)
+      checks.add(field, "must be UTF-8 without control characters and other characters that are not seen");
   };
   if (spec.name.empty()) checks.add("name", "a body needs a name", "for example \"arm/1\"");
   check_name("name", spec.name);

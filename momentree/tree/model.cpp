@@ -75,16 +75,16 @@ Body Model::add_unjudged(BodySpec spec) {
     fail({"the parent is not a body of this model", spec.name, "add the parent first, and give what add() returned for it"});
   complete(spec);
   if (spec.q.size() == 1) begin_motion(spec.joint.parameters.drive, spec.q[0], 0);
-  if (by_body_.contains(spec.name))
+  if (by_body_->contains(spec.name))
     fail({"there is a body of that name already", spec.name, "names of bodies are unique in a model"});
-  if (by_joint_.contains(spec.joint_name))
+  if (by_joint_->contains(spec.joint_name))
     fail({"there is a joint '" + spec.joint_name + "' already", spec.name, "names of joints are unique in a model"});
 
   const int index = size();
-  by_body_.emplace(spec.name, index);
-  by_joint_.emplace(spec.joint_name, index);
-  if (spec.parent == ground) by_mechanism_.emplace(prefix(spec.name), index);
-  bodies_.push_back(std::move(spec));
+  by_body_.own().emplace(spec.name, index);
+  by_joint_.own().emplace(spec.joint_name, index);
+  if (spec.parent == ground) by_mechanism_.own().emplace(prefix(spec.name), index);
+  bodies_.own().push_back(std::move(spec));
   return {index};
 }
 
@@ -96,26 +96,35 @@ void Model::add_force(BodyForce force) {
   forces_.push_back(std::move(force));
 }
 
+void Model::reserve(int count) {
+  if (count < 0 || static_cast<std::size_t>(count) <= bodies_->capacity()) return;
+  const std::size_t room = std::max(static_cast<std::size_t>(count), bodies_->capacity() + bodies_->capacity() / 2);
+  bodies_.own().reserve(room);
+  by_body_.own().reserve(room);
+  by_joint_.own().reserve(room);
+}
+
 void Model::keep(int count) {
   std::erase_if(forces_, [count](const BodyForce& force) { return force.body.index >= count; });
   while (size() > count) {
-    const BodySpec& last = bodies_.back();
-    by_body_.erase(last.name);
-    by_joint_.erase(last.joint_name);
-    const auto mechanism = by_mechanism_.find(prefix(last.name));
-    if (mechanism != by_mechanism_.end() && mechanism->second == size() - 1) by_mechanism_.erase(mechanism);
-    bodies_.pop_back();
+    const BodySpec& last = bodies_.own().back();
+    by_body_.own().erase(last.name);
+    by_joint_.own().erase(last.joint_name);
+    Numbers& roots = by_mechanism_.own();
+    const auto mechanism = roots.find(prefix(last.name));
+    if (mechanism != roots.end() && mechanism->second == size() - 1) roots.erase(mechanism);
+    bodies_.own().pop_back();
   }
 }
 
-Body Model::body(std::string_view name) const { return look_up(by_body_, name, "body"); }
-Body Model::joint(std::string_view name) const { return look_up(by_joint_, name, "joint"); }
+Body Model::body(std::string_view name) const { return look_up(*by_body_, name, "body"); }
+Body Model::joint(std::string_view name) const { return look_up(*by_joint_, name, "joint"); }
 
 std::string Model::mechanism_name(Body root) const {
   const std::string& name = (*this)[root].name;
   std::string mechanism = prefix(name);
-  const auto first = by_mechanism_.find(mechanism);
-  return first == by_mechanism_.end() || first->second == root.index ? mechanism : name;
+  const auto first = by_mechanism_->find(mechanism);
+  return first == by_mechanism_->end() || first->second == root.index ? mechanism : name;
 }
 
 }  // namespace momentree

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include <momentree/base/copy_on_write.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/math/vec.hpp>
@@ -37,8 +38,8 @@ struct NameHash {
   std::size_t operator()(std::string_view name) const { return std::hash<std::string_view>{}(name); }
 };
 
-/// The mechanisms of one world. `add` throws Error for what is wrong with one body; `validate` finds what only the whole shows
-/// (a joint-space mass that would be singular).
+/// The mechanisms of one world. Copies share their bodies until one of them changes. `add` throws Error for what is wrong with
+/// one body; `validate` finds what only the whole shows (a joint-space mass that would be singular).
 class Model {
  public:
   struct Options {
@@ -59,32 +60,36 @@ class Model {
   void add_force(BodyForce force);
   const std::vector<BodyForce>& forces() const { return forces_; }
 
+  /// Makes room for so many bodies in all.
+  void reserve(int count);
+
   /// Forgets the bodies that were added after the first `count`, and forces on them; none of those may hang on them.
   void keep(int count);
 
   Vec3 gravity() const { return gravity_; }
   void set_gravity(Vec3 gravity) { gravity_ = gravity; }
-  int size() const { return static_cast<int>(bodies_.size()); }
+  int size() const { return static_cast<int>(bodies_->size()); }
   /// As added, but with unit axes, full q and v (never empty), a joint name, and unit quaternions.
-  const BodySpec& operator[](Body body) const { return bodies_[static_cast<std::size_t>(body.index)]; }
-  const std::vector<BodySpec>& bodies() const { return bodies_; }
+  const BodySpec& operator[](Body body) const { return (*bodies_)[static_cast<std::size_t>(body.index)]; }
+  const std::vector<BodySpec>& bodies() const { return *bodies_; }
 
   /// The body or joint of that name; throws Error with a suggestion. A joint is given by its child body.
   Body body(std::string_view name) const;
   Body joint(std::string_view name) const;
-  bool has_body(std::string_view name) const { return by_body_.find(name) != by_body_.end(); }
-  bool has_joint(std::string_view name) const { return by_joint_.find(name) != by_joint_.end(); }
+  bool has_body(std::string_view name) const { return by_body_->find(name) != by_body_->end(); }
+  bool has_joint(std::string_view name) const { return by_joint_->find(name) != by_joint_->end(); }
 
   /// Name of the mechanism rooted at `root` at the start: what stands before the first '/' of its name; all of it where there is
   /// none, or where an earlier root has that name already.
   std::string mechanism_name(Body root) const;
 
  private:
+  using Numbers = std::unordered_map<std::string, int, NameHash, std::equal_to<>>;
+
   Vec3 gravity_{0, 0, -9.81};
-  std::vector<BodySpec> bodies_;
+  CopyOnWrite<std::vector<BodySpec>> bodies_;
   std::vector<BodyForce> forces_;
-  std::unordered_map<std::string, int, NameHash, std::equal_to<>> by_body_, by_joint_,
-      by_mechanism_;  // the last: first root with that name
+  CopyOnWrite<Numbers> by_body_, by_joint_, by_mechanism_;  // the last: first root with that name
 };
 
 /// What is wrong with a body by itself, its inertia apart. `field` names the scenario key at fault: of the body or of its joint.

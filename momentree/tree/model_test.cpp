@@ -31,6 +31,28 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 }  // namespace
 
+TEST_CASE("a copy of a model shares its bodies until one of the two changes") {
+  Model first;
+  const Body a = first.add(link("m/a"));
+  Model second = first;
+  CHECK(&second.bodies() == &first.bodies());
+  second.add(link("m/b", a));
+  CHECK(first.size() == 1);
+  CHECK(!first.has_body("m/b"));
+  CHECK(second.size() == 2);
+  CHECK(second.body("m/b").index == 1);
+  Model third = second;
+  third.keep(1);
+  CHECK(!third.has_joint("m/b"));
+  CHECK(second.has_joint("m/b"));
+  first = third;
+  CHECK(&first.bodies() == &third.bodies());
+  first.reserve(100);
+  CHECK(first.bodies().capacity() >= 100);
+  CHECK(third.bodies().capacity() < 100);
+  CHECK(first.body("m/a") == a);
+}
+
 TEST_CASE("a model completes what is left out and normalises") {
   Model model;
   const Body a = model.add(link("arm/1"));

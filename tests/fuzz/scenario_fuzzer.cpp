@@ -1,12 +1,11 @@
 // Any text is either a scenario or refused with a diagnostic: nothing is thrown, nothing is read out of bounds.
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <momentree/io/scenario.hpp>
+#include <tests/fuzz/judge.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
@@ -14,8 +13,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t cut = text.find('\f');
   std::vector<std::string> overrides;
   if (cut != std::string_view::npos) overrides.emplace_back(text.substr(cut + 1));
-  const momentree::io::ReadResult result = momentree::io::read_scenario_text(text.substr(0, cut), "fuzz.toml", overrides);
-  if (result.scenario.has_value() == momentree::io::has_errors(result.diagnostics)) std::abort();
-  if (!momentree::io::rendered(result.diagnostics).empty() == result.diagnostics.empty()) std::abort();
+  momentree::fuzz::judge(momentree::io::read_scenario_text(text.substr(0, cut), "fuzz.toml", overrides));
   return 0;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 
+#include <momentree/base/characters.hpp>
 #include <momentree/io/number_text.hpp>
 
 namespace momentree::io {
@@ -14,19 +15,22 @@ constexpr std::size_t widest = 110;  // longer lists of lists get a line for eac
 
 std::string quoted(std::string_view text) {
   std::string out = "\"";
-  for (const char c : text) {
-    const auto u = static_cast<unsigned char>(c);
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = character_length(text, i);
+    const char32_t c = length == 0 ? U'\ufffd' : code_point(text.substr(i, length));
     if (c == '"' || c == '\\') {
-      out += '\\', out += c;
+      out += '\\', out += text[i];
     } else if (c == '\n') {
       out += "\\n";
     } else if (c == '\t') {
       out += "\\t";
-    } else if (u < 0x20 || u == 0x7f) {
-      out += "\\u00", out += "0123456789abcdef"[u >> 4], out += "0123456789abcdef"[u & 15];
+    } else if (is_visible(c) && length > 0) {
+      out += text.substr(i, length);
     } else {
-      out += c;
+      out += c < 0x10000 ? "\\u" : "\\U";
+      for (int shift = c < 0x10000 ? 12 : 28; shift >= 0; shift -= 4) out += "0123456789abcdef"[c >> shift & 15];
     }
+    i += std::max<std::size_t>(length, 1);
   }
   return out + '"';
 }

@@ -363,6 +363,8 @@ void read_world(XmlElement worldbody, Reading& reading) {
   while (!open.empty()) {
     const Open next = open.back();
     open.pop_back();
+    if (reading.import.model.bodies.size() >= Import::most_bodies)
+      return reading.file_of(next.element).error({next.element}, "more than 1000000 bodies");
     BodyReader reader(next.element, next.childclass, Pose{}, reading);
     const int number = reader.add(next.parent);
     push(reader.inner(), reader.childclass(), number);

@@ -1,6 +1,8 @@
 // What can be wrong with bodies and joints whatever the format of their file.
 #include <algorithm>
+#include <utility>
 
+#include <momentree/io/follow_circles.hpp>
 #include <momentree/io/massless.hpp>
 #include <momentree/io/model/importer.hpp>
 
@@ -58,6 +60,19 @@ void warn_of_massless(const ImportedModel& model) {
   }
 }
 
+// A joint that follows itself by way of others has no leader: whatever its multipliers, nothing says where it stands.
+void check_followers(const ImportedModel& model) {
+  const auto name = [&](int body) { return in_quotes(model.bodies[static_cast<std::size_t>(body)].spec.joint_name); };
+  std::vector<std::pair<int, int>> pairs;
+  pairs.reserve(model.followers.size());
+  for (const Follower& each : model.followers) pairs.emplace_back(each.body, each.leader);
+  for (const std::vector<int>& circle : circles_of(pairs)) {
+    const auto first = std::find_if(model.followers.begin(), model.followers.end(),
+                                    [&](const Follower& each) { return each.body == circle[0] && each.leader == circle[1]; });
+    first->file->error({first->element}, "mimic: " + circle_text(circle, name), "one of them has to lead: it follows none");
+  }
+}
+
 }  // namespace
 
 void check_imported(ImportedModel& model) {
@@ -66,6 +81,7 @@ void check_imported(ImportedModel& model) {
     if (body.spots.file->enough()) return;
     sound = check_one(body) && sound;
   }
+  check_followers(model);
   check_inertias(model);
   if (sound) warn_of_massless(model);
 }

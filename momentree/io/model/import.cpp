@@ -1,18 +1,16 @@
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
+#include <momentree/io/file_name.hpp>
 #include <momentree/io/model/model_file.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
 
 namespace fs = std::filesystem;
-
-Import::Import(std::string path, std::string text, std::string folder) : folder_(std::move(folder)) {
-  files_.push_back(std::make_unique<XmlFile>(std::move(path), std::move(text)));
-}
 
 std::size_t Import::errors() const {
   std::size_t count = 0;
@@ -31,20 +29,21 @@ std::string without_scheme(const std::string& name, bool& in_package) {
   return rest;
 }
 
-bool leaves_folder(const fs::path& path, const std::string& text) {
-  int depth = 0;
-  for (const fs::path& part : path) {
-    if (part == "..")
-      --depth;
-    else if (part != ".")
-      ++depth;
-    if (depth < 0) return true;
-  }
-  return path.is_absolute() || path.has_root_name() || text.find('\\') != std::string::npos ||
-         text.find('\0') != std::string::npos;
+fs::path real_path(const std::string& path) {
+  std::error_code failed;
+  fs::path real = fs::canonical(path, failed);
+  return failed ? fs::path(path) : real;
 }
 
 }  // namespace
+
+Import::Import(std::string path, std::string text, std::string folder, bool quotes) : folder_(std::move(folder)) {
+  if (looks_at_files()) {
+    enclosure_ = Enclosure(path);
+    real_paths_.push_back(real_path(path));
+  }
+  files_.push_back(std::make_unique<XmlFile>(std::move(path), std::move(text), quotes));
+}
 
 XmlFile& Import::file_of(XmlElement element) {
   for (const auto& file : files_)
@@ -53,9 +52,11 @@ XmlFile& Import::file_of(XmlElement element) {
 }
 
 Import::Found Import::look(const std::string& name) const {
-  if (!looks_at_files() || name.empty() || leaves_folder(fs::path(name), name)) return Found::nothing;
+  if (!looks_at_files() || name.empty() || leaves_folder(name)) return Found::nothing;
+  const fs::path path = fs::path(folder_) / name;
+  if (!enclosure_.holds(path)) return Found::nothing;
   std::error_code ignored;
-  const auto status = fs::status(fs::path(folder_) / name, ignored);
+  const auto status = fs::status(path, ignored);
   return fs::is_directory(status) ? Found::folder : fs::exists(status) ? Found::file : Found::nothing;
 }
 
@@ -71,18 +72,22 @@ XmlElement Import::include(const std::string& name, const XmlSpot& at, XmlFile& 
     return XmlElement{};
   };
   if (name.empty()) return refuse("the name of a file is missing", "");
-  if (leaves_folder(fs::path(name), name))
-    return refuse(in_quotes(name) + " is not in the model's folder or below it", "copy it there");
+  if (leaves_folder(name)) return refuse(in_quotes(name) + " is not in the model's folder or below it", "copy it there");
   if (!looks_at_files()) return refuse("a model that is read from a text names no files", "read it from its file");
   const std::string path = (fs::path(folder_) / name).lexically_normal().string();
-  for (const auto& file : files_)
-    if (fs::path(file->path()).lexically_normal() == path)
-      return again ? file->root() : refuse(in_quotes(name) + " is included already", "a file stands once in a model");
+  if (!enclosure_.holds(path))
+    return refuse(in_quotes(name) + " is a symbolic link out of the model's folder, or below one", "copy the file there");
+  const fs::path real = real_path(path);
+  if (const auto known = std::find(real_paths_.begin(), real_paths_.end(), real); known != real_paths_.end())
+    return again ? files_[static_cast<std::size_t>(known - real_paths_.begin())]->root()
+                 : refuse(in_quotes(name) + " is included already", "a file stands once in a model");
   if (files_.size() >= most_files) return refuse("more than " + std::to_string(most_files) + " files", "");
   std::string text;
   Unreadable why;
   if (!read_whole_file(path, "model", largest_model, text, why)) return refuse(in_quotes(path) + ": " + why.what, why.hint);
-  files_.push_back(std::make_unique<XmlFile>(path, std::move(text)));
+  const bool quotes = begins_as_model(text);
+  files_.push_back(std::make_unique<XmlFile>(path, std::move(text), quotes));
+  real_paths_.push_back(real);
   return files_.back()->root();
 }
 
@@ -95,12 +100,11 @@ bool check_name(const std::string& name, const XmlSpot& at, std::string_view wha
 void Import::read_mesh(const std::string& name, const XmlSpot& at, Shape& shape, XmlFile& file) {
   bool in_package = false;
   const std::string rest = without_scheme(name, in_package);
-  const fs::path path(rest);
   if (rest.empty()) {
     file.error(at, "a mesh has no file's name");
     return;
   }
-  if (leaves_folder(path, rest)) {
+  if (leaves_folder(rest)) {
     file.error(at, "mesh " + in_quotes(name) + " is not in the model's folder or below it", "copy it there, or leave it out");
     return;
   }
@@ -108,15 +112,27 @@ void Import::read_mesh(const std::string& name, const XmlSpot& at, Shape& shape,
   shape.mesh = rest;
   if (!looks_at_files()) return;
   // In the folder as the path says, or without the package's name.
-  std::error_code ignored;
+  const fs::path path(rest);
   std::vector<fs::path> tried{path};
-  if (in_package) tried.push_back(path.lexically_relative(*path.begin()));
+  if (in_package && std::next(path.begin()) != path.end()) tried.push_back(path.lexically_relative(*path.begin()));
+  std::string why;  // of one that is there
   for (const fs::path& each : tried) {
-    if (!fs::is_regular_file(fs::path(folder_) / each, ignored)) continue;
-    shape.mesh = each.generic_string();
-    return;
+    const fs::path file_path = fs::path(folder_) / each;
+    if (!enclosure_.holds(file_path)) {
+      why = "is a symbolic link out of the model's folder, or below one";
+      continue;
+    }
+    const auto reason = why_unreadable(file_path.string(), "mesh");
+    if (!reason) {
+      shape.mesh = each.generic_string();
+      return;
+    }
+    if (!reason->missing) why = reason->what;
   }
-  file.once(Severity::note, "a mesh is not in the model's folder: pictures leave it out", "the motion does not need it", at);
+  file.once(
+      Severity::note,
+      why.empty() ? "a mesh is not in the model's folder: pictures leave it out" : "a mesh " + why + ": pictures leave it out",
+      "the motion does not need it", at);
 }
 
 }  // namespace momentree::io

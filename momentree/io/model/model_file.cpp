@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
-#include <system_error>
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/all_importers.hpp>  // generated from the files in importers/, as is the list
@@ -74,30 +72,17 @@ std::vector<std::string> model_endings() {
 }
 
 std::unique_ptr<Import> read_model_text(std::string path, std::string text, std::string folder) {
-  auto import = std::make_unique<Import>(std::move(path), std::move(text), std::move(folder));
+  const bool quotes = begins_as_model(text);
+  auto import = std::make_unique<Import>(std::move(path), std::move(text), std::move(folder), quotes);
   read(*import);
   return import;
 }
 
-bool is_file(const std::string& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
-
-bool read_whole_file(const std::string& path, const char* what, std::uintmax_t largest, std::string& text, Unreadable& why) {
-  std::error_code failed;
-  const auto status = fs::status(path, failed);
-  if (!fs::exists(status)) return why = {"there is no such file", ""}, false;
-  if (fs::is_directory(status)) return why = {"is a folder, not a " + std::string(what), "name the file in it"}, false;
-  if (!fs::is_regular_file(status)) return why = {"is not a regular file", ""}, false;
-  const std::uintmax_t size = fs::file_size(path, failed);
-  if (failed) return why = {"cannot be read: " + failed.message(), ""}, false;
-  if (size > largest) return why = {"is larger than " + std::to_string(largest >> 20) + " MiB: this is no " + what, ""}, false;
-  std::ifstream file(path, std::ios::binary);
-  text.assign(static_cast<std::size_t>(size), '\0');
-  if (!file || !file.read(text.data(), static_cast<std::streamsize>(size)))
-    return why = {"cannot be read", "is it yours to read?"}, false;
-  return true;
+bool begins_as_model(std::string_view text) {
+  const std::string_view root = first_tag(text);
+  const auto& all = formats();
+  return root == "mujocoinclude" ||
+         std::any_of(all.begin(), all.end(), [root](const Format& format) { return root == format.root; });
 }
 
 }  // namespace momentree::io

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include <momentree/io/input_file.hpp>
 #include <momentree/io/model/importer.hpp>
 
 namespace momentree::io {
@@ -19,14 +20,10 @@ std::vector<std::string> model_endings();
 /// is looked for.
 std::unique_ptr<Import> read_model_text(std::string path, std::string text, std::string folder);
 
-/// The whole text of a regular file of at most `largest` bytes, which should be a `what`. False where there is none, and why.
-struct Unreadable {
-  std::string what, hint;
-};
-bool read_whole_file(const std::string& path, const char* what, std::uintmax_t largest, std::string& text, Unreadable& why);
+/// True where the first element of a text is the root of a format, or of what its files include: only of such a text may a
+/// message quote lines, since a scenario may name any file as a model.
+bool begins_as_model(std::string_view text);
 
-/// True where a regular file stands there.
-bool is_file(const std::string& path);
 inline constexpr std::uintmax_t largest_model = 64u << 20;
 
 }  // namespace momentree::io

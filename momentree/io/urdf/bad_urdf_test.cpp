@@ -112,7 +112,8 @@ TEST_CASE("URDF: joints that can't be") {
       {joined(limit + "<axis/>"), "r.urdf:7:53: error: <axis> has no 'xyz'; for example xyz=\"0 0 1\""},
       {joined(limit + limit), "r.urdf:7:53: error: a second <limit> in <joint>: the first is on line 7; leave one of them out"},
       {joined("<mimic joint='k'/>", "continuous"), "r.urdf:7:15: error: mimic: there is no joint 'k'"},
-      {joined("<mimic joint='j'/>", "continuous"), "r.urdf:7:15: error: mimic: a joint can't follow itself"},
+      {joined("<mimic joint='j'/>", "continuous"),
+       "r.urdf:7:1: error: mimic: joint 'j' follows itself; one of them has to lead: it follows none"},
       {head + a_link("a") + "<joint name='j' type='fixed'/></robot>",
        "r.urdf:3:1: error: <joint> has no <parent>; for example <parent link=\"base\"/>\n"
        "r.urdf:3:1: error: <joint> has no <child>; for example <child link=\"base\"/>"},

@@ -75,17 +75,13 @@ void read_mimics(const std::vector<Joint>& joints, const std::vector<NamedJoint>
     const auto found = body_of_joint.find(*leader);
     if (found == body_of_joint.end()) {
       std::vector<std::string> names;
-      for (const NamedJoint& each : ends) names.push_back(each.name);
-      if (names.size() > 10'000) names.clear();
+      if (ends.size() <= 10'000 && !file.enough())
+        for (const NamedJoint& each : ends) names.push_back(each.name);
       file.error(fields.spot("joint"), "mimic: there is no joint " + in_quotes(*leader), did_you_mean(*leader, names));
       continue;
     }
     follower.body = own->second;
     follower.leader = found->second;
-    if (follower.body == follower.leader) {
-      file.error(fields.spot("joint"), "mimic: a joint can't follow itself");
-      continue;
-    }
     import.model.followers.push_back(follower);
   }
 }
@@ -103,6 +99,7 @@ void Urdf::read(XmlElement robot, Import& import) {
   std::vector<std::unique_ptr<ImportedBody>> bodies;
   std::vector<NamedLink> links;
   for (const XmlElement link : fields.children("link")) {
+    if (bodies.size() == Import::most_bodies) return file.error({link}, "more than 1000000 links");
     bodies.push_back(std::make_unique<ImportedBody>(read_link(link, materials, import)));
     links.push_back({bodies.back()->spec.name, link});
     if (file.enough()) return;

@@ -21,11 +21,26 @@ struct StringHash {
 
 }  // namespace
 
+std::string_view first_tag(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  for (;;) {
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+    const std::string_view end = text.starts_with("<!--") ? "-->" : text.starts_with("<?") ? "?>" : "";
+    if (end.empty()) break;
+    const std::size_t at = text.find(end, end.size() + 1);
+    if (at == std::string_view::npos) return {};
+    text.remove_prefix(at + end.size());
+  }
+  if (!text.starts_with('<')) return {};
+  text.remove_prefix(1);
+  return text.substr(0, text.find_first_of(" \t\r\n/>"));
+}
+
 // What expat calls back.
 class XmlBuilder {
  public:
-  XmlBuilder(XmlDocument& document, SyntaxError& error)
-      : document_(document), error_(error), parser_(XML_ParserCreate("UTF-8"), XML_ParserFree) {}
+  XmlBuilder(XmlDocument& document, SyntaxError& error, bool quotes)
+      : document_(document), error_(error), quotes_(quotes), parser_(XML_ParserCreate("UTF-8"), XML_ParserFree) {}
 
   bool build() {
     XML_SetUserData(parser_.get(), this);
@@ -87,6 +102,9 @@ class XmlBuilder {
     node.offset = static_cast<std::uint32_t>(offset());
     node.first_attribute = static_cast<std::uint32_t>(document_.attributes_.size());
     for (const char** at = attributes; *at != nullptr; at += 2) {
+      if (node.attributes == XmlDocument::most_at_once)
+        return stop("more than " + std::to_string(XmlDocument::most_at_once) + " attributes in one element",
+                    "no model is as large as that");
       const std::string_view value(at[1]);
       document_.attributes_.push_back(
           {name_of(at[0]), static_cast<std::uint32_t>(document_.pool_.size()), static_cast<std::uint32_t>(value.size())});
@@ -138,7 +156,8 @@ class XmlBuilder {
 
   std::string opened() const {
     const XmlDocument::Node& node = document_.nodes_[open_.back().node];
-    return "<" + document_.names_[node.name] + ">, opened on line " + std::to_string(document_.place_at(node.offset).line);
+    return (quotes_ ? "<" + document_.names_[node.name] + ">" : std::string("an element")) + ", opened on line " +
+           std::to_string(document_.place_at(node.offset).line);
   }
 
   void explain() {
@@ -183,6 +202,7 @@ class XmlBuilder {
 
   XmlDocument& document_;
   SyntaxError& error_;
+  bool quotes_;
   std::unique_ptr<XML_ParserStruct, void (*)(XML_Parser)> parser_;
   std::vector<Open> open_;
   std::string text_;
@@ -201,7 +221,7 @@ void XmlDocument::reserve() {
   pool_.reserve(text_.size());
 }
 
-std::unique_ptr<const XmlDocument> XmlDocument::parse(std::string_view text, SyntaxError& error) {
+std::unique_ptr<const XmlDocument> XmlDocument::parse(std::string_view text, SyntaxError& error, bool quotes) {
   if (text.size() > (1u << 30)) {
     error = {{}, "more than 1 GiB: this is no model", ""};
     return nullptr;
@@ -217,7 +237,7 @@ std::unique_ptr<const XmlDocument> XmlDocument::parse(std::string_view text, Syn
   for (std::size_t i = 0; i + block <= text.size(); i += block)
     document->marks_.push_back(after(document->marks_.back(), text.substr(i, block)));
   error = {};
-  if (!XmlBuilder(*document, error).build()) return nullptr;
+  if (!XmlBuilder(*document, error, quotes).build()) return nullptr;
   return document;
 }
 

@@ -16,6 +16,9 @@ namespace momentree::io {
 
 class XmlDocument;
 
+/// The name in the first tag of a text, past comments and processing instructions; empty where something else comes first.
+std::string_view first_tag(std::string_view text);
+
 /// One element of a document; light, to be passed by value. It is valid as long as its document stays where it is.
 class XmlElement {
  public:
@@ -83,12 +86,13 @@ inline XmlElement::Range XmlElement::children() const { return Range(first_child
 
 class XmlDocument {
  public:
-  static constexpr std::size_t deepest = 1000, most_elements = 2'000'000, most_attributes = 4'000'000;
+  static constexpr std::size_t deepest = 1000, most_elements = 2'000'000, most_attributes = 4'000'000, most_at_once = 100'000;
 
   /// The document, or null with `error` set. `text` must outlive it, and be UTF-8: a byte order mark and CRLF are fine. Refused
   /// besides what XML refuses: a document type (so that no entity is declared, expanded or fetched), depth and numbers of
-  /// elements and attributes beyond any model. Time and memory are linear in the text.
-  static std::unique_ptr<const XmlDocument> parse(std::string_view text, SyntaxError& error);
+  /// elements and attributes, in all and at once, beyond any model. Time and memory are linear in the text. `quotes`: the error
+  /// may name elements.
+  static std::unique_ptr<const XmlDocument> parse(std::string_view text, SyntaxError& error, bool quotes = true);
 
   XmlElement root() const { return {this, 0}; }
   Place place_at(std::size_t offset) const;

@@ -130,4 +130,36 @@ TEST_CASE("a file whose every name and number is wrong is judged in no time, tho
   CHECK(has_errors(result.diagnostics));
 }
 
+TEST_CASE("the first tag of a text, whatever comes before it") {
+  CHECK(first_tag("<robot name='r'>") == "robot");
+  CHECK(first_tag("\xEF\xBB\xBF \r\n<?xml version='1.0'?><!-- <a> --> <?x?>\n<sdf>") == "sdf");
+  CHECK(first_tag("<a/>") == "a");
+  CHECK(first_tag("<robot") == "robot");
+  for (const char* text : {"", " ", "x<a>", "<", "<!-- <a>", "<?xml", "<!-->", "<?>", "<!DOCTYPE a>"}) {
+    CAPTURE(text);
+    CHECK((first_tag(text).empty() || first_tag(text) == "!DOCTYPE"));
+  }
+}
+
+// What takes a time that grows with the square of the size would take an hour here.
+TEST_CASE("elements with a hundred thousand attributes, or children, are read at once") {
+  const auto names = [](const std::string& before, const std::string& after) {
+    std::string text;
+    for (int i = 0; i < 100'000; ++i) text += before + std::to_string(i) + after;
+    return text;
+  };
+  for (const std::string& text : {"<robot name='r'><link name='l' " + names("a", "='1' ") + "/></robot>",
+                                  "<robot name='r'><link name='l'><inertial " + names("xyz", "='1' ") + "/></link></robot>",
+                                  "<robot name='r'><link name='l'>" + names("<inertia", "/>") + "</link></robot>",
+                                  "<robot name='r'>" + names("<lin", "/>") + "</robot>",
+                                  "<mujoco><worldbody><body><joint " + names("a", "='1' ") + "/></body></worldbody></mujoco>",
+                                  "<sdf version='1.9'><model name='m' " + names("a", "='1' ") + "/></sdf>"}) {
+    const ReadResult result = read_scenario_text(text, "m.xml");
+    CHECK(!result.diagnostics.empty());
+    CHECK(result.diagnostics.size() < 400);
+  }
+  CHECK(refused("<r " + names("a", "='1' ") + "b='1'/>") ==
+        "1:1: more than 100000 attributes in one element; no model is as large as that");
+}
+
 }  // namespace momentree::io

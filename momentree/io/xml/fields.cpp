@@ -56,16 +56,13 @@ std::optional<double> number_of(std::string_view word, Trouble& trouble) {
   return {};
 }
 
-// The one of `known` that is one or two letters away: three letters are another word by two.
-std::string slip_of(std::string_view word, const std::vector<std::string>& known) {
-  std::string meant;
-  std::size_t best = 3;
-  if (word.size() > 200) return meant;
-  for (const std::string& candidate : known) {
-    const std::size_t shorter = std::min(word.size(), candidate.size()), distance = edit_distance(word, candidate);
-    if (distance < best && shorter > 2 && distance <= (shorter > 3 ? 2u : 1u)) best = distance, meant = candidate;
-  }
-  return meant;
+// The one of `known` that is one or two letters away: three letters are another word by two. Of a file that is wrong everywhere
+// only so many words are compared.
+std::string slip_of(std::string_view word, const std::vector<std::string>& known, XmlFile& file) {
+  if (known.empty() || !file.may_suggest()) return {};
+  const std::string meant = nearest(word, known);
+  const std::size_t shorter = std::min(word.size(), meant.size());
+  return shorter > 2 && edit_distance(word, meant) <= (shorter > 3 ? 2u : 1u) ? meant : std::string{};
 }
 
 }  // namespace
@@ -214,6 +211,12 @@ void XmlFields::known_children(std::initializer_list<std::string_view> names) {
 }
 
 void XmlFields::finish() {
+  finish_attributes();
+  finish_children();
+}
+
+void XmlFields::finish_attributes() {
+  std::optional<std::vector<std::string>> absent;  // found once, where it is needed
   for (std::size_t i = 0; i < element_.attributes(); ++i) {
     const std::string_view name = element_.attribute_name(i);
     if (std::find(attributes_.begin(), attributes_.end(), name) != attributes_.end()) continue;
@@ -224,25 +227,29 @@ void XmlFields::finish() {
                  "it belongs to another namespace", spot);
       continue;
     }
-    std::vector<std::string> absent;
-    for (const std::string_view each : attributes_)
-      if (!has(each)) absent.emplace_back(each);
-    const std::string meant = slip_of(name, absent);
+    if (!absent) {
+      absent.emplace();
+      for (const std::string_view each : attributes_)
+        if (!has(each)) absent->emplace_back(each);
+    }
+    const std::string meant = slip_of(name, *absent, file_);
     if (!meant.empty())
       file_.error(spot, "unknown attribute " + in_quotes(name) + " of " + element_.tag(), "did you mean '" + meant + "'?");
     else
       file_.once(Severity::note, "unknown attribute " + in_quotes(name) + " of " + element_.tag() + " is ignored", "", spot);
   }
+}
+
+void XmlFields::finish_children() {
+  const std::vector<std::string> known(children_.begin(), children_.end());
   for (const XmlElement each : element_.children()) {
     const std::string_view name = each.name();
     if (std::find(children_.begin(), children_.end(), name) != children_.end()) continue;
     std::string hint;
     if (name.find(':') != std::string_view::npos) {
       hint = "it belongs to another namespace";
-    } else {
-      std::vector<std::string> known;
-      for (const std::string_view one : children_) known.emplace_back(one);
-      if (const std::string meant = slip_of(name, known); !meant.empty()) hint = "did you mean <" + meant + ">?";
+    } else if (const std::string meant = slip_of(name, known, file_); !meant.empty()) {
+      hint = "did you mean <" + meant + ">?";
     }
     // A slip of the pen in a name that matters should not hide among what is left out on purpose.
     file_.once(hint.starts_with("did") ? Severity::warning : Severity::note, each.tag() + " in " + element_.tag() + " is ignored",

@@ -55,6 +55,8 @@ class XmlFields {
   void finish();
 
  private:
+  void finish_attributes();
+  void finish_children();
   void know(std::vector<std::string_view>& list, std::string_view name);
 
   XmlElement element_;

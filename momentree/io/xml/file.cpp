@@ -8,9 +8,10 @@ namespace {
 constexpr std::size_t shown_lines = 5, most_different = 200;
 }
 
-XmlFile::XmlFile(std::string path, std::string text) : path_(std::move(path)), text_(std::move(text)), out_(path_, text_) {
+XmlFile::XmlFile(std::string path, std::string text, bool quotes)
+    : path_(std::move(path)), text_(std::move(text)), out_(path_, quotes ? std::string_view(text_) : std::string_view()) {
   SyntaxError error;
-  document_ = XmlDocument::parse(text_, error);
+  document_ = XmlDocument::parse(text_, error, quotes);
   if (!document_) out_.error(error.place, error.what, error.hint);
 }
 

@@ -28,8 +28,8 @@ struct XmlSpot {
 
 class XmlFile {
  public:
-  /// Parses; where that fails, it is said, and there is no root.
-  XmlFile(std::string path, std::string text);
+  /// Parses; where that fails, it is said, and there is no root. `quotes`: messages show lines of the file.
+  XmlFile(std::string path, std::string text, bool quotes = true);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;
 
@@ -53,6 +53,9 @@ class XmlFile {
   }
   std::string line_of(XmlElement element) const { return "line " + std::to_string(element.place().line); }
 
+  /// True as long as names may yet be compared to find the nearest.
+  bool may_suggest() { return suggestions_left_ > 0 && suggestions_left_-- > 0; }
+
   /// Something like it is said once for the whole file, with the lines: "<gazebo> is ignored (lines 3, 9 and 12)".
   void once(Severity severity, const std::string& what, const std::string& hint, const XmlSpot& at);
   /// Everything, in the order of the file.
@@ -66,6 +69,7 @@ class XmlFile {
   std::string path_, text_;
   Diagnostics out_;
   std::unique_ptr<const XmlDocument> document_;
+  int suggestions_left_ = 200'000;
   std::map<std::tuple<Severity, std::string, std::string>, Repeated> repeated_;
 };
 
