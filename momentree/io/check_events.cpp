@@ -4,6 +4,7 @@
 
 #include <momentree/io/scenario_parts.hpp>
 #include <momentree/io/schedule.hpp>
+#include <momentree/simulate/arguments.hpp>
 
 namespace momentree::io {
 
@@ -61,11 +62,24 @@ void check_parts(const Broken& broken, Reading& reading) {
   }
 }
 
+// The matches of a wildcard are events of one place, one behind the other.
+void check_periods(Reading& reading) {
+  const std::vector<ScenarioEvent>& events = reading.scenario.events;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const ScenarioEvent& event = events[i];
+    if (!(event.period > 0) || (i > 0 && events[i - 1].name == event.name)) continue;
+    const double clock = std::max(event.time, reading.scenario.integration.step);
+    if (const std::optional<Error> wrong = wrong_period(event.period, clock, "every: a period"))
+      reading.out.error(event.place, wrong->what, wrong->hint);
+  }
+}
+
 }  // namespace
 
 void check_events(Reading& reading) {
   const Scenario& scenario = reading.scenario;
   if (scenario.events.empty()) return;
+  check_periods(reading);
   Diagnostics& out = reading.out;
   const auto whole = [](const StateFile& file) { return file.mechanism.empty(); };
   if (std::any_of(scenario.state_files.begin(), scenario.state_files.end(), whole)) return;  // another world: judged there

@@ -146,6 +146,11 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehear
   for (const ActionPhase phase : {ActionPhase::impact, ActionPhase::impulse, ActionPhase::parameters})
     if (!in_phase(phase, [&](const Item& item) { return carry(item, false); })) return report;
 
+  for (std::size_t e = 0; e < due.size(); ++e) {
+    if (begun[e] != 0) continue;  // else it has no action
+    report.events[e].before = report.events[e].after = world.totals();
+    report.events[e].mechanisms_before = report.events[e].mechanisms_after = world.mechanism_names();
+  }
   for (Event& event : report.events) surgery.certify(event);
   report.seconds = surgery.seconds;
   report.changes = surgery.changes;

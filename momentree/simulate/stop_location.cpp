@@ -2,6 +2,7 @@
 // steps of the method itself, so that the state found is a state of the motion.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/simulate/stops.hpp>
@@ -61,6 +62,13 @@ struct Stops::Trial {
   bool accelerations;
   double at = 0;     ///< seconds from the start to where the world is; NaN where it is not one of a step's ends
   double reach = 0;  ///< how far the method's last step went
+  bool done = false;
+  // Unless the step was made the world is where it was: also where a condition's function threw.
+  ~Trial() {
+    if (done) return;
+    world.state_ = start;
+    books = books_at_start;
+  }
 
   // As far as the method itself goes; nothing where it failed.
   bool first(double most) {
@@ -78,9 +86,11 @@ struct Stops::Trial {
   // The same by dense output of the last step, where there is one: to look, not to go on from.
   bool see(double s) {
     if (!method.dense() || s > reach) return go(s);
-    const State::Edit edit = world.state_.edit();
-    method.interpolate(evaluate, s / reach, edit.q.data(), edit.p.data());
-    edit.time = start.time() + s;
+    {
+      const State::Edit edit = world.state_.edit();
+      method.interpolate(evaluate, s / reach, edit.q.data(), edit.p.data());
+      edit.time = start.time() + s;
+    }
     at = NAN;
     return look();
   }
@@ -155,6 +165,7 @@ std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end
 }
 
 std::optional<double> Stops::step(Integrator& method, Books& books, double h, double tolerance, std::span<const Watch> watches) {
+  tolerance = std::max(tolerance, 4 * std::numeric_limits<double>::epsilon() * h);  // no instants are closer together
   (*evaluate_)(world_->state_);
   watched_.clear();
   bool holding = false;
@@ -177,10 +188,8 @@ std::optional<double> Stops::step(Integrator& method, Books& books, double h, do
     if (fine && *found > 0) end = *found;
   }
   if (fine && trial.at != end) fine = trial.go(end);
-  if (fine) return end;
-  world_->state_ = trial.start;
-  books = trial.books_at_start;
-  return std::nullopt;
+  trial.done = fine;
+  return fine ? std::optional(end) : std::nullopt;
 }
 
 }  // namespace momentree

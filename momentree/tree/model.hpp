@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include <momentree/base/check.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/math/vec.hpp>
@@ -37,15 +38,16 @@ struct NameHash {
   std::size_t operator()(std::string_view name) const { return std::hash<std::string_view>{}(name); }
 };
 
-/// The mechanisms of one world. `add` throws Error for what is wrong with one body; `validate` finds what only the whole shows
-/// (a joint-space mass that would be singular).
+/// The mechanisms of one world; a const model may be read by several threads at once. `add` throws Error for what is wrong with
+/// one body; `validate` finds what only the whole shows (a joint-space mass that would be singular).
 class Model {
  public:
   struct Options {
     Vec3 gravity{0, 0, -9.81};
   };
   Model() = default;
-  explicit Model(Options options) : gravity_(options.gravity) {}
+  /// Throws Error for a gravity that is not finite.
+  explicit Model(Options options) { set_gravity(options.gravity); }
 
   /// Adds a body; the parent must have been added before.
   /// Throws Error: no or duplicate name, unknown parent, mass or inertia impossible, zero axis, wrong number of coordinates.
@@ -63,10 +65,14 @@ class Model {
   void keep(int count);
 
   Vec3 gravity() const { return gravity_; }
-  void set_gravity(Vec3 gravity) { gravity_ = gravity; }
+  /// Throws Error for numbers that are not finite.
+  void set_gravity(Vec3 gravity);
   int size() const { return static_cast<int>(bodies_.size()); }
   /// As added, but with unit axes, full q and v (never empty), a joint name, and unit quaternions.
-  const BodySpec& operator[](Body body) const { return bodies_[static_cast<std::size_t>(body.index)]; }
+  const BodySpec& operator[](Body body) const {
+    MT_REQUIRE(body.index >= 0 && body.index < size(), "a body of this model, as add() returned it");
+    return bodies_[static_cast<std::size_t>(body.index)];
+  }
   const std::vector<BodySpec>& bodies() const { return bodies_; }
 
   /// The body or joint of that name; throws Error with a suggestion. A joint is given by its child body.
