@@ -39,7 +39,7 @@ void evaluate(World& w, long count) {
 }
 void accelerate(World& w, long count) {
   for (long i = 0; i < count; ++i) {
-    w.state.edit();  // nothing is remembered
+    static_cast<void>(w.state.edit());  // nothing is remembered
     momentree::accelerate(w.tree, w.state, w.work);
   }
 }

@@ -25,7 +25,10 @@ State stirred(const Model& model, const Tree& tree) {
   for (int b = 0; b < tree.bodies(); ++b)
     for (int i = 0; i < info(tree.kind(b)).nv; ++i)
       if (!locked(tree, b, i)) v[static_cast<std::size_t>(tree.first_p(b) + i)] = 0.1 + 0.2 * ((b + i) % 5);
-  project_momentum(tree, state.q().data(), v.data(), state.edit().p.data());
+  {
+    const State::Edit edit = state.edit();
+    project_momentum(tree, edit.q.data(), v.data(), edit.p.data());
+  }
   return state;
 }
 
@@ -35,7 +38,8 @@ class Own {
       : model_(model), tree_(compile(model)), work_(tree_), states_{stirred(model, tree_), stirred(model, tree_)} {
     row.model = name, row.bodies = tree_.bodies(), row.freedoms = tree_.nv();
     const std::vector<double> near = moved(tree_, {states_[0].q().begin(), states_[0].q().end()});
-    std::copy(near.begin(), near.end(), states_[1].edit().q.begin());
+    const State::Edit edit = states_[1].edit();
+    std::copy(near.begin(), near.end(), edit.q.begin());
   }
 
   void evaluate(double budget) {

@@ -57,16 +57,16 @@ Model read_links(const std::string& text, const Vec3& gravity) {
 std::vector<double> rates(const Model& model) {
   const Tree tree(model);
   State state = start_state(model, tree);
-  const auto edit = state.edit();
-  std::vector<double> v(static_cast<std::size_t>(tree.nv()));
+  std::vector<double> q(state.q().begin(), state.q().end()), p(state.p().size()), v(state.p().size());
   int moving = 0;
   for (int b = 0; b < tree.bodies(); ++b) {
     const int nv = info(tree.kind(b)).nv;
-    if (nv == 1) edit.q[static_cast<std::size_t>(tree.first_q(b))] = 0.3 - 0.1 * (moving % 7);
+    if (nv == 1) q[static_cast<std::size_t>(tree.first_q(b))] = 0.3 - 0.1 * (moving % 7);
     for (int i = 0; i < nv; ++i) v[static_cast<std::size_t>(tree.first_p(b) + i)] = 0.2 + 0.3 * ((moving + i) % 5);
     if (nv > 0) ++moving;
   }
-  project_momentum(tree, edit.q.data(), v.data(), edit.p.data());
+  project_momentum(tree, q.data(), v.data(), p.data());
+  state.assign(state.time(), q, p, tree);
   Work<double> work(tree);
   evaluate_rates(tree, edit.q.data(), edit.p.data(), work);
   std::vector<double> all(edit.p.begin(), edit.p.end());

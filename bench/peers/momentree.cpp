@@ -149,13 +149,14 @@ struct Rates : Evaluator {
     std::vector<double> v(static_cast<std::size_t>(tree.nv()));
     if (first > 0) std::copy(model.bodies()[0].v.begin(), model.bodies()[0].v.end(), v.begin());
     for (int b = first; b < tree.bodies(); ++b) v[tree.first_p(b)] = u[b];
-    project_momentum(tree, coordinates, v.data(), states[k].edit().p.data());
+    const mt::State::Edit edit = states[k].edit();
+    project_momentum(tree, coordinates, v.data(), edit.p.data());
     return k;
   }
   const double* put(int k, const double* q) {
-    const auto coordinates = states[k].edit().q;
-    for (std::size_t i = static_cast<std::size_t>(first); i < places.size(); ++i) coordinates[places[i]] = q[i];
-    return coordinates.data();
+    const mt::State::Edit edit = states[k].edit();
+    for (std::size_t i = static_cast<std::size_t>(first); i < places.size(); ++i) edit.q[places[i]] = q[i];
+    return states[k].q().data();
   }
   /// By another way: of the state that the momenta are.
   std::vector<double> accelerations() override {

@@ -1,6 +1,8 @@
 #include <momentree/batch/batch.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 #include <thread>
 #include <unordered_map>
 
@@ -9,6 +11,7 @@
 #include <momentree/batch/pool.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/work.hpp>
 
 namespace momentree {
 
@@ -16,8 +19,12 @@ using batch::Group;
 
 namespace {
 int threads_of(const BatchOptions& options) {
+  constexpr int most = 1024;
+  if (options.threads < 0 || options.threads > most)
+    fail({"a batch can't have " + std::to_string(options.threads) + " threads", "",
+          "0: as many as the machine has; else 1 to " + std::to_string(most)});
   const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
-  return std::max(threads, 1);
+  return std::clamp(threads, 1, most);
 }
 }  // namespace
 
@@ -31,6 +38,7 @@ struct Batch::Impl {
     int block;
   };
   const Tree declared;
+  const std::uint64_t fingerprint = declared.topology().model;
   Isa isa;
   Precision precision;
   std::unordered_multimap<std::size_t, std::unique_ptr<Group>> groups;  // by the key of the topology
@@ -41,6 +49,7 @@ struct Batch::Impl {
   int capacity = 0, lanes = 0;
   batch::Pool pool;
   Out out;
+  bool editing = false;
 
   Impl(const Model& model, const BatchOptions& options)
       : declared(model), isa(batch::best_isa(options.widest)), precision(options.precision), pool(threads_of(options)) {}
@@ -56,6 +65,7 @@ struct Batch::Impl {
 
   Group& group_of(const Tree& tree) {
     Topology topology = tree.topology();
+    MT_REQUIRE(topology.model == fingerprint, "the edit leaves the tree one of the batch's model");
     batch::simplify(topology, declared);
     const std::size_t key = batch::key_of(topology);
     const auto [begin, end] = groups.equal_range(key);
@@ -104,58 +114,92 @@ Batch::Batch(const Model& model, int worlds, const BatchOptions& options) : impl
   }
 }
 
-Batch::~Batch() = default;
-Batch::Batch(Batch&&) noexcept = default;
-Batch& Batch::operator=(Batch&&) noexcept = default;
+namespace {
+constexpr const char* only_reads = "an edit of a batch does nothing else with the batch but read it";
+}
 
-int Batch::worlds() const { return static_cast<int>(impl_->seats.size()); }
-Isa Batch::isa() const { return impl_->isa; }
-int Batch::lanes() const { return impl_->lanes; }
-int Batch::threads() const { return impl_->pool.threads(); }
-int Batch::groups() const { return static_cast<int>(impl_->groups.size()); }
+Batch::~Batch() {
+  if (impl_ != nullptr) MT_REQUIRE(!impl_->editing, only_reads);
+}
+Batch::Batch(Batch&& other) noexcept : impl_(std::move(other.impl_)) {
+  if (impl_ != nullptr) MT_REQUIRE(!impl_->editing, only_reads);
+}
+Batch& Batch::operator=(Batch&& other) noexcept {
+  for (const auto* each : {this, &other})
+    if (each->impl_ != nullptr) MT_REQUIRE(!each->impl_->editing, only_reads);
+  impl_.swap(other.impl_);
+  if (this != &other) other.impl_.reset();
+  return *this;
+}
+
+Batch::Impl& Batch::impl() const {
+  MT_REQUIRE(impl_ != nullptr, "the batch was not moved from");
+  return *impl_;
+}
+Batch::Impl& Batch::changing() const {
+  MT_REQUIRE(!impl().editing, only_reads);
+  return *impl_;
+}
+Batch::Editing::Editing(Batch& batch) : impl_(*batch.impl_) { impl_.editing = true; }
+Batch::Editing::~Editing() { impl_.editing = false; }
+
+int Batch::worlds() const { return static_cast<int>(impl().seats.size()); }
+Isa Batch::isa() const { return impl().isa; }
+int Batch::lanes() const { return impl().lanes; }
+int Batch::threads() const { return impl().pool.threads(); }
+int Batch::groups() const { return static_cast<int>(impl().groups.size()); }
+
+namespace {
+bool is_step(double h) { return h >= 0 && std::isfinite(h); }
+constexpr const char* a_step = "a step that is finite and not negative";
+}  // namespace
 
 void Batch::step(double h) noexcept {
-  for (const Impl::Seat& seat : impl_->seats) seat.group->set_step(seat.slot, h);
+  MT_REQUIRE(is_step(h), a_step);
+  for (const Impl::Seat& seat : changing().seats) seat.group->set_step(seat.slot, h);
   impl_->run();
 }
 
 void Batch::step(std::span<const double> h) noexcept {
-  MT_REQUIRE(h.size() == impl_->seats.size(), "one step for every world");
+  MT_REQUIRE(h.size() == changing().seats.size(), "one step for every world");
+  for (const double each : h) MT_REQUIRE(is_step(each), a_step);
   for (std::size_t world = 0; world < h.size(); ++world) impl_->seats[world].group->set_step(impl_->seats[world].slot, h[world]);
   impl_->run();
 }
 
 double Batch::time(int world) const {
-  const Impl::Seat& seat = impl_->seat(world);
+  const Impl::Seat& seat = impl().seat(world);
   return seat.group->time(seat.slot);
 }
 
 bool Batch::ran_away(int world) const {
-  const Impl::Seat& seat = impl_->seat(world);
+  const Impl::Seat& seat = impl().seat(world);
   return seat.group->ran_away(seat.slot);
 }
 
-const Tree& Batch::tree(int world) const { return impl_->seat(world).group->tree(); }
+const Tree& Batch::tree(int world) const { return impl().seat(world).group->tree(); }
 
 State Batch::state(int world) const {
-  const Impl::Seat& seat = impl_->seat(world);
+  const Impl::Seat& seat = impl().seat(world);
   State state(seat.group->tree());
   seat.group->get_state(seat.slot, state);
   return state;
 }
 
 void Batch::set_state(int world, const State& state) {
-  const Impl::Seat& seat = impl_->seat(world);
-  MT_REQUIRE(state.topology() == seat.group->tree().revision(), "the state is of this world's topology");
+  const Impl::Seat& seat = changing().seat(world);
+  MT_REQUIRE(state.topology() == seat.group->tree().revision(), "the state is one for tree(world)");
+  MT_REQUIRE(!state.being_edited(), edited_state);
   seat.group->set_state(seat.slot, state);
   seat.group->set_ran_away(seat.slot, false);
 }
 
 void Batch::set_effort(int world, Body body, int freedom, double effort) {
-  const Impl::Seat& seat = impl_->seat(world);
+  const Impl::Seat& seat = changing().seat(world);
   const Tree& tree = seat.group->tree();
   MT_REQUIRE(tree.alive(body.index) && freedom >= 0 && freedom < info(tree.joint(body.index).kind).nv,
              "the body's joint has this freedom");
+  MT_REQUIRE(std::isfinite(effort), "a finite effort");
   auto& efforts = impl_->efforts[static_cast<std::size_t>(world)];
   const int joint = tree.joint_of(body.index);
   std::erase_if(efforts, [&](const batch::ExtraEffort& e) { return e.joint == joint && e.freedom == freedom; });
@@ -164,7 +208,7 @@ void Batch::set_effort(int world, Body body, int freedom, double effort) {
 }
 
 Batch::Out& Batch::take_out(int world) {
-  const Impl::Seat& seat = impl_->seat(world);
+  const Impl::Seat& seat = changing().seat(world);
   Out& out = impl_->out;
   out.tree = seat.group->tree();
   seat.group->get_state(seat.slot, out.state);
@@ -176,6 +220,8 @@ Batch::Out& Batch::take_out(int world) {
 void Batch::put_back(int world) {
   const Impl::Seat from = impl_->seat(world);
   const Out& out = impl_->out;
+  MT_REQUIRE(out.state.topology() == out.tree.revision(), "the edit leaves the state one of the tree");
+  MT_REQUIRE(!out.state.being_edited(), edited_state);
   if (out.tree.revision() != from.group->tree().revision()) {
     batch::check(out.tree);
     auto& efforts = impl_->efforts[static_cast<std::size_t>(world)];

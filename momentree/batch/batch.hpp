@@ -24,9 +24,12 @@ struct BatchOptions {
 /// Of forces, batches have all that act in joints: dampers, springs, constant efforts and those that change with time, position
 /// control, friction, soft stops, prescribed motions; and efforts of each world's own. They have no forces on bodies, functions,
 /// hard stops and strengths: the constructor and `edit` throw Error for a model that has. Energy is not booked.
+///
+/// A batch is used by one thread at a time. Its own threads call no functions of the user's.
 class Batch {
  public:
-  /// All worlds in the model's start state, at time 0.
+  /// All worlds in the model's start state, at time 0. Throws Error: fewer than one world, fewer than 0 or more than 1024
+  /// threads, a model with what batches do not have.
   Batch(const Model& model, int worlds, const BatchOptions& options = {});
   ~Batch();
   Batch(Batch&&) noexcept;
@@ -39,23 +42,24 @@ class Batch {
   /// Topologies that worlds have at present.
   int groups() const;
 
-  /// Every world makes a step of h seconds.
+  /// Every world makes a step of h seconds, which is finite and not negative.
   void step(double h) noexcept;
   /// Each world makes its own, by number: so that each gets to its own instants. 0: it stays as it is.
   void step(std::span<const double> h) noexcept;
 
   double time(int world) const;
   /// True for a world whose last step diverged: it stays where it was before, until its state is set.
-  bool ran_away(int world) const;
+  [[nodiscard]] bool ran_away(int world) const;
   /// The world's topology. Holds until the next edit.
   const Tree& tree(int world) const;
   /// A copy of its state, for tree(world): for forward_dynamics, energies, poses …
-  State state(int world) const;
-  /// Coordinates, momenta and time; those of float32 worlds are rounded by the next step. The state is one for tree(world).
+  [[nodiscard]] State state(int world) const;
+  /// Coordinates, momenta and time; those of float32 worlds are rounded by the next step. The state is one for tree(world): from
+  /// state() of it or of a world of the same topology, or made from that tree.
   void set_state(int world, const State& state);
 
-  /// A further effort on one freedom of the joint that `body` carries (N m, N), from now on and until it is set again. Locked
-  /// freedoms do not feel it. Goes with the joint, as long as that is of its kind.
+  /// A further effort, finite, on one freedom of the joint that `body` carries (N m, N), from now on and until it is set again.
+  /// Locked freedoms do not feel it. Goes with the joint, as long as that is of its kind.
   void set_effort(int world, Body body, int freedom, double effort);
 
   /// A topology change of one world, or any other of topology/change.hpp; it then moves among the worlds that have the same.
@@ -67,10 +71,12 @@ class Batch {
     return result;
   }
   /// Any edit of one world: edit(tree, state, work), the work evaluated on the state. Several changes at one instant are one
-  /// edit: forward_dynamics between them. Throws Error, and leaves the world as it was, for what batches do not have.
+  /// edit: forward_dynamics between them. Throws Error, and leaves the world as it was, for what batches do not have; so does
+  /// whatever `edit` throws. It leaves the state one of the tree, and does nothing else with the batch but read it.
   template <class Edit>
   void edit(int world, Edit&& edit) {
     Out& out = take_out(world);
+    const Editing editing(*this);
     edit(out.tree, out.state, out.work);
     put_back(world);
   }
@@ -82,6 +88,19 @@ class Batch {
     State state;
     Work<double> work;
   };
+  // For as long as an edit of the user's has hold of the world that was taken out.
+  class Editing {
+   public:
+    explicit Editing(Batch& batch);
+    ~Editing();
+    Editing(const Editing&) = delete;
+    Editing& operator=(const Editing&) = delete;
+
+   private:
+    Impl& impl_;
+  };
+  Impl& impl() const;
+  Impl& changing() const;
   Out& take_out(int world);
   void put_back(int world);
   std::unique_ptr<Impl> impl_;

@@ -117,7 +117,7 @@ void Group::get_state(int slot, State& state) const {
   std::vector<double> q(at(tree_.nq())), p(at(tree_.nv()));
   for (int i = 0; i < tree_.nq(); ++i) q[at(i)] = q_[place(slot, tree_.nq(), i)];
   for (int i = 0; i < tree_.nv(); ++i) p[at(i)] = p_[place(slot, tree_.nv(), i)];
-  state.assign(time_[at(slot)], q, p, tree_.revision());
+  state.assign(time_[at(slot)], q, p, tree_);
 }
 
 void Group::set_efforts(int slot, std::span<const ExtraEffort> efforts) {

@@ -3,8 +3,13 @@
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
+
+#include <momentree/base/check.hpp>
+#include <momentree/base/error.hpp>
 
 namespace momentree::batch {
 
@@ -18,6 +23,15 @@ struct Pool::Shared {
   bool over = false;
   std::vector<std::thread> helpers;
 
+  void end() {
+    {
+      const std::lock_guard lock(mutex);
+      over = true;
+    }
+    start.notify_all();
+    for (std::thread& helper : helpers) helper.join();
+    helpers.clear();
+  }
   void work(int thread) {
     for (int i = next.fetch_add(1); i < count; i = next.fetch_add(1)) (*task)(thread, i);
   }
@@ -37,17 +51,19 @@ struct Pool::Shared {
 };
 
 Pool::Pool(int threads) : shared_(std::make_unique<Shared>()) {
-  for (int i = 1; i < threads; ++i) shared_->helpers.emplace_back([shared = shared_.get(), i] { shared->help(i); });
+  MT_REQUIRE(threads >= 1, "the caller's thread at least");
+  shared_->helpers.reserve(static_cast<std::size_t>(threads));
+  try {
+    for (int i = 1; i < threads; ++i) shared_->helpers.emplace_back([shared = shared_.get(), i] { shared->help(i); });
+  } catch (const std::system_error& error) {
+    const std::string had = std::to_string(this->threads());
+    shared_->end();
+    fail({"the machine gives no more than " + had + " of " + std::to_string(threads) + " threads: " + error.what(), "",
+          "ask for fewer"});
+  }
 }
 
-Pool::~Pool() {
-  {
-    const std::lock_guard lock(shared_->mutex);
-    shared_->over = true;
-  }
-  shared_->start.notify_all();
-  for (std::thread& helper : shared_->helpers) helper.join();
-}
+Pool::~Pool() { shared_->end(); }
 
 int Pool::threads() const { return static_cast<int>(shared_->helpers.size()) + 1; }
 

@@ -48,12 +48,12 @@ Force<double> transmitted_wrench(const Tree& tree, const Work<double>& work, int
 }
 
 Force<double> reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
-  MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
+  MT_REQUIRE(accelerated_on(tree, state, work), stale_accelerations(state));
   return on_declared_child(tree, state, work, b, transmitted_wrench(tree, work, b));
 }
 
 Force<double> pure_reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
-  MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
+  MT_REQUIRE(accelerated_on(tree, state, work), stale_accelerations(state));
   const Force<double> Tr = transmitted_wrench(tree, work, b);
   const JointState<double> joint = joint_state(tree, state, work, b);
   const Force<double> drive = dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
@@ -68,15 +68,15 @@ Force<double> pure_reaction(const Tree& tree, const State& state, const Work<dou
 }
 
 void joint_effort(const Tree& tree, const State& state, const Work<double>& work, int b, double* effort) noexcept {
-  MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
+  MT_REQUIRE(accelerated_on(tree, state, work), stale_accelerations(state));
   project(tree, b, joint_state(tree, state, work, b), transmitted_wrench(tree, work, b), effort);
   const int at = tree.first_p(b);
   for (int i = 0; i < info(tree.kind(b)).nv; ++i) effort[i] += tree.armature()[at + i] * work.a[static_cast<std::size_t>(at + i)];
 }
 
 BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
-  MT_REQUIRE(work.accelerated == state.stamp(), "the work has the accelerations of this state");
-  MT_REQUIRE(work.located == state.stamp(), "the bodies are located at this state");
+  MT_REQUIRE(accelerated_on(tree, state, work), stale_accelerations(state));
+  MT_REQUIRE(work.located == state.stamp(), "the bodies are located at this state: call locate_bodies first");
   const Kinematics<double>& body = work.bodies[static_cast<std::size_t>(b)];
   const Motion<double> rate = felt_acceleration(tree, state.q().data(), work, b);
   const KernelFrame& frame = tree.frame(b);

@@ -25,7 +25,7 @@ Force<double> transmitted_wrench(const Tree& tree, const Work<double>& work, int
 /// its axes. The joint is that which body b carries; where it is carried in reverse, the child is b's parent in the tree.
 /// `reaction` is all that the declared parent exerts through the joint: constraint, drive, spring and damping. The work must be
 /// of this state, and accelerated.
-Force<double> reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+[[nodiscard]] Force<double> reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
 
 /// The part of `reaction` that does no work on the joint's freedoms: what its bearings carry. Taken away is the force that the
 /// joint transmits along its freedoms, Eᵀ Tr = τ − rotor·u̇, which acts as follows, whatever makes it (drive, spring, damper,
@@ -33,7 +33,7 @@ Force<double> reaction(const Tree& tree, const State& state, const Work<double>&
 /// as a torque in the plane of the two axes (universal), as any torque (ball); planar: a force in the plane through the origin
 /// of the joint's child side and a torque across it; free: force and torque about that origin. What holds a locked freedom is a
 /// constraint and stays.
-Force<double> pure_reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+[[nodiscard]] Force<double> pure_reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
 
 /// What acts along each freedom of b's joint, drive, spring, damping and friction together (nv numbers, N m or N): Eᵀ Tr +
 /// rotor·u̇ = τ. Where the motion is prescribed, that is the effort which it takes; where a freedom is locked, what holds it.
@@ -45,7 +45,7 @@ struct BodyAcceleration {
   Vec3 linear{}, angular{};
 };
 /// The work must be of this state, located and accelerated.
-BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+[[nodiscard]] BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
 
 extern template void evaluate_accelerations<double>(const Tree&, const double*, Work<double>&) noexcept;
 

@@ -14,7 +14,7 @@ namespace momentree {
 
 template <class T>
 struct RateSweep {
-  const Tree& tree;
+  UncheckedTree tree;
   const T* q;
   Work<T>& work;
   Passage<Force<T>, Motion<T>> passage{tree, work.wrench_inlets.get(), work.rate_outlets.get()};

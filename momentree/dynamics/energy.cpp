@@ -37,7 +37,7 @@ Totals totals(const Tree& tree, const State& state, Work<double>& work) noexcept
 }
 
 double joint_energy(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
-  MT_REQUIRE(work.evaluated == state.stamp(), "the work was evaluated on this state");
+  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
   double energy = 0, force[6];
   const JointParameters* p = tree.parameters(b);
   if (p != nullptr && p->stiffness.any()) energy += joint_spring(tree, state.q().data(), b, force);

@@ -8,7 +8,7 @@
 namespace momentree {
 
 /// Gravity in the axes of a plane: those of its root's joint, before it turns.
-inline Vec3 gravity_in_plane(const Tree& tree, int root) {
+inline Vec3 gravity_in_plane(UncheckedTree tree, int root) {
   Vec3 g = tree.gravity();
   const Link& k = tree.link(root);
   turn_z(g, k.cos_b, -k.sin_b);
@@ -19,7 +19,7 @@ inline Vec3 gravity_in_plane(const Tree& tree, int root) {
 /// Angles of joints, in `angle`, become those of bodies. A first child finds its parent's at hand: through memory it would wait
 /// for it.
 template <class T>
-void add_up_angles(const Tree& tree, const Segment& segment, T* angle) noexcept {
+void add_up_angles(UncheckedTree tree, const Segment& segment, T* angle) noexcept {
   T sum(0);
   for (int i = segment.begin; i < segment.end; ++i) {
     const int b = tree.order()[static_cast<std::size_t>(i)];
@@ -37,7 +37,7 @@ void add_up_angles(const Tree& tree, const Segment& segment, T* angle) noexcept 
 
 template <class T>
 struct FlatSweep {
-  const Tree& tree;
+  UncheckedTree tree;
   const T* q;
   const T* p;
   Work<T>& work;

@@ -152,6 +152,7 @@ double joint_spring_at(const Tree& tree, const double* q, int b, double* force) 
   return dispatch(tree.kind(b), [&](auto tag) {
     using K = typename decltype(tag)::type;
     constexpr int nq = K::info.nq, nv = K::info.nv;
+    MT_REQUIRE(tree.parameters(b) != nullptr, "the joint has a spring");
     const JointParameters& p = *tree.parameters(b);
     double stiffness[nv > 0 ? nv : 1], rest[nq > 0 ? nq : 1];
     for (int i = 0; i < nv; ++i) stiffness[i] = p.stiffness.of(i);
@@ -164,7 +165,8 @@ double joint_spring_at(const Tree& tree, const double* q, int b, double* force) 
 }
 
 void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) noexcept {
-  MT_REQUIRE(state.topology() == tree.revision(), "the state is of this tree's present topology");
+  MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
+  MT_REQUIRE(!work.in_function, inside_function);
   if (work.evaluated == state.stamp()) return;
   evaluate_motions<double>(tree, state.q().data(), state.p().data(), work);
   if (tree.driven_joints().empty()) {

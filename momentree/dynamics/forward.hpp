@@ -2,12 +2,13 @@
 // (q, p) → (q̇, ṗ) in two recursions, O(n): the backward one (22)–(26), the forward one (27), (17), (21), (20).
 #include <momentree/dynamics/rates_function.hpp>
 #include <momentree/dynamics/work.hpp>
+#include <momentree/tree/unchecked_tree.hpp>
 
 namespace momentree {
 
-/// One evaluation at packed arrays q (nq) and p (nv): writes work.v, work.qdot, work.pdot. Neither allocates nor throws. Marks
-/// the work as of no state, and leaves records and angles of no use to others: use `forward_dynamics` for what a change or a
-/// reader needs.
+/// One evaluation at packed arrays q (nq numbers) and p (nv), which nothing checks: writes work.v, work.qdot, work.pdot. Neither
+/// allocates nor throws. Marks the work as of no state, and leaves records and angles of no use to others: use `forward_dynamics`
+/// for what a change or a reader needs.
 template <class T>
 void evaluate_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept;
 
@@ -15,7 +16,8 @@ void evaluate_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noe
 template <class T>
 void evaluate_motions(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept;
 
-/// The same for a state: work then carries the state's stamp. A work that carries it already is left as it is.
+/// The same for a state of this tree: work then carries the state's stamp. A work that carries it already is left as it is. Stops
+/// the program for a state of another tree, and for a work that was made for a smaller one.
 void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) noexcept;
 
 /// evaluate_rates, or evaluate_motions where forces will ask where joints and bodies are.
@@ -54,8 +56,12 @@ void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noe
 void locate_stage(const Tree& tree, const double* q, Work<double>& work) noexcept;
 
 /// Coordinates and trigonometry of b's joint, as the last evaluation left them in the work.
-inline JointState<double> joint_state(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
+inline JointState<double> joint_state(UncheckedTree tree, const double* q, const Work<double>& work, int b) noexcept {
   return {q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
+}
+inline JointState<double> joint_state(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
+  static_cast<void>(tree.index(b));
+  return joint_state(UncheckedTree(tree), q, work, b);
 }
 inline JointState<double> joint_state(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
   return joint_state(tree, state.q().data(), work, b);

@@ -15,7 +15,7 @@ namespace momentree {
 
 template <class T>
 struct Sweep {
-  const Tree& tree;
+  UncheckedTree tree;
   const T* q;
   const T* p;
   Work<T>& work;
@@ -213,7 +213,7 @@ MOMENTREE_INLINE void find_sines(const Tree& tree, const T* q, Work<T>& work) {
 
 template <class T, bool Keep>
 void sweep_rates(const Tree& tree, const T* q, const T* p, Work<T>& work) noexcept {
-  MT_REQUIRE(work.capacity() >= tree.bodies(), "the work has room for the bodies that were added");
+  MT_REQUIRE(work.capacity() >= tree.bodies(), "the work has room for the tree's bodies: make it for this tree");
   work.evaluated = {};
   work.located = {};
   work.accelerated = {};

@@ -8,16 +8,22 @@
 namespace momentree {
 
 /// What such a function may ask for. It is called at every stage of a step, whose coordinates are not those of any state that is
-/// kept: use none of it after the call. Bodies are located the first time that one is asked for; nothing allocates.
+/// kept: use none of it after the call, and in the call nothing else that the world has. What asks the world or its simulation
+/// there stops the program. Bodies are located the first time that one is asked for; nothing allocates.
 class Moment {
  public:
   Moment(const Tree& tree, double time, const double* q, Work<double>& work) noexcept
-      : tree_(&tree), work_(&work), q_(q), time_(time) {}
+      : tree_(&tree), work_(&work), q_(q), time_(time), nested_(work.in_function) {
+    work.in_function = true;
+  }
+  ~Moment() { work_->in_function = nested_; }
+  Moment(const Moment&) = delete;
+  Moment& operator=(const Moment&) = delete;
 
   double time() const { return time_; }
   /// Coordinates and velocities of the joint of that number, in its declared direction; empty where it left the world.
-  std::span<const double> q(Body joint) const noexcept;
-  std::span<const double> v(Body joint) const noexcept;
+  Numbers q(Body joint) const noexcept;
+  Numbers v(Body joint) const noexcept;
   /// Frame of a body; the world's origin at rest for the ground and for a body that left the world.
   BodyMotion motion(Body body) const noexcept;
 
@@ -26,6 +32,7 @@ class Moment {
   Work<double>* work_;
   const double* q_;
   double time_;
+  bool nested_;
   mutable bool located_ = false;
 };
 

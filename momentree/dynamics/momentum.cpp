@@ -12,22 +12,23 @@ namespace momentree {
 namespace {
 
 template <class F>
-decltype(auto) with_kernels(const Tree& tree, int b, F&& f) {
+decltype(auto) with_kernels(UncheckedTree tree, int b, F&& f) {
   return dispatch_kernels(tree.kind(b), tree.variant(b), std::forward<F>(f));
 }
 
 // One joint inward, for whatever can cross it: f(crossing) with the crossing as the kind itself has it.
 template <class F>
-void cross_inboard(const Tree& tree, const State& state, const Work<double>& work, int b, F&& f) {
+void cross_inboard(UncheckedTree tree, const State& state, const Work<double>& work, int b, F&& f) {
   with_kernels(tree, b, [&](auto tag) {
     using K = typename decltype(tag)::type;
-    f(K::template crossing_again<false, double>(tree.link(b), joint_state(tree, state, work, b), work.record<K>(tree, b)));
+    const JointState<double> joint = joint_state(tree, state.q().data(), work, b);
+    f(K::template crossing_again<false, double>(tree.link(b), joint, work.record<K>(tree, b)));
   });
 }
 
 // f(kernels, joint state), with trigonometry from the coordinates alone.
 template <class F>
-void with_joint(const Tree& tree, const double* q, int b, F&& f) {
+void with_joint(UncheckedTree tree, const double* q, int b, F&& f) {
   with_kernels(tree, b, [&](auto tag) {
     using K = typename decltype(tag)::type;
     double c[2], s[2];
@@ -83,7 +84,7 @@ void project_momentum(const Tree& tree, const double* q, const double* v, double
 
 void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>& parent, const double* v, double* p) noexcept {
   Force<double> P{};
-  for (int a = b; a >= 0; a = tree.parent(a))
+  for (int a = static_cast<int>(tree.index(b)); a >= 0; a = tree.parent(a))
     with_joint(tree, q, a, [&](auto tag, const JointState<double>& joint) {
       using K = typename decltype(tag)::type;
       const DenseCrossing<double> crossing = dense_crossing<K, double>(tree.link(a), joint);
@@ -102,54 +103,66 @@ void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>
 }
 
 State start_state(const Model& model, const Tree& tree) {
+  MT_REQUIRE(model.size() == tree.bodies(), "the tree was compiled from this model");
+  const auto declared = [&tree](const BodySpec& body, int b) {
+    return tree.alive(b) && tree.joint_of(b) == b && tree.parent(b) == body.parent.index && tree.kind(b) == body.joint.kind;
+  };
   State state(tree);
   std::vector<double> v(static_cast<std::size_t>(tree.nv()));
-  const auto edit = state.edit();
-  for (int b = 0; b < tree.bodies(); ++b) {
-    const BodySpec& s = model.bodies()[static_cast<std::size_t>(b)];
-    for (int i = 0; i < s.q.size(); ++i) edit.q[static_cast<std::size_t>(tree.first_q(b) + i)] = s.q[i];
-    for (int i = 0; i < s.v.size(); ++i) v[static_cast<std::size_t>(tree.first_p(b) + i)] = s.v[i];
+  {
+    const State::Edit edit = state.edit();
+    for (int b = 0; b < tree.bodies(); ++b) {
+      const BodySpec& s = model.bodies()[static_cast<std::size_t>(b)];
+      MT_REQUIRE(declared(s, b), "the tree is as it was compiled from this model");
+      for (int i = 0; i < s.q.size(); ++i) edit.q[static_cast<std::size_t>(tree.first_q(b) + i)] = s.q[i];
+      for (int i = 0; i < s.v.size(); ++i) v[static_cast<std::size_t>(tree.first_p(b) + i)] = s.v[i];
+    }
+    follow_motions(tree, state.time(), edit.q.data(), v.data());
+    project_momentum(tree, state.q().data(), v.data(), edit.p.data());
   }
-  follow_motions(tree, state.time(), edit.q.data(), v.data());
-  project_momentum(tree, state.q().data(), v.data(), edit.p.data());
   return state;
 }
 
-Force<double> articulated_momentum(const Tree&, const State& state, const Work<double>& work, int b) noexcept {
-  MT_REQUIRE(work.evaluated == state.stamp(), "the work was evaluated on this state");
-  return work.motions[static_cast<std::size_t>(b)].articulated;
+Force<double> articulated_momentum(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
+  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+  return work.motions[tree.index(b)].articulated;
 }
 
 DenseCrossing<double> locate_body(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
-  MT_REQUIRE(work.evaluated == state.stamp(), "the work was evaluated on this state");
+  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
   DenseCrossing<double> pose{identity3<double>(), {}};
-  for (int a = b; a >= 0; a = tree.parent(a))
-    cross_inboard(tree, state, work, a, [&](const auto& x) { x.place(pose.R, pose.r); });
+  const UncheckedTree all(tree);
+  for (int a = static_cast<int>(tree.index(b)); a >= 0; a = all.parent(a))
+    cross_inboard(all, state, work, a, [&](const auto& x) { x.place(pose.R, pose.r); });
   return pose;
 }
 
 void shed_momentum(const Tree& tree, const State& state, const Work<double>& work, int b, Force<double> W, double sign,
                    double* p) noexcept {
-  for (int a = b; tree.parent(a) >= 0; a = tree.parent(a)) {
-    cross_inboard(tree, state, work, a, [&](const auto& x) { x.inboard(W); });
-    absorb(tree, tree.parent(a), joint_state(tree, state, work, tree.parent(a)), W, sign, p);
+  const UncheckedTree all(tree);
+  for (int a = static_cast<int>(tree.index(b)), outer = all.parent(a); outer >= 0; a = outer, outer = all.parent(a)) {
+    cross_inboard(all, state, work, a, [&](const auto& x) { x.inboard(W); });
+    absorb(tree, outer, joint_state(all, state.q().data(), work, outer), W, sign, p);
   }
 }
 
 void absorb(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double sign, double* p) noexcept {
+  const Link& link = tree.link(b);
   with_kernels(tree, b, [&](auto tag) {
     using K = typename decltype(tag)::type;
-    const auto E = K::template columns<double>(tree.link(b), joint);
-    const unsigned locked = tree.link(b).locked;
+    const auto E = K::template columns<double>(link, joint);
+    const unsigned locked = link.locked;
+    double* own = p + UncheckedTree(tree).first_p(b);
     for (std::size_t i = 0; i < E.size(); ++i)
-      if ((locked >> i & 1u) == 0) p[tree.first_p(b) + static_cast<int>(i)] += sign * dot(E[i], W);
+      if ((locked >> i & 1u) == 0) own[i] += sign * dot(E[i], W);
   });
 }
 
 void project(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double* p) noexcept {
+  const Link& link = tree.link(b);
   with_kernels(tree, b, [&](auto tag) {
     using K = typename decltype(tag)::type;
-    const auto E = K::template columns<double>(tree.link(b), joint);
+    const auto E = K::template columns<double>(link, joint);
     for (std::size_t i = 0; i < E.size(); ++i) p[i] = dot(E[i], W);
   });
 }

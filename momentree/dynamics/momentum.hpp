@@ -15,14 +15,15 @@ void project_momentum(const Tree& tree, const double* q, const double* v, double
 /// `parent`: velocity of its parent, kernel frame of the parent; v: of the new joint. Reads q, no work; p is the packed array.
 void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>& parent, const double* v, double* p) noexcept;
 
-/// The state of a model's start values q, v, at time 0; joints whose motion is prescribed start where that says.
-State start_state(const Model& model, const Tree& tree);
+/// The state of a model's start values q, v, at time 0; joints whose motion is prescribed start where that says. The tree is as
+/// it was compiled from this model.
+[[nodiscard]] State start_state(const Model& model, const Tree& tree);
 
 /// Articulated momentum Pb of body b (14): of b and all outboard bodies, kernel frame of b. The work must be of this state.
-Force<double> articulated_momentum(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+[[nodiscard]] Force<double> articulated_momentum(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
 
 /// Pose of body b's kernel frame in the world, O(depth); the work must be of this state.
-DenseCrossing<double> locate_body(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+[[nodiscard]] DenseCrossing<double> locate_body(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
 
 /// (29): W, about the origin and in the axes of body b's kernel frame, leaves (sign −1) or joins (+1) what hangs on the ancestors
 /// of b: their p change by sign·Eᵀ W. p is the packed array to change; O(depth). Reads q and the work's trigonometry alone, which

@@ -1,13 +1,13 @@
 #pragma once
 #include <momentree/base/inline.hpp>
-#include <momentree/tree/tree.hpp>
+#include <momentree/tree/unchecked_tree.hpp>
 
 namespace momentree {
 
 /// How sums go from body to body along the order; `In`, `Out` are what is summed up on the way in and handed down on the way out.
 template <class In, class Out>
 struct Passage {
-  const Tree& tree;
+  UncheckedTree tree;
   In* inlets;
   Out* outlets;
 

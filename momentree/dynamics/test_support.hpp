@@ -48,8 +48,9 @@ inline void put_at_random(const Tree& tree, State& state, Random& random) {
       for (int i = 0; i < info(tree.kind(b)).nq; ++i) q[static_cast<std::size_t>(tree.first_q(b) + i)] = random.between(-3, 3);
   for (double& x : v) x = random.between(-1, 1);
   project_momentum(tree, q.data(), v.data(), p.data());
-  std::copy(q.begin(), q.end(), state.edit().q.begin());
-  std::copy(p.begin(), p.end(), state.edit().p.begin());
+  const State::Edit edit = state.edit();
+  std::copy(q.begin(), q.end(), edit.q.begin());
+  std::copy(p.begin(), p.end(), edit.p.begin());
 }
 /// Fills with no numbers what the sweeps keep and pass on: what reads before it writes is found out.
 inline void poison(const Tree& tree, Work<double>& work) {

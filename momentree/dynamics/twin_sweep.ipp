@@ -10,7 +10,7 @@
 namespace momentree {
 
 struct TwinSweep {
-  const Tree& tree;
+  UncheckedTree tree;
   const double* p;
   Work<double>& work;
   Segment first, second;

@@ -4,6 +4,7 @@
 #include <new>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #include <momentree/base/check.hpp>
 #include <momentree/base/inline.hpp>
@@ -49,14 +50,46 @@ struct TwinWork {
 };
 struct NoTwins {};
 
+/// What a work is of. A moved-from work is of nothing and has room for nothing.
+struct WorkStamps {
+  /// Of which state and topology the records, v, qdot, pdot are; nothing after a stage of an integrator.
+  Stamp evaluated;
+  /// Of which the poses and velocities in `bodies` are.
+  Stamp located;
+  /// Of which a, `approaches` and `demands` are.
+  Stamp accelerated;
+  /// Numbers of bodies that it has room for.
+  int capacity() const { return capacity_; }
+  /// True while an evaluation calls a function of the user's: the work is between two of its steps then.
+  bool in_function = false;
+
+  WorkStamps() = default;
+  explicit WorkStamps(int bodies) : capacity_(bodies) {}
+  WorkStamps(WorkStamps&& other) noexcept { *this = std::move(other); }
+  WorkStamps& operator=(WorkStamps&& other) noexcept {
+    MT_REQUIRE(!in_function && !other.in_function, "a function that an evaluation calls leaves the work where it is");
+    evaluated = std::exchange(other.evaluated, {});
+    located = std::exchange(other.located, {});
+    accelerated = std::exchange(other.accelerated, {});
+    capacity_ = std::exchange(other.capacity_, 0);
+    return *this;
+  }
+  ~WorkStamps() = default;
+
+ private:
+  int capacity_ = 0;
+};
+
 /// Scratch of the sweeps for one tree. Arrays are as long as any later topology needs; pages that no evaluation has written to
-/// cost nothing. A stage writes 24 numbers per pin beside its record, forward_dynamics the motions of bodies, too.
+/// cost nothing. One thread at a time uses it. Arrays are plain memory: an index beyond what the tree has is not noticed. A stage
+/// writes 24 numbers per pin beside its record, forward_dynamics the motions of bodies, too.
 template <class T>
-class Work {
+class Work : public WorkStamps {
  public:
   Work() = default;
   explicit Work(const Tree& tree)
-      : cos(make(tree, 2, 3)),
+      : WorkStamps(tree.bodies()),
+        cos(make(tree, 2, 3)),
         sin(make(tree, 2, 3)),
         v(make(tree, 6)),
         qdot(make(tree, 7)),
@@ -76,32 +109,24 @@ class Work {
         demands(by_body<Force<T>>(tree)),
         loads(by_body<Force<T>>(tree)),
         path(by_body<int>(tree)),
-        bodies(by_body<Kinematics<T>>(tree)),
-        capacity_(tree.bodies()) {
+        bodies(by_body<Kinematics<T>>(tree)) {
     if constexpr (has_twin_lanes && std::is_same_v<T, double>)
       twins = {by_body<RotorRecord<Twins>>(tree), by_body<Inboard<Twins>>(tree), by_body<Outboard<Twins>>(tree)};
   }
 
-  /// The record of body b, whose joint has kernels K.
-  template <class K>
-  typename K::template Record<T>& record(const Tree& tree, int b) const {
+  /// The record of body b, whose joint has kernels K. The tree: a Tree, or an UncheckedTree.
+  template <class K, class AnyTree>
+  typename K::template Record<T>& record(const AnyTree& tree, int b) const {
     using Record = typename K::template Record<T>;
     static_assert(sizeof(Record) % sizeof(T) == 0 && alignof(Record) <= alignof(T) && std::is_trivially_copyable_v<Record>);
     return *reinterpret_cast<Record*>(records.get() + tree.record(b));
   }
 
   /// Those of a stretch of the order, one behind the other.
-  template <class K>
-  typename K::template Record<T>* records_of(const Tree& tree, const Segment& segment) const {
+  template <class K, class AnyTree>
+  typename K::template Record<T>* records_of(const AnyTree& tree, const Segment& segment) const {
     return &record<K>(tree, tree.order()[static_cast<std::size_t>(segment.begin)]);
   }
-
-  /// Of which state and topology the records, v, qdot, pdot are; nothing after a stage of an integrator.
-  Stamp evaluated;
-  /// Of which the poses and velocities in `bodies` are.
-  Stamp located;
-  /// Of which a, `approaches` and `demands` are.
-  Stamp accelerated;
 
   using Array = Untouched<T>;
   Array cos, sin;          ///< of the joints' angles, θ0 among them; in a mechanism in a plane, at a stage, of the bodies'
@@ -124,11 +149,7 @@ class Work {
   Untouched<Kinematics<T>> bodies;
   [[no_unique_address]] std::conditional_t<std::is_same_v<T, double>, TwinWork, NoTwins> twins;
 
-  /// Numbers of bodies that it has room for.
-  int capacity() const { return capacity_; }
-
  private:
-  int capacity_ = 0;
   static Array make(const Tree& tree, int each, int more = 0) {
     return untouched<T>(static_cast<std::size_t>(each) * static_cast<std::size_t>(tree.bodies()) +
                         static_cast<std::size_t>(more));
@@ -138,5 +159,26 @@ class Work {
     return untouched<U>(static_cast<std::size_t>(tree.bodies()));
   }
 };
+
+/// True where the work holds the evaluation of this state on this tree, as both are now; the accelerations of it.
+inline bool evaluated_on(const Tree& tree, const State& state, const Work<double>& work) noexcept {
+  return work.evaluated == state.stamp() && state.topology() == tree.revision();
+}
+inline bool accelerated_on(const Tree& tree, const State& state, const Work<double>& work) noexcept {
+  return work.accelerated == state.stamp() && state.topology() == tree.revision();
+}
+/// What is expected where they are false.
+inline constexpr const char* edited_state = "the state's Edit has ended: close its scope first";
+inline constexpr const char* foreign_state = "the state is one of this tree as it is now";
+inline const char* stale_work(const State& state) {
+  return state.being_edited() ? edited_state
+                              : "the work was evaluated on this state and this tree as they are now: call forward_dynamics first";
+}
+inline const char* stale_accelerations(const State& state) {
+  return state.being_edited() ? edited_state
+                              : "the work has the accelerations of this state and this tree as they are now: call accelerate first";
+}
+inline constexpr const char* inside_function =
+    "a function that an evaluation calls reads the Moment that it is given, nothing else";
 
 }  // namespace momentree

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <sstream>
 
+#include <momentree/base/check.hpp>
 #include <momentree/generate/private_folder.hpp>
 
 extern char** environ;
@@ -123,6 +124,7 @@ std::vector<std::string> find_compiler(const std::string& asked) {
 void* Library::symbol(const char* name) const { return handle_ == nullptr ? nullptr : dlsym(handle_.get(), name); }
 
 Library compile_library(const std::vector<std::string>& compiler, const std::string& source, std::string& why) {
+  MT_REQUIRE(!compiler.empty(), "a compiler, as find_compiler() returns it where there is one");
   Library library;
   const PrivateFolder folder;
   if (!folder.made()) {

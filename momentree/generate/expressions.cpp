@@ -43,6 +43,7 @@ int Expressions::constant(double value) {
 
 int Expressions::input(Operation array, int index) {
   MT_REQUIRE(array == Operation::q || array == Operation::p, "q and p are the inputs");
+  MT_REQUIRE(index >= 0, "an index into q or p");
   return make(array, index, 0);
 }
 
@@ -122,7 +123,10 @@ int Expressions::quotient(int a, int b) {
 // By node: whether a result is made of it. Operands stand before what is made of them.
 std::vector<bool> Expressions::needed(std::span<const int> results) const {
   std::vector<bool> needed(nodes_.size(), false);
-  for (const int r : results) needed[static_cast<std::size_t>(r)] = true;
+  for (const int r : results) {
+    MT_REQUIRE(static_cast<std::size_t>(r) < nodes_.size(), "a node of these expressions");
+    needed[static_cast<std::size_t>(r)] = true;
+  }
   for (std::size_t i = nodes_.size(); i-- > 0;) {
     if (!needed[i]) continue;
     const Node& node = nodes_[i];

@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include <momentree/base/check.hpp>
 #include <momentree/math/counted.hpp>
 
 namespace momentree {
@@ -49,7 +50,10 @@ class Expressions {
   struct Hash {
     std::size_t operator()(const Node& node) const;
   };
-  const Node& at(int i) const { return nodes_[static_cast<std::size_t>(i)]; }
+  const Node& at(int i) const {
+    MT_REQUIRE(static_cast<std::size_t>(i) < nodes_.size(), "a node of these expressions");
+    return nodes_[static_cast<std::size_t>(i)];
+  }
   bool is(int i, Operation operation) const { return at(i).operation == operation; }
   std::vector<bool> needed(std::span<const int> results) const;
   int make(Operation operation, int a, int b, double value = 0);

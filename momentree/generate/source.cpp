@@ -135,7 +135,7 @@ std::string sincos_source() {
 }  // namespace
 
 std::string kernel_source(const KernelExpressions& kernel, const SourceText& how) {
-  MT_REQUIRE(how.name == identifier(how.name), "the name of a kernel is an identifier");
+  MT_REQUIRE(how.name == identifier(how.name), "a name that is an identifier: see identifier()");
   const Operations o = kernel.operations();
   const std::string nq = std::to_string(kernel.qdot.size()), nv = std::to_string(kernel.v.size());
   std::string text = comment(how.about);

@@ -24,7 +24,7 @@ class Embedded : public Integrator {
   static constexpr bool chooses_steps = true;
   static constexpr double damper_limit = HUGE_VAL, spring_limit = HUGE_VAL;  // it shortens its steps
   Embedded(const Tree& tree, const StepControl& control)
-      : Integrator(control),
+      : Integrator(tree, control),
         nq_max_(7L * tree.bodies()),
         nv_max_(6L * tree.bodies()),
         q0_(scratch(nq_max_)),
@@ -41,7 +41,7 @@ class Embedded : public Integrator {
   bool adaptive() const final { return true; }
 
   bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept final {
-    begin(evaluate, state);
+    begin(evaluate, state, h);
     stages(evaluate, state.time(), h);
     if (!sound(evaluate.tree(), q0_.get(), q_.get(), p_.get())) return false;
     accept(evaluate.tree(), state, books, h);
@@ -51,7 +51,7 @@ class Embedded : public Integrator {
   }
 
   double advance(Evaluator& evaluate, State& state, Books& books, double most) noexcept final {
-    begin(evaluate, state);
+    begin(evaluate, state, most);
     const double start = state.time();
     constexpr double longest_growth = 5, longest_cut = 0.2, safety = 0.9;
     double h = most <= control_.max_step * (1 + sliver) ? most : control_.max_step;  // as next_step: no sliver is left
@@ -128,8 +128,8 @@ class Embedded : public Integrator {
     if (stage < Tableau::stages) power_[stage] = work.power;
   }
 
-  void begin(const Evaluator& evaluate, const State& state) noexcept {
-    MT_REQUIRE(evaluate.work().evaluated == state.stamp(), "the first stage was evaluated on this state");
+  void begin(const Evaluator& evaluate, const State& state, double h) noexcept {
+    require_ready(evaluate, state, h);
     nq_ = evaluate.tree().nq();
     nv_ = evaluate.tree().nv();
     std::copy_n(state.q().data(), nq_, q0_.get());

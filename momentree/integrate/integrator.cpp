@@ -54,6 +54,18 @@ void Evaluator::solve(const double* q, const double* p, Work<double>& other) noe
   evaluate_rates<double>(*tree_, q, p, other);
 }
 
+Integrator::Integrator(const Tree& tree, const StepControl& control)
+    : control_(control), proposal_(control.step), bodies_(tree.bodies()) {
+  MT_REQUIRE(control.step > 0 && std::isfinite(control.step), "the step is positive and finite");
+  MT_REQUIRE(control.rtol > 0 && control.atol > 0 && control.max_step > 0, "rtol, atol and max_step are positive");
+}
+
+void Integrator::require_ready(const Evaluator& evaluate, const State& state, double h) const noexcept {
+  MT_REQUIRE(evaluated_on(evaluate.tree(), state, evaluate.work()), stale_work(state));
+  MT_REQUIRE(evaluate.tree().bodies() <= bodies_, "the method was made for a tree of that many bodies: make another one");
+  MT_REQUIRE(std::isfinite(h), "the step is finite");
+}
+
 std::unique_ptr<Integrator> make_integrator(std::string_view method, const Tree& tree, const StepControl& control) {
 #define MOMENTREE_METHOD(name, Type) \
   if (method == #name) return std::make_unique<Type>(tree, control);

@@ -61,18 +61,19 @@ struct StepControl {
 
 class Integrator {
  public:
-  explicit Integrator(const StepControl& control) : control_(control), proposal_(control.step) {}
+  /// For trees of no more bodies than this one has.
+  Integrator(const Tree& tree, const StepControl& control);
   virtual ~Integrator() = default;
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;
 
-  /// One step of h seconds from `state`, at which `evaluate` was last called. Neither allocates nor throws.
+  /// One step of h seconds from `state`, at which `evaluate` was last called; h is finite. Neither allocates nor throws.
   /// Returns false, and leaves the state, where the motion ran away: see `plausible` and `runaway_coordinate`.
-  virtual bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept = 0;
+  [[nodiscard]] virtual bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept = 0;
 
   /// One step of at most h seconds: an adaptive method takes less where its error asks for it, and changes its proposal. Returns
   /// the seconds stepped; 0 where the motion ran away or no step is short enough (the state is then what it was).
-  virtual double advance(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
+  [[nodiscard]] virtual double advance(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
     return step(evaluate, state, books, h) ? h : 0;
   }
   virtual bool adaptive() const { return false; }
@@ -113,9 +114,15 @@ class Integrator {
   /// `plausible`, and where it is not, notes what ran away.
   bool sound(const Tree& tree, const double* q0, const double* q, const double* p) noexcept;
 
+  /// What each step starts with: the evaluator's work is of this state, and the step can be taken.
+  void require_ready(const Evaluator& evaluate, const State& state, double h) const noexcept;
+
   const StepControl control_;
   double proposal_;
   std::optional<Runaway> runaway_;
+
+ private:
+  int bodies_;
 };
 
 /// The method of that name for trees of this many bodies; null if there is none.

@@ -5,6 +5,7 @@
 
 #include <momentree/io/scenario_parts.hpp>
 #include <momentree/io/schedule.hpp>
+#include <momentree/simulate/arguments.hpp>
 
 namespace momentree::io {
 
@@ -59,6 +60,18 @@ void check_parts(const Broken& broken, Reading& reading) {
                 "give it a mass and an inertia about every axis");
     else
       out.error(broken.begin()->second, "break: joint " + joint + " would no longer move any mass", singular.hint);
+  }
+}
+
+// The matches of a wildcard are events of one place, one behind the other.
+void check_periods(Reading& reading) {
+  const std::vector<ScenarioEvent>& events = reading.scenario.events;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const ScenarioEvent& event = events[i];
+    if (!(event.period > 0) || (i > 0 && events[i - 1].name == event.name)) continue;
+    const double clock = std::max(event.time, reading.scenario.integration.step);
+    if (const std::optional<Error> wrong = wrong_period(event.period, clock, "every: a period"))
+      reading.out.error(event.place, wrong->what, wrong->hint);
   }
 }
 
@@ -128,6 +141,7 @@ void warn_of_late(Reading& reading) {
 void check_events(Reading& reading) {
   const Scenario& scenario = reading.scenario;
   if (scenario.events.empty()) return;
+  check_periods(reading);
   Diagnostics& out = reading.out;
   warn_of_late(reading);
   const auto whole = [](const StateFile& file) { return file.mechanism.empty(); };

@@ -7,6 +7,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/io/scenario_parts.hpp>
+#include <momentree/simulate/arguments.hpp>
 
 namespace momentree::io {
 
@@ -92,8 +93,13 @@ void check_tolerance(Reading& reading) {
 
 void read_output(const Value& table, Reading& reading) {
   Fields fields(table, "[output]", reading.out);
-  reading.scenario.output_every = fields.not_negative("every", dimension::time).value_or(0);
-  reading.integrate.every = fields.has("every") ? fields.place_of("every") : Place{};
+  if (const auto every = fields.not_negative("every", dimension::time)) {
+    reading.scenario.output_every = *every;
+    reading.integrate.every = fields.place_of("every");
+    const std::optional<Error> wrong =
+        *every > 0 ? wrong_period(*every, reading.scenario.integration.step, "every: a period") : std::nullopt;
+    if (wrong) reading.out.error(fields.place_of("every"), wrong->what, wrong->hint);
+  }
   fields.finish();
 }
 

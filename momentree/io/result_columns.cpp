@@ -89,6 +89,7 @@ std::vector<JointKinds> joints_of(const Simulation& simulation, const Rehearsal&
   }
   std::vector<JointKinds> joints;
   for (int j = 0; j < model.size(); ++j) {
+    if (world.tree().carrier(j) < 0) continue;  // it left with its body
     const std::string name(world.joint_name({j}));
     widen(name, world.tree().joint(world.tree().carrier(j)).kind);
     joints.push_back(std::move(all[name]));

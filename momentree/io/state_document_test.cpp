@@ -51,8 +51,8 @@ TEST_CASE("a restored world goes on as if nothing had happened") {
   Simulation first = broken_arm();
   Simulation second(test::two_mechanisms(), {.step = 0.01});
   restore(second, {read_state(state_json(first.world(), {}), "s.json", second.world().model())});
-  first.run_until(0.8);
-  second.run_until(0.8);
+  CHECK(first.run_until(0.8) == Status::ok);
+  CHECK(second.run_until(0.8) == Status::ok);
   CHECK(state_json(first.world(), {}) == state_json(second.world(), {}));
 }
 

@@ -77,6 +77,7 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
   for (const RestoredState& document : documents) {
     for (std::size_t i = 0; i < document.joints.size(); ++i) {
       const int number = document.joints[i].joint.index;
+      MT_REQUIRE(number >= 0 && number < model.size(), "documents that were read for the simulation's model");
       const auto same = [number](const Forest::Changed& changed) { return changed.joint == number; };
       if (document.forest.places.empty() && std::any_of(forest.changed.begin(), forest.changed.end(), same))
         fail({"joint '" + model.bodies()[static_cast<std::size_t>(number)].joint_name +

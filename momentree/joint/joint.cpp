@@ -3,6 +3,7 @@
 #include <iterator>
 #include <utility>
 
+#include <momentree/base/check.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/joint/link.hpp>
 
@@ -21,7 +22,10 @@ const std::vector<KindInfo>& all_kinds() {
   return kinds;
 }
 
-const KindInfo& info(Kind kind) { return every_kind[static_cast<std::size_t>(kind)]; }
+const KindInfo& info(Kind kind) {
+  MT_REQUIRE(static_cast<std::size_t>(kind) < std::size(every_kind), "one of the kinds of joint");
+  return every_kind[static_cast<std::size_t>(kind)];
+}
 
 const KindInfo* find_kind(std::string_view name) {
   for (const KindInfo& k : all_kinds())

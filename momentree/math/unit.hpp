@@ -18,4 +18,10 @@ inline Vec3 unit(const Vec3& a) {
   return largest == 0 ? a : normalized((1 / largest) * a);  // of any size: its square may be none
 }
 
+inline bool is_finite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+/// True where the length is 1 but for what many computations round off.
+inline bool is_direction(const Vec3& a) { return std::fabs(dot(a, a) - 1) < 1e-6; }
+inline bool is_rotation(const Quat& a) { return std::fabs(a.w * a.w + a.x * a.x + a.y * a.y + a.z * a.z - 1) < 1e-6; }
+inline bool is_placement(const Pose& a) { return is_finite(a.position) && is_rotation(a.rotation); }
+
 }  // namespace momentree

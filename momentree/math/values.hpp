@@ -22,8 +22,9 @@ class Values {
   }
   constexpr int size() const { return count_; }
   constexpr bool empty() const { return count_ == 0; }
-  constexpr double operator[](int i) const { return at_[static_cast<std::size_t>(i)]; }
-  constexpr double& operator[](int i) { return at_[static_cast<std::size_t>(i)]; }
+  constexpr double operator[](int i) const { return at_[place(i)]; }
+  constexpr double& operator[](int i) { return at_[place(i)]; }
+  double* data() { return at_.data(); }
   const double* begin() const { return at_.data(); }
   const double* end() const { return at_.data() + count_; }
   bool any() const {
@@ -43,6 +44,10 @@ class Values {
   }
 
  private:
+  constexpr std::size_t place(int i) const {
+    MT_REQUIRE(i >= 0 && i < count_, "an index below size()");
+    return static_cast<std::size_t>(i);
+  }
   std::array<double, capacity> at_{};
   int count_ = 0;
 };

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <momentree/base/check.hpp>
 #include <momentree/base/units.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/math/vec.hpp>
@@ -83,7 +84,9 @@ class Action {
  public:
   template <std::derived_from<ActionBase> A>
   Action(A action) : what_(std::make_shared<const A>(std::move(action))) {}  // NOLINT(google-explicit-constructor)
-  explicit Action(std::shared_ptr<const ActionBase> what) : what_(std::move(what)) {}
+  explicit Action(std::shared_ptr<const ActionBase> what) : what_(std::move(what)) {
+    MT_REQUIRE(what_ != nullptr, "an action does something");
+  }
 
   const ActionBase& operator*() const { return *what_; }
   const ActionBase* operator->() const { return what_.get(); }

@@ -123,7 +123,7 @@ TEST_CASE("the grounded partner's root is kept, whichever is named first; the jo
 
 TEST_CASE("loops and nonsense are refused, name both sides, and leave the world as it was, to the bit") {
   Simulation sim(yard({0, 0, -9.81}));
-  sim.run_until(0.05);
+  CHECK(sim.run_until(0.05) == Status::ok);
   const std::vector<double> before = bits(sim.world());
   const auto says = [&](const std::vector<Action>& actions, const std::vector<const char*>& words) {
     const std::string message = refused(sim, actions);
@@ -266,15 +266,15 @@ TEST_CASE("snapshots, branches and undo are exact to the bit, across any number 
   sim.at(0.1).then(weld("sat/panel", "tug/hand")).named("grasp");
   sim.at(0.2).then(lock("tug/upper")).then(change_joint("tug/hand", Kind::free));
   sim.at(0.3).then(break_joint("grasp")).then(impulse("sat/hull", {1, 0, 0}));
-  sim.run_until(0.05);
+  CHECK(sim.run_until(0.05) == Status::ok);
   const SimulationSnapshot early = sim.snapshot();
-  sim.run_until(0.25);
+  CHECK(sim.run_until(0.25) == Status::ok);
   Simulation branch = sim.branch();
-  sim.run_until(0.4);
+  CHECK(sim.run_until(0.4) == Status::ok);
   const std::vector<double> end = bits(sim.world());
   const EnergyBalance balance = sim.energy();
 
-  branch.run_until(0.4);
+  CHECK(branch.run_until(0.4) == Status::ok);
   CHECK(bits(branch.world()) == end);
   CHECK(branch.energy().error == balance.error);
 
@@ -282,8 +282,8 @@ TEST_CASE("snapshots, branches and undo are exact to the bit, across any number 
   CHECK(sim.time() == 0.05);
   CHECK(sim.events().empty());
   CHECK(sim.world().mechanism_names() == std::vector<std::string>{"crane", "tug", "sat"});
-  sim.run_until(0.25);  // steps land on what is asked for: the same bits need the same steps
-  sim.run_until(0.4);
+  CHECK(sim.run_until(0.25) == Status::ok);  // steps land on what is asked for: the same bits need the same steps
+  CHECK(sim.run_until(0.4) == Status::ok);
   CHECK(bits(sim.world()) == end);
   CHECK(sim.energy().error == balance.error);
   CHECK(sim.events().size() == 3);
@@ -291,12 +291,12 @@ TEST_CASE("snapshots, branches and undo are exact to the bit, across any number 
   sim.undo(1, true);  // and let it happen again
   CHECK(sim.time() == 0.2);
   CHECK(sim.events().size() == 1);
-  sim.run_until(0.25);
-  sim.run_until(0.4);
+  CHECK(sim.run_until(0.25) == Status::ok);
+  CHECK(sim.run_until(0.4) == Status::ok);
   CHECK(bits(sim.world()) == end);
 
   sim.undo(1);  // another branch: the lock never was
-  sim.run_until(0.4);
+  CHECK(sim.run_until(0.4) == Status::ok);
   CHECK(sim.events().size() == 2);
   CHECK(sim.world().joint(sim.world().model().joint("tug/upper")).locked == 0);
   CHECK(bits(sim.world()) != end);

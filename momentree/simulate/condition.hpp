@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include <momentree/base/check.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/base/units.hpp>
 #include <momentree/math/vec.hpp>
@@ -40,6 +41,11 @@ class Quantity {
   virtual Dimension dimension() const = 0;
   virtual std::vector<std::string> joints() const { return {}; }
   virtual std::vector<std::string> bodies() const { return {}; }
+  virtual std::vector<std::string> mechanisms() const { return {}; }
+  /// True for what joints with one freedom have.
+  virtual bool of_one_freedom() const { return false; }
+  /// True for what can't pass a threshold below zero.
+  virtual bool never_negative() const { return false; }
   /// True for loads on joints: of several at one instant the largest ratio to its threshold comes first.
   virtual bool is_load() const { return false; }
   /// True for what exists at instants only (impulses), and is not looked for between them.
@@ -56,26 +62,29 @@ class Quantity {
 class Condition {
  public:
   Condition(std::shared_ptr<const Quantity> what_, double threshold_, bool above_)
-      : what(std::move(what_)), threshold(threshold_), above(above_) {}
+      : what(std::move(what_)), threshold(threshold_), above(above_) {
+    MT_REQUIRE(what != nullptr, "a condition is one on a quantity");
+  }
 
   /// Armed again once it is back past the threshold by that much; negative: by 1 % of it.
-  Condition repeated(double width = -1) && {
+  [[nodiscard]] Condition repeated(double width = -1) && {
     repeats = true, hysteresis = width;
     return std::move(*this);
   }
   double width() const { return hysteresis >= 0 ? hysteresis : 0.01 * (threshold < 0 ? -threshold : threshold); }
   /// Only after it has held for that long (s) without a gap, be it within a step.
-  Condition lasting(double seconds) && {
+  [[nodiscard]] Condition lasting(double seconds) && {
     duration = seconds;
     return std::move(*this);
   }
   /// Looked at after each step alone: cheaper, and as exact as the step.
-  Condition per_step() && {
+  [[nodiscard]] Condition per_step() && {
     exact = false;
     return std::move(*this);
   }
 
-  /// The quantity's value, remembered as long as the world's state stays what it is.
+  /// The quantity's value, remembered as long as the world's state stays what it is: not for two threads at once. Each simulation
+  /// has a copy of its own.
   std::optional<double> value(const World& world, std::span<const Event> now) const;
   /// Positive where it holds; nothing where the quantity is gone.
   std::optional<double> excess(const World& world, std::span<const Event> now) const;
@@ -101,11 +110,13 @@ class Condition {
 /// A quantity before it has a threshold: `reaction_force("crane/hook").exceeds(4e3)`, or `reaction("crane/hook").force() > 4e3`.
 class Measure {
  public:
-  explicit Measure(std::shared_ptr<const Quantity> what) : what_(std::move(what)) {}
-  Condition exceeds(double threshold) const { return {what_, threshold, true}; }
-  Condition below(double threshold) const { return {what_, threshold, false}; }
-  friend Condition operator>(const Measure& measure, double threshold) { return measure.exceeds(threshold); }
-  friend Condition operator<(const Measure& measure, double threshold) { return measure.below(threshold); }
+  explicit Measure(std::shared_ptr<const Quantity> what) : what_(std::move(what)) {
+    MT_REQUIRE(what_ != nullptr, "a measure is one of a quantity");
+  }
+  [[nodiscard]] Condition exceeds(double threshold) const { return {what_, threshold, true}; }
+  [[nodiscard]] Condition below(double threshold) const { return {what_, threshold, false}; }
+  [[nodiscard]] friend Condition operator>(const Measure& measure, double threshold) { return measure.exceeds(threshold); }
+  [[nodiscard]] friend Condition operator<(const Measure& measure, double threshold) { return measure.below(threshold); }
 
  private:
   std::shared_ptr<const Quantity> what_;
@@ -139,7 +150,8 @@ Measure distance_between(std::string one, std::string other, Vec3 point_of_one =
 Measure height_of(std::string body, Vec3 point = {});
 /// Of the bodies of a mechanism (J).
 Measure kinetic_energy_of(std::string mechanism);
-/// Any function of the world's state, continuous where its crossing is to be found.
+/// Any function of the world's state, continuous where its crossing is to be found. It reads the world that it is given; what it
+/// throws leaves run_until(). Throws Error for an empty function.
 Measure measured(std::function<double(const World&)> function);
 
 /// A quantity of that key, its fields still empty; null if there is none.

@@ -182,6 +182,10 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehear
     if (!in_phase(phase, [&](const Item& item) { return carry(item, false); })) return report;
 
   share_totals(totals_at_start, steps, report.events);
+  for (std::size_t e = 0; e < due.size(); ++e) {
+    if (begun[e] != 0) continue;  // else it has no action
+    report.events[e].mechanisms_before = report.events[e].mechanisms_after = world.mechanism_names();
+  }
   for (Event& event : report.events) surgery.certify(event);
   report.seconds = surgery.seconds;
   report.changes = surgery.changes;

@@ -23,7 +23,7 @@ std::string Names::free_joint(const std::string& body, int number) const {
 }
 
 void Names::name_joint(int number, std::string name) {
-  std::string& own = joints_[at(number)];
+  std::string& own = joints_[known(number)];
   const auto known = numbers_.find(own);
   if (known != numbers_.end() && known->second == number) numbers_.erase(known);
   own = std::move(name);

@@ -20,7 +20,7 @@ class Names {
   Names() = default;
   explicit Names(const Model& model);
 
-  const std::string& joint(int number) const { return joints_[at(number)]; }
+  const std::string& joint(int number) const { return joints_[known(number)]; }
   /// Number of the present joint of that name, −1 if there is none.
   int find_joint(std::string_view name) const;
   /// The same for who asks again and again: `number`, −1 at first, remembers what was found, and is right as long as that joint
@@ -32,13 +32,13 @@ class Names {
     number.store(found, std::memory_order_relaxed);
     return found;
   }
-  const std::string& mechanism(int root) const { return mechanisms_[at(root)]; }
+  const std::string& mechanism(int root) const { return mechanisms_[known(root)]; }
 
   /// What a free root joint of that body, joint `number`, would be called.
   std::string free_joint(const std::string& body, int number) const;
 
   void name_joint(int number, std::string name);
-  void name_mechanism(int root, std::string name) { mechanisms_[at(root)] = std::move(name); }
+  void name_mechanism(int root, std::string name) { mechanisms_[known(root)] = std::move(name); }
   /// The mechanism rooted at `from` is now rooted at `to`.
   void move_mechanism(int from, int to);
   /// A body, and its joint of the same number, that were added to the world.
@@ -48,6 +48,10 @@ class Names {
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  std::size_t known(int number) const {
+    MT_REQUIRE(at(number) < joints_.size(), "the world has or had a body and a joint of that number");
+    return at(number);
+  }
   std::vector<std::string> joints_;
   std::vector<std::string> mechanisms_;  // of bodies that are roots
   std::unordered_map<std::string, int, NameHash, std::equal_to<>> numbers_;

@@ -11,6 +11,7 @@ struct OneFreedom : Quantity {
 
   void fields(QuantityFields& fields) override { fields.joint(joint); }
   std::vector<std::string> joints() const override { return {joint}; }
+  bool of_one_freedom() const override { return true; }
   virtual double of(double position, double speed) const = 0;
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     const auto state = present(world);

@@ -4,35 +4,72 @@
 
 namespace momentree {
 
-Simulation::Simulation(const Model& model, const Integration& integration) : impl_(std::make_unique<Impl>(model, integration)) {}
-Simulation::~Simulation() = default;
-Simulation::Simulation(Simulation&&) noexcept = default;
-Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+namespace {
+
+constexpr const char* moved_from = "the simulation was not moved from";
+constexpr const char* callback_changes =
+    "no callback of a simulation changes it: schedule it with at(), or return false from observe() or watch() and do it after "
+    "run_until()";
+constexpr const char* callback_schedules = "of all callbacks of a simulation only those of observe() and watch() schedule events";
+
+}  // namespace
+
+Simulation::Simulation(const Model& model, const Integration& integration) : impl_(std::make_shared<Impl>(model, integration)) {}
+Simulation::~Simulation() {
+  if (impl_ != nullptr) MT_REQUIRE(impl_->idle(), "no callback of a simulation destroys it");
+}
+Simulation::Simulation(Simulation&& other) noexcept : impl_(std::move(other.impl_)) {
+  if (impl_ != nullptr) MT_REQUIRE(impl_->idle(), "no callback of a simulation moves it");
+}
+Simulation& Simulation::operator=(Simulation&& other) noexcept {
+  for (const auto* each : {this, &other})
+    if (each->impl_ != nullptr) MT_REQUIRE(each->impl_->idle(), "no callback of a simulation moves it");
+  impl_.swap(other.impl_);
+  if (this != &other) other.impl_.reset();
+  return *this;
+}
+
+Simulation::Impl& Simulation::impl() const {
+  MT_REQUIRE(impl_ != nullptr, moved_from);
+  return *impl_;
+}
+Simulation::Impl& Simulation::changing() const {
+  MT_REQUIRE(impl().idle(), callback_changes);
+  return *impl_;
+}
+Simulation::Impl& Simulation::scheduling() const {
+  MT_REQUIRE(impl().steady(), callback_schedules);
+  return *impl_;
+}
+Simulation::Impl& Simulation::steady() const {
+  MT_REQUIRE(impl().steady(), "of all callbacks of a simulation only those of observe() and watch() find it between two steps");
+  return *impl_;
+}
+
+Simulation::Scheduled Simulation::scheduled(Agenda::Entry entry) {
+  const std::size_t place = scheduling().schedule(std::move(entry));
+  return Scheduled(impl_, place);
+}
 
 Simulation::Scheduled Simulation::at(double time) {
-  if (!std::isfinite(time) || time < impl_->world.time())
+  if (!std::isfinite(time) || time < scheduling().world.time())
     fail({"an event at " + detail::text(time) + " s cannot happen: the time is " + detail::text(impl_->world.time()) + " s", "",
           ""});
   Agenda::Entry entry;
   entry.time = time;
-  return Scheduled(*impl_, impl_->schedule(std::move(entry)));
+  return scheduled(std::move(entry));
 }
 
 Simulation::Scheduled Simulation::when(Condition condition) {
-  impl_->check_names(condition.what->joints(), condition.what->bodies());
-  if (!std::isfinite(condition.threshold)) fail({"the threshold must be finite", "", ""});
-  if (condition.what->is_load() && condition.above && condition.what->key() != "reaction" && !(condition.threshold > 0))
-    fail({"a threshold of " + detail::text(condition.threshold) + " for a load, which is never negative, must be positive", "",
-          ""});
-  if (!(condition.duration >= 0)) fail({"a duration can't be negative", "", ""});
+  check_condition(scheduling().world, impl_->agenda, condition);
   Agenda::Entry entry;
   entry.condition = std::move(condition);
-  return Scheduled(*impl_, impl_->schedule(std::move(entry)));
+  return scheduled(std::move(entry));
 }
 
 Simulation::Scheduled Simulation::after(std::string event, double delay) {
   std::vector<std::string> names;
-  for (const Agenda::Entry& e : impl_->agenda.entries) names.push_back(e.event.name);
+  for (const Agenda::Entry& e : scheduling().agenda.entries) names.push_back(e.event.name);
   for (const Strength& s : strengths(impl_->world)) names.push_back(event_name(impl_->world, s));
   // A joint whose strength an event will give, or one that broke before this run began.
   const std::string_view prefix = "strength of ";
@@ -43,92 +80,96 @@ Simulation::Scheduled Simulation::after(std::string event, double delay) {
   if (!(delay >= 0) || !std::isfinite(delay)) fail({"the delay after an event can't be " + detail::text(delay) + " s", "", ""});
   Agenda::Entry entry;
   entry.after = std::move(event), entry.delay = delay;
-  return Scheduled(*impl_, impl_->schedule(std::move(entry)));
+  return scheduled(std::move(entry));
 }
 
 Simulation::Scheduled Simulation::every(double period, double from) {
-  if (!(period > 0) || !std::isfinite(period)) fail({"a period of " + detail::text(period) + " s is none", "", ""});
-  if (!std::isfinite(from) || from < impl_->world.time())
+  if (!std::isfinite(from) || from < scheduling().world.time())
     fail({"an event from " + detail::text(from) + " s on cannot happen: the time is " + detail::text(impl_->world.time()) + " s",
           "", ""});
+  const double clock = std::max({impl_->world.time(), from, impl_->integration.step});
+  if (std::optional<Error> wrong = wrong_period(period, clock, "the period of an event")) fail(std::move(*wrong));
   Agenda::Entry entry;
   entry.time = from, entry.period = period;
-  return Scheduled(*impl_, impl_->schedule(std::move(entry)));
+  return scheduled(std::move(entry));
+}
+
+std::shared_ptr<Simulation::Impl> Simulation::Scheduled::impl() const {
+  std::shared_ptr<Impl> impl = impl_.lock();
+  MT_REQUIRE(impl != nullptr, "the simulation that the event was scheduled in is still there");
+  MT_REQUIRE(impl->steady(), callback_schedules);
+  return impl;
 }
 
 Simulation::Scheduled& Simulation::Scheduled::then(Action action) {
-  impl_->check_names(action->joints(), action->bodies());
-  impl_->agenda.entries[event_].event.actions.push_back(std::move(action));
+  const std::shared_ptr<Impl> all = impl();
+  Agenda::Entry& entry = all->agenda.entries[event_];
+  if (entry.done)
+    fail({"event '" + entry.event.name + "' has happened already: " + action.text() + " would not happen", "",
+          "schedule another event"});
+  all->check_names(action->joints(), action->bodies());
+  entry.event.actions.push_back(std::move(action));
   return *this;
 }
 
 Simulation::Scheduled& Simulation::Scheduled::named(std::string name, bool by_user) {
-  impl_->agenda.entries[event_].event.name = std::move(name);
-  impl_->agenda.entries[event_].event.named = by_user;
+  const std::shared_ptr<Impl> all = impl();
+  DueEvent& event = all->agenda.entries[event_].event;
+  event.name = std::move(name);
+  event.named = by_user;
   return *this;
 }
 
-const Event& Simulation::apply(std::span<const Action> actions, std::string name) {
-  for (const Action& action : actions) impl_->check_names(action->joints(), action->bodies());
-  const std::size_t place = impl_->events.size();  // what its stops do about it comes after it
+Event Simulation::apply(std::span<const Action> actions, std::string name) {
+  for (const Action& action : actions) changing().check_names(action->joints(), action->bodies());
+  const std::size_t place = changing().events.size();  // what its stops do about it comes after it
   if (!impl_->act(actions, name)) fail({impl_->message, "", ""});
   return impl_->events[place];
 }
 
 Status Simulation::attempt(std::span<const Action> actions, std::string name) {
+  Impl& impl = changing();
   for (const Action& action : actions)
     if (const std::optional<Error> error = unknown_name(action)) {
-      impl_->message = std::string(action->key()) + ": " + error->what + (error->hint.empty() ? "" : "; " + error->hint);
+      impl.message = std::string(action->key()) + ": " + error->what + (error->hint.empty() ? "" : "; " + error->hint);
       return Status::refused;
     }
-  return impl_->act(actions, name) ? Status::ok : Status::refused;
+  return impl.act(actions, name) ? Status::ok : Status::refused;
 }
 
 std::optional<Error> Simulation::unknown_name(const Action& action) const {
-  return impl_->unknown_name(action->joints(), action->bodies());
+  return impl().unknown_name(action->joints(), action->bodies());
 }
 
 void Simulation::set_gravity(Vec3 gravity) {
-  if (!std::isfinite(gravity.x) || !std::isfinite(gravity.y) || !std::isfinite(gravity.z))
-    fail({"gravity must be finite numbers", "", ""});
-  Model model = impl_->world.first_model();
-  model.set_gravity(gravity);
-  const SimulationSnapshot now = impl_->snapshot();
-  auto other = std::make_unique<Impl>(model, impl_->integration);
-  other->agenda = std::move(impl_->agenda);
-  other->events = std::move(impl_->events);
-  const Totals before = impl_->world.totals();
-  other->go_back(now);
-  other->balance.work += other->world.totals().potential - before.potential;
-  other->statistics = impl_->statistics;
-  other->keeps_history = impl_->keeps_history;
-  other->every = impl_->every, other->next_look = impl_->next_look;
-  other->observed = impl_->observed, other->observed_at = impl_->observed_at;
-  other->observer = std::move(impl_->observer);
-  other->watcher = std::move(impl_->watcher);
-  other->generated = std::move(impl_->generated);
-  impl_ = std::move(other);
+  Impl& impl = changing();
+  const double before = impl.world.totals().potential;
+  impl.world.set_gravity(gravity);  // or throws
+  impl.evaluate_state();
+  impl.balance.work += impl.world.totals().potential - before;
+  impl.history.clear();
+  impl.recover();
 }
 
-Rehearsal Simulation::rehearse() { return impl_->rehearse(); }
+Rehearsal Simulation::rehearse() { return changing().rehearse(); }
 Body Simulation::add(BodySpec spec) {
   const std::string name = spec.name;
   Body body;
-  impl_->populate("add " + name, [&] { body = impl_->world.add(std::move(spec)); });
+  changing().populate("add " + name, [&] { body = impl_->world.add(std::move(spec)); });
   return body;
 }
 void Simulation::remove(Body body) {
-  if (!impl_->world.alive(body)) fail({"the body is not in this world any more", "", ""});
+  if (!changing().world.alive(body)) fail({"the body is not in this world any more", "", ""});
   impl_->populate("remove " + impl_->world.model()[body].name, [&] { impl_->world.remove(body); });
 }
-SimulationSnapshot Simulation::snapshot() const { return impl_->snapshot(); }
-void Simulation::restore(const SimulationSnapshot& snapshot) { impl_->go_back(snapshot); }
-void Simulation::keep_history() { impl_->keeps_history = true; }
+SimulationSnapshot Simulation::snapshot() const { return steady().snapshot(); }
+void Simulation::restore(const SimulationSnapshot& snapshot) { changing().go_back(snapshot); }
+void Simulation::keep_history() { scheduling().keeps_history = true; }
 
-bool Simulation::can_undo(std::size_t number) const { return impl_->before(number) != nullptr; }
+bool Simulation::can_undo(std::size_t number) const { return impl().before(number) != nullptr; }
 
 void Simulation::undo(std::size_t number, bool again) {
-  const Impl::Past* past = impl_->before(number);
+  const Impl::Past* past = changing().before(number);
   if (past == nullptr)
     fail({"the history of event " + std::to_string(number) + " was not kept", "", "call keep_history() before it happens"});
   SimulationSnapshot before = past->before;
@@ -139,7 +180,7 @@ void Simulation::undo(std::size_t number, bool again) {
 }
 
 Simulation Simulation::branch() const {
-  Simulation other(impl_->world.first_model(), impl_->integration);
+  Simulation other(steady().world.first_model(), impl_->integration);
   other.impl_->agenda = impl_->agenda;
   other.impl_->events = impl_->events;
   other.impl_->go_back(impl_->snapshot());
@@ -148,25 +189,41 @@ Simulation Simulation::branch() const {
   return other;
 }
 
-Status Simulation::run_until(double time) { return impl_->run(time); }
-Status Simulation::step(double dt) { return impl_->run(impl_->world.time() + dt); }
-
-void Simulation::observe(double every, std::function<bool(const World&)> observer) {
-  impl_->observer = std::move(observer);
-  impl_->every = every;
-  impl_->observed = false;
+Status Simulation::run_until(double time) {
+  Impl& impl = changing();
+  if (std::isnan(time)) fail({"the time to run to is not a number", "", ""});
+  if (time == HUGE_VAL && !impl.observer && !impl.watcher)
+    fail({"nothing ends a run to an infinite time", "", "give it an observer or a watcher that returns false at some time"});
+  return impl.run(time);
+}
+Status Simulation::step(double dt) {
+  const double now = changing().world.time();
+  if (!(dt >= 0)) fail({"a step can't be " + detail::text(dt) + " s", "", ""});
+  if (dt > 0 && now + dt == now)
+    fail({"a step of " + detail::text(dt) + " s is shorter than the clock can resolve at " + detail::text(now) + " s", "", ""});
+  return run_until(now + dt);
 }
 
-void Simulation::watch(std::function<bool(double)> watcher) { impl_->watcher = std::move(watcher); }
+void Simulation::observe(double every, std::function<bool(const World&)> observer) {
+  Impl& impl = changing();
+  const double clock = std::max(impl.world.time(), impl.integration.step);
+  if (every != 0)
+    if (std::optional<Error> wrong = wrong_period(every, clock, "the period of an observer")) fail(std::move(*wrong));
+  impl.observer = std::move(observer);
+  impl.every = every;
+  impl.observed = false;
+}
+
+void Simulation::watch(std::function<bool(double)> watcher) { changing().watcher = std::move(watcher); }
 
 void Simulation::use_generated(RatesProvider provider) {
-  impl_->generated = std::move(provider);
+  changing().generated = std::move(provider);
   impl_->asked_for.reset();
   impl_->evaluate.use(nullptr);
 }
 
 void Simulation::drive(std::string_view joint, std::function<double(const Moment&)> effort) {
-  const int number = impl_->world.find_joint(joint);
+  const int number = changing().world.find_joint(joint);
   if (const std::size_t freedoms = number < 0 ? 1 : impl_->world.joint({number}).v.size(); freedoms > 1)
     fail({"the joint '" + std::string(joint) + "' has " + std::to_string(freedoms) + " freedoms, which one function can't drive",
           "", "use drive_all()"});
@@ -179,26 +236,28 @@ void Simulation::drive_all(std::string_view joint, JointFunction efforts) {
 }
 void Simulation::drive_all(std::vector<JointDriver> drivers) {
   std::vector<int> joints;
-  for (const JointDriver& each : drivers) joints.push_back(impl_->to_drive(each.joint, each.efforts != nullptr));
+  for (const JointDriver& each : drivers) joints.push_back(changing().to_drive(each.joint, each.efforts != nullptr));
   for (std::size_t i = 0; i < joints.size(); ++i) impl_->world.drive(joints[i], std::move(drivers[i].efforts));
-  impl_->evaluate_state();
+  changing().evaluate_state();
 }
 
 void Simulation::force(std::string_view body, BodyFunction wrench) {
-  const Body b = impl_->world.model().body(body);  // or throws
+  const Body b = changing().world.model().body(body);  // or throws
   if (!impl_->world.alive(b)) fail({"the body '" + std::string(body) + "' is not in this world any more", "", ""});
   impl_->world.load(b.index, std::move(wrench));
   impl_->evaluate_state();
 }
 
 void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
-  impl_->world.restore(time, forest, joints);
+  changing().world.restore(time, forest, joints);
   impl_->method = impl_->new_method();
   impl_->begin();
 }
 
-StepMemory Simulation::step_memory() const { return {impl_->method->proposal(), impl_->books.work}; }
+StepMemory Simulation::step_memory() const { return {impl().method->proposal(), impl_->books.work}; }
 void Simulation::resume(std::span<const Agenda::Armed> armed, const StepMemory& memory) {
+  MT_REQUIRE(armed.size() <= changing().agenda.entries.size(), "no more events than are scheduled");
+  MT_REQUIRE(std::isfinite(memory.next_step) && std::isfinite(memory.work), "a memory that step_memory() returned");
   if (impl_->method->adaptive() && memory.next_step > 0) {
     impl_->method->set_proposal(memory.next_step);
     impl_->balance.work -= memory.work - impl_->books.work;  // it was done before this run
@@ -209,11 +268,11 @@ void Simulation::resume(std::span<const Agenda::Armed> armed, const StepMemory& 
   impl_->agenda.restore(all, impl_->world.time());
 }
 
-double Simulation::time() const { return impl_->world.time(); }
-const World& Simulation::world() const { return impl_->world; }
-const std::vector<Event>& Simulation::events() const { return impl_->events; }
-const RunStatistics& Simulation::statistics() const { return impl_->statistics; }
-const std::string& Simulation::message() const { return impl_->message; }
+double Simulation::time() const { return impl().world.time(); }
+const World& Simulation::world() const { return impl().world; }
+const std::vector<Event>& Simulation::events() const { return impl().events; }
+const RunStatistics& Simulation::statistics() const { return impl().statistics; }
+const std::string& Simulation::message() const { return impl().message; }
 
 std::vector<MissedEvent> Simulation::missed() const {
   std::vector<MissedEvent> all;
@@ -237,7 +296,7 @@ std::vector<MissedEvent> Simulation::missed() const {
 }
 
 EnergyBalance Simulation::energy() const {
-  EnergyBalance b = impl_->balance;
+  EnergyBalance b = impl().balance;
   const Totals t = impl_->world.totals();
   b.final = t.kinetic + t.potential;
   b.largest_kinetic = std::max(b.largest_kinetic, t.kinetic);

@@ -32,7 +32,7 @@ struct Integration {
 
 /// `refused`: an action was impossible; the world is as it was before its instant, and message() says which and why.
 /// `stalled`: hundreds of thousands of steps, or events without end, took the run next to nowhere; message() says what to do.
-enum class Status { ok, diverged, interrupted, refused, stalled };
+enum class [[nodiscard]] Status { ok, diverged, interrupted, refused, stalled };
 
 /// Wall-clock and counts as in the paper's Table 2, [0] before and [1] after the first topology change.
 struct RunStatistics {
@@ -87,11 +87,22 @@ struct Rehearsal {
   bool complete = true;  ///< false: too many events for so many bodies, nothing but the present joints was looked at
 };
 
+/// Callbacks, and what they may do with the simulation that calls them:
+///
+/// - observe(), watch(): read everything, snapshot(), branch(), and schedule with at(), when(), after() and every(). All else
+///   that changes the simulation stops the program: return false, and do it after run_until().
+/// - measured(), use_generated(): read the world, or the tree, that they are given.
+/// - drive(), force(): read the Moment that they are given, nothing else; they must not throw.
+///
+/// What other callbacks throw leaves run_until(); the simulation then stands at the last instant that it reached, and can go on.
+///
+/// A simulation is used by one thread at a time. Several of them may run in several threads, also of one Model; functions that
+/// they share, as branches do, are then called from each of these threads.
 class Simulation {
   struct Impl;
 
  public:
-  /// Compiles the model. Throws Error: an unknown method, a step or tolerance ≤ 0, a singular joint-space mass.
+  /// Compiles the model. Throws Error: an unknown method, a step or tolerance that is not positive, a singular joint-space mass.
   explicit Simulation(const Model& model, const Integration& integration = {});
   ~Simulation();
   Simulation(Simulation&&) noexcept;
@@ -100,45 +111,55 @@ class Simulation {
   /// Schedules actions for an instant not yet past: `at(1.8).then(break_joint("chain/41"))`. What happens at one instant happens
   /// in the order that simulate/instant.hpp says. Throws Error for a time that is past or not finite, and for a name that is
   /// none: of a body, of a joint of the model or of the world as it is, or of one that an event scheduled before makes.
-  class Scheduled {
+  /// A handle may be kept as long as the simulation is there, wherever that is moved.
+  class [[nodiscard]] Scheduled {
    public:
+    /// Throws Error where the event has happened and will not happen again.
     Scheduled& then(Action action);
     /// `by_user`: a joint that it makes then has that name.
     Scheduled& named(std::string name, bool by_user = true);
 
    private:
     friend class Simulation;
-    Scheduled(Impl& impl, std::size_t event) : impl_(&impl), event_(event) {}
-    Impl* impl_;
+    Scheduled(std::weak_ptr<Impl> impl, std::size_t event) : impl_(std::move(impl)), event_(event) {}
+    std::shared_ptr<Impl> impl() const;
+    std::weak_ptr<Impl> impl_;
     std::size_t event_;
   };
   Scheduled at(double time);
   /// The same when a condition comes true: `when(reaction_force("crane/hook").exceeds(4e3)).then(break_joint("crane/hook"))`.
+  /// Throws Error for a name that is none, a threshold that is not finite or can never be passed, a quantity of joints with one
+  /// freedom where the joint has another number of them, unless an event that is scheduled changes it.
   Scheduled when(Condition condition);
   /// `delay` seconds after the event of that name, each time that it happens; "strength of <joint>" is one for a joint with a
   /// strength.
   Scheduled after(std::string event, double delay = 0);
-  /// At `from` and every `period` seconds from then on.
+  /// At `from` and every `period` seconds from then on. Throws Error for a period that is not positive or shorter than the clock
+  /// can resolve.
   Scheduled every(double period, double from = 0);
 
-  /// Does actions now, as an event of this name (empty: by its place). Throws Error where one is impossible: nothing then
-  /// happened.
-  const Event& apply(std::span<const Action> actions, std::string name = {});
-  const Event& apply(const Action& action, std::string name = {}) { return apply(std::span(&action, 1), std::move(name)); }
+  /// Does actions now, as an event of this name (empty: by its place), and returns the event. Throws Error where one is
+  /// impossible: nothing then happened.
+  Event apply(std::span<const Action> actions, std::string name = {});
+  Event apply(const Action& action, std::string name = {}) { return apply(std::span(&action, 1), std::move(name)); }
   /// The same without throwing: Status::refused where one is impossible, and message() says why.
   Status attempt(std::span<const Action> actions, std::string name = {});
+  Status attempt(const Action& action, std::string name = {}) { return attempt(std::span(&action, 1), std::move(name)); }
   /// What is wrong with the names that an action holds, as then() and apply() would throw it; nothing where all are known.
-  std::optional<Error> unknown_name(const Action& action) const;
+  [[nodiscard]] std::optional<Error> unknown_name(const Action& action) const;
 
-  /// Another gravity from now on (m/s², world axes). What it gives to potential energy, or takes from it, counts as work. The
-  /// world is made anew: references to it and Scheduled of before are void; what keep_history() kept is forgotten. Snapshots
-  /// taken before are of the former gravity, and do not bring it back.
+  /// Another gravity from now on (m/s², world axes). What it gives to potential energy, or takes from it, counts as work. What
+  /// keep_history() kept is forgotten; snapshots taken before do not bring the former gravity back. Throws Error for numbers that
+  /// are not finite.
   void set_gravity(Vec3 gravity);
 
-  /// Steps to `time`, exactly onto every scheduled event and `time`; events at `time` happen. On divergence the state is the last
-  /// good one and `message()` says which joint, when, and what to do.
+  /// Steps to `time`, exactly onto every scheduled event and `time`; events at `time` happen. Nothing moves where `time` is past.
+  /// On divergence the state is the last good one and `message()` says which joint, when, and what to do. An infinite `time` asks
+  /// for a run that an observer or a watcher ends. Throws Error for a time that is not a number, and for one that is infinite
+  /// where nothing can end the run.
   Status run_until(double time);
-  /// One step of `dt` seconds for a loop of one's own (events inside it happen at their instants).
+  /// One step of `dt` seconds for a loop of one's own (events inside it happen at their instants). Throws Error for a step that
+  /// is negative, not a number, or shorter than the clock can resolve; for an infinite one see run_until().
   Status step(double dt);
 
   /// Stages of steps run code that was generated for the topology in the place of the kernels, where the provider has some (see
@@ -147,12 +168,14 @@ class Simulation {
   void use_generated(RatesProvider provider);
 
   /// Called when run_until first starts, then at every multiple of `every` seconds (after each step if 0), and when run_until
-  /// ends; never twice at one time; where events happen at that time, after them. Steps land on these instants. The world may be
-  /// read. Return false to interrupt: run_until then returns Status::interrupted.
+  /// ends; never twice at one time; where events happen at that time, after them. Steps land on these instants. Return false to
+  /// interrupt: run_until then returns Status::interrupted. An event that it schedules for this very time happens next. There is
+  /// one observer: another one replaces it, an empty one takes it away. Throws Error for a period that is negative, not finite or
+  /// shorter than the clock can resolve.
   void observe(double every, std::function<bool(const World&)> observer);
 
   /// Called after each step with the time, however rarely rows are observed: for a progress bar, or to interrupt by returning
-  /// false.
+  /// false. There is one watcher, as there is one observer.
   void watch(std::function<bool(double)> watcher);
 
   /// A function of the world drives a joint from now on: it gives the torque or force (N m, N) along its one freedom, in its
@@ -186,11 +209,12 @@ class Simulation {
   /// Carries out all scheduled events in their order, without moving in between, and takes everything back: which actions will
   /// have nothing to do or are impossible, and which joints there will be. Where events wait for a condition their order is not
   /// known: they are tried in the order of scheduling.
-  Rehearsal rehearse();
+  [[nodiscard]] Rehearsal rehearse();
 
   /// All that the run is at this instant: to come back to, across any number of changes, with the very bits.
-  SimulationSnapshot snapshot() const;
-  /// Events scheduled since then stay scheduled where their time is not past. Observers stay.
+  [[nodiscard]] SimulationSnapshot snapshot() const;
+  /// Events scheduled since then stay scheduled where their time is not past. Observers stay. The snapshot must be of a
+  /// simulation of the same model.
   void restore(const SimulationSnapshot& snapshot);
   /// Keeps a snapshot from before every instant at which something happens, from now on.
   void keep_history();
@@ -198,13 +222,13 @@ class Simulation {
   /// for that instant does not happen again unless `again`: another branch begins.
   void undo(std::size_t number, bool again = false);
   /// True where the history reaches so far back.
-  bool can_undo(std::size_t number) const;
+  [[nodiscard]] bool can_undo(std::size_t number) const;
   /// A run of its own from here: world, schedule and books, without observers and history.
-  Simulation branch() const;
+  [[nodiscard]] Simulation branch() const;
 
   StepMemory step_memory() const;
   /// To go on as another run would have: with what its adaptive method remembered (a next step of 0: keep), and where its events
-  /// stood, in the order of scheduling (fewer are fine).
+  /// stood, in the order of scheduling (fewer than are scheduled here are fine).
   void resume(std::span<const Agenda::Armed> armed, const StepMemory& memory = {});
 
   double time() const;
@@ -214,10 +238,16 @@ class Simulation {
   std::vector<MissedEvent> missed() const;
   const RunStatistics& statistics() const;
   EnergyBalance energy() const;
+  /// What is wrong, after a Status that is not ok.
   const std::string& message() const;
 
  private:
-  std::unique_ptr<Impl> impl_;
+  Impl& impl() const;
+  Impl& changing() const;
+  Impl& scheduling() const;
+  Impl& steady() const;
+  Scheduled scheduled(Agenda::Entry entry);
+  std::shared_ptr<Impl> impl_;  // shared with no one for longer than a call: handles only look whether it is there
 };
 
 }  // namespace momentree

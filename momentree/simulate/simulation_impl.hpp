@@ -12,6 +12,7 @@
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/agenda.hpp>
+#include <momentree/simulate/arguments.hpp>
 #include <momentree/simulate/instant.hpp>
 #include <momentree/simulate/stops.hpp>
 #include <momentree/simulate/trouble.hpp>
@@ -26,29 +27,39 @@ inline double seconds_since(Clock::time_point start) { return std::chrono::durat
 // Events times bodies, beyond which a rehearsal would take longer than it is worth.
 inline constexpr std::size_t most_rehearsed = 10'000'000;
 
-inline std::string text(double x) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.9g", x);
-  return buffer;
-}
+// A value that is another one for as long as this lives.
+template <class T>
+class Restored {
+ public:
+  Restored(T& value, T now) : value_(value), before_(value) { value = now; }
+  ~Restored() { value_ = before_; }
+  Restored(const Restored&) = delete;
+  Restored& operator=(const Restored&) = delete;
+
+ private:
+  T& value_;
+  T before_;
+};
 
 }  // namespace detail
 
 struct Simulation::Impl {
   using Clock = detail::Clock;
   Impl(const Model& model, const Integration& how)
-      : integration(how),
+      : integration(checked(how)),
         world(model),
         evaluate(world.tree_, world.work_),
         method(new_method()),
         stops(world, evaluate, how.event_tolerance) {
-    if (method == nullptr)
-      fail({"unknown integration method '" + how.method + "'", "", did_you_mean(how.method, integration_methods())});
-    if (!(how.step > 0) || !std::isfinite(how.step))
-      fail({"the step must be a positive time, not " + detail::text(how.step), "", ""});
-    if (!(how.rtol > 0 && how.atol > 0 && how.max_step > 0)) fail({"rtol, atol and max_step must be positive", "", ""});
     begin();
   }
+
+  /// What is going on, and so what a callback may do: see Simulation.
+  enum class Doing { nothing, observing, working };
+  Doing doing = Doing::nothing;
+  using During = detail::Restored<Doing>;
+  bool idle() const { return doing == Doing::nothing && !world.work_.in_function; }
+  bool steady() const { return doing != Doing::working && !world.work_.in_function; }
 
   std::unique_ptr<Integrator> new_method() const {
     return make_integrator(integration.method, world.tree_,
@@ -63,7 +74,14 @@ struct Simulation::Impl {
     balance.initial = t.kinetic + t.potential;
     balance.largest_kinetic = t.kinetic;
     events.clear();
+    history.clear();
     observed = false;
+    recover();
+  }
+  // What ran away may go on from another state, or in another world.
+  void recover() {
+    diverged = false;
+    message.clear();
   }
 
   // Clock and evaluations since the last call go to the phase, before or after the first change, in which they were spent.
@@ -98,7 +116,7 @@ struct Simulation::Impl {
   bool step_towards(double end) {
     const double bend = world.next_bend(world.time());
     end = std::min(end, bend);
-    const double left = (end < bend ? end : just_before(end)) - world.time();
+    const double left = (end < bend || end == HUGE_VAL ? end : just_before(end)) - world.time();
     if (left <= 0) {
       set_time(end);
       return true;
@@ -225,6 +243,7 @@ struct Simulation::Impl {
 
   /// Actions from outside, whose names are known, as one event of this instant. False, with a message: refused.
   bool act(std::span<const Action> actions, const std::string& name) {
+    const During working(doing, Doing::working);
     DueEvent due{name.empty() ? "#" + std::to_string(agenda.entries.size() + events.size() + 1) : name, !name.empty(), {}};
     due.actions.assign(actions.begin(), actions.end());
     if (keeps_history) history.push_back({events.size(), snapshot(), {}});
@@ -276,6 +295,7 @@ struct Simulation::Impl {
   // What bodies bring into the world and take out of it is work; the event's certificate says how much.
   template <class Act>
   void populate(std::string what, Act act) {
+    const During working(doing, Doing::working);
     Event event;
     event.time = world.time();
     event.name = what.substr(0, what.find(' '));
@@ -297,6 +317,7 @@ struct Simulation::Impl {
   }
 
   Rehearsal rehearse() {
+    const During working(doing, Doing::working);
     Rehearsal found;
     const WorldSnapshot start = world.snapshot();
     std::set<std::pair<std::string, Kind>> joints;
@@ -371,37 +392,15 @@ struct Simulation::Impl {
     agenda.restore(to.armed, world.time());
     events.resize(std::min(events.size(), to.events));
     while (!history.empty() && history.back().events >= to.events) history.pop_back();
-    diverged = false;
-    message.clear();
+    recover();
     observed = false;
     if (every > 0) next_look = std::floor(world.time() / every * (1 + 1e-12)) * every;
     evaluate_state();
   }
 
-  // Names that can never be: of no joint that is, was or is to be made, of no body.
   std::optional<Error> unknown_name(const std::vector<std::string>& joints, const std::vector<std::string>& bodies) const {
-    const Model& model = world.model();
-    const auto unknown = [&model](const char* what, const std::string& name, std::string BodySpec::*names) {
-      std::vector<std::string> known;
-      for (const BodySpec& body : model.bodies()) known.push_back(body.*names);
-      return Error{"there is no " + std::string(what) + " '" + name + "'", "", did_you_mean(name, known)};
-    };
-    for (const std::string& body : bodies)
-      if (body != "ground" && !model.has_body(body)) return unknown("body", body, &BodySpec::name);
-    for (const std::string& joint : joints) {
-      if (model.has_joint(joint) || world.find_joint(joint) >= 0) continue;
-      const std::size_t tail = joint.rfind("~free");
-      if (model.has_body(tail == std::string::npos ? joint : joint.substr(0, tail))) continue;
-      const auto made = [&](const Agenda::Entry& e) {
-        for (std::size_t a = 0; a < e.event.actions.size(); ++a)
-          if (made_joint_name(e.event, a) == joint) return true;
-        return false;
-      };
-      if (std::none_of(agenda.entries.begin(), agenda.entries.end(), made)) return unknown("joint", joint, &BodySpec::joint_name);
-    }
-    return std::nullopt;
+    return momentree::unknown_name(world, agenda, joints, bodies);
   }
-
   void check_names(const std::vector<std::string>& joints, const std::vector<std::string>& bodies) const {
     if (std::optional<Error> error = unknown_name(joints, bodies)) fail(std::move(*error));
   }
@@ -411,15 +410,24 @@ struct Simulation::Impl {
     if (!force && every > 0 && world.time() < next_look) return true;
     observed = true;
     observed_at = world.time();
-    if (every > 0) next_look = (std::floor(world.time() / every * (1 + 1e-12)) + 1) * every;
+    if (every > 0) {
+      next_look = (std::floor(world.time() / every * (1 + 1e-12)) + 1) * every;
+      if (!(next_look > world.time())) next_look = std::nextafter(world.time(), HUGE_VAL);
+    }
     evaluate_state();
+    const During observing(doing, Doing::observing);
     return observer(world);
+  }
+  bool watched() {
+    const During observing(doing, Doing::observing);
+    return !watcher || watcher(world.time());
   }
 
   Status run(double until) {
     if (diverged) return Status::diverged;
     progress.begin(world.time(), events.size());
     stalled = false;
+    const During working(doing, Doing::working);
     lap = Clock::now();
     Status status = Status::ok;
     settle();
@@ -438,7 +446,7 @@ struct Simulation::Impl {
         status = Status::refused;
         break;
       }
-      if (!look(false) || (watcher && !watcher(world.time())))
+      if (!look(false) || !watched())
         status = Status::interrupted;
       else if (const auto why = progress.step(world, *method, integration, events, until))
         status = Status::stalled, message = *why;

@@ -2,6 +2,7 @@
 // steps of the method itself, so that the state found is a state of the motion.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/simulate/stops.hpp>
@@ -69,6 +70,13 @@ struct Stops::Trial {
   bool accelerations;
   double at = 0;     ///< seconds from the start to where the world is; NaN where it is not one of a step's ends
   double reach = 0;  ///< how far the method's last step went
+  bool done = false;
+  // Unless the step was made the world is where it was: also where a condition's function threw.
+  ~Trial() {
+    if (done) return;
+    world.state_ = start;
+    books = books_at_start;
+  }
 
   // As far as the method itself goes; nothing where it failed.
   bool first(double most) {
@@ -86,9 +94,11 @@ struct Stops::Trial {
   // The same by dense output of the last step, where there is one: to look, not to go on from.
   bool see(double s) {
     if (!method.dense() || s > reach) return go(s);
-    const State::Edit edit = world.state_.edit();
-    method.interpolate(evaluate, s / reach, edit.q.data(), edit.p.data());
-    edit.time = start.time() + s;
+    {
+      const State::Edit edit = world.state_.edit();
+      method.interpolate(evaluate, s / reach, edit.q.data(), edit.p.data());
+      edit.time = start.time() + s;
+    }
     at = NAN;
     return look();
   }
@@ -174,16 +184,18 @@ std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end
     outside = *highest, beyond = excess(w);
   }
   if (!(beyond > 0)) return -1;
+  // No instants are closer together than the clock can tell.
+  const double tolerance = std::max(tolerance_, 4 * std::numeric_limits<double>::epsilon() * end);
   const double within = w.watch != nullptr ? w.watch->start : w.held ? -beyond : w.q - w.limit;
   Bracket between{0, within, outside, beyond};
   const auto value = [&](bool there) { return there ? std::optional(excess(w)) : std::nullopt; };
   std::optional<double> guess;
   if (trial.method.dense()) {
     Bracket about = between;
-    if (!narrow(about, tolerance_, {}, [&](double s) { return value(trial.see(s)); })) return std::nullopt;
+    if (!narrow(about, tolerance, {}, [&](double s) { return value(trial.see(s)); })) return std::nullopt;
     guess = about.outside;
   }
-  if (!narrow(between, tolerance_, guess, [&](double s) { return value(trial.go(s)); })) return std::nullopt;
+  if (!narrow(between, tolerance, guess, [&](double s) { return value(trial.go(s)); })) return std::nullopt;
   if (w.side == nullptr || w.held) return between.outside;
   // Once more by Newton: what hits a stop then stands on it but for rounding, however fast it is.
   if (trial.at != between.outside && !trial.go(between.outside)) return std::nullopt;
@@ -233,10 +245,8 @@ std::optional<double> Stops::step(Integrator& method, Books& books, double h, st
   }
   if (fine && trial.at != end) fine = trial.go(end);
   if (fine && first != nullptr && first->side != nullptr && !first->held) put_on_stop(*first);
-  if (fine) return end;
-  world_->state_ = trial.start;
-  books = trial.books_at_start;
-  return std::nullopt;
+  trial.done = fine;
+  return fine ? std::optional(end) : std::nullopt;
 }
 
 }  // namespace momentree

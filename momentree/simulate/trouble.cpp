@@ -2,19 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include <momentree/integrate/stiffness.hpp>
+#include <momentree/simulate/arguments.hpp>
 
 namespace momentree {
 
-namespace {
+using detail::text;
 
-std::string text(double x) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.9g", x);
-  return buffer;
-}
+namespace {
 
 std::string joint_text(const World& world, int carrier) {
   return "joint '" + std::string(world.joint_name({world.tree().joint_of(carrier)})) + "'";

@@ -14,31 +14,40 @@ World::World(const Model& model) : model_(model), first_bodies_(model.size()) {
     const BodySpec& body = model_[singular.front().body];
     fail({singular.front().what, "joint '" + body.joint_name + "'", singular.front().hint});
   }
-  declared_ = Names(model_);
   restore(0, {}, {});
 }
 
 void World::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
+  MT_REQUIRE(std::isfinite(time), "a finite time");
   std::vector<std::pair<int, std::shared_ptr<const JointFunction>>> functions;  // those of the model's joints stay
   for (const int b : tree_.forced_joints())
     if (const JointFunction* f = tree_.function(b))
       functions.emplace_back(tree_.joint_of(b), std::make_shared<const JointFunction>(*f));
   const std::vector<Topology::Loaded> loads(tree_.body_functions().begin(), tree_.body_functions().end());
   tree_ = Tree(model_);
-  names_ = declared_;
+  first_bodies_ = model_.size();
+  declared_ = names_ = Names(model_);
   holds_ = forest.holds;
   put_together(forest);
+  for (const Hold& h : holds_)
+    MT_REQUIRE(h.freedom >= 0 && h.freedom < info(tree_.joint(carrier({h.joint})).kind).nv, "a freedom that the joint has");
   for (auto& [joint, f] : functions) {
     const int b = tree_.carrier(joint);
     if (b >= 0 && !tree_.joint(b).made && tree_.joint(b).kind == model_[{joint}].joint.kind) tree_.set_function(b, std::move(f));
   }
   for (const Topology::Loaded& load : loads)
-    if (load.body < tree_.bodies()) tree_.set_body_function(load.body, load.function);
+    if (tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);
   State state(tree_);
   work_ = Work<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
   motions_of_ = accelerations_of_ = {};
 
+  put_values(time, forest, joints, state);
+  state_ = std::move(state);
+}
+
+// Start values, those of the model where the document says nothing.
+void World::put_values(double time, const Forest& forest, std::span<const JointStart> joints, State& state) const {
   std::vector<double> v(static_cast<std::size_t>(tree_.nv()));
   const State::Edit edit = state.edit();
   edit.time = time;
@@ -53,22 +62,24 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
     put(joint_zero(c.as.kind), first_q(c.joint), edit.q);
   }
   for (int j = 0; j < model_.size(); ++j) {
-    if (changed[static_cast<std::size_t>(j)] != 0) continue;
+    if (changed[static_cast<std::size_t>(j)] != 0 || tree_.carrier(j) < 0) continue;
     put(model_[{j}].q, first_q(j), edit.q);
     put(model_[{j}].v, first_p(j), v);
   }
   for (const JointStart& j : joints) {
+    const KindInfo& kind = info(tree_.joint(carrier(j.joint)).kind);
+    const auto fits = [](const Values& values, int count) { return values.empty() || values.size() == count; };
+    MT_REQUIRE(fits(j.q, kind.nq) && fits(j.v, kind.nv) && fits(j.p, kind.nv), "as many numbers as the joint has, or none");
     put(j.q, first_q(j.joint.index), edit.q);
     put(j.v, first_p(j.joint.index), v);
   }
   follow_motions(tree_, time, edit.q.data(), v.data());
   project_momentum(tree_, state.q().data(), v.data(), edit.p.data());
   for (const JointStart& j : joints) put(j.p, first_p(j.joint.index), edit.p);
-  for (int b = 0; b < tree_.bodies(); ++b)  // a locked freedom has no momentum of its own
+  for (const int b : tree_.order())  // a locked freedom has no momentum of its own
     for (int i = 0; i < info(tree_.joint(b).kind).nv; ++i)
       if ((tree_.joint(b).locked >> i & 1u) != 0) edit.p[static_cast<std::size_t>(tree_.first_p(b) + i)] = 0;
   follow_motions(tree_, time, edit.q.data(), edit.p.data());
-  state_ = state;
 }
 
 // Topology and names of a fresh tree.
@@ -215,12 +226,12 @@ void World::restore(const WorldSnapshot& snapshot) {
 void World::drive(int joint, JointFunction function) {
   const int b = carrier({joint});
   tree_.set_function(b, function ? std::make_shared<const JointFunction>(std::move(function)) : nullptr);
-  state_.replace(0, 0, {}, 0, 0, {}, tree_.revision());
+  state_.replace(0, 0, {}, 0, 0, {}, tree_);
 }
 
 void World::load(int body, BodyFunction function) {
   tree_.set_body_function(body, function ? std::make_shared<const BodyFunction>(std::move(function)) : nullptr);
-  state_.replace(0, 0, {}, 0, 0, {}, tree_.revision());
+  state_.replace(0, 0, {}, 0, 0, {}, tree_);
 }
 
 // The clock is put right, by a rounding or, in a rehearsal, by more; what is driven goes with it.
@@ -228,6 +239,12 @@ void World::set_time(double time) {
   const State::Edit edit = state_.edit();
   edit.time = time;
   follow_motions(tree_, time, edit.q.data(), edit.p.data());
+}
+
+void World::set_gravity(Vec3 gravity) {
+  model_.set_gravity(gravity);  // or throws
+  tree_.set_gravity(gravity);
+  state_.replace(0, 0, {}, 0, 0, {}, tree_);
 }
 
 int World::held(int joint, int freedom) const {

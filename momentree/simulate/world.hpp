@@ -32,12 +32,12 @@ struct JointView {
   Vec3 axis, axis2;
   double pitch = 0;
   const JointParameters* parameters = nullptr;
-  std::span<const double> q, v, p, pdot;  ///< nq, nv, nv, nv numbers; p and pdot are zeros where it is driven
+  Numbers q, v, p, pdot;  ///< nq, nv, nv, nv numbers; p and pdot are zeros where it is driven
 };
 
 /// What a joint does and carries at an instant.
 struct JointForces {
-  std::span<const double> a;  ///< time derivative of v: nv numbers (m/s², rad/s²); points into the world as in JointView
+  Numbers a;  ///< time derivative of v: nv numbers (m/s², rad/s²); points into the world as in JointView
   /// By which the declared parent holds the declared child: about the origin of the child's frame (not of `at`), in its axes.
   /// `reaction`: all that goes through the joint, drive, spring and damping included; `pure`: without what acts along the
   /// joint's freedoms (momentree::pure_reaction), what its bearings and locks carry.
@@ -89,6 +89,7 @@ struct JointStart {
   Values q, v, p;
 };
 
+/// Evaluates its state where it is asked for something that needs it: a world is used by one thread at a time, reading included.
 class World {
  public:
   /// Compiles the model. Throws Error where a joint-space mass is singular.
@@ -98,8 +99,11 @@ class World {
   /// The model without the bodies that were added to the world.
   Model first_model() const;
   const Tree& tree() const { return tree_; }
-  const State& state() const { return state_; }
-  double time() const { return state_.time(); }
+  const State& state() const {
+    MT_REQUIRE(!work_.in_function, inside_function);
+    return state_;
+  }
+  double time() const { return state().time(); }
 
   /// These evaluate the state first where that has not been done.
   const std::vector<BodyMotion>& motions() const;  ///< by body number
@@ -149,6 +153,7 @@ class World {
   friend class Surgery;
   friend class Stops;
   void put_together(const Forest& forest);
+  void put_values(double time, const Forest& forest, std::span<const JointStart> joints, State& state) const;
   void evaluate() const;
   int carrier(Body number) const;
   Body add(BodySpec spec);
@@ -157,6 +162,7 @@ class World {
   void drive(int joint, JointFunction function);
   void load(int body, BodyFunction function);
   void set_time(double time);
+  void set_gravity(Vec3 gravity);
   int held(int joint, int freedom) const;
   unsigned held(int joint) const;
   void forget_holds();

@@ -10,8 +10,8 @@ bool can_break(const Tree& tree, Body body) noexcept {
 
 Released apply(const Break& change, Tree& tree, State& state, Work<double>& work) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
-  MT_REQUIRE(b >= 0 && b < tree.bodies() && can_break(tree, change.body), "the joint is there to be broken");
+  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+  MT_REQUIRE(can_break(tree, change.body), "the body is in the tree, and held by a joint: can_break()");
 
   const Force<double> Pb = articulated_momentum(tree, state, work, b);
   const Pose pose = user_pose(tree, locate_body(tree, state, work, b), b);
@@ -19,14 +19,17 @@ Released apply(const Break& change, Tree& tree, State& state, Work<double>& work
   const KernelFrame frame = tree.frame(b);
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
   const KindInfo& old = info(tree.joint(b).kind);
-  shed_momentum(tree, state, work, b, Pb, -1, state.edit().p.data());
+  {
+    const State::Edit edit = state.edit();
+    shed_momentum(tree, state, work, b, Pb, -1, edit.p.data());
+  }
 
   tree.detach(b);  // user frame and kernel frame of b are one now
   const Force<double> P = to_user_frame(frame, Pb);
   const double q[7] = {pose.position.x, pose.position.y, pose.position.z, pose.rotation.w,
                        pose.rotation.x, pose.rotation.y, pose.rotation.z};
   const double p[6] = {P.l.x, P.l.y, P.l.z, P.h.x, P.h.y, P.h.z};
-  state.replace(first_q, old.nq, q, first_p, old.nv, p, tree.revision());
+  state.replace(first_q, old.nq, q, first_p, old.nv, p, tree);
   return released;
 }
 

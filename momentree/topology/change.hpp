@@ -4,26 +4,28 @@
 // Pb, the ancestors shed or absorb Pb along the path to the root, everything else is unchanged; the next evaluation finds the
 // velocities.
 //
-// `apply` requires work.evaluated == state.stamp() (call forward_dynamics first); afterwards the work is stale. What can't be
-// applied is a developer's mistake and stops the program before anything has changed; whoever takes changes from users asks
-// before: `can_break`, `floats`, `root_of`, `Tree::alive`.
+// `apply` requires a work that was evaluated on this state and this tree (call forward_dynamics first); afterwards the work is
+// stale. What can't be applied is a developer's mistake and stops the program before anything has changed: a body that is not
+// there, a number that is not finite, a joint that check_joint() finds fault with, and what each change says. Whoever takes
+// changes from users asks before: `can_break`, `floats`, `root_of`, `Tree::alive`, `check_joint`, `check_body`.
 #include <momentree/dynamics/work.hpp>
 #include <momentree/tree/state.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
 
-/// Full failure of the inboard joint of `body` (paper, section 4.1): the body and all outboard ones become a mechanism of their
-/// own. The ancestors shed its momentum (29); the new root's momentum is its articulated momentum; no velocity changes.
+/// Full failure of the inboard joint of `body`, see can_break() (paper, section 4.1): the body and all outboard ones become a
+/// mechanism of their own. The ancestors shed its momentum (29); the new root's momentum is its articulated momentum; no velocity
+/// changes.
 struct Break {
   Body body;
 };
 
-/// The joint that `body` carries becomes another, its pose unchanged: `joint` with coordinates q. Parameters are those that
-/// joint.parameters says. More freedoms: no velocity changes; fewer or others: a plastic impact, p′ = E′ᵀ Pb (28).
-/// Locked freedoms of the old joint are none of the new. `direction`: who is the declared child of the new joint; body itself
-/// (declared), its parent (reversed: not the ground; the joint's `at` stands in body then, `child_at` in the parent), or whoever
-/// it is of the present joint (keep).
+/// The joint that `body` carries becomes another, its pose unchanged: `joint`, its axes of length 1, with coordinates q.
+/// Parameters are those that joint.parameters says. More freedoms: no velocity changes; fewer or others: a plastic impact, p′ =
+/// E′ᵀ Pb (28). Locked freedoms of the old joint are none of the new. `direction`: who is the declared child of the new joint;
+/// body itself (declared), its parent (reversed: not the ground; the joint's `at` stands in body then, `child_at` in the parent),
+/// or whoever it is of the present joint (keep).
 struct ChangeJoint {
   enum class Direction : unsigned char { keep, declared, reversed };
   Body body;
@@ -129,11 +131,11 @@ Body apply(const Add& change, Tree& tree, State& state, const Work<double>& work
 Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, State& state, Work<double>& work) noexcept;
 
 /// Root of the mechanism that a body belongs to.
-int root_of(const Tree& tree, int b) noexcept;
+[[nodiscard]] int root_of(const Tree& tree, int b) noexcept;
 /// True for a mechanism whose root hangs on a free joint to the ground without spring, damper, friction, drive or rotor: it can
 /// be re-rooted.
-bool floats(const Tree& tree, int b) noexcept;
+[[nodiscard]] bool floats(const Tree& tree, int b) noexcept;
 /// True where the inboard joint of `body` is there to be broken: not already a free joint to the ground.
-bool can_break(const Tree& tree, Body body) noexcept;
+[[nodiscard]] bool can_break(const Tree& tree, Body body) noexcept;
 
 }  // namespace momentree

@@ -3,6 +3,7 @@
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/dispatch.hpp>
+#include <momentree/math/unit.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/new_joint.hpp>
 
@@ -20,6 +21,21 @@ void follow_motion(const Tree& tree, int b, double t, double* q, double* p) {
 }
 
 }  // namespace
+
+void require_joint(const Joint& joint, const Values& q) noexcept {
+  const KindInfo& kind = info(joint.kind);
+  MT_REQUIRE(q.size() == kind.nq, "as many coordinates as the new joint's kind has");
+  MT_REQUIRE(check_joint(spec_of(joint)).empty(), "a joint without fault, as check_joint() judges it");
+  MT_REQUIRE(!kind.axis || is_direction(joint.axis), "an axis of length 1");
+  MT_REQUIRE(!kind.axis2 || is_direction(joint.axis2), "a second axis of length 1");
+  MT_REQUIRE(is_placement(joint.at) && is_placement(joint.child_at), "finite placements with quaternions of length 1");
+  for (const double x : q) MT_REQUIRE(std::isfinite(x), "finite coordinates");
+  for (int i = 0; i < kind.nq; ++i) {
+    if (kind.q_units[i] != 'n') continue;
+    MT_REQUIRE(is_rotation(Quat{q[i], q[i + 1], q[i + 2], q[i + 3]}), "a quaternion of length 1");
+    break;
+  }
+}
 
 void new_joint_momenta(const Tree& tree, int b, const double* q, const Force<double>& Pb, double* p) noexcept {
   double c[2] = {}, s[2] = {};
@@ -42,10 +58,11 @@ Released apply(const ChangeJoint& change, Tree& tree, State& state, Work<double>
 
 Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, State& state, Work<double>& work) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(state.topology() == tree.revision(), "the state is of this topology");
+  MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
+  MT_REQUIRE(is_finite(Pb.l) && is_finite(Pb.h), "a finite momentum");
   const KindInfo& old = info(tree.joint(b).kind);
   const KindInfo& now = info(change.joint.kind);
-  MT_REQUIRE(change.q.size() == now.nq, "the new joint's coordinates are given");
+  require_joint(change.joint, change.q);
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
   using Direction = ChangeJoint::Direction;
   const bool reversed = change.direction == Direction::keep ? tree.reversed(b) : change.direction == Direction::reversed;
@@ -54,7 +71,7 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
                      reversed == tree.reversed(b);
   double u[6] = {};
   Released released;
-  if (work.evaluated == state.stamp()) {
+  if (evaluated_on(tree, state, work)) {
     for (int i = 0; i < old.nv; ++i) u[i] = work.v[static_cast<std::size_t>(first_p + i)];
     if (!keeps) released.energy = joint_energy(tree, state, work, b);
   }
@@ -64,9 +81,9 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
   for (int i = 0; i < now.nv && keeps; ++i)
     if ((tree.link(b).locked >> i & 1u) == 0) p[i] += rotor_inertia(tree, b, i) * u[i];
   Values q = change.q;
-  follow_motion(tree, b, state.time(), &q[0], p);
+  follow_motion(tree, b, state.time(), q.data(), p);
   state.replace(first_q, old.nq, {q.begin(), static_cast<std::size_t>(now.nq)}, first_p, old.nv,
-                {p, static_cast<std::size_t>(now.nv)}, tree.revision());
+                {p, static_cast<std::size_t>(now.nv)}, tree);
   return released;
 }
 
@@ -76,7 +93,7 @@ unsigned all_freedoms(const Tree& tree, int b) { return (1u << info(tree.joint(b
 
 Released apply(const Lock& change, Tree& tree, State& state, Work<double>& work) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
   Joint joint = tree.joint(b);
   const unsigned newly = change.freedoms & all_freedoms(tree, b) & ~joint.locked;
   joint.locked |= newly;
@@ -93,13 +110,13 @@ Released apply(const Lock& change, Tree& tree, State& state, Work<double>& work)
   double keep[7];
   for (int i = 0; i < info(joint.kind).nq; ++i) keep[i] = q[i];
   state.replace(tree.first_q(b), info(joint.kind).nq, {keep, static_cast<std::size_t>(info(joint.kind).nq)}, first_p, nv,
-                {p, static_cast<std::size_t>(nv)}, tree.revision());
+                {p, static_cast<std::size_t>(nv)}, tree);
   return released;
 }
 
 Released apply(const Unlock& change, Tree& tree, State& state, Work<double>& work) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
   const Force<double> Pb = articulated_momentum(tree, state, work, b);
   double all[6] = {}, p[6] = {};
   project(tree, b, joint_state(tree, state, work, b), Pb, all);
@@ -114,27 +131,34 @@ Released apply(const Unlock& change, Tree& tree, State& state, Work<double>& wor
   tree.set_joint(b, joint);
   follow_motion(tree, b, state.time(), keep, p);
   state.replace(first_q, kind.nq, {keep, static_cast<std::size_t>(kind.nq)}, first_p, kind.nv,
-                {p, static_cast<std::size_t>(kind.nv)}, tree.revision());
+                {p, static_cast<std::size_t>(kind.nv)}, tree);
   return {};
 }
 
 Released apply(const Impulse& change, Tree& tree, State& state, Work<double>& work) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+  MT_REQUIRE(is_finite(change.force) && is_finite(change.torque) && is_finite(change.point),
+             "a finite impulse at a finite point");
   const DenseCrossing<double> body = locate_body(tree, state, work, b);
   const KernelFrame& frame = tree.frame(b);
   Force<double> W{transpose_times(body.R, change.force), transpose_times(body.R, change.torque)};
   shift(W, transpose_times(frame.R, change.point - frame.r));
-  const auto p = state.edit().p;
-  absorb(tree, b, joint_state(tree, state, work, b), W, +1, p.data());
-  shed_momentum(tree, state, work, b, W, +1, p.data());
+  const State::Edit edit = state.edit();
+  absorb(tree, b, joint_state(tree, state, work, b), W, +1, edit.p.data());
+  shed_momentum(tree, state, work, b, W, +1, edit.p.data());
   return {};
 }
 
 Released apply(const SetParameters& change, Tree& tree, State& state, Work<double>& work) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
   const KindInfo& kind = info(tree.joint(b).kind);
+  {
+    JointSpec spec = spec_of(tree.joint(b));
+    spec.parameters = change.parameters;
+    MT_REQUIRE(check_joint(spec).empty(), "parameters that such a joint can have, as check_joint() judges them");
+  }
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
   double q[7], p[6], all[6] = {};
   const unsigned was_driven = tree.link(b).driven;
@@ -149,7 +173,7 @@ Released apply(const SetParameters& change, Tree& tree, State& state, Work<doubl
   for (int i = 0; i < kind.nv; ++i) p[i] += rotor_inertia(tree, b, i) * work.v[static_cast<std::size_t>(first_p + i)];
   follow_motion(tree, b, state.time(), q, p);
   state.replace(first_q, kind.nq, {q, static_cast<std::size_t>(kind.nq)}, first_p, kind.nv,
-                {p, static_cast<std::size_t>(kind.nv)}, tree.revision());
+                {p, static_cast<std::size_t>(kind.nv)}, tree);
   return {};
 }
 

@@ -9,10 +9,11 @@ namespace momentree {
 // are linear in p, so one evaluation with p = e solves for y.
 double apply(const Impact& change, const Tree& tree, State& state, Work<double>& work) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
   MT_REQUIRE(
       change.freedom >= 0 && change.freedom < info(tree.joint(b).kind).nv && (tree.joint(b).locked >> change.freedom & 1u) == 0,
-      "the joint has that freedom");
+      "the joint has that freedom, and it is not locked");
+  MT_REQUIRE(change.restitution >= 0 && change.restitution <= 1, "a restitution from 0 to 1");
   const auto i = static_cast<std::size_t>(tree.first_p(b) + change.freedom);
   const double u = work.v[i];
   std::fill_n(work.impulse.get(), tree.nv(), 0.0);

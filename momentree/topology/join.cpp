@@ -13,22 +13,26 @@ namespace {
 template <class Coordinates>
 void attach(int b, int to, const Joint& joint, bool reversed, Coordinates coordinates, Tree& tree, State& state,
             Work<double>& work) noexcept {
-  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
-  MT_REQUIRE(to < 0 || tree.alive(to), "the body was not removed");
-  MT_REQUIRE(floats(tree, b), "the mechanism floats");
+  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+  MT_REQUIRE(to == ground.index || tree.alive(to), "the other body is the ground or in the tree");
+  MT_REQUIRE(floats(tree, b), floating);
   MT_REQUIRE(to < 0 || root_of(tree, b) != root_of(tree, to), "the bodies belong to different mechanisms");
   Pose relative = user_pose(tree, locate_body(tree, state, work, b), b);
   if (to >= 0) relative = inverse(user_pose(tree, locate_body(tree, state, work, to), to)) * relative;
   const int root = root_of(tree, b), first_q = tree.first_q(root), first_p = tree.first_p(root);
-  double* p = state.edit().p.data();
-  const Force<double> Pb = turn_over_momenta(tree, state, work, b, p);
-  if (to >= 0) {  // into the kernel frame of `to`, whose own joint is the first to absorb it
-    const Mat3 R = rotation_matrix(relative.rotation);
-    Force<double> W{R * Pb.l, R * Pb.h};
-    shift(W, relative.position);
-    W = to_kernel_frame(tree.frame(to), W);
-    absorb(tree, to, joint_state(tree, state, work, to), W, +1, p);
-    shed_momentum(tree, state, work, to, W, +1, p);
+  Force<double> Pb;
+  {
+    const State::Edit edit = state.edit();
+    double* p = edit.p.data();
+    Pb = turn_over_momenta(tree, state, work, b, p);
+    if (to >= 0) {  // into the kernel frame of `to`, whose own joint is the first to absorb it
+      const Mat3 R = rotation_matrix(relative.rotation);
+      Force<double> W{R * Pb.l, R * Pb.h};
+      shift(W, relative.position);
+      W = to_kernel_frame(tree.frame(to), W);
+      absorb(tree, to, joint_state(tree, state, work, to), W, +1, p);
+      shed_momentum(tree, state, work, to, W, +1, p);
+    }
   }
   tree.attach(b, to, joint, reversed);
   const KindInfo& kind = info(joint.kind);
@@ -36,7 +40,7 @@ void attach(int b, int to, const Joint& joint, bool reversed, Coordinates coordi
   coordinates(relative, q);
   new_joint_momenta(tree, b, q, Pb, momenta);
   state.replace(first_q, 7, {q, static_cast<std::size_t>(kind.nq)}, first_p, 6, {momenta, static_cast<std::size_t>(kind.nv)},
-                tree.revision());
+                tree);
 }
 
 }  // namespace
@@ -48,7 +52,7 @@ Released apply(const Join& change, Tree& tree, State& state, Work<double>& work)
 
 Released apply(const Attach& change, Tree& tree, State& state, Work<double>& work) noexcept {
   const KindInfo& kind = info(change.joint.kind);
-  MT_REQUIRE(change.q.size() == kind.nq, "the new joint's coordinates are given");
+  require_joint(change.joint, change.q);
   const auto given = [&](const Pose&, double* q) {
     for (int i = 0; i < kind.nq; ++i) q[i] = change.q[i];
   };

@@ -8,36 +8,41 @@ namespace momentree {
 
 Released apply(const Remove& change, Tree& tree, State& state, Work<double>& work) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(state.topology() == tree.revision(), "the state is of this topology");
-  MT_REQUIRE(tree.alive(b) && tree.parent(b) < 0 && floats(tree, b), "the part is a floating mechanism");
+  MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
+  MT_REQUIRE(floats(tree, b) && tree.parent(b) < 0, "the body is the root of a mechanism that floats: break it off first");
+  MT_REQUIRE(tree.bodies() <= work.capacity(), "the work has room for the tree's bodies: make it anew");
   for (int x : tree.order()) {  // inboard before outboard
     const int outer = tree.parent(x);
     work.path[static_cast<std::size_t>(x)] = x == b || (outer >= 0 && work.path[static_cast<std::size_t>(outer)] != 0);
   }
-  const State::Edit edit = state.edit();
-  double *q = edit.q.data(), *p = edit.p.data();
-  for (int j = 0; j < tree.bodies(); ++j) {  // what stays moves up, in the order of joints
-    const int x = tree.carrier(j);
-    if (x < 0 || work.path[static_cast<std::size_t>(x)] != 0) continue;
-    const KindInfo& kind = info(tree.kind(x));
-    q = std::copy_n(edit.q.data() + tree.first_q(x), kind.nq, q);
-    p = std::copy_n(edit.p.data() + tree.first_p(x), kind.nv, p);
+  {
+    const State::Edit edit = state.edit();
+    double *q = edit.q.data(), *p = edit.p.data();
+    for (int j = 0; j < tree.bodies(); ++j) {  // what stays moves up, in the order of joints
+      const int x = tree.carrier(j);
+      if (x < 0 || work.path[static_cast<std::size_t>(x)] != 0) continue;
+      const KindInfo& kind = info(tree.kind(x));
+      q = std::copy_n(edit.q.data() + tree.first_q(x), kind.nq, q);
+      p = std::copy_n(edit.p.data() + tree.first_p(x), kind.nv, p);
+    }
   }
   tree.remove(b);
-  const int gone_q = static_cast<int>(edit.q.size()) - tree.nq(), gone_p = static_cast<int>(edit.p.size()) - tree.nv();
-  state.replace(tree.nq(), gone_q, {}, tree.nv(), gone_p, {}, tree.revision());
+  const int gone_q = static_cast<int>(state.q().size()) - tree.nq(), gone_p = static_cast<int>(state.p().size()) - tree.nv();
+  state.replace(tree.nq(), gone_q, {}, tree.nv(), gone_p, {}, tree);
   return {};
 }
 
 Body apply(const Add& change, Tree& tree, State& state, const Work<double>& work) {
-  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
+  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+  MT_REQUIRE(change.spec != nullptr, "a body to add");
   const BodySpec& spec = *change.spec;
   const KindInfo& kind = info(spec.joint.kind);
-  MT_REQUIRE(spec.q.size() == kind.nq && spec.v.size() == kind.nv, "coordinates and velocities are given");
+  MT_REQUIRE(spec.q.size() == kind.nq && spec.v.size() == kind.nv, "complete coordinates and velocities");
+  MT_REQUIRE(check_body(spec).empty(), "a body without fault, as check_body() judges it");
   const int outer = spec.parent.index;
   Motion<double> motion{};
+  MT_REQUIRE(outer == ground.index || tree.alive(outer), "the parent is the ground or in the tree");
   if (outer >= 0) {
-    MT_REQUIRE(tree.alive(outer), "the parent is there");
     const KernelFrame& frame = tree.frame(outer);
     const Motion<double>& own = work.motions[static_cast<std::size_t>(outer)].velocity;
     motion = {frame.R * own.v, frame.R * own.w};
@@ -47,7 +52,7 @@ Body apply(const Add& change, Tree& tree, State& state, const Work<double>& work
   const int b = tree.add(spec);
   const double none[6] = {};
   state.replace(nq, 0, {spec.q.begin(), static_cast<std::size_t>(kind.nq)}, nv, 0, {none, static_cast<std::size_t>(kind.nv)},
-                tree.revision());
+                tree);
   if (outer >= 0) {  // the first child of a body may turn its kernel frame about the joint, and slide it along the axis
     const KernelFrame& frame = tree.frame(outer);
     motion = {transpose_times(frame.R, motion.v + cross(motion.w, frame.r)), transpose_times(frame.R, motion.w)};

@@ -36,16 +36,19 @@ Force<double> turn_over_momenta(const Tree& tree, const State& state, Work<doubl
 
 Released apply(const Reroot& change, Tree& tree, State& state, Work<double>& work) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(work.evaluated == state.stamp() && state.topology() == tree.revision(), "the work was evaluated on this state");
-  MT_REQUIRE(floats(tree, b), "the mechanism floats");
+  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+  MT_REQUIRE(floats(tree, b), floating);
   const Pose pose = user_pose(tree, locate_body(tree, state, work, b), b);
   const int root = root_of(tree, b), first_q = tree.first_q(root), first_p = tree.first_p(root);
-  const Force<double> P = turn_over_momenta(tree, state, work, b, state.edit().p.data());
+  const Force<double> P = [&] {
+    const State::Edit edit = state.edit();
+    return turn_over_momenta(tree, state, work, b, edit.p.data());
+  }();
   tree.reroot(b);
   double q[7];
   free_coordinates(pose, q);
   const double momenta[6] = {P.l.x, P.l.y, P.l.z, P.h.x, P.h.y, P.h.z};
-  state.replace(first_q, 7, q, first_p, 6, momenta, tree.revision());
+  state.replace(first_q, 7, q, first_p, 6, momenta, tree);
   return {};
 }
 

@@ -15,9 +15,10 @@ struct Snapshot {
   std::vector<double> q, p;  ///< packed, as in the state
 };
 
-Snapshot take(const Tree& tree, const State& state);
+[[nodiscard]] Snapshot take(const Tree& tree, const State& state);
 
-/// Work that was evaluated before is stale afterwards, even where nothing had changed.
+/// The tree was compiled from the same model as that which the snapshot was taken of. Work that was evaluated before is stale
+/// afterwards, even where nothing had changed.
 void restore(const Snapshot& snapshot, Tree& tree, State& state);
 
 }  // namespace momentree

@@ -57,6 +57,25 @@ auto words(const JointParameters& p) {
   return some(p.limits.upper.of(0) + 0.0)(p.friction.coulomb.of(0) + 0.0).all();
 }
 
+// FNV-1a, by whole words.
+struct Fingerprint {
+  std::uint64_t value = 14695981039346656037u;
+  void add(std::uint64_t word) { value = (value ^ word) * 1099511628211u; }
+  void add(const auto& words) requires requires { words.begin(); }
+  {
+    for (const std::uint64_t word : words) add(word);
+  }
+};
+
+std::uint64_t fingerprint_of(const Declared& d) {
+  Fingerprint all;
+  for (const Declared::Body& b : d.bodies) all.add(pair(b.parent, b.joint)), all.add(static_cast<std::uint64_t>(b.mass));
+  for (const Joint& joint : d.joints) all.add(words(joint));
+  for (const MassProperties& mass : d.masses) all.add(words(mass));
+  for (const JointParameters& p : d.parameters) all.add(words(p));
+  return all.value;
+}
+
 // Gives back what was reserved for many more.
 template <class T>
 bool shrink(std::vector<T>& list) {
@@ -110,6 +129,7 @@ std::shared_ptr<Declared> declare(const Model& model) {
   shrink(d.joints), shrink(d.masses);
   d.freedoms.reserve(d.parameters.size());
   for (const JointParameters& p : d.parameters) d.freedoms.push_back(spread(p));
+  d.fingerprint = fingerprint_of(d);
   return declared;
 }
 

@@ -2,6 +2,7 @@
 // What trees of one model share and none of them changes. Equal values are stored once: a large world repeats a few joints,
 // masses and placements.
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -57,6 +58,8 @@ struct Declared {
   std::vector<FreedomParameters> freedoms;  ///< the same, by their numbers
   SharedLinks links;                        ///< of the declared topology
   std::vector<BodyForce> forces;
+  /// Of all that a snapshot of coordinates and momenta relies on: models with the same bodies and joints have the same one.
+  std::uint64_t fingerprint = 0;
 };
 /// All but the links, which a tree finds.
 std::shared_ptr<Declared> declare(const Model& model);

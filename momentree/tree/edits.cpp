@@ -1,6 +1,7 @@
 // The edits that changes of topology are made of. Each puts right what it moved: offsets behind a joint of another size, a block
 // of the order, the frames that look to a joint, the masses inboard.
 #include <momentree/joint/dispatch.hpp>
+#include <momentree/math/unit.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
@@ -27,9 +28,17 @@ void Tree::move_tree(int b, int begin, int end) {
   arrange();
 }
 
+void Tree::require_valid(const Joint& joint) const {
+  MT_REQUIRE(joint.locked >> info(joint.kind).nv == 0, "a joint's locked freedoms are freedoms of its kind");
+  MT_REQUIRE(joint.parameters < shared_parameters() + static_cast<int>(own_parameters_.size()),
+             "a joint's parameters are some that the tree has");
+  MT_REQUIRE(joint.function < static_cast<int>(functions_.size()), "a joint's function is one that the tree has");
+}
+
 // Returns whether the lists of joints are to be renewed.
 bool Tree::replace_joint(int b, const Joint& joint, bool reversed) {
-  MT_REQUIRE(!reversed || parent_[at(b)] >= 0, "the ground is nobody's child");
+  MT_REQUIRE(!reversed || parent_[at(b)] >= 0, "the ground is no joint's child");
+  require_valid(joint);
   Joint& own = own_joint(joint_of_[at(b)]).joint;
   const Kind before = own.kind;
   own = joint;
@@ -38,7 +47,7 @@ bool Tree::replace_joint(int b, const Joint& joint, bool reversed) {
 }
 
 void Tree::detach(int b) {
-  const int outer = parent_[at(b)];
+  const int outer = parent_[index(b)];
   const bool was_first = outer >= 0 && first_child_[at(outer)] == b;
   const int begin = place_[at(b)], end = end_of(b);
   unlink(b);
@@ -48,7 +57,7 @@ void Tree::detach(int b) {
   if (was_first) renew_child_changed(outer);
   move_tree(b, begin, end);
   weigh_path(outer);
-  ++revision_;
+  revision_.renew();
 }
 
 // From b up to the root, each body's parent is hung below it: joints keep their numbers and what is packed for them, carriers
@@ -82,8 +91,10 @@ int Tree::turn_over(int b) {
 }
 
 void Tree::attach(int b, int parent, const Joint& joint, bool reversed) {
-  int root = b;
+  int root = static_cast<int>(index(b));
   while (parent_[at(root)] >= 0) root = parent_[at(root)];
+  MT_REQUIRE(parent >= ground.index, "the parent is a body or the ground");
+  for (int a = parent; a >= 0; a = parent_[index(a)]) MT_REQUIRE(a != root, "the parent belongs to another tree");
   const int begin = place_[at(root)], end = end_of(root);
   turn_over(b);
   if (parent >= 0) {
@@ -106,25 +117,32 @@ void Tree::attach(int b, int parent, const Joint& joint, bool reversed) {
   walk(b, begin);
   move_tree(b, begin, end);
   weigh_path(root);
-  ++revision_;
+  revision_.renew();
 }
 
 void Tree::reroot(int b) { attach(b, -1, made_free_joint(), false); }
 
 void Tree::set_joint(int b, const Joint& joint, bool reversed) {
+  MT_REQUIRE(alive(b), known_body);
   if (replace_joint(b, joint, reversed)) list_special_joints();
   renew(b);
   arrange();
-  ++revision_;
+  revision_.renew();
+}
+
+void Tree::set_gravity(const Vec3& gravity) {
+  MT_REQUIRE(is_finite(gravity), "a finite gravity");
+  gravity_ = gravity;
+  revision_.renew();
 }
 
 void Tree::set_parameters(int b, const JointParameters& parameters) {
-  const int number = give_parameters(joint_of_[at(b)], parameters);
+  const int number = give_parameters(joint_of_[index(b)], parameters);
   Joint joint = this->joint(b);
   joint.parameters = number;
   if (replace_joint(b, joint, reversed(b))) list_special_joints();
   arrange();
-  ++revision_;
+  revision_.renew();
 }
 
 void Tree::set_function(int b, std::shared_ptr<const JointFunction> function) {
@@ -138,14 +156,15 @@ void Tree::set_function(int b, std::shared_ptr<const JointFunction> function) {
     functions_.push_back(std::move(function));
   }
   if (replace_joint(b, joint, reversed(b))) list_special_joints();
-  ++revision_;
+  revision_.renew();
 }
 
 void Tree::set_body_function(int b, std::shared_ptr<const BodyFunction> function) {
+  MT_REQUIRE(alive(b), known_body);
   std::erase_if(body_functions_, [b](const Topology::Loaded& load) { return load.body == b; });
   if (function != nullptr) body_functions_.push_back({b, std::move(function)});
   list_loaded_bodies();
-  ++revision_;
+  revision_.renew();
 }
 
 void Tree::remove(int b) {
@@ -160,12 +179,12 @@ void Tree::remove(int b) {
   order_.erase(order_.begin() + begin, order_.begin() + end);
   pack_all();
   arrange();
-  ++revision_;
+  revision_.renew();
 }
 
 int Tree::add(const BodySpec& spec) {
   const int b = bodies(), outer = spec.parent.index;
-  MT_REQUIRE(outer < b && (outer < 0 || alive(outer)), "the parent is there");
+  MT_REQUIRE(outer == ground.index || alive(outer), "the parent is the ground or a body of this tree");
   resize(b + 1);
   added_masses_.push_back({spec.mass, spec.com, spec.inertia});
   parent_[at(b)] = outer;
@@ -183,7 +202,7 @@ int Tree::add(const BodySpec& spec) {
   put_locks(b);  // it has a link only now
   arrange();
   weigh_path(b);
-  ++revision_;
+  revision_.renew();
   return b;
 }
 

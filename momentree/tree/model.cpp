@@ -88,6 +88,11 @@ Body Model::add_unjudged(BodySpec spec) {
   return {index};
 }
 
+void Model::set_gravity(Vec3 gravity) {
+  if (!is_finite(gravity)) fail({"gravity must be finite numbers", "", "m/s², world axes"});
+  gravity_ = gravity;
+}
+
 void Model::add_force(BodyForce force) {
   if (force.body.index < 0 || force.body.index >= size())
     fail({"the force acts on no body of this model", "", "give what add() returned for the body"});
@@ -105,6 +110,7 @@ void Model::reserve(int count) {
 }
 
 void Model::keep(int count) {
+  MT_REQUIRE(count >= 0, "a number of bodies");
   std::erase_if(forces_, [count](const BodyForce& force) { return force.body.index >= count; });
   while (size() > count) {
     const BodySpec& last = bodies_.own().back();

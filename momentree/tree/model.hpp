@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <momentree/base/copy_on_write.hpp>
+#include <momentree/base/check.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/math/vec.hpp>
@@ -46,7 +47,8 @@ class Model {
     Vec3 gravity{0, 0, -9.81};
   };
   Model() = default;
-  explicit Model(Options options) : gravity_(options.gravity) {}
+  /// Throws Error for a gravity that is not finite.
+  explicit Model(Options options) { set_gravity(options.gravity); }
 
   /// Adds a body; the parent must have been added before.
   /// Throws Error: no or duplicate name, unknown parent, mass or inertia impossible, zero axis, wrong number of coordinates.
@@ -67,10 +69,14 @@ class Model {
   void keep(int count);
 
   Vec3 gravity() const { return gravity_; }
-  void set_gravity(Vec3 gravity) { gravity_ = gravity; }
+  /// Throws Error for numbers that are not finite.
+  void set_gravity(Vec3 gravity);
   int size() const { return static_cast<int>(bodies_->size()); }
   /// As added, but with unit axes, full q and v (never empty), a joint name, and unit quaternions.
-  const BodySpec& operator[](Body body) const { return (*bodies_)[static_cast<std::size_t>(body.index)]; }
+  const BodySpec& operator[](Body body) const {
+    MT_REQUIRE(body.index >= 0 && body.index < size(), "a body of this model, as add() returned it");
+    return (*bodies_)[static_cast<std::size_t>(body.index)];
+  }
   const std::vector<BodySpec>& bodies() const { return *bodies_; }
 
   /// The body or joint of that name; throws Error with a suggestion. A joint is given by its child body.

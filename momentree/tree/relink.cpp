@@ -147,6 +147,7 @@ void Tree::pack(int b) {
 
 void Tree::copy_with_rotors(const Tree& other) {
   *this = other;
+  revision_.renew();
   for (const int b : order_)
     if (parameters(b) != nullptr && class_[at(b)].variant == Variant::plain) class_[at(b)].variant = Variant::rotor;
   arrange();
@@ -154,6 +155,7 @@ void Tree::copy_with_rotors(const Tree& other) {
 
 void Tree::copy_in_pieces(const Tree& other) {
   *this = other;
+  revision_.renew();
   for (const int b : order_)
     if (class_[at(b)].variant == Variant::plain || class_[at(b)].variant == Variant::rotor)
       class_[at(b)].variant = Variant::locked;

@@ -1,12 +1,16 @@
 #include <momentree/tree/state.hpp>
 
 #include <algorithm>
+#include <utility>
 
+#include <momentree/base/unique_number.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
 
-State::State(const Tree& tree) : topology_(tree.revision()) {
+State::State() : number_(detail::unique_number()) {}
+
+State::State(const Tree& tree) : number_(detail::unique_number()), topology_(tree.revision()) {
   const auto n = static_cast<std::size_t>(tree.bodies());
   q_.reserve(7 * n);
   p_.reserve(6 * n);
@@ -16,7 +20,14 @@ State::State(const Tree& tree) : topology_(tree.revision()) {
     dispatch(tree.kind(b), [&](auto tag) { decltype(tag)::type::Kernels::zero(q_.data() + tree.first_q(b)); });
 }
 
+State::State(const State& other) : number_(detail::unique_number()) { *this = other; }
+
+State::State(State&& other) noexcept : number_(detail::unique_number()) { *this = std::move(other); }
+
+void State::require_no_edit() const { MT_REQUIRE(!being_edited(), "the state's Edit has ended: close its scope first"); }
+
 State& State::operator=(const State& other) {
+  require_no_edit();
   if (this == &other) return *this;
   time_ = other.time_;
   q_.reserve(other.q_.capacity());  // a copy can change its topology without allocating, too
@@ -24,16 +35,32 @@ State& State::operator=(const State& other) {
   q_ = other.q_;
   p_ = other.p_;
   topology_ = other.topology_;
-  ++serial_;
+  changed();
   return *this;
 }
 
-void State::assign(double time, std::span<const double> q, std::span<const double> p, std::uint64_t topology) {
+// They change places, with their stamps.
+State& State::operator=(State&& other) noexcept {
+  require_no_edit();
+  other.require_no_edit();
+  std::swap(time_, other.time_);
+  q_.swap(other.q_);
+  p_.swap(other.p_);
+  std::swap(number_, other.number_);
+  std::swap(serial_, other.serial_);
+  std::swap(topology_, other.topology_);
+  return *this;
+}
+
+void State::assign(double time, std::span<const double> q, std::span<const double> p, const Tree& tree) {
+  require_no_edit();
+  MT_REQUIRE(static_cast<int>(q.size()) == tree.nq() && static_cast<int>(p.size()) == tree.nv(),
+             "as many coordinates and momenta as the tree has");
   time_ = time;
   q_.assign(q.begin(), q.end());
   p_.assign(p.begin(), p.end());
-  topology_ = topology;
-  ++serial_;
+  topology_ = tree.revision();
+  changed();
 }
 
 namespace {
@@ -52,14 +79,23 @@ void replace_range(std::vector<double>& all, int first, int count, std::span<con
   }
   std::copy(with.begin(), with.end(), all.begin() + first);
 }
+
+// Whether there are `count` numbers from `first` on, in whose place `more` make `sum`.
+bool fits(const std::vector<double>& all, int first, int count, std::size_t more, int sum) {
+  const auto size = static_cast<int>(all.size());
+  return first >= 0 && count >= 0 && first <= size && count <= size - first && size - count + static_cast<int>(more) == sum;
+}
 }  // namespace
 
 void State::replace(int first_q, int nq, std::span<const double> q, int first_p, int nv, std::span<const double> p,
-                    std::uint64_t topology) {
+                    const Tree& tree) {
+  require_no_edit();
+  MT_REQUIRE(fits(q_, first_q, nq, q.size(), tree.nq()) && fits(p_, first_p, nv, p.size(), tree.nv()),
+             "as many coordinates and momenta as the tree then has");
   replace_range(q_, first_q, nq, q);
   replace_range(p_, first_p, nv, p);
-  topology_ = topology;
-  ++serial_;
+  topology_ = tree.revision();
+  changed();
 }
 
 }  // namespace momentree

@@ -38,6 +38,7 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
     joint_of_[at(b)] = carrier_[at(b)] = b;
     joint_at_[at(b)] = declared->bodies[at(b)].joint;
   }
+  revision_.renew();
   LinkCollector links(*declared);
   link_all(&links);
   if (links.finish())
@@ -58,12 +59,39 @@ Topology Tree::topology() const {
   t.functions = functions_;
   t.loads = body_functions_;
   t.added = added_masses_;
+  t.model = declared_ ? declared_->fingerprint : 0;
   return t;
+}
+
+// What a topology that somebody wrote down, or took from another tree, must not be.
+void Tree::require_valid(const Topology& topology) const {
+  const int declared = static_cast<int>(declared_bodies()), all = static_cast<int>(topology.places.size());
+  MT_REQUIRE(topology.model == (declared_ ? declared_->fingerprint : 0) && at(all) == at(declared) + topology.added.size(),
+             "the topology is of a tree that was compiled from the same model");
+  const auto has = [all](int number) { return number >= 0 && number < all; };
+  for (const Topology::Changed& c : topology.changed) {
+    MT_REQUIRE(has(c.joint), "a changed joint is one of the topology's");
+    const int parameters = c.as.parameters - shared_parameters(), function = c.as.function;
+    MT_REQUIRE(parameters < static_cast<int>(topology.own.size()), "a changed joint has parameters that there are");
+    MT_REQUIRE(function < static_cast<int>(topology.functions.size()), "a changed joint has a function that there is");
+    MT_REQUIRE(c.as.locked >> info(c.as.kind).nv == 0, "a joint's locked freedoms are freedoms of its kind");
+  }
+  for (const Topology::Place& place : topology.places) {
+    if (place.joint < 0) continue;
+    MT_REQUIRE(has(place.joint), "a body carries a joint of the topology");
+    MT_REQUIRE(place.parent == -1 || (has(place.parent) && topology.places[at(place.parent)].joint >= 0),
+               "a parent is the ground or a body of the topology");
+    MT_REQUIRE(!place.reversed || place.parent >= 0, "the ground is no joint's child");
+  }
+  for (const Topology::Own& own : topology.own) MT_REQUIRE(has(own.joint), "parameters are those of a joint of the topology");
+  for (const auto& function : topology.functions) MT_REQUIRE(function != nullptr, "a function is not null");
+  for (const Topology::Loaded& load : topology.loads)
+    MT_REQUIRE(has(load.body) && load.function != nullptr, "a function acts on a body of the topology");
 }
 
 void Tree::restore(const Topology& topology) {
   const std::size_t declared = declared_bodies();
-  MT_REQUIRE(topology.places.size() == declared + topology.added.size(), "the topology is one of this tree's model");
+  require_valid(topology);
   resize(static_cast<int>(topology.places.size()));
   added_masses_ = topology.added;
   own_joints_.clear(), own_parameters_.clear(), own_freedoms_.clear();
@@ -71,14 +99,19 @@ void Tree::restore(const Topology& topology) {
   for (int b = 0; b < bodies(); ++b) {
     const Topology::Place& place = topology.places[at(b)];
     parent_[at(b)] = place.parent, joint_of_[at(b)] = place.joint, reversed_[at(b)] = place.reversed ? 1 : 0;
-    if (place.joint >= 0) carrier_[at(place.joint)] = b;
+    if (place.joint >= 0) {
+      MT_REQUIRE(carrier_[at(place.joint)] < 0, "each joint is carried by one body");
+      carrier_[at(place.joint)] = b;
+    }
     joint_at_[at(b)] = at(b) < declared ? declared_->bodies[at(b)].joint : no_joint;
   }
   for (const Topology::Changed& c : topology.changed) own_joint(c.joint).joint = c.as;
+  for (int j = static_cast<int>(declared); j < bodies(); ++j)
+    MT_REQUIRE(carrier_[at(j)] < 0 || joint_at_[at(j)] != no_joint, "a joint that the model does not have is given");
   for (const Topology::Own& own : topology.own) give_parameters(own.joint, own.parameters);
   functions_ = topology.functions;
   body_functions_ = topology.loads;
-  ++revision_;
+  revision_.renew();
   link_all();
 }
 

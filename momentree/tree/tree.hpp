@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <momentree/base/check.hpp>
+#include <momentree/base/unique_number.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/kernels.hpp>
 #include <momentree/joint/twins.hpp>
@@ -53,6 +54,7 @@ struct Topology {
   std::vector<MassProperties> added;                            ///< of the bodies that the model did not have
   std::vector<std::shared_ptr<const JointFunction>> functions;  ///< drives that joints have numbers of
   std::vector<Loaded> loads;                                    ///< one for a body
+  std::uint64_t model = 0;                                      ///< fingerprint of the model
 };
 
 /// The free joint of what broke off, at the identity: coordinates are the pose of the body's own frame.
@@ -91,6 +93,7 @@ enum : unsigned char {
 };
 }
 
+/// A value: copies are independent of each other, and a const tree may be read by several threads at once.
 class Tree {
  public:
   Tree() = default;
@@ -99,40 +102,46 @@ class Tree {
 
   /// Numbers given to bodies so far; those that were removed keep theirs.
   int bodies() const { return static_cast<int>(parent_.size()); }
-  /// False for a body that was removed: nothing else may be asked about it.
-  bool alive(int b) const { return joint_of_[at(b)] >= 0; }
+  /// False for a number that no body has, and for a body that was removed: asking anything else about it stops the program.
+  bool alive(int b) const { return at(b) < joint_of_.size() && joint_of_[at(b)] >= 0; }
+  /// Where body b stands in lists by body.
+  std::size_t index(int b) const {
+    MT_REQUIRE(alive(b), known_body);
+    return at(b);
+  }
   int nq() const { return nq_; }
   int nv() const { return nv_; }
   const Vec3& gravity() const { return gravity_; }
-  /// Number of topology changes so far; part of the stamp that State and Work carry.
-  std::uint64_t revision() const { return revision_; }
+  /// Identifies this tree as it is now: each tree that is compiled, and each change of one, has a number that no other has in
+  /// this process; copies share it, for they are the same. States are of the tree of one revision.
+  std::uint64_t revision() const { return revision_.number(); }
 
-  int parent(int b) const { return parent_[at(b)]; }
-  int first_child(int b) const { return first_child_[at(b)]; }
-  int next_sibling(int b) const { return next_sibling_[at(b)]; }
+  int parent(int b) const { return parent_[index(b)]; }
+  int first_child(int b) const { return first_child_[index(b)]; }
+  int next_sibling(int b) const { return next_sibling_[index(b)]; }
   int first_root() const { return first_root_; }
-  int first_q(int b) const { return offsets_[at(b)].q; }
-  int first_p(int b) const { return offsets_[at(b)].p; }
-  int first_angle(int b) const { return offsets_[at(b)].angle; }
+  int first_q(int b) const { return offsets_[index(b)].q; }
+  int first_p(int b) const { return offsets_[index(b)].p; }
+  int first_angle(int b) const { return offsets_[index(b)].angle; }
   /// Offset of the body's record in Work, in scalars.
-  std::size_t record(int b) const { return offsets_[at(b)].record; }
-  const Link& link(int b) const { return links_[at(b)]; }
+  std::size_t record(int b) const { return offsets_[index(b)].record; }
+  const Link& link(int b) const { return links_[index(b)]; }
   /// Mass of body b and of all outboard of it (kg).
-  double subtree_mass(int b) const { return subtree_mass_[at(b)]; }
+  double subtree_mass(int b) const { return subtree_mass_[index(b)]; }
   /// The inboard joint of body b. Joints have numbers of their own: at the start that of their child; re-rooting makes a body
   /// carry another joint, against its declared direction.
-  const Joint& joint(int b) const {
-    MT_REQUIRE(alive(b), "the body was not removed");
-    return numbered_joint(joint_of_[at(b)]);
-  }
+  const Joint& joint(int b) const { return numbered_joint(joint_of_[index(b)]); }
   /// Its kind, without a look at the rest of it.
-  Kind kind(int b) const { return class_[at(b)].kind; }
-  int joint_of(int b) const { return joint_of_[at(b)]; }
-  /// The body that carries the joint; −1: it left with its body.
-  int carrier(int joint) const { return carrier_[at(joint)]; }
-  bool reversed(int b) const { return reversed_[at(b)] != 0; }
-  Variant variant(int b) const { return class_[at(b)].variant; }
-  const KernelFrame& frame(int b) const { return links_.frame(at(b)); }
+  Kind kind(int b) const { return class_[index(b)].kind; }
+  int joint_of(int b) const { return joint_of_[index(b)]; }
+  /// The body that carries the joint of that number; −1: it left with its body.
+  int carrier(int joint) const {
+    MT_REQUIRE(at(joint) < carrier_.size(), "the tree has a joint of that number");
+    return carrier_[at(joint)];
+  }
+  bool reversed(int b) const { return reversed_[index(b)] != 0; }
+  Variant variant(int b) const { return class_[index(b)].variant; }
+  const KernelFrame& frame(int b) const { return links_.frame(index(b)); }
   /// Parameters of the joint, or null.
   const JointParameters* parameters(int b) const {
     const int i = joint(b).parameters;
@@ -182,7 +191,11 @@ class Tree {
   /// Bodies whose joint's motion is prescribed and not locked.
   std::span<const int> driven_joints() const { return driven_joints_; }
   /// The prescribed motion of such a joint.
-  const Curve& motion(int b) const { return parameters(b)->drive->motion.front(); }
+  const Curve& motion(int b) const {
+    const JointParameters* const p = parameters(b);
+    MT_REQUIRE(p != nullptr && p->drive != nullptr && p->drive->moves(), "the joint's motion is prescribed");
+    return p->drive->motion.front();
+  }
   /// Bodies whose joint has a strength.
   std::span<const int> strength_joints() const { return strength_joints_; }
   /// True where a function drives a joint or did.
@@ -201,21 +214,25 @@ class Tree {
   int angle_capacity() const { return 2 * bodies(); }
 
   /// What has changed since the model was compiled.
-  Topology topology() const;
+  [[nodiscard]] Topology topology() const;
   /// Becomes a copy of `other` in which every joint that has parameters takes a rotor, whether or not it has one: what stands in
   /// rotors() is then its whole mass beside the bodies'. O(bodies); a copy of the same bodies as before allocates nothing.
   void copy_with_rotors(const Tree& other);
   /// Becomes a copy of `other` in which joints with structured kernels go by the generic pieces, as locked ones do, though
   /// nothing is locked: what those kernels are held to. Costs as much.
   void copy_in_pieces(const Tree& other);
-  /// The numbers of armature(), to change from one evaluation to the next in a tree of one's own.
-  double* rotors() { return armature_.data(); }
-  /// Makes this tree, which was compiled from the same model, what `topology` says. Counts a revision, as every edit: what was
-  /// evaluated before is stale, even on the same topology. O(bodies); allocates only where bodies were added.
+  /// The numbers of armature(), for a method that changes them between evaluations at bare arrays: no state is one of this tree
+  /// from now on. Good until the tree is next changed or copied to.
+  double* rotors() {
+    revision_.renew();
+    return armature_.data();
+  }
+  /// Makes this tree, which was compiled from the same model, what `topology` says. A revision, as every edit: what was evaluated
+  /// before is stale, even on the same topology. O(bodies); allocates only where bodies were added.
   void restore(const Topology& topology);
 
-  // The edits that changes are made of. Each relinks what it moved and counts a revision; none touches a state (topology/ does)
-  // or allocates. Joints are packed in the order of their numbers: re-rooting moves no coordinate.
+  // The edits that changes are made of. Each relinks what it moved and makes another revision; none touches a state (topology/
+  // does) or allocates. Joints are packed in the order of their numbers: re-rooting moves no coordinate.
 
   /// The inboard joint of b becomes a free joint to the ground, at the identity, without parameters: b's user frame is its
   /// joint's frame.
@@ -228,6 +245,8 @@ class Tree {
   void set_joint(int b, const Joint& joint) { set_joint(b, joint, reversed(b)); }
   /// The same for a joint whose declared child is b, or, reversed, b's parent (which is then not the ground).
   void set_joint(int b, const Joint& joint, bool reversed);
+  /// Another gravity (m/s², world axes).
+  void set_gravity(const Vec3& gravity);
   /// Parameters of b's joint alone.
   void set_parameters(int b, const JointParameters& parameters);
   /// A function that drives b's joint from now on, or null: none. Goes with the joint, until that is replaced by another;
@@ -242,7 +261,9 @@ class Tree {
   int add(const BodySpec& spec);
 
  private:
+  friend class UncheckedTree;
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  static constexpr const char* known_body = "the tree has a body of that number, and it was not removed";
 
   // frames.cpp
   bool is_welded(int b) const { return class_[at(b)].kind == Kind::weld; }
@@ -298,6 +319,8 @@ class Tree {
   bool replace_joint(int b, const Joint& joint, bool reversed);
   int turn_over(int b);
   int give_parameters(int joint, const JointParameters& parameters);
+  void require_valid(const Joint& joint) const;
+  void require_valid(const Topology& topology) const;
 
   // Joints by number: the model's, or the tree's own.
   struct OwnJoint {
@@ -319,7 +342,7 @@ class Tree {
   Vec3 gravity_{};
   int nq_ = 0, nv_ = 0, angles_ = 0, first_root_ = -1;
   std::size_t record_scalars_ = 0, record_capacity_ = 0;
-  std::uint64_t revision_ = 0;
+  detail::Version revision_;
   std::shared_ptr<const Declared> declared_;
   // By body, or by joint where it says so.
   std::vector<int> parent_, first_child_, next_sibling_;
@@ -365,6 +388,6 @@ class Tree {
 };
 
 /// Compiles a model: `Tree tree = compile(model)`.
-inline Tree compile(const Model& model) { return Tree(model); }
+[[nodiscard]] inline Tree compile(const Model& model) { return Tree(model); }
 
 }  // namespace momentree

@@ -182,9 +182,8 @@ TEST_CASE("momentum of free trees changes by what acts from outside, energy by i
     const Power power = m.work.power;
     const auto at = [&](double h) {
       State moved = m.state;
-      const State::Edit edit = moved.edit();
-      for (std::size_t i = 0; i < qdot.size(); ++i) edit.q[i] += h * qdot[i];
-      for (std::size_t i = 0; i < pdot.size(); ++i) edit.p[i] += h * pdot[i];
+      for (std::size_t i = 0; i < qdot.size(); ++i) moved.edit().q[i] += h * qdot[i];
+      for (std::size_t i = 0; i < pdot.size(); ++i) moved.edit().p[i] += h * pdot[i];
       Work<double> work(m.tree);
       return totals(m.tree, moved, work);
     };

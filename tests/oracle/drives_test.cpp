@@ -101,9 +101,11 @@ TEST_CASE("prescribed motions: velocities, momenta's rates, accelerations, wrenc
     Machine m(model);
     check_motions(system_of(model), m);
     // At another instant, with the momenta that it had.
-    const State::Edit edit = m.state.edit();
-    edit.time = random.uniform(0, 1);
-    follow_motions(m.tree, edit.time, edit.q.data(), edit.p.data());
+    {
+      const State::Edit edit = m.state.edit();
+      edit.time = random.uniform(0, 1);
+      follow_motions(m.tree, edit.time, edit.q.data(), edit.p.data());
+    }
     check_motions(system_of(model), m);
   }
   CHECK(motions > 500);

@@ -13,7 +13,7 @@ using namespace momentree::oracle;
 namespace {
 
 // A step along the rates, so that restored states move on.
-void step(Machine& m) {
+void advance(Machine& m) {
   const State::Edit edit = m.state.edit();
   edit.time += 1e-3;
   for (std::size_t i = 0; i < edit.q.size(); ++i) edit.q[i] += 1e-3 * m.work.qdot[i];
@@ -24,6 +24,9 @@ void step(Machine& m) {
     const double n = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2] + w[3] * w[3]);
     for (int i = 0; i < 4; ++i) w[i] /= n;
   }
+}
+void step(Machine& m) {
+  advance(m);
   m.evaluate();
 }
 
@@ -86,7 +89,7 @@ TEST_CASE("a restored world goes on bit for bit: in the same tree, and in one co
 
     restore(start, m.tree, m.state);
     m.model = then;
-    CHECK(m.tree.revision() > revision);
+    CHECK(m.tree.revision() != revision);
     CHECK(m.work.evaluated == stamp);
     CHECK_FALSE(m.work.evaluated == m.state.stamp());
     Machine anew(compiled);

@@ -50,11 +50,12 @@ class Damped final : public Integrator {
   Array dissipating_, giving_;                        // of the stages: what friction and soft stops, and position control do
   Array damping_, slope_, point_, force_, at_point_;  // the resisting forces and their slopes at the velocities `point_`
   Tree massive_;                                      // the same tree, whose rotors carry γ h C
+  double* rotors_ = nullptr;                          // its own
   std::optional<std::uint64_t> revision_;
 };
 
 inline Damped::Damped(const Tree& tree, const StepControl& control)
-    : Integrator(control), nq_max_(7L * tree.bodies()), nv_max_(6L * tree.bodies()), q_(scratch(nq_max_)) {
+    : Integrator(tree, control), nq_max_(7L * tree.bodies()), nv_max_(6L * tree.bodies()), q_(scratch(nq_max_)) {
   for (Array* one : {&p_, &known_, &damping_, &slope_, &point_, &force_, &at_point_}) *one = scratch(nv_max_);
   for (Array* one : {&pdot_, &resist_, &velocity_, &dissipating_, &giving_}) *one = scratch(stages * nv_max_);
   qdot_ = scratch(stages * nq_max_);
@@ -63,6 +64,7 @@ inline Damped::Damped(const Tree& tree, const StepControl& control)
 
 inline void Damped::follow(const Tree& tree) {
   massive_.copy_with_rotors(tree);
+  rotors_ = massive_.rotors();
   revision_ = tree.revision();
 }
 
@@ -73,7 +75,7 @@ inline void Damped::evaluate_stage(Evaluator& evaluate, int stage, double t, dou
   const Work<double>& work = evaluate.work();
   const int nv = tree.nv();
   const double *armature = tree.armature(), *u = work.v.get();
-  double *rotors = massive_.rotors(), *resist = rate(resist_, stage), *dissipating = rate(dissipating_, stage),
+  double *rotors = rotors_, *resist = rate(resist_, stage), *dissipating = rate(dissipating_, stage),
          *giving = rate(giving_, stage);
   const bool linear = tree.forced_joints().empty();
   std::copy_n(rate(velocity_, stage - 1), nv, point_.get());
@@ -109,7 +111,7 @@ inline bool Damped::met(int nv, const double* u, const double* dissipating, cons
 inline bool Damped::step(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
   const Tree& tree = evaluate.tree();
   const Work<double>& work = evaluate.work();
-  MT_REQUIRE(work.evaluated == state.stamp(), "the first stage was evaluated on this state");
+  require_ready(evaluate, state, h);
   if (revision_ != tree.revision()) follow(tree);
   const int nq = tree.nq(), nv = tree.nv();
   const double *q = state.q().data(), *p = state.p().data();

@@ -23,11 +23,11 @@ class Midpoint final : public Integrator {
 };
 
 inline Midpoint::Midpoint(const Tree& tree, const StepControl& control)
-    : Integrator(control), q_(scratch(7L * tree.bodies())), p_(scratch(6L * tree.bodies())) {}
+    : Integrator(tree, control), q_(scratch(7L * tree.bodies())), p_(scratch(6L * tree.bodies())) {}
 
 inline bool Midpoint::step(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
   const Work<double>& work = evaluate.work();
-  MT_REQUIRE(work.evaluated == state.stamp(), "the first guess was evaluated on this state");
+  require_ready(evaluate, state, h);
   const int nq = evaluate.tree().nq(), nv = evaluate.tree().nv();
   const double *q = state.q().data(), *p = state.p().data();
   std::copy_n(q, nq, q_.get());

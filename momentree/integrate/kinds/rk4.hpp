@@ -30,7 +30,7 @@ class Rk4 final : public Integrator {
 };
 
 inline Rk4::Rk4(const Tree& tree, const StepControl& control)
-    : Integrator(control),
+    : Integrator(tree, control),
       q_(scratch(7 * tree.bodies())),
       p_(scratch(6 * tree.bodies())),
       q_sum_(scratch(7 * tree.bodies())),
@@ -38,7 +38,7 @@ inline Rk4::Rk4(const Tree& tree, const StepControl& control)
 
 inline bool Rk4::step(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
   const Work<double>& work = evaluate.work();
-  MT_REQUIRE(work.evaluated == state.stamp(), "the first stage was evaluated on this state");
+  require_ready(evaluate, state, h);
   const int nq = evaluate.tree().nq(), nv = evaluate.tree().nv();
   const double *q = state.q().data(), *p = state.p().data(), t = state.time();
   std::fill_n(q_sum_.get(), nq, 0.0);

@@ -1,5 +1,6 @@
 #pragma once
 // Joins a body to another mechanism, or to the ground, by a joint of any kind: a plastic impact in what the joint holds.
+#include <momentree/math/unit.hpp>
 #include <momentree/simulate/surgery.hpp>
 
 namespace momentree::actions {
@@ -29,6 +30,7 @@ struct Attach : ActionBase {
     JointSpec spec = joint.spec;
     for (const JointProblem& problem : check_joint(spec))
       return Verdict::refused(problem.field + ": " + problem.what, problem.hint);
+    if (at && !is_placement(*at)) return Verdict::refused("at: the placement must be finite, with a quaternion of length 1");
     if (info(spec.kind).axis) spec.axis = normalized(spec.axis);
     if (info(spec.kind).axis2) spec.axis2 = normalized(spec.axis2);
     return surgery.attach(one, other, spec, at);

@@ -1,5 +1,6 @@
 #pragma once
 // An impulsive wrench on a body, from outside.
+#include <momentree/math/unit.hpp>
 #include <momentree/simulate/surgery.hpp>
 
 namespace momentree::actions {
@@ -21,6 +22,8 @@ struct Impulse : ActionBase {
   Verdict apply(Surgery& surgery) const override {
     const int b = surgery.body(body);
     if (b < 0) return Verdict::refused("there is no body '" + body + "'");
+    for (const Vec3& a : {force, torque, point})
+      if (!is_finite(a)) return Verdict::refused("the impulse and its point must be finite numbers");
     surgery.push(b, force, torque, point);
     return Verdict::done();
   }

@@ -31,7 +31,8 @@ struct Lock : ActionBase {
  protected:
   unsigned mask() const {
     unsigned bits = freedoms.empty() ? ~0u : 0;
-    for (const int i : freedoms) bits |= 1u << i;
+    for (const int i : freedoms)
+      if (i >= 0 && i < 32) bits |= 1u << i;  // others are refused
     return bits;
   }
   std::string listed() const {

@@ -11,6 +11,7 @@ struct Distance : Quantity {
 
   std::string_view key() const override { return "distance"; }
   Dimension dimension() const override { return dimension::length; }
+  bool never_negative() const override { return true; }
   void fields(QuantityFields& fields) override {
     fields.point(0, 2, one, point_of_one);
     fields.point(1, 2, other, point_of_other);

@@ -10,6 +10,8 @@ struct KineticEnergy : Quantity {
 
   std::string_view key() const override { return "kinetic_energy"; }
   Dimension dimension() const override { return dimension::torque; }
+  bool never_negative() const override { return true; }
+  std::vector<std::string> mechanisms() const override { return {name}; }
   void fields(QuantityFields& fields) override { fields.mechanism(name); }
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     double energy = 0;

@@ -8,6 +8,7 @@ struct Reaction : Load {
   std::string component = "fx";
 
   std::string_view key() const override { return "reaction"; }
+  bool never_negative() const override { return false; }
   Dimension dimension() const override { return component.starts_with('m') ? dimension::torque : dimension::force; }
   void fields(QuantityFields& fields) override {
     fields.joint(joint);

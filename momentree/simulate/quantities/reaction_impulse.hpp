@@ -14,6 +14,7 @@ struct ReactionImpulse : Quantity {
   void fields(QuantityFields& fields) override { fields.joint(joint); }
   std::vector<std::string> joints() const override { return {joint}; }
   bool is_load() const override { return true; }
+  bool never_negative() const override { return true; }
   bool is_impulsive() const override { return true; }
   std::optional<double> value(const World&, std::span<const Event> now) const override {
     double most = 0;

@@ -1,0 +1,181 @@
+// What batches are given and can't be; and that their states and trees are told apart.
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/batch/batch.hpp>
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <tests/misuse.hpp>
+
+using namespace momentree;
+using namespace momentree::test;
+
+namespace {
+
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+
+Model chain(double mass = 1) {
+  Model model;
+  Body last = ground;
+  for (int k = 0; k < 3; ++k)
+    last = model.add({.name = "c/" + std::to_string(k),
+                      .mass = mass,
+                      .com = {0.1, 0, 0},
+                      .inertia = diagonal(0.1),
+                      .parent = last,
+                      .at = {k == 0 ? 0 : 0.2, 0, 0},
+                      .joint = Revolute{.axis = y_axis}});
+  return model;
+}
+
+std::string error_of(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const Error& error) {
+    return error.message();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("the worlds of a batch, looked at one after the other with one work, have energies of their own") {
+  constexpr int worlds = 9;
+  Batch batch(chain(), worlds);
+  for (int i = 0; i < worlds; ++i) batch.edit(i, [i](Tree&, State& state, Work<double>&) { state.edit().p[0] = i + 1; });
+  for (int i = 0; i < worlds; i += 2) batch.apply(i, Break{{2}});
+  for (int i = 0; i < worlds; i += 3) batch.apply(i, Lock{{1}});
+  REQUIRE(batch.groups() == 4);
+  std::vector<double> apart, together, copied;
+  for (int i = 0; i < worlds; ++i) {
+    const State state = batch.state(i);
+    Work<double> work(batch.tree(i));
+    apart.push_back(totals(batch.tree(i), state, work).kinetic);
+  }
+  Work<double> work(batch.tree(0));
+  for (int i = 0; i < worlds; ++i) {
+    const State state = batch.state(i);
+    together.push_back(totals(batch.tree(i), state, work).kinetic);
+  }
+  for (int i = 0; i < worlds; ++i) {
+    const Tree tree = batch.tree(i);
+    copied.push_back(totals(tree, batch.state(i), work).kinetic);
+  }
+  CHECK(apart == together);
+  CHECK(apart == copied);
+  for (int i = 1; i < worlds; ++i) CHECK(apart[static_cast<std::size_t>(i)] != apart[static_cast<std::size_t>(i - 1)]);
+}
+
+TEST_CASE("a state of one world is one of all worlds of its topology, and of no others") {
+  Batch batch(chain(), 4);
+  batch.apply(3, Break{{2}});
+  State state = batch.state(0);
+  state.edit().p[0] = 5;
+  batch.set_state(1, state);
+  CHECK(batch.state(1).p()[0] == 5);
+  batch.set_state(2, start_state(chain(), batch.tree(2)));
+  const char* const foreign = "the state is one for tree(world)";
+  check_stopped("a state of another topology", foreign, [&] { batch.set_state(3, batch.state(0)); });
+  check_stopped("a state of another batch", foreign, [&] { batch.set_state(0, Batch(chain(), 1).state(0)); });
+  check_stopped("a default state", foreign, [&] { batch.set_state(0, State()); });
+  check_stopped("a state that is being edited", "the state's Edit has ended", [&] {
+    const State::Edit edit = state.edit();
+    batch.set_state(0, state);
+  });
+}
+
+TEST_CASE("worlds, steps and efforts that are none") {
+  Batch batch(chain(), 3);
+  const char* const no_world = "the batch has this world";
+  for (const int world : {-1, 3, 1 << 30}) {
+    CAPTURE(world);
+    const Misuse all[] = {
+        {"time", no_world, [&] { static_cast<void>(batch.time(world)); }},
+        {"ran_away", no_world, [&] { static_cast<void>(batch.ran_away(world)); }},
+        {"tree", no_world, [&] { static_cast<void>(batch.tree(world)); }},
+        {"state", no_world, [&] { static_cast<void>(batch.state(world)); }},
+        {"set_state", no_world, [&] { batch.set_state(world, batch.state(0)); }},
+        {"set_effort", no_world, [&] { batch.set_effort(world, {0}, 0, 1); }},
+        {"apply", no_world, [&] { batch.apply(world, Break{{1}}); }},
+        {"edit", no_world, [&] { batch.edit(world, [](Tree&, State&, Work<double>&) {}); }},
+    };
+    for (const Misuse& misuse : all) check_stopped(misuse);
+  }
+  const char* const a_step = "a step that is finite and not negative";
+  const std::vector<double> two(2, 1e-3);
+  const Misuse all[] = {
+      {"a step that is no number", a_step, [&] { batch.step(no_number); }},
+      {"a step without end", a_step, [&] { batch.step(inf); }},
+      {"a step back", a_step, [&] { batch.step(-1e-3); }},
+      {"steps for other worlds", "one step for every world", [&] { batch.step(two); }},
+      {"one step that is no number", a_step,
+       [&] {
+         batch.step(std::vector<double>{0, no_number, 0});
+       }},
+      {"an effort on no body", "the body's joint has this freedom", [&] { batch.set_effort(0, {9}, 0, 1); }},
+      {"an effort on the ground", "the body's joint has this freedom", [&] { batch.set_effort(0, ground, 0, 1); }},
+      {"an effort on no freedom", "the body's joint has this freedom", [&] { batch.set_effort(0, {0}, 1, 1); }},
+      {"an effort that is no number", "a finite effort", [&] { batch.set_effort(0, {0}, 0, no_number); }},
+      {"a change of no body", "the tree has a body of that number", [&] { batch.apply(0, Lock{{9}}); }},
+      {"a moved-from batch", "was not moved from",
+       [&] {
+         const Batch moved = std::move(batch);
+         batch.step(1e-3);
+       }},
+  };
+  for (const Misuse& misuse : all) check_stopped(misuse);
+  CHECK(error_of([] { Batch(chain(), 0); }).find("at least one world") != std::string::npos);
+  CHECK(error_of([] { Batch(chain(), -5); }).find("at least one world") != std::string::npos);
+  for (const int threads : {-1, 1025, 1 << 30})
+    CHECK(error_of([threads] { Batch(chain(), 1, {.threads = threads}); }).find("threads") != std::string::npos);
+}
+
+TEST_CASE("edits") {
+  Batch batch(chain(), 3);
+  const char* const only = "an edit of a batch does nothing else with the batch but read it";
+  const auto in_edit = [&](auto act) {
+    return [&batch, act] { batch.edit(0, [&](Tree& tree, State& state, Work<double>& work) { act(batch, tree, state, work); }); };
+  };
+  check_fine("reads", in_edit([](Batch& b, Tree&, State&, Work<double>&) {
+               static_cast<void>(b.state(1));
+               static_cast<void>(b.tree(1).nq() + b.worlds() + b.time(2));
+             }));
+  const Misuse all[] = {
+      {"step", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { b.step(1e-3); })},
+      {"apply", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { b.apply(1, Break{{1}}); })},
+      {"edit", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { b.edit(1, [](Tree&, State&, Work<double>&) {}); })},
+      {"set_state", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { b.set_state(1, b.state(2)); })},
+      {"set_effort", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { b.set_effort(1, {0}, 0, 1); })},
+      {"move", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { const Batch other = std::move(b); })},
+      {"replace", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { b = Batch(chain(), 1); })},
+      {"a tree changed, its state not", "the edit leaves the state one of the tree",
+       in_edit([](Batch&, Tree& tree, State&, Work<double>&) { tree.detach(1); })},
+      {"a tree of another model", "the edit leaves the tree one of the batch's model",
+       in_edit([](Batch&, Tree& tree, State& state, Work<double>&) {
+         tree = Tree(chain(2));
+         state = State(tree);
+       })},
+      {"destroy", only,
+       [] {
+         auto own = std::make_unique<Batch>(chain(), 1);
+         own->edit(0, [&](Tree&, State&, Work<double>&) { own.reset(); });
+       }},
+  };
+  for (const Misuse& misuse : all) check_stopped(misuse);
+
+  const State before = batch.state(0);
+  CHECK_THROWS_AS(batch.edit(0,
+                             [](Tree& tree, State& state, Work<double>& work) {
+                               apply(Break{{1}}, tree, state, work);
+                               throw std::runtime_error("not that");
+                             }),
+                  std::runtime_error);
+  CHECK(batch.groups() == 1);
+  CHECK(std::equal(before.p().begin(), before.p().end(), batch.state(0).p().begin()));
+  batch.apply(0, Break{{1}});  // and it can be changed as before
+  CHECK(batch.groups() == 2);
+}

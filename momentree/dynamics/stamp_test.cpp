@@ -1,0 +1,251 @@
+// What was computed from one state and tree is never taken for another's, whenever and wherever they live.
+#include <memory>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/topology/change.hpp>
+#include <momentree/topology/snapshot.hpp>
+
+using namespace momentree;
+
+namespace {
+
+// v = p / (mass / 4 + 0.1)
+Model pendulum(double mass) {
+  Model model({.gravity = {}});
+  model.add({.name = "bob", .mass = mass, .com = {0.5, 0, 0}, .inertia = diagonal(0.1), .joint = Revolute{.axis = y_axis}});
+  return model;
+}
+double speed(const Tree& tree, const State& state, Work<double>& work) {
+  forward_dynamics(tree, state, work);
+  return work.v[0];
+}
+State with_momentum(const Tree& tree, double p) {
+  State state(tree);
+  state.edit().p[0] = p;
+  return state;
+}
+
+// Whether the end of an edit that has no name leaves something behind to write by.
+template <class S>
+concept gives_data = requires(S& state) {
+  state.edit().p.data();
+};
+template <class S>
+concept gives_iterator = requires(S& state) {
+  state.edit().p.begin();
+};
+
+}  // namespace
+
+TEST_CASE("states that live one after the other in one place are told apart") {
+  const Tree tree(pendulum(1));
+  Work<double> work(tree);
+  for (int i = 1; i <= 3; ++i) {
+    State state(tree);
+    state.edit().p[0] = i;
+    CHECK(speed(tree, state, work) == doctest::Approx(i / 0.35));
+  }
+  for (int i = 1; i <= 3; ++i) {
+    const State state = with_momentum(tree, i);
+    CHECK(speed(tree, state, work) == doctest::Approx(i / 0.35));
+    CHECK(totals(tree, state, work).kinetic == doctest::Approx(0.5 * i * i / 0.35));
+  }
+  std::optional<State> slot;
+  for (int i = 1; i <= 3; ++i) {
+    slot.emplace(with_momentum(tree, i));
+    CHECK(speed(tree, *slot, work) == doctest::Approx(i / 0.35));
+  }
+  for (int i = 1; i <= 3; ++i) {
+    const auto state = std::make_unique<State>(with_momentum(tree, i));
+    CHECK(speed(tree, *state, work) == doctest::Approx(i / 0.35));
+  }
+}
+
+TEST_CASE("trees that live one after the other, or side by side, are told apart: equal in shape, of other masses") {
+  std::optional<Work<double>> work;
+  for (int mass = 1; mass <= 3; ++mass) {
+    const Tree tree(pendulum(mass));
+    const State state = with_momentum(tree, 1);
+    if (!work) work.emplace(tree);
+    CHECK(speed(tree, state, *work) == doctest::Approx(1 / (0.25 * mass + 0.1)));
+  }
+  const Tree light(pendulum(1)), heavy(pendulum(4));
+  const State one = with_momentum(light, 1), other = with_momentum(heavy, 1);
+  for (int turn = 0; turn < 2; ++turn) {
+    CHECK(speed(light, one, *work) == doctest::Approx(1 / 0.35));
+    CHECK(speed(heavy, other, *work) == doctest::Approx(1 / 1.1));
+  }
+  CHECK(Tree(pendulum(1)).revision() != Tree(pendulum(1)).revision());
+}
+
+TEST_CASE("a copy of a tree is the same tree until one of them changes") {
+  Model model = pendulum(1);
+  model.add({.name = "tail",
+             .mass = 1,
+             .com = {0.5, 0, 0},
+             .inertia = diagonal(0.1),
+             .parent = {0},
+             .at = {1, 0, 0},
+             .joint = Revolute{}});
+  Tree tree(model);
+  const Tree copy = tree;
+  State state = with_momentum(tree, 1);
+  Work<double> work(tree);
+  const double both = speed(tree, state, work);
+  CHECK(copy.revision() == tree.revision());
+  CHECK(speed(copy, state, work) == both);
+  const State before = state;
+  apply(Break{{1}}, tree, state, work);
+  CHECK(copy.revision() != tree.revision());
+  CHECK(before.topology() == copy.revision());
+  CHECK(state.topology() == tree.revision());
+
+  Tree a = copy, b = copy;  // the same change of each is a change of its own
+  State of_a = before, of_b = before;
+  forward_dynamics(a, of_a, work);
+  apply(Lock{{1}}, a, of_a, work);
+  forward_dynamics(b, of_b, work);
+  apply(Lock{{1}}, b, of_b, work);
+  CHECK(a.revision() != b.revision());
+
+  const std::uint64_t was = a.revision();
+  const Tree moved = std::move(a);
+  CHECK(moved.revision() == was);
+  CHECK(a.revision() != was);  // NOLINT(bugprone-use-after-move): of no tree any more
+}
+
+TEST_CASE("copies of states, assignments and swaps") {
+  const Tree tree(pendulum(1));
+  Work<double> work(tree);
+  State one = with_momentum(tree, 1), two = with_momentum(tree, 2);
+  CHECK(speed(tree, one, work) == doctest::Approx(1 / 0.35));
+
+  const State copy = one;
+  CHECK(copy.stamp() != one.stamp());
+  CHECK(evaluated_on(tree, one, work));
+  CHECK_FALSE(evaluated_on(tree, copy, work));
+
+  State& self = one;
+  one = self;
+  CHECK(evaluated_on(tree, one, work));  // nothing happened to it
+
+  one = two;
+  CHECK_FALSE(evaluated_on(tree, one, work));
+  CHECK(speed(tree, one, work) == doctest::Approx(2 / 0.35));
+  two.edit().p[0] = 3;
+  one = two;
+  CHECK(speed(tree, one, work) == doctest::Approx(3 / 0.35));
+
+  two.edit().p[0] = 4;
+  CHECK(speed(tree, one, work) == doctest::Approx(3 / 0.35));
+  std::swap(one, two);
+  CHECK(speed(tree, one, work) == doctest::Approx(4 / 0.35));
+  CHECK(speed(tree, two, work) == doctest::Approx(3 / 0.35));
+
+  std::vector<State> many;  // which move as it grows
+  for (int i = 0; i < 10; ++i) many.push_back(with_momentum(tree, i));
+  for (int i = 0; i < 10; ++i) CHECK(speed(tree, many[static_cast<std::size_t>(i)], work) == doctest::Approx(i / 0.35));
+  many.erase(many.begin());
+  for (int i = 1; i < 10; ++i) CHECK(speed(tree, many[static_cast<std::size_t>(i - 1)], work) == doctest::Approx(i / 0.35));
+}
+
+TEST_CASE("a moved state keeps its stamp, and leaves none behind") {
+  const Tree tree(pendulum(1));
+  Work<double> work(tree);
+  State one = with_momentum(tree, 1);
+  CHECK(speed(tree, one, work) == doctest::Approx(1 / 0.35));
+  State moved = std::move(one);
+  CHECK(evaluated_on(tree, moved, work));
+  CHECK(one.topology() == 0);  // NOLINT(bugprone-use-after-move)
+  one = with_momentum(tree, 5);
+  CHECK_FALSE(evaluated_on(tree, one, work));
+  CHECK(speed(tree, one, work) == doctest::Approx(5 / 0.35));
+  CHECK(speed(tree, moved, work) == doctest::Approx(1 / 0.35));
+  State& self = moved;
+  moved = std::move(self);
+  CHECK(evaluated_on(tree, moved, work));
+  CHECK(moved.p()[0] == 1);
+}
+
+TEST_CASE("an edit makes stale what was evaluated before it and while it lived") {
+  const Tree tree(pendulum(1));
+  Work<double> work(tree);
+  State state(tree);
+  for (int i = 1; i <= 3; ++i) {
+    state.edit().p[0] = i;
+    CHECK(speed(tree, state, work) == doctest::Approx(i / 0.35));
+  }
+  {
+    const State::Edit edit = state.edit();
+    CHECK(state.being_edited());
+    CHECK_FALSE(evaluated_on(tree, state, work));
+    edit.p[0] = 4, edit.time = 1;
+    CHECK(speed(tree, state, work) == doctest::Approx(4 / 0.35));
+    edit.p[0] = 4.5;
+    CHECK(speed(tree, state, work) == doctest::Approx(4.5 / 0.35));
+    CHECK_FALSE(evaluated_on(tree, state, work));
+    CHECK(totals(tree, state, work).kinetic == doctest::Approx(0.5 * 4.5 * 4.5 / 0.35));
+    const State::Edit another = state.edit();
+    another.p[0] = 5;
+    CHECK(totals(tree, state, work).kinetic == doctest::Approx(0.5 * 25 / 0.35));
+    accelerate(tree, state, work);
+    another.p[0] = 4.9, edit.p[0] = 5;
+  }
+  CHECK_FALSE(state.being_edited());
+  CHECK(state.time() == 1);
+  CHECK(speed(tree, state, work) == doctest::Approx(5 / 0.35));
+  for (double& p : state.edit().p) p = 6;  // the edit lives as long as the loop
+  CHECK(speed(tree, state, work) == doctest::Approx(6 / 0.35));
+
+  // What the compiler refuses: to take along what can be written to.
+  using Writable = State::Edit::Writable;
+  CHECK_FALSE(std::is_copy_constructible_v<Writable>);
+  CHECK_FALSE(std::is_copy_constructible_v<State::Edit>);
+  CHECK_FALSE(gives_data<State>);
+  CHECK_FALSE(gives_iterator<State>);
+}
+
+TEST_CASE("a state that went back to a snapshot is another one, be it to the same numbers") {
+  Tree tree(pendulum(1));
+  Work<double> work(tree);
+  State state = with_momentum(tree, 1);
+  const Snapshot before = take(tree, state);
+  CHECK(speed(tree, state, work) == doctest::Approx(1 / 0.35));
+  state.edit().p[0] = 2;
+  CHECK(speed(tree, state, work) == doctest::Approx(2 / 0.35));
+  restore(before, tree, state);
+  CHECK_FALSE(evaluated_on(tree, state, work));
+  CHECK(speed(tree, state, work) == doctest::Approx(1 / 0.35));
+}
+
+TEST_CASE("a work knows locations and accelerations of one state too, and a moved-from work knows nothing") {
+  const Tree tree(pendulum(1));
+  Work<double> work(tree);
+  State one = with_momentum(tree, 1), two = with_momentum(tree, 2);
+  accelerate(tree, one, work);
+  CHECK(accelerated_on(tree, one, work));
+  CHECK_FALSE(accelerated_on(tree, two, work));
+  locate_bodies(tree, two, work);
+  CHECK_FALSE(accelerated_on(tree, one, work));
+  CHECK(work.bodies[0].velocity.w.z != 0);
+  const double w = work.bodies[0].velocity.w.z;
+  locate_bodies(tree, one, work);
+  CHECK(work.bodies[0].velocity.w.z == doctest::Approx(w / 2));
+
+  Work<double> other = std::move(work);
+  CHECK(evaluated_on(tree, one, other));
+  CHECK_FALSE(evaluated_on(tree, one, work));  // NOLINT(bugprone-use-after-move)
+  CHECK(work.capacity() == 0);
+  work = Work<double>(tree);
+  CHECK(speed(tree, one, work) == doctest::Approx(1 / 0.35));
+  CHECK(speed(tree, two, other) == doctest::Approx(2 / 0.35));
+}

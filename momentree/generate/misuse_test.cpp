@@ -1,0 +1,51 @@
+// What the generator is given and can't be.
+#include <doctest/doctest.h>
+
+#include <momentree/generate/compiler.hpp>
+#include <momentree/generate/kernel_cache.hpp>
+#include <momentree/generate/source.hpp>
+#include <momentree/simulate/simulation.hpp>
+#include <tests/misuse.hpp>
+
+using namespace momentree;
+using namespace momentree::test;
+
+TEST_CASE("expressions, sources and compilers") {
+  const char* const no_node = "a node of these expressions";
+  const Misuse all[] = {
+      {"a sum of no node", no_node, [] { Expressions().sum(0, 7); }},
+      {"a product of no node", no_node, [] { Expressions().product(-1, 0); }},
+      {"a sine of no node", no_node, [] { Expressions().sine(3); }},
+      {"operations of no node", no_node,
+       [] {
+         const int nodes[] = {0, 9};
+         static_cast<void>(Expressions().operations(nodes));
+       }},
+      {"an input that is none", "q and p are the inputs", [] { Expressions().input(Operation::sum, 0); }},
+      {"an input before the first", "an index into q or p", [] { Expressions().input(Operation::q, -1); }},
+      {"a source whose name is no identifier", "a name that is an identifier",
+       [] { static_cast<void>(kernel_source(KernelExpressions(), {.name = "x; system(\"id\");"})); }},
+      {"a library without a compiler", "a compiler, as find_compiler() returns it",
+       [] {
+         std::string why;
+         static_cast<void>(compile_library({}, "", why));
+       }},
+  };
+  for (const Misuse& misuse : all) check_stopped(misuse);
+}
+
+TEST_CASE("a cache that can do nothing says why, and simulations run all the same") {
+  Model model;
+  model.add({.name = "bob", .mass = 1, .com = {0.1, 0, 0}, .inertia = diagonal(0.1), .joint = Revolute{}});
+  for (const KernelCacheOptions& options : {KernelCacheOptions{.compiler = "/no/such/compiler"},
+                                            KernelCacheOptions{.most_operations = -1}, KernelCacheOptions{.most_topologies = 0}}) {
+    const KernelCache cache(options);
+    CHECK(cache.find(Tree(model)) == nullptr);
+    CHECK(cache.find(Tree()) == nullptr);
+    CHECK_FALSE(cache.message().empty());
+    Simulation sim(model);
+    sim.use_generated(cache.provider());
+    CHECK(sim.run_until(0.01) == Status::ok);
+    CHECK(cache.statistics().compiled == 0);
+  }
+}

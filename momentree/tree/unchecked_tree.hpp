@@ -1,0 +1,36 @@
+#pragma once
+// A tree as the recursions read it: by numbers that come from its own order, without checking that there are such bodies, which
+// would take a tenth of an evaluation.
+#include <momentree/tree/tree.hpp>
+
+namespace momentree {
+
+class UncheckedTree {
+ public:
+  UncheckedTree(const Tree& tree) : tree_(tree) {}  // NOLINT(google-explicit-constructor): the same tree
+  operator const Tree&() const { return tree_; }    // NOLINT(google-explicit-constructor)
+
+  int parent(int b) const { return tree_.parent_[at(b)]; }
+  int first_q(int b) const { return tree_.offsets_[at(b)].q; }
+  int first_p(int b) const { return tree_.offsets_[at(b)].p; }
+  int first_angle(int b) const { return tree_.offsets_[at(b)].angle; }
+  std::size_t record(int b) const { return tree_.offsets_[at(b)].record; }
+  const Link& link(int b) const { return tree_.links_[at(b)]; }
+  double subtree_mass(int b) const { return tree_.subtree_mass_[at(b)]; }
+  Kind kind(int b) const { return tree_.class_[at(b)].kind; }
+  Variant variant(int b) const { return tree_.class_[at(b)].variant; }
+
+  std::span<const int> order() const { return tree_.order(); }
+  std::span<const Segment> segments() const { return tree_.segments(); }
+  std::span<const TwinLinks> twin_links() const { return tree_.twin_links(); }
+  std::span<const unsigned char> flows() const { return tree_.flows(); }
+  std::span<const int> loaded_bodies() const { return tree_.loaded_bodies(); }
+  const double* armature() const { return tree_.armature(); }
+  const Vec3& gravity() const { return tree_.gravity(); }
+
+ private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  const Tree& tree_;
+};
+
+}  // namespace momentree
