@@ -23,6 +23,11 @@ std::span<const double> Moment::v(Body joint) const noexcept {
   return {work_->v.get() + tree_->first_p(b), static_cast<std::size_t>(info(tree_->joint(b).kind).nv)};
 }
 
+bool Moment::has_function(Body joint) const noexcept {
+  const int b = carrier(*tree_, joint);
+  return b >= 0 && tree_->function(b) != nullptr;
+}
+
 BodyMotion Moment::motion(Body body) const noexcept {
   if (body.index < 0 || body.index >= tree_->bodies() || !tree_->alive(body.index)) return {};
   if (!located_) locate_stage(*tree_, q_, *work_);

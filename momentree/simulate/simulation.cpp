@@ -56,6 +56,8 @@ Simulation::Scheduled Simulation::every(double period, double from) {
   return Scheduled(*impl_, impl_->schedule(std::move(entry)));
 }
 
+void Simulation::expect_joints(const std::vector<std::string>& names) { impl_->expected.insert(names.begin(), names.end()); }
+
 Simulation::Scheduled& Simulation::Scheduled::then(Action action) {
   impl_->check_names(action->joints(), action->bodies());
   impl_->agenda.entries[event_].event.actions.push_back(std::move(action));
@@ -96,6 +98,7 @@ void Simulation::set_gravity(Vec3 gravity) {
   const SimulationSnapshot now = impl_->snapshot();
   auto other = std::make_unique<Impl>(model, impl_->integration);
   other->agenda = std::move(impl_->agenda);
+  other->expected = std::move(impl_->expected);
   other->events = std::move(impl_->events);
   const Totals before = impl_->world.totals();
   other->go_back(now);
@@ -141,6 +144,7 @@ void Simulation::undo(std::size_t number, bool again) {
 Simulation Simulation::branch() const {
   Simulation other(impl_->world.first_model(), impl_->integration);
   other.impl_->agenda = impl_->agenda;
+  other.impl_->expected = impl_->expected;
   other.impl_->events = impl_->events;
   other.impl_->go_back(impl_->snapshot());
   other.impl_->balance.initial = impl_->balance.initial;

@@ -121,6 +121,9 @@ class Simulation {
   /// At `from` and every `period` seconds from then on.
   Scheduled every(double period, double from = 0);
 
+  /// Joints of these names will come to be, made by events that are scheduled later: conditions and actions may name them now.
+  void expect_joints(const std::vector<std::string>& names);
+
   /// Does actions now, as an event of this name (empty: by its place). Throws Error where one is impossible: nothing then
   /// happened.
   const Event& apply(std::span<const Action> actions, std::string name = {});

@@ -389,7 +389,7 @@ struct Simulation::Impl {
     for (const std::string& body : bodies)
       if (body != "ground" && !model.has_body(body)) return unknown("body", body, &BodySpec::name);
     for (const std::string& joint : joints) {
-      if (model.has_joint(joint) || world.find_joint(joint) >= 0) continue;
+      if (model.has_joint(joint) || world.find_joint(joint) >= 0 || expected.contains(joint)) continue;
       const std::size_t tail = joint.rfind("~free");
       if (model.has_body(tail == std::string::npos ? joint : joint.substr(0, tail))) continue;
       const auto made = [&](const Agenda::Entry& e) {
@@ -458,6 +458,7 @@ struct Simulation::Impl {
   EnergyBalance balance;
   RunStatistics statistics;
   Agenda agenda;
+  std::set<std::string> expected;  // names of joints that events will make
   struct Past {
     std::size_t events;  ///< how many had happened before
     SimulationSnapshot before;
