@@ -150,7 +150,7 @@ void Session::schedule() {
     events.push_back(&event);
   }
   if (from_document_) schedule_followers(events);
-  scheduled_ = io::schedule(simulation_, std::move(events));
+  scheduled_ = io::schedule(simulation_, std::move(events), scenario_.events);
   std::vector<io::EventProblem> problems = scheduled_.problems;
   if (problems.empty() && from_document_) {  // else the reader has tried them
     const auto line = [](Place place) { return format("line %d", place.line); };

@@ -17,6 +17,11 @@ Numbers Moment::v(Body joint) const noexcept {
   return Numbers(work_->v.get() + tree_->first_p(b), static_cast<std::size_t>(info(tree_->joint(b).kind).nv));
 }
 
+bool Moment::has_function(Body joint) const noexcept {
+  const int b = carrier(*tree_, joint);
+  return b >= 0 && tree_->function(b) != nullptr;
+}
+
 BodyMotion Moment::motion(Body body) const noexcept {
   MT_REQUIRE(body.index >= ground.index && body.index < tree_->bodies(), "the world has or had a body of that number");
   if (body == ground || !tree_->alive(body.index)) return {};

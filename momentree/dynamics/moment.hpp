@@ -24,6 +24,8 @@ class Moment {
   /// Coordinates and velocities of the joint of that number, in its declared direction; empty where it left the world.
   Numbers q(Body joint) const noexcept;
   Numbers v(Body joint) const noexcept;
+  /// True where a function drives the joint of that number: false once it broke or became another.
+  bool has_function(Body joint) const noexcept;
   /// Frame of a body; the world's origin at rest for the ground and for a body that left the world.
   BodyMotion motion(Body body) const noexcept;
 

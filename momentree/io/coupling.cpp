@@ -15,26 +15,37 @@ struct End {
   double share;  ///< of the spring's effort: 1 on the joint, −multiplier on its leader
 
   double effort(const Moment& moment) const noexcept {
+    // A joint that broke or became another lost its function. Whatever joint has its number now, it is not coupled.
+    if (!moment.has_function(coupling.joint) || !moment.has_function(coupling.leader)) return 0;
     const auto q = moment.q(coupling.joint), v = moment.v(coupling.joint);
     const auto q0 = moment.q(coupling.leader), v0 = moment.v(coupling.leader);
-    if (q.size() != 1 || q0.size() != 1) return 0;  // one of them broke, or has more freedoms now
     const double apart = q[0] - coupling.multiplier * q0[0] - coupling.offset, rate = v[0] - coupling.multiplier * v0[0];
     return -share * (coupling.stiffness * apart + coupling.damping * rate);
   }
 };
 
+bool same(const Pose& a, const Pose& b) {
+  const Quat &r = a.rotation, &s = b.rotation;
+  return a.position == b.position && r.w == s.w && r.x == s.x && r.y == s.y && r.z == s.z;
+}
+
+// False for a joint that broke or became another before the run began.
 bool as_in_the_model(const World& world, Body joint) {
-  return world.tree().carrier(joint.index) >= 0 && world.joint(joint).kind == world.model()[joint].joint.kind;
+  if (world.tree().carrier(joint.index) < 0) return false;
+  const JointView now = world.joint(joint);
+  const BodySpec& then = world.model()[joint];
+  return now.name == then.joint_name && now.child == joint && now.parent == then.parent && now.kind == then.joint.kind &&
+         now.axis == then.joint.axis && now.pitch == then.joint.pitch && same(now.at, then.at) &&
+         same(now.child_at, then.child_at);
 }
 
 }  // namespace
 
 void couple(Simulation& simulation, const std::vector<JointCoupling>& couplings) {
   std::map<int, std::vector<End>> ends;  // a joint may have several
-  for (const JointCoupling& each : couplings) {
-    if (!as_in_the_model(simulation.world(), each.joint) || !as_in_the_model(simulation.world(), each.leader)) continue;
-    ends[each.joint.index].push_back({each, 1});
-    ends[each.leader.index].push_back({each, -each.multiplier});
+  for (const JointCoupling& each : couplings) {  // where one end is gone the other one stays, as in a run: it then does nothing
+    if (as_in_the_model(simulation.world(), each.joint)) ends[each.joint.index].push_back({each, 1});
+    if (as_in_the_model(simulation.world(), each.leader)) ends[each.leader.index].push_back({each, -each.multiplier});
   }
   std::vector<JointDriver> drivers;
   for (auto& [joint, acting] : ends)

@@ -105,10 +105,14 @@ void check_couplings(Reading& reading) {
   std::unordered_set<std::string_view> coupled;
   for (const JointCoupling& each : reading.scenario.couplings)
     for (const Body joint : {each.joint, each.leader}) coupled.insert(model[joint].joint_name);
-  for (const Reading::JointUse& use : reading.joint_uses)
-    if (use.key == "change" && coupled.contains(use.name))
-      reading.out.error(use.place, "change: joint " + in_quotes(use.name) + " is coupled to another",
-                        "coupled joints may break, lock and come free, but not become others");
+  for (const ScenarioEvent& event : reading.scenario.events)
+    for (std::size_t a = 0; a < event.actions.size(); ++a) {
+      if (event.actions[a]->key() != "change") continue;
+      for (const std::string& joint : event.actions[a]->joints())
+        if (coupled.contains(joint))
+          reading.out.error(event.places[a], "change: joint " + in_quotes(joint) + " is coupled to another",
+                            "coupled joints may break, lock and come free, but not become others");
+    }
 }
 
 }  // namespace momentree::io

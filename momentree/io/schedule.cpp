@@ -161,7 +161,16 @@ Schedule with_followers(std::vector<const ScenarioEvent*> events, const Simulati
 
 }  // namespace
 
-Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> events) {
+Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> events, const std::vector<ScenarioEvent>& past) {
+  std::vector<std::string> made;
+  const auto note = [&made](const ScenarioEvent& event) {
+    for (std::size_t a = 0; a < event.actions.size(); ++a)
+      if (std::string name = made_joint_name({event.name, event.named, event.actions}, a); !name.empty())
+        made.push_back(std::move(name));
+  };
+  for (const ScenarioEvent* event : events) note(*event);
+  for (const ScenarioEvent& event : past) note(event);
+  simulation.expect_joints(made);
   std::stable_sort(events.begin(), events.end(), [](const auto* a, const auto* b) { return a->time < b->time; });
   Schedule all = with_followers(std::move(events), simulation);
   for (const ScenarioEvent* event : all.events) {

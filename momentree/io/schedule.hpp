@@ -20,7 +20,8 @@ struct Schedule {
   std::vector<const ScenarioEvent*> events;
   std::vector<EventProblem> problems;  ///< unknown names
 };
-Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> events);
+/// Their conditions and actions may name joints that any of them makes, or one of `past`: events that have happened already.
+Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> events, const std::vector<ScenarioEvent>& past = {});
 
 /// Carries everything out that is scheduled (Simulation::rehearse): what will be impossible, or will do nothing though it was
 /// named without a wildcard. `name_of` says where a second place is: "line 12".

@@ -2,6 +2,7 @@
 // What is to happen: events with their instants or conditions, and what became of them so far.
 #include <cmath>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,7 +42,8 @@ class Agenda {
     Approach nearest;                                                       ///< since the start or the last restore
   };
 
-  std::vector<Entry> entries;  ///< in the order of scheduling
+  std::vector<Entry> entries;      ///< in the order of scheduling
+  std::set<std::string> expected;  ///< names of joints that events will make
   /// Those of places behind them are of the strengths of joints, good until the world next changes.
   Entry& at(std::size_t place) { return place < entries.size() ? entries[place] : strengths_[place - entries.size()].entry; }
 

@@ -51,7 +51,7 @@ std::optional<Error> unknown_name(const World& world, const Agenda& agenda, cons
   for (const std::string& body : bodies)
     if (body != "ground" && !model.has_body(body)) return unknown("body", body, &BodySpec::name);
   for (const std::string& joint : joints) {
-    if (model.has_joint(joint) || world.find_joint(joint) >= 0) continue;
+    if (model.has_joint(joint) || world.find_joint(joint) >= 0 || agenda.expected.contains(joint)) continue;
     const std::size_t tail = joint.rfind("~free");
     if (model.has_body(tail == std::string::npos ? joint : joint.substr(0, tail))) continue;
     const auto made = [&](const Agenda::Entry& e) {

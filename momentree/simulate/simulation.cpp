@@ -101,6 +101,10 @@ std::shared_ptr<Simulation::Impl> Simulation::Scheduled::impl() const {
   return impl;
 }
 
+void Simulation::expect_joints(const std::vector<std::string>& names) {
+  scheduling().agenda.expected.insert(names.begin(), names.end());
+}
+
 Simulation::Scheduled& Simulation::Scheduled::then(Action action) {
   const std::shared_ptr<Impl> all = impl();
   Agenda::Entry& entry = all->agenda.entries[event_];

@@ -138,6 +138,9 @@ class Simulation {
   /// can resolve.
   Scheduled every(double period, double from = 0);
 
+  /// Joints of these names will come to be, made by events that are scheduled later: conditions and actions may name them now.
+  void expect_joints(const std::vector<std::string>& names);
+
   /// Does actions now, as an event of this name (empty: by its place), and returns the event. Throws Error where one is
   /// impossible: nothing then happened.
   Event apply(std::span<const Action> actions, std::string name = {});

@@ -10,7 +10,7 @@ namespace momentree {
 
 namespace {
 
-enum Special : unsigned char { spring = 1, quaternion = 2, force = 4, drive = 8, driven = 16, strength = 32 };
+enum Special : unsigned char { spring = 1, quaternion = 2, force = 4, drive = 8, driven = 16, strength = 32, function_driven = 64 };
 
 Variant variant_of(unsigned locked, bool rotor, bool reversed, bool turns_about_z) {
   const bool turned = reversed && !turns_about_z;  // others are native against their direction
@@ -142,7 +142,7 @@ void Tree::pack(int b) {
   const bool drives = given.drive || joint.function >= 0;
   special_[at(joint_of_[at(b)])] =
       static_cast<unsigned char>((given.spring ? spring : 0) | (given.force ? force : 0) | (kind.nq > kind.nv ? quaternion : 0) |
-                                 (drives ? drive : 0) | (locks.driven != 0 ? driven : 0) | (given.strength ? strength : 0));
+                                 (drives ? drive : 0) | (joint.function >= 0 ? function_driven : 0) | (locks.driven != 0 ? driven : 0) | (given.strength ? strength : 0));
 }
 
 void Tree::copy_with_rotors(const Tree& other) {
@@ -199,6 +199,7 @@ void Tree::list_special_joints() {
     if ((s & strength) != 0) strength_joints_.push_back(carrier_[j]);
   }
   has_forces_ = (all & force) != 0;
+  has_functions_ = (all & function_driven) != 0;
 }
 
 // Writes the tree of `root` into the order, from `place` on; returns where it ends. Without a stack: a chain of a million bodies

@@ -198,8 +198,8 @@ class Tree {
   }
   /// Bodies whose joint has a strength.
   std::span<const int> strength_joints() const { return strength_joints_; }
-  /// True where a function drives a joint or did.
-  bool has_functions() const { return !functions_.empty(); }
+  /// True where a function drives a joint now: what did so before must not show.
+  bool has_functions() const { return has_functions_; }
   /// The function that drives b's joint, or null.
   const JointFunction* function(int b) const {
     const int i = joint(b).function;
@@ -381,7 +381,7 @@ class Tree {
   // Packed, by angle and by freedom.
   Reserved<int> angle_q_;
   Reserved<double> angle_offset_, armature_, damping_, effort_;
-  bool has_forces_ = false, has_twins_ = false;
+  bool has_forces_ = false, has_functions_ = false, has_twins_ = false;
   std::vector<Topology::Loaded> body_functions_;
   Reserved<int> loaded_;
   std::vector<unsigned char> loaded_mark_;  // scratch, by body

@@ -1,0 +1,32 @@
+// Random scenarios, run in many ways: `random_scenarios SEED` shows one and checks it, `random_scenarios SEED COUNT` checks many.
+#include <cstdio>
+#include <cstdlib>
+
+#include <tests/fuzz/random_scenario.hpp>
+#include <tests/fuzz/scenario_laws.hpp>
+
+using namespace momentree::fuzz;
+
+int main(int argc, char** argv) {
+  if (argc != 2 && argc != 3) {
+    std::fprintf(stderr, "usage: random_scenarios SEED [COUNT]\n");
+    return 2;
+  }
+  const unsigned long first = std::strtoul(argv[1], nullptr, 10), count = argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 1;
+  Findings all;
+  int broken = 0;
+  for (unsigned long seed = first; seed < first + count; ++seed) {
+    Choices choose(seed);
+    const std::string text = random_scenario(choose);
+    if (argc == 2) std::printf("%s", text.c_str()), std::fflush(stdout);
+    all.broken.clear();
+    check_scenario(text, choose, all);
+    broken += !all.broken.empty();
+    for (const std::string& law : all.broken) std::printf("BROKEN seed %lu: %s\n", seed, law.c_str());
+    std::fflush(stdout);
+  }
+  for (const auto& [what, n] : all.counts) std::printf("%-50s %ld\n", what.c_str(), n);
+  for (const auto& [law, share] : all.worst) std::printf("%-60s worst %.2g of its tolerance\n", law.c_str(), share);
+  std::printf("%lu scenarios, %d with broken laws\n", count, broken);
+  return broken ? 1 : 0;
+}

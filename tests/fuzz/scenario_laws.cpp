@@ -1,0 +1,292 @@
+#include <tests/fuzz/scenario_laws.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <momentree/base/error.hpp>
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/io/convert/convert.hpp>
+#include <momentree/io/test_support.hpp>
+#include <momentree/io/text_file.hpp>
+#include <momentree/simulate/actions/impulse.hpp>
+
+namespace momentree::fuzz {
+
+void Findings::within(double error, double tolerance, const std::string& law, const std::string& detail) {
+  double& most = worst[law];
+  const double share = error / tolerance;
+  if (!(share <= most)) most = share;
+  char text[160];
+  std::snprintf(text, sizeof text, " (%.3e > %.3e)", error, tolerance);
+  require(error <= tolerance, law, detail + text);
+}
+
+namespace {
+
+constexpr long most_steps = 20'000;
+
+std::string rendered(const std::vector<std::string>& list) {
+  std::string all;
+  for (const std::string& each : list) all += each + "\n";
+  return all;
+}
+
+void require_same(const std::string& one, const std::string& other, const std::string& law, Findings& found) {
+  if (one != other) found.require(false, law, "\n" + difference(one, other));
+}
+
+/// A refusal says where and what.
+void check_refusal(const io::ReadResult& result, Findings& found) {
+  found.require(io::has_errors(result.diagnostics), "a scenario that is refused has an error");
+  for (const io::Diagnostic& each : result.diagnostics) {
+    if (each.severity != io::Severity::error) continue;
+    found.require(each.line > 0 && !each.what.empty(), "an error has its place and says what is wrong", each.message());
+    ++found.counts["refused: " + each.what];
+  }
+}
+
+double kinetic_scale(const Trace& run, const io::Scenario& scenario) {
+  const EnergyBalance& e = run.energy;
+  double mass = 0;
+  for (const BodySpec& body : scenario.model.bodies()) mass += body.mass;
+  return e.largest_kinetic + std::fabs(e.dissipated) + std::fabs(e.work) + std::fabs(e.lost_in_impacts) + std::fabs(e.released) +
+         mass * norm(scenario.model.gravity()) + std::fabs(e.final - e.initial) + 1e-9;
+}
+
+class Checker {
+ public:
+  Checker(const io::Scenario& scenario, Choices& choose, Findings& found) : scenario_(scenario), choose_(choose), found_(found) {}
+
+  void check() {
+    whole_ = traced_run(scenario_, {.until = scenario_.until, .most_steps = most_steps});
+    if (!whole_.refused.empty()) return found_.require(false, "a scenario that was read can begin", whole_.refused);
+    if (whole_.cut) {  // too stiff for its method: as far as it came
+      ++found_.counts["cut short"];
+      scenario_.until = whole_.time;
+      whole_ = traced_run(scenario_, {.until = scenario_.until, .most_steps = 2 * most_steps});
+    }
+    count();
+    check_status();
+    check_again();
+    check_certificates();
+    check_restarts();
+    check_snapshots();
+    check_documents();
+    check_conversion();
+    check_energy();
+  }
+
+ private:
+  void count() {
+    Counts& counts = found_.counts;
+    static const char* const statuses[] = {"ok", "diverged", "interrupted", "refused", "stalled"};
+    ++counts[std::string("status: ") + statuses[static_cast<int>(whole_.status)]];
+    std::map<std::string, std::string> triggers;
+    for (const io::ScenarioEvent& event : scenario_.events)
+      triggers[event.name] = event.condition        ? "when " + std::string(event.condition->what->key())
+                             : !event.after.empty() ? "after"
+                             : event.period > 0     ? "every"
+                                                    : "at";
+    double last = -1;
+    for (const Event& event : whole_.certificates) {
+      const auto trigger = triggers.find(event.name);
+      ++counts["trigger: " + (trigger != triggers.end() ? trigger->second : event.name.substr(0, event.name.find(' ')))];
+      for (const std::string& action : event.actions)
+        ++counts["action: " + action.substr(0, action.find(' ')) +
+                 (action.find(" skipped: ") != std::string::npos ? " skipped" : "")];
+      if (event.time == last) ++counts["several events at one instant"];
+      last = event.time;
+    }
+  }
+
+  void check_status() {
+    const bool good = whole_.status == Status::ok;
+    found_.require(good == whole_.message.empty(), "a run that fails says why", whole_.message);
+    found_.require(whole_.state.find("nan") == std::string::npos && whole_.state.find("inf") == std::string::npos,
+                   "the last state is finite");
+    if (good) found_.require(whole_.time == scenario_.until, "a run ends at its end");
+  }
+
+  void require_same_run(const Trace& other, const std::string& law) {
+    require_same(whole_.refused + whole_.message, other.refused + other.message, law + ": message", found_);
+    require_same(rendered(whole_.events), rendered(other.events), law + ": events", found_);
+    require_same(whole_.state, other.state, law + ": state", found_);
+    found_.require(whole_.rows == other.rows, law + ": rows");
+    found_.require(whole_.energy.error == other.energy.error && whole_.energy.work == other.energy.work &&
+                       whole_.energy.dissipated == other.energy.dissipated,
+                   law + ": energy");
+  }
+
+  void check_again() {
+    require_same_run(traced_run(scenario_, {.until = scenario_.until, .most_steps = 2 * most_steps}), "the same run again");
+  }
+
+  void check_certificates();
+  void check_restart(const Trace& first, const std::string& law);
+  void check_restarts();
+  void check_snapshots();
+  void check_documents();
+  void check_conversion();
+  void check_energy();
+
+  io::Scenario scenario_;
+  Choices& choose_;
+  Findings& found_;
+  Trace whole_;
+};
+
+// Energy and momentum of each event, by its own figures; and that they follow one another.
+void Checker::check_certificates() {
+  std::map<std::string, const actions::Impulse*> impulses;
+  for (const io::ScenarioEvent& event : scenario_.events)
+    for (const Action& action : event.actions)
+      if (const auto* impulse = dynamic_cast<const actions::Impulse*>(&*action)) impulses[event.name + action.text()] = impulse;
+  double mass = 0;
+  for (const BodySpec& body : scenario_.model.bodies()) mass += body.mass;
+  const Event* last = nullptr;
+  for (const Event& e : whole_.certificates) {
+    const std::string where = e.name + " at " + std::to_string(e.time);
+    const double size = std::fabs(e.before.kinetic) + std::fabs(e.before.potential) + std::fabs(e.after.kinetic) +
+                        std::fabs(e.after.potential) + std::fabs(e.lost) + std::fabs(e.released) + std::fabs(e.work);
+    const double rounding = 1e-11 * size;
+    found_.within(
+        std::fabs(e.after.kinetic + e.after.potential - e.before.kinetic - e.before.potential + e.lost + e.released - e.work),
+        rounding + 1e-300, "certificate: energy", where);
+    found_.within(-e.lost, rounding + 1e-300, "certificate: no impact gains energy", where);
+    Vec3 applied{};
+    for (const std::string& action : e.actions)
+      if (const auto found = impulses.find(e.name + action); found != impulses.end()) applied += found->second->force;
+    const Vec3 ground{e.ground_impulse[0], e.ground_impulse[1], e.ground_impulse[2]};
+    const double speed = std::sqrt(2 * std::max(e.before.kinetic, e.after.kinetic) * mass);
+    found_.within(norm(e.after.linear - e.before.linear - ground - applied),
+                  1e-10 * (speed + norm(ground) + norm(applied)) + 1e-300, "certificate: linear momentum", where);
+    if (last != nullptr && last->time == e.time) {
+      found_.within(std::fabs(last->after.kinetic + last->after.potential - e.before.kinetic - e.before.potential),
+                    rounding + 1e-300, "certificates of one instant follow one another: energy", where);
+      found_.within(norm(last->after.linear - e.before.linear), 1e-11 * speed + 1e-300,
+                    "certificates of one instant follow one another: momentum", where);
+    }
+    last = &e;
+  }
+}
+
+// A run that was stopped, and one that goes on from its state, are the run that went through.
+void Checker::check_restart(const Trace& first, const std::string& law) {
+  const io::test::TemporaryFolder folder;
+  const std::string file = folder / "state.json";
+  io::write_text_file(file, first.state);
+  const Trace second = traced_run(scenario_, {.state = file, .until = scenario_.until, .most_steps = 2 * most_steps});
+  ++found_.counts["restarts"];
+  const std::string at = law + " at " + std::to_string(first.time);
+  if (!second.refused.empty()) return found_.require(false, at + ": refused", second.refused);
+  std::vector<std::string> events = first.events;
+  events.insert(events.end(), second.events.begin(), second.events.end());
+  require_same(rendered(whole_.events), rendered(events), at + ": events", found_);
+  require_same(whole_.message, second.message, at + ": message", found_);
+  // Sums of work may differ by a rounding: steps are looked at again for peaks of what breaks a joint by itself.
+  const auto without_work = [](std::string text) {
+    const std::size_t from = text.find("\"integration\"");
+    if (from == std::string::npos) return text;
+    const std::size_t work = text.find("\"work\"", from);
+    return text.erase(work, text.find('\n', work) - work);
+  };
+  require_same(without_work(whole_.state), without_work(second.state), at + ": state", found_);
+  std::vector<std::string> rows;
+  for (std::size_t i = 0; i < whole_.rows.size(); ++i)
+    if (whole_.times[i] > first.time) rows.push_back(whole_.rows[i]);
+  std::vector<std::string> later;
+  for (std::size_t i = 0; i < second.rows.size(); ++i)
+    if (second.times[i] > first.time) later.push_back(second.rows[i]);
+  found_.require(rows == later, at + ": rows");
+  const double scale = kinetic_scale(whole_, scenario_);
+  found_.within(std::fabs(first.energy.dissipated + second.energy.dissipated - whole_.energy.dissipated), 1e-10 * scale,
+                law + ": dissipated", at);
+  found_.within(std::fabs(first.energy.work + second.energy.work - whole_.energy.work), 1e-10 * scale, law + ": work", at);
+}
+
+void Checker::check_restarts() {
+  if (whole_.rows.size() > 2) {
+    for (int left = 2; left > 0; --left) {
+      const double stop = whole_.times[static_cast<std::size_t>(choose_.integer(1, static_cast<int>(whole_.times.size()) - 1))];
+      if (scenario_.output_every > 0 && stop < whole_.time)  // else rows are also where conditions came true within a step
+        check_restart(traced_run(scenario_, {.until = stop, .most_steps = 2 * most_steps}), "restart from a row");
+    }
+  }
+  if (whole_.steps > 2) {
+    const long steps = choose_.integer(1, static_cast<int>(whole_.steps) - 1);
+    check_restart(traced_run(scenario_, {.until = scenario_.until, .most_steps = steps}), "restart after an interruption");
+  }
+}
+
+void Checker::check_snapshots() {}
+
+void Checker::check_documents() {
+  const io::test::TemporaryFolder folder;
+  const std::string file = folder / "state.json";
+  io::write_text_file(file, whole_.state);
+  try {
+    cli::Session session(scenario_, file);
+    session.schedule();
+    const StepMemory memory = is_adaptive(scenario_.integration.method) ? session.simulation().step_memory() : StepMemory{};
+    require_same(whole_.state, io::state_json(session.simulation().world(), session.armed(), memory),
+                 "a document read and written again", found_);
+  } catch (const Error& error) {
+    found_.require(whole_.status == Status::refused, "a document can be read again", error.message());
+  }
+}
+
+void Checker::check_conversion() {
+  std::string text;
+  try {
+    text = io::to_toml(scenario_, "").text;
+  } catch (const Error& error) {
+    return found_.require(false, "a scenario can be converted", error.message());
+  }
+  const io::ReadResult again = io::read_scenario_text(text, "converted.toml");
+  if (!again.scenario) return found_.require(false, "a converted scenario can be read", io::rendered(again.diagnostics));
+  require_same_run(traced_run(*again.scenario, {.until = scenario_.until, .most_steps = 2 * most_steps}), "converted");
+}
+
+// The balance closes, to what the method leaves; and with small steps to next to nothing.
+void Checker::check_energy() {
+  if (whole_.status != Status::ok) return;
+  const double scale = kinetic_scale(whole_, scenario_);
+  io::Scenario fine = scenario_;
+  fine.integration.method = "dop853", fine.integration.rtol = 1e-10, fine.integration.atol = 1e-12;
+  const Trace exact = traced_run(fine, {.until = scenario_.until, .most_steps = most_steps});
+  if (exact.refused.empty() && (exact.status == Status::ok || exact.cut))
+    found_.within(std::fabs(exact.energy.error), 1e-6 * kinetic_scale(exact, scenario_), "energy balance of an accurate run");
+  double error = std::fabs(whole_.energy.error);
+  fine = scenario_;
+  for (int refined = 0; error > 1e-6 * scale; ++refined) {
+    ++found_.counts["energy refined " + std::to_string(refined)];
+    if (refined == 3) {
+      char text[120];
+      std::snprintf(text, sizeof text, "%.3e, refined %.3e, scale %.3e", whole_.energy.error, error, scale);
+      return found_.require(false, "the energy balance closes with the step", text);
+    }
+    fine.integration.step /= 4, fine.integration.rtol /= 100, fine.integration.atol /= 100;
+    const Trace finer = traced_run(fine, {.until = scenario_.until, .most_steps = 64 * most_steps});
+    if (finer.cut || finer.status != Status::ok) return;
+    error = std::fabs(finer.energy.error);
+    if (error < 0.5 * std::fabs(whole_.energy.error)) return;
+  }
+}
+
+}  // namespace
+
+void check_scenario(const std::string& text, Choices& choose, Findings& found) {
+  ++found.counts["scenarios"];
+  try {
+    const io::ReadResult one = io::read_scenario_text(text, "random.toml"), other = io::read_scenario_text(text, "random.toml");
+    require_same(io::rendered(one.diagnostics), io::rendered(other.diagnostics), "reading it again", found);
+    if (one.scenario) return Checker(*one.scenario, choose, found).check();
+    ++found.counts["refused when read"];
+    check_refusal(one, found);
+  } catch (const Error& error) {
+    found.require(false, "nothing is thrown", error.message());
+  }
+}
+
+}  // namespace momentree::fuzz

@@ -1,0 +1,84 @@
+#include <tests/fuzz/traced_run.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <momentree/base/error.hpp>
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/io/results.hpp>
+
+namespace momentree::fuzz {
+
+namespace {
+
+void append(std::string& text, double value) {
+  char bits[sizeof value];
+  std::memcpy(bits, &value, sizeof value);
+  text.append(bits, sizeof bits);
+}
+
+}  // namespace
+
+std::string event_text(Event event) {
+  event.duration_ns = 0;
+  return io::event_json(event);
+}
+
+std::string row_text(const Simulation& simulation) {
+  const World& world = simulation.world();
+  std::string text;
+  append(text, world.time());
+  for (const BodyMotion& motion : world.motions()) {
+    const Quat& r = motion.pose.rotation;
+    const double sign = std::signbit(r.w) ? -1 : 1;  // that of a quaternion means nothing
+    for (const double x : {sign * r.w, sign * r.x, sign * r.y, sign * r.z}) append(text, x);
+    for (const Vec3& v : {motion.pose.position, motion.linear, motion.angular})
+      for (const double x : {v.x, v.y, v.z}) append(text, x);
+  }
+  return text;
+}
+
+std::string difference(const std::string& one, const std::string& other) {
+  const auto apart = std::mismatch(one.begin(), one.end(), other.begin(), other.end());
+  if (apart.first == one.end() && apart.second == other.end()) return "";
+  const auto around = [](const std::string& text, std::string::const_iterator at) {
+    const auto place = static_cast<std::size_t>(at - text.begin());
+    const std::size_t from = place > 400 ? place - 400 : 0;
+    return text.substr(from, place - from) + "<<<" + text.substr(place, 120);
+  };
+  return around(one, apart.first) + "\n--- but\n" + around(other, apart.second);
+}
+
+Trace traced_run(const io::Scenario& scenario, const RunPlan& plan) {
+  Trace trace;
+  std::unique_ptr<cli::Session> session;
+  try {
+    session = std::make_unique<cli::Session>(scenario, plan.state);
+    session->schedule();
+  } catch (const Error& error) {
+    trace.refused = error.message();
+    return trace;
+  }
+  Simulation& simulation = session->simulation();
+  simulation.observe(scenario.output_every, [&](const World& world) {
+    // Of two rows at one instant the later one counts: it is after the events.
+    if (!trace.times.empty() && trace.times.back() == world.time()) trace.times.pop_back(), trace.rows.pop_back();
+    trace.times.push_back(world.time());
+    trace.rows.push_back(row_text(simulation));
+    return true;
+  });
+  simulation.watch([&](double) { return ++trace.steps < plan.most_steps; });
+  trace.status = simulation.run_until(plan.until);
+  trace.cut = trace.status == Status::interrupted;
+  if (trace.status != Status::ok) trace.message = simulation.message();
+  trace.certificates = simulation.events();
+  for (const Event& event : trace.certificates) trace.events.push_back(event_text(event));
+  const StepMemory memory = is_adaptive(scenario.integration.method) ? simulation.step_memory() : StepMemory{};
+  trace.state = io::state_json(simulation.world(), session->armed(), memory);
+  trace.energy = simulation.energy();
+  trace.time = simulation.time();
+  return trace;
+}
+
+}  // namespace momentree::fuzz

@@ -1,0 +1,43 @@
+#pragma once
+// A run of a scenario, with all that can be compared of it.
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <cli/session.hpp>
+
+namespace momentree::fuzz {
+
+/// How a run goes.
+struct RunPlan {
+  std::string state{};         ///< the document to start from; empty: the scenario's start
+  double until = 0;            ///< s
+  long most_steps = 1L << 40;  ///< it is interrupted after so many
+};
+
+struct Trace {
+  Status status = Status::ok;
+  std::string message;
+  std::string refused;              ///< why it could not even begin; all else is empty then
+  std::string state;                ///< the document at the end
+  std::vector<std::string> events;  ///< as in events.jsonl, without wall-clock
+  std::vector<std::string> rows;    ///< time, coordinates, momenta and energies at each row
+  std::vector<double> times;        ///< of the rows
+  std::vector<Event> certificates;
+  EnergyBalance energy;
+  double time = 0, step_work = 0;
+  long steps = 0;
+  bool cut = false;  ///< by most_steps
+};
+
+Trace traced_run(const io::Scenario& scenario, const RunPlan& plan);
+
+/// One event as text, without what differs from run to run.
+std::string event_text(Event event);
+/// What a world is at an instant, with every bit.
+std::string row_text(const Simulation& simulation);
+/// What two texts differ in, for messages: the first place, with what is around it.
+std::string difference(const std::string& one, const std::string& other);
+
+}  // namespace momentree::fuzz
