@@ -157,7 +157,8 @@ void CommandLine::add_pages() {
   source(view_command, "source", view_.source, "DIR|SCENARIO|MODEL",
          "A result directory of `momentree run`, or a scenario or model; - is standard input")
       ->required();
-  view_command->add_option("--svg", view_.svg, "Draw frames of the run into this file (.svg; - is standard output) instead")->type_name("FILE");
+  view_command->add_option("--svg", view_.svg, "Draw frames of the run into this file (.svg; - is standard output) instead")
+      ->type_name("FILE");
   view_command
       ->add_option_function<std::string>(
           "--every", [this](const std::string& text) { view_.every = seconds_argument("--every", text); },

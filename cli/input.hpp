@@ -11,7 +11,8 @@ namespace momentree::cli {
 inline constexpr const char* standard_input = "<stdin>";
 inline bool is_standard_input(const std::string& path) { return path == "-"; }
 
-/// A scenario or a model. Throws Error where there is not enough memory. What standard input names is looked for in the current folder; whether it is a model its text says.
+/// A scenario or a model. Throws Error where there is not enough memory. What standard input names is looked for in the current
+/// folder; whether it is a model its text says.
 io::ReadResult read_input(const std::string& path, const std::vector<std::string>& overrides = {});
 /// The whole text of standard input. Throws Error where it is too large, or can't be read.
 std::string read_standard_input();

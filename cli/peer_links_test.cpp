@@ -68,8 +68,8 @@ std::vector<double> rates(const Model& model) {
   project_momentum(tree, q.data(), v.data(), p.data());
   state.assign(state.time(), q, p, tree);
   Work<double> work(tree);
-  evaluate_rates(tree, edit.q.data(), edit.p.data(), work);
-  std::vector<double> all(edit.p.begin(), edit.p.end());
+  evaluate_rates(tree, q.data(), p.data(), work);
+  std::vector<double> all = p;
   all.insert(all.end(), work.pdot.get(), work.pdot.get() + tree.nv());
   return all;
 }

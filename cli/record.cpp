@@ -57,8 +57,7 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, double 
   if (status != Status::ok && status != Status::interrupted) says = simulation.message();
   recorder.finish(says, session.armed());
   if (recorder.error()) fail(*recorder.error());
-  if (status != Status::ok && status != Status::interrupted)
-    show(stderr, printable(scenario.path) + ": error: " + says + '\n');
+  if (status != Status::ok && status != Status::interrupted) show(stderr, printable(scenario.path) + ": error: " + says + '\n');
   return {recorder.directory(), status == Status::ok ? done : status == Status::interrupted ? interrupted : failed};
 }
 

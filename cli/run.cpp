@@ -110,10 +110,9 @@ int run(const RunOptions& options) {
   if (options.json)
     std::fputs(recorder.summary().c_str(), stdout);
   else if (!options.quiet)
-    show(stdout,
-         report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, freedoms},
-                     simulation, Style::of_output()) +
-             "\nResults: " + printable(recorder.directory()) + (recorder.has_report() ? "/report.html\n" : "\n"));
+    show(stdout, report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, freedoms},
+                             simulation, Style::of_output()) +
+                     "\nResults: " + printable(recorder.directory()) + (recorder.has_report() ? "/report.html\n" : "\n"));
 
   if (const std::string advice = simulation.energy().advice(scenario->integration); ended == Status::ok && !advice.empty())
     show(stderr, printable(scenario->path) + ": warning: " + advice + '\n');
@@ -124,8 +123,7 @@ int run(const RunOptions& options) {
   if (error)
     show(stderr, (error->where.empty() ? "momentree: " : "") + error->message() + '\n');
   else
-    show(stderr,
-         printable(scenario->path) + (ended == Status::interrupted ? ": " : ": error: ") + recorder.status() + '\n');
+    show(stderr, printable(scenario->path) + (ended == Status::interrupted ? ": " : ": error: ") + recorder.status() + '\n');
   tell_where(recorder);
   return error || ended != Status::interrupted ? failed : interrupted;
 }

@@ -18,7 +18,7 @@ Numbers Moment::v(Body joint) const noexcept {
 }
 
 bool Moment::has_function(Body joint) const noexcept {
-  const int b = carrier(*tree_, joint);
+  const int b = tree_->carrier(joint.index);
   return b >= 0 && tree_->function(b) != nullptr;
 }
 

@@ -175,8 +175,9 @@ inline const char* stale_work(const State& state) {
                               : "the work was evaluated on this state and this tree as they are now: call forward_dynamics first";
 }
 inline const char* stale_accelerations(const State& state) {
-  return state.being_edited() ? edited_state
-                              : "the work has the accelerations of this state and this tree as they are now: call accelerate first";
+  return state.being_edited()
+             ? edited_state
+             : "the work has the accelerations of this state and this tree as they are now: call accelerate first";
 }
 inline constexpr const char* inside_function =
     "a function that an evaluation calls reads the Moment that it is given, nothing else";

@@ -25,8 +25,8 @@ class Library {
   std::shared_ptr<void> handle_;
 };
 
-/// Compiles the text of a C++20 file for this CPU, in a PrivateFolder, and loads it; the compiler is not empty. Where that fails the result is empty and
-/// `why` says so. Leaves nothing behind on the disk.
+/// Compiles the text of a C++20 file for this CPU, in a PrivateFolder, and loads it; the compiler is not empty. Where that fails
+/// the result is empty and `why` says so. Leaves nothing behind on the disk.
 Library compile_library(const std::vector<std::string>& compiler, const std::string& source, std::string& why);
 
 }  // namespace momentree

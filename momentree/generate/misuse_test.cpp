@@ -24,7 +24,7 @@ TEST_CASE("expressions, sources and compilers") {
       {"an input that is none", "q and p are the inputs", [] { Expressions().input(Operation::sum, 0); }},
       {"an input before the first", "an index into q or p", [] { Expressions().input(Operation::q, -1); }},
       {"a source whose name is no identifier", "a name that is an identifier",
-       [] { static_cast<void>(kernel_source(KernelExpressions(), {.name = "x; system(\"id\");"})); }},
+       [] { static_cast<void>(kernel_source(KernelExpressions(), {.name = "x; system(\"id\");", .about = ""})); }},
       {"a library without a compiler", "a compiler, as find_compiler() returns it",
        [] {
          std::string why;
@@ -37,11 +37,14 @@ TEST_CASE("expressions, sources and compilers") {
 TEST_CASE("a cache that can do nothing says why, and simulations run all the same") {
   Model model;
   model.add({.name = "bob", .mass = 1, .com = {0.1, 0, 0}, .inertia = diagonal(0.1), .joint = Revolute{}});
-  for (const KernelCacheOptions& options : {KernelCacheOptions{.compiler = "/no/such/compiler"},
-                                            KernelCacheOptions{.most_operations = -1}, KernelCacheOptions{.most_topologies = 0}}) {
+  KernelCacheOptions no_compiler, no_operations, no_topologies;
+  no_compiler.compiler = "/no/such/compiler";
+  no_operations.most_operations = -1;
+  no_topologies.most_topologies = 0;
+  for (const KernelCacheOptions& options : {no_compiler, no_operations, no_topologies}) {
     const KernelCache cache(options);
-    CHECK(cache.find(Tree(model)) == nullptr);
-    CHECK(cache.find(Tree()) == nullptr);
+    CHECK((cache.find(Tree(model)) == nullptr) == true);
+    CHECK((cache.find(Tree()) == nullptr) == true);
     CHECK_FALSE(cache.message().empty());
     Simulation sim(model);
     sim.use_generated(cache.provider());

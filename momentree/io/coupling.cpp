@@ -42,7 +42,7 @@ bool as_in_the_model(const World& world, Body joint) {
 }  // namespace
 
 void couple(Simulation& simulation, const std::vector<JointCoupling>& couplings) {
-  std::map<int, std::vector<End>> ends;  // a joint may have several
+  std::map<int, std::vector<End>> ends;          // a joint may have several
   for (const JointCoupling& each : couplings) {  // where one end is gone the other one stays, as in a run: it then does nothing
     if (as_in_the_model(simulation.world(), each.joint)) ends[each.joint.index].push_back({each, 1});
     if (as_in_the_model(simulation.world(), each.leader)) ends[each.leader.index].push_back({each, -each.multiplier});

@@ -178,8 +178,8 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
       if (event->condition) return simulation.when(*event->condition);
       if (!event->after.empty()) return simulation.after(event->after, event->delay);
       if (event->period > 0) {
-        const double past = std::max(0.0, std::ceil((simulation.time() - event->time) / event->period));
-        return simulation.every(event->period, event->time + past * event->period);
+        const double periods = std::max(0.0, std::ceil((simulation.time() - event->time) / event->period));
+        return simulation.every(event->period, event->time + periods * event->period);
       }
       return simulation.at(event->time);
     }();

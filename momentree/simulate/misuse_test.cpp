@@ -231,12 +231,12 @@ TEST_CASE("a document that is of another world") {
   few.places.resize(2);
   loop.places = {{1, 0, false}, {0, 1, false}, {-1, 2, false}, {2, 3, false}};
   holds.holds = {{0, 3, 1}};
-  check_fine("of this one", restored(1, {}, {{.joint = {0}, .q = 0.5}}));
+  check_fine("of this one", restored(1, {}, {{{0}, 0.5, {}, {}}}));
   const Misuse all[] = {
       {"a time that is none", "a finite time", restored(no_number, {}, {})},
-      {"a joint that it has not", "the joint is in this world", restored(0, {}, {{.joint = {9}, .q = 1}})},
-      {"too many coordinates", "as many numbers as the joint has", restored(0, {}, {{.joint = {0}, .q = {1, 2}}})},
-      {"too few velocities", "as many numbers as the joint has", restored(0, {}, {{.joint = {3}, .v = {1, 2}}})},
+      {"a joint that it has not", "the joint is in this world", restored(0, {}, {{{9}, 1, {}, {}}})},
+      {"too many coordinates", "as many numbers as the joint has", restored(0, {}, {{{0}, {1, 2}, {}, {}}})},
+      {"too few velocities", "as many numbers as the joint has", restored(0, {}, {{{3}, {}, {1, 2}, {}}})},
       {"other bodies", "compiled from the same model", restored(0, few, {})},
       {"a loop", "every body hangs on the ground", restored(0, loop, {})},
       {"a stop of a freedom that it has not", "a freedom that the joint has", restored(0, holds, {})},

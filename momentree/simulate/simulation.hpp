@@ -32,7 +32,7 @@ struct Integration {
 
 /// `refused`: an action was impossible; the world is as it was before its instant, and message() says which and why.
 /// `stalled`: hundreds of thousands of steps, or events without end, took the run next to nowhere; message() says what to do.
-enum class [[nodiscard]] Status { ok, diverged, interrupted, refused, stalled };
+enum class [[nodiscard]] Status{ok, diverged, interrupted, refused, stalled};
 
 /// Wall-clock and counts as in the paper's Table 2, [0] before and [1] after the first topology change.
 struct RunStatistics {

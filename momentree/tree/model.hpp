@@ -7,8 +7,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include <momentree/base/copy_on_write.hpp>
 #include <momentree/base/check.hpp>
+#include <momentree/base/copy_on_write.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/math/vec.hpp>

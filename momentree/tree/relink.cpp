@@ -10,7 +10,15 @@ namespace momentree {
 
 namespace {
 
-enum Special : unsigned char { spring = 1, quaternion = 2, force = 4, drive = 8, driven = 16, strength = 32, function_driven = 64 };
+enum Special : unsigned char {
+  spring = 1,
+  quaternion = 2,
+  force = 4,
+  drive = 8,
+  driven = 16,
+  strength = 32,
+  function_driven = 64
+};
 
 Variant variant_of(unsigned locked, bool rotor, bool reversed, bool turns_about_z) {
   const bool turned = reversed && !turns_about_z;  // others are native against their direction
@@ -140,9 +148,9 @@ void Tree::pack(int b) {
   class_[at(b)].kind = joint.kind;
   class_[at(b)].variant = variant_of(locks.locked, given.rotor, reversed_[at(b)] != 0, kind.turns_about_z);
   const bool drives = given.drive || joint.function >= 0;
-  special_[at(joint_of_[at(b)])] =
-      static_cast<unsigned char>((given.spring ? spring : 0) | (given.force ? force : 0) | (kind.nq > kind.nv ? quaternion : 0) |
-                                 (drives ? drive : 0) | (joint.function >= 0 ? function_driven : 0) | (locks.driven != 0 ? driven : 0) | (given.strength ? strength : 0));
+  special_[at(joint_of_[at(b)])] = static_cast<unsigned char>(
+      (given.spring ? spring : 0) | (given.force ? force : 0) | (kind.nq > kind.nv ? quaternion : 0) | (drives ? drive : 0) |
+      (joint.function >= 0 ? function_driven : 0) | (locks.driven != 0 ? driven : 0) | (given.strength ? strength : 0));
 }
 
 void Tree::copy_with_rotors(const Tree& other) {

@@ -39,7 +39,8 @@ class State {
     if (edits_ != 0) ++serial_;
     return {number_, serial_, topology_};
   }
-  /// True while an Edit of it is alive: it is evaluated anew each time then, and can't be changed, assigned to or moved otherwise.
+  /// True while an Edit of it is alive: it is evaluated anew each time then, and can't be changed, assigned to or moved
+  /// otherwise.
   bool being_edited() const { return edits_ != 0; }
 
   class Edit;

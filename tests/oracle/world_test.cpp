@@ -18,7 +18,7 @@ Real apart(const Vec3& a, const V3<Real>& b) { return size(V3<Real>{{a.x, a.y, a
 double length(const Vec3& a) { return norm(a); }
 
 /// All joints' numbers one after the other, by body number.
-std::vector<double> gather(const World& world, std::span<const double> JointView::*which) {
+std::vector<double> gather(const World& world, Numbers JointView::*which) {
   std::vector<double> all;
   for (int b = 0; b < world.model().size(); ++b) {
     const JointView joint = world.joint({b});
