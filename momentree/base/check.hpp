@@ -1,14 +1,9 @@
 #pragma once
 // MT_REQUIRE(condition, "what was expected"): a developer's mistake stops the program, in every build:
 // a stale Work read by a topology change gives a wrong answer silently otherwise. Not for use inside kernels.
-#include <cstdio>
-#include <cstdlib>
 
 namespace momentree::detail {
-[[noreturn]] inline void require_failed(const char* condition, const char* expected, const char* file, int line) noexcept {
-  std::fprintf(stderr, "%s:%d: momentree was used wrongly: %s (%s)\n", file, line, expected, condition);
-  std::abort();
-}
+[[noreturn]] void require_failed(const char* condition, const char* expected, const char* file, int line) noexcept;
 }  // namespace momentree::detail
 
 #define MT_REQUIRE(condition, expected) \

@@ -302,7 +302,7 @@ std::string name_of(const Dimension& d) {
 std::string example_of(const Dimension& d) {
   for (const NamedDimension& n : named_dimensions)
     if (n.dimension == d) return *n.with_unit == '\0' ? n.plain : std::string(n.plain) + ", or \"" + n.with_unit + "\"";
-  return "a number in SI units";
+  return "2, in SI units";
 }
 
 std::optional<double> parse_quantity(std::string_view text, const Dimension& expected, QuantityProblem& problem) {

@@ -220,10 +220,11 @@ Batch::Out& Batch::take_out(int world) {
 void Batch::put_back(int world) {
   const Impl::Seat from = impl_->seat(world);
   const Out& out = impl_->out;
-  MT_REQUIRE(out.state.topology() == out.tree.revision(), "the edit leaves the state one of the tree");
   MT_REQUIRE(!out.state.being_edited(), edited_state);
-  if (out.tree.revision() != from.group->tree().revision()) {
-    batch::check(out.tree);
+  const bool changed = out.tree.revision() != from.group->tree().revision();
+  if (changed) batch::check(out.tree);  // throws Error for what batches do not have
+  MT_REQUIRE(out.state.topology() == out.tree.revision(), "the edit leaves the state one of the tree");
+  if (changed) {
     auto& efforts = impl_->efforts[static_cast<std::size_t>(world)];
     const Tree& before = from.group->tree();
     std::erase_if(efforts, [&](const batch::ExtraEffort& e) {

@@ -106,7 +106,7 @@ TEST_CASE("symbolic links lead no model out of its folder") {
   }
   for (const char* name : {"out/secret", "package://out/secret", "out/../beside/secret"}) {
     folder.write("here/r.urdf", robot(name));
-    CHECK_MESSAGE(has(folder.said("here/r.urdf"), ("warning: a mesh" + leads_out + ": pictures leave it out").c_str()),
+    CHECK_MESSAGE(has(folder.said("here/r.urdf"), ("note: a mesh" + leads_out + ": pictures leave it out").c_str()),
                   folder.said("here/r.urdf"));
   }
   for (const char* name : {"in/a.stl", "package://meshes/a.stl", "package://robot/in/a.stl", "meshes/../in/a.stl"}) {
@@ -120,7 +120,7 @@ TEST_CASE("a model that is itself a link may name what stands beside either") {
   folder.write("real/r.urdf", robot("meshes/b.stl"));
   folder.write("real/meshes/b.stl", "");
   folder.link("../real/r.urdf", "here/r.urdf");
-  CHECK(has(folder.said("here/r.urdf"), "warning: a mesh is not in the model's folder"));
+  CHECK(has(folder.said("here/r.urdf"), "note: a mesh is not in the model's folder"));
   folder.link("../../real/meshes/b.stl", "here/meshes/b.stl");
   CHECK(folder.said("here/r.urdf") == "");
   folder.write("real/r.urdf", robot("meshes/a.stl"));

@@ -143,7 +143,10 @@ void start_followers(const Import& import, const MechanismState& state, const Jo
     const std::string& name = specs[static_cast<std::size_t>(each.body)].joint_name;
     if (!state.joints.contains(name) && !joints.start_of(name)) waiting.emplace(each.body, &each);
   }
-  const auto q = [&](int body) -> double& { return specs[static_cast<std::size_t>(body)].q[0]; };
+  const auto start_of = [&](int body) {
+    const Values& q = specs[static_cast<std::size_t>(body)].q;
+    return q.empty() ? 0 : q[0];
+  };
   while (!waiting.empty()) {
     std::vector<const Follower*> path;  // from a follower to a leader that stands
     for (auto at = waiting.begin(); at != waiting.end(); at = waiting.find(path.back()->leader)) {
@@ -152,7 +155,7 @@ void start_followers(const Import& import, const MechanismState& state, const Jo
     }
     for (; !path.empty(); path.pop_back()) {
       const Follower& each = *path.back();
-      const double start = each.multiplier * q(each.leader) + each.offset;
+      const double start = each.multiplier * start_of(each.leader) + each.offset;
       specs[static_cast<std::size_t>(each.body)].q = {start};
     }
   }

@@ -296,8 +296,8 @@ TEST_CASE("a driven joint that becomes another keeps its speed, if that can; a c
 }
 
 TEST_CASE("a motion at a constant rate: from the start, from where the joint stands, and on after a lock") {
-  // A bead on a hoop that is turned at a constant rate: sin θ (ω² cos θ − g/r) = θ̈ has the integral θ̇²/2 − ω² sin²θ/2 − (g/r) cos
-  // θ.
+  // A bead on a hoop that is turned at a constant rate: sin θ (ω² cos θ − g/r) = θ̈ has the integral
+  // θ̇²/2 − ω² sin²θ/2 − (g/r) cos θ.
   constexpr double g = 9.81, r = 0.5, omega = 7;
   Model model({.gravity = {0, 0, -g}});
   const Body hoop = model.add({.name = "hoop",

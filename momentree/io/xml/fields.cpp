@@ -60,9 +60,14 @@ std::optional<double> number_of(std::string_view word, Trouble& trouble) {
 // only so many words are compared.
 std::string slip_of(std::string_view word, const std::vector<std::string>& known, XmlFile& file) {
   if (known.empty() || !file.may_suggest()) return {};
-  const std::string meant = nearest(word, known);
-  const std::size_t shorter = std::min(word.size(), meant.size());
-  return shorter > 2 && edit_distance(word, meant) <= (shorter > 3 ? 2u : 1u) ? meant : std::string{};
+  std::string meant;
+  std::size_t best = 3;
+  if (word.size() > 200) return meant;
+  for (const std::string& candidate : known) {
+    const std::size_t shorter = std::min(word.size(), candidate.size()), distance = edit_distance(word, candidate);
+    if (distance < best && shorter > 2 && distance <= (shorter > 3 ? 2u : 1u)) best = distance, meant = candidate;
+  }
+  return meant;
 }
 
 }  // namespace
