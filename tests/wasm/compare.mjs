@@ -1,13 +1,14 @@
 // Runs scenarios in the module and by the command, and compares how they end: node compare.mjs PROGRAM MODULE FOLDER BOUND SCENARIO[:UNTIL:BOUND]…
 // BOUND: "same bits", or the largest relative difference of a coordinate, velocity or momentum.
 import { execFileSync } from "node:child_process";
-import { mkdirSync, readFileSync } from "node:fs";
+import { mkdirSync, readFileSync, rmSync } from "node:fs";
 import { basename } from "node:path";
 import { Engine } from "../../wasm/host.mjs";
 
 const [program, modulePath, folder, bound, ...scenarios] =
   process.argv.slice(2);
 const engine = await Engine.of(readFileSync(modulePath));
+rmSync(folder, { recursive: true, force: true });
 mkdirSync(folder, { recursive: true });
 let failures = 0;
 

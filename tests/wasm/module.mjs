@@ -36,7 +36,7 @@ assert.ok(
     ({ line, hint }) => line === 4 && hint === "did you mean 'chain'?",
   ),
 );
-assert.match(world.load("a = [").diagnostics[0].what, /read this/);
+assert.match(world.load("format = 1\na = [").diagnostics[0].what, /read this/);
 assert.match(
   world.load('format = 1\n[[mechanism]]\nname="m"\nmodel = "m.urdf"')
     .diagnostics[0].what,

@@ -203,7 +203,7 @@ until = 5
       const { page, complaints } = await openReport(browser, `${folder}.partial`, view);
       const status = page.locator("header .status");
       expect(await status.innerText()).toMatch(
-        /diverged at t = 0\.001 s: joint 'arm\/4' .*use a smaller step, such as .* joint$/,
+        /diverged at t = 0\.001 s: the damper of joint 'arm\/4' .* too stiff .*; use method = "damped", or a step below .* s$/,
       );
       expect(await status.evaluate((e) => e.scrollWidth <= e.clientWidth && getComputedStyle(e).textOverflow === "clip")).toBe(
         true,
