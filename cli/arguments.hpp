@@ -1,5 +1,5 @@
 #pragma once
-// Values of options that are numbers. All throw Error for what is none, with an example.
+// Values of options that are numbers. All throw Error for text that is not such a number, with an example.
 #include <string>
 
 namespace momentree::cli {

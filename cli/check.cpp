@@ -54,7 +54,7 @@ Checked check_one(const std::string& file, Notes notes) {
     checked.diagnostics = std::move(result.diagnostics);
     if (!result.scenario) return checked;
     Session session(*result.scenario);
-    session.schedule();
+    for (io::Diagnostic& warning : session.schedule()) checked.diagnostics.push_back(std::move(warning));
     const World& world = session.simulation().world();
     checked.counts = {static_cast<long>(world.mechanisms().size()), world.model().size(), world.tree().nv(),
                       static_cast<long>(result.scenario->events.size())};

@@ -24,7 +24,7 @@ class CommandLine {
   const CLI::App& app() const { return app_; }
   /// Commands that are offered, in their order: those that are still to come are not.
   std::vector<const CLI::App*> commands() const;
-  /// The help of a command, or of the program where there is none of that name ("" is one).
+  /// The help of a command, or of the program if no command has that name.
   std::string help(std::string_view command) const;
 
   /// Options of a command that are offered, --help among them; positional arguments.
@@ -42,7 +42,7 @@ class CommandLine {
   void verbose(CLI::App* sub, bool& value);
   void served(CLI::App* sub, int& port, bool& no_browser);
   CLI::Option* source(CLI::App* sub, const char* name, std::string& value, const char* type, const char* does);
-  // Names of the interface that have no code yet, so that nobody looks for a slip of the pen: answered, and not offered.
+  // Names of the interface that have no code yet, parsed to give a clear error, hidden from help.
   void later(const char* name);
   void later(CLI::App* sub, const char* option, bool takes_value);
 

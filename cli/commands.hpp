@@ -12,8 +12,8 @@ struct RunOptions {
   std::string scenario;
   std::string out;                     ///< empty: results/<scenario's name>
   std::vector<std::string> overrides;  ///< KEY=VALUE
-  std::string until, format = "csv", checkpoint;
-  bool report = false, reactions = false, resume = false, quiet = false, json = false, generate = false, verbose = false;
+  std::string until, format = "csv";
+  bool report = false, reactions = false, quiet = false, json = false, generate = false, verbose = false;
 };
 int run(const RunOptions& options);
 

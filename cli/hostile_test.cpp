@@ -130,10 +130,10 @@ TEST_CASE("where there is not enough memory, the error says so and names the fil
   const std::string half = "ulimit -v 500000 && ";
   const Outcome check = program.call("check s.toml", half);
   CHECK(check.code == 2);
-  CHECK(check.output.starts_with("s.toml: error: the memory that is free is not enough"));
+  CHECK(check.output.starts_with("s.toml: error: not enough free memory"));
   const Outcome explain = program.call("explain s.toml", half);
   CHECK(explain.code == 2);
-  CHECK(explain.errors.starts_with("s.toml: error: the memory that is free is not enough"));
+  CHECK(explain.errors.starts_with("s.toml: error: not enough free memory"));
 }
 #endif
 

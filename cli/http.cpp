@@ -139,22 +139,21 @@ Reply refusal(const Site& site, int status) {
 
 Reply reply_to(const HttpRequest& request, Site& site) {
   Reply reply;
-  if (!is_welcome(request, site))
+  if (!is_welcome(request, site)) {
     reply = refusal(site, 403);
-  else if (request.has_body)
+  } else if (request.has_body) {
     reply = refusal(site, 413);
-  else if (request.method != "GET" && request.method != "HEAD")
+  } else if (request.method != "GET" && request.method != "HEAD") {
     reply = refusal(site, 405);
-  else if (is_path(request.path, site.key))
+  } else if (is_path(request.path, site.key)) {
     reply = make_reply(site, 200, site.html, "text/html");
-  else if (!site.once.empty() && is_path(request.path, site.once))
+  } else if (!site.once.empty() && is_path(request.path, site.once)) {
     reply = make_reply(site, 303, {}, "text/plain", "Location: /" + site.key + "\r\n");
-  else
+    site.once.clear();  // whoever learns the key, by HEAD too, has used the address up
+  } else {
     reply = refusal(site, 404);
-  if (request.method == "HEAD")
-    reply.body = {};
-  else if (is_path(request.path, site.once))
-    site.once.clear();
+  }
+  if (request.method == "HEAD") reply.body = {};
   return reply;
 }
 

@@ -17,7 +17,7 @@ io::ReadResult read_input(const std::string& path, const std::vector<std::string
 /// The whole text of standard input. Throws Error where it is too large, or can't be read.
 std::string read_standard_input();
 
-/// Which notes of model files are told: that there are some, one line for each file, or all of them.
+/// Which notes on model files are printed: their number, in one line per file, or all of them.
 enum class Notes { counted, listed };
 /// Puts that line in the place of the notes on model files.
 void count_notes(io::ReadResult& result);

@@ -44,7 +44,7 @@ std::optional<Listener> try_port(int port, int& reason) {
   return Listener{std::move(socket), ntohs(address.sin_port)};
 }
 
-/// The next free port after one that is in use, or any; 0: there is none.
+/// The next free port after one that is in use, or any free one; 0 if no port is free.
 int free_port_after(int port) {
   int reason = 0;
   for (int next = port + 1; next <= port + tries && next <= 65535; ++next)

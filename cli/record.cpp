@@ -31,7 +31,7 @@ TemporaryFolder::~TemporaryFolder() { io::remove_tree(path_); }
 
 Recorded record(const io::Scenario& scenario, const std::string& folder, double until, Purpose purpose) {
   Session session(scenario);
-  session.schedule();
+  show(stderr, io::rendered(session.schedule()));
   Simulation& simulation = session.simulation();
   const double start = simulation.time();
   const InterruptGuard guard;

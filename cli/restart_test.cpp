@@ -28,7 +28,7 @@ struct Run {
   std::vector<std::string> events;
   Run(const io::Scenario& scenario, const std::string& state, double until)
       : session(scenario, state), adaptive(is_adaptive(scenario.integration.method)) {
-    session.schedule();
+    static_cast<void>(session.schedule());
     session.simulation().observe(scenario.output_every, [](const World&) { return true; });
     REQUIRE(session.simulation().run_until(until) == Status::ok);
     for (const Event& event : session.simulation().events())
@@ -162,7 +162,7 @@ TEST_CASE("a restart goes on as the run would have: conditions, delays, periods,
   }
 }
 
-TEST_CASE("actions that a run skips are skipped by a run that goes on from its state, too") {
+TEST_CASE("actions that a run skips are also skipped by a run that continues from its state") {
   const std::string head = R"(format = 1
 [integrate]
 until = 0.6

@@ -26,8 +26,6 @@ void refuse_unsupported(const RunOptions& options) {
   const auto refuse = [](bool given, const char* option) {
     if (given) fail({"`" + std::string(option) + "` is not supported yet", "", ""});
   };
-  refuse(!options.checkpoint.empty(), "--checkpoint");
-  refuse(options.resume, "--resume");
   refuse(options.format == "hdf5", "--format hdf5");
   if (options.format != "csv") fail({"unknown format '" + options.format + "'", "", "there are csv and, later, hdf5"});
 }
@@ -51,7 +49,7 @@ void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool q
 }
 
 void tell_where(const io::Recorder& recorder) {
-  std::fprintf(stderr, "what was computed is kept in %s\n", recorder.directory().c_str());
+  show(stderr, "what was computed is kept in " + printable(recorder.directory()) + '\n');
 }
 
 }  // namespace
@@ -65,7 +63,7 @@ int run(const RunOptions& options) {
   if (!scenario) return bad_input;
 
   Session session(*scenario);
-  session.schedule();
+  show(stderr, io::rendered(session.schedule()));
   Simulation& simulation = session.simulation();
   const double start = simulation.time();
   const int freedoms = simulation.world().tree().nv();

@@ -114,7 +114,7 @@ TEST_CASE("serve: an address is new each time, and its port is free again at onc
   CHECK(second.end(SIGINT) == 0);
 }
 
-TEST_CASE("serve: a port that is taken is told before a scenario is run") {
+TEST_CASE("serve: a port in use is reported before a scenario is run") {
   const Listener taken = listen_on(0);
   Process view({"view", "no such file.toml", "--no-browser", "--port", std::to_string(taken.port)});
   CHECK(view.error_line().find("is in use") != std::string::npos);

@@ -46,7 +46,7 @@ Simulation simulation_of(const io::Scenario& scenario) {
   try {
     return Simulation(scenario.model, scenario.integration);
   } catch (const std::bad_alloc&) {
-    fail({format("the memory that is free is not enough for %d bodies", scenario.model.size()), scenario.path,
+    fail({format("not enough free memory for %d bodies", scenario.model.size()), scenario.path,
           "some 3 kB are needed for each body"});
   }
 }
@@ -133,7 +133,11 @@ void Session::read(const io::StateFile& document, std::vector<io::RestoredState>
   documents.push_back(io::read_state(io::read_text_file(document.file), document.file, scenario_.model, document.mechanism));
 }
 
-void Session::schedule() {
+std::vector<io::Diagnostic> Session::schedule() {
+  std::vector<io::Diagnostic> warnings;
+  const auto warn = [&](Place place, std::string what) {
+    warnings.push_back({io::Severity::warning, scenario_.path, place.line, place.column, std::move(what), "", ""});
+  };
   const double start = simulation_.time();
   std::vector<const io::ScenarioEvent*> events;
   for (const io::ScenarioEvent& event : scenario_.events) {
@@ -143,8 +147,8 @@ void Session::schedule() {
     if (event.condition && fired && once) continue;
     if (event.period == 0 && (event.time < start || (event.time == start && fired))) {
       if (!fired)
-        show(stderr, printable(scenario_.path) + format(":%d: warning: event '", event.place.line) + event.name +
-                         format("' at %g s does not happen: the run starts at %g s\n", event.time, start));
+        warn(event.place,
+             "event '" + event.name + format("' at %g s does not happen: the run starts at %g s", event.time, start));
       continue;
     }
     events.push_back(&event);
@@ -157,15 +161,16 @@ void Session::schedule() {
     problems = io::problems_of(simulation_.rehearse(), scheduled_, line);
     // What has nothing to do any more is no mistake: the run that wrote the document went on past such actions, too.
     std::erase_if(problems, [&](const io::EventProblem& problem) {
-      if (problem.idle)
-        std::fprintf(stderr, "%s:%d:%d: warning: %s\n", scenario_.path.c_str(), problem.place.line, problem.place.column,
-                     problem.what.c_str());
+      if (problem.idle) warn(problem.place, problem.what);
       return problem.idle;
     });
   }
-  if (problems.empty()) return resume();
-  const io::EventProblem& first = problems.front();
-  fail({first.what, format("%s:%d:%d", scenario_.path.c_str(), first.place.line, first.place.column), first.hint});
+  if (!problems.empty()) {
+    const io::EventProblem& first = problems.front();
+    fail({first.what, format("%s:%d:%d", scenario_.path.c_str(), first.place.line, first.place.column), first.hint});
+  }
+  resume();
+  return warnings;
 }
 
 // Goes on where the run of the document stood.

@@ -33,9 +33,9 @@ class Session {
 
   Simulation& simulation() { return simulation_; }
   const Simulation& simulation() const { return simulation_; }
-  /// Schedules the events that have not happened yet, and says which are too late. Throws Error for the first that will be
-  /// impossible or do nothing in the world that a state document made.
-  void schedule();
+  /// Schedules the events that have not happened yet. Returns warnings: which are too late, and which have nothing left to do.
+  /// Throws Error for the first that will be impossible in the world that a state document made.
+  [[nodiscard]] std::vector<io::Diagnostic> schedule();
   /// How often each event has happened: before the start, by the state document, and since.
   io::Armed armed() const;
   /// Every joint that there is or, by the events that are scheduled, will be.

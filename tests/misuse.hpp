@@ -13,10 +13,10 @@
 
 namespace momentree::test {
 
-/// What a child process printed to standard error, and the signal that ended it (0: none).
+/// What a child process printed to standard error, and its exit code or the signal that ended it (0: none).
 struct End {
   std::string said;
-  int signal = 0;
+  int signal = 0, code = 0;
 };
 inline End in_child(const std::function<void()>& misuse) {
   int ends[2];
@@ -29,7 +29,11 @@ inline End in_child(const std::function<void()>& misuse) {
     dup2(ends[1], STDERR_FILENO);
     close(ends[0]);
     for (const int signal : {SIGABRT, SIGSEGV, SIGTERM}) std::signal(signal, SIG_DFL);
-    misuse();
+    try {
+      misuse();
+    } catch (...) {  // else the other tests would be run in the child, too
+      _exit(1);
+    }
     _exit(0);
   }
   close(ends[1]);
@@ -40,6 +44,7 @@ inline End in_child(const std::function<void()>& misuse) {
   int status = 0;
   REQUIRE(waitpid(child, &status, 0) == child);
   if (WIFSIGNALED(status)) end.signal = WTERMSIG(status);
+  if (WIFEXITED(status)) end.code = WEXITSTATUS(status);
   return end;
 }
 
@@ -67,6 +72,7 @@ inline void check_fine(const std::string& how, const std::function<void()>& act)
   const End end = in_child(act);
   INFO(end.said);
   CHECK(end.signal == 0);
+  CHECK(end.code == 0);
 }
 
 }  // namespace momentree::test

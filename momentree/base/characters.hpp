@@ -6,7 +6,7 @@
 
 namespace momentree {
 
-/// Length of the UTF-8 character at text[i]; 0 if it is none.
+/// Length of the UTF-8 character at text[i]; 0 if there is no valid character.
 std::size_t character_length(std::string_view text, std::size_t i);
 
 /// The code point of one valid UTF-8 character.

@@ -1,4 +1,4 @@
-// What batches are given and can't be; and that their states and trees are told apart.
+// Invalid arguments and calls of batches; and that their states and trees are distinguished.
 #pragma GCC diagnostic ignored "-Wuse-after-free"  // a batch destroyed in its own callback, which stops the program
 #include <cmath>
 #include <limits>

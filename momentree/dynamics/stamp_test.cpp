@@ -46,7 +46,7 @@ concept gives_iterator = requires(S& state) {
 
 }  // namespace
 
-TEST_CASE("states that live one after the other in one place are told apart") {
+TEST_CASE("states that live one after the other at one address are distinguished") {
   const Tree tree(pendulum(1));
   Work<double> work(tree);
   for (int i = 1; i <= 3; ++i) {
@@ -70,7 +70,7 @@ TEST_CASE("states that live one after the other in one place are told apart") {
   }
 }
 
-TEST_CASE("trees that live one after the other, or side by side, are told apart: equal in shape, of other masses") {
+TEST_CASE("trees of equal shape and different masses are distinguished, one after the other or side by side") {
   std::optional<Work<double>> work;
   for (int mass = 1; mass <= 3; ++mass) {
     const Tree tree(pendulum(mass));

@@ -21,7 +21,7 @@ TEST_CASE("expressions, sources and compilers") {
          const int nodes[] = {0, 9};
          static_cast<void>(Expressions().operations(nodes));
        }},
-      {"an input that is none", "q and p are the inputs", [] { Expressions().input(Operation::sum, 0); }},
+      {"an operation that is not an input", "q and p are the inputs", [] { Expressions().input(Operation::sum, 0); }},
       {"an input before the first", "an index into q or p", [] { Expressions().input(Operation::q, -1); }},
       {"a source whose name is no identifier", "a name that is an identifier",
        [] { static_cast<void>(kernel_source(KernelExpressions(), {.name = "x; system(\"id\");", .about = ""})); }},

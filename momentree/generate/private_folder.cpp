@@ -49,8 +49,7 @@ PrivateFolder::PrivateFolder() {
     return;
   }
   if (const std::string open = open_to_others(above); !open.empty()) {
-    problem_ = "other users can exchange what is in '" + open +
-               "': generated code is compiled in a folder of your own alone; set TMPDIR to one";
+    problem_ = "other users can replace files in '" + open + "'; set TMPDIR to a folder that only you can write to";
     return;
   }
   std::string name = above + "/momentree-XXXXXX";

@@ -25,8 +25,8 @@ class PrivateFolder {
 };
 
 /// The innermost of a folder and those above it, all without symbolic links, in which another user than this one and root can
-/// rename or remove what belongs to this one; empty: there is none. Folders like /tmp, where only the owner can (the sticky bit),
-/// are fine.
+/// rename or remove what belongs to this one; empty if there is no such folder. Folders like /tmp, where only the owner can (the
+/// sticky bit), are fine.
 std::string open_to_others(std::string folder);
 
 }  // namespace momentree

@@ -103,7 +103,7 @@ TEST_CASE("no folder where others can exchange it") {
   CHECK_FALSE(PrivateFolder().made());
 }
 
-TEST_CASE("no folder where there is none") {
+TEST_CASE("a TMPDIR that does not exist") {
   const Place place;
   Place::become("/nowhere/at/all");
   const PrivateFolder folder;

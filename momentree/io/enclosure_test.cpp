@@ -1,4 +1,4 @@
-// Which files a scenario and a model may lead to, and what is told of those that are no such files.
+// Which files a scenario and a model may name, and the messages for those that they may not.
 #include <filesystem>
 #include <string>
 
@@ -115,7 +115,7 @@ TEST_CASE("symbolic links lead no model out of its folder") {
   }
 }
 
-TEST_CASE("a model that is itself a link may name what stands beside either") {
+TEST_CASE("a model that is itself a link may name files beside the link and beside its target") {
   Folder folder;
   folder.write("real/r.urdf", robot("meshes/b.stl"));
   folder.write("real/meshes/b.stl", "");

@@ -31,8 +31,8 @@ void not_supported_yet(Place place, std::string_view what, Diagnostics& out, std
 
 class Fields {
  public:
-  /// `where` names the table in messages: "[integrate]". Reports if `table` is none; it is then read as empty. `context`: the
-  /// name under which mistakes/ knows it; null: `where`.
+  /// `where` names the table in messages: "[integrate]". Reports a `table` that is not a table; it is then read as empty.
+  /// `context`: the name under which mistakes/ knows it; null: `where`.
   Fields(const Value& table, std::string where, Diagnostics& out, const char* context = nullptr);
 
   Place place() const { return table_.place; }

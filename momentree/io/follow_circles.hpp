@@ -8,7 +8,7 @@
 namespace momentree::io {
 
 /// Circles among pairs of a follower and its leader, each from one of its joints round to it again; the first twenty that are
-/// found, which is none only where there is none.
+/// found; empty only if there is none.
 std::vector<std::vector<int>> circles_of(const std::vector<std::pair<int, int>>& pairs);
 
 /// "joint 'a' follows 'b', which follows 'a'"; a long one without its middle.

@@ -76,7 +76,7 @@ TEST_CASE("a model's file may have any name, a mechanism not") {
   }
 }
 
-TEST_CASE("a library's user is told the same of a name") {
+TEST_CASE("Model::add refuses the same names as the reader") {
   Model model;
   for (const char* name : {"a\x1b", "a\xFF", "a\xE2\x80\xAE"})
     CHECK(test::error_of([&] {

@@ -61,7 +61,7 @@ bool read_whole_file(const std::string& path, const char* what, std::uintmax_t l
   if (file.number < 0 || fstat(file.number, &status) != 0) return refuse(refusal(errno));
   if (auto reason = refusal(status, what)) return refuse(std::move(*reason));
   const auto size = static_cast<std::uintmax_t>(status.st_size);
-  if (size > largest) return refuse({"is larger than " + std::to_string(largest >> 20) + " MiB: this is no " + what, ""});
+  if (size > largest) return refuse({"is larger than " + std::to_string(largest >> 20) + " MiB, the limit for a " + what, ""});
   text.assign(static_cast<std::size_t>(size), '\0');
   for (std::size_t got = 0; got < text.size();) {
     const ssize_t more = read(file.number, text.data() + got, text.size() - got);

@@ -18,8 +18,8 @@ struct Unreadable {
 /// links are followed, and nothing is opened.
 std::optional<Unreadable> why_unreadable(const std::string& path, const char* what);
 
-/// The whole text of a regular file of at most `largest` bytes, which should be a `what`. False where there is none, and why.
-/// Devices, pipes and sockets are refused before they are opened.
+/// The whole text of a regular file of at most `largest` bytes, which should be a `what`. False if there is no such file; `why`
+/// says more. Devices, pipes and sockets are refused before they are opened.
 bool read_whole_file(const std::string& path, const char* what, std::uintmax_t largest, std::string& text, Unreadable& why);
 
 /// The folders whose files a file may name: its own, and, where it is itself a symbolic link, that of the file that it leads to;

@@ -48,7 +48,7 @@ TEST_CASE("regular files alone are read, and only so large ones") {
   }
   REQUIRE(read_whole_file(folder / "empty", "model", 0, text, why));
   CHECK(text.empty());
-  CHECK(refusal_of(folder / "a", 8) == "is larger than 0 MiB: this is no model");
+  CHECK(refusal_of(folder / "a", 8) == "is larger than 0 MiB, the limit for a model");
   CHECK(refusal_of(folder / "none") == "there is no such file");
   CHECK(refusal_of(folder / "a/b") == "there is no such file");
   CHECK(refusal_of((folder / "a") + std::string("\0b", 2)) == "there is no such file");
@@ -103,7 +103,7 @@ TEST_CASE("an enclosure is a folder with what is below it, symbolic links follow
   // Named through a link to its folder.
   CHECK(holds("same/r", "meshes/a"));
   CHECK(!holds("same/r", "file"));
-  // A file that is itself a link may name what stands beside either.
+  // A file that is itself a link may name files beside the link and beside its target.
   CHECK(holds("models/elsewhere", "meshes/a"));
   CHECK(Enclosure(folder / "models/elsewhere").holds(folder / "real/meshes/a"));
   CHECK(!holds("models/elsewhere", "folder/s"));

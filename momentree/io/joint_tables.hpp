@@ -58,7 +58,7 @@ class JointTable {
 /// All of a mechanism. Exact names win over wildcards, and of several wildcards the later one.
 class JointTables {
  public:
-  /// `value`: of the mechanism's key `joint`; null: there is none. `of`: "model" or "chain", for messages.
+  /// `value`: of the mechanism's key `joint`; null if the mechanism has no such key. `of`: "model" or "chain", for messages.
   JointTables(const Value* value, const char* of, Reading& reading);
 
   bool any() const { return !tables_.empty(); }
@@ -66,7 +66,7 @@ class JointTables {
   /// `bodies`: names of bodies and of their joints, where those differ.
   void read(const std::vector<std::pair<std::string, Kind>>& joints,
             const std::unordered_map<std::string, std::string>& bodies = {});
-  /// Gives a joint what is said to it.
+  /// Applies every matching table to the joint.
   void apply(const std::string& joint, BodySpec& spec) const;
   /// Reports where that made no sound joint, of the first one; to be called once it has its start.
   void check(const std::string& joint, const BodySpec& spec);

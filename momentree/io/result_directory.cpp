@@ -139,7 +139,7 @@ void ResultDirectory::check_names() const {
     check(working_, *marker_, name);
     if (destination_marker_) check(destination_, *destination_marker_, name);
   }
-  if (destination_marker_)  // files of the user's in the one folder would meet those in the other
+  if (destination_marker_)  // user files of the same name in both folders would collide
     for (const std::string& name : others_in(working_, *marker_)) check(destination_, *destination_marker_, name);
 }
 

@@ -30,7 +30,7 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_v
       joints_(directory_.file("joints.csv")),
       body_columns_(simulation.world().model()),
       joint_columns_(options_.joints, options_.reactions) {
-  const std::string running = summary_json(origin_, "running, or killed before it could say more");
+  const std::string running = summary_json(origin_, "running, or killed");
   directory_.write("summary.json", running);
   constexpr std::size_t results = 2048, message = 8192;  // room for what the summary will say besides
   directory_.reserve(running.size() + results + message);

@@ -230,14 +230,14 @@ ReadResult read_scenario(const std::string& path, const std::vector<std::string>
   Unreadable why;
   if (!read_whole_file(path, "scenario", largest_file, text, why)) return refused(path, why.what, why.hint);
   if (text.size() > largest_model && is_model(path, text))
-    return refused(path, "is larger than " + std::to_string(largest_model >> 20) + " MiB: this is no model", "");
+    return refused(path, "is larger than " + std::to_string(largest_model >> 20) + " MiB, the limit for a model", "");
   return read_text(std::move(text), Origin(path), overrides);
 }
 
 ReadResult read_scenario_from(std::string text, const std::string& path, const std::string& name, const std::string& folder,
                               const std::vector<std::string>& overrides) {
   if (text.size() > largest_model && is_model(path, text))
-    return refused(path, "is larger than " + std::to_string(largest_model >> 20) + " MiB: this is no model", "");
+    return refused(path, "is larger than " + std::to_string(largest_model >> 20) + " MiB, the limit for a model", "");
   Origin origin(path);
   origin.name = name, origin.folder = folder;
   return read_text(std::move(text), origin, overrides);

@@ -20,7 +20,7 @@ using Keys = std::set<std::string>;
 
 const char* const slip = "qqqqqqqq";
 
-/// The keys that the reader names where it meets one that is none; `where`: how it calls the table.
+/// The keys that the reader lists when it meets an unknown one; `where`: its name for the table.
 Keys known_where(const std::string& text, std::string& where) {
   const ReadResult result = read_scenario_text(text, "s.toml");
   for (const Diagnostic& each : result.diagnostics) {

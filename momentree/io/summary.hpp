@@ -7,7 +7,7 @@
 
 namespace momentree::io {
 
-/// What a result says of where it came from.
+/// Where a result came from.
 struct RunOrigin {
   std::string name, title;
   std::string file;                    ///< the scenario, as the user named it

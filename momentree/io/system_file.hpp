@@ -37,8 +37,8 @@ class Descriptor {
 
 enum class Links { follow, refuse };
 
-/// Opens a regular file for reading. Throws Error where there is none, it may not be read, or it is something else: a folder, a
-/// device, a pipe (which would wait for a writer), a symbolic link where links are refused.
+/// Opens a regular file for reading. Throws Error where there is no such file, it may not be read, or it is something else: a
+/// folder, a device, a pipe (which would wait for a writer), a symbolic link where links are refused.
 Descriptor open_regular(const std::string& path, Links links = Links::follow);
 
 /// Reads up to `size` bytes; 0 at the end of the file. Throws Error; `path` is for its message.

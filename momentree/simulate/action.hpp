@@ -1,5 +1,5 @@
 #pragma once
-// What an event does. Each action stands in its own file in actions/: what it is told, what it needs, what it changes.
+// What an event does. Each action stands in its own file in actions/: its parameters, preconditions and effect.
 #include <concepts>
 #include <memory>
 #include <optional>
@@ -19,7 +19,7 @@ class Surgery;
 /// The order of what happens at one instant: first what changes no velocity, then all impacts together, impulses, parameters.
 enum class ActionPhase { release, impact, impulse, parameters };
 
-/// What became of an action. `skipped`: it had nothing to do, which is told; `refused`: it is impossible, and nothing of its
+/// What became of an action. `skipped`: it had nothing to do, which is reported; `refused`: it is impossible, and nothing of its
 /// instant happens.
 struct Verdict {
   enum class Outcome { done, skipped, refused };
@@ -37,7 +37,7 @@ struct JointDescription {
   bool axis_given = false, axis2_given = false;
 };
 
-/// What an action is told, field by field: readers of files fill the fields in, under the names that they have there.
+/// Visitor through which file readers fill in the fields of an action, under their names in files.
 class ActionFields {
  public:
   virtual ~ActionFields() = default;

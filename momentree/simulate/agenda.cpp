@@ -140,10 +140,14 @@ void Agenda::happened(std::size_t place, double time) {
     e.time = HUGE_VAL;
   }
   const std::string name = e.event.name;
-  for (std::size_t k = 0; k < count(); ++k) at(k).looked = at(k).looked_before = -1;  // what it looks at may have jumped
+  forget_looks();
   for (Entry& other : entries)
     if (other.after == name) other.time = std::min(other.time, time + other.delay);
   look_ahead();
+}
+
+void Agenda::forget_looks() {
+  for (std::size_t k = 0; k < count(); ++k) at(k).looked = at(k).looked_before = -1;
 }
 
 std::vector<Agenda::Armed> Agenda::armed() const {

@@ -44,7 +44,7 @@ class Agenda {
 
   std::vector<Entry> entries;      ///< in the order of scheduling
   std::set<std::string> expected;  ///< names of joints that events will make
-  /// Those of places behind them are of the strengths of joints, good until the world next changes.
+  /// Places past `entries` are entries of the strengths of joints, valid until the world next changes.
   Entry& at(std::size_t place) { return place < entries.size() ? entries[place] : strengths_[place - entries.size()].entry; }
 
   /// Adds an entry and finds the next instant; returns its place.
@@ -63,6 +63,8 @@ class Agenda {
   /// True where conditions are to be looked at after a step.
   bool watching(const World& world) const;
 
+  /// The world changed at this instant: what conditions look at may have jumped, and no parabola goes through that.
+  void forget_looks();
   /// An entry happened: it is done, or armed again; what follows it has its instant now.
   void happened(std::size_t place, double time);
 

@@ -282,7 +282,7 @@ TEST_CASE("functions that drive a joint or act on a body read the moment, not th
   CHECK_FALSE(std::is_copy_constructible_v<Moment>);
 }
 
-TEST_CASE("what observers, watchers and measured quantities throw leaves the run, which goes on from there") {
+TEST_CASE("exceptions of observers, watchers and measured quantities end the run, which can be continued") {
   Simulation whole(model());
   whole.at(0.0123).then(lock("m/lower"));
   REQUIRE(whole.run_until(0.05) == Status::ok);
@@ -329,4 +329,39 @@ TEST_CASE("a measured quantity that throws while its crossing is located leaves 
     CHECK(sim.events().size() == 1);
     CHECK(std::fabs(sim.energy().error) < 1e-5);
   }
+}
+
+TEST_CASE("a measured quantity that threw is measured again at the same state") {
+  Simulation sim(model());
+  bool throws = true;
+  sim.when(measured([&throws](const World& world) {
+             if (throws) throw std::runtime_error("enough");
+             return world.time() < 0.001 ? 1.0 : 0.0;
+           }).exceeds(0.5))
+      .then(lock("m/lower"));
+  CHECK_THROWS_AS(static_cast<void>(sim.run_until(0.01)), std::runtime_error);
+  REQUIRE(sim.time() == 0);
+  throws = false;
+  CHECK(sim.run_until(0.01) == Status::ok);
+  REQUIRE(sim.events().size() == 1);
+  CHECK(sim.events()[0].time == 0);
+}
+
+TEST_CASE("a measured quantity may be infinite or not a number") {
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const char* method : {"rk4", "dopri5", "dop853"})
+    for (const double beyond : {inf, std::numeric_limits<double>::quiet_NaN()})
+      for (const double before : {-inf, 0.0, std::numeric_limits<double>::quiet_NaN()}) {
+        CAPTURE(std::string(method));
+        CAPTURE(beyond);
+        CAPTURE(before);
+        Simulation sim(model(), {.method = method, .step = 0.01});
+        sim.when(measured([=](const World& world) { return world.joint({0}).q[0] > 0.01 ? beyond : before; }).exceeds(1))
+            .then(lock("m/lower"));
+        CHECK(sim.run_until(0.2) == Status::ok);
+        if (beyond == inf) {
+          REQUIRE(sim.events().size() == 1);
+          CHECK(sim.world().joint({0}).q[0] > 0.01);
+        }
+      }
 }

@@ -20,7 +20,7 @@ namespace momentree {
 
 class World;
 
-/// What a quantity is told, field by field, by readers of files.
+/// Visitor through which file readers fill in the fields of a quantity.
 class QuantityFields {
  public:
   virtual ~QuantityFields() = default;

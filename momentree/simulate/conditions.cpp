@@ -9,8 +9,9 @@ std::optional<double> Condition::value(const World& world, std::span<const Event
   const Stamp stamp = world.stamp();
   if (seen_ == stamp) return last_;
   if (what->is_impulsive()) return what->value(world, now);
+  last_ = what->value(world, now);  // may throw: then nothing was seen
   seen_ = stamp;
-  return last_ = what->value(world, now);
+  return last_;
 }
 
 std::optional<double> Condition::excess(const World& world, std::span<const Event> now) const {

@@ -1,4 +1,5 @@
-// What to say of an energy balance that does not close.
+// The warning for an energy balance that does not close.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -11,6 +12,7 @@ namespace {
 
 // Beyond this share of the largest kinetic energy the motion is not the one that was asked for.
 constexpr double tolerated = 1e-3;
+constexpr double rounding = 1e-12;
 
 std::string text(const char* pattern, double a) {
   char buffer[64];
@@ -18,15 +20,17 @@ std::string text(const char* pattern, double a) {
   return buffer;
 }
 
-// A share of the kinetic energy: "11 %", "12 times".
-std::string share_text(double share) { return share < 10 ? text("%.2g %%", 100 * share) : text("%.0f times", share); }
+// A share of the kinetic energy: "11 % of", "12 times".
+std::string share_text(double share) { return share < 10 ? text("%.2g %% of", 100 * share) : text("%.0f times", share); }
 
 }  // namespace
 
 std::string EnergyBalance::advice(const Integration& how) const {
-  if (!(std::fabs(error) > tolerated * largest_kinetic)) return {};
+  double turned_over = 0;  // whose rounding is no error of the integration
+  for (const double part : {initial, final, work, dissipated, lost_in_impacts, released}) turned_over += std::fabs(part);
+  if (!(std::fabs(error) > std::max(tolerated * largest_kinetic, rounding * turned_over))) return {};
   std::string what = "the energy balance is off by " + text("%.3g J", error) + ", " +
-                     (largest_kinetic > 0 ? share_text(std::fabs(error) / largest_kinetic) + " of the largest kinetic energy"
+                     (largest_kinetic > 0 ? share_text(std::fabs(error) / largest_kinetic) + " the largest kinetic energy"
                                           : std::string("where nothing moves")) +
                      ": the motion is not computed accurately";
   if (is_adaptive(how.method)) return what + "; use smaller tolerances, such as " + text("rtol = %.0e", how.rtol / 100);

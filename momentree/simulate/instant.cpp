@@ -126,9 +126,10 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehear
     report.events.clear();
   };
   if (items.size() > most_actions_at_once) {
-    refuse(items[most_actions_at_once], Verdict::refused("more than 10000 actions at one instant, the first of them " +
-                                                             in_event(due[items[0].event], *items[0].what),
-                                                         "is that a wildcard that matches too much?"));
+    refuse(items[most_actions_at_once],
+           Verdict::refused("more than " + std::to_string(most_actions_at_once) + " actions at one instant, the first of them " +
+                                in_event(due[items[0].event], *items[0].what),
+                            "is that a wildcard that matches too much?"));
     return report;
   }
   if (const auto found = contradiction(due, items)) {

@@ -156,9 +156,9 @@ TEST_CASE("conditions that would never come true, or always are") {
   static_cast<void>(sim.at(0.1).then(change_joint("s/panel", JointSpec(Revolute{}))));
   static_cast<void>(sim.when(speed_of("s/panel").exceeds(1)));  // by then
   CHECK(sim.run_until(0.2) == Status::ok);
-  check_stopped("a quantity that is none", "a measure is one of a quantity", [] { Measure(nullptr); });
+  check_stopped("no quantity", "a measure is one of a quantity", [] { Measure(nullptr); });
   check_stopped("a condition on nothing", "a condition is one on a quantity", [] { Condition(nullptr, 1, true); });
-  check_stopped("an action that is none", "an action does something", [] { Action(std::shared_ptr<const ActionBase>()); });
+  check_stopped("no action", "an action does something", [] { Action(std::shared_ptr<const ActionBase>()); });
 }
 
 TEST_CASE("actions with what no joint, impulse or placement has") {
@@ -235,12 +235,12 @@ TEST_CASE("a document that is of another world") {
   holds.holds = {{0, 3, 1}};
   check_fine("of this one", restored(1, {}, {{{0}, 0.5, {}, {}}}));
   const Misuse all[] = {
-      {"a time that is none", "a finite time", restored(no_number, {}, {})},
+      {"a time that is not a number", "a finite time", restored(no_number, {}, {})},
       {"a joint that it has not", "the joint is in this world", restored(0, {}, {{{9}, 1, {}, {}}})},
       {"too many coordinates", "as many numbers as the joint has", restored(0, {}, {{{0}, {1, 2}, {}, {}}})},
       {"too few velocities", "as many numbers as the joint has", restored(0, {}, {{{3}, {}, {1, 2}, {}}})},
       {"other bodies", "compiled from the same model", restored(0, few, {})},
-      {"a loop", "every body hangs on the ground", restored(0, loop, {})},
+      {"a loop", "every body is joined to the ground", restored(0, loop, {})},
       {"a stop of a freedom that it has not", "a freedom that the joint has", restored(0, holds, {})},
   };
   for (const Misuse& misuse : all) check_stopped(misuse);

@@ -322,7 +322,7 @@ TEST_CASE("a motion at a constant rate: from the start, from where the joint sta
   sim.apply(lock("hoop"));
   const double stands = sim.world().joint({0}).q[0];
   REQUIRE(sim.run_until(2.3) == Status::ok);
-  sim.apply(unlock("hoop"));  // goes on from there
+  sim.apply(unlock("hoop"));  // continues from there
   REQUIRE(sim.run_until(2.5) == Status::ok);
   CHECK(sim.world().joint({0}).q[0] == doctest::Approx(stands + 0.2 * omega).epsilon(1e-13));
   JointParameters back;

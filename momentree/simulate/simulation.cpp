@@ -52,9 +52,9 @@ Simulation::Scheduled Simulation::scheduled(Agenda::Entry entry) {
 }
 
 Simulation::Scheduled Simulation::at(double time) {
-  if (!std::isfinite(time) || time < scheduling().world.time())
-    fail({"an event at " + detail::text(time) + " s cannot happen: the time is " + detail::text(impl_->world.time()) + " s", "",
-          ""});
+  const double now = scheduling().world.time();
+  if (!std::isfinite(time) || time < now)
+    fail({"an event at " + detail::text(time) + " s cannot happen: the time is " + detail::text(now) + " s", "", ""});
   Agenda::Entry entry;
   entry.time = time;
   return scheduled(std::move(entry));
@@ -84,10 +84,10 @@ Simulation::Scheduled Simulation::after(std::string event, double delay) {
 }
 
 Simulation::Scheduled Simulation::every(double period, double from) {
-  if (!std::isfinite(from) || from < scheduling().world.time())
-    fail({"an event from " + detail::text(from) + " s on cannot happen: the time is " + detail::text(impl_->world.time()) + " s",
-          "", ""});
-  const double clock = std::max({impl_->world.time(), from, impl_->integration.step});
+  const double now = scheduling().world.time();
+  if (!std::isfinite(from) || from < now)
+    fail({"an event from " + detail::text(from) + " s on cannot happen: the time is " + detail::text(now) + " s", "", ""});
+  const double clock = std::max({now, from, impl_->integration.step});
   if (std::optional<Error> wrong = wrong_period(period, clock, "the period of an event")) fail(std::move(*wrong));
   Agenda::Entry entry;
   entry.time = from, entry.period = period;
@@ -280,7 +280,7 @@ const std::string& Simulation::message() const { return impl().message; }
 
 std::vector<MissedEvent> Simulation::missed() const {
   std::vector<MissedEvent> all;
-  for (const Agenda::Entry& e : impl_->agenda.entries) {
+  for (const Agenda::Entry& e : impl().agenda.entries) {
     if (e.fired > 0) continue;
     MissedEvent missed;
     missed.name = e.event.name, missed.time = e.time, missed.after = e.after;

@@ -128,7 +128,7 @@ class Simulation {
   };
   Scheduled at(double time);
   /// The same when a condition comes true: `when(reaction_force("crane/hook").exceeds(4e3)).then(break_joint("crane/hook"))`.
-  /// Throws Error for a name that is none, a threshold that is not finite or can never be passed, a quantity of joints with one
+  /// Throws Error for an unknown name, a threshold that is not finite or can never be passed, a quantity of joints with one
   /// freedom where the joint has another number of them, unless an event that is scheduled changes it.
   Scheduled when(Condition condition);
   /// `delay` seconds after the event of that name, each time that it happens; "strength of <joint>" is one for a joint with a
@@ -161,7 +161,7 @@ class Simulation {
   /// for a run that an observer or a watcher ends. Throws Error for a time that is not a number, and for one that is infinite
   /// where nothing can end the run.
   Status run_until(double time);
-  /// One step of `dt` seconds for a loop of one's own (events inside it happen at their instants). Throws Error for a step that
+  /// One step of `dt` seconds for a loop of your own (events inside it happen at their instants). Throws Error for a step that
   /// is negative, not a number, or shorter than the clock can resolve; for an infinite one see run_until().
   Status step(double dt);
 
@@ -184,7 +184,7 @@ class Simulation {
   /// A function of the world drives a joint from now on: it gives the torque or force (N m, N) along its one freedom, in its
   /// declared direction, on top of what its parameters say; called at every stage of every step, it must not throw, and may
   /// depend on the moment alone. An empty function takes it away. It belongs to the joint: topology changes, snapshots and
-  /// branches keep it, until the joint breaks or becomes another. Throws Error for a name that is none, a weld, a joint with
+  /// branches keep it, until the joint breaks or becomes another. Throws Error for an unknown name, a weld, a joint with
   /// several freedoms, one whose motion is prescribed.
   void drive(std::string_view joint, std::function<double(const Moment&)> effort);
   /// The same for any number of freedoms: it fills in a list, in the order of v, that comes with zeros.
@@ -195,7 +195,7 @@ class Simulation {
   /// A function of the world acts on a body from now on, on top of the model's forces: a wrench about the origin of the body's
   /// frame, in world axes; called at every stage of every step, as that of a drive. What it gives counts as work. It belongs to
   /// the body, whatever that is joined to; snapshots and branches keep it. An empty function takes it away; another replaces it.
-  /// Throws Error for a name that is none and for a body that left the world.
+  /// Throws Error for an unknown name and for a body that left the world.
   void force(std::string_view body, BodyFunction wrench);
 
   /// Starts from a state document instead (World::restore); books and events begin anew.
@@ -205,8 +205,8 @@ class Simulation {
   /// another body changes, so that a joint at rest takes no energy. Its number, and its joint's, are the next. Throws Error as
   /// Model::add does, and for a joint that would move no mass.
   Body add(BodySpec spec);
-  /// A body and all that hangs on it leave the world; where something holds it, that joint breaks first. Their names and numbers
-  /// are not given again. What is scheduled for them is skipped or refused.
+  /// A body and all bodies outboard of it leave the world; where something holds it, that joint breaks first. Their names and
+  /// numbers are not given again. What is scheduled for them is skipped or refused.
   void remove(Body body);
 
   /// Carries out all scheduled events in their order, without moving in between, and takes everything back: which actions will

@@ -27,6 +27,9 @@ inline double seconds_since(Clock::time_point start) { return std::chrono::durat
 // Events times bodies, beyond which a rehearsal would take longer than it is worth.
 inline constexpr std::size_t most_rehearsed = 10'000'000;
 
+// Events of one instant, one after the other, beyond which they are taken to bring about each other without end.
+inline constexpr std::size_t most_events_at_once = 10'000;
+
 // A value that is another one for as long as this lives.
 template <class T>
 class Restored {
@@ -108,8 +111,8 @@ struct Simulation::Impl {
 
   void ask_for_generated() {
     if (!generated || asked_for == world.tree_.revision()) return;
+    evaluate.use(generated(world.tree_));  // may throw: then it is asked again
     asked_for = world.tree_.revision();
-    evaluate.use(generated(world.tree_));
   }
 
   // One step that ends at `end`; a step of almost the full length takes what is left, so that no sliver follows.
@@ -188,6 +191,7 @@ struct Simulation::Impl {
     const std::size_t before = events.size();
     stops.settle(events);
     for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
+    if (events.size() != before) agenda.forget_looks();
   }
 
   // Kinetic energy at the beginning of a step, which was evaluated: by p·u/2 it costs next to nothing.
@@ -216,7 +220,8 @@ struct Simulation::Impl {
     diverged = true;
   }
 
-  // Everything that is due now, then one by one what comes true by it. False: it was refused, and nothing of that happened.
+  // Everything that is due now, then one by one what comes true by it. False: something was refused; what came before it at this
+  // instant has happened.
   bool happen() {
     for (std::size_t count = 0;; ++count) {
       std::vector<std::size_t> places = agenda.due(world.time());
@@ -225,9 +230,9 @@ struct Simulation::Impl {
         if (const std::optional<std::size_t> place = agenda.urgent(world, events_now())) places = {*place};
       }
       if (places.empty()) return true;
-      if (count > most_actions_at_once) {
-        message = "more than 10000 events at t = " + detail::text(world.time()) + " s, the last of them " + last_events(events) +
-                  "; does one bring about the other, at no delay?";
+      if (count > detail::most_events_at_once) {
+        message = "more than " + std::to_string(detail::most_events_at_once) + " events at t = " + detail::text(world.time()) +
+                  " s, the last of them " + last_events(events) + "; does one bring about the other, at no delay?";
         return false;
       }
       std::vector<DueEvent> due;
@@ -288,6 +293,7 @@ struct Simulation::Impl {
       add_to_balance(event);
       events.push_back(std::move(event));
     }
+    agenda.forget_looks();
     settle();
     return true;
   }
@@ -313,6 +319,7 @@ struct Simulation::Impl {
     event.actions = {std::move(what)};
     balance.work += event.work;
     events.push_back(std::move(event));
+    agenda.forget_looks();
     settle();
   }
 

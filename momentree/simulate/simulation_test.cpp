@@ -1,6 +1,7 @@
 #include <momentree/simulate/simulation.hpp>
 
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -316,4 +317,30 @@ TEST_CASE("an energy balance that does not close comes with advice") {
   CHECK(exact.energy().advice({.method = "dop853"}).empty());
   Simulation still(Model(), {});
   CHECK(still.energy().advice({}).empty());
+}
+
+TEST_CASE("a run without end is not taken for one that gets nowhere") {
+  Model model({.gravity = {}});
+  model.add({.name = "calm", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}});
+  for (const char* method : {"rk4", "dopri5"}) {
+    CAPTURE(std::string(method));
+    Simulation sim(model, {.method = method, .max_step = 1e-3});
+    long looks = 0;
+    sim.watch([&looks](double) { return ++looks < 250'000; });
+    CHECK(sim.run_until(std::numeric_limits<double>::infinity()) == Status::interrupted);
+    CHECK(sim.time() > 200);
+  }
+}
+
+TEST_CASE("a world in equilibrium closes its balance but for rounding, and is not warned of") {
+  Model model;
+  model.add({.name = "weight",
+             .mass = 3,
+             .inertia = diagonal(1),
+             .joint = Prismatic{.axis = {0, 0, 1}, .stiffness = 100},
+             .q = -3 * 9.80665 / 100});
+  Simulation sim(model);
+  REQUIRE(sim.run_until(2) == Status::ok);
+  CHECK(sim.energy().largest_kinetic < 1e-20);
+  CHECK(sim.energy().advice({}) == "");
 }

@@ -40,6 +40,7 @@ bool narrow(Bracket& b, double tolerance, std::optional<double> guess, Value val
     }
     const double margin = std::min(0.25 * (b.outside - b.inside), 0.4 * tolerance);
     const double secant = (b.inside * b.beyond - b.outside * b.within) / (b.beyond - b.within);
+    halve = halve || !std::isfinite(secant);  // a quantity may be infinite
     const double s = halve ? b.inside + 0.5 * (b.outside - b.inside)
                            : std::clamp(guess.value_or(secant), b.inside + margin, b.outside - margin);
     const std::optional<double> found = value(s);
@@ -169,8 +170,9 @@ std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) {
     if (!find_slopes(trial, end)) return std::nullopt;
     rise = w.rise, fall = w.fall;
   }
-  if (!(rise > 0 && fall < 0)) return -1;
+  if (!(rise > 0 && fall < 0) || !std::isfinite(rise) || !std::isfinite(fall)) return -1;
   const Peak found = peak_between(end, w.watch->start, rise, w.last, fall);
+  if (!std::isfinite(found.time)) return -1;
   return found.value < -0.05 * (found.value - std::min(w.watch->start, w.last)) ? -1 : found.time;
 }
 

@@ -65,7 +65,7 @@ double Stops::pull(const Side& s) const {
 }
 
 // The joint's own rest speed; more where the stop is hit so slowly, or the joint pressed so hard against it, that the next flight
-// would be too short or too low to be told from rounding. Bounces end there, whatever the numbers.
+// would be too short or too low to be distinguished from rounding. Bounces end there, whatever the numbers.
 double Stops::rest_speed(const Side& s) const {
   const double a = acceleration(s);
   if (!(a > 0)) return s.rest_speed;

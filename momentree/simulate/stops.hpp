@@ -82,7 +82,7 @@ class Stops {
   enum class Deed { hit, rest, leave };
   void act(std::vector<Event>& events, const Side& side, Deed deed, double restitution);
 
-  /// What is no speed beside the speed of rest.
+  /// Speeds below this fraction of rest_speed count as zero.
   static constexpr double no_speed = 1e-6;
 
   World* world_;

@@ -117,7 +117,7 @@ TEST_CASE("bouncing ends, whatever the load, the mass, the restitution, the rest
     REQUIRE(status == Status::ok);
     const auto rests = of(sim, "rest ball lower");
     REQUIRE(rests.size() == 1);
-    const double slowest = std::max(8e-10 * a, std::sqrt(2e-14 * a * (1 + std::fabs(limit))));  // that is told from rounding
+    const double slowest = std::max(8e-10 * a, std::sqrt(2e-14 * a * (1 + std::fabs(limit))));  // that rounding leaves visible
     CHECK(std::fabs(rests[0]->time - end) < 1e-9 + 1e-6 * end + 3 * slowest / a / (1 - e));
     CHECK(sim.world().joint({0}).q[0] == limit);
     CHECK(sim.events().size() < 1000);

@@ -70,8 +70,9 @@ std::optional<std::string> ProgressMonitor::look(const World& world, const Integ
   // A fixed step is what was asked for, unless no machine could do it. Adaptive methods take steps in which next to nothing moves
   // where their tolerances are below the noise of rounding.
   const double moved = fastest_joint(world).second * gone / steps;
-  const bool lost = method.adaptive() ? left > 1e9 && moved < 1e-5 : left > 2e11;
-  const bool busy = happened > static_cast<std::size_t>(steps) / 4 && left > 1e9;
+  // A run without end is for its observers to judge.
+  const bool lost = std::isfinite(until) && (method.adaptive() ? left > 1e9 && moved < 1e-5 : left > 2e11);
+  const bool busy = happened > static_cast<std::size_t>(steps) / 4 && (std::isfinite(until) ? left > 1e9 : gone / steps < 1e-9);
   if (gone > 0 && !lost && !busy) return std::nullopt;
   const std::string what = no_progress_at(world.time()) + "the last " + std::to_string(steps_between_looks) +
                            " steps took it no more than " + text(gone) + " s further; ";

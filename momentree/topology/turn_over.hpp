@@ -8,7 +8,7 @@ namespace momentree {
 
 /// What is expected where it does not.
 inline constexpr const char* floating =
-    "the body is in the tree, and its mechanism floats: its root hangs on a bare free joint to the ground";
+    "the body is in the tree, and its mechanism floats: its root is joined to the ground by a bare free joint";
 
 /// Momenta of a floating mechanism as if b were its root: those of the joints between its root and b, to be turned over, change
 /// in `p`. Returns the momentum of the whole mechanism in the user's frame of b. The tree stays as it is; work.path is scratch.

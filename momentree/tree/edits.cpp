@@ -65,7 +65,7 @@ void Tree::detach(int b) {
 int Tree::turn_over(int b) {
   int root = b;
   while (parent_[at(root)] >= 0) root = parent_[at(root)];
-  MT_REQUIRE(joint(root).kind == Kind::free, "the root hangs on a free joint");
+  MT_REQUIRE(joint(root).kind == Kind::free, "the root is joined to the ground by a free joint");
   struct Carried {
     int joint, first_q, first_p, first_angle;
     unsigned char reversed;

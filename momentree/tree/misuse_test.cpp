@@ -51,7 +51,7 @@ TEST_CASE("a model") {
     check_stopped("mechanism_name(no body)", "a body of this model", [&] { static_cast<void>(model.mechanism_name({b})); });
   }
   check_stopped("keep(-1)", "a number of bodies", [&] { model.keep(-1); });
-  check_stopped("a kind that is none", "one of the kinds of joint", [&] {
+  check_stopped("no kind", "one of the kinds of joint", [&] {
     JointSpec joint;
     joint.kind = static_cast<Kind>(99);
     model.add({.name = "x", .mass = 1, .joint = joint});
@@ -130,7 +130,7 @@ TEST_CASE("an edit of a tree that can't be") {
   const Misuse all[] = {
       {"detach", no_body, [&] { tree.detach(9); }},
       {"reroot", no_body, [&] { tree.reroot(-1); }},
-      {"reroot of what is held", "the root hangs on a free joint", [&] { tree.reroot(2); }},
+      {"reroot of what is held", "the root is joined to the ground by a free joint", [&] { tree.reroot(2); }},
       {"attach to itself", "belongs to another tree", [&] { tree.attach(3, 3, pin, false); }},
       {"attach to no body", no_body, [&] { tree.attach(3, 9, pin, false); }},
       {"attach to less than the ground", "a body or the ground", [&] { tree.attach(3, -2, pin, false); }},
@@ -172,7 +172,7 @@ TEST_CASE("a topology or a snapshot of something else") {
       {"a parent that is not there", "the ground or a body", with([](Topology& t) { t.places[1].parent = 9; })},
       {"a joint that is not there", "a body carries a joint", with([](Topology& t) { t.places[1].joint = 9; })},
       {"a joint twice", "carried by one body", with([](Topology& t) { t.places[1].joint = 2; })},
-      {"a loop", "every body hangs on the ground", with([](Topology& t) { t.places[0].parent = 2; })},
+      {"a loop", "every body is joined to the ground", with([](Topology& t) { t.places[0].parent = 2; })},
       {"reversed on the ground", "the ground is no joint's child", with([](Topology& t) { t.places[0].reversed = true; })},
       {"a changed joint that is not there", "one of the topology's", with([](Topology& t) {
          t.changed.push_back({7, Joint{}});

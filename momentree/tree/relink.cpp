@@ -57,7 +57,7 @@ void Tree::link_all(LinkCollector* collector) {
   order_.resize(at(living));
   int place = 0;
   for (int root = first_root_; root >= 0; root = next_sibling_[at(root)]) place = walk(root, place);
-  MT_REQUIRE(place == living, "every body hangs on the ground");
+  MT_REQUIRE(place == living, "every body is joined to the ground");
   // Where the topology is the model's, so are frames and links.
   const bool known = declared_ && collector == nullptr;
   links_.clear(declared_ ? std::shared_ptr<const SharedLinks>(declared_, &declared_->links) : nullptr);

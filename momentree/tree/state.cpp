@@ -29,13 +29,13 @@ void State::require_no_edit() const { MT_REQUIRE(!being_edited(), "the state's E
 State& State::operator=(const State& other) {
   require_no_edit();
   if (this == &other) return *this;
+  changed();  // first: memory may run out half-way
   time_ = other.time_;
   q_.reserve(other.q_.capacity());  // a copy can change its topology without allocating, too
   p_.reserve(other.p_.capacity());
   q_ = other.q_;
   p_ = other.p_;
   topology_ = other.topology_;
-  changed();
   return *this;
 }
 
@@ -56,11 +56,11 @@ void State::assign(double time, std::span<const double> q, std::span<const doubl
   require_no_edit();
   MT_REQUIRE(static_cast<int>(q.size()) == tree.nq() && static_cast<int>(p.size()) == tree.nv(),
              "as many coordinates and momenta as the tree has");
+  changed();
   time_ = time;
   q_.assign(q.begin(), q.end());
   p_.assign(p.begin(), p.end());
   topology_ = tree.revision();
-  changed();
 }
 
 namespace {
@@ -92,10 +92,10 @@ void State::replace(int first_q, int nq, std::span<const double> q, int first_p,
   require_no_edit();
   MT_REQUIRE(fits(q_, first_q, nq, q.size(), tree.nq()) && fits(p_, first_p, nv, p.size(), tree.nv()),
              "as many coordinates and momenta as the tree then has");
+  changed();
   replace_range(q_, first_q, nq, q);
   replace_range(p_, first_p, nv, p);
   topology_ = tree.revision();
-  changed();
 }
 
 }  // namespace momentree

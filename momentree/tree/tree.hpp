@@ -87,7 +87,7 @@ enum : unsigned char {
   tip = 1,       ///< it has no child
   fork = 2,      ///< it has several
   first = 4,     ///< it is its parent's first child, and comes right behind it
-  root = 8,      ///< it hangs on the ground
+  root = 8,      ///< it is joined to the ground
   last = 16,     ///< its parent's last child, and not the only one: the first to be met on the way in
   aligned = 32,  ///< its link needs no turn about the parent's z
 };

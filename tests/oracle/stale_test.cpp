@@ -127,7 +127,7 @@ TEST_CASE("what was removed is gone; what was added needs room") {
     forward_dynamics(s.tree, s.state, s.work);
     apply(Join{{2}, {4}}, s.tree, s.state, s.work);
   });
-  check_stopped("a part that hangs on something is removed", "the root of a mechanism that floats", [&] {
+  check_stopped("a part that is joined to something is removed", "the root of a mechanism that floats", [&] {
     Scene s;
     apply(Remove{{3}}, s.tree, s.state, s.work);
   });

@@ -10,7 +10,7 @@ namespace momentree::io {
 struct Mistake {
   const char* where;  ///< tables in which it is one, separated by '|'; empty: wherever `key` is known
   const char* words;  ///< what is written, separated by spaces, as plain_word() has it
-  const char* key;    ///< the key that is meant; empty: there is none, and `text` says what to do
+  const char* key;    ///< the key that is meant; empty if there is no such key; `text` then says what to do
   const char* text;   ///< an example of that key
   bool same = true;   ///< the value is one of that key, too
 };

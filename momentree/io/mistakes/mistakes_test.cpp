@@ -1,4 +1,4 @@
-// What newcomers write who know other engines, and what they are told.
+// What users of other engines write, and the messages that they get.
 #include <doctest/doctest.h>
 
 #include <sstream>
@@ -46,7 +46,7 @@ std::vector<std::string> parts(const char* text, char separator) {
 
 }  // namespace
 
-TEST_CASE("keys of other engines are told as ours, once") {
+TEST_CASE("keys of other engines are reported once, with ours") {
   check_told({
       {one_body + "[mechanism.body.joint]\ntype = \"revolute\"\n", "write 'kind', as in kind = \"revolute\""},
       {one_body + "[mechanism.body.joint]\ntype = \"hinge\"\n",
@@ -108,7 +108,7 @@ TEST_CASE("kinds, methods and roots of other engines") {
   CHECK(hints(pinned + "parent = \"world\"\n") == "write parent = \"ground\"");
 }
 
-TEST_CASE("values of the wrong shape are told in the right one") {
+TEST_CASE("values of the wrong shape are reported with the right one") {
   check_told({
       {pinned + "[world]\ngravity = 9.81\n", "write gravity = [0, 0, -9.81]"},
       {pinned + "[world]\ngravity = \"9.81 m/s^2\"\n", "write gravity = [0, 0, \"-9.81 m/s^2\"]"},

@@ -214,7 +214,7 @@ std::string cure_of_table(std::string_view where, const Value& value) {
     return cure.empty() ? "write limits = { lower = \"-90 deg\", upper = \"90 deg\" }" : cure;
   }
   struct Form {
-    const char *where, *before, *after, *usual;  // the value between before and after; what to write where it is none
+    const char *where, *before, *after, *usual;  // the value between before and after; what to write where it is no number
   };
   static constexpr Form forms[] = {
       {"friction", "friction = { coulomb = ", ", speed = 0.01 }", "friction = { coulomb = \"2 N m\", speed = \"0.01 rad/s\" }"},

@@ -223,7 +223,7 @@ void XmlDocument::reserve() {
 
 std::unique_ptr<const XmlDocument> XmlDocument::parse(std::string_view text, SyntaxError& error, bool quotes) {
   if (text.size() > (1u << 30)) {
-    error = {{}, "more than 1 GiB: this is no model", ""};
+    error = {{}, "more than 1 GiB, the limit for a model", ""};
     return nullptr;
   }
   if (auto problem = check_utf8(text)) {

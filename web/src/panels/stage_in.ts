@@ -1,4 +1,4 @@
-// The 3D picture in its place in the page, or words about why there is none.
+// The 3D picture in its place in the page, or a message that says why it is missing.
 import type { Model } from "../recording";
 import { hasWebGL, Stage } from "../viewer/stage";
 import { h } from "./dom";

@@ -57,7 +57,7 @@ const named: ReadonlyMap<string, string> = new Map(
   }),
 );
 
-/** A shape's colour as "#rrggbb"; null where it is none, and the mechanism's holds. */
+/** A shape's colour as "#rrggbb"; null if it is not a colour: the mechanism's is used. */
 export const hexOf = (colour: string): string | null =>
   /^#[0-9a-f]{6}$/i.test(colour) ? colour.toLowerCase() : (named.get(colour) ?? null);
 
