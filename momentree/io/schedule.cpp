@@ -111,6 +111,7 @@ class Judge {
     if (before == nullptr || key(*before) != "break") return;
     add(at, "joint " + in_quotes(joint) + " is broken by then, by " + told(*before),
         "to hold the part that came off where it is, weld its body to the ground");
+    found_.back().idle = true;
   }
 
   const Rehearsal& rehearsal_;
