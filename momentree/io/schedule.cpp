@@ -172,6 +172,8 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
   for (const ScenarioEvent* event : events) note(*event);
   for (const ScenarioEvent& event : past) note(event);
   simulation.expect_joints(made);
+  std::map<const ScenarioEvent*, std::size_t> ranks;  // by place in the file
+  for (std::size_t k = 0; k < events.size(); ++k) ranks.emplace(events[k], k);
   std::stable_sort(events.begin(), events.end(), [](const auto* a, const auto* b) { return a->time < b->time; });
   Schedule all = with_followers(std::move(events), simulation);
   for (const ScenarioEvent* event : all.events) {
@@ -184,7 +186,7 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
       }
       return simulation.at(event->time);
     }();
-    scheduled.named(event->name, event->named);
+    scheduled.named(event->name, event->named).ranked(ranks.at(event));
     for (std::size_t a = 0; a < event->actions.size(); ++a) {
       if (const std::optional<Error> error = simulation.unknown_name(event->actions[a]))
         all.problems.push_back({event->places[a], std::string(event->actions[a]->key()) + ": " + error->what, error->hint});

@@ -7,6 +7,7 @@
 namespace momentree {
 
 std::size_t Agenda::add(Entry entry) {
+  entry.rank = entries.size();
   entries.push_back(std::move(entry));
   next_ = std::min(next_, entries.back().time);
   return entries.size() - 1;
@@ -26,6 +27,7 @@ std::vector<std::size_t> Agenda::due(double time) const {
   if (next_ > time) return places;
   for (std::size_t k = 0; k < entries.size(); ++k)
     if (!entries[k].done && !entries[k].condition && entries[k].time <= time) places.push_back(k);
+  std::stable_sort(places.begin(), places.end(), [this](auto a, auto b) { return entries[a].rank < entries[b].rank; });
   return places;
 }
 

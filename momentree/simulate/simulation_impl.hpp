@@ -338,7 +338,10 @@ struct Simulation::Impl {
       certain = certain && std::isfinite(time);
       order.emplace_back(time, k);
     }
-    std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::stable_sort(order.begin(), order.end(), [this](const auto& a, const auto& b) {
+      if (a.first != b.first || !std::isfinite(a.first)) return a.first < b.first;
+      return agenda.entries[a.second].rank < agenda.entries[b.second].rank;
+    });
     std::vector<DueEvent> breaks;  // what joints that can break by themselves then come to be
     for (const Strength& s : strengths(world)) {
       breaks.push_back({event_name(world, s), false, {break_joint(std::string(world.joint_name({s.joint})))}});

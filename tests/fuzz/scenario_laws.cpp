@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <set>
 
 #include <momentree/base/error.hpp>
@@ -32,7 +33,16 @@ std::string rendered(const std::vector<std::string>& list) {
   return all;
 }
 
-void require_same(const std::string& one, const std::string& other, const std::string& law, Findings& found) {
+// A document has quaternions with a positive w: where that turns their sign, zeros have one.
+std::string without_signs_of_zeros(std::string text) {
+  for (std::size_t at = 0; (at = text.find("-0.0", at)) != std::string::npos; ++at)
+    if (at + 4 == text.size() || std::strchr("0123456789", text[at + 4]) == nullptr) text.replace(at, 4, "0");
+  return text;
+}
+
+void require_same(std::string one, std::string other, const std::string& law, Findings& found) {
+  if (one == other) return;
+  one = without_signs_of_zeros(std::move(one)), other = without_signs_of_zeros(std::move(other));
   if (one != other) found.require(false, law, "\n" + difference(one, other));
 }
 
@@ -122,6 +132,7 @@ class Checker {
     require_same_run(traced_run(scenario_, {.until = scenario_.until, .most_steps = 2 * most_steps}), "the same run again");
   }
 
+  Vec3 applied_impulse(const Event& happened) const;
   void check_certificates();
   void check_restart(const Trace& first, const std::string& law);
   void check_early_refusal(const std::string& refusal, const std::string& at);
@@ -137,12 +148,28 @@ class Checker {
   Trace whole_;
 };
 
+// The linear impulse that an event's actions brought from outside, by what the scenario says of the event with these actions.
+Vec3 Checker::applied_impulse(const Event& happened) const {
+  std::vector<std::string> done = happened.actions;
+  for (std::string& text : done) text.erase(std::min(text.find(" skipped: "), text.size()));
+  std::sort(done.begin(), done.end());
+  for (const io::ScenarioEvent& event : scenario_.events) {
+    if (event.name != happened.name) continue;
+    std::vector<std::string> said;
+    Vec3 sum{};
+    for (const Action& action : event.actions) {
+      said.push_back(action.text());
+      if (const auto* impulse = dynamic_cast<const actions::Impulse*>(&*action)) sum += impulse->force;
+    }
+    std::sort(said.begin(), said.end());
+    if (said == done) return sum;  // an impulse is never skipped
+  }
+  return {};
+}
+
 // Energy and momentum of each event, by its own figures; and that they follow one another.
 void Checker::check_certificates() {
-  std::map<std::string, const actions::Impulse*> impulses;
-  for (const io::ScenarioEvent& event : scenario_.events)
-    for (const Action& action : event.actions)
-      if (const auto* impulse = dynamic_cast<const actions::Impulse*>(&*action)) impulses[event.name + action.text()] = impulse;
+  if (whole_.status == Status::diverged) return;  // the last events before that are of numbers without meaning
   double mass = 0;
   for (const BodySpec& body : scenario_.model.bodies()) mass += body.mass;
   const Event* last = nullptr;
@@ -155,9 +182,7 @@ void Checker::check_certificates() {
         std::fabs(e.after.kinetic + e.after.potential - e.before.kinetic - e.before.potential + e.lost + e.released - e.work),
         rounding + 1e-300, "certificate: energy", where);
     found_.within(-e.lost, rounding + 1e-300, "certificate: no impact gains energy", where);
-    Vec3 applied{};
-    for (const std::string& action : e.actions)
-      if (const auto found = impulses.find(e.name + action); found != impulses.end()) applied += found->second->force;
+    const Vec3 applied = applied_impulse(e);
     const Vec3 ground{e.ground_impulse[0], e.ground_impulse[1], e.ground_impulse[2]};
     const double speed = std::sqrt(2 * std::max(e.before.kinetic, e.after.kinetic) * mass);
     found_.within(norm(e.after.linear - e.before.linear - ground - applied),
