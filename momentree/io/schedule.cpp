@@ -182,7 +182,8 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
       if (!event->after.empty()) return simulation.after(event->after, event->delay);
       if (event->period > 0) {
         const double periods = std::max(0.0, std::ceil((simulation.time() - event->time) / event->period));
-        return simulation.every(event->period, event->time + periods * event->period);
+        // Rounding may put the next one before a run that starts on it.
+        return simulation.every(event->period, std::max(simulation.time(), event->time + periods * event->period));
       }
       return simulation.at(event->time);
     }();
