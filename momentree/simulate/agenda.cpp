@@ -80,6 +80,8 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
     Entry& e = at(k);
     if (!e.condition || e.done) continue;
     const Condition& c = *e.condition;
+    // Impulses are of an instant: a run that starts where another one ended has not seen them, and that one has looked at them.
+    if (c.what->is_impulsive() && now.empty() && e.looked == world.time()) continue;
     const std::optional<double> value = c.value(world, now);
     if (!value) {
       e.since = -1;
