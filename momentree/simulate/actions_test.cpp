@@ -352,7 +352,7 @@ TEST_CASE("what floats but is locked or held by springs can break, and is bare t
                .joint = Free{.damping = locked ? Values{} : Values{0.5}},
                .v = {0.3, 0, 0, 0, 0, 1}});
     Simulation sim(model);
-    if (locked) sim.apply(lock_joint("hull"));
+    if (locked) sim.apply(lock("hull"));
     CHECK(sim.apply(break_joint("hull")).actions.front() == "break hull");
     const JointView joint = sim.world().joint({0});
     CHECK(joint.locked == 0);
@@ -377,7 +377,7 @@ TEST_CASE("a rod that comes off by itself is refused, wherever it stands") {
   const std::vector<double> before = bits(sim.world());
   CHECK(refused(sim, {break_joint("rod")}).find("has not the mass or inertia to move freely") != std::string::npos);
   CHECK(bits(sim.world()) == before);
-  sim.apply(lock_joint("rod"));  // held, it does no harm
+  sim.apply(lock("rod"));  // held, it does no harm
   REQUIRE(sim.run_until(0.2) == Status::ok);
 }
 
