@@ -196,6 +196,73 @@ free = "m/a"
                  0.6, {0.2, 0.5});
 }
 
+TEST_CASE("a restart keeps couplings, the file's order at one instant, and periods whose instants are rounded") {
+  check_restarts(read(R"(format = 1
+[integrate]
+step = 0.004
+until = 1
+[output]
+every = 0.1
+[[mechanism]]
+name = "m"
+root = "free"
+[[mechanism.body]]
+name = "b1"
+mass = 5
+inertia = [0.015, 0.011, 0.011]
+[[mechanism.body]]
+name = "b2"
+mass = 0.5
+inertia = [0.03, 0.02, 0.026]
+[mechanism.body.joint]
+name = "jb2"
+kind = "weld"
+parent = "b1"
+child_at = { xyz = [0.17, 0.163, 0.281], rpy = [2.88, -1.81, -2.22] }
+[[mechanism.body]]
+name = "b3"
+mass = 3
+inertia = [0.192, 0.144, 0.12]
+[mechanism.body.joint]
+kind = "prismatic"
+axis = [0.258, 0.399, 0.477]
+parent = "b2"
+at = { xyz = [-0.238, 0.153, 0.223] }
+[[mechanism.body]]
+name = "b4"
+mass = 0.2
+inertia = [0.0088, 0.0072, 0.008]
+[mechanism.body.joint]
+kind = "prismatic"
+parent = "b3"
+at = { xyz = [-0.451, 0.147, -0.383], rpy = [2.25, 1.06, -2.65] }
+q = -0.55
+[[coupling]]
+joint = "m/b3"
+follows = "m/b4"
+multiplier = 0.532
+stiffness = 3
+[[event]]
+name = "free"
+at = 0.375
+free = "m/jb2"
+[[event]]
+name = "late"
+after = { event = "free", delay = 0.125 }
+set = { joint = "m/b3", damping = 0.1 }
+[[event]]
+name = "known"
+at = 0.5
+set = { joint = "m/b3", damping = 0.2 }
+[[event]]
+name = "beat"
+every = 0.3
+from = 0.3
+set = { joint = "m/b4", damping = 0.1 }
+)"),
+                 1, {0.3, 0.4, 0.6, 0.8999999999999999, 0.9});
+}
+
 TEST_CASE("what a document says of events must fit the scenario") {
   const io::Scenario scenario = read(swinging("step = 0.01\n"));
   const io::test::TemporaryFolder folder;

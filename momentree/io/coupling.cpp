@@ -1,5 +1,6 @@
 #include <momentree/io/coupling.hpp>
 
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -24,9 +25,13 @@ struct End {
   }
 };
 
+// But for rounding: a document's quaternions are normalised when they are read.
+bool same(double a, double b) { return std::fabs(a - b) <= 1e-12 * (1 + std::fabs(a)); }
+bool same(const Vec3& a, const Vec3& b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z); }
 bool same(const Pose& a, const Pose& b) {
   const Quat &r = a.rotation, &s = b.rotation;
-  return a.position == b.position && r.w == s.w && r.x == s.x && r.y == s.y && r.z == s.z;
+  const double sign = r.w * s.w + r.x * s.x + r.y * s.y + r.z * s.z < 0 ? -1 : 1;
+  return same(a.position, b.position) && same(r.w, sign * s.w) && same(Vec3{r.x, r.y, r.z}, sign * Vec3{s.x, s.y, s.z});
 }
 
 // False for a joint that broke or became another before the run began.
@@ -35,7 +40,7 @@ bool as_in_the_model(const World& world, Body joint) {
   const JointView now = world.joint(joint);
   const BodySpec& then = world.model()[joint];
   return now.name == then.joint_name && now.child == joint && now.parent == then.parent && now.kind == then.joint.kind &&
-         now.axis == then.joint.axis && now.pitch == then.joint.pitch && same(now.at, then.at) &&
+         same(now.axis, then.joint.axis) && now.pitch == then.joint.pitch && same(now.at, then.at) &&
          same(now.child_at, then.child_at);
 }
 

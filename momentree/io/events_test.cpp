@@ -210,3 +210,9 @@ TEST_CASE("events wait for conditions, follow others, and come back") {
   CHECK(simulation.rehearse().troubles.empty());
   REQUIRE(simulation.run_until(2.5) == Status::ok);
 }
+
+TEST_CASE("what comes after an event without a delay may be about the same joint: it is another impact") {
+  const Scenario scenario =
+      read(arm + "[[event]]\nname = \"hold\"\nat = 0.1\nlock = \"m/j\"\n[[event]]\nafter = \"hold\"\nbreak = \"m/j\"\n");
+  CHECK(scenario.events.size() == 2);
+}

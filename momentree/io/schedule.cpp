@@ -111,6 +111,7 @@ class Judge {
     if (before == nullptr || key(*before) != "break") return;
     add(at, "joint " + in_quotes(joint) + " is broken by then, by " + told(*before),
         "to hold the part that came off where it is, weld its body to the ground");
+    found_.back().idle = true;
   }
 
   const Rehearsal& rehearsal_;
@@ -171,6 +172,8 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
   for (const ScenarioEvent* event : events) note(*event);
   for (const ScenarioEvent& event : past) note(event);
   simulation.expect_joints(made);
+  std::map<const ScenarioEvent*, std::size_t> ranks;  // by place in the file
+  for (std::size_t k = 0; k < events.size(); ++k) ranks.emplace(events[k], k);
   std::stable_sort(events.begin(), events.end(), [](const auto* a, const auto* b) { return a->time < b->time; });
   Schedule all = with_followers(std::move(events), simulation);
   for (const ScenarioEvent* event : all.events) {
@@ -179,11 +182,12 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
       if (!event->after.empty()) return simulation.after(event->after, event->delay);
       if (event->period > 0) {
         const double periods = std::max(0.0, std::ceil((simulation.time() - event->time) / event->period));
-        return simulation.every(event->period, event->time + periods * event->period);
+        // Rounding may put the next one before a run that starts on it.
+        return simulation.every(event->period, std::max(simulation.time(), event->time + periods * event->period));
       }
       return simulation.at(event->time);
     }();
-    scheduled.named(event->name, event->named);
+    scheduled.named(event->name, event->named).ranked(ranks.at(event));
     for (std::size_t a = 0; a < event->actions.size(); ++a) {
       if (const std::optional<Error> error = simulation.unknown_name(event->actions[a]))
         all.problems.push_back({event->places[a], std::string(event->actions[a]->key()) + ": " + error->what, error->hint});

@@ -12,7 +12,8 @@ namespace momentree::io {
 struct EventProblem {
   Place place;
   std::string what, hint;
-  bool idle = false;  ///< it is possible, but will have nothing to do
+  /// A run goes on past it: it has nothing to do, or meets another joint than the one that it seems to name.
+  bool idle = false;
 };
 
 /// Events in the order in which they were scheduled: that of time, and of the file where times are equal.

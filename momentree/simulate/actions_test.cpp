@@ -342,3 +342,50 @@ TEST_CASE("too many actions at one instant are an error that tells them") {
   CHECK(refused(sim, many).find("more than 10000 actions at one instant") != std::string::npos);
   CHECK(sim.events().empty());
 }
+
+TEST_CASE("what floats but is locked or held by springs can break, and is bare then") {
+  for (const bool locked : {true, false}) {
+    Model model;
+    model.add({.name = "hull",
+               .mass = 2,
+               .inertia = diagonal(0.1),
+               .joint = Free{.damping = locked ? Values{} : Values{0.5}},
+               .v = {0.3, 0, 0, 0, 0, 1}});
+    Simulation sim(model);
+    if (locked) sim.apply(lock("hull"));
+    CHECK(sim.apply(break_joint("hull")).actions.front() == "break hull");
+    const JointView joint = sim.world().joint({0});
+    CHECK(joint.locked == 0);
+    CHECK((joint.parameters == nullptr || !joint.parameters->any()));
+    CHECK(sim.world().motions()[0].linear.x == doctest::Approx(locked ? 0 : 0.3));
+    CHECK(sim.apply(break_joint("hull")).actions.front().find("skipped: nothing is held by it") != std::string::npos);
+  }
+}
+
+TEST_CASE("a rod that comes off by itself is refused, wherever it stands") {
+  Model model({.gravity = {0, 0, -9.81}});
+  const Body base = model.add({.name = "base", .mass = 1.5, .inertia = diagonal(0.135), .joint = Free{}});
+  model.add({.name = "rod",
+             .mass = 7,
+             .com = {0.283, -0.262, -0.1},
+             .inertia = {0, 0.1575, 0.1575},
+             .parent = base,
+             .joint = Revolute{.axis = {0, 1, 0}},
+             .v = 0.5});
+  Simulation sim(model);
+  REQUIRE(sim.run_until(0.1) == Status::ok);
+  const std::vector<double> before = bits(sim.world());
+  CHECK(refused(sim, {break_joint("rod")}).find("has not the mass or inertia to move freely") != std::string::npos);
+  CHECK(bits(sim.world()) == before);
+  sim.apply(lock("rod"));  // held, it does no harm
+  REQUIRE(sim.run_until(0.2) == Status::ok);
+}
+
+TEST_CASE("what is due at one instant goes by rank, else by the order of scheduling") {
+  Simulation sim(yard());
+  sim.at(0.1).named("second").ranked(2).then(impulse("tug/hull", {1, 0, 0}));
+  sim.at(0.1).named("first").ranked(1).then(impulse("tug/hull", {0, 1, 0}));
+  REQUIRE(sim.run_until(0.2) == Status::ok);
+  REQUIRE(sim.events().size() == 2);
+  CHECK(sim.events()[0].name == "first");
+}

@@ -7,6 +7,7 @@
 namespace momentree {
 
 std::size_t Agenda::add(Entry entry) {
+  entry.rank = entries.size();
   entries.push_back(std::move(entry));
   next_ = std::min(next_, entries.back().time);
   return entries.size() - 1;
@@ -26,6 +27,7 @@ std::vector<std::size_t> Agenda::due(double time) const {
   if (next_ > time) return places;
   for (std::size_t k = 0; k < entries.size(); ++k)
     if (!entries[k].done && !entries[k].condition && entries[k].time <= time) places.push_back(k);
+  std::stable_sort(places.begin(), places.end(), [this](auto a, auto b) { return entries[a].rank < entries[b].rank; });
   return places;
 }
 
@@ -78,6 +80,8 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
     Entry& e = at(k);
     if (!e.condition || e.done) continue;
     const Condition& c = *e.condition;
+    // Impulses are of an instant: a run that starts where another one ended has not seen them, and that one has looked at them.
+    if (c.what->is_impulsive() && now.empty() && e.looked == world.time()) continue;
     const std::optional<double> value = c.value(world, now);
     if (!value) {
       e.since = -1;

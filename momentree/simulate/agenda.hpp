@@ -34,6 +34,7 @@ class Agenda {
     std::string after;                   ///< or after the event of that name,
     double delay = 0;                    ///< by this (s)
     double period = 0;                   ///< and again every so often (s); 0: once
+    std::size_t rank = 0;                ///< of what is due at one instant the lowest comes first
     int fired = 0;
     bool done = false;
     double since = -1;                                                      ///< since when the condition holds, −1: it does not

@@ -83,6 +83,11 @@ void share_totals(const Totals& start, const std::vector<Step>& steps, std::vect
   if (!events.empty() && !steps.empty()) events.back().after = steps.back().after;  // else off by the rounding of the sums
 }
 
+Verdict no_free_mass() {
+  return Verdict::refused("what would then move by itself has not the mass or inertia to move freely",
+                          "give it a mass and an inertia about every axis");
+}
+
 // What moved before still moves, and no change that only lets go or holds brings energy (where no joint is driven): else a mass
 // is missing somewhere.
 Verdict check_energy(const Totals& before, const Totals& after, ActionPhase phase, bool driven) {
@@ -91,8 +96,18 @@ Verdict check_energy(const Totals& before, const Totals& after, ActionPhase phas
   if (finite && !gained) return Verdict::done();
   if (phase >= ActionPhase::impulse)
     return Verdict::refused("it would make the motion too fast for numbers", "is the value what you meant?");
-  return Verdict::refused("what would then move by itself has not the mass or inertia to move freely",
-                          "give it a mass and an inertia about every axis");
+  return no_free_mass();
+}
+
+// True where a body has not the mass or inertia to move freely by itself: a point, a rod. No other can leave a joint singular.
+bool has_thin_bodies(const Model& model) {
+  return std::any_of(model.bodies().begin(), model.bodies().end(), [](const BodySpec& body) {
+    const Sym3& J = body.inertia;
+    const double size = (J.xx + J.yy + J.zz) / 3;
+    const double product =
+        J.xx * (J.yy * J.zz - J.yz * J.yz) - J.xy * (J.xy * J.zz - J.yz * J.xz) + J.xz * (J.xy * J.yz - J.yy * J.xz);
+    return !(body.mass > 0) || !(product > 1e-9 * size * size * size);
+  });
 }
 
 }  // namespace
@@ -116,6 +131,7 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehear
   }
   const WorldSnapshot start = world.snapshot();
   const Totals totals_at_start = world.totals();
+  const bool thin = !rehearsal && has_thin_bodies(world.model());
   std::vector<Step> steps;
   std::vector<char> begun(due.size(), 0);
   const auto refuse = [&](const Item& item, Verdict verdict) {
@@ -162,6 +178,10 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehear
       return false;
     }
     const bool changed = surgery.changes != changes;
+    if (changed && thin && !prepares && !singular_joints(surgery.tree(), world.state().q()).empty()) {
+      refuse(item, no_free_mass());
+      return false;
+    }
     if (changed) steps.push_back({item.event, before, after});
     event.mechanisms_after = world.mechanism_names();
     if (prepares) return true;

@@ -124,6 +124,11 @@ Simulation::Scheduled& Simulation::Scheduled::named(std::string name, bool by_us
   return *this;
 }
 
+Simulation::Scheduled& Simulation::Scheduled::ranked(std::size_t rank) {
+  impl()->agenda.entries[event_].rank = rank;
+  return *this;
+}
+
 Event Simulation::apply(std::span<const Action> actions, std::string name) {
   for (const Action& action : actions) changing().check_names(action->joints(), action->bodies());
   const std::size_t place = changing().events.size();  // what its stops do about it comes after it

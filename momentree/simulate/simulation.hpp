@@ -118,6 +118,8 @@ class Simulation {
     Scheduled& then(Action action);
     /// `by_user`: a joint that it makes then has that name.
     Scheduled& named(std::string name, bool by_user = true);
+    /// Of events that are due at one instant the one of the lowest rank comes first; without it, the first that was scheduled.
+    Scheduled& ranked(std::size_t rank);
 
    private:
     friend class Simulation;

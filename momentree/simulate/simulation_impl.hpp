@@ -334,7 +334,12 @@ struct Simulation::Impl {
     };
     look_at_joints();
     // Instants that are known come first, in their order; the others follow one by one, where nothing can be said of troubles.
-    std::vector<std::pair<double, std::size_t>> order;
+    struct Turn {
+      double time;
+      bool follows;  // at the instant of what it comes after, but after it
+      std::size_t entry;
+    };
+    std::vector<Turn> order;
     bool certain = true;
     for (std::size_t k = 0; k < agenda.entries.size(); ++k) {
       const Agenda::Entry& e = agenda.entries[k];
@@ -343,13 +348,16 @@ struct Simulation::Impl {
       for (const Agenda::Entry& other : agenda.entries)
         if (!e.after.empty() && other.event.name == e.after) time = std::min(time, other.time + e.delay);
       certain = certain && std::isfinite(time);
-      order.emplace_back(time, k);
+      order.push_back({time, !e.after.empty() && e.delay == 0, k});
     }
-    std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::stable_sort(order.begin(), order.end(), [this](const Turn& a, const Turn& b) {
+      if (a.time != b.time || !std::isfinite(a.time)) return a.time < b.time;
+      return std::pair(a.follows, agenda.entries[a.entry].rank) < std::pair(b.follows, agenda.entries[b.entry].rank);
+    });
     std::vector<DueEvent> breaks;  // what joints that can break by themselves then come to be
     for (const Strength& s : strengths(world)) {
       breaks.push_back({event_name(world, s), false, {break_joint(std::string(world.joint_name({s.joint})))}});
-      order.emplace_back(HUGE_VAL, agenda.entries.size() + breaks.size() - 1);
+      order.push_back({HUGE_VAL, false, agenda.entries.size() + breaks.size() - 1});
       certain = false;
     }
     const auto event_at = [&](std::size_t k) {
@@ -359,15 +367,15 @@ struct Simulation::Impl {
     for (std::size_t i = 0; found.complete && i < order.size();) {
       std::vector<DueEvent> due;
       const std::size_t begin = i;
-      const double time = order[i].first;
+      const double time = order[i].time;
       do {
-        due.push_back(event_at(order[i].second));
-      } while (++i < order.size() && order[i].first == time && std::isfinite(time));
+        due.push_back(event_at(order[i].entry));
+      } while (++i < order.size() && order[i].time == time && order[i].follows == order[begin].follows && std::isfinite(time));
       if (std::isfinite(time)) world.set_time(time);
       const InstantReport report = carry_out(world, due, true);
       for (const ActionReport& action : report.actions)
         if (certain && action.verdict.outcome != Verdict::Outcome::done)
-          found.troubles.push_back({order[begin + action.event].second, action.action, action.verdict,
+          found.troubles.push_back({order[begin + action.event].entry, action.action, action.verdict,
                                     action.verdict.outcome == Verdict::Outcome::refused ? report.message : ""});
       look_at_joints();
     }

@@ -137,7 +137,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
   if (hit != nullptr) {
     // Joints that rest elsewhere take part in the impact as long as their stops need not pull for it.
     const Side side = *hit;
-    const WorldSnapshot before = world_->snapshot();
+    WorldSnapshot before = world_->snapshot();
     const std::size_t count = events.size();
     for (;;) {
       act(events, side, Deed::hit, side.restitution);
@@ -152,6 +152,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
         revision_ = world_->tree_.revision();
         return true;
       }
+      before = world_->snapshot();  // what was released stays so: another one may be pulled next
       events.resize(count);
     }
   }

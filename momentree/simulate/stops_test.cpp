@@ -199,6 +199,36 @@ TEST_CASE("an impact elsewhere does not pull on a stop") {
   CHECK(down.world().joint({1}).resting == 0);
 }
 
+TEST_CASE("an impact that pulls joints off several stops ends") {
+  // A chain folds up: its joints come to rest on their stops one after the other, two of them pulled by springs between joints.
+  Model model({.gravity = {0, 0, -g}});
+  const Vec3 axis = normalized(Vec3{0.187, -0.589, 0.435});
+  Body parent = ground;
+  for (int k = 0; k < 5; ++k)
+    parent = model.add({.name = std::to_string(k + 1),
+                        .mass = 0.5,
+                        .com = {0.0785, 0, 0},
+                        .inertia = diagonal(1e-3),
+                        .parent = parent,
+                        .at = Pose{{k > 0 ? 0.157 : 0.0, 0, 0}},
+                        .joint = Revolute{.axis = axis, .damping = 0.2, .limits = {.lower = -0.34, .restitution = 0}},
+                        .q = 0.0794});
+  Simulation sim(model, {.step = 4e-3});
+  const auto spring = [&sim](int joint, int leader, double multiplier, double offset, double stiffness, double damping) {
+    const auto effort = [=](const Moment& m) {
+      return -stiffness * (m.q({joint})[0] - multiplier * m.q({leader})[0] - offset) -
+             damping * (m.v({joint})[0] - multiplier * m.v({leader})[0]);
+    };
+    sim.drive(std::to_string(joint + 1), effort);
+    sim.drive(std::to_string(leader + 1), [=](const Moment& m) { return -multiplier * effort(m); });
+  };
+  spring(1, 0, -1.24, 0.905, 1, 0.03);
+  spring(3, 2, 1, 0.876, 3, 0.2);
+  REQUIRE(sim.run_until(1) == Status::ok);
+  CHECK(of(sim, "rest").size() + of(sim, "hit").size() > 2);
+  CHECK(std::fabs(sim.energy().error) < 1e-3);
+}
+
 TEST_CASE("stops belong to the joint: a re-rooted mechanism bounces and rests as before") {
   Model model({.gravity = {}});
   const Body hull =

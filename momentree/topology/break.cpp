@@ -5,7 +5,11 @@
 namespace momentree {
 
 bool can_break(const Tree& tree, Body body) noexcept {
-  return tree.alive(body.index) && (tree.parent(body.index) >= 0 || tree.joint(body.index).kind != Kind::free);
+  if (!tree.alive(body.index)) return false;
+  if (tree.parent(body.index) >= 0 || tree.joint(body.index).kind != Kind::free) return true;
+  // A root that floats is held all the same by locks, springs, dampers and rotors.
+  const JointParameters* p = tree.parameters(body.index);
+  return tree.joint(body.index).locked != 0 || (p != nullptr && p->any());
 }
 
 Released apply(const Break& change, Tree& tree, State& state, Work<double>& work) noexcept {

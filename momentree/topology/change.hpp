@@ -135,7 +135,7 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
 /// True for a mechanism whose root hangs on a free joint to the ground without spring, damper, friction, drive or rotor: it can
 /// be re-rooted.
 [[nodiscard]] bool floats(const Tree& tree, int b) noexcept;
-/// True where the inboard joint of `body` is there to be broken: not already a free joint to the ground.
+/// True where the inboard joint of `body` is there to be broken: not a free joint to the ground without locks and parameters.
 [[nodiscard]] bool can_break(const Tree& tree, Body body) noexcept;
 
 }  // namespace momentree

@@ -1,5 +1,8 @@
-// A joint whose freedoms move no mass has a singular joint-space mass (24): found once, before anything runs.
+// A joint whose freedoms move no mass has a singular joint-space mass (24): looked for before anything runs, and after changes
+// that may leave a joint so.
+#include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include <momentree/joint/dispatch.hpp>
@@ -31,6 +34,15 @@ double mass_nearby(const Tree& tree, const std::vector<SpatialMass<double>>& car
 
 std::vector<SingularJoint> singular_joints(const Model& model) {
   const Tree tree(model);
+  std::vector<double> q(static_cast<std::size_t>(tree.nq()));
+  for (const int b : tree.order()) {
+    const Values& start = model.bodies()[static_cast<std::size_t>(b)].q;
+    std::copy(start.begin(), start.begin() + info(tree.kind(b)).nq, q.begin() + tree.first_q(b));
+  }
+  return singular_joints(tree, q);
+}
+
+std::vector<SingularJoint> singular_joints(const Tree& tree, std::span<const double> coordinates) {
   std::vector<SingularJoint> found;
   std::vector<SpatialMass<double>> mass(static_cast<std::size_t>(tree.bodies()));
   std::vector<SpatialMass<double>> carried(mass.size());  // the same in the parent's frame, before the joint's freedoms reduce it
@@ -40,20 +52,19 @@ std::vector<SingularJoint> singular_joints(const Model& model) {
     SpatialMass<double>& M = mass[static_cast<std::size_t>(b)];
     add_rigid_mass(M, tree.link(b).body);
     const SpatialMass<double> full = M;
-    dispatch(tree.kind(b), [&](auto tag) {
-      using K = typename decltype(tag)::type::Kernels;
-      const BodySpec& spec = model.bodies()[static_cast<std::size_t>(b)];
-      double c[2] = {1, 1}, s[2] = {0, 0};
-      for (std::size_t i = 0; i < K::angles.size(); ++i) {
-        const double angle = spec.q[K::angles[i]] + (K::turns_about_z ? tree.link(b).angle_0 : 0.0);
-        c[i] = std::cos(angle), s[i] = std::sin(angle);
-      }
-      const double* q = spec.q.begin();
-      const JointState<double> joint{q, c, s};
+    double c[2] = {1, 1}, s[2] = {0, 0};
+    for (int i = 0; i < shape(tree.kind(b)).angles; ++i) {
+      const auto at = static_cast<std::size_t>(tree.first_angle(b) + i);
+      const double angle = coordinates[static_cast<std::size_t>(tree.angle_coordinates()[at])] + tree.angle_offsets()[at];
+      c[i] = std::cos(angle), s[i] = std::sin(angle);
+    }
+    const JointState<double> joint{coordinates.data() + tree.first_q(b), c, s};
+    dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
+      using K = typename decltype(tag)::type;
       const auto E = K::template columns<double>(tree.link(b), joint);
       // Judged one freedom after the other, each against the mass that it could move at all.
       for (std::size_t i = 0; i < E.size(); ++i) {
-        if ((tree.link(b).driven >> i & 1u) != 0) continue;  // moves whatever it moves
+        if ((tree.link(b).locked >> i & 1u) != 0) continue;  // stands, or moves whatever it moves
         const Force<double> e = M * E[i];
         const double armature = tree.armature()[tree.first_p(b) + static_cast<int>(i)];
         const double moved = dot(E[i], e) + armature;
@@ -61,8 +72,7 @@ std::vector<SingularJoint> singular_joints(const Model& model) {
         if (!(moved > 0) || next_to_nothing) {
           found.push_back({{b},
                            "the joint-space mass is singular: freedom " + std::to_string(i + 1) + " of " +
-                               std::to_string(E.size()) + " of this " + std::string(decltype(tag)::type::info.name) +
-                               " joint moves no mass",
+                               std::to_string(E.size()) + " of this " + info(tree.kind(b)).name + " joint moves no mass",
                            "give the bodies outboard of it a mass or an inertia about its axis, or give the joint an armature"});
           break;
         }

@@ -14,7 +14,8 @@ namespace momentree::fuzz {
 
 class Choices {
  public:
-  explicit Choices(std::uint64_t seed) : random_(seed), by_seed_(true) {}
+  /// Prng walks all of its seeds in one circle, where neighbours are one draw apart: seeds are mixed first.
+  explicit Choices(std::uint64_t seed) : random_(oracle::Prng(seed).next()), by_seed_(true) {}
   explicit Choices(std::span<const std::uint8_t> bytes) : random_(0), bytes_(bytes) {}
 
   /// In [low, high].

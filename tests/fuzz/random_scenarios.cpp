@@ -1,6 +1,8 @@
-// Random scenarios, run in many ways: `random_scenarios SEED` shows one and checks it, `random_scenarios SEED COUNT` checks many.
+// Random scenarios, run in many ways: `random_scenarios SEED` shows one and checks it, `random_scenarios SEED COUNT` checks many,
+// `random_scenarios --show SEED` shows one alone.
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 
 #include <tests/fuzz/random_scenario.hpp>
 #include <tests/fuzz/scenario_laws.hpp>
@@ -9,10 +11,17 @@ using namespace momentree::fuzz;
 
 int main(int argc, char** argv) {
   if (argc != 2 && argc != 3) {
-    std::fprintf(stderr, "usage: random_scenarios SEED [COUNT]\n");
+    std::fprintf(stderr, "usage: random_scenarios SEED [COUNT] | --show SEED\n");
     return 2;
   }
+  if (std::strcmp(argv[1], "--show") == 0) {
+    Choices choose(argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 0);
+    return std::printf("%s", random_scenario(choose).c_str()) > 0 ? 0 : 1;
+  }
   const unsigned long first = std::strtoul(argv[1], nullptr, 10), count = argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 1;
+#ifdef __GLIBC__
+  if (argc > 2) stderr = std::fopen("/dev/null", "w");  // warnings of runs; sanitizers write to the descriptor
+#endif
   Findings all;
   int broken = 0;
   for (unsigned long seed = first; seed < first + count; ++seed) {

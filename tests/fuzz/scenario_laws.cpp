@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <set>
+#include <sstream>
 
 #include <momentree/base/error.hpp>
 #include <momentree/integrate/integrator.hpp>
@@ -32,8 +34,29 @@ std::string rendered(const std::vector<std::string>& list) {
   return all;
 }
 
-void require_same(const std::string& one, const std::string& other, const std::string& law, Findings& found) {
+// A document has quaternions with a positive w: where that turns their sign, zeros have one.
+std::string without_signs_of_zeros(std::string text) {
+  for (std::size_t at = 0; (at = text.find("-0.0", at)) != std::string::npos; ++at)
+    if (at + 4 == text.size() || std::strchr("0123456789", text[at + 4]) == nullptr) text.replace(at, 4, "0");
+  return text;
+}
+
+/// A document says the same whatever the order of its joints, which is that of their numbers: a line each.
+std::string in_any_order(const std::string& document) {
+  std::vector<std::string> all;
+  std::istringstream in(document);
+  for (std::string line; std::getline(in, line);) all.push_back(line.ends_with(',') ? line.substr(0, line.size() - 1) : line);
+  std::sort(all.begin(), all.end());
+  return rendered(all);
+}
+
+void require_same(std::string one, std::string other, const std::string& law, Findings& found) {
+  if (one == other) return;
+  one = without_signs_of_zeros(std::move(one)), other = without_signs_of_zeros(std::move(other));
   if (one != other) found.require(false, law, "\n" + difference(one, other));
+}
+void require_same_document(const std::string& one, const std::string& other, const std::string& law, Findings& found) {
+  if (one != other) require_same(in_any_order(one), in_any_order(other), law, found);
 }
 
 /// A refusal says where and what.
@@ -71,7 +94,6 @@ class Checker {
     check_again();
     check_certificates();
     check_restarts();
-    check_snapshots();
     check_documents();
     check_conversion();
     check_energy();
@@ -111,7 +133,7 @@ class Checker {
   void require_same_run(const Trace& other, const std::string& law) {
     require_same(whole_.refused + whole_.message, other.refused + other.message, law + ": message", found_);
     require_same(rendered(whole_.events), rendered(other.events), law + ": events", found_);
-    require_same(whole_.state, other.state, law + ": state", found_);
+    require_same_document(whole_.state, other.state, law + ": state", found_);
     found_.require(whole_.rows == other.rows, law + ": rows");
     found_.require(whole_.energy.error == other.energy.error && whole_.energy.work == other.energy.work &&
                        whole_.energy.dissipated == other.energy.dissipated,
@@ -122,10 +144,11 @@ class Checker {
     require_same_run(traced_run(scenario_, {.until = scenario_.until, .most_steps = 2 * most_steps}), "the same run again");
   }
 
+  Vec3 applied_impulse(const Event& happened) const;
   void check_certificates();
   void check_restart(const Trace& first, const std::string& law);
+  void check_early_refusal(const std::string& refusal, const std::string& at);
   void check_restarts();
-  void check_snapshots();
   void check_documents();
   void check_conversion();
   void check_energy();
@@ -136,12 +159,28 @@ class Checker {
   Trace whole_;
 };
 
+// The linear impulse that an event's actions brought from outside, by what the scenario says of the event with these actions.
+Vec3 Checker::applied_impulse(const Event& happened) const {
+  std::vector<std::string> done = happened.actions;
+  for (std::string& text : done) text.erase(std::min(text.find(" skipped: "), text.size()));
+  std::sort(done.begin(), done.end());
+  for (const io::ScenarioEvent& event : scenario_.events) {
+    if (event.name != happened.name) continue;
+    std::vector<std::string> said;
+    Vec3 sum{};
+    for (const Action& action : event.actions) {
+      said.push_back(action.text());
+      if (const auto* impulse = dynamic_cast<const actions::Impulse*>(&*action)) sum += impulse->force;
+    }
+    std::sort(said.begin(), said.end());
+    if (said == done) return sum;  // an impulse is never skipped
+  }
+  return {};
+}
+
 // Energy and momentum of each event, by its own figures; and that they follow one another.
 void Checker::check_certificates() {
-  std::map<std::string, const actions::Impulse*> impulses;
-  for (const io::ScenarioEvent& event : scenario_.events)
-    for (const Action& action : event.actions)
-      if (const auto* impulse = dynamic_cast<const actions::Impulse*>(&*action)) impulses[event.name + action.text()] = impulse;
+  if (whole_.status == Status::diverged) return;  // the last events before that are of numbers without meaning
   double mass = 0;
   for (const BodySpec& body : scenario_.model.bodies()) mass += body.mass;
   const Event* last = nullptr;
@@ -154,21 +193,35 @@ void Checker::check_certificates() {
         std::fabs(e.after.kinetic + e.after.potential - e.before.kinetic - e.before.potential + e.lost + e.released - e.work),
         rounding + 1e-300, "certificate: energy", where);
     found_.within(-e.lost, rounding + 1e-300, "certificate: no impact gains energy", where);
-    Vec3 applied{};
-    for (const std::string& action : e.actions)
-      if (const auto found = impulses.find(e.name + action); found != impulses.end()) applied += found->second->force;
+    const Vec3 applied = applied_impulse(e);
     const Vec3 ground{e.ground_impulse[0], e.ground_impulse[1], e.ground_impulse[2]};
     const double speed = std::sqrt(2 * std::max(e.before.kinetic, e.after.kinetic) * mass);
+    const double standstill = 1e-14 * mass;  // the rounding of speeds of some m/s that cancel out
     found_.within(norm(e.after.linear - e.before.linear - ground - applied),
-                  1e-10 * (speed + norm(ground) + norm(applied)) + 1e-300, "certificate: linear momentum", where);
+                  1e-10 * (speed + norm(ground) + norm(applied)) + standstill, "certificate: linear momentum", where);
     if (last != nullptr && last->time == e.time) {
       found_.within(std::fabs(last->after.kinetic + last->after.potential - e.before.kinetic - e.before.potential),
                     rounding + 1e-300, "certificates of one instant follow one another: energy", where);
-      found_.within(norm(last->after.linear - e.before.linear), 1e-11 * speed + 1e-300,
+      found_.within(norm(last->after.linear - e.before.linear), 1e-11 * speed + standstill,
                     "certificates of one instant follow one another: momentum", where);
     }
     last = &e;
   }
+}
+
+// What is refused before a run goes on is what it would be refused for later, maybe after its end: all events are tried.
+void Checker::check_early_refusal(const std::string& refusal, const std::string& at) {
+  ++found_.counts["restarts refused early"];
+  const Trace longer = traced_run(scenario_, {.until = 3 * scenario_.until, .most_steps = 8 * most_steps});
+  const auto reason = [](std::string text) {  // without what comes after it, and where
+    text.erase(std::min(text.find("; "), text.size()));
+    text.erase(std::min(text.find(", on line"), text.size()));
+    text.erase(std::min(text.find(" (event"), text.size()));
+    const std::size_t error = text.find("error: ");
+    return error == std::string::npos ? text : text.substr(text.find(": ", error + 7) + 2);
+  };
+  if (!(longer.status == Status::refused && longer.message.find(reason(refusal)) != std::string::npos))
+    found_.require(false, at + ": refused", refusal + "\n--- but the whole run: " + longer.message);
 }
 
 // A run that was stopped, and one that goes on from its state, are the run that went through.
@@ -179,7 +232,7 @@ void Checker::check_restart(const Trace& first, const std::string& law) {
   const Trace second = traced_run(scenario_, {.state = file, .until = scenario_.until, .most_steps = 2 * most_steps});
   ++found_.counts["restarts"];
   const std::string at = law + " at " + std::to_string(first.time);
-  if (!second.refused.empty()) return found_.require(false, at + ": refused", second.refused);
+  if (!second.refused.empty()) return check_early_refusal(second.refused, at);
   std::vector<std::string> events = first.events;
   events.insert(events.end(), second.events.begin(), second.events.end());
   require_same(rendered(whole_.events), rendered(events), at + ": events", found_);
@@ -191,7 +244,7 @@ void Checker::check_restart(const Trace& first, const std::string& law) {
     const std::size_t work = text.find("\"work\"", from);
     return text.erase(work, text.find('\n', work) - work);
   };
-  require_same(without_work(whole_.state), without_work(second.state), at + ": state", found_);
+  require_same_document(without_work(whole_.state), without_work(second.state), at + ": state", found_);
   std::vector<std::string> rows;
   for (std::size_t i = 0; i < whole_.rows.size(); ++i)
     if (whole_.times[i] > first.time) rows.push_back(whole_.rows[i]);
@@ -215,11 +268,14 @@ void Checker::check_restarts() {
   }
   if (whole_.steps > 2) {
     const long steps = choose_.integer(1, static_cast<int>(whole_.steps) - 1);
-    check_restart(traced_run(scenario_, {.until = scenario_.until, .most_steps = steps}), "restart after an interruption");
+    const Trace first = traced_run(scenario_, {.until = scenario_.until, .most_steps = steps});
+    // Where a table bends a rounding before a row, the run that goes on takes the two for one instant.
+    const bool beside_a_row = std::any_of(whole_.times.begin(), whole_.times.end(), [&](double time) {
+      return time != first.time && std::fabs(time - first.time) < 1e-14 * (1 + time);
+    });
+    if (!beside_a_row) check_restart(first, "restart after an interruption");
   }
 }
-
-void Checker::check_snapshots() {}
 
 void Checker::check_documents() {
   const io::test::TemporaryFolder folder;
@@ -229,10 +285,10 @@ void Checker::check_documents() {
     cli::Session session(scenario_, file);
     session.schedule();
     const StepMemory memory = is_adaptive(scenario_.integration.method) ? session.simulation().step_memory() : StepMemory{};
-    require_same(whole_.state, io::state_json(session.simulation().world(), session.armed(), memory),
-                 "a document read and written again", found_);
+    require_same_document(whole_.state, io::state_json(session.simulation().world(), session.armed(), memory),
+                          "a document read and written again", found_);
   } catch (const Error& error) {
-    found_.require(whole_.status == Status::refused, "a document can be read again", error.message());
+    check_early_refusal(error.message(), "a document read again");
   }
 }
 
