@@ -329,7 +329,7 @@ struct Simulation::Impl {
     // Instants that are known come first, in their order; the others follow one by one, where nothing can be said of troubles.
     struct Turn {
       double time;
-      bool follows;  // at the instant of what it comes after, but after it
+      bool follows;  // without a delay: an instant of its own, at the same time
       std::size_t entry;
     };
     std::vector<Turn> order;
@@ -353,9 +353,8 @@ struct Simulation::Impl {
       order.push_back({HUGE_VAL, false, agenda.entries.size() + breaks.size() - 1});
       certain = false;
     }
-    const auto event_at = [&](std::size_t k) {
-      return k < agenda.entries.size() ? agenda.entries[k].event : breaks[k - agenda.entries.size()];
-    };
+    const std::size_t n = agenda.entries.size();
+    const auto event_at = [&](std::size_t k) { return k < n ? agenda.entries[k].event : breaks[k - n]; };
     found.complete = order.size() * static_cast<std::size_t>(world.tree_.bodies()) <= detail::most_rehearsed;
     for (std::size_t i = 0; found.complete && i < order.size();) {
       std::vector<DueEvent> due;
