@@ -321,9 +321,8 @@ struct Simulation::Impl {
     Rehearsal found;
     const WorldSnapshot start = world.snapshot();
     std::set<std::pair<std::string, Kind>> joints;
-    const auto look_at_joints = [&] {
-      for (const int b : world.tree_.order())
-        joints.emplace(world.names_.joint(world.tree_.joint_of(b)), world.tree_.joint(b).kind);
+    const auto look_at_joints = [&, &tree = world.tree_] {
+      for (const int b : tree.order()) joints.emplace(world.names_.joint(tree.joint_of(b)), tree.joint(b).kind);
     };
     look_at_joints();
     // Instants that are known come first, in their order; the others follow one by one, where nothing can be said of troubles.
