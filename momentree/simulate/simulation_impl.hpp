@@ -326,11 +326,7 @@ struct Simulation::Impl {
     };
     look_at_joints();
     // Instants that are known come first, in their order; the others follow one by one, where nothing can be said of troubles.
-    struct Turn {
-      double time;
-      bool follows;  // without a delay: an instant of its own, at the same time
-      std::size_t entry;
-    };
+    using Turn = Agenda::Turn;
     std::vector<Turn> order;
     bool certain = true;
     for (std::size_t k = 0; k < agenda.entries.size(); ++k) {
