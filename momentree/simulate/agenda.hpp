@@ -43,6 +43,13 @@ class Agenda {
     Approach nearest;                                                       ///< since the start or the last restore
   };
 
+  /// When an entry would happen, as far as that is known.
+  struct Turn {
+    double time;
+    bool follows;  ///< another one, without a delay: an instant of its own, at the same time
+    std::size_t entry;
+  };
+
   std::vector<Entry> entries;      ///< in the order of scheduling
   std::set<std::string> expected;  ///< names of joints that events will make
   /// Places past `entries` are entries of the strengths of joints, valid until the world next changes.

@@ -328,17 +328,12 @@ struct Simulation::Impl {
     Rehearsal found;
     const WorldSnapshot start = world.snapshot();
     std::set<std::pair<std::string, Kind>> joints;
-    const auto look_at_joints = [&] {
-      for (const int b : world.tree_.order())
-        joints.emplace(world.names_.joint(world.tree_.joint_of(b)), world.tree_.joint(b).kind);
+    const auto look_at_joints = [&, &tree = world.tree_] {
+      for (const int b : tree.order()) joints.emplace(world.names_.joint(tree.joint_of(b)), tree.joint(b).kind);
     };
     look_at_joints();
     // Instants that are known come first, in their order; the others follow one by one, where nothing can be said of troubles.
-    struct Turn {
-      double time;
-      bool follows;  // at the instant of what it comes after, but after it
-      std::size_t entry;
-    };
+    using Turn = Agenda::Turn;
     std::vector<Turn> order;
     bool certain = true;
     for (std::size_t k = 0; k < agenda.entries.size(); ++k) {
@@ -360,9 +355,8 @@ struct Simulation::Impl {
       order.push_back({HUGE_VAL, false, agenda.entries.size() + breaks.size() - 1});
       certain = false;
     }
-    const auto event_at = [&](std::size_t k) {
-      return k < agenda.entries.size() ? agenda.entries[k].event : breaks[k - agenda.entries.size()];
-    };
+    const std::size_t n = agenda.entries.size();
+    const auto event_at = [&](std::size_t k) { return k < n ? agenda.entries[k].event : breaks[k - n]; };
     found.complete = order.size() * static_cast<std::size_t>(world.tree_.bodies()) <= detail::most_rehearsed;
     for (std::size_t i = 0; found.complete && i < order.size();) {
       std::vector<DueEvent> due;
