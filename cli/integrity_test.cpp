@@ -187,6 +187,14 @@ TEST_CASE("outputs that would replace what is read, or be taken for something el
   CHECK(fs::is_character_file("/dev/null"));
 }
 
+TEST_CASE("a result can't be named like one that is being written") {
+  const Folder here;
+  const Outcome named = here.call("run s.toml --out r.partial --quiet");
+  CHECK(named.code == 2);
+  CHECK(named.says("r.partial: error: names that end in .partial are of results that are being written"));
+  CHECK_FALSE(here.has("r.partial"));
+}
+
 TEST_CASE("a pipe or a link in the place of a result's file is refused, and does not hang") {
   const Folder here;
   REQUIRE(here.call("run s.toml --out r --quiet").code == 0);

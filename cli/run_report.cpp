@@ -98,8 +98,10 @@ std::string missed_text(const MissedEvent& m) {
     return text + format("is due at %.9g s\n", m.time);
   }
   const char* const side = m.exceeds ? "exceeds" : "below";
-  if (std::isnan(m.nearest)) return text + m.quantity + format(" %s %.9g: there was nothing to measure\n", side, m.threshold);
-  text += m.quantity + format(" %s %.9g: came to %.6g at %.6g s", side, m.threshold, m.nearest, m.nearest_time);
+  text += m.quantity;
+  for (std::size_t i = 0; i < m.of.size(); ++i) text += (i == 0 ? " of " : " and ") + m.of[i];
+  if (std::isnan(m.nearest)) return text + format(" %s %.9g: there was nothing to measure\n", side, m.threshold);
+  text += format(" %s %.9g: came to %.6g at %.6g s", side, m.threshold, m.nearest, m.nearest_time);
   if (m.lasts > 0 && m.held > 0) text += format(", held for %.4g s of %.4g s", m.held, m.lasts);
   return text + '\n';
 }

@@ -1,7 +1,8 @@
 #pragma once
-// A span that is read by index in users' code.
+// Numbers and vectors that users' code reads by index.
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include <momentree/base/check.hpp>
 
@@ -18,6 +19,21 @@ class Numbers : public std::span<const double> {
   }
   const double& front() const { return (*this)[0]; }
   const double& back() const { return (*this)[size() - 1]; }
+};
+
+/// A std::vector whose [] stops the program where there is no such entry.
+template <class T>
+class CheckedVector : public std::vector<T> {
+ public:
+  using std::vector<T>::vector;
+  T& operator[](std::size_t i) {
+    MT_REQUIRE(i < this->size(), "an index below size()");
+    return this->data()[i];
+  }
+  const T& operator[](std::size_t i) const {
+    MT_REQUIRE(i < this->size(), "an index below size()");
+    return this->data()[i];
+  }
 };
 
 }  // namespace momentree

@@ -39,6 +39,7 @@ Motion<double> felt_acceleration(const Tree& tree, const double* q, const Work<d
 }
 
 Force<double> transmitted_wrench(const Tree& tree, const Work<double>& work, int b) noexcept {
+  MT_REQUIRE(b >= 0 && b < tree.bodies() && tree.alive(b), "the tree has a body of that number, and it was not removed");
   Force<double> Tr = work.demands[static_cast<std::size_t>(b)];
   dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
     using K = typename decltype(tag)::type;

@@ -44,7 +44,8 @@ TEST_CASE("welds that would close a loop are refused") {
 TEST_CASE("what would do nothing is refused, with what made it so") {
   check({
       {first + "break = \"m/j\"\n" + then + "lock = \"m/j\"\n",
-       "s.toml:47:8: error: lock: does nothing: the joint is not there any more, after break m/j (event '#1', line 44)"},
+       "s.toml:47:8: error: lock: joint 'm/j' is broken by then, by break m/j (event '#1', line 44); to hold the part that came "
+       "off where it is, weld its body to the ground"},
       {first + "break = \"m/a\"\n" + then + "lock = \"m/a\"\n",
        "s.toml:47:8: error: lock: joint 'm/a' is broken by then, by break m/a (event '#1', line 44); to hold the part that came "
        "off where it is, weld its body to the ground"},

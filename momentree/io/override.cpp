@@ -42,6 +42,8 @@ std::optional<Assignment> parsed(std::string_view text) {
       }
     } else if (c != ' ') {
       part += c;
+    } else if (!part.empty() && i + 1 < text.size() && text[i + 1] != ' ' && text[i + 1] != '=' && text[i + 1] != '.') {
+      part += c;  // within a name
     }
   }
   return {};

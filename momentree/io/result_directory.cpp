@@ -77,6 +77,8 @@ void ResultDirectory::name_folders(const std::string& destination) {
     destination_ = fs::absolute(destination_).lexically_normal();
   if (!destination_.has_filename()) destination_ = destination_.parent_path();
   if (!destination_.has_filename()) fail({"a run does not replace this folder", destination, "name another folder with --out"});
+  if (destination_.extension() == ".partial")
+    fail({"names that end in .partial are of results that are being written", destination, "give another name to --out"});
   working_ = destination_;
   working_ += ".partial";
 }

@@ -30,8 +30,6 @@ class Judge {
 
   std::vector<EventProblem> problems() {
     for (const Rehearsal::Trouble& trouble : rehearsal_.troubles) judge(trouble);
-    for (const auto& [joint, places] : decided_)
-      for (const At& at : places) judge_namesake(joint, at);
     return std::move(found_);
   }
 
@@ -54,9 +52,14 @@ class Judge {
     if (event(at.first).wild || trouble.event > first_refused_) return;
     const std::size_t first = found_.size();
     const At* before = origin(at);
+    // Of the matches of a condition any may never happen.
+    if (before != nullptr && event(before->first).wild && event(before->first).condition) return;
     if (before != nullptr && key(at) == "break" && key(*before) == "break")
       add(at, "joint " + in_quotes(action(at).joints().front()) + " is broken already on " + place(*before),
           "a joint breaks once");
+    else if (before != nullptr && key(*before) == "break" && (key(at) == "lock" || key(at) == "change"))
+      add(at, "joint " + in_quotes(action(at).joints().front()) + " is broken by then, by " + told(*before),
+          "to hold the part that came off where it is, weld its body to the ground");
     else if (before != nullptr)
       add(at, "does nothing: " + trouble.verdict.why + ", after " + told(*before));
     else
@@ -102,16 +105,6 @@ class Judge {
       }
     }
     add(at, why, verdict.hint);
-  }
-
-  // After a joint broke that has its body's name, that name is the free root joint's of what came off.
-  void judge_namesake(const std::string& joint, const At& at) {
-    if (event(at.first).wild || idle_.contains(at) || (key(at) != "lock" && key(at) != "change")) return;
-    const At* before = origin(at);
-    if (before == nullptr || key(*before) != "break") return;
-    add(at, "joint " + in_quotes(joint) + " is broken by then, by " + told(*before),
-        "to hold the part that came off where it is, weld its body to the ground");
-    found_.back().idle = true;
   }
 
   const Rehearsal& rehearsal_;

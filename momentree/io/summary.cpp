@@ -103,6 +103,9 @@ void write_missed(JsonWriter& json, const Simulation& simulation) {
   for (const MissedEvent& missed : missed_events(simulation)) {
     json.begin_object().member("event", missed.name);
     if (!missed.quantity.empty()) {
+      json.key("of").begin_array();
+      for (const std::string& name : missed.of) json.value(name);
+      json.end_array();
       json.member("quantity", missed.quantity).member(missed.exceeds ? "exceeds" : "below", missed.threshold);
       json.member("nearest", missed.nearest).member("nearest_time", missed.nearest_time);  // null where it was never there
       if (missed.lasts > 0) json.member("for", missed.lasts).member("held", missed.held);

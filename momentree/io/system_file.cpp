@@ -47,8 +47,12 @@ std::error_code Descriptor::close() {
 }
 
 void fail_with_reason(const std::string& what, const std::string& path, std::error_code reason) {
-  const bool full = is_one_of(reason, {std::errc::no_space_on_device, std::errc::file_too_large}) || reason.value() == EDQUOT;
-  fail({what + ": " + reason.message(), path, full ? "free some space there, or write elsewhere" : ""});
+  const bool full = reason == std::errc::no_space_on_device || reason.value() == EDQUOT;
+  const bool limited = reason == std::errc::file_too_large;
+  fail({what + ": " + reason.message(), path,
+        full      ? "free some space there, or write elsewhere"
+        : limited ? "the limit on file sizes is too low: raise it (`ulimit -f unlimited`), or let rows be further apart"
+                  : ""});
 }
 
 Descriptor open_regular(const std::string& path, Links links) {

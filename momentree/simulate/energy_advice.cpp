@@ -26,6 +26,8 @@ std::string share_text(double share) { return share < 10 ? text("%.2g %% of", 10
 }  // namespace
 
 std::string EnergyBalance::advice(const Integration& how) const {
+  if (!std::isfinite(error) || !std::isfinite(initial) || !std::isfinite(final))
+    return "the energies are beyond all numbers: masses, lengths or speeds are too large to compute with";
   double turned_over = 0;  // whose rounding is no error of the integration
   for (const double part : {initial, final, work, dissipated, lost_in_impacts, released}) turned_over += std::fabs(part);
   if (!(std::fabs(error) > std::max(tolerated * largest_kinetic, rounding * turned_over))) return {};

@@ -40,6 +40,7 @@ struct MissedEvent {
   /// Of a condition: the quantity, "distance"; its threshold, exceeded or fallen below; the nearest that it came, and when. NaN
   /// where there was nothing to look at, as with a joint that was gone. A condition that has to last held no longer than `held`.
   std::string quantity;
+  std::vector<std::string> of;  ///< joints, bodies or mechanisms of the quantity
   double threshold = 0;
   bool exceeds = true;
   double nearest = NAN, nearest_time = NAN;

@@ -386,3 +386,15 @@ TEST_CASE("a body joins and leaves a world with a motion of its own") {
   REQUIRE(sim.run_until(1) == Status::ok);
   CHECK(sim.world().joint({1}).q[0] == Curve(Signal::sine(0.6, 1)).at(1).value);
 }
+
+TEST_CASE("a joint that becomes another may move at a constant rate from where it stands") {
+  Model model({.gravity = {}});
+  model.add({.name = "hoop", .mass = 1, .inertia = diagonal(0.1), .joint = Revolute{.axis = {0, 0, 1}}, .q = 0.3});
+  Simulation sim(model);
+  REQUIRE(sim.run_until(0.5) == Status::ok);
+  const JointSpec slide = Prismatic{.axis = {0, 0, 1}, .drive = motion_drive(Signal::ramp_from_here(2))};
+  sim.apply(change_joint("hoop", slide));
+  REQUIRE(sim.run_until(1) == Status::ok);
+  CHECK(sim.world().joint({0}).q[0] == doctest::Approx(1).epsilon(1e-12));
+  CHECK(sim.world().joint({0}).v[0] == 2);
+}

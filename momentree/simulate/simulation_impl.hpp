@@ -9,6 +9,7 @@
 #include <set>
 
 #include <momentree/base/error.hpp>
+#include <momentree/base/restored.hpp>
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/agenda.hpp>
@@ -30,20 +31,6 @@ inline constexpr std::size_t most_rehearsed = 10'000'000;
 // Events of one instant, one after the other, beyond which they are taken to bring about each other without end.
 inline constexpr std::size_t most_events_at_once = 10'000;
 
-// A value that is another one for as long as this lives.
-template <class T>
-class Restored {
- public:
-  Restored(T& value, T now) : value_(value), before_(value) { value = now; }
-  ~Restored() { value_ = before_; }
-  Restored(const Restored&) = delete;
-  Restored& operator=(const Restored&) = delete;
-
- private:
-  T& value_;
-  T before_;
-};
-
 }  // namespace detail
 
 struct Simulation::Impl {
@@ -53,7 +40,7 @@ struct Simulation::Impl {
         world(model),
         evaluate(world.tree_, world.work_),
         method(new_method()),
-        stops(world, evaluate, how.event_tolerance) {
+        stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)) {
     begin();
   }
 

@@ -302,3 +302,18 @@ TEST_CASE("limits that can't be are errors") {
   ball.parameters.limits.upper = 1;
   CHECK(message(ball).find("limited") != std::string::npos);
 }
+
+TEST_CASE("a stop is located well within steps that are shorter than the event tolerance") {
+  Model model({.gravity = {0, 0, -1e20}});
+  model.add({.name = "ball",
+             .mass = 1,
+             .inertia = diagonal(0.1),
+             .joint = Prismatic{.axis = {0, 0, 1}, .limits = {.lower = 0, .restitution = 0.9}},
+             .q = 0.5});
+  Simulation sim(model, {.step = 7e-12});
+  REQUIRE(sim.run_until(1.2e-9) == Status::ok);
+  CHECK(of(sim, "hit ball lower").size() >= 5);
+  CHECK(of(sim, "rest ball lower").empty());
+  CHECK(sim.world().joint({0}).q[0] >= 0);
+  CHECK(std::fabs(sim.energy().error) < 1e-6 * sim.energy().largest_kinetic);
+}

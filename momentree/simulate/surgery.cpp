@@ -106,6 +106,24 @@ double Surgery::work_of_motions() {
   return work;
 }
 
+// The free joint of a part that came off takes the name of its body, which is often that of the joint that broke. Actions mean
+// the joint that broke: nothing that they do to it may act on the part in flight.
+int Surgery::joint(std::string_view name) const {
+  const int found = world_.names_.find_joint(name);
+  if (found < 0) return found;
+  const int b = tree().carrier(found);
+  const Joint& now = tree().joint(b);
+  // A root that was set free at its own frame is the same: neither a state document nor any motion tells them apart.
+  const auto moved = [](const Pose& pose) {
+    const Quat& r = pose.rotation;
+    return !(pose.position == Vec3{}) || r.w != 1 || r.x != 0 || r.y != 0 || r.z != 0;
+  };
+  if (now.kind != Kind::free || tree().parent(b) >= 0 || moved(now.at) || moved(now.child_at)) return found;
+  const Model& model = world_.model();
+  const bool broke = model.has_joint(name) && model[model.joint(name)].joint.kind != Kind::free;
+  return broke ? -1 : found;
+}
+
 void Surgery::break_off(int joint) {
   const int b = tree().carrier(joint);
   const bool was_root = tree().parent(b) < 0;

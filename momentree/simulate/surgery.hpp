@@ -35,7 +35,7 @@ class Surgery {
   const World& world() const { return world_; }
   const Tree& tree() const { return world_.tree_; }
   /// Number of the present joint of that name, −1: there is none.
-  int joint(std::string_view name) const { return world_.names_.find_joint(name); }
+  int joint(std::string_view name) const;
   /// Number of a body of this world, −1: the ground, −2: there is none.
   int body(std::string_view name) const;
   const std::string& joint_name(int number) const { return world_.names_.joint(number); }

@@ -38,8 +38,9 @@ std::string what_ran_away(const World& world, const Integrator& method, double h
     }
   }
   const auto [fastest, speed] = fastest_joint(world);
-  if (fastest < 0) return "no step is short enough";
-  return "no step is short enough; " + joint_text(world, fastest) + " is the fastest, at " + text(speed) + " rad/s or m/s";
+  const std::string what = method.adaptive() ? "no step is short enough" : "a step of " + text(h) + " s could not be solved for";
+  if (fastest < 0 || speed == 0) return what;
+  return what + "; " + joint_text(world, fastest) + " is the fastest, at " + text(speed) + " rad/s or m/s";
 }
 
 }  // namespace

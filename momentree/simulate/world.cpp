@@ -108,7 +108,7 @@ void World::put_together(const Forest& forest) {
 
 void World::evaluate() const { forward_dynamics(tree_, state_, work_); }
 
-const std::vector<BodyMotion>& World::motions() const {
+const CheckedVector<BodyMotion>& World::motions() const {
   if (motions_of_ == state_.stamp()) return motions_;
   locate_bodies(tree_, state_, work_);
   for (const int b : tree_.order()) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <momentree/base/numbers.hpp>
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/motion.hpp>
 #include <momentree/dynamics/totals.hpp>
@@ -106,7 +107,7 @@ class World {
   double time() const { return state().time(); }
 
   /// These evaluate the state first where that has not been done.
-  const std::vector<BodyMotion>& motions() const;  ///< by body number
+  const CheckedVector<BodyMotion>& motions() const;  ///< by body number
   /// The joint of that number: at the start that of the body's, and the same joint for as long as it is there, whatever carries
   /// it then. Every world has a joint for each of its bodies.
   JointView joint(Body number) const;
@@ -174,7 +175,7 @@ class World {
   Tree tree_;
   State state_;
   mutable Work<double> work_;
-  mutable std::vector<BodyMotion> motions_;
+  mutable CheckedVector<BodyMotion> motions_;
   mutable std::vector<BodyAcceleration> accelerations_;  // none until they are asked for
   mutable Stamp motions_of_, accelerations_of_;
 };

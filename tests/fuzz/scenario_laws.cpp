@@ -288,7 +288,7 @@ void Checker::check_documents() {
   io::write_text_file(file, whole_.state);
   try {
     cli::Session session(scenario_, file);
-    session.schedule();
+    static_cast<void>(session.schedule());
     const StepMemory memory = is_adaptive(scenario_.integration.method) ? session.simulation().step_memory() : StepMemory{};
     require_same_document(whole_.state, io::state_json(session.simulation().world(), session.armed(), memory),
                           "a document read and written again", found_);

@@ -126,6 +126,7 @@ export interface Times {
 export interface Missed {
   readonly event: string;
   readonly quantity?: string;
+  readonly of?: readonly string[];
   readonly exceeds?: number;
   readonly below?: number;
   readonly nearest?: number | null;

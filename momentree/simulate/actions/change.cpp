@@ -138,9 +138,10 @@ Verdict Change::apply(Surgery& surgery) const {
     surgery.loosen(number, found);
   else
     surgery.become(number, found);
-  const Verdict follows = surgery.can_follow(number, to.spec.parameters);
+  const JointParameters parameters = surgery.begun(number, to.spec.parameters);
+  const Verdict follows = surgery.can_follow(number, parameters);
   if (follows.outcome != Verdict::Outcome::done) return follows;
-  if (!(to.spec.parameters == JointParameters{})) surgery.set(number, to.spec.parameters);
+  if (!(parameters == JointParameters{})) surgery.set(number, parameters);
   return Verdict::done();
 }
 

@@ -163,9 +163,10 @@ describe("the summary", () => {
   });
 
   it("says of events that did not happen what they waited for, and how near it came", () => {
-    expect(missedRow({ event: "grasp", quantity: "distance", below: 0.3, nearest: 0.353, nearest_time: 12.7 })).toEqual([
+    const grasp = { event: "grasp", quantity: "distance", of: ["arm/hand", "cup"], below: 0.3 };
+    expect(missedRow({ ...grasp, nearest: 0.353, nearest_time: 12.7 })).toEqual([
       "grasp",
-      "distance below 0.3",
+      "distance of arm/hand and cup below 0.3",
       "nearest: 0.353 at 12.7 s",
     ]);
     expect(missedRow({ event: "a", quantity: "speed", exceeds: 2, nearest: 3, nearest_time: 1, for: 0.5, held: 0.25 })[2]).toBe(

@@ -43,7 +43,8 @@ export function energyTable(summary: Summary): string[][] {
 export function missedRow(missed: Missed): string[] {
   if (missed.quantity !== undefined) {
     const [side, threshold] = missed.exceeds !== undefined ? ["exceeds", missed.exceeds] : ["below", missed.below ?? 0];
-    const waits = `${missed.quantity} ${side} ${digits(threshold, 6)}`;
+    const of = missed.of?.length ? ` of ${missed.of.join(" and ")}` : "";
+    const waits = `${missed.quantity}${of} ${side} ${digits(threshold, 6)}`;
     if (missed.nearest == null) return [missed.event, waits, "there was nothing to measure"];
     const held = missed.for === undefined ? "" : `, held for ${duration(missed.held ?? 0)} of ${duration(missed.for)}`;
     return [missed.event, waits, `nearest: ${digits(missed.nearest, 6)} at ${digits(missed.nearest_time ?? 0, 6)} s${held}`];
