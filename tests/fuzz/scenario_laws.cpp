@@ -214,7 +214,8 @@ void Checker::check_certificates() {
   }
 }
 
-// What is refused before a run goes on is what it would be refused for later, maybe after its end: all events are tried.
+// What is refused before a run goes on is what it would be refused for later, maybe after its end: all events are tried. Nothing
+// can be said where the whole run does not come that far: because it fails, or is refused for something else.
 void Checker::check_early_refusal(const std::string& refusal, const std::string& at) {
   ++found_.counts["restarts refused early"];
   const Trace longer = traced_run(scenario_, {.until = 3 * scenario_.until, .most_steps = 8 * most_steps});
@@ -225,7 +226,10 @@ void Checker::check_early_refusal(const std::string& refusal, const std::string&
     const std::size_t error = text.find("error: ");
     return error == std::string::npos ? text : text.substr(text.find(": ", error + 7) + 2);
   };
-  if (!(longer.status == Status::refused && longer.message.find(reason(refusal)) != std::string::npos))
+  if (longer.status == Status::refused && longer.message.find(reason(refusal)) != std::string::npos) return;
+  if (longer.status != Status::ok)
+    ++found_.counts["restarts refused early for what is never reached"];
+  else
     found_.require(false, at + ": refused", refusal + "\n--- but the whole run: " + longer.message);
 }
 
@@ -288,7 +292,7 @@ void Checker::check_documents() {
   io::write_text_file(file, whole_.state);
   try {
     cli::Session session(scenario_, file);
-    session.schedule();
+    static_cast<void>(session.schedule());  // warnings of what is over already
     const StepMemory memory = is_adaptive(scenario_.integration.method) ? session.simulation().step_memory() : StepMemory{};
     require_same_document(whole_.state, io::state_json(session.simulation().world(), session.armed(), memory),
                           "a document read and written again", found_);

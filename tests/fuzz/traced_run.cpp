@@ -55,7 +55,7 @@ Trace traced_run(const io::Scenario& scenario, const RunPlan& plan) {
   std::unique_ptr<cli::Session> session;
   try {
     session = std::make_unique<cli::Session>(scenario, plan.state);
-    session->schedule();
+    static_cast<void>(session->schedule());
   } catch (const Error& error) {
     trace.refused = error.message();
     return trace;
