@@ -84,6 +84,7 @@ void Surgery::carry_out(const Change& change, Nature nature) {
   const double driven = nature == Nature::impact ? work_of_motions() : -gone;
   event_->work += driven;
   if (nature == Nature::impact) event_->lost += gone + driven;
+  if (nature == Nature::outside) brought += after.kinetic - before.kinetic;
   if constexpr (std::is_same_v<Change, Impulse>) {
     book_impulses(&change);
   } else {
