@@ -258,6 +258,36 @@ set = { joint = "m/b3", damping = 0.2 }
                  1, {0.25, 0.375, 0.5, 0.75});
 }
 
+TEST_CASE("events that are a rounding apart do not contradict one another after a restart") {
+  check_restarts(read(R"(format = 1
+[integrate]
+until = 0.4
+[[mechanism]]
+name = "p"
+[[mechanism.body]]
+name = "bob"
+mass = 1
+inertia = 0.1
+[mechanism.body.joint]
+kind = "revolute"
+v = 1
+[[event]]
+name = "first"
+at = 0.16
+set = { joint = "p/bob", damping = 0.1 }
+[[event]]
+name = "unlock"
+after = { event = "first", delay = 0.06 }
+unlock = "p/bob"
+[[event]]
+name = "lock"
+every = 0.1
+from = 0.02
+lock = "p/bob"
+)"),  // the third of these is at 0.02 + 0.1 + 0.1, a rounding after 0.16 + 0.06
+                 0.4, {0.13, 0.2});
+}
+
 TEST_CASE("what a document says of events must fit the scenario") {
   const io::Scenario scenario = read(swinging("step = 0.01\n"));
   const io::test::TemporaryFolder folder;

@@ -155,6 +155,7 @@ std::vector<io::Diagnostic> Session::schedule() {
   }
   if (from_document_) schedule_followers(events);
   scheduled_ = io::schedule(simulation_, std::move(events), scenario_.events);
+  if (scheduled_.problems.empty()) resume();  // first: a document knows instants to the last bit
   std::vector<io::EventProblem> problems = scheduled_.problems;
   if (problems.empty() && from_document_) {  // else the reader has tried them
     const auto line = [](Place place) { return format("line %d", place.line); };
@@ -169,7 +170,6 @@ std::vector<io::Diagnostic> Session::schedule() {
     const io::EventProblem& first = problems.front();
     fail({first.what, format("%s:%d:%d", scenario_.path.c_str(), first.place.line, first.place.column), first.hint});
   }
-  resume();
   return warnings;
 }
 

@@ -381,6 +381,43 @@ TEST_CASE("a rod that comes off by itself is refused, wherever it stands") {
   REQUIRE(sim.run_until(0.2) == Status::ok);
 }
 
+TEST_CASE("a joint with a rotor can be made on what moves: its energy is work") {
+  Model model;
+  model.add({.name = "cart", .mass = 1.5, .inertia = diagonal(0.07), .joint = Free{}, .v = {1, 0, 0, 0, 0, 0}});
+  Simulation sim(model);
+  Prismatic rail{.axis = x_axis};
+  rail.armature = 0.3;
+  sim.at(0.1).then(attach("cart", "ground", rail));
+  CHECK(sim.rehearse().troubles.empty());
+  REQUIRE(sim.run_until(0.2) == Status::ok);
+  REQUIRE(sim.events().size() == 1);
+  CHECK(sim.events()[0].after.kinetic == doctest::Approx(0.5 * (1.5 + 0.3)));
+  CHECK(sim.events()[0].work == doctest::Approx(0.5 * 0.3));
+  CHECK(std::fabs(sim.energy().error) < 1e-14);
+}
+
+TEST_CASE("a rehearsal judges no inertia by where joints stand before it") {
+  Model model;
+  const Body gimbal = model.add({.name = "gimbal", .joint = Revolute{.axis = z_axis}});
+  model.add({.name = "rod",
+             .mass = 1,
+             .com = {0, 0, 0.5},
+             .inertia = {0.1, 0.1, 0},
+             .parent = gimbal,
+             .joint = Revolute{.axis = x_axis},
+             .v = 1});
+  Simulation sim(model);
+  sim.apply(lock("gimbal"));
+  sim.at(0.1).then(unlock("gimbal"));  // the rod is along the gimbal's axis now, but not then
+  sim.at(0.25).then(change_joint("gimbal", Cylindrical{.axis = x_axis}));
+  sim.at(0.25).then(change_joint("rod", Cylindrical{.axis = y_axis}));
+  const Rehearsal found = sim.rehearse();
+  CHECK(found.troubles.empty());
+  CHECK_FALSE(found.complete);  // nothing can be tried after it
+  CHECK(sim.run_until(0.2) == Status::ok);
+  CHECK(sim.world().joint({0}).locked == 0);
+}
+
 TEST_CASE("what is due at one instant goes by rank, else by the order of scheduling") {
   Simulation sim(yard());
   sim.at(0.1).named("second").ranked(2).then(impulse("tug/hull", {1, 0, 0}));
@@ -419,7 +456,10 @@ TEST_CASE("actions on a joint that broke do not act on the part in flight, whose
     CHECK(norm(sim.world().totals().linear - before.linear) > 0);  // the pin of arm/a goes on to hold
     CHECK(norm(sim.world().motions()[1].linear) > 0.5);
   }
-  // A joint that was set free is another matter: it is there.
+  // A joint that is let go for the impact of its change is another matter: it is there.
+  Simulation turned(arm());
+  CHECK(turned.apply(change_joint("arm/a", JointSpec(Prismatic{.axis = {0, 0, 1}}))).actions[0].starts_with("change arm/a"));
+  // So is one that was set free.
   Simulation sim(arm());
   sim.apply(free_joint("arm/b"));
   CHECK(sim.apply(lock("arm/b")).actions[0] == "lock arm/b");

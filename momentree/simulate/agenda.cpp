@@ -32,11 +32,12 @@ std::vector<std::size_t> Agenda::due(double time) const {
 }
 
 bool Agenda::watching(const World& world) const {
-  return !world.tree().strength_joints().empty() ||
+  return !strengths_.empty() || !world.tree().strength_joints().empty() ||
          std::any_of(entries.begin(), entries.end(), [](const Entry& e) { return e.condition && !e.done; });
 }
 
-// Joints come and go, and with them their strengths; of those that stay, what is known of their loads stays.
+// Joints come and go, and with them their strengths; of those that stay, what is known of their loads stays. One that broke is
+// gone: what has its number and its strength now was given them since.
 void Agenda::renew_strengths(const World& world) {
   strengths_of_ = world.tree().revision();
   if (strengths_.empty() && world.tree().strength_joints().empty()) return;
@@ -44,7 +45,8 @@ void Agenda::renew_strengths(const World& world) {
   std::vector<Borne> before = std::move(strengths_);
   strengths_.clear();
   for (const Strength& s : now) {
-    const auto known = std::find_if(before.begin(), before.end(), [&](const Borne& b) { return b.strength == s; });
+    const auto known =
+        std::find_if(before.begin(), before.end(), [&](const Borne& b) { return b.strength == s && !b.entry.done; });
     if (known != before.end()) {
       strengths_.push_back(std::move(*known));
       continue;

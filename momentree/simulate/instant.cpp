@@ -88,11 +88,15 @@ Verdict no_free_mass() {
                           "give it a mass and an inertia about every axis");
 }
 
+bool is_finite(const Totals& totals) {
+  return std::isfinite(totals.kinetic) && std::isfinite(totals.linear.x + totals.linear.y + totals.linear.z);
+}
+
 // What moved before still moves, and no change that only lets go or holds brings energy (where no joint is driven): else a mass
-// is missing somewhere.
-Verdict check_energy(const Totals& before, const Totals& after, ActionPhase phase, bool driven) {
-  const bool finite = std::isfinite(after.kinetic) && std::isfinite(after.linear.x + after.linear.y + after.linear.z);
-  const bool gained = !driven && phase < ActionPhase::impulse && after.kinetic > before.kinetic * (1 + 1e-3) + 1e-30;
+// is missing somewhere. `brought`: kinetic energy that new parameters brought, as those of a joint that is made.
+Verdict check_energy(const Totals& before, const Totals& after, ActionPhase phase, bool driven, double brought) {
+  const bool finite = is_finite(after);
+  const bool gained = !driven && phase < ActionPhase::impulse && after.kinetic - brought > before.kinetic * (1 + 1e-3) + 1e-30;
   if (finite && !gained) return Verdict::done();
   if (phase >= ActionPhase::impulse)
     return Verdict::refused("it would make the motion too fast for numbers", "is the value what you meant?");
@@ -163,11 +167,21 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehear
     }
     surgery.begin(event, made_joint_name(due[item.event], item.action));
     const long changes = surgery.changes;
+    const double brought = surgery.brought;
     const ActionBase& action = **item.what;
     Verdict verdict = prepares ? action.prepare(surgery) : action.apply(surgery);
     const Totals after = world.totals();
-    if (verdict.outcome == Verdict::Outcome::done) {
-      const Verdict sound = check_energy(before, after, item.phase, !world.tree().driven_joints().empty());
+    // In a rehearsal the coordinates are not those of the instant: a mass may be missing there alone.
+    const bool judged = !rehearsal || item.phase >= ActionPhase::impulse;
+    if (!judged && !is_finite(after)) {
+      world.restore(start);
+      report.lost = true;
+      report.events.clear();
+      return false;
+    }
+    if (verdict.outcome == Verdict::Outcome::done && judged) {
+      const bool driven = !world.tree().driven_joints().empty();
+      const Verdict sound = check_energy(before, after, item.phase, driven, surgery.brought - brought);
       if (sound.outcome != Verdict::Outcome::done) verdict = sound;
       if (sound.outcome != Verdict::Outcome::done && prepares)  // between the old joint and the new one nothing holds it
         verdict = Verdict::refused("it can't be one impact with others: the child alone has not the inertia to move freely",

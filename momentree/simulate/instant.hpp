@@ -27,6 +27,7 @@ struct ActionReport {
 
 struct InstantReport {
   bool refused = false;               ///< nothing happened; the last of `actions` says why
+  bool lost = false;                  ///< in a rehearsal: the state lost its meaning, so nothing can be tried after it
   std::string message;                ///< of a refusal: which action, why, and how to mend it
   std::vector<ActionReport> actions;  ///< in the order in which they were carried out
   std::vector<Event> events;          ///< one for each that was due, with certificates

@@ -84,7 +84,7 @@ struct Rehearsal {
   std::vector<Trouble> troubles;
   /// Every joint that the world has now or would come to have, with each kind that it would be of.
   std::vector<std::pair<std::string, Kind>> joints;
-  bool complete = true;  ///< false: too many events for so many bodies, nothing but the present joints was looked at
+  bool complete = true;  ///< false: not every event was tried; there are too many, or one needs an inertia that is missing now
 };
 
 /// Callbacks, and what they may do with the simulation that calls them:

@@ -358,6 +358,7 @@ struct Simulation::Impl {
         if (certain && action.verdict.outcome != Verdict::Outcome::done)
           found.troubles.push_back({order[begin + action.event].entry, action.action, action.verdict,
                                     action.verdict.outcome == Verdict::Outcome::refused ? report.message : ""});
+      found.complete = !report.lost;
       look_at_joints();
     }
     world.restore(start);

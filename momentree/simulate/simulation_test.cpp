@@ -344,3 +344,29 @@ TEST_CASE("a world in equilibrium closes its balance but for rounding, and is no
   CHECK(sim.energy().largest_kinetic < 1e-20);
   CHECK(sim.energy().advice({}) == "");
 }
+
+TEST_CASE("axes that are nearly parallel, or nearly at right angles, are not taken for it") {
+  for (const double angle : {0.0, 1.5707963267948966}) {
+    for (const double off : {1e-14, 1e-11, 6e-9, 1e-8, 4e-8, 1e-7}) {
+      CAPTURE(angle);
+      CAPTURE(off);
+      const double s = std::sin(angle + off), c = std::cos(angle + off);
+      Model model;
+      const Body hull =
+          model.add({.name = "hull", .mass = 1, .inertia = diagonal(0.1), .joint = Revolute{.axis = z_axis}, .v = 2});
+      model.add({.name = "arm",
+                 .mass = 2,
+                 .com = {0.3, 0.2, 0.1},
+                 .inertia = diagonal(0.1),
+                 .parent = hull,
+                 .at = {0.4, 0, 0},
+                 .joint = Revolute{.axis = {0, s, c}},
+                 .v = 3});
+      Simulation sim(model);
+      const Event e = sim.apply(lock("arm"));
+      // Kernels say what was transmitted, totals what the bodies have.
+      const Vec3 ground_impulse{e.ground_impulse[0], e.ground_impulse[1], e.ground_impulse[2]};
+      CHECK(norm(e.after.linear - e.before.linear - ground_impulse) < 1e-14);
+    }
+  }
+}

@@ -160,15 +160,17 @@ bool Stops::one_thing(std::vector<Event>& events) {
   for (const Side& s : sides_) candidates = candidates || holds(s) || (!locked(s) && at_stop(s) && speed(s) >= -s.rest_speed);
   if (!candidates) return false;
   accelerate(world_->tree_, world_->state_, world_->work_);
-  for (const Side& s : sides_) {
+  for (Side& s : sides_) {
     if (!holds(s) || pull(s) <= 0) continue;
+    s.left = true;
     const Side side = s;
     act(events, side, Deed::leave, 0);
     return true;
   }
   for (const Side& s : sides_) {
     if (locked(s) || !at_stop(s) || speed(s) < -1e-3 * s.rest_speed) continue;
-    const bool pressed = acceleration(s) > 0;
+    // Where next to no force acts, rounding may say pulled with the stop and pressed without: it takes off, and comes back if so.
+    const bool pressed = !s.left && acceleration(s) > 0;
     if (!pressed && speed(s) <= no_speed * s.rest_speed) continue;  // drawn off, or touching at no speed
     const Side side = s;
     act(events, side, pressed ? Deed::rest : Deed::hit, 0);
@@ -179,6 +181,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
 
 void Stops::settle(std::vector<Event>& events) {
   if (!any()) return;
+  for (Side& s : sides_) s.left = false;
   for (int k = 0; k < most_impacts && one_thing(events); ++k) {
   }
 }

@@ -54,6 +54,7 @@ class Stops {
   struct Side {
     int joint, freedom, sign;  // +1: the upper stop
     double limit, restitution, rest_speed;
+    bool left = false;  // within settle()
   };
   struct Trial;
   struct Watched {

@@ -317,3 +317,26 @@ TEST_CASE("a stop is located well within steps that are shorter than the event t
   CHECK(sim.world().joint({0}).q[0] >= 0);
   CHECK(std::fabs(sim.energy().error) < 1e-6 * sim.energy().largest_kinetic);
 }
+
+TEST_CASE("a stop through which next to no force goes does not rest and leave by turns without end") {
+  Model model({.gravity = {}});
+  const Body hull = model.add(
+      {.name = "hull", .mass = 2, .com = {0.175, 0.295, -0.256}, .inertia = diagonal(0.096, 0.112, 0.096), .joint = Free{}});
+  Planar joint;
+  joint.limits.lower = -0.873;
+  joint.limits.upper = {0.579, 0.953, 0.528};
+  model.add({.name = "rod",
+             .mass = 3,
+             .com = {0.254, -0.0605, -0.238},
+             .inertia = diagonal(0, 0.0675, 0.0675),
+             .parent = hull,
+             .joint = joint,
+             .q = {-0.222, -0.254, 0.146},
+             .v = {-0.765, -0.981, 0.919}});
+  Simulation sim(model, {.method = "damped", .step = 4e-3});
+  long steps = 0;
+  sim.watch([&steps](double) { return ++steps < 2000; });
+  CHECK(sim.run_until(1) == Status::ok);
+  CHECK(of(sim, "hit rod [2] upper").size() >= 1);
+  CHECK(of(sim, "leave").size() < 20);
+}

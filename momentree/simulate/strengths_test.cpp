@@ -107,3 +107,19 @@ TEST_CASE("a strength changes at run time, comes back with a snapshot, and is no
   for (const auto& [name, kind] : rehearsal.joints) found = found || (name == "link0" && kind == Kind::free);
   CHECK(found);
 }
+
+TEST_CASE("a joint that takes the place of one that broke has the same strength anew") {
+  for (const double again : {0.2, 0.5}) {
+    CAPTURE(again);
+    Simulation sim(chain({{}, {.force = 1}}), {.method = "rk4", .step = 5e-3});
+    Revolute weak{.axis = x_axis};
+    weak.strength = {.force = 1};
+    sim.at(again).named("second").then(attach("link1", "ground", weak));
+    REQUIRE(sim.run_until(1) == Status::ok);
+    REQUIRE(sim.events().size() == 3);
+    CHECK(sim.events()[0].name == "strength of link1");
+    CHECK(sim.events()[0].time == 0);
+    CHECK(sim.events()[2].name == "strength of second");
+    CHECK(sim.events()[2].time >= again);
+  }
+}

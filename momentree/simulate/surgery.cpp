@@ -84,6 +84,7 @@ void Surgery::carry_out(const Change& change, Nature nature) {
   const double driven = nature == Nature::impact ? work_of_motions() : -gone;
   event_->work += driven;
   if (nature == Nature::impact) event_->lost += gone + driven;
+  if (nature == Nature::outside) brought += after.kinetic - before.kinetic;
   if constexpr (std::is_same_v<Change, Impulse>) {
     book_impulses(&change);
   } else {
@@ -110,7 +111,7 @@ double Surgery::work_of_motions() {
 // the joint that broke: nothing that they do to it may act on the part in flight.
 int Surgery::joint(std::string_view name) const {
   const int found = world_.names_.find_joint(name);
-  if (found < 0) return found;
+  if (found < 0 || loosened.contains(found)) return found;
   const int b = tree().carrier(found);
   const Joint& now = tree().joint(b);
   // A root that was set free at its own frame is the same: neither a state document nor any motion tells them apart.

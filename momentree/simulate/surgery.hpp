@@ -80,6 +80,7 @@ class Surgery {
   std::set<int> loosened;
   double seconds = 0;  ///< spent in changes alone
   long changes = 0;
+  double brought = 0;  ///< kinetic energy that came from outside: with impulses, and with parameters, such as an armature
 
   /// How far a joint may stand from where its motion begins (rad, m).
   static constexpr double motion_tolerance = 1e-6;

@@ -101,9 +101,10 @@ void find_shape(Link& k, bool turns, double scale) {
   k.d = zero(d) ? 0 : d;
   k.r.y = -k.d * k.sin_a, k.r.z = k.d * k.cos_a;
   const bool has_a = k.r.x != 0, has_d = k.d != 0;
-  if (k.sin_a == 1)
+  // Both, for the cosine of 1e-8 is 1.
+  if (k.sin_a == 1 && k.cos_a == 0)
     k.shape = has_a ? (has_d ? LinkShape::right : LinkShape::right_a) : has_d ? LinkShape::right_d : LinkShape::right_meeting;
-  else if (k.cos_a == 1 && has_a)
+  else if (k.cos_a == 1 && k.sin_a == 0 && has_a)
     k.shape = has_d ? LinkShape::parallel : LinkShape::parallel_a;
   else
     k.shape = !has_a ? LinkShape::screw_d : has_d ? LinkShape::screw : LinkShape::screw_a;

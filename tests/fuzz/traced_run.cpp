@@ -22,6 +22,7 @@ void append(std::string& text, double value) {
 
 std::string event_text(Event event) {
   event.duration_ns = 0;
+  std::sort(event.impulse.begin(), event.impulse.end());  // they are by the joints' numbers, which a restart gives anew
   return io::event_json(event);
 }
 

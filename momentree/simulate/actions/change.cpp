@@ -125,15 +125,15 @@ Verdict Change::prepare(Surgery& surgery) const {
 
 Verdict Change::apply(Surgery& surgery) const {
   JointPlan found;
+  const int number = surgery.joint(name);
   const auto prepared = surgery.plans.find(this);
   if (prepared != surgery.plans.end()) {
     found = prepared->second;
-    surgery.loosened.erase(surgery.joint(name));
+    surgery.loosened.erase(number);
   } else {
     const Verdict verdict = plan(surgery, found);
     if (verdict.outcome != Verdict::Outcome::done) return verdict;
   }
-  const int number = surgery.joint(name);
   if (prepared == surgery.plans.end() && phase(surgery) == ActionPhase::release)
     surgery.loosen(number, found);
   else
