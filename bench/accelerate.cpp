@@ -15,20 +15,20 @@ namespace momentree::bench {
 namespace {
 
 // Σ m (a − g) of all bodies against the forces of the joints to the ground, relative to the largest term.
-double force_error(const Model& model, const Tree& tree, const State& state, Work<double>& work) {
-  locate_bodies(tree, state, work);
-  accelerate(tree, state, work);
+double force_error(const Model& model, const Tree& tree, const State& state, Workspace<double>& workspace) {
+  locate_bodies(tree, state, workspace);
+  accelerate(tree, state, workspace);
   Vec3 missing{};
   double largest = 0;
   for (int b = 0; b < tree.bodies(); ++b) {
-    const Kinematics<double>& body = work.bodies[static_cast<std::size_t>(b)];
+    const Kinematics<double>& body = workspace.bodies[static_cast<std::size_t>(b)];
     const Pose pose = user_pose(tree, body, b);
-    const BodyAcceleration a = body_acceleration(tree, state, work, b);
+    const BodyAcceleration a = body_acceleration(tree, state, workspace, b);
     const Vec3 arm = rotation_matrix(pose.rotation) * model[{b}].com, w = body.R * body.velocity.w;
     const Vec3 force = model[{b}].mass * (a.linear + cross(a.angular, arm) + cross(w, cross(w, arm)) - model.gravity());
     missing += force;
     largest = std::max(largest, norm(force));
-    if (tree.parent(b) < 0) missing -= rotation_matrix(pose.rotation) * reaction(tree, state, work, b).l;
+    if (tree.parent(b) < 0) missing -= rotation_matrix(pose.rotation) * reaction(tree, state, workspace, b).l;
   }
   return norm(missing) / largest;
 }
@@ -38,21 +38,21 @@ void accelerations(benchmark::State& run, Model (*make)(int), bool evaluated) {
   const Model model = make(bodies);
   const Tree tree = compile(model);
   State state = start_state(model, tree);
-  Work<double> work(tree);
-  forward_dynamics(tree, state, work);
+  Workspace<double> workspace(tree);
+  forward_dynamics(tree, state, workspace);
   double move = 1e-4;
   for (auto _ : run) {
     if (evaluated) {
       for (double& q : state.edit().q) q += move;
       move = -move;
-      forward_dynamics(tree, state, work);
+      forward_dynamics(tree, state, workspace);
     }
-    work.accelerated = {};
-    accelerate(tree, state, work);
-    benchmark::DoNotOptimize(work.demands.get());
+    workspace.accelerated = {};
+    accelerate(tree, state, workspace);
+    benchmark::DoNotOptimize(workspace.reduced_bias_wrenches.get());
     benchmark::ClobberMemory();
   }
-  if (!(force_error(model, tree, state, work) < 1e-9)) run.SkipWithError("the ground does not carry what moves");
+  if (!(force_error(model, tree, state, workspace) < 1e-9)) run.SkipWithError("the ground does not carry what moves");
   run.counters["per_body"] =
       benchmark::Counter(bodies, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }

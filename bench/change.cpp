@@ -16,13 +16,14 @@ namespace {
 struct Worlds {
   Tree tree;
   State state;
-  Work<double> work;
+  Workspace<double> workspace;
   int middle;
-  Worlds(const Model& model) : tree(compile(model)), state(start_state(model, tree)), work(tree), middle(model.size() * 2 / 5) {}
+  Worlds(const Model& model)
+      : tree(compile(model)), state(start_state(model, tree)), workspace(tree), middle(model.size() * 2 / 5) {}
   template <class Change>
   void before(const Change& change) {
-    forward_dynamics(tree, state, work);
-    apply(change, tree, state, work);
+    forward_dynamics(tree, state, workspace);
+    apply(change, tree, state, workspace);
   }
 };
 
@@ -30,13 +31,13 @@ template <class Change>
 void measure(benchmark::State& run, const Worlds& start, const Change& change) {
   Tree tree = start.tree;
   State state = start.state;
-  Work<double> work(tree);
+  Workspace<double> workspace(tree);
   for (auto _ : run) {
     tree = start.tree;
     state = start.state;
-    forward_dynamics(tree, state, work);
+    forward_dynamics(tree, state, workspace);
     const auto begin = std::chrono::steady_clock::now();
-    benchmark::DoNotOptimize(apply(change, tree, state, work));
+    benchmark::DoNotOptimize(apply(change, tree, state, workspace));
     run.SetIterationTime(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   }
   if (tree.revision() == start.tree.revision()) run.SkipWithError("nothing changed");

@@ -14,9 +14,10 @@ namespace momentree::bench {
 namespace {
 
 // Largest error of the momenta that the velocities just found belong to, relative to the largest momentum.
-double momentum_error(const Tree& tree, const std::vector<double>& q, const std::vector<double>& p, const Work<double>& work) {
+double momentum_error(const Tree& tree, const std::vector<double>& q, const std::vector<double>& p,
+                      const Workspace<double>& workspace) {
   std::vector<double> again(p.size());
-  project_momentum(tree, q.data(), work.v.get(), again.data());
+  project_momentum(tree, q.data(), workspace.v.get(), again.data());
   double error = 0, largest = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
     error = std::max(error, std::abs(again[i] - p[i]));
@@ -30,17 +31,17 @@ void evaluate(benchmark::State& run, Model (*make)(int)) {
   const Model model = make(bodies);
   const Tree tree = compile(model);
   const State start = start_state(model, tree);
-  Work<double> work(tree);
+  Workspace<double> workspace(tree);
   std::vector<double> q(start.q().begin(), start.q().end()), p(start.p().begin(), start.p().end()), move(q.size());
   for (std::size_t i = 0; i < q.size(); ++i) move[i] = 1e-4 * static_cast<double>(i % 7 + 1);
 
   for (auto _ : run) {
     for (std::size_t i = 0; i < q.size(); ++i) q[i] += move[i], move[i] = -move[i];
-    evaluate_rates(tree, q.data(), p.data(), work);
-    benchmark::DoNotOptimize(work.pdot.get());
+    evaluate_rates(tree, q.data(), p.data(), workspace);
+    benchmark::DoNotOptimize(workspace.pdot.get());
     benchmark::ClobberMemory();
   }
-  const double error = momentum_error(tree, q, p, work);
+  const double error = momentum_error(tree, q, p, workspace);
   if (!(error < 1e-9)) run.SkipWithError("the velocities do not belong to the momenta");
   run.counters["per_body"] =
       benchmark::Counter(bodies, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);

@@ -30,17 +30,17 @@ constexpr Named models[] = {{"planar_chain", planar_chain},
 struct World {
   Tree tree;
   State state;
-  Work<double> work;
-  explicit World(const Model& model) : tree(compile(model)), state(start_state(model, tree)), work(tree) {}
+  Workspace<double> workspace;
+  explicit World(const Model& model) : tree(compile(model)), state(start_state(model, tree)), workspace(tree) {}
 };
 
 void evaluate(World& w, long count) {
-  for (long i = 0; i < count; ++i) evaluate_rates(w.tree, w.state.q().data(), w.state.p().data(), w.work);
+  for (long i = 0; i < count; ++i) evaluate_rates(w.tree, w.state.q().data(), w.state.p().data(), w.workspace);
 }
 void accelerate(World& w, long count) {
   for (long i = 0; i < count; ++i) {
     static_cast<void>(w.state.edit());  // nothing is remembered
-    momentree::accelerate(w.tree, w.state, w.work);
+    momentree::accelerate(w.tree, w.state, w.workspace);
   }
 }
 /// The world made anew and evaluated, as before each change.
@@ -51,7 +51,7 @@ void anew(World& w, long count, const Change& change) {
   for (long i = 0; i < count; ++i) {
     w.tree = tree;
     w.state = state;
-    forward_dynamics(w.tree, w.state, w.work);
+    forward_dynamics(w.tree, w.state, w.workspace);
     change(w);
   }
 }
@@ -79,9 +79,9 @@ const Kernel kernels[] = {
     {"accelerate", accelerate},
     {"anew", [](World& w, long count) { anew(w, count, [](World&) {}); }},
     {"anew_and_break",
-     [](World& w, long count) { anew(w, count, [](World& x) { apply(Break{middle(x)}, x.tree, x.state, x.work); }); }},
+     [](World& w, long count) { anew(w, count, [](World& x) { apply(Break{middle(x)}, x.tree, x.state, x.workspace); }); }},
     {"anew_and_lock",
-     [](World& w, long count) { anew(w, count, [](World& x) { apply(Lock{middle(x)}, x.tree, x.state, x.work); }); }},
+     [](World& w, long count) { anew(w, count, [](World& x) { apply(Lock{middle(x)}, x.tree, x.state, x.workspace); }); }},
     {"lanes_double", [](World& w, long count) { lanes(w, count, Precision::float64); }},
     {"lanes_float", [](World& w, long count) { lanes(w, count, Precision::float32); }},
 };

@@ -33,12 +33,13 @@ double seconds_argument(const char* option, const std::string& text) {
     const auto time = parse_quantity(text, dimension::time, problem);
     if (!time) {
       const bool number = text.find_first_of("0123456789") != std::string::npos;  // then it is the unit that is wrong
-      fail({number ? problem.what : "expected a time, not '" + text + "'", place(option, text), number ? problem.hint : example});
+      throw_error(
+          {number ? problem.what : "expected a time, not '" + text + "'", place(option, text), number ? problem.hint : example});
     }
     seconds = *time;
   }
-  if (!std::isfinite(seconds)) fail({"expected a time", place(option, text), example});
-  if (seconds < 0) fail({"a time must not be negative", place(option, text), example});
+  if (!std::isfinite(seconds)) throw_error({"expected a time", place(option, text), example});
+  if (seconds < 0) throw_error({"a time must not be negative", place(option, text), example});
   return seconds;
 }
 
@@ -47,7 +48,7 @@ std::string time_argument(const char* option, const std::string& text) { return 
 int number_argument(const char* option, const std::string& text, int least, int most) {
   int number = 0;
   if (!read(text, number) || number < least || number > most)
-    fail({format("expected a whole number from %d to %d", least, most), place(option, text), ""});
+    throw_error({format("expected a whole number from %d to %d", least, most), place(option, text), ""});
   return number;
 }
 

@@ -59,7 +59,7 @@ bool print_times(double budget, const Style& style) {
   Table evaluations;
   evaluations.row({"", "bodies", "freedoms", "evaluation", "ns per body"});
   evaluation_times(budget, [&](const EvaluationRow& row) {
-    evaluations.row({row.model, format("%d", row.bodies), format("%d", row.freedoms), duration_text(row.seconds),
+    evaluations.row({row.model, format("%d", row.bodies), format("%d", row.dofs), duration_text(row.seconds),
                      nanoseconds(row.seconds / row.bodies)});
     return go_on();
   });
@@ -131,7 +131,7 @@ bool print_json(const BenchOptions& options, const std::vector<LargeRow>& large,
 
   json.key("evaluations").begin_array();
   evaluation_times(options.budget, [&](const EvaluationRow& row) {
-    json.begin_object().member("model", row.model).member("bodies", row.bodies).member("freedoms", row.freedoms);
+    json.begin_object().member("model", row.model).member("bodies", row.bodies).member("freedoms", row.dofs);
     json.member("ns", row.seconds * 1e9).member("ns_per_body", row.seconds * 1e9 / row.bodies).member("error", row.error);
     json.end_object();
     return go_on();

@@ -24,7 +24,7 @@ void print_own(const std::vector<OwnRow>& rows, const Style& style) {
   times.row({"", "bodies", "freedoms", "evaluation", "accelerations", "in a batch", "kernels", "generated", "break", "lock"});
   std::string notes;
   for (const OwnRow& row : rows) {
-    times.row({row.model, format("%d", row.bodies), format("%d", row.freedoms), duration_text(row.evaluation),
+    times.row({row.model, format("%d", row.bodies), format("%d", row.dofs), duration_text(row.evaluation),
                duration_text(row.accelerations), time_or_dash(row.batch), time_or_dash(row.kernels), time_or_dash(row.generated),
                time_or_dash(row.break_joint), time_or_dash(row.lock_joint)});
     if (!row.batch_message.empty()) notes += "  " + row.model + ": " + row.batch_message + '\n';
@@ -48,7 +48,7 @@ void write_own(io::JsonWriter& json, const std::vector<OwnRow>& rows) {
   };
   json.key("models").begin_array();
   for (const OwnRow& row : rows) {
-    json.begin_object().member("model", row.model).member("bodies", row.bodies).member("freedoms", row.freedoms);
+    json.begin_object().member("model", row.model).member("bodies", row.bodies).member("freedoms", row.dofs);
     nanoseconds("evaluation_ns", row.evaluation);
     nanoseconds("accelerations_ns", row.accelerations);
     nanoseconds("batch_ns", row.batch);
@@ -108,7 +108,7 @@ int bench_models(const BenchOptions& options, const std::vector<std::string>& pe
   for (const std::string& path : options.models) {  // all are read before the first is measured
     std::optional<io::Scenario> scenario = load(path, {}, Notes::counted, io::Severity::error);
     if (!scenario) return bad_input;
-    if (compile(scenario->model).nv() == 0) fail({"nothing in it moves: there is nothing to measure", path, ""});
+    if (compile(scenario->model).nv() == 0) throw_error({"nothing in it moves: there is nothing to measure", path, ""});
     if (!peers.empty()) {
       files.push_back(folder->file(std::to_string(files.size())));
       try {

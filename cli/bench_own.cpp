@@ -16,7 +16,7 @@ namespace {
 
 constexpr int worlds = 64;
 
-bool locked(const Tree& tree, int b, int freedom) { return (tree.joint(b).locked >> freedom & 1u) != 0; }
+bool locked(const Tree& tree, int b, int dof) { return (tree.joint(b).locked >> dof & 1u) != 0; }
 
 /// The model's start, in motion.
 State stirred(const Model& model, const Tree& tree) {
@@ -35,8 +35,8 @@ State stirred(const Model& model, const Tree& tree) {
 class Own {
  public:
   Own(const std::string& name, const Model& model)
-      : model_(model), tree_(compile(model)), work_(tree_), states_{stirred(model, tree_), stirred(model, tree_)} {
-    row.model = name, row.bodies = tree_.bodies(), row.freedoms = tree_.nv();
+      : model_(model), tree_(compile(model)), workspace_(tree_), states_{stirred(model, tree_), stirred(model, tree_)} {
+    row.model = name, row.bodies = tree_.bodies(), row.dofs = tree_.nv();
     const std::vector<double> near = moved(tree_, {states_[0].q().begin(), states_[0].q().end()});
     const State::Edit edit = states_[1].edit();
     std::copy(near.begin(), near.end(), edit.q.begin());
@@ -48,10 +48,10 @@ class Own {
     int turn = 0;
     row.accelerations = shortest(budget, [&] {
       turn ^= 1;
-      accelerate(tree_, states_[turn], work_);
-      keep(work_.a.get());
+      accelerate(tree_, states_[turn], workspace_);
+      keep(workspace_.a.get());
     });
-    const double error = momentum_error(tree_, states_[turn].q().data(), states_[turn].p().data(), work_);
+    const double error = momentum_error(tree_, states_[turn].q().data(), states_[turn].p().data(), workspace_);
     if (!(error < 1e-9)) wrong("the velocities found with accelerations do not belong to the momenta");
     row.error = std::max(row.error, error);
   }
@@ -82,7 +82,7 @@ class Own {
       const int b = (n * 2 / 5 + k) % n;
       const bool moves = info(tree_.kind(b)).nv > 0 && !locked(tree_, b, 0) && tree_.kind(b) != Kind::free;
       const std::string& name = model_[Body{b}].joint_name;
-      if (row.broken.empty() && moves) row.broken = name, row.break_joint = change(Break{{b}}, !has_rotor(b), budget);
+      if (row.broken.empty() && moves) row.broken = name, row.break_joint = change(Break{{b}}, !has_armature(b), budget);
       if (row.locked.empty() && moves && !driven(b)) row.locked = name, row.lock_joint = change(Lock{{b}}, false, budget);
     }
   }
@@ -91,7 +91,7 @@ class Own {
 
  private:
   /// A rotor turns no more once its joint has broken, and its energy is gone.
-  bool has_rotor(int b) const { return tree_.armature()[tree_.first_p(b)] != 0; }
+  bool has_armature(int b) const { return tree_.armature()[tree_.first_p(b)] != 0; }
   bool driven(int b) const { return std::ranges::find(tree_.driven_joints(), b) != tree_.driven_joints().end(); }
   [[noreturn]] void wrong(const char* what) const { throw Error{row.model + ": " + what, "", ""}; }
 
@@ -99,7 +99,7 @@ class Own {
   double change(const Change& what, bool keeps_energy, double budget) {
     const bool powered = !tree_.driven_joints().empty();  // motors that hold a motion give and take energy
     double energy = 0;
-    const double best = shortest_change(budget, what, tree_, states_[0], work_, energy);
+    const double best = shortest_change(budget, what, tree_, states_[0], workspace_, energy);
     if (!powered && !(energy < 1 + 1e-9 && (!keeps_energy || energy > 1 - 1e-8)))
       wrong("the kinetic energy is wrong after a change");
     return best;
@@ -107,7 +107,7 @@ class Own {
 
   const Model& model_;
   Tree tree_;
-  Work<double> work_;
+  Workspace<double> workspace_;
   State states_[2];
 };
 

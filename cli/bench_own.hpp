@@ -10,7 +10,7 @@ namespace momentree::cli {
 /// Times of one model on one core, in seconds; 0 where it has none.
 struct OwnRow {
   std::string model;
-  int bodies = 0, freedoms = 0;
+  int bodies = 0, dofs = 0;
   double evaluation = 0;              ///< of q̇ and ṗ with the forces in joints
   double accelerations = 0;           ///< of the same with accelerations and the wrenches in all joints
   double batch = 0;                   ///< of an evaluation in a world among 64, in lanes, by steps

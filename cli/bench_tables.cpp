@@ -56,7 +56,7 @@ OperationsRow counted(const char* name, const Vec3& gravity, Model (*make)(int),
 }  // namespace
 
 EvaluationRow evaluation_time(const std::string& name, const Tree& tree, const State& start, double budget) {
-  Work<double> work(tree);
+  Workspace<double> work(tree);
   const std::vector<double> p(start.p().begin(), start.p().end());
   const std::vector<double> first(start.q().begin(), start.q().end()), q[2] = {first, moved(tree, first)};
   int turn = 0;
@@ -77,7 +77,7 @@ EvaluationRow evaluation_time(const std::string& name, const Tree& tree, const S
 
 GeneratedRow generated_time(const std::string& name, const Tree& tree, const State& start, const KernelCache& kernels,
                             double budget) {
-  Work<double> work(tree), other(tree);
+  Workspace<double> work(tree), other(tree);
   const std::vector<double> p(start.p().begin(), start.p().end());
   const std::vector<double> first(start.q().begin(), start.q().end()), q[2] = {first, moved(tree, first)};
   const RatesFunction rates = kernels.find(tree);
@@ -131,7 +131,7 @@ ChangeRow change_time(const char* name, const char* model_name, const Model& mod
                       const Change& change) {
   Tree first = compile(model);
   State begin = start_state(model, first);
-  Work<double> work(first);
+  Workspace<double> work(first);
   if (floating) {
     forward_dynamics(first, begin, work);
     apply(Break{{0}}, first, begin, work);
@@ -240,7 +240,7 @@ LargeRow large_world(const char* name, const Model& model) {
   const double before = resident_bytes();
   const Tree tree = compile(model);
   const State state = start_state(model, tree);
-  Work<double> work(tree);
+  Workspace<double> work(tree);
   const double *q = state.q().data(), *p = state.p().data();
   const auto grown = [&] { return before == 0 ? 0 : (resident_bytes() - before) / model.size(); };
   for (int repeat = 0; repeat < 5; ++repeat) {

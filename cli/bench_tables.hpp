@@ -34,7 +34,7 @@ BreakingChain breaking_chain(int repeats);
 /// Time of one evaluation of q̇ and ṗ with joint forces; every coordinate differs from that of the evaluation before.
 struct EvaluationRow {
   std::string model;
-  int bodies = 0, freedoms = 0;
+  int bodies = 0, dofs = 0;
   double seconds = 0;
   double error = 0;  ///< of the momenta that the velocities found belong to, as a share of the largest
 };

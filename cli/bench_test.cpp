@@ -57,7 +57,7 @@ TEST_CASE("times of evaluations and changes: every model, results right") {
     models.insert(row.model);
     CHECK(row.seconds > 0);
     CHECK(row.error < 1e-9);
-    CHECK(row.freedoms == (row.model == "humanoid" ? 36 : row.bodies));
+    CHECK(row.dofs == (row.model == "humanoid" ? 36 : row.bodies));
     return ++rows < 100;
   });
   CHECK(rows == 10);

@@ -4,7 +4,7 @@
 
 namespace momentree::cli {
 
-double momentum_error(const Tree& tree, const double* q, const double* p, const Work<double>& work) {
+double momentum_error(const Tree& tree, const double* q, const double* p, const Workspace<double>& work) {
   std::vector<double> again(static_cast<std::size_t>(tree.nv()));
   project_momentum(tree, q, work.v.get(), again.data());
   double error = 0, largest = 0;

@@ -39,7 +39,7 @@ double shortest(double budget, F&& call) {
 /// Shortest time of a change alone, without the evaluations before and after it. `energy`: the kinetic energy after it, as a
 /// share of what it was.
 template <class Change>
-double shortest_change(double budget, const Change& change, const Tree& first, const State& begin, Work<double>& work,
+double shortest_change(double budget, const Change& change, const Tree& first, const State& begin, Workspace<double>& work,
                        double& energy) {
   const double before = totals(first, begin, work).kinetic;
   Tree tree = first;
@@ -61,7 +61,7 @@ double shortest_change(double budget, const Change& change, const Tree& first, c
 }
 
 /// Largest error of the momenta that the velocities just found belong to, relative to the largest momentum.
-double momentum_error(const Tree& tree, const double* q, const double* p, const Work<double>& work);
+double momentum_error(const Tree& tree, const double* q, const double* p, const Workspace<double>& work);
 /// A second set of coordinates, near the first.
 std::vector<double> moved(const Tree& tree, std::vector<double> q);
 

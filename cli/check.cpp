@@ -18,7 +18,7 @@ struct Checked {
   std::string file;
   std::vector<io::Diagnostic> diagnostics;
   struct Counts {
-    long mechanisms = 0, bodies = 0, freedoms = 0, events = 0;
+    long mechanisms = 0, bodies = 0, dofs = 0, events = 0;
   };
   std::optional<Counts> counts;  ///< where there is no error
 };
@@ -69,16 +69,15 @@ void print(const Checked& checked) {
   if (!checked.counts) return;
   const Checked::Counts& n = *checked.counts;
   show(stdout, printable(checked.file) + ": ok: " + count_text(n.mechanisms, "mechanism", "mechanisms") + ", " +
-                   count_text(n.bodies, "body", "bodies") + ", " +
-                   count_text(n.freedoms, "degree of freedom", "degrees of freedom") + ", " +
-                   count_text(n.events, "event", "events") + '\n');
+                   count_text(n.bodies, "body", "bodies") + ", " + count_text(n.dofs, "degree of freedom", "degrees of freedom") +
+                   ", " + count_text(n.events, "event", "events") + '\n');
 }
 
 void write(io::JsonWriter& json, const Checked& checked) {
   json.begin_object().member("file", checked.file).member("ok", checked.counts.has_value());
   if (checked.counts) {
     const Checked::Counts& n = *checked.counts;
-    json.member("mechanisms", n.mechanisms).member("bodies", n.bodies).member("freedoms", n.freedoms).member("events", n.events);
+    json.member("mechanisms", n.mechanisms).member("bodies", n.bodies).member("freedoms", n.dofs).member("events", n.events);
   }
   json.key("diagnostics").begin_array();
   for (const io::Diagnostic& each : checked.diagnostics) io::write_diagnostic(json, each);

@@ -52,7 +52,7 @@ void require_plain_forces(const World& world, const std::string& path) {
     all += (all.empty() ? "" : "; ") + std::string(force.on_body ? "body '" : "joint '") + name + "' has " + force.what;
   }
   if (!all.empty())
-    fail(
+    throw_error(
         {all + ": that can't be part of generated code", path,
          "with --without-joint-forces the code is the recursion alone, and all forces in joints and on bodies are yours to add"});
 }
@@ -66,10 +66,10 @@ int compile(const CompileOptions& options) {
   const Session session(*scenario);
   const World& world = session.simulation().world();
   const Tree& tree = world.tree();
-  if (tree.nv() == 0) fail({"nothing in it moves: there is no kernel to write", scenario->path, ""});
+  if (tree.nv() == 0) throw_error({"nothing in it moves: there is no kernel to write", scenario->path, ""});
   if (!options.without_joint_forces) require_plain_forces(world, scenario->path);
   if (!options.name.empty() && options.name != identifier(options.name))
-    fail({"'" + options.name + "' is no name for a function", "", "letters, digits and _, a letter first"});
+    throw_error({"'" + options.name + "' is no name for a function", "", "letters, digits and _, a letter first"});
 
   KernelExpressions kernel = kernel_expressions(tree);
   const long recursion = kernel.operations().total();

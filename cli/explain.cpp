@@ -128,20 +128,19 @@ std::string pairs_text(const World& world) {
   const auto name = [&](int place) { return world.model()[Body{tree.order()[static_cast<std::size_t>(place)]}].name; };
   std::string text;
   int bodies = 0;
-  for (const Segment& segment : tree.twin_segments()) {
-    if (segment.twin < 0) continue;
-    bodies += segment.end - segment.begin;
-    if (segment.branch && segment.begin < segment.twin)
-      text += (text.empty() ? "" : ", ") + name(segment.begin) + " and " + name(segment.twin);
+  for (const KernelRun& run : tree.paired_runs()) {
+    if (run.pair < 0) continue;
+    bodies += run.end - run.begin;
+    if (run.branch && run.begin < run.pair) text += (text.empty() ? "" : ", ") + name(run.begin) + " and " + name(run.pair);
   }
-  return text.empty() || !has_twin_lanes ? "" : text + format(" (%d of %d bodies)", bodies, tree.bodies());
+  return text.empty() || !has_pair_lanes ? "" : text + format(" (%d of %d bodies)", bodies, tree.bodies());
 }
 
 /// Bodies of mechanisms that move in a plane, which have a sweep of their own.
 int bodies_in_planes(const Tree& tree) {
   int bodies = 0;
-  for (const Segment& segment : tree.segments())
-    if (segment.planar) bodies += segment.end - segment.begin;
+  for (const KernelRun& run : tree.kernel_runs())
+    if (run.planar) bodies += run.end - run.begin;
   return bodies;
 }
 
@@ -192,15 +191,15 @@ int explain(const ExplainOptions& options) {
   std::string text = style.heading(scenario->title.empty() ? scenario->name : scenario->title) + '\n' + totals_text(world);
   Drawing drawing(world);
   for (const Mechanism& mechanism : world.mechanisms()) {
-    int freedoms = 0;
+    int dofs = 0;
     double mass = 0;
     for (const Body body : mechanism.bodies) {
-      freedoms += info(world.tree().joint(body.index).kind).nv;
+      dofs += info(world.tree().joint(body.index).kind).nv;
       mass += world.model()[body].mass;
     }
     text += '\n' + style.heading(mechanism.name) + ": " + (mechanism.grounded ? "grounded, " : "free, ") +
             count_text(static_cast<long>(mechanism.bodies.size()), "body", "bodies") + ", " +
-            count_text(freedoms, "degree of freedom", "degrees of freedom") + ", " + mass_text(mass) + '\n' +
+            count_text(dofs, "degree of freedom", "degrees of freedom") + ", " + mass_text(mass) + '\n' +
             drawing.of(mechanism.root);
   }
   if (!scenario->events.empty()) text += '\n' + style.heading("Events") + '\n';

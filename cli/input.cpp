@@ -20,9 +20,9 @@ std::string read_standard_input() {
     text.resize(size + piece);
     got = std::fread(text.data() + size, 1, piece, stdin);
     text.resize(size + got);
-    if (text.size() > largest) fail({"is larger than 256 MiB", standard_input, ""});
+    if (text.size() > largest) throw_error({"is larger than 256 MiB", standard_input, ""});
   }
-  if (std::ferror(stdin) != 0) fail({std::string("cannot be read: ") + std::strerror(errno), standard_input, ""});
+  if (std::ferror(stdin) != 0) throw_error({std::string("cannot be read: ") + std::strerror(errno), standard_input, ""});
   return text;
 }
 
@@ -31,7 +31,7 @@ io::ReadResult read_input(const std::string& path, const std::vector<std::string
     if (!is_standard_input(path)) return io::read_scenario(path, overrides);
     return io::read_scenario_from(read_standard_input(), standard_input, "stdin", "", overrides);
   } catch (const std::bad_alloc&) {
-    fail({"not enough free memory to read it", path, "some 3 kB are needed for each body"});
+    throw_error({"not enough free memory to read it", path, "some 3 kB are needed for each body"});
   }
 }
 

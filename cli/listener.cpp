@@ -70,12 +70,13 @@ Listener listen_on(int port) {
   const std::string name = "port " + std::to_string(port);
   if (port != 0 && reason == EADDRINUSE) {
     const int other = free_port_after(port);
-    fail({name + " is in use", "--port",
-          other != 0 ? "port " + std::to_string(other) + " is free; without --port a free one is chosen"
-                     : "no other port is free either"});
+    throw_error({name + " is in use", "--port",
+                 other != 0 ? "port " + std::to_string(other) + " is free; without --port a free one is chosen"
+                            : "no other port is free either"});
   }
-  if (reason == EACCES) fail({name + " is reserved for the administrator", "--port", "choose one above 1023, or leave it out"});
-  fail({"cannot listen on 127.0.0.1: " + std::string(std::strerror(reason)), port != 0 ? "--port" : "", ""});
+  if (reason == EACCES)
+    throw_error({name + " is reserved for the administrator", "--port", "choose one above 1023, or leave it out"});
+  throw_error({"cannot listen on 127.0.0.1: " + std::string(std::strerror(reason)), port != 0 ? "--port" : "", ""});
 }
 
 }  // namespace momentree::cli

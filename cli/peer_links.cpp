@@ -71,8 +71,8 @@ class Links {
   }
 
   [[noreturn]] static void refuse(const BodySpec& body, const std::string& what) {
-    fail({"other engines can't be given this model: " + body.name + " " + what, "",
-          "they take pins, slides and welds, grounded or on one free body; leave out --peers"});
+    throw_error({"other engines can't be given this model: " + body.name + " " + what, "",
+                 "they take pins, slides and welds, grounded or on one free body; leave out --peers"});
   }
 
   std::vector<Link> links_;

@@ -67,7 +67,7 @@ std::vector<double> rates(const Model& model) {
   }
   project_momentum(tree, q.data(), v.data(), p.data());
   state.assign(state.time(), q, p, tree);
-  Work<double> work(tree);
+  Workspace<double> work(tree);
   evaluate_rates(tree, q.data(), p.data(), work);
   std::vector<double> all = p;
   all.insert(all.end(), work.pdot.get(), work.pdot.get() + tree.nv());

@@ -301,7 +301,7 @@ TEST_CASE("check, explain, evaluate, view") {
   CHECK(!explain.says("two at once"));
   const Outcome robot = here.call("explain '" MOMENTREE_SOURCE_DIR "/scenarios/models/anymal_b/anymal.urdf'");
   CHECK(!robot.says("in a plane"));
-  if (has_twin_lanes)
+  if (has_pair_lanes)
     CHECK(robot.says("two at once          anymal/LF_HIP and anymal/RF_HIP, anymal/LH_HIP and anymal/RH_HIP (20 of 23 bodies)"));
   const Outcome evaluate = here.call("evaluate s.toml");
   CHECK(evaluate.code == 0);

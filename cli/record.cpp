@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 
 TemporaryFolder::TemporaryFolder() {
   std::string name = (fs::temp_directory_path() / "momentree-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) fail({std::string("cannot make a temporary folder: ") + std::strerror(errno), name, ""});
+  if (mkdtemp(name.data()) == nullptr)
+    throw_error({std::string("cannot make a temporary folder: ") + std::strerror(errno), name, ""});
   path_ = std::move(name);  // takes no memory, without which the folder would stay
 }
 
@@ -56,7 +57,7 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, double 
   if (status == Status::interrupted) says = "interrupted at t = " + std::to_string(simulation.time()) + " s";
   if (status != Status::ok && status != Status::interrupted) says = simulation.message();
   recorder.finish(says, session.armed());
-  if (recorder.error()) fail(*recorder.error());
+  if (recorder.error()) throw_error(*recorder.error());
   if (status != Status::ok && status != Status::interrupted) show(stderr, printable(scenario.path) + ": error: " + says + '\n');
   return {recorder.directory(), status == Status::ok ? done : status == Status::interrupted ? interrupted : failed};
 }

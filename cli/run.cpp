@@ -24,10 +24,10 @@ namespace {
 
 void refuse_unsupported(const RunOptions& options) {
   const auto refuse = [](bool given, const char* option) {
-    if (given) fail({"`" + std::string(option) + "` is not supported yet", "", ""});
+    if (given) throw_error({"`" + std::string(option) + "` is not supported yet", "", ""});
   };
   refuse(options.format == "hdf5", "--format hdf5");
-  if (options.format != "csv") fail({"unknown format '" + options.format + "'", "", "there are csv and, later, hdf5"});
+  if (options.format != "csv") throw_error({"unknown format '" + options.format + "'", "", "there are csv and, later, hdf5"});
 }
 
 std::string status_text(Status status, const Simulation& simulation) {
@@ -66,7 +66,7 @@ int run(const RunOptions& options) {
   show(stderr, io::rendered(session.schedule()));
   Simulation& simulation = session.simulation();
   const double start = simulation.time();
-  const int freedoms = simulation.world().tree().nv();
+  const int dofs = simulation.world().tree().nv();
   const InterruptGuard guard;  // before there is a folder to leave behind
   io::Recorder recorder(
       simulation,
@@ -108,7 +108,7 @@ int run(const RunOptions& options) {
   if (options.json)
     std::fputs(recorder.summary().c_str(), stdout);
   else if (!options.quiet)
-    show(stdout, report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, freedoms},
+    show(stdout, report_text({scenario->title.empty() ? scenario->name : scenario->title, scenario->integration, start, dofs},
                              simulation, Style::of_output()) +
                      "\nResults: " + printable(recorder.directory()) + (recorder.has_report() ? "/report.html\n" : "\n"));
 

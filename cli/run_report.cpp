@@ -114,7 +114,7 @@ std::string report_text(const RunReport& report, const Simulation& simulation, c
   const double wall = s.total_seconds[0] + s.total_seconds[1], simulated = simulation.time() - report.start;
   std::string text =
       style.heading(report.title) + ": " + count_text(world.model().size(), "body", "bodies") + ", " +
-      count_text(report.freedoms, "degree of freedom", "degrees of freedom") + ", " + report.integration.method +
+      count_text(report.dofs, "degree of freedom", "degrees of freedom") + ", " + report.integration.method +
       (is_adaptive(report.integration.method) ? format(", rtol %.3g, atol %.3g", report.integration.rtol, report.integration.atol)
                                               : format(" with steps of %s", duration_text(report.integration.step).c_str())) +
       '\n';

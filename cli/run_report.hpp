@@ -11,7 +11,7 @@ struct RunReport {
   std::string title;  ///< of the scenario, or its name
   Integration integration;
   double start = 0;  ///< s
-  int freedoms = 0;  ///< at the start
+  int dofs = 0;      ///< at the start
 };
 
 /// The clock as in the paper's Table 2, the events with what they conserved, the energy balance.

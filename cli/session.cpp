@@ -28,7 +28,7 @@ void refuse_to_overwrite(const std::string& out, const io::Scenario& scenario) {
   const auto refuse = [&out](const fs::path& source) {
     std::error_code ignored;
     if (fs::equivalent(out, source, ignored))
-      fail({"this is a file that is read: it would be overwritten", out, "give another name after -o"});
+      throw_error({"this is a file that is read: it would be overwritten", out, "give another name after -o"});
   };
   if (out == "-") return;
   refuse(scenario.path);
@@ -46,8 +46,8 @@ Simulation simulation_of(const io::Scenario& scenario) {
   try {
     return Simulation(scenario.model, scenario.integration);
   } catch (const std::bad_alloc&) {
-    fail({format("not enough free memory for %d bodies", scenario.model.size()), scenario.path,
-          "some 3 kB are needed for each body"});
+    throw_error({format("not enough free memory for %d bodies", scenario.model.size()), scenario.path,
+                 "some 3 kB are needed for each body"});
   }
 }
 
@@ -86,18 +86,19 @@ void Session::take_armed(const io::ArmedEvent& event, const std::string& file) {
   if (place == by_name_.end()) {
     std::vector<std::string> names;
     for (const auto& known : armed_at_start_) names.push_back(known.name);
-    fail({"`armed` names an unknown event '" + event.name + "'", file, did_you_mean(event.name, names)});
+    throw_error({"`armed` names an unknown event '" + event.name + "'", file, did_you_mean(event.name, names)});
   }
   const std::size_t matches = matches_[place->second].size();
   if (!event.each.empty() && event.each.size() != matches)
-    fail({format("`armed` has %zu entries for event '%s', which stands for %zu", event.each.size(), event.name.c_str(), matches),
-          file, "is it a document of this scenario?"});
+    throw_error(
+        {format("`armed` has %zu entries for event '%s', which stands for %zu", event.each.size(), event.name.c_str(), matches),
+         file, "is it a document of this scenario?"});
   armed_at_start_[place->second] = event;
 }
 
 // What a document says of an event, or of the match of a wildcard that it is; null: it says nothing.
-const Agenda::Armed* Session::past_of(const io::ScenarioEvent& event) const {
-  const std::vector<Agenda::Armed>& each = armed_at_start_[by_name_.at(event.name)].each;
+const EventQueue::Armed* Session::past_of(const io::ScenarioEvent& event) const {
+  const std::vector<EventQueue::Armed>& each = armed_at_start_[by_name_.at(event.name)].each;
   return each.empty() ? nullptr : &each[match_of_.at(&original(event))];
 }
 
@@ -114,7 +115,7 @@ void Session::schedule_followers(std::vector<const io::ScenarioEvent*>& events) 
     for (const io::ScenarioEvent* event : events) names.insert(event->name);
     for (const io::ScenarioEvent*& event : events) {
       if (event->after.empty() || names.contains(event->after) || !by_name_.contains(event->after)) continue;
-      const Agenda::Armed* const past = past_of(*event);
+      const EventQueue::Armed* const past = past_of(*event);
       const io::ScenarioEvent* const declared = event;
       more = true;
       event = nullptr;
@@ -141,7 +142,7 @@ std::vector<io::Diagnostic> Session::schedule() {
   const double start = simulation_.time();
   std::vector<const io::ScenarioEvent*> events;
   for (const io::ScenarioEvent& event : scenario_.events) {
-    const Agenda::Armed* const past = past_of(event);
+    const EventQueue::Armed* const past = past_of(event);
     const bool fired = (past != nullptr ? past->fired : armed_at_start_[by_name_.at(event.name)].fired) > 0;
     const bool once = !(event.condition && event.condition->repeats) && event.after.empty() && event.period == 0;
     if (event.condition && fired && once) continue;
@@ -159,7 +160,7 @@ std::vector<io::Diagnostic> Session::schedule() {
   std::vector<io::EventProblem> problems = scheduled_.problems;
   if (problems.empty() && from_document_) {  // else the reader has tried them
     const auto line = [](Place place) { return format("line %d", place.line); };
-    problems = io::problems_of(simulation_.rehearse(), scheduled_, line);
+    problems = io::problems_of(simulation_.dry_run(), scheduled_, line);
     // What has nothing to do any more is no mistake: the run that wrote the document went on past such actions, too.
     std::erase_if(problems, [&](const io::EventProblem& problem) {
       if (problem.idle) warn(problem.place, problem.what);
@@ -168,7 +169,7 @@ std::vector<io::Diagnostic> Session::schedule() {
   }
   if (!problems.empty()) {
     const io::EventProblem& first = problems.front();
-    fail({first.what, format("%s:%d:%d", scenario_.path.c_str(), first.place.line, first.place.column), first.hint});
+    throw_error({first.what, format("%s:%d:%d", scenario_.path.c_str(), first.place.line, first.place.column), first.hint});
   }
   return warnings;
 }
@@ -176,9 +177,9 @@ std::vector<io::Diagnostic> Session::schedule() {
 // Goes on where the run of the document stood.
 void Session::resume() {
   if (!from_document_) return;
-  std::vector<Agenda::Armed> armed = simulation_.snapshot().armed;
+  std::vector<EventQueue::Armed> armed = simulation_.snapshot().armed;
   for (std::size_t k = 0; k < scheduled_.events.size(); ++k)
-    if (const Agenda::Armed* past = past_of(*scheduled_.events[k])) armed[k] = *past;
+    if (const EventQueue::Armed* past = past_of(*scheduled_.events[k])) armed[k] = *past;
   simulation_.resume(armed, memory_);
 }
 
@@ -186,17 +187,17 @@ io::Armed Session::armed() const {
   io::Armed armed = armed_at_start_;
   for (const Event& event : simulation_.events())
     if (const auto place = by_name_.find(event.name); place != by_name_.end()) ++armed[place->second].fired;
-  const std::vector<Agenda::Armed> now = simulation_.snapshot().armed;
-  std::unordered_map<const io::ScenarioEvent*, const Agenda::Armed*> scheduled;
+  const std::vector<EventQueue::Armed> now = simulation_.snapshot().armed;
+  std::unordered_map<const io::ScenarioEvent*, const EventQueue::Armed*> scheduled;
   for (std::size_t k = 0; k < scheduled_.events.size(); ++k) scheduled.emplace(&original(*scheduled_.events[k]), &now[k]);
   for (std::size_t place = 0; place < armed.size(); ++place) {
     const auto& matches = matches_[place];
     const io::ScenarioEvent& first = *matches.front();
     if (!first.condition && first.after.empty() && first.period == 0) continue;  // its instant says all
-    std::vector<Agenda::Armed> each;
+    std::vector<EventQueue::Armed> each;
     for (const io::ScenarioEvent* event : matches) {
       const auto at = scheduled.find(event);
-      const Agenda::Armed* const past = past_of(*event);
+      const EventQueue::Armed* const past = past_of(*event);
       if (at != scheduled.end()) {
         each.push_back(*at->second);
         if (!event->after.empty() && each.back().done)  // only because what it comes after is over
@@ -209,6 +210,6 @@ io::Armed Session::armed() const {
   return armed;
 }
 
-std::vector<io::JointKinds> Session::joints() { return io::joints_of(simulation_, simulation_.rehearse(), scenario_); }
+std::vector<io::JointKinds> Session::joints() { return io::joints_of(simulation_, simulation_.dry_run(), scenario_); }
 
 }  // namespace momentree::cli

@@ -44,7 +44,7 @@ class Session {
  private:
   void read(const io::StateFile& document, std::vector<io::RestoredState>& documents) const;
   void take_armed(const io::ArmedEvent& event, const std::string& file);
-  const Agenda::Armed* past_of(const io::ScenarioEvent& event) const;
+  const EventQueue::Armed* past_of(const io::ScenarioEvent& event) const;
   void resume();
   void schedule_followers(std::vector<const io::ScenarioEvent*>& events);
   const io::ScenarioEvent& original(const io::ScenarioEvent& event) const;

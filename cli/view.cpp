@@ -31,7 +31,8 @@ void require_svg(const std::string& file) {
   std::string ending = fs::path(file).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return static_cast<char>(c | 0x20); });
   if (ending.empty() || ending == ".svg") return;
-  fail({"'" + ending + "' pictures are not drawn, only SVG", file, "name a file that ends in .svg; other programs convert it"});
+  throw_error(
+      {"'" + ending + "' pictures are not drawn, only SVG", file, "name a file that ends in .svg; other programs convert it"});
 }
 
 int draw(const ViewOptions& options) {
@@ -42,7 +43,7 @@ int draw(const ViewOptions& options) {
   if (options.layout == "multiples")
     picture.layout = io::PictureOptions::Layout::multiples;
   else if (options.layout != "overlay")
-    fail({"there is no layout '" + options.layout + "'", "--layout", "one of: overlay, multiples"});
+    throw_error({"there is no layout '" + options.layout + "'", "--layout", "one of: overlay, multiples"});
   const auto draw_result = [&](const std::string& folder) {
     if (options.svg == "-") {
       std::fputs(io::draw_svg(io::read_recording(folder, options.every), picture).c_str(), stdout);
@@ -83,7 +84,7 @@ std::optional<std::string> data_of(const std::string& source, Notes notes, int& 
 int view(const ViewOptions& options) {
   if (!options.svg.empty()) return draw(options);
   if (options.every != 0 || !options.look.empty() || options.layout != "overlay")
-    fail({"--every, --look and --layout are of pictures", "", "draw the run with --svg FILE, or leave them out"});
+    throw_error({"--every, --look and --layout are of pictures", "", "draw the run with --svg FILE, or leave them out"});
   Listener listener = listen_on(options.port);  // before a run that takes its time
   int code = done;
   const std::optional<std::string> data = data_of(options.source, notes_of(options.verbose), code);

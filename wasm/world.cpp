@@ -54,8 +54,8 @@ std::optional<std::string> MtWorld::body_name(int body, bool ground_too) {
 void MtWorld::hold(int body) {
   const std::string& name = simulation->world().model()[{body}].name;
   if (grip.body < 0) return simulation->force(name, {});
-  simulation->force(name, [grip = grip](const Moment& moment) {
-    const BodyMotion motion = moment.motion({grip.body});
+  simulation->force(name, [grip = grip](const EvaluationContext& context) {
+    const BodyMotion motion = context.motion({grip.body});
     const Vec3 arm = rotation_matrix(motion.pose.rotation) * grip.point;
     const Vec3 speed = motion.linear + cross(motion.angular, arm);
     const Vec3 force = grip.stiffness * (grip.target - (motion.pose.position + arm)) - grip.damping * speed;

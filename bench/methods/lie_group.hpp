@@ -18,22 +18,22 @@ class Rkmk4 {
 
   /// One step; the work is of the state.
   void step(Evaluator& evaluate, State& state, double h) {
-    const Work<double>& work = evaluate.work();
+    const Workspace<double>& workspace = evaluate.workspace();
     constexpr double weights[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}, nodes[4] = {0.5, 0.5, 1, 0};
     std::fill(q_sum_.begin(), q_sum_.end(), 0), std::fill(p_sum_.begin(), p_sum_.end(), 0);
     for (Turn& turn : turns_) turn.stage = turn.sum = {};
     for (int s = 0; s < 4; ++s) {
       if (s > 0) evaluate(state.time() + nodes[s - 1] * h, q_.data(), p_.data());
       for (std::size_t i = 0; i < q_.size(); ++i) {
-        q_sum_[i] += h * weights[s] * work.qdot[i];
-        q_[i] = state.q()[i] + h * nodes[s] * work.qdot[i];
+        q_sum_[i] += h * weights[s] * workspace.qdot[i];
+        q_[i] = state.q()[i] + h * nodes[s] * workspace.qdot[i];
       }
       for (std::size_t i = 0; i < p_.size(); ++i) {
-        p_sum_[i] += h * weights[s] * work.pdot[i];
-        p_[i] = state.p()[i] + h * nodes[s] * work.pdot[i];
+        p_sum_[i] += h * weights[s] * workspace.pdot[i];
+        p_[i] = state.p()[i] + h * nodes[s] * workspace.pdot[i];
       }
       for (Turn& turn : turns_) {
-        const double* w = work.v.get() + turn.at_p;
+        const double* w = workspace.v.get() + turn.at_p;
         const Vec3 omega{w[0], w[1], w[2]}, once = cross(turn.stage, omega);
         const Vec3 rate = omega + 0.5 * once + (1.0 / 12) * cross(turn.stage, once);
         turn.sum += h * weights[s] * rate;

@@ -88,11 +88,11 @@ End run_of(const Model& model, const Integration& how, double until) {
 End run_on_the_group(const Model& model, double step, double until) {
   const Tree tree(model);
   State state = start_state(model, tree);
-  Work<double> work(tree);
-  Evaluator evaluate(tree, work);
+  Workspace<double> workspace(tree);
+  Evaluator evaluate(tree, workspace);
   bench::Rkmk4 method(tree);
   const auto energy = [&] {
-    const Totals t = totals(tree, state, work);
+    const Totals t = totals(tree, state, workspace);
     return t.kinetic + t.potential;
   };
   evaluate(state);

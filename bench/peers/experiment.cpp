@@ -116,8 +116,8 @@ std::vector<Motion> start(const Experiment& experiment) {
   return motions;
 }
 
-Books books(const Experiment& experiment, const std::vector<Motion>& motions) {
-  Books sum;
+EnergyLedger ledger(const Experiment& experiment, const std::vector<Motion>& motions) {
+  EnergyLedger sum;
   const auto spin = [&](std::size_t i) -> Vector3d {
     const Matrix3d& R = motions[i].R;
     return R * experiment.links[i].inertia.cwiseProduct(R.transpose() * motions[i].w);

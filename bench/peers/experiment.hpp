@@ -54,11 +54,11 @@ std::vector<Motion> start(const Experiment& experiment);
 /// then. What an instantaneous change by the forces of ideal joints must give.
 std::vector<Motion> exact(const Experiment& experiment);
 
-struct Books {
+struct EnergyLedger {
   Vector3d linear = Vector3d::Zero(), angular = Vector3d::Zero();  ///< of the judged bodies, about the world's origin
   double kinetic = 0;                                              ///< of all bodies
 };
-Books books(const Experiment& experiment, const std::vector<Motion>& motions);
+EnergyLedger ledger(const Experiment& experiment, const std::vector<Motion>& motions);
 
 /// Inertia about the centre of mass, in the body's frame.
 inline Matrix3d inertia_of(const Link& link) { return link.axes * link.inertia.asDiagonal() * link.axes.transpose(); }

@@ -34,7 +34,7 @@ void field(const char* key, double number) { std::printf("\"%s\": %.3g, ", key, 
 
 void measure(const std::string& engine, const Experiment& experiment, const Way& way) {
   const std::vector<Motion> right = exact(experiment), before = start(experiment);
-  const Books wanted = books(experiment, right), initial = books(experiment, before);
+  const EnergyLedger wanted = ledger(experiment, right), initial = ledger(experiment, before);
 
   std::unique_ptr<Trial> trial = way.make(experiment);
   check_start(engine, experiment, trial->motions());
@@ -42,7 +42,7 @@ void measure(const std::string& engine, const Experiment& experiment, const Way&
   trial->settle();
   const std::vector<Motion> after = trial->motions();
   const double elapsed = trial->elapsed();
-  const Books found = books(experiment, after);
+  const EnergyLedger found = ledger(experiment, after);
   double position = 0, velocity = 0;
   for (std::size_t i = 0; i < after.size(); ++i) {
     const Link& link = experiment.links[i];

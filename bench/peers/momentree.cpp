@@ -53,33 +53,33 @@ mt::Model model_of(const std::vector<Link>& links, double along_z = 0) {
 
 struct Engine : Trial {
   Engine(const Experiment& experiment, bool evaluations)
-      : e(experiment), around(evaluations), model(model_of(e.links)), tree(mt::compile(model)), work(tree) {
+      : e(experiment), around(evaluations), model(model_of(e.links)), tree(mt::compile(model)), workspace(tree) {
     state = mt::start_state(model, tree);
-    if (!around) forward_dynamics(tree, state, work);
+    if (!around) forward_dynamics(tree, state, workspace);
   }
 
   void change() override {
-    if (around) forward_dynamics(tree, state, work);
+    if (around) forward_dynamics(tree, state, workspace);
     const mt::Body body{e.body}, to{e.to};
-    if (e.change == Change::cut) apply(mt::Break{body}, tree, state, work);
-    if (e.change == Change::lock) apply(mt::Lock{body}, tree, state, work);
+    if (e.change == Change::cut) apply(mt::Break{body}, tree, state, workspace);
+    if (e.change == Change::lock) apply(mt::Lock{body}, tree, state, workspace);
     if (e.change == Change::capture) {
-      apply(mt::Join{body, to}, tree, state, work);
-      forward_dynamics(tree, state, work);
+      apply(mt::Join{body, to}, tree, state, workspace);
+      forward_dynamics(tree, state, workspace);
       const double* q = state.q().data() + tree.first_q(e.body);  // pose in the hand
       mt::ChangeJoint weld;
       weld.body = body;
       weld.joint.at = mt::Pose{{q[0], q[1], q[2]}, {q[3], q[4], q[5], q[6]}};
-      apply(weld, tree, state, work);
+      apply(weld, tree, state, workspace);
     }
-    if (around) forward_dynamics(tree, state, work);
+    if (around) forward_dynamics(tree, state, workspace);
   }
 
   std::vector<Motion> motions() override {
-    locate_bodies(tree, state, work);
+    locate_bodies(tree, state, workspace);
     std::vector<Motion> all;
     for (int b = 0; b < tree.bodies(); ++b) {
-      const auto& k = work.bodies[b];
+      const auto& k = workspace.bodies[b];
       const mt::Pose pose = mt::user_pose(tree, k, b);
       const mt::Vec3 w = k.R * k.velocity.w;
       const mt::Vec3 v = k.R * k.velocity.v + cross(w, pose.position - k.r);
@@ -93,7 +93,7 @@ struct Engine : Trial {
   mt::Model model;
   mt::Tree tree;
   mt::State state;
-  mt::Work<double> work;
+  mt::Workspace<double> workspace;
 };
 
 struct User : Trial {
@@ -130,14 +130,14 @@ std::vector<Way> ways(Change change) {
 
 /// Momenta are the state: those of the velocities are found outside the time, as a step would have left them.
 struct Rates : Evaluator {
-  explicit Rates(const EvaluationModel& m) : model(model_of(m.links, gravity)), tree(mt::compile(model)), work(tree) {
+  explicit Rates(const EvaluationModel& m) : model(model_of(m.links, gravity)), tree(mt::compile(model)), workspace(tree) {
     for (mt::State& state : states) state = start_state(model, tree);
     first = m.floating() ? 1 : 0;
     for (int b = 0; b < tree.bodies(); ++b) places.push_back(static_cast<std::size_t>(tree.first_q(b)));
   }
   void evaluate(const double* q, const double* u) override {
     last = turn_of(q, u);
-    evaluate_rates(tree, put(last, q), states[last].p().data(), work);
+    evaluate_rates(tree, put(last, q), states[last].p().data(), workspace);
   }
   /// Which of the two states has these momenta, and their coordinates, set.
   int turn_of(const double* q, const double* u) {
@@ -160,18 +160,18 @@ struct Rates : Evaluator {
   }
   /// By another way: of the state that the momenta are.
   std::vector<double> accelerations() override {
-    mt::Work<double> other(tree);
+    mt::Workspace<double> other(tree);
     accelerate(tree, states[last], other);
     double worst = 0, largest = 0;
     for (int i = 0; i < tree.nv(); ++i) {
-      for (const auto& [x, y] : {std::pair(work.v[i], other.v[i]), std::pair(work.pdot[i], other.pdot[i])}) {
+      for (const auto& [x, y] : {std::pair(workspace.v[i], other.v[i]), std::pair(workspace.pdot[i], other.pdot[i])}) {
         worst = std::max(worst, std::abs(x - y)), largest = std::max(largest, std::abs(y));
       }
     }
     if (!(worst < 1e-7 * largest)) std::fprintf(stderr, "momentree: two ways of an evaluation differ\n"), std::exit(1);
     return read(other);
   }
-  std::vector<double> read(const mt::Work<double>& found) const {
+  std::vector<double> read(const mt::Workspace<double>& found) const {
     std::vector<double> a(static_cast<std::size_t>(tree.bodies()));
     for (int b = first; b < tree.bodies(); ++b) a[b] = found.a[tree.first_p(b)];
     if (first == 0) return a;
@@ -184,7 +184,7 @@ struct Rates : Evaluator {
   }
   mt::Model model;
   mt::Tree tree;
-  mt::Work<double> work;
+  mt::Workspace<double> workspace;
   mt::State states[2];
   std::vector<std::size_t> places;  // of the bodies' coordinates
   const double* seen[2] = {nullptr, nullptr};
@@ -197,9 +197,9 @@ struct Accelerations : Rates {
   void evaluate(const double* q, const double* u) override {
     last = turn_of(q, u);
     put(last, q);
-    accelerate(tree, states[last], work);
+    accelerate(tree, states[last], workspace);
   }
-  std::vector<double> accelerations() override { return read(work); }
+  std::vector<double> accelerations() override { return read(workspace); }
 };
 
 }  // namespace

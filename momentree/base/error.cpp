@@ -5,7 +5,7 @@
 #include <utility>
 
 #include <momentree/base/characters.hpp>
-#include <momentree/base/words.hpp>
+#include <momentree/base/edit_distance.hpp>
 
 #if defined(__wasm__) && !defined(__cpp_exceptions)
 // Throws in the module's host.
@@ -22,7 +22,7 @@ std::string Error::message() const {
   return text;
 }
 
-void fail(Error error) {
+void throw_error(Error error) {
 #if defined(__cpp_exceptions)
   throw Error(std::move(error));
 #elif defined(__wasm__)

@@ -18,7 +18,7 @@ struct Error {
 };
 
 /// Throws `error`; without exceptions (WebAssembly) it stops the program: validate first there.
-[[noreturn]] void fail(Error error);
+[[noreturn]] void throw_error(Error error);
 
 /// The entry of `known` that `word` most likely meant: the same but for capitals, '_', '-' and spaces, or else within an edit
 /// distance of a third of its length (at least 1). Empty if none is near.

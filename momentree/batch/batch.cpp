@@ -11,7 +11,7 @@
 #include <momentree/batch/pool.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
-#include <momentree/dynamics/work.hpp>
+#include <momentree/dynamics/workspace.hpp>
 
 namespace momentree {
 
@@ -21,8 +21,8 @@ namespace {
 int threads_of(const BatchOptions& options) {
   constexpr int most = 1024;
   if (options.threads < 0 || options.threads > most)
-    fail({"a batch can't have " + std::to_string(options.threads) + " threads", "",
-          "0: as many as the machine has; else 1 to " + std::to_string(most)});
+    throw_error({"a batch can't have " + std::to_string(options.threads) + " threads", "",
+                 "0: as many as the machine has; else 1 to " + std::to_string(most)});
   const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
   return std::clamp(threads, 1, most);
 }
@@ -101,7 +101,7 @@ struct Batch::Impl {
 };
 
 Batch::Batch(const Model& model, int worlds, const BatchOptions& options) : impl_(std::make_unique<Impl>(model, options)) {
-  if (worlds < 1) fail({"a batch has at least one world", "", "give the number of worlds"});
+  if (worlds < 1) throw_error({"a batch has at least one world", "", "give the number of worlds"});
   const Tree& tree = impl_->declared;
   batch::check(tree);
   impl_->seats.resize(static_cast<std::size_t>(worlds));
@@ -194,16 +194,16 @@ void Batch::set_state(int world, const State& state) {
   seat.group->set_ran_away(seat.slot, false);
 }
 
-void Batch::set_effort(int world, Body body, int freedom, double effort) {
+void Batch::set_effort(int world, Body body, int dof, double effort) {
   const Impl::Seat& seat = changing().seat(world);
   const Tree& tree = seat.group->tree();
-  MT_REQUIRE(tree.alive(body.index) && freedom >= 0 && freedom < info(tree.joint(body.index).kind).nv,
+  MT_REQUIRE(tree.alive(body.index) && dof >= 0 && dof < info(tree.joint(body.index).kind).nv,
              "the body's joint has this freedom");
   MT_REQUIRE(std::isfinite(effort), "a finite effort");
   auto& efforts = impl_->efforts[static_cast<std::size_t>(world)];
   const int joint = tree.joint_of(body.index);
-  std::erase_if(efforts, [&](const batch::ExtraEffort& e) { return e.joint == joint && e.freedom == freedom; });
-  if (effort != 0) efforts.push_back({joint, freedom, effort});
+  std::erase_if(efforts, [&](const batch::ExtraEffort& e) { return e.joint == joint && e.dof == dof; });
+  if (effort != 0) efforts.push_back({joint, dof, effort});
   seat.group->set_efforts(seat.slot, efforts);
 }
 
@@ -212,8 +212,8 @@ Batch::Out& Batch::take_out(int world) {
   Out& out = impl_->out;
   out.tree = seat.group->tree();
   seat.group->get_state(seat.slot, out.state);
-  if (out.work.capacity() < out.tree.bodies()) out.work = Work<double>(out.tree);
-  forward_dynamics(out.tree, out.state, out.work);
+  if (out.workspace.capacity() < out.tree.bodies()) out.workspace = Workspace<double>(out.tree);
+  forward_dynamics(out.tree, out.state, out.workspace);
   return out;
 }
 
@@ -230,7 +230,7 @@ void Batch::put_back(int world) {
     std::erase_if(efforts, [&](const batch::ExtraEffort& e) {
       const int then = before.carrier(e.joint), now = out.tree.carrier(e.joint);
       return now < 0 || out.tree.joint(now).kind != before.joint(then).kind ||
-             out.tree.joint(now).made != before.joint(then).made;
+             out.tree.joint(now).created_by_event != before.joint(then).created_by_event;
     });
     Group& to = impl_->group_of(out.tree);
     if (&to != from.group) {

@@ -60,13 +60,13 @@ class Batch {
 
   /// A further effort, finite, on one freedom of the joint that `body` carries (N m, N), from now on and until it is set again.
   /// Locked freedoms do not feel it. Goes with the joint, as long as that is of its kind.
-  void set_effort(int world, Body body, int freedom, double effort);
+  void set_effort(int world, Body body, int dof, double effort);
 
   /// A topology change of one world, or any other of topology/change.hpp; it then moves among the worlds that have the same.
   template <class Change>
   auto apply(int world, const Change& change) {
     Out& out = take_out(world);
-    auto result = momentree::apply(change, out.tree, out.state, out.work);
+    auto result = momentree::apply(change, out.tree, out.state, out.workspace);
     put_back(world);
     return result;
   }
@@ -77,7 +77,7 @@ class Batch {
   void edit(int world, Edit&& edit) {
     Out& out = take_out(world);
     const Editing editing(*this);
-    edit(out.tree, out.state, out.work);
+    edit(out.tree, out.state, out.workspace);
     put_back(world);
   }
 
@@ -86,7 +86,7 @@ class Batch {
   struct Out {
     Tree tree;
     State state;
-    Work<double> work;
+    Workspace<double> workspace;
   };
   // For as long as an edit of the user's has hold of the world that was taken out.
   class Editing {

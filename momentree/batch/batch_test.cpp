@@ -62,30 +62,30 @@ Change change_of(int world) { return {5 + world % 7, 0.1 * (world % 5), 1 + worl
 struct Alone {
   Tree tree;
   State state;
-  Work<double> work;
+  Workspace<double> workspace;
   Evaluator evaluate;
-  Books books;
+  EnergyLedger ledger;
   std::unique_ptr<Integrator> rk4;
 
   explicit Alone(const Model& model)
       : tree(compile(model)),
         state(start_state(model, tree)),
-        work(tree),
-        evaluate(tree, work),
+        workspace(tree),
+        evaluate(tree, workspace),
         rk4(make_integrator("rk4", tree)) {}
   Alone(const Alone&) = delete;
   Alone& operator=(const Alone&) = delete;
   void step(double h) {
     if (h == 0) return;
     evaluate(state);
-    rk4->step(evaluate, state, books, h);
+    rk4->step(evaluate, state, ledger, h);
   }
   void apply(const Change& change) {
     evaluate(state);
     if (change.breaks)
-      momentree::apply(Break{{change.body}}, tree, state, work);
+      momentree::apply(Break{{change.body}}, tree, state, workspace);
     else
-      momentree::apply(Lock{{change.body}}, tree, state, work);
+      momentree::apply(Lock{{change.body}}, tree, state, workspace);
   }
 };
 
@@ -293,8 +293,8 @@ TEST_CASE("what batches do not have is refused, and an edit that asks for it lea
   Batch batch(mobile(), 2);
   batch.step(h);
   const State before = batch.state(1);
-  const auto function = std::make_shared<const JointFunction>([](const Moment&, std::span<double>) {});
-  CHECK_THROWS_AS(batch.edit(1, [&](Tree& tree, State&, Work<double>&) { tree.set_function(1, function); }), Error);
+  const auto function = std::make_shared<const JointFunction>([](const EvaluationContext&, std::span<double>) {});
+  CHECK_THROWS_AS(batch.edit(1, [&](Tree& tree, State&, Workspace<double>&) { tree.set_function(1, function); }), Error);
   CHECK(difference(batch.state(1), before) == 0);
   CHECK(batch.groups() == 1);
 }

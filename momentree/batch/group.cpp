@@ -15,8 +15,8 @@ bool same(const Pose& a, const Pose& b) {
 }
 bool same(const Joint& a, const Joint& b) {
   return a.kind == b.kind && a.parameters == b.parameters && same(a.at, b.at) && same(a.child_at, b.child_at) &&
-         a.axis == b.axis && a.axis2 == b.axis2 && a.pitch == b.pitch && a.locked == b.locked && a.made == b.made &&
-         a.function == b.function;
+         a.axis == b.axis && a.axis2 == b.axis2 && a.pitch == b.pitch && a.locked == b.locked &&
+         a.created_by_event == b.created_by_event && a.function == b.function;
 }
 bool same(const Sym3& a, const Sym3& b) {
   return a.xx == b.xx && a.yy == b.yy && a.zz == b.zz && a.xy == b.xy && a.xz == b.xz && a.yz == b.yz;
@@ -27,7 +27,7 @@ bool equal_lists(const List& a, const List& b, Equal equal) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), equal);
 }
 
-[[noreturn]] void refuse(const char* what, const char* hint) { fail({what, "", hint}); }
+[[noreturn]] void refuse(const char* what, const char* hint) { throw_error({what, "", hint}); }
 
 }  // namespace
 
@@ -124,8 +124,8 @@ void Group::set_efforts(int slot, std::span<const ExtraEffort> efforts) {
   for (int i = 0; i < tree_.nv(); ++i) effort_[place(slot, tree_.nv(), i)] = 0;
   for (const ExtraEffort& e : efforts) {
     const int b = tree_.carrier(e.joint);
-    if (b < 0 || (tree_.joint(b).locked >> e.freedom & 1u) != 0) continue;
-    effort_[place(slot, tree_.nv(), tree_.first_p(b) + e.freedom)] = e.value;
+    if (b < 0 || (tree_.joint(b).locked >> e.dof & 1u) != 0) continue;
+    effort_[place(slot, tree_.nv(), tree_.first_p(b) + e.dof)] = e.value;
     efforts_ = true;
   }
 }

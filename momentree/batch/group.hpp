@@ -19,7 +19,7 @@ void check(const Tree& tree);
 
 /// An effort that a world has beside those of its model: on one freedom of a joint, by the joint's number (N m, N).
 struct ExtraEffort {
-  int joint, freedom;
+  int joint, dof;
   double value;
 };
 

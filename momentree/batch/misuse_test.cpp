@@ -47,24 +47,24 @@ std::string error_of(const std::function<void()>& act) {
 TEST_CASE("the worlds of a batch, looked at one after the other with one work, have energies of their own") {
   constexpr int worlds = 9;
   Batch batch(chain(), worlds);
-  for (int i = 0; i < worlds; ++i) batch.edit(i, [i](Tree&, State& state, Work<double>&) { state.edit().p[0] = i + 1; });
+  for (int i = 0; i < worlds; ++i) batch.edit(i, [i](Tree&, State& state, Workspace<double>&) { state.edit().p[0] = i + 1; });
   for (int i = 0; i < worlds; i += 2) batch.apply(i, Break{{2}});
   for (int i = 0; i < worlds; i += 3) batch.apply(i, Lock{{1}});
   REQUIRE(batch.groups() == 4);
   std::vector<double> apart, together, copied;
   for (int i = 0; i < worlds; ++i) {
     const State state = batch.state(i);
-    Work<double> work(batch.tree(i));
-    apart.push_back(totals(batch.tree(i), state, work).kinetic);
+    Workspace<double> workspace(batch.tree(i));
+    apart.push_back(totals(batch.tree(i), state, workspace).kinetic);
   }
-  Work<double> work(batch.tree(0));
+  Workspace<double> workspace(batch.tree(0));
   for (int i = 0; i < worlds; ++i) {
     const State state = batch.state(i);
-    together.push_back(totals(batch.tree(i), state, work).kinetic);
+    together.push_back(totals(batch.tree(i), state, workspace).kinetic);
   }
   for (int i = 0; i < worlds; ++i) {
     const Tree tree = batch.tree(i);
-    copied.push_back(totals(tree, batch.state(i), work).kinetic);
+    copied.push_back(totals(tree, batch.state(i), workspace).kinetic);
   }
   CHECK(apart == together);
   CHECK(apart == copied);
@@ -102,7 +102,7 @@ TEST_CASE("worlds, steps and efforts that are none") {
         {"set_state", no_world, [&] { batch.set_state(world, batch.state(0)); }},
         {"set_effort", no_world, [&] { batch.set_effort(world, {0}, 0, 1); }},
         {"apply", no_world, [&] { batch.apply(world, Break{{1}}); }},
-        {"edit", no_world, [&] { batch.edit(world, [](Tree&, State&, Work<double>&) {}); }},
+        {"edit", no_world, [&] { batch.edit(world, [](Tree&, State&, Workspace<double>&) {}); }},
     };
     for (const Misuse& misuse : all) check_stopped(misuse);
   }
@@ -139,39 +139,42 @@ TEST_CASE("edits") {
   Batch batch(chain(), 3);
   const char* const only = "an edit of a batch does nothing else with the batch but read it";
   const auto in_edit = [&](auto act) {
-    return [&batch, act] { batch.edit(0, [&](Tree& tree, State& state, Work<double>& work) { act(batch, tree, state, work); }); };
+    return [&batch, act] {
+      batch.edit(0, [&](Tree& tree, State& state, Workspace<double>& workspace) { act(batch, tree, state, workspace); });
+    };
   };
-  check_fine("reads", in_edit([](Batch& b, Tree&, State&, Work<double>&) {
+  check_fine("reads", in_edit([](Batch& b, Tree&, State&, Workspace<double>&) {
                static_cast<void>(b.state(1));
                static_cast<void>(b.tree(1).nq() + b.worlds() + b.time(2));
              }));
   const Misuse all[] = {
-      {"step", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { b.step(1e-3); })},
-      {"apply", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { b.apply(1, Break{{1}}); })},
-      {"edit", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { b.edit(1, [](Tree&, State&, Work<double>&) {}); })},
-      {"set_state", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { b.set_state(1, b.state(2)); })},
-      {"set_effort", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { b.set_effort(1, {0}, 0, 1); })},
-      {"move", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { const Batch other = std::move(b); })},
-      {"replace", only, in_edit([](Batch& b, Tree&, State&, Work<double>&) { b = Batch(chain(), 1); })},
+      {"step", only, in_edit([](Batch& b, Tree&, State&, Workspace<double>&) { b.step(1e-3); })},
+      {"apply", only, in_edit([](Batch& b, Tree&, State&, Workspace<double>&) { b.apply(1, Break{{1}}); })},
+      {"edit", only,
+       in_edit([](Batch& b, Tree&, State&, Workspace<double>&) { b.edit(1, [](Tree&, State&, Workspace<double>&) {}); })},
+      {"set_state", only, in_edit([](Batch& b, Tree&, State&, Workspace<double>&) { b.set_state(1, b.state(2)); })},
+      {"set_effort", only, in_edit([](Batch& b, Tree&, State&, Workspace<double>&) { b.set_effort(1, {0}, 0, 1); })},
+      {"move", only, in_edit([](Batch& b, Tree&, State&, Workspace<double>&) { const Batch other = std::move(b); })},
+      {"replace", only, in_edit([](Batch& b, Tree&, State&, Workspace<double>&) { b = Batch(chain(), 1); })},
       {"a tree changed, its state not", "the edit leaves the state one of the tree",
-       in_edit([](Batch&, Tree& tree, State&, Work<double>&) { tree.detach(1); })},
+       in_edit([](Batch&, Tree& tree, State&, Workspace<double>&) { tree.detach(1); })},
       {"a tree of another model", "the edit leaves the tree one of the batch's model",
-       in_edit([](Batch&, Tree& tree, State& state, Work<double>&) {
+       in_edit([](Batch&, Tree& tree, State& state, Workspace<double>&) {
          tree = Tree(chain(2));
          state = State(tree);
        })},
       {"destroy", only,
        [] {
          auto own = std::make_unique<Batch>(chain(), 1);
-         own->edit(0, [&](Tree&, State&, Work<double>&) { own.reset(); });
+         own->edit(0, [&](Tree&, State&, Workspace<double>&) { own.reset(); });
        }},
   };
   for (const Misuse& misuse : all) check_stopped(misuse);
 
   const State before = batch.state(0);
   CHECK_THROWS_AS(batch.edit(0,
-                             [](Tree& tree, State& state, Work<double>& work) {
-                               apply(Break{{1}}, tree, state, work);
+                             [](Tree& tree, State& state, Workspace<double>& workspace) {
+                               apply(Break{{1}}, tree, state, workspace);
                                throw std::runtime_error("not that");
                              }),
                   std::runtime_error);

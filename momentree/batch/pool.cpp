@@ -58,8 +58,8 @@ Pool::Pool(int threads) : shared_(std::make_unique<Shared>()) {
   } catch (const std::system_error& error) {
     const std::string had = std::to_string(this->threads());
     shared_->end();
-    fail({"the machine gives no more than " + had + " of " + std::to_string(threads) + " threads: " + error.what(), "",
-          "ask for fewer"});
+    throw_error({"the machine gives no more than " + had + " of " + std::to_string(threads) + " threads: " + error.what(), "",
+                 "ask for fewer"});
   }
 }
 

@@ -101,6 +101,6 @@ void normalise_joint(const Tree& tree, int b, double* q) noexcept {
 }
 
 int coordinates_of(const Tree& tree, int b) noexcept { return info(tree.kind(b)).nq; }
-int freedoms_of(const Tree& tree, int b) noexcept { return info(tree.kind(b)).nv; }
+int dofs_of(const Tree& tree, int b) noexcept { return info(tree.kind(b)).nv; }
 
 }  // namespace momentree::batch

@@ -73,7 +73,7 @@ void motion_at(const Tree& tree, int b, double t, double* point) noexcept;
 void normalise_joint(const Tree& tree, int b, double* q) noexcept;
 /// Coordinates and freedoms of b's joint.
 int coordinates_of(const Tree& tree, int b) noexcept;
-int freedoms_of(const Tree& tree, int b) noexcept;
+int dofs_of(const Tree& tree, int b) noexcept;
 
 }  // namespace batch
 }  // namespace momentree

@@ -11,7 +11,7 @@ template <class T>
 class PackStepper final : public Stepper {
  public:
   explicit PackStepper(const Tree& tree)
-      : work_(tree),
+      : workspace_(tree),
         q0_(make(7 * tree.bodies())),
         p0_(make(6 * tree.bodies())),
         q_(make(7 * tree.bodies())),
@@ -32,7 +32,7 @@ class PackStepper final : public Stepper {
   void end_step(const Tree& tree, const double* t) noexcept;
   static void advance(int n, const T* start, const T* rate, double weight, const T& h, T* sum, T* stage) noexcept;
 
-  Work<T> work_;
+  Workspace<T> workspace_;
   Array q0_, p0_, q_, p_, q_sum_, p_sum_;
 };
 
@@ -41,21 +41,21 @@ void PackStepper<T>::rates(const Tree& tree, const double* q, const double* p, d
   const int nq = tree.nq(), nv = tree.nv();
   for (int i = 0; i < nq; ++i) q_[i] = T::load(q + i * N);
   for (int i = 0; i < nv; ++i) p_[i] = T::load(p + i * N);
-  evaluate_rates<T>(tree, q_.get(), p_.get(), work_);
-  for (int i = 0; i < nq; ++i) work_.qdot[i].store(qdot + i * N);
-  for (int i = 0; i < nv; ++i) work_.pdot[i].store(pdot + i * N), work_.v[i].store(v + i * N);
+  evaluate_rates<T>(tree, q_.get(), p_.get(), workspace_);
+  for (int i = 0; i < nq; ++i) workspace_.qdot[i].store(qdot + i * N);
+  for (int i = 0; i < nv; ++i) workspace_.pdot[i].store(pdot + i * N), workspace_.v[i].store(v + i * N);
 }
 
 // Other forces in one joint, lane by lane.
 template <class T>
 void PackStepper<T>::add_elements(const Tree& tree, int b, const double* t, const T* q) noexcept {
-  const int nq = coordinates_of(tree, b), nv = freedoms_of(tree, b), at = tree.first_p(b);
+  const int nq = coordinates_of(tree, b), nv = dofs_of(tree, b), at = tree.first_p(b);
   for (int lane = 0; lane < N; ++lane) {
     double joint_q[7], u[6], force[6] = {};
     for (int i = 0; i < nq; ++i) joint_q[i] = q[tree.first_q(b) + i][lane];
-    for (int i = 0; i < nv; ++i) u[i] = work_.v[at + i][lane];
+    for (int i = 0; i < nv; ++i) u[i] = workspace_.v[at + i][lane];
     add_element_forces(tree, b, t[lane], joint_q, u, force);
-    for (int i = 0; i < nv; ++i) work_.pdot[at + i].set(lane, work_.pdot[at + i][lane] + force[i]);
+    for (int i = 0; i < nv; ++i) workspace_.pdot[at + i].set(lane, workspace_.pdot[at + i][lane] + force[i]);
   }
 }
 
@@ -63,10 +63,10 @@ void PackStepper<T>::add_elements(const Tree& tree, int b, const double* t, cons
 template <class T>
 void PackStepper<T>::evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
                               const T* p) noexcept {
-  evaluate_rates<T>(tree, q, p, work_);
+  evaluate_rates<T>(tree, q, p, workspace_);
   const int nv = tree.nv();
-  T* const pdot = work_.pdot.get();
-  const T* const v = work_.v.get();
+  T* const pdot = workspace_.pdot.get();
+  const T* const v = workspace_.v.get();
   if (tree.has_forces())
     for (int i = 0; i < nv; ++i) pdot[i] += tree.effort()[i] - tree.damping()[i] * v[i];
   if (effort != nullptr)
@@ -120,8 +120,8 @@ void PackStepper<T>::step(const Tree& tree, const ForcePlan& plan, const Block& 
     for (int lane = 0; lane < N; ++lane) t[lane] = block.time[lane] + (stage > 0 ? nodes[stage - 1] : 0.0) * block.h[lane];
     evaluate(tree, plan, block.effort, t, stage > 0 ? q_.get() : q0_.get(), stage > 0 ? p_.get() : p0_.get());
     const T to_next = nodes[stage] * h;
-    advance(nq, q0_.get(), work_.qdot.get(), weights[stage], to_next, q_sum_.get(), q_.get());
-    advance(nv, p0_.get(), work_.pdot.get(), weights[stage], to_next, p_sum_.get(), p_.get());
+    advance(nq, q0_.get(), workspace_.qdot.get(), weights[stage], to_next, q_sum_.get(), q_.get());
+    advance(nv, p0_.get(), workspace_.pdot.get(), weights[stage], to_next, p_sum_.get(), p_.get());
   }
   const T h6 = h / 6.0;
   for (int i = 0; i < nq; ++i) q_[i] = q0_[i] + h6 * q_sum_[i];

@@ -10,53 +10,54 @@ namespace momentree {
 namespace {
 
 // A wrench on body b through its joint, kernel frame: on the declared child, in its user frame.
-Force<double> on_declared_child(const Tree& tree, const State& state, const Work<double>& work, int b, const Force<double>& W) {
+Force<double> on_declared_child(const Tree& tree, const State& state, const Workspace<double>& workspace, int b,
+                                const Force<double>& W) {
   if (!tree.reversed(b)) return to_user_frame(tree.frame(b), W);
   const int child = tree.parent(b);
   MT_REQUIRE(child >= 0, "the ground is no joint's child");
   Force<double> back{-W.l, -W.h};
-  joint_crossing(tree, state, work, b).inboard(back);
+  joint_transform_of(tree, state, workspace, b).inboard(back);
   return to_user_frame(tree.frame(child), back);
 }
 
 }  // namespace
 
-void accelerate(const Tree& tree, const State& state, Work<double>& work) noexcept {
-  forward_dynamics(tree, state, work);
-  if (work.accelerated == state.stamp()) return;
-  joint_forces(tree, state.time(), state.q().data(), work, work.a.get());
-  clear_other_loads(tree, work);
-  evaluate_accelerations<double>(tree, state.q().data(), work);
-  work.accelerated = state.stamp();
+void accelerate(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
+  forward_dynamics(tree, state, workspace);
+  if (workspace.accelerated == state.stamp()) return;
+  joint_forces(tree, state.time(), state.q().data(), workspace, workspace.a.get());
+  clear_other_loads(tree, workspace);
+  evaluate_accelerations<double>(tree, state.q().data(), workspace);
+  workspace.accelerated = state.stamp();
 }
 
-Motion<double> felt_acceleration(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
-  const JointState<double> joint = joint_state(tree, q, work, b);
+Motion<double> felt_acceleration(const Tree& tree, const double* q, const Workspace<double>& workspace, int b) noexcept {
+  const JointState<double> joint = joint_state(tree, q, workspace, b);
   return dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
     return decltype(tag)::type::template spatial_velocity<double>(
-        tree.link(b), joint, work.approaches[static_cast<std::size_t>(b)], work.a.get() + tree.first_p(b));
+        tree.link(b), joint, workspace.inboard_accelerations[static_cast<std::size_t>(b)], workspace.a.get() + tree.first_p(b));
   });
 }
 
-Force<double> transmitted_wrench(const Tree& tree, const Work<double>& work, int b) noexcept {
+Force<double> transmitted_wrench(const Tree& tree, const Workspace<double>& workspace, int b) noexcept {
   MT_REQUIRE(b >= 0 && b < tree.bodies() && tree.alive(b), "the tree has a body of that number, and it was not removed");
-  Force<double> Tr = work.demands[static_cast<std::size_t>(b)];
+  Force<double> Tr = workspace.reduced_bias_wrenches[static_cast<std::size_t>(b)];
   dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
     using K = typename decltype(tag)::type;
-    K::add_reduced(work.record<K>(tree, b), work.approaches[static_cast<std::size_t>(b)], Tr);  // (44), (32)
+    K::add_reduced(workspace.record<K>(tree, b), workspace.inboard_accelerations[static_cast<std::size_t>(b)], Tr);  // (44), (32)
   });
   return Tr;
 }
 
-Force<double> reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
-  MT_REQUIRE(accelerated_on(tree, state, work), stale_accelerations(state));
-  return on_declared_child(tree, state, work, b, transmitted_wrench(tree, work, b));
+Force<double> reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, int b) noexcept {
+  MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
+  return on_declared_child(tree, state, workspace, b, transmitted_wrench(tree, workspace, b));
 }
 
-Force<double> pure_reaction(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
-  MT_REQUIRE(accelerated_on(tree, state, work), stale_accelerations(state));
-  const Force<double> Tr = transmitted_wrench(tree, work, b);
-  const JointState<double> joint = joint_state(tree, state, work, b);
+Force<double> pure_reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, int b) noexcept {
+  MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
+  const Force<double> Tr = transmitted_wrench(tree, workspace, b);
+  const JointState<double> joint = joint_state(tree, state, workspace, b);
   const Force<double> drive = dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
     using K = typename decltype(tag)::type;
     const auto E = K::template columns<double>(tree.link(b), joint);
@@ -65,21 +66,22 @@ Force<double> pure_reaction(const Tree& tree, const State& state, const Work<dou
       if ((tree.joint(b).locked >> i & 1u) == 0) force[i] = dot(E[i], Tr);
     return K::drive_wrench(tree.link(b), joint, force);
   });
-  return on_declared_child(tree, state, work, b, Tr - drive);
+  return on_declared_child(tree, state, workspace, b, Tr - drive);
 }
 
-void joint_effort(const Tree& tree, const State& state, const Work<double>& work, int b, double* effort) noexcept {
-  MT_REQUIRE(accelerated_on(tree, state, work), stale_accelerations(state));
-  project(tree, b, joint_state(tree, state, work, b), transmitted_wrench(tree, work, b), effort);
+void joint_effort(const Tree& tree, const State& state, const Workspace<double>& workspace, int b, double* effort) noexcept {
+  MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
+  project(tree, b, joint_state(tree, state, workspace, b), transmitted_wrench(tree, workspace, b), effort);
   const int at = tree.first_p(b);
-  for (int i = 0; i < info(tree.kind(b)).nv; ++i) effort[i] += tree.armature()[at + i] * work.a[static_cast<std::size_t>(at + i)];
+  for (int i = 0; i < info(tree.kind(b)).nv; ++i)
+    effort[i] += tree.armature()[at + i] * workspace.a[static_cast<std::size_t>(at + i)];
 }
 
-BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
-  MT_REQUIRE(accelerated_on(tree, state, work), stale_accelerations(state));
-  MT_REQUIRE(work.located == state.stamp(), "the bodies are located at this state: call locate_bodies first");
-  const Kinematics<double>& body = work.bodies[static_cast<std::size_t>(b)];
-  const Motion<double> rate = felt_acceleration(tree, state.q().data(), work, b);
+BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Workspace<double>& workspace, int b) noexcept {
+  MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
+  MT_REQUIRE(workspace.located == state.stamp(), "the bodies are located at this state: call locate_bodies first");
+  const Kinematics<double>& body = workspace.bodies[static_cast<std::size_t>(b)];
+  const Motion<double> rate = felt_acceleration(tree, state.q().data(), workspace, b);
   const KernelFrame& frame = tree.frame(b);
   // The components of Ω turn with the body: d(Rv)/dt = R (v̇ + ω × v). Then from the kernels' origin to the user's, and gravity.
   const Vec3 &v = body.velocity.v, &w = body.velocity.w, to = -transpose_times(frame.R, frame.r);

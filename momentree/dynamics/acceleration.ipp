@@ -6,8 +6,8 @@
 // is heavy and fast. Tr itself obeys the same recursion: Tr = Mb Ω̇ + W, where W is Ω × P of the body itself and what its
 // children ask of it, and Ω̇ is less gravity; nothing is lost then.
 #include <momentree/dynamics/acceleration.hpp>
-#include <momentree/dynamics/passage.hpp>
-#include <momentree/dynamics/pin_dispatch.hpp>
+#include <momentree/dynamics/revolute_dispatch.hpp>
+#include <momentree/dynamics/sweep_buffers.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -16,116 +16,117 @@ template <class T>
 struct RateSweep {
   UncheckedTree tree;
   const T* q;
-  Work<T>& work;
-  Passage<Force<T>, Motion<T>> passage{tree, work.wrench_inlets.get(), work.rate_outlets.get()};
+  Workspace<T>& workspace;
+  SweepBuffers<Force<T>, Motion<T>> buffers{tree, workspace.child_wrenches.get(), workspace.parent_accelerations.get()};
 
   MOMENTREE_INLINE JointState<T> joint_state(int b) const {
-    return {q + tree.first_q(b), work.cos.get() + tree.first_angle(b), work.sin.get() + tree.first_angle(b)};
+    return {q + tree.first_q(b), workspace.cos.get() + tree.first_angle(b), workspace.sin.get() + tree.first_angle(b)};
   }
 
   /// Tip to base. For the way out there wait: the bias in `approaches`, and in `a` Mj⁻¹ (τ − Eᵀ W). Of Tr, what is not M̂ a′
   /// stays in `demands`: few ask for all wrenches.
   template <class K>
-  void inboard(const Segment& segment) const {
+  void inboard(const KernelRun& run) const {
     const auto order = tree.order();
-    const auto flows = tree.flows();
-    const Force<T>* const loads = tree.loaded_bodies().empty() ? nullptr : work.loads.get();
+    const auto node_flags = tree.node_flags();
+    const Force<T>* const loads = tree.loaded_bodies().empty() ? nullptr : workspace.loads.get();
     Force<T> W;  // what the children ask, and soon the body itself
-    passage.enter_in(segment, W);
-    for (int i = segment.end - 1; i >= segment.begin; --i) {
+    buffers.resume_inward(run, W);
+    for (int i = run.end - 1; i >= run.begin; --i) {
       const int b = order[static_cast<std::size_t>(i)];
-      const unsigned flow = flows[static_cast<std::size_t>(i)];
+      const unsigned flags = node_flags[static_cast<std::size_t>(i)];
       const auto body = static_cast<std::size_t>(b);
-      const Link& link = tree.link(b);
+      const LinkConstants& link = tree.link(b);
       const JointState<T> joint = joint_state(b);
-      const auto& record = work.template record<K>(tree, b);
+      const auto& record = workspace.template record<K>(tree, b);
       const int at = tree.first_p(b);
-      T* udot = work.a.get() + at;  // τ on entry
-      const Motion<T>& velocity = work.motions[body].velocity;
-      if ((flow & flow::tip) != 0) W = {};
-      passage.collect(b, flow, W);
+      T* udot = workspace.a.get() + at;  // τ on entry
+      const Motion<T>& velocity = workspace.motions[body].velocity;
+      if ((flags & node::leaf) != 0) W = {};
+      buffers.gather_children(b, flags, W);
       W += turning_wrench(link.body, velocity);
       if (loads != nullptr) W = W - loads[body];
       if constexpr (K::rigid) {
-        put(W, work.demands[body]);
-        put({}, work.approaches[body]);
-        passage.deliver(b, flow, W);
+        put(W, workspace.reduced_bias_wrenches[body]);
+        put({}, workspace.inboard_accelerations[body]);
+        buffers.add_to_parent(b, flags, W);
         continue;
       }
       K::template reduce_wrench<T>(link, joint, record, udot, W, udot);  // (51)
-      put(W, work.demands[body]);
-      const Motion<T> bias = K::template acceleration_bias<T>(link, joint, velocity, work.v.get() + at);
+      put(W, workspace.reduced_bias_wrenches[body]);
+      const Motion<T> bias = K::template acceleration_bias<T>(link, joint, velocity, workspace.v.get() + at);
       K::add_reduced_bias(record, bias, W);
       if constexpr (requires { typename K::Steps; })
         K::joint_acceleration(record, bias, udot);  // of (47) what need not wait for the way out
       else
-        put(bias, work.approaches[body]);
+        put(bias, workspace.inboard_accelerations[body]);
       if constexpr (requires { typename K::Steps; })  // (45)
         dispatch_link<K::Steps::rotor>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
           K::Steps::template cross_inboard<shape()>(link, joint.c[0], joint.s[0], W);
         });
-      else if (K::turns_about_z && (flow & flow::aligned) != 0)
-        K::template crossing_again<true, T>(link, joint, record).inboard(W);
+      else if (K::turns_about_z && (flags & node::aligned) != 0)
+        K::template cached_transform<true, T>(link, joint, record).inboard(W);
       else
-        K::template crossing_again<false, T>(link, joint, record).inboard(W);
-      passage.deliver(b, flow, W);
+        K::template cached_transform<false, T>(link, joint, record).inboard(W);
+      buffers.add_to_parent(b, flags, W);
     }
-    passage.leave_in(segment, W);
+    buffers.suspend_inward(run, W);
   }
 
   /// Base to tip. The ground accelerates against gravity: so every body has its weight, and none needs to know where down is.
   template <class K>
-  void outboard(const Segment& segment, const Motion<T>& base) const {
+  void outboard(const KernelRun& run, const Motion<T>& base) const {
     const auto order = tree.order();
-    const auto flows = tree.flows();
+    const auto node_flags = tree.node_flags();
     Motion<T> a;
-    passage.enter_out(segment, a);
-    for (int i = segment.begin; i < segment.end; ++i) {
+    buffers.resume_outward(run, a);
+    for (int i = run.begin; i < run.end; ++i) {
       const int b = order[static_cast<std::size_t>(i)];
-      const unsigned flow = flows[static_cast<std::size_t>(i)];
+      const unsigned flags = node_flags[static_cast<std::size_t>(i)];
       const auto body = static_cast<std::size_t>(b);
-      const Link& link = tree.link(b);
+      const LinkConstants& link = tree.link(b);
       const JointState<T> joint = joint_state(b);
-      const auto& record = work.template record<K>(tree, b);
-      T* udot = work.a.get() + tree.first_p(b);
-      passage.receive(b, flow, base, a);
+      const auto& record = workspace.template record<K>(tree, b);
+      T* udot = workspace.a.get() + tree.first_p(b);
+      buffers.load_parent(b, flags, base, a);
       if constexpr (K::rigid) {
-        put(a, work.approaches[body]);
-        passage.hand_down(b, flow, a);
+        put(a, workspace.inboard_accelerations[body]);
+        buffers.store_for_children(b, flags, a);
         continue;
       }
       if constexpr (requires { typename K::Steps; }) {
         dispatch_link<K::Steps::rotor>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-          K::Steps::template rate_outboard<shape()>(link, joint.c[0], joint.s[0], record, work.motions[body].velocity,
-                                                    work.v[tree.first_p(b)], udot[0], a, work.approaches[body]);
+          K::Steps::template rate_outboard<shape()>(link, joint.c[0], joint.s[0], record, workspace.motions[body].velocity,
+                                                    workspace.v[tree.first_p(b)], udot[0], a,
+                                                    workspace.inboard_accelerations[body]);
         });
       } else {
-        if (K::turns_about_z && (flow & flow::aligned) != 0)
-          K::template crossing_again<true, T>(link, joint, record).outboard(a);
+        if (K::turns_about_z && (flags & node::aligned) != 0)
+          K::template cached_transform<true, T>(link, joint, record).outboard(a);
         else
-          K::template crossing_again<false, T>(link, joint, record).outboard(a);
-        a = a + work.approaches[body];  // a′ = X Ω̇_parent + bias
-        put(a, work.approaches[body]);
+          K::template cached_transform<false, T>(link, joint, record).outboard(a);
+        a = a + workspace.inboard_accelerations[body];  // a′ = X Ω̇_parent + bias
+        put(a, workspace.inboard_accelerations[body]);
         K::joint_acceleration(record, a, udot);                     // (47)
         a = K::template spatial_velocity<T>(link, joint, a, udot);  // (39)
       }
-      passage.hand_down(b, flow, a);
+      buffers.store_for_children(b, flags, a);
     }
-    passage.leave_out(segment, a);
+    buffers.suspend_outward(run, a);
   }
 };
 
 template <class T>
-void evaluate_accelerations(const Tree& tree, const T* q, Work<T>& work) noexcept {
-  const RateSweep<T> sweep{tree, q, work};
-  const auto segments = tree.segments();
-  for (std::size_t i = segments.size(); i-- > 0;) {
-    const Segment& s = segments[i];
+void evaluate_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace) noexcept {
+  const RateSweep<T> sweep{tree, q, workspace};
+  const auto kernel_runs = tree.kernel_runs();
+  for (std::size_t i = kernel_runs.size(); i-- > 0;) {
+    const KernelRun& s = kernel_runs[i];
     dispatch_kernels(s.kind, s.variant, [&](auto tag) { sweep.template inboard<typename decltype(tag)::type>(s); });
   }
   const Vec3& g = tree.gravity();
   const Motion<T> base{{T(-g.x), T(-g.y), T(-g.z)}, {}};
-  for (const Segment& s : segments)
+  for (const KernelRun& s : kernel_runs)
     dispatch_kernels(s.kind, s.variant, [&](auto tag) { sweep.template outboard<typename decltype(tag)::type>(s, base); });
 }
 

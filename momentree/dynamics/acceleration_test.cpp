@@ -18,12 +18,12 @@ namespace {
 struct Machine {
   Tree tree;
   State state;
-  Work<double> work;
-  explicit Machine(const Model& model) : tree(compile(model)), state(start_state(model, tree)), work(tree) {
-    locate_bodies(tree, state, work);
-    accelerate(tree, state, work);
+  Workspace<double> workspace;
+  explicit Machine(const Model& model) : tree(compile(model)), state(start_state(model, tree)), workspace(tree) {
+    locate_bodies(tree, state, workspace);
+    accelerate(tree, state, workspace);
   }
-  double a(int i) const { return work.a[static_cast<std::size_t>(i)]; }
+  double a(int i) const { return workspace.a[static_cast<std::size_t>(i)]; }
 };
 
 void check_near(const Vec3& a, const Vec3& b, double bound = 1e-12) {
@@ -49,13 +49,13 @@ TEST_CASE("(30) (32) (47) a rod on a pin: acceleration, and what the pin carries
   const double a = (tau + m * g * l * std::cos(q)) / (I + m * l * l + rotor);
   CHECK(at.a(0) == doctest::Approx(a).epsilon(1e-14));
   // Rod axes: x along it, z across and up; gravity is g (sin q, 0, −cos q) there.
-  const Force<double> W = reaction(at.tree, at.state, at.work, 0);
+  const Force<double> W = reaction(at.tree, at.state, at.workspace, 0);
   check_near(W.l, {-m * l * w * w - m * g * std::sin(q), 0, -m * l * a + m * g * std::cos(q)});
   check_near(W.h, {0, tau - rotor * a, 0});
-  const Force<double> pure = pure_reaction(at.tree, at.state, at.work, 0);
+  const Force<double> pure = pure_reaction(at.tree, at.state, at.workspace, 0);
   check_near(pure.l, W.l);
   check_near(pure.h, {});
-  const BodyAcceleration b = body_acceleration(at.tree, at.state, at.work, 0);
+  const BodyAcceleration b = body_acceleration(at.tree, at.state, at.workspace, 0);
   check_near(b.linear, {});
   check_near(b.angular, {0, a, 0});
 }
@@ -74,7 +74,7 @@ TEST_CASE("(45) (51) what hangs outboard pulls at every joint inboard of it: a c
   const Machine hanging(model);
   double outboard = 15;
   for (int k = 0; k < 5; ++k) {
-    const Force<double> W = reaction(hanging.tree, hanging.state, hanging.work, k);
+    const Force<double> W = reaction(hanging.tree, hanging.state, hanging.workspace, k);
     check_near(W.l, {0, 0, 10 * outboard}, 1e-11);
     check_near(W.h, {}, 1e-11);
     outboard -= 1 + k;
@@ -85,10 +85,10 @@ TEST_CASE("(45) (51) what hangs outboard pulls at every joint inboard of it: a c
       {.name = "d/1", .mass = 3, .inertia = diagonal(0.2), .parent = base, .at = {1, 2, 3}, .joint = Prismatic{}, .q = 0.2});
   const Machine falling(model);
   for (const int k : {5, 6}) {
-    const Force<double> W = reaction(falling.tree, falling.state, falling.work, k);
+    const Force<double> W = reaction(falling.tree, falling.state, falling.workspace, k);
     check_near(W.l, {}, 1e-14);
     check_near(W.h, {}, 1e-14);
-    const BodyAcceleration b = body_acceleration(falling.tree, falling.state, falling.work, k);
+    const BodyAcceleration b = body_acceleration(falling.tree, falling.state, falling.workspace, k);
     check_near(b.linear, {0, 0, -10}, 1e-13);
     check_near(b.angular, {}, 1e-13);
   }
@@ -104,10 +104,10 @@ TEST_CASE("(39) (44) a bead that slides outward on a turning rod") {
   const double turning = -2 * m * r * s * w / (J + m * r * r);  // d(J + m r²)w/dt = 0
   CHECK(at.a(0) == doctest::Approx(turning).epsilon(1e-13));
   CHECK(at.a(1) == doctest::Approx(r * w * w).epsilon(1e-13));
-  const Force<double> W = reaction(at.tree, at.state, at.work, 1);
+  const Force<double> W = reaction(at.tree, at.state, at.workspace, 1);
   check_near(W.l, {0, m * (2 * s * w + r * turning), 0});
   check_near(W.h, {});
-  const BodyAcceleration b = body_acceleration(at.tree, at.state, at.work, 1);
+  const BodyAcceleration b = body_acceleration(at.tree, at.state, at.workspace, 1);
   check_near(b.linear, {0, 2 * s * w + r * turning, 0});
   check_near(b.angular, {0, 0, turning});
 }
@@ -132,7 +132,7 @@ TEST_CASE("what a drive transmits is taken from the reaction as it acts: along t
   add("hooke", Universal{.axis = x_axis, .axis2 = normalized(Vec3{1, 1, 0}), .effort = {7.0, 3.0}}, {0.3, 0.2});
   const Machine at(model);
   const auto drive = [&](int b) {  // joint's child-side axes, about its origin
-    const Force<double> W = reaction(at.tree, at.state, at.work, b) - pure_reaction(at.tree, at.state, at.work, b);
+    const Force<double> W = reaction(at.tree, at.state, at.workspace, b) - pure_reaction(at.tree, at.state, at.workspace, b);
     const Pose& side = model[{b}].child_at;
     const Mat3 R = rotation_matrix(side.rotation);
     return Force<double>{transpose_times(R, W.l), transpose_times(R, W.h - cross(side.position, W.l))};
@@ -156,11 +156,11 @@ TEST_CASE("accelerations carry the stamp of their state") {
   Model model;
   model.add({.name = "a", .mass = 1, .com = {1, 0, 0}, .inertia = diagonal(1), .joint = Ball{}});
   Machine at(model);
-  CHECK(at.work.accelerated == at.state.stamp());
+  CHECK(at.workspace.accelerated == at.state.stamp());
   static_cast<void>(at.state.edit());
-  CHECK(at.work.accelerated != at.state.stamp());
-  accelerate(at.tree, at.state, at.work);
-  CHECK(at.work.accelerated == at.state.stamp());
-  evaluate_rates(at.tree, at.state.q().data(), at.state.p().data(), at.work);  // a stage, of no state
-  CHECK(at.work.accelerated != at.state.stamp());
+  CHECK(at.workspace.accelerated != at.state.stamp());
+  accelerate(at.tree, at.state, at.workspace);
+  CHECK(at.workspace.accelerated == at.state.stamp());
+  evaluate_rates(at.tree, at.state.q().data(), at.state.p().data(), at.workspace);  // a stage, of no state
+  CHECK(at.workspace.accelerated != at.state.stamp());
 }

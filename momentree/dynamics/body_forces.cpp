@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include <momentree/dynamics/evaluation_context.hpp>
 #include <momentree/dynamics/forward.hpp>
-#include <momentree/dynamics/moment.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -15,18 +15,18 @@ Vec3 value(const std::array<Signal, 3>& signals, double t) noexcept {
 }
 
 // Attitudes and velocities of the loaded bodies and of all that carry them.
-void move_loaded_bodies(const Tree& tree, const double* q, Work<double>& work) noexcept {
+void move_loaded_bodies(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept {
   for (const int b : tree.loaded_bodies()) {
     const int outer = tree.parent(b);
-    Kinematics<double>& own = work.bodies[static_cast<std::size_t>(b)];
-    own.velocity = outer < 0 ? Motion<double>{} : work.bodies[static_cast<std::size_t>(outer)].velocity;
-    const JointState<double> joint = joint_state(tree, q, work, b);
+    Kinematics<double>& own = workspace.bodies[static_cast<std::size_t>(b)];
+    own.velocity = outer < 0 ? Motion<double>{} : workspace.bodies[static_cast<std::size_t>(outer)].velocity;
+    const JointState<double> joint = joint_state(tree, q, workspace, b);
     dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
       using K = typename decltype(tag)::type;
-      const DenseCrossing<double> x = dense_crossing<K, double>(tree.link(b), joint);
-      own.R = outer < 0 ? x.R : work.bodies[static_cast<std::size_t>(outer)].R * x.R;
+      const DenseTransform<double> x = dense_transform<K, double>(tree.link(b), joint);
+      own.R = outer < 0 ? x.R : workspace.bodies[static_cast<std::size_t>(outer)].R * x.R;
       x.outboard(own.velocity);
-      own.velocity = K::template spatial_velocity<double>(tree.link(b), joint, own.velocity, work.v.get() + tree.first_p(b));
+      own.velocity = K::template spatial_velocity<double>(tree.link(b), joint, own.velocity, workspace.v.get() + tree.first_p(b));
     });
   }
 }
@@ -49,56 +49,56 @@ Force<double> wrench_of(const BodyForce& force, const KernelFrame& frame, const 
 }
 
 // A moment that is asked for a body locates all of them, those that are loaded as they are already.
-void call_functions(const Tree& tree, double t, const double* q, Work<double>& work) noexcept {
-  const Moment moment(tree, t, q, work);
+void call_functions(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
+  const EvaluationContext context(tree, t, q, workspace);
   for (const Topology::Loaded& load : tree.body_functions()) {
     if (!tree.alive(load.body)) continue;
     const auto i = static_cast<std::size_t>(load.body);
-    const Wrench given = (*load.function)(moment);
+    const Wrench given = (*load.function)(context);
     const KernelFrame& frame = tree.frame(load.body);
-    const Kinematics<double>& body = work.bodies[i];
+    const Kinematics<double>& body = workspace.bodies[i];
     Force<double> W{transpose_times(body.R, given.force), transpose_times(body.R, given.torque)};
     W.h += cross(transpose_times(frame.R, -frame.r), W.l);
-    work.power.work += dot(body.velocity, W);
-    work.loads[i] += W;
+    workspace.power.work += dot(body.velocity, W);
+    workspace.loads[i] += W;
   }
 }
 
 }  // namespace
 
-void add_body_forces(const Tree& tree, double t, const double* q, Work<double>& work) noexcept {
+void add_body_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
   const auto loaded = tree.loaded_bodies();
   if (loaded.empty()) return;
-  move_loaded_bodies(tree, q, work);
-  Force<double>* const gathered = work.demands.get();  // Tb; stale anyway until the next accelerations
-  for (const int b : loaded) work.loads[static_cast<std::size_t>(b)] = {};
+  move_loaded_bodies(tree, q, workspace);
+  Force<double>* const gathered = workspace.reduced_bias_wrenches.get();  // Tb; stale anyway until the next accelerations
+  for (const int b : loaded) workspace.loads[static_cast<std::size_t>(b)] = {};
   for (const BodyForce& force : tree.body_forces()) {
     const int b = force.body.index;
     if (!tree.alive(b)) continue;
     const auto i = static_cast<std::size_t>(b);
-    work.loads[i] += wrench_of(force, tree.frame(b), work.bodies[i], t, work.power);
+    workspace.loads[i] += wrench_of(force, tree.frame(b), workspace.bodies[i], t, workspace.power);
   }
-  if (!tree.body_functions().empty()) call_functions(tree, t, q, work);
-  for (const int b : loaded) gathered[b] = work.loads[static_cast<std::size_t>(b)];
+  if (!tree.body_functions().empty()) call_functions(tree, t, q, workspace);
+  for (const int b : loaded) gathered[b] = workspace.loads[static_cast<std::size_t>(b)];
   for (std::size_t k = loaded.size(); k-- > 0;) {
     const int b = loaded[k], outer = tree.parent(b);
-    const JointState<double> joint = joint_state(tree, q, work, b);
+    const JointState<double> joint = joint_state(tree, q, workspace, b);
     dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
       using K = typename decltype(tag)::type;
       // (20) with u = 0 and Pb = 0 is Eᵀ Tb, and nothing for what is locked.
       constexpr double at_rest[6] = {};
       double rate[6] = {};
       K::template momentum_rate<double>(tree.link(b), joint, at_rest, {}, gathered[b], rate);
-      for (int i = 0; i < info(tree.kind(b)).nv; ++i) work.pdot[static_cast<std::size_t>(tree.first_p(b) + i)] += rate[i];
+      for (int i = 0; i < info(tree.kind(b)).nv; ++i) workspace.pdot[static_cast<std::size_t>(tree.first_p(b) + i)] += rate[i];
       if (outer < 0) return;
       Force<double> W = gathered[b];
-      K::template crossing_again<false, double>(tree.link(b), joint, work.record<K>(tree, b)).inboard(W);  // (16)
+      K::template cached_transform<false, double>(tree.link(b), joint, workspace.record<K>(tree, b)).inboard(W);  // (16)
       gathered[outer] += W;
     });
   }
 }
 
-void clear_other_loads(const Tree& tree, Work<double>& work) noexcept {
+void clear_other_loads(const Tree& tree, Workspace<double>& workspace) noexcept {
   const auto loaded = tree.loaded_bodies();
   if (loaded.empty()) return;
   std::size_t k = 0;  // both lists are inboard before outboard, in the same order
@@ -106,7 +106,7 @@ void clear_other_loads(const Tree& tree, Work<double>& work) noexcept {
     if (k < loaded.size() && loaded[k] == b)
       ++k;
     else
-      work.loads[static_cast<std::size_t>(b)] = {};
+      workspace.loads[static_cast<std::size_t>(b)] = {};
 }
 
 }  // namespace momentree

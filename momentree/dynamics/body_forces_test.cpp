@@ -43,16 +43,16 @@ TEST_CASE("(20) a force at a point turns and pushes a body; it stands in world a
         {.body = a, .point = {0.5, 0, 0}, .force = {0.0, 3.0, 0.0}, .torque = {0.0, 0.0, 1.0}, .body_axes = body_axes});
     const Tree tree = compile(model);
     const State state = start_state(model, tree);
-    Work<double> work(tree);
-    forward_dynamics(tree, state, work);
+    Workspace<double> workspace(tree);
+    forward_dynamics(tree, state, workspace);
     // World y is the body's x after the turn.
-    CHECK(work.pdot[0] == doctest::Approx(body_axes ? 0 : 3));
-    CHECK(work.pdot[1] == doctest::Approx(body_axes ? 3 : 0));
-    CHECK(work.pdot[5] == doctest::Approx(body_axes ? 2.5 : 1));
-    accelerate(tree, state, work);
-    CHECK(work.a[5] == doctest::Approx((body_axes ? 2.5 : 1) / 0.3));
-    CHECK(norm(reaction(tree, state, work, 0).l) < 1e-14);  // nothing holds it
-    CHECK(norm(reaction(tree, state, work, 0).h) < 1e-14);
+    CHECK(workspace.pdot[0] == doctest::Approx(body_axes ? 0 : 3));
+    CHECK(workspace.pdot[1] == doctest::Approx(body_axes ? 3 : 0));
+    CHECK(workspace.pdot[5] == doctest::Approx(body_axes ? 2.5 : 1));
+    accelerate(tree, state, workspace);
+    CHECK(workspace.a[5] == doctest::Approx((body_axes ? 2.5 : 1) / 0.3));
+    CHECK(norm(reaction(tree, state, workspace, 0).l) < 1e-14);  // nothing holds it
+    CHECK(norm(reaction(tree, state, workspace, 0).h) < 1e-14);
   }
 }
 
@@ -63,12 +63,12 @@ TEST_CASE("a pendulum in the wind: the joint gets the moment, and its reaction h
   model.add_force({.body = a, .point = {0, 0, -2}, .force = {5.0, 0.0, 2.0}});
   const Tree tree = compile(model);
   const State state = start_state(model, tree);
-  Work<double> work(tree);
-  forward_dynamics(tree, state, work);
-  CHECK(work.pdot[0] == doctest::Approx(-10));
-  accelerate(tree, state, work);
-  CHECK(work.a[0] == doctest::Approx(-10 / 1.1));
-  const Force<double> R = reaction(tree, state, work, 0);
+  Workspace<double> workspace(tree);
+  forward_dynamics(tree, state, workspace);
+  CHECK(workspace.pdot[0] == doctest::Approx(-10));
+  accelerate(tree, state, workspace);
+  CHECK(workspace.a[0] == doctest::Approx(-10 / 1.1));
+  const Force<double> R = reaction(tree, state, workspace, 0);
   CHECK(R.l.x == doctest::Approx(10 / 1.1 - 5));  // m·a of the centre of mass, less the force
   CHECK(R.l.z == doctest::Approx(-2));
 }
@@ -171,7 +171,7 @@ TEST_CASE("a function of the world acts on a body as the same force told in numb
     return m;
   };
   Simulation told(model(true)), asked(model(false));
-  asked.force("m/b", [](const Moment& m) {
+  asked.force("m/b", [](const EvaluationContext& m) {
     const BodyMotion body = m.motion({1});
     return Wrench{Vec3{Signal::sine(2, 1).value(m.time()), 1, 0.5} - 0.4 * body.linear, {0, 0.1, 0}};
   });
@@ -198,8 +198,9 @@ TEST_CASE("a function of the world acts on a body as the same force told in numb
   asked.force("m/b", {});
   CHECK(asked.world().tree().loaded_bodies().empty());
   asked.remove({1});
-  CHECK(error_of([&] { asked.force("m/b", [](const Moment&) { return Wrench{}; }); }).find("is not in this world any more") !=
-        std::string::npos);
+  CHECK(error_of([&] {
+          asked.force("m/b", [](const EvaluationContext&) { return Wrench{}; });
+        }).find("is not in this world any more") != std::string::npos);
   CHECK(error_of([&] { asked.force("m/c", {}); }).find("there is no body 'm/c'") != std::string::npos);
 }
 

@@ -7,10 +7,10 @@
 
 namespace momentree {
 
-extern template void evaluate_rates<Counted>(const Tree&, const Counted*, const Counted*, Work<Counted>&) noexcept;
+extern template void evaluate_rates<Counted>(const Tree&, const Counted*, const Counted*, Workspace<Counted>&) noexcept;
 
 Operations count_operations(const Tree& tree) {
-  Work<Counted> work(tree);
+  Workspace<Counted> workspace(tree);
   std::vector<Counted> q(static_cast<std::size_t>(tree.nq())), p(static_cast<std::size_t>(tree.nv()), Counted(0));
   for (const int b : tree.order())
     dispatch(tree.kind(b), [&](auto tag) {
@@ -19,7 +19,7 @@ Operations count_operations(const Tree& tree) {
       for (int i = 0; i < info(tree.kind(b)).nq; ++i) q[static_cast<std::size_t>(tree.first_q(b) + i)] = zero[i];
     });
   Counted::operations() = {};
-  evaluate_rates(tree, q.data(), p.data(), work);
+  evaluate_rates(tree, q.data(), p.data(), workspace);
   return Counted::operations();
 }
 

@@ -61,17 +61,18 @@ Model shaped_chain(int links, const Pose& at, const Vec3& gravity) {
   return model;
 }
 
-template <LinkShape S, bool Gravity>
+template <PlacementShape S, bool Gravity>
 long step_operations() {
-  const Link link;
+  const LinkConstants link;
   const Counted c(1), s(0), p(0);
   Inboard<Counted> in{};
-  PinRecord<Counted> record{};
+  RevoluteRecord<Counted> record{};
   Outboard<Counted> out{};
   Counted u(0), pdot(0);
   Counted::operations() = {};
-  PinSteps::inboard<S, Gravity, false, Children::one, false>(link, 2.0, 0.0, c, s, p, in, in, record, in);
-  PinSteps::outboard<S, Gravity, false>(link, c, s, record, p, false, out, u, pdot, static_cast<BodySweep<Counted>*>(nullptr));
+  RevoluteSteps::inboard<S, Gravity, false, Children::one, false>(link, 2.0, 0.0, c, s, p, in, in, record, in);
+  RevoluteSteps::outboard<S, Gravity, false>(link, c, s, record, p, false, out, u, pdot,
+                                             static_cast<BodySweep<Counted>*>(nullptr));
   return Counted::operations().total();
 }
 
@@ -85,21 +86,21 @@ long of_a_link(Kind kind, Variant variant, const Vec3& gravity) {
     joint.kind = kind, joint.axis = {0.1, 0.2, 0.9};
     if (kind == Kind::universal) joint.axis2 = {1, 0.1, 0.3};
     if (kind == Kind::helical) joint.pitch = 0.1;
-    if (variant == Variant::rotor) joint.parameters.armature = 0.1;
+    if (variant == Variant::armature) joint.parameters.armature = 0.1;
     Model model({.gravity = gravity});
     Body last = model.add(body(0, ground, {}, turned ? JointSpec(Free{}) : JointSpec(Weld{})));
     for (int k = 1; k <= links; ++k) last = model.add(body(k, last, general_place(random), joint));
     Tree tree = compile(model);
     State state = start_state(model, tree);
-    Work<double> work(tree);
+    Workspace<double> workspace(tree);
     if (turned) {
-      forward_dynamics(tree, state, work);
-      apply(Reroot{last}, tree, state, work);
+      forward_dynamics(tree, state, workspace);
+      apply(Reroot{last}, tree, state, workspace);
     }
     for (int b = 0; locked && b < tree.bodies(); ++b) {
       if (tree.kind(b) != kind || tree.parent(b) < 0) continue;
-      forward_dynamics(tree, state, work);
-      apply(Lock{{b}}, tree, state, work);
+      forward_dynamics(tree, state, workspace);
+      apply(Lock{{b}}, tree, state, workspace);
     }
     return count_operations(tree).total();
   };
@@ -117,7 +118,7 @@ TEST_CASE("Table 1: pins in general position take no more than 316 n - 177 opera
     const Tree still = compile(general_chain(n, nothing)), falling = compile(general_chain(n, down));
     // Where neighbouring axes are nearly parallel, their common normal is far off, and the link is not the cheapest.
     long tilted = 0;
-    for (int b = 1; b < n; ++b) tilted += still.link(b).shape == LinkShape::tilted;
+    for (int b = 1; b < n; ++b) tilted += still.link(b).shape == PlacementShape::tilted;
     const Operations operations = count_operations(still);
     if (tilted == 0) CHECK(operations.total() <= 316 * n - 177);
     CHECK(operations.total() == 316 * n - 354 + 41 * tilted);
@@ -145,24 +146,24 @@ TEST_CASE("an addition or a multiplication by a constant counts, a change of sig
 
 TEST_CASE("budgets by the shape of a link") {
   struct Budget {
-    LinkShape shape;
+    PlacementShape shape;
     long still, falling;
     Pose at;     ///< of a link of that shape behind another
     bool chain;  ///< false: only behind a fork, or by chance
   };
   const double right = std::acos(0.0);
   const Budget budgets[] = {
-      {LinkShape::general, 435, 481, {}, false},
-      {LinkShape::tilted, 357, 391, {{0.1, 0.3, 0}, from_axis_angle(x_axis, 0.05)}, true},
-      {LinkShape::screw, 316, 350, link_place(0.7, 0.2, 0.3), true},
-      {LinkShape::screw_a, 288, 320, link_place(0.7, 0.2, 0), true},
-      {LinkShape::screw_d, 283, 316, link_place(0.7, 0, 0.3), true},
-      {LinkShape::right, 246, 268, link_place(right, 0.2, 0.3), true},
-      {LinkShape::right_a, 218, 238, link_place(right, 0.2, 0), true},
-      {LinkShape::right_d, 221, 242, link_place(right, 0, 0.3), true},
-      {LinkShape::right_meeting, 193, 212, link_place(right, 0, 0), true},
-      {LinkShape::parallel, 247, 269, link_place(0, 0.2, 0.3), true},
-      {LinkShape::parallel_a, 219, 239, link_place(0, 0.2, 0), true},
+      {PlacementShape::general, 435, 481, {}, false},
+      {PlacementShape::tilted, 357, 391, {{0.1, 0.3, 0}, from_axis_angle(x_axis, 0.05)}, true},
+      {PlacementShape::screw, 316, 350, link_place(0.7, 0.2, 0.3), true},
+      {PlacementShape::screw_a, 288, 320, link_place(0.7, 0.2, 0), true},
+      {PlacementShape::screw_d, 283, 316, link_place(0.7, 0, 0.3), true},
+      {PlacementShape::right, 246, 268, link_place(right, 0.2, 0.3), true},
+      {PlacementShape::right_a, 218, 238, link_place(right, 0.2, 0), true},
+      {PlacementShape::right_d, 221, 242, link_place(right, 0, 0.3), true},
+      {PlacementShape::right_meeting, 193, 212, link_place(right, 0, 0), true},
+      {PlacementShape::parallel, 247, 269, link_place(0, 0.2, 0.3), true},
+      {PlacementShape::parallel_a, 219, 239, link_place(0, 0.2, 0), true},
   };
   for (const Budget& b : budgets) {
     CAPTURE(static_cast<int>(b.shape));
@@ -212,7 +213,7 @@ TEST_CASE("budgets by the kind of a joint: as it is, with a rotor, locked, again
   for (const Budget& b : budgets) {
     CAPTURE(std::string(info(b.kind).name));
     CHECK(of_a_link(b.kind, Variant::plain, down) == b.plain);
-    CHECK(of_a_link(b.kind, Variant::rotor, down) == b.rotor);
+    CHECK(of_a_link(b.kind, Variant::armature, down) == b.rotor);
     CHECK(of_a_link(b.kind, Variant::locked, down) == b.locked);
     CHECK(of_a_link(b.kind, Variant::reversed, down) == b.reversed);
     CHECK(of_a_link(b.kind, Variant::reversed_locked, down) == b.reversed_locked);
@@ -246,12 +247,13 @@ TEST_CASE("mechanisms add up; another branch costs what it has, and the sum at t
       }
       return operations(model);
     };
-    const bool falls = gravity.z != 0;
-    const long link = falls ? 350 : 316, turned = falls ? 481 : 435;  // the first link of a branch but the first is a general one
+    const bool has_gravity = gravity.z != 0;
+    const long link = has_gravity ? 350 : 316,
+               turned = has_gravity ? 481 : 435;  // the first link of a branch but the first is a general one
     // Of all that the branches ask a root wants two numbers, and two of the first moment where something falls; but they are
     // summed up with the rest where neither the first child nor the last is.
-    const auto sum = [&](int branches) { return branches > 2 ? 30 : falls ? 4 : 2; };
-    const long tip = falls ? 46 : 43;  // nothing to add the own to, nor to take from p; and mass alone does not turn
+    const auto sum = [&](int branches) { return branches > 2 ? 30 : has_gravity ? 4 : 2; };
+    const long tip = has_gravity ? 46 : 43;  // nothing to add the own to, nor to take from p; and mass alone does not turn
     CHECK(star(1, 4) - star(1, 3) == link);
     for (int branches = 2; branches < 5; ++branches)
       CHECK(star(branches, 4) - star(branches - 1, 4) == 3 * link + turned + sum(branches) - tip);

@@ -13,13 +13,13 @@ double stop_energy(const Tree& tree, const State& state, int b) noexcept {
 }
 }  // namespace
 
-Totals totals(const Tree& tree, const State& state, Work<double>& work) noexcept {
-  locate_bodies(tree, state, work);
+Totals totals(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
+  locate_bodies(tree, state, workspace);
   Totals sum;
   const Vec3& g = tree.gravity();
   for (int b = 0; b < tree.bodies(); ++b) {
     if (!tree.alive(b)) continue;
-    const Kinematics<double>& body = work.bodies[static_cast<std::size_t>(b)];
+    const Kinematics<double>& body = workspace.bodies[static_cast<std::size_t>(b)];
     const RigidMass& mass = tree.link(b).body;
     const Force<double> P = momentum(mass, body.velocity);  // (4)
     const Vec3 l = body.R * P.l;
@@ -29,22 +29,22 @@ Totals totals(const Tree& tree, const State& state, Work<double>& work) noexcept
     sum.angular += body.R * P.h + cross(body.r, l);
   }
   for (int i = 0; i < tree.nv(); ++i)
-    sum.kinetic += 0.5 * tree.armature()[i] * work.v[static_cast<std::size_t>(i)] * work.v[static_cast<std::size_t>(i)];
+    sum.kinetic += 0.5 * tree.armature()[i] * workspace.v[static_cast<std::size_t>(i)] * workspace.v[static_cast<std::size_t>(i)];
   double force[6];
   for (int b : tree.spring_joints()) sum.potential += joint_spring(tree, state.q().data(), b, force);
   for (int b : tree.forced_joints()) sum.potential += stop_energy(tree, state, b);
   return sum;
 }
 
-double joint_energy(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
-  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+double joint_energy(const Tree& tree, const State& state, const Workspace<double>& workspace, int b) noexcept {
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   double energy = 0, force[6];
   const JointParameters* p = tree.parameters(b);
   if (p != nullptr && p->stiffness.any()) energy += joint_spring(tree, state.q().data(), b, force);
   energy += stop_energy(tree, state, b);
   const int at = tree.first_p(b);
   for (int i = at; i < at + info(tree.kind(b)).nv; ++i)
-    energy += 0.5 * tree.armature()[i] * work.v[static_cast<std::size_t>(i)] * work.v[static_cast<std::size_t>(i)];
+    energy += 0.5 * tree.armature()[i] * workspace.v[static_cast<std::size_t>(i)] * workspace.v[static_cast<std::size_t>(i)];
   return energy;
 }
 

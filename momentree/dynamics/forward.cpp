@@ -4,11 +4,11 @@
 
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/body_forces.hpp>
+#include <momentree/dynamics/evaluation_context.hpp>
 #include <momentree/dynamics/forces/friction.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/forces/position_control.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
-#include <momentree/dynamics/moment.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -26,7 +26,8 @@ void add_springs(const Tree& tree, const double* q, double* force) noexcept {
 }
 
 // All but springs, dampers and constant efforts.
-void add_elements(const Moment& moment, const forces::Site& site, const JointFunction* function, bool resisting = true) noexcept {
+void add_elements(const EvaluationContext& context, const forces::Site& site, const JointFunction* function,
+                  bool resisting = true) noexcept {
   const JointParameters& p = site.parameters;
   if (resisting && p.friction.any()) forces::add_friction(site);
   if (resisting && p.limits.soft()) forces::add_soft_stop(site);
@@ -36,16 +37,17 @@ void add_elements(const Moment& moment, const forces::Site& site, const JointFun
   }
   if (function == nullptr) return;
   double effort[6] = {};
-  (*function)(moment, {effort, static_cast<std::size_t>(site.nv)});
+  (*function)(context, {effort, static_cast<std::size_t>(site.nv)});
   for (int i = 0; i < site.nv; ++i)
     if (site.on(i)) forces::add_effort(site, i, effort[i]);
 }
 
 // `resisting` false: without what resistance.hpp has; driven freedoms keep all of it.
-Power add_forces(const Tree& tree, double t, const double* q, Work<double>& work, double* force, bool resisting = true) noexcept {
+Power add_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, double* force,
+                 bool resisting = true) noexcept {
   Power power;
   if (tree.has_forces()) {
-    const double *damping = tree.damping(), *effort = tree.effort(), *v = work.v.get();
+    const double *damping = tree.damping(), *effort = tree.effort(), *v = workspace.v.get();
     double dissipated = 0, given = 0;
     for (int i = 0; i < tree.nv(); ++i) {
       const double friction = resisting ? damping[i] * v[i] : 0.0;
@@ -59,27 +61,27 @@ Power add_forces(const Tree& tree, double t, const double* q, Work<double>& work
   }
   add_springs(tree, q, force);
   if (tree.forced_joints().empty()) return power;
-  const Moment moment(tree, t, q, work);
+  const EvaluationContext context(tree, t, q, workspace);
   for (const int b : tree.forced_joints())
-    add_elements(moment, forces::site_of(tree, t, q, work.v.get(), b, force, power), tree.function(b),
+    add_elements(context, forces::site_of(tree, t, q, workspace.v.get(), b, force, power), tree.function(b),
                  resisting || tree.link(b).driven != 0);
   return power;
 }
 
 // Where motions are prescribed: accelerations at once, for the power of what drives them.
-void add_forces_and_motions(const Tree& tree, double t, const double* q, Work<double>& work) noexcept {
-  std::fill_n(work.a.get(), tree.nv(), 0.0);
-  work.power = add_forces(tree, t, q, work, work.a.get());
+void add_forces_and_motions(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
+  std::fill_n(workspace.a.get(), tree.nv(), 0.0);
+  workspace.power = add_forces(tree, t, q, workspace, workspace.a.get());
   for (const int b : tree.driven_joints())
-    work.passive[static_cast<std::size_t>(b)] = work.a[static_cast<std::size_t>(tree.first_p(b))];
-  for (int i = 0; i < tree.nv(); ++i) work.pdot[static_cast<std::size_t>(i)] += work.a[static_cast<std::size_t>(i)];
-  add_body_forces(tree, t, q, work);
-  clear_other_loads(tree, work);
-  put_accelerations(tree, t, work.pdot.get());
-  put_accelerations(tree, t, work.a.get());
-  evaluate_accelerations<double>(tree, q, work);
+    workspace.passive[static_cast<std::size_t>(b)] = workspace.a[static_cast<std::size_t>(tree.first_p(b))];
+  for (int i = 0; i < tree.nv(); ++i) workspace.pdot[static_cast<std::size_t>(i)] += workspace.a[static_cast<std::size_t>(i)];
+  add_body_forces(tree, t, q, workspace);
+  clear_other_loads(tree, workspace);
+  put_accelerations(tree, t, workspace.pdot.get());
+  put_accelerations(tree, t, workspace.a.get());
+  evaluate_accelerations<double>(tree, q, workspace);
   for (const int b : tree.driven_joints())
-    work.power.work += motion_effort(tree, q, work, b) * work.v[static_cast<std::size_t>(tree.first_p(b))];
+    workspace.power.work += motion_effort(tree, q, workspace, b) * workspace.v[static_cast<std::size_t>(tree.first_p(b))];
 }
 
 }  // namespace
@@ -88,60 +90,60 @@ bool stages_take_rates(const Tree& tree) noexcept {
   return tree.loaded_bodies().empty() && !tree.has_functions() && tree.driven_joints().empty();
 }
 
-void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Work<double>& work) noexcept {
+void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Workspace<double>& workspace) noexcept {
   if (tree.loaded_bodies().empty() && !tree.has_functions())
-    evaluate_rates<double>(tree, q, p, work);
+    evaluate_rates<double>(tree, q, p, workspace);
   else
-    evaluate_motions<double>(tree, q, p, work);
+    evaluate_motions<double>(tree, q, p, workspace);
 }
 
-void evaluate_stage(const Tree& tree, double t, const double* q, const double* p, Work<double>& work,
+void evaluate_stage(const Tree& tree, double t, const double* q, const double* p, Workspace<double>& workspace,
                     RatesFunction generated) noexcept {
   if (generated != nullptr && stages_take_rates(tree)) {
-    work.evaluated = work.located = work.accelerated = {};
-    generated(q, p, work.v.get(), work.qdot.get(), work.pdot.get());
-    add_joint_forces(tree, t, q, work);
+    workspace.evaluated = workspace.located = workspace.accelerated = {};
+    generated(q, p, workspace.v.get(), workspace.qdot.get(), workspace.pdot.get());
+    add_joint_forces(tree, t, q, workspace);
   } else if (tree.driven_joints().empty()) {
-    evaluate_for_forces(tree, q, p, work);
-    add_joint_forces(tree, t, q, work);
-    add_body_forces(tree, t, q, work);
+    evaluate_for_forces(tree, q, p, workspace);
+    add_joint_forces(tree, t, q, workspace);
+    add_body_forces(tree, t, q, workspace);
   } else {
-    evaluate_motions<double>(tree, q, p, work);
-    add_forces_and_motions(tree, t, q, work);
+    evaluate_motions<double>(tree, q, p, workspace);
+    add_forces_and_motions(tree, t, q, workspace);
   }
 }
 
-void add_joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, bool resisting) noexcept {
-  work.power = add_forces(tree, t, q, work, work.pdot.get(), resisting);
-  put_accelerations(tree, t, work.pdot.get());
+void add_joint_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, bool resisting) noexcept {
+  workspace.power = add_forces(tree, t, q, workspace, workspace.pdot.get(), resisting);
+  put_accelerations(tree, t, workspace.pdot.get());
 }
 
-void joint_forces(const Tree& tree, double t, const double* q, Work<double>& work, double* tau) noexcept {
+void joint_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, double* tau) noexcept {
   std::fill_n(tau, tree.nv(), 0.0);
-  add_forces(tree, t, q, work, tau);
+  add_forces(tree, t, q, workspace, tau);
   put_accelerations(tree, t, tau);
 }
 
-void unlocked_forces(const Tree& tree, double t, const double* q, Work<double>& work, int b, double* force) noexcept {
+void unlocked_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, int b, double* force) noexcept {
   const int nv = info(tree.kind(b)).nv;
   std::fill_n(force, nv, 0.0);
   const JointParameters* p = tree.parameters(b);
   if (p != nullptr && p->stiffness.any()) joint_spring(tree, q, b, force);
   Power power;
-  forces::Site site = forces::site_of(tree, t, q, work.v.get(), b, work.impulse.get(), power);
+  forces::Site site = forces::site_of(tree, t, q, workspace.v.get(), b, workspace.impulse.get(), power);
   site.force = force, site.acts = ~0u;
   for (int i = 0; i < nv; ++i) force[i] += site.parameters.effort.of(i);
-  add_elements(Moment(tree, t, q, work), site, tree.function(b));
+  add_elements(EvaluationContext(tree, t, q, workspace), site, tree.function(b));
 }
 
-double motion_effort(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
+double motion_effort(const Tree& tree, const double* q, const Workspace<double>& workspace, int b) noexcept {
   const auto at = static_cast<std::size_t>(tree.first_p(b));
   const double through = dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
-    const auto E = decltype(tag)::type::template columns<double>(tree.link(b), joint_state(tree, q, work, b));
-    if constexpr (E.size() > 0) return dot(E[0], transmitted_wrench(tree, work, b));
+    const auto E = decltype(tag)::type::template columns<double>(tree.link(b), joint_state(tree, q, workspace, b));
+    if constexpr (E.size() > 0) return dot(E[0], transmitted_wrench(tree, workspace, b));
     return 0.0;
   });
-  return through + tree.armature()[at] * work.a[at] - work.passive[static_cast<std::size_t>(b)];
+  return through + tree.armature()[at] * workspace.a[at] - workspace.passive[static_cast<std::size_t>(b)];
 }
 
 double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept {
@@ -164,70 +166,70 @@ double joint_spring_at(const Tree& tree, const double* q, int b, double* force) 
   });
 }
 
-void forward_dynamics(const Tree& tree, const State& state, Work<double>& work) noexcept {
+void forward_dynamics(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
   MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
-  MT_REQUIRE(!work.in_function, inside_function);
-  if (work.evaluated == state.stamp()) return;
-  evaluate_motions<double>(tree, state.q().data(), state.p().data(), work);
+  MT_REQUIRE(!workspace.in_function, inside_function);
+  if (workspace.evaluated == state.stamp()) return;
+  evaluate_motions<double>(tree, state.q().data(), state.p().data(), workspace);
   if (tree.driven_joints().empty()) {
-    add_joint_forces(tree, state.time(), state.q().data(), work);
-    add_body_forces(tree, state.time(), state.q().data(), work);
+    add_joint_forces(tree, state.time(), state.q().data(), workspace);
+    add_body_forces(tree, state.time(), state.q().data(), workspace);
   } else {
-    add_forces_and_motions(tree, state.time(), state.q().data(), work);
-    work.accelerated = state.stamp();
+    add_forces_and_motions(tree, state.time(), state.q().data(), workspace);
+    workspace.accelerated = state.stamp();
   }
-  work.evaluated = state.stamp();
+  workspace.evaluated = state.stamp();
 }
 
-void locate_stage(const Tree& tree, const double* q, Work<double>& work) noexcept {
+void locate_stage(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept {
   for (int b : tree.order()) {
     const int parent = tree.parent(b);
-    const DenseCrossing<double> x = joint_crossing(tree, q, work, b);
-    Kinematics<double>& own = work.bodies[static_cast<std::size_t>(b)];
+    const DenseTransform<double> x = joint_transform_of(tree, q, workspace, b);
+    Kinematics<double>& own = workspace.bodies[static_cast<std::size_t>(b)];
     Motion<double> velocity{};
     if (parent < 0) {
       own.R = x.R, own.r = x.r;
     } else {
-      const Kinematics<double>& outer = work.bodies[static_cast<std::size_t>(parent)];
+      const Kinematics<double>& outer = workspace.bodies[static_cast<std::size_t>(parent)];
       own.R = outer.R * x.R;
       own.r = outer.r + outer.R * x.r;
       velocity = outer.velocity;
     }
     x.outboard(velocity);
     own.velocity = dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
-      return decltype(tag)::type::template spatial_velocity<double>(tree.link(b), joint_state(tree, q, work, b), velocity,
-                                                                    work.v.get() + tree.first_p(b));
+      return decltype(tag)::type::template spatial_velocity<double>(tree.link(b), joint_state(tree, q, workspace, b), velocity,
+                                                                    workspace.v.get() + tree.first_p(b));
     });
   }
 }
 
-void locate_bodies(const Tree& tree, const State& state, Work<double>& work) noexcept {
-  forward_dynamics(tree, state, work);
-  if (work.located == state.stamp()) return;
+void locate_bodies(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
+  forward_dynamics(tree, state, workspace);
+  if (workspace.located == state.stamp()) return;
   for (int b : tree.order()) {
     const auto i = static_cast<std::size_t>(b);
     const int parent = tree.parent(b);
-    const DenseCrossing<double> x = joint_crossing(tree, state, work, b);
-    Kinematics<double>& own = work.bodies[i];
-    own.velocity = work.motions[i].velocity;
+    const DenseTransform<double> x = joint_transform_of(tree, state, workspace, b);
+    Kinematics<double>& own = workspace.bodies[i];
+    own.velocity = workspace.motions[i].velocity;
     if (parent < 0) {
       own.R = x.R, own.r = x.r;
     } else {
-      const Kinematics<double>& outer = work.bodies[static_cast<std::size_t>(parent)];
+      const Kinematics<double>& outer = workspace.bodies[static_cast<std::size_t>(parent)];
       own.R = outer.R * x.R;
       own.r = outer.r + outer.R * x.r;
     }
   }
-  work.located = state.stamp();
+  workspace.located = state.stamp();
 }
 
-DenseCrossing<double> joint_crossing(const Tree& tree, const double* q, const Work<double>& work, int b) noexcept {
-  return dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) -> DenseCrossing<double> {
+DenseTransform<double> joint_transform_of(const Tree& tree, const double* q, const Workspace<double>& workspace, int b) noexcept {
+  return dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) -> DenseTransform<double> {
     using K = typename decltype(tag)::type;
     if constexpr (K::turns_about_z) {
-      return dense_crossing<K, double>(tree.link(b), joint_state(tree, q, work, b));
+      return dense_transform<K, double>(tree.link(b), joint_state(tree, q, workspace, b));
     } else {
-      return work.record<K>(tree, b).x;
+      return workspace.record<K>(tree, b).x;
     }
   });
 }

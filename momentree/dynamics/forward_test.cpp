@@ -49,19 +49,19 @@ struct Fixture {
   Model model = all_kinds_model();
   Tree tree = compile(model);
   State state = start_state(model, tree);
-  Work<double> work{tree};
-  Fixture() { forward_dynamics(tree, state, work); }
+  Workspace<double> workspace{tree};
+  Fixture() { forward_dynamics(tree, state, workspace); }
 
   // Pb by its definition: the momenta of all outboard bodies, brought to b's frame through the world.
   Force<double> summed_momentum(int b) {
-    locate_bodies(tree, state, work);
-    const Kinematics<double>& frame = work.bodies[static_cast<std::size_t>(b)];
+    locate_bodies(tree, state, workspace);
+    const Kinematics<double>& frame = workspace.bodies[static_cast<std::size_t>(b)];
     Force<double> sum{};
     for (int k = 0; k < tree.bodies(); ++k) {
       int a = k;
       while (a >= 0 && a != b) a = tree.parent(a);
       if (a != b) continue;
-      const Kinematics<double>& body = work.bodies[static_cast<std::size_t>(k)];
+      const Kinematics<double>& body = workspace.bodies[static_cast<std::size_t>(k)];
       const Force<double> P = momentum(tree.link(k).body, body.velocity);
       const Vec3 l = body.R * P.l;
       sum.l += l;
@@ -78,14 +78,14 @@ TEST_CASE("(12) (19) velocities to momenta and back, for every kind and with rot
   for (int b = 0; b < f.tree.bodies(); ++b) {
     const Values& v = f.model[{b}].v;
     for (int i = 0; i < v.size(); ++i)
-      CHECK(f.work.v[static_cast<std::size_t>(f.tree.first_p(b) + i)] == doctest::Approx(v[i]).epsilon(1e-12));
+      CHECK(f.workspace.v[static_cast<std::size_t>(f.tree.first_p(b) + i)] == doctest::Approx(v[i]).epsilon(1e-12));
   }
 }
 
 TEST_CASE("(14) (21) (22) (23) the articulated momentum is the sum over all outboard bodies") {
   Fixture f;
   for (int b = 0; b < f.tree.bodies(); ++b) {
-    const Force<double> Pb = articulated_momentum(f.tree, f.state, f.work, b), sum = f.summed_momentum(b);
+    const Force<double> Pb = articulated_momentum(f.tree, f.state, f.workspace, b), sum = f.summed_momentum(b);
     CHECK(norm(Pb.l - sum.l) < 1e-12);
     CHECK(norm(Pb.h - sum.h) < 1e-12);
   }
@@ -93,12 +93,12 @@ TEST_CASE("(14) (21) (22) (23) the articulated momentum is the sum over all outb
 
 TEST_CASE("the path to one body finds the place that the pass over all bodies finds") {
   Fixture f;
-  Work<double> other(f.tree);
+  Workspace<double> other(f.tree);
   forward_dynamics(f.tree, f.state, other);
-  locate_bodies(f.tree, f.state, f.work);
+  locate_bodies(f.tree, f.state, f.workspace);
   for (int b = 0; b < f.tree.bodies(); ++b) {
-    const DenseCrossing<double> path = locate_body(f.tree, f.state, other, b);
-    const Kinematics<double>& all = f.work.bodies[static_cast<std::size_t>(b)];
+    const DenseTransform<double> path = locate_body(f.tree, f.state, other, b);
+    const Kinematics<double>& all = f.workspace.bodies[static_cast<std::size_t>(b)];
     CHECK(norm(path.r - all.r) < 1e-14);
     CHECK(norm(path.R * Vec3{1, 2, 3} - all.R * Vec3{1, 2, 3}) < 1e-14);
   }
@@ -107,8 +107,9 @@ TEST_CASE("the path to one body finds the place that the pass over all bodies fi
 TEST_CASE("(11) kinetic energy is half of p.v, for a world that rests on fixed ground") {
   Fixture f;
   double pv = 0;
-  for (int i = 0; i < f.tree.nv(); ++i) pv += f.state.p()[static_cast<std::size_t>(i)] * f.work.v[static_cast<std::size_t>(i)];
-  CHECK(totals(f.tree, f.state, f.work).kinetic == doctest::Approx(pv / 2).epsilon(1e-13));
+  for (int i = 0; i < f.tree.nv(); ++i)
+    pv += f.state.p()[static_cast<std::size_t>(i)] * f.workspace.v[static_cast<std::size_t>(i)];
+  CHECK(totals(f.tree, f.state, f.workspace).kinetic == doctest::Approx(pv / 2).epsilon(1e-13));
 }
 
 TEST_CASE("(15) (20) energy is conserved along the rates: gravity does the work that the potential gives") {
@@ -116,10 +117,10 @@ TEST_CASE("(15) (20) energy is conserved along the rates: gravity does the work 
   Fixture f;
   const auto energy_at = [&](double h) {
     State moved = f.state;
-    for (std::size_t i = 0; i < moved.q().size(); ++i) moved.edit().q[i] += h * f.work.qdot[i];
-    for (std::size_t i = 0; i < moved.p().size(); ++i) moved.edit().p[i] += h * f.work.pdot[i];
-    Work<double> work(f.tree);
-    const Totals t = totals(f.tree, moved, work);
+    for (std::size_t i = 0; i < moved.q().size(); ++i) moved.edit().q[i] += h * f.workspace.qdot[i];
+    for (std::size_t i = 0; i < moved.p().size(); ++i) moved.edit().p[i] += h * f.workspace.pdot[i];
+    Workspace<double> workspace(f.tree);
+    const Totals t = totals(f.tree, moved, workspace);
     return t.kinetic + t.potential;
   };
   const double h = 1e-5;
@@ -129,13 +130,13 @@ TEST_CASE("(15) (20) energy is conserved along the rates: gravity does the work 
 TEST_CASE("a free root's rate of momentum is its weight, in its own turning axes") {
   Fixture f;
   const int base = f.model.body("b/base").index, at = f.tree.first_p(base);
-  locate_bodies(f.tree, f.state, f.work);
-  const Kinematics<double>& k = f.work.bodies[static_cast<std::size_t>(base)];
+  locate_bodies(f.tree, f.state, f.workspace);
+  const Kinematics<double>& k = f.workspace.bodies[static_cast<std::size_t>(base)];
   const Vec3 l{f.state.p()[static_cast<std::size_t>(at)], f.state.p()[static_cast<std::size_t>(at + 1)],
                f.state.p()[static_cast<std::size_t>(at + 2)]};
   const Vec3 weight = f.tree.subtree_mass(base) * transpose_times(k.R, f.tree.gravity());
-  const Vec3 rate{f.work.pdot[static_cast<std::size_t>(at)], f.work.pdot[static_cast<std::size_t>(at + 1)],
-                  f.work.pdot[static_cast<std::size_t>(at + 2)]};
+  const Vec3 rate{f.workspace.pdot[static_cast<std::size_t>(at)], f.workspace.pdot[static_cast<std::size_t>(at + 1)],
+                  f.workspace.pdot[static_cast<std::size_t>(at + 2)]};
   CHECK(norm(rate - (weight - cross(k.velocity.w, l))) < 1e-12);
 }
 
@@ -157,25 +158,25 @@ TEST_CASE("damping, springs and efforts: forces and power") {
              .v = {0.0, -1.5}});
   const Tree tree = compile(model);
   State state = start_state(model, tree);
-  Work<double> work(tree);
-  forward_dynamics(tree, state, work);
-  CHECK(work.power.dissipated == doctest::Approx(0.3 * 4 + 0.2 * 2.25).epsilon(1e-14));
-  CHECK(work.power.work == doctest::Approx(0.7 * 2 - 3 * 1.5).epsilon(1e-14));
-  CHECK(work.pdot[0] == doctest::Approx(0.7 - 0.3 * 2 - 4 * 0.75).epsilon(1e-13));
+  Workspace<double> workspace(tree);
+  forward_dynamics(tree, state, workspace);
+  CHECK(workspace.power.dissipated == doctest::Approx(0.3 * 4 + 0.2 * 2.25).epsilon(1e-14));
+  CHECK(workspace.power.work == doctest::Approx(0.7 * 2 - 3 * 1.5).epsilon(1e-14));
+  CHECK(workspace.pdot[0] == doctest::Approx(0.7 - 0.3 * 2 - 4 * 0.75).epsilon(1e-13));
   double force[6];
   CHECK(joint_spring(tree, state.q().data(), 0, force) == doctest::Approx(0.5 * 4 * 0.75 * 0.75).epsilon(1e-14));
-  CHECK(joint_energy(tree, state, work, 0) == doctest::Approx(0.5 * 4 * 0.75 * 0.75).epsilon(1e-14));
+  CHECK(joint_energy(tree, state, workspace, 0) == doctest::Approx(0.5 * 4 * 0.75 * 0.75).epsilon(1e-14));
 }
 
 TEST_CASE("stamps: what was evaluated on one state is not taken for another's") {
   Fixture f;
-  CHECK(f.work.evaluated == f.state.stamp());
+  CHECK(f.workspace.evaluated == f.state.stamp());
   State copy = f.state;
-  CHECK(f.work.evaluated != copy.stamp());
+  CHECK(f.workspace.evaluated != copy.stamp());
   static_cast<void>(f.state.edit());
-  CHECK(f.work.evaluated != f.state.stamp());
-  forward_dynamics(f.tree, f.state, f.work);
-  CHECK(f.work.evaluated == f.state.stamp());
-  evaluate_rates(f.tree, f.state.q().data(), f.state.p().data(), f.work);  // a stage, of no state
-  CHECK(f.work.evaluated != f.state.stamp());
+  CHECK(f.workspace.evaluated != f.state.stamp());
+  forward_dynamics(f.tree, f.state, f.workspace);
+  CHECK(f.workspace.evaluated == f.state.stamp());
+  evaluate_rates(f.tree, f.state.q().data(), f.state.p().data(), f.workspace);  // a stage, of no state
+  CHECK(f.workspace.evaluated != f.state.stamp());
 }

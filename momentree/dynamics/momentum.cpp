@@ -18,11 +18,11 @@ decltype(auto) with_kernels(UncheckedTree tree, int b, F&& f) {
 
 // One joint inward, for whatever can cross it: f(crossing) with the crossing as the kind itself has it.
 template <class F>
-void cross_inboard(UncheckedTree tree, const State& state, const Work<double>& work, int b, F&& f) {
+void cross_inboard(UncheckedTree tree, const State& state, const Workspace<double>& workspace, int b, F&& f) {
   with_kernels(tree, b, [&](auto tag) {
     using K = typename decltype(tag)::type;
-    const JointState<double> joint = joint_state(tree, state.q().data(), work, b);
-    f(K::template crossing_again<false, double>(tree.link(b), joint, work.record<K>(tree, b)));
+    const JointState<double> joint = joint_state(tree, state.q().data(), workspace, b);
+    f(K::template cached_transform<false, double>(tree.link(b), joint, workspace.record<K>(tree, b)));
   });
 }
 
@@ -45,15 +45,15 @@ void project_momentum(const Tree& tree, const double* q, const double* v, double
   const auto n = static_cast<std::size_t>(tree.bodies());
   std::vector<Motion<double>> velocity(n);
   std::vector<Force<double>> momenta(n);
-  std::vector<DenseCrossing<double>> crossings(n);
+  std::vector<DenseTransform<double>> transforms(n);
   for (int b : tree.order()) {
     const auto i = static_cast<std::size_t>(b);
     with_joint(tree, q, b, [&](auto tag, const JointState<double>& joint) {
       using K = typename decltype(tag)::type;
-      crossings[i] = dense_crossing<K, double>(tree.link(b), joint);
+      transforms[i] = dense_transform<K, double>(tree.link(b), joint);
       Motion<double> m{};
       if (tree.parent(b) >= 0) m = velocity[static_cast<std::size_t>(tree.parent(b))];
-      crossings[i].outboard(m);
+      transforms[i].outboard(m);
       velocity[i] = K::template spatial_velocity<double>(tree.link(b), joint, m, v + tree.first_p(b));
       momenta[i] = momentum(tree.link(b).body, velocity[i]);  // (4)
     });
@@ -66,7 +66,7 @@ void project_momentum(const Tree& tree, const double* q, const double* v, double
       using K = typename decltype(tag)::type;
       const auto E = K::template columns<double>(tree.link(b), joint);
       const int at = tree.first_p(b);
-      const Link& link = tree.link(b);
+      const LinkConstants& link = tree.link(b);
       for (std::size_t c = 0; c < E.size(); ++c) {
         const int f = at + static_cast<int>(c);
         if ((link.driven >> c & 1u) != 0)
@@ -76,7 +76,7 @@ void project_momentum(const Tree& tree, const double* q, const double* v, double
       }
     });
     if (tree.parent(b) >= 0) {
-      crossings[i].inboard(momenta[i]);
+      transforms[i].inboard(momenta[i]);
       momenta[static_cast<std::size_t>(tree.parent(b))] += momenta[i];  // (14)
     }
   }
@@ -87,18 +87,18 @@ void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>
   for (int a = static_cast<int>(tree.index(b)); a >= 0; a = tree.parent(a))
     with_joint(tree, q, a, [&](auto tag, const JointState<double>& joint) {
       using K = typename decltype(tag)::type;
-      const DenseCrossing<double> crossing = dense_crossing<K, double>(tree.link(a), joint);
+      const DenseTransform<double> transform = dense_transform<K, double>(tree.link(a), joint);
       const int first = tree.first_p(a);
       if (a == b) {
         Motion<double> m = parent;
-        crossing.outboard(m);
+        transform.outboard(m);
         P = momentum(tree.link(a).body, K::template spatial_velocity<double>(tree.link(a), joint, m, v));  // (4), (17)
         for (int i = 0; i < info(tree.kind(a)).nv; ++i) p[first + i] = tree.armature()[first + i] * v[i];
       }
       absorb(tree, a, joint, P, +1, p);
       for (int i = 0; a == b && i < info(tree.kind(a)).nv; ++i)
         if ((tree.link(a).driven >> i & 1u) != 0) p[first + i] = v[i];
-      crossing.inboard(P);  // (29)
+      transform.inboard(P);  // (29)
     });
 }
 
@@ -123,31 +123,31 @@ State start_state(const Model& model, const Tree& tree) {
   return state;
 }
 
-Force<double> articulated_momentum(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
-  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
-  return work.motions[tree.index(b)].articulated;
+Force<double> articulated_momentum(const Tree& tree, const State& state, const Workspace<double>& workspace, int b) noexcept {
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
+  return workspace.motions[tree.index(b)].articulated;
 }
 
-DenseCrossing<double> locate_body(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept {
-  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
-  DenseCrossing<double> pose{identity3<double>(), {}};
+DenseTransform<double> locate_body(const Tree& tree, const State& state, const Workspace<double>& workspace, int b) noexcept {
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
+  DenseTransform<double> pose{identity3<double>(), {}};
   const UncheckedTree all(tree);
   for (int a = static_cast<int>(tree.index(b)); a >= 0; a = all.parent(a))
-    cross_inboard(all, state, work, a, [&](const auto& x) { x.place(pose.R, pose.r); });
+    cross_inboard(all, state, workspace, a, [&](const auto& x) { x.place(pose.R, pose.r); });
   return pose;
 }
 
-void shed_momentum(const Tree& tree, const State& state, const Work<double>& work, int b, Force<double> W, double sign,
+void shed_momentum(const Tree& tree, const State& state, const Workspace<double>& workspace, int b, Force<double> W, double sign,
                    double* p) noexcept {
   const UncheckedTree all(tree);
   for (int a = static_cast<int>(tree.index(b)), outer = all.parent(a); outer >= 0; a = outer, outer = all.parent(a)) {
-    cross_inboard(all, state, work, a, [&](const auto& x) { x.inboard(W); });
-    absorb(tree, outer, joint_state(all, state.q().data(), work, outer), W, sign, p);
+    cross_inboard(all, state, workspace, a, [&](const auto& x) { x.inboard(W); });
+    absorb(tree, outer, joint_state(all, state.q().data(), workspace, outer), W, sign, p);
   }
 }
 
 void absorb(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double sign, double* p) noexcept {
-  const Link& link = tree.link(b);
+  const LinkConstants& link = tree.link(b);
   with_kernels(tree, b, [&](auto tag) {
     using K = typename decltype(tag)::type;
     const auto E = K::template columns<double>(link, joint);
@@ -159,7 +159,7 @@ void absorb(const Tree& tree, int b, const JointState<double>& joint, const Forc
 }
 
 void project(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double* p) noexcept {
-  const Link& link = tree.link(b);
+  const LinkConstants& link = tree.link(b);
   with_kernels(tree, b, [&](auto tag) {
     using K = typename decltype(tag)::type;
     const auto E = K::template columns<double>(link, joint);

@@ -20,15 +20,17 @@ void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>
 [[nodiscard]] State start_state(const Model& model, const Tree& tree);
 
 /// Articulated momentum Pb of body b (14): of b and all outboard bodies, kernel frame of b. The work must be of this state.
-[[nodiscard]] Force<double> articulated_momentum(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+[[nodiscard]] Force<double> articulated_momentum(const Tree& tree, const State& state, const Workspace<double>& workspace,
+                                                 int b) noexcept;
 
 /// Pose of body b's kernel frame in the world, O(depth); the work must be of this state.
-[[nodiscard]] DenseCrossing<double> locate_body(const Tree& tree, const State& state, const Work<double>& work, int b) noexcept;
+[[nodiscard]] DenseTransform<double> locate_body(const Tree& tree, const State& state, const Workspace<double>& workspace,
+                                                 int b) noexcept;
 
 /// (29): W, about the origin and in the axes of body b's kernel frame, leaves (sign −1) or joins (+1) what hangs on the ancestors
 /// of b: their p change by sign·Eᵀ W. p is the packed array to change; O(depth). Reads q and the work's trigonometry alone, which
 /// the caller knows to be of this state (p may be the state's own, under edit).
-void shed_momentum(const Tree& tree, const State& state, const Work<double>& work, int b, Force<double> W, double sign,
+void shed_momentum(const Tree& tree, const State& state, const Workspace<double>& workspace, int b, Force<double> W, double sign,
                    double* p) noexcept;
 
 /// p of b's joint changes by sign·Eᵀ W, but for locked and driven freedoms; p is the packed array, W in the kernel frame of b.

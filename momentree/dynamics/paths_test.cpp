@@ -16,7 +16,7 @@
 
 namespace momentree {
 
-extern template void evaluate_rates<Counted>(const Tree&, const Counted*, const Counted*, Work<Counted>&) noexcept;
+extern template void evaluate_rates<Counted>(const Tree&, const Counted*, const Counted*, Workspace<Counted>&) noexcept;
 
 namespace {
 
@@ -62,14 +62,14 @@ struct Seen {
   double worst = 0;
 
   void note(const Tree& tree) {
-    for (const Segment& s : tree.segments())
+    for (const KernelRun& s : tree.kernel_runs())
       for (int i = s.begin; i < s.end; ++i) {
         const int b = tree.order()[static_cast<std::size_t>(i)];
-        forks += (tree.flows()[static_cast<std::size_t>(i)] & flow::fork) != 0;
+        forks += (tree.node_flags()[static_cast<std::size_t>(i)] & node::branching) != 0;
         reversed += tree.reversed(b);
         if (s.planar)
           ++flat;
-        else if (s.kind == Kind::revolute && s.variant == Variant::rotor)
+        else if (s.kind == Kind::revolute && s.variant == Variant::armature)
           ++rotors;
         else if (s.kind == Kind::revolute && s.variant == Variant::plain && tree.parent(b) >= 0)
           ++shapes[static_cast<std::size_t>(tree.link(b).shape)];
@@ -87,16 +87,16 @@ void compare(const Tree& tree, const State& state, Seen& seen) {
   seen.note(tree);
   const auto q = state.q(), p = state.p();
   const int nq = tree.nq(), nv = tree.nv();
-  Work<double> stage(tree), motions(tree);
+  Workspace<double> stage(tree), motions(tree);
   poison(tree, stage), poison(tree, motions);
   evaluate_rates(tree, q.data(), p.data(), stage);
   evaluate_motions(tree, q.data(), p.data(), motions);
-  Work<Counted> early(tree);
+  Workspace<Counted> early(tree);
   const std::vector<Counted> cq(q.begin(), q.end()), cp(p.begin(), p.end());
   evaluate_rates(tree, cq.data(), cp.data(), early);
   Tree with_rotors, in_pieces;
-  with_rotors.copy_with_rotors(tree), in_pieces.copy_in_pieces(tree);
-  Work<double> rotors(with_rotors), pieces(in_pieces);
+  with_rotors.copy_with_armatures(tree), in_pieces.copy_with_generic_kernels(tree);
+  Workspace<double> rotors(with_rotors), pieces(in_pieces);
   poison(with_rotors, rotors), poison(in_pieces, pieces);
   evaluate_rates(with_rotors, q.data(), p.data(), rotors);
   evaluate_rates(in_pieces, q.data(), p.data(), pieces);
@@ -129,14 +129,14 @@ TEST_CASE("steps by shape, the sweep in a plane and the generic pieces find the 
     const Model model = random_model(random, seed % 3 != 0);
     Tree tree = compile(model);
     State state = start_state(model, tree);
-    Work<double> work(tree);
+    Workspace<double> workspace(tree);
     for (int change = 0; change < 4; ++change) {
       CAPTURE(change);
       for (int again = 0; again < 2; ++again) {
         put_at_random(tree, state, random);
         compare(tree, state, seen);
       }
-      change_at_random(tree, state, work, random, 0.5);
+      change_at_random(tree, state, workspace, random, 0.5);
     }
   }
   CHECK(seen.worst < 5e-12);

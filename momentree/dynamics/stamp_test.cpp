@@ -24,9 +24,9 @@ Model pendulum(double mass) {
   model.add({.name = "bob", .mass = mass, .com = {0.5, 0, 0}, .inertia = diagonal(0.1), .joint = Revolute{.axis = y_axis}});
   return model;
 }
-double speed(const Tree& tree, const State& state, Work<double>& work) {
-  forward_dynamics(tree, state, work);
-  return work.v[0];
+double speed(const Tree& tree, const State& state, Workspace<double>& workspace) {
+  forward_dynamics(tree, state, workspace);
+  return workspace.v[0];
 }
 State with_momentum(const Tree& tree, double p) {
   State state(tree);
@@ -48,41 +48,41 @@ concept gives_iterator = requires(S& state) {
 
 TEST_CASE("states that live one after the other at one address are distinguished") {
   const Tree tree(pendulum(1));
-  Work<double> work(tree);
+  Workspace<double> workspace(tree);
   for (int i = 1; i <= 3; ++i) {
     State state(tree);
     state.edit().p[0] = i;
-    CHECK(speed(tree, state, work) == doctest::Approx(i / 0.35));
+    CHECK(speed(tree, state, workspace) == doctest::Approx(i / 0.35));
   }
   for (int i = 1; i <= 3; ++i) {
     const State state = with_momentum(tree, i);
-    CHECK(speed(tree, state, work) == doctest::Approx(i / 0.35));
-    CHECK(totals(tree, state, work).kinetic == doctest::Approx(0.5 * i * i / 0.35));
+    CHECK(speed(tree, state, workspace) == doctest::Approx(i / 0.35));
+    CHECK(totals(tree, state, workspace).kinetic == doctest::Approx(0.5 * i * i / 0.35));
   }
   std::optional<State> slot;
   for (int i = 1; i <= 3; ++i) {
     slot.emplace(with_momentum(tree, i));
-    CHECK(speed(tree, *slot, work) == doctest::Approx(i / 0.35));
+    CHECK(speed(tree, *slot, workspace) == doctest::Approx(i / 0.35));
   }
   for (int i = 1; i <= 3; ++i) {
     const auto state = std::make_unique<State>(with_momentum(tree, i));
-    CHECK(speed(tree, *state, work) == doctest::Approx(i / 0.35));
+    CHECK(speed(tree, *state, workspace) == doctest::Approx(i / 0.35));
   }
 }
 
 TEST_CASE("trees of equal shape and different masses are distinguished, one after the other or side by side") {
-  std::optional<Work<double>> work;
+  std::optional<Workspace<double>> workspace;
   for (int mass = 1; mass <= 3; ++mass) {
     const Tree tree(pendulum(mass));
     const State state = with_momentum(tree, 1);
-    if (!work) work.emplace(tree);
-    CHECK(speed(tree, state, *work) == doctest::Approx(1 / (0.25 * mass + 0.1)));
+    if (!workspace) workspace.emplace(tree);
+    CHECK(speed(tree, state, *workspace) == doctest::Approx(1 / (0.25 * mass + 0.1)));
   }
   const Tree light(pendulum(1)), heavy(pendulum(4));
   const State one = with_momentum(light, 1), other = with_momentum(heavy, 1);
   for (int turn = 0; turn < 2; ++turn) {
-    CHECK(speed(light, one, *work) == doctest::Approx(1 / 0.35));
-    CHECK(speed(heavy, other, *work) == doctest::Approx(1 / 1.1));
+    CHECK(speed(light, one, *workspace) == doctest::Approx(1 / 0.35));
+    CHECK(speed(heavy, other, *workspace) == doctest::Approx(1 / 1.1));
   }
   CHECK(Tree(pendulum(1)).revision() != Tree(pendulum(1)).revision());
 }
@@ -99,22 +99,22 @@ TEST_CASE("a copy of a tree is the same tree until one of them changes") {
   Tree tree(model);
   const Tree copy = tree;
   State state = with_momentum(tree, 1);
-  Work<double> work(tree);
-  const double both = speed(tree, state, work);
+  Workspace<double> workspace(tree);
+  const double both = speed(tree, state, workspace);
   CHECK(copy.revision() == tree.revision());
-  CHECK(speed(copy, state, work) == both);
+  CHECK(speed(copy, state, workspace) == both);
   const State before = state;
-  apply(Break{{1}}, tree, state, work);
+  apply(Break{{1}}, tree, state, workspace);
   CHECK(copy.revision() != tree.revision());
   CHECK(before.topology() == copy.revision());
   CHECK(state.topology() == tree.revision());
 
   Tree a = copy, b = copy;  // the same change of each is a change of its own
   State of_a = before, of_b = before;
-  forward_dynamics(a, of_a, work);
-  apply(Lock{{1}}, a, of_a, work);
-  forward_dynamics(b, of_b, work);
-  apply(Lock{{1}}, b, of_b, work);
+  forward_dynamics(a, of_a, workspace);
+  apply(Lock{{1}}, a, of_a, workspace);
+  forward_dynamics(b, of_b, workspace);
+  apply(Lock{{1}}, b, of_b, workspace);
   CHECK(a.revision() != b.revision());
 
   const std::uint64_t was = a.revision();
@@ -125,86 +125,86 @@ TEST_CASE("a copy of a tree is the same tree until one of them changes") {
 
 TEST_CASE("copies of states, assignments and swaps") {
   const Tree tree(pendulum(1));
-  Work<double> work(tree);
+  Workspace<double> workspace(tree);
   State one = with_momentum(tree, 1), two = with_momentum(tree, 2);
-  CHECK(speed(tree, one, work) == doctest::Approx(1 / 0.35));
+  CHECK(speed(tree, one, workspace) == doctest::Approx(1 / 0.35));
 
   const State copy = one;
   CHECK(copy.stamp() != one.stamp());
-  CHECK(evaluated_on(tree, one, work));
-  CHECK_FALSE(evaluated_on(tree, copy, work));
+  CHECK(evaluated_on(tree, one, workspace));
+  CHECK_FALSE(evaluated_on(tree, copy, workspace));
 
   State& self = one;
   one = self;
-  CHECK(evaluated_on(tree, one, work));  // nothing happened to it
+  CHECK(evaluated_on(tree, one, workspace));  // nothing happened to it
 
   one = two;
-  CHECK_FALSE(evaluated_on(tree, one, work));
-  CHECK(speed(tree, one, work) == doctest::Approx(2 / 0.35));
+  CHECK_FALSE(evaluated_on(tree, one, workspace));
+  CHECK(speed(tree, one, workspace) == doctest::Approx(2 / 0.35));
   two.edit().p[0] = 3;
   one = two;
-  CHECK(speed(tree, one, work) == doctest::Approx(3 / 0.35));
+  CHECK(speed(tree, one, workspace) == doctest::Approx(3 / 0.35));
 
   two.edit().p[0] = 4;
-  CHECK(speed(tree, one, work) == doctest::Approx(3 / 0.35));
+  CHECK(speed(tree, one, workspace) == doctest::Approx(3 / 0.35));
   std::swap(one, two);
-  CHECK(speed(tree, one, work) == doctest::Approx(4 / 0.35));
-  CHECK(speed(tree, two, work) == doctest::Approx(3 / 0.35));
+  CHECK(speed(tree, one, workspace) == doctest::Approx(4 / 0.35));
+  CHECK(speed(tree, two, workspace) == doctest::Approx(3 / 0.35));
 
   std::vector<State> many;  // which move as it grows
   for (int i = 0; i < 10; ++i) many.push_back(with_momentum(tree, i));
-  for (int i = 0; i < 10; ++i) CHECK(speed(tree, many[static_cast<std::size_t>(i)], work) == doctest::Approx(i / 0.35));
+  for (int i = 0; i < 10; ++i) CHECK(speed(tree, many[static_cast<std::size_t>(i)], workspace) == doctest::Approx(i / 0.35));
   many.erase(many.begin());
-  for (int i = 1; i < 10; ++i) CHECK(speed(tree, many[static_cast<std::size_t>(i - 1)], work) == doctest::Approx(i / 0.35));
+  for (int i = 1; i < 10; ++i) CHECK(speed(tree, many[static_cast<std::size_t>(i - 1)], workspace) == doctest::Approx(i / 0.35));
 }
 
 TEST_CASE("a moved state keeps its stamp, and leaves none behind") {
   const Tree tree(pendulum(1));
-  Work<double> work(tree);
+  Workspace<double> workspace(tree);
   State one = with_momentum(tree, 1);
-  CHECK(speed(tree, one, work) == doctest::Approx(1 / 0.35));
+  CHECK(speed(tree, one, workspace) == doctest::Approx(1 / 0.35));
   State moved = std::move(one);
-  CHECK(evaluated_on(tree, moved, work));
+  CHECK(evaluated_on(tree, moved, workspace));
   CHECK(one.topology() == 0);  // NOLINT(bugprone-use-after-move)
   one = with_momentum(tree, 5);
-  CHECK_FALSE(evaluated_on(tree, one, work));
-  CHECK(speed(tree, one, work) == doctest::Approx(5 / 0.35));
-  CHECK(speed(tree, moved, work) == doctest::Approx(1 / 0.35));
+  CHECK_FALSE(evaluated_on(tree, one, workspace));
+  CHECK(speed(tree, one, workspace) == doctest::Approx(5 / 0.35));
+  CHECK(speed(tree, moved, workspace) == doctest::Approx(1 / 0.35));
   State& self = moved;
   moved = std::move(self);
-  CHECK(evaluated_on(tree, moved, work));
+  CHECK(evaluated_on(tree, moved, workspace));
   CHECK(moved.p()[0] == 1);
 }
 
 TEST_CASE("an edit makes stale what was evaluated before it and while it lived") {
   const Tree tree(pendulum(1));
-  Work<double> work(tree);
+  Workspace<double> workspace(tree);
   State state(tree);
   for (int i = 1; i <= 3; ++i) {
     state.edit().p[0] = i;
-    CHECK(speed(tree, state, work) == doctest::Approx(i / 0.35));
+    CHECK(speed(tree, state, workspace) == doctest::Approx(i / 0.35));
   }
   {
     const State::Edit edit = state.edit();
     CHECK(state.being_edited());
-    CHECK_FALSE(evaluated_on(tree, state, work));
+    CHECK_FALSE(evaluated_on(tree, state, workspace));
     edit.p[0] = 4, edit.time = 1;
-    CHECK(speed(tree, state, work) == doctest::Approx(4 / 0.35));
+    CHECK(speed(tree, state, workspace) == doctest::Approx(4 / 0.35));
     edit.p[0] = 4.5;
-    CHECK(speed(tree, state, work) == doctest::Approx(4.5 / 0.35));
-    CHECK_FALSE(evaluated_on(tree, state, work));
-    CHECK(totals(tree, state, work).kinetic == doctest::Approx(0.5 * 4.5 * 4.5 / 0.35));
+    CHECK(speed(tree, state, workspace) == doctest::Approx(4.5 / 0.35));
+    CHECK_FALSE(evaluated_on(tree, state, workspace));
+    CHECK(totals(tree, state, workspace).kinetic == doctest::Approx(0.5 * 4.5 * 4.5 / 0.35));
     const State::Edit another = state.edit();
     another.p[0] = 5;
-    CHECK(totals(tree, state, work).kinetic == doctest::Approx(0.5 * 25 / 0.35));
-    accelerate(tree, state, work);
+    CHECK(totals(tree, state, workspace).kinetic == doctest::Approx(0.5 * 25 / 0.35));
+    accelerate(tree, state, workspace);
     another.p[0] = 4.9, edit.p[0] = 5;
   }
   CHECK_FALSE(state.being_edited());
   CHECK(state.time() == 1);
-  CHECK(speed(tree, state, work) == doctest::Approx(5 / 0.35));
+  CHECK(speed(tree, state, workspace) == doctest::Approx(5 / 0.35));
   for (double& p : state.edit().p) p = 6;  // the edit lives as long as the loop
-  CHECK(speed(tree, state, work) == doctest::Approx(6 / 0.35));
+  CHECK(speed(tree, state, workspace) == doctest::Approx(6 / 0.35));
 
   // What the compiler refuses: to take along what can be written to.
   using Writable = State::Edit::Writable;
@@ -216,36 +216,36 @@ TEST_CASE("an edit makes stale what was evaluated before it and while it lived")
 
 TEST_CASE("a state that went back to a snapshot is another one, be it to the same numbers") {
   Tree tree(pendulum(1));
-  Work<double> work(tree);
+  Workspace<double> workspace(tree);
   State state = with_momentum(tree, 1);
-  const Snapshot before = take(tree, state);
-  CHECK(speed(tree, state, work) == doctest::Approx(1 / 0.35));
+  const Snapshot before = take_snapshot(tree, state);
+  CHECK(speed(tree, state, workspace) == doctest::Approx(1 / 0.35));
   state.edit().p[0] = 2;
-  CHECK(speed(tree, state, work) == doctest::Approx(2 / 0.35));
+  CHECK(speed(tree, state, workspace) == doctest::Approx(2 / 0.35));
   restore(before, tree, state);
-  CHECK_FALSE(evaluated_on(tree, state, work));
-  CHECK(speed(tree, state, work) == doctest::Approx(1 / 0.35));
+  CHECK_FALSE(evaluated_on(tree, state, workspace));
+  CHECK(speed(tree, state, workspace) == doctest::Approx(1 / 0.35));
 }
 
 TEST_CASE("a work knows locations and accelerations of one state too, and a moved-from work knows nothing") {
   const Tree tree(pendulum(1));
-  Work<double> work(tree);
+  Workspace<double> workspace(tree);
   State one = with_momentum(tree, 1), two = with_momentum(tree, 2);
-  accelerate(tree, one, work);
-  CHECK(accelerated_on(tree, one, work));
-  CHECK_FALSE(accelerated_on(tree, two, work));
-  locate_bodies(tree, two, work);
-  CHECK_FALSE(accelerated_on(tree, one, work));
-  CHECK(work.bodies[0].velocity.w.z != 0);
-  const double w = work.bodies[0].velocity.w.z;
-  locate_bodies(tree, one, work);
-  CHECK(work.bodies[0].velocity.w.z == doctest::Approx(w / 2));
+  accelerate(tree, one, workspace);
+  CHECK(accelerated_on(tree, one, workspace));
+  CHECK_FALSE(accelerated_on(tree, two, workspace));
+  locate_bodies(tree, two, workspace);
+  CHECK_FALSE(accelerated_on(tree, one, workspace));
+  CHECK(workspace.bodies[0].velocity.w.z != 0);
+  const double w = workspace.bodies[0].velocity.w.z;
+  locate_bodies(tree, one, workspace);
+  CHECK(workspace.bodies[0].velocity.w.z == doctest::Approx(w / 2));
 
-  Work<double> other = std::move(work);
+  Workspace<double> other = std::move(workspace);
   CHECK(evaluated_on(tree, one, other));
-  CHECK_FALSE(evaluated_on(tree, one, work));  // NOLINT(bugprone-use-after-move)
-  CHECK(work.capacity() == 0);
-  work = Work<double>(tree);
-  CHECK(speed(tree, one, work) == doctest::Approx(1 / 0.35));
+  CHECK_FALSE(evaluated_on(tree, one, workspace));  // NOLINT(bugprone-use-after-move)
+  CHECK(workspace.capacity() == 0);
+  workspace = Workspace<double>(tree);
+  CHECK(speed(tree, one, workspace) == doctest::Approx(1 / 0.35));
   CHECK(speed(tree, two, other) == doctest::Approx(2 / 0.35));
 }

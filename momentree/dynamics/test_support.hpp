@@ -53,13 +53,14 @@ inline void put_at_random(const Tree& tree, State& state, Random& random) {
   std::copy(p.begin(), p.end(), edit.p.begin());
 }
 /// Fills with no numbers what the sweeps keep and pass on: what reads before it writes is found out.
-inline void poison(const Tree& tree, Work<double>& work) {
+inline void poison(const Tree& tree, Workspace<double>& workspace) {
   const auto bodies = static_cast<std::size_t>(tree.bodies());
   const auto fill = [](auto* first, std::size_t count) { std::memset(static_cast<void*>(first), 0xff, count * sizeof(*first)); };
-  fill(work.records.get(), tree.record_capacity());
-  fill(work.inlets.get(), bodies), fill(work.outlets.get(), bodies), fill(work.motions.get(), bodies);
-  if (!has_twin_lanes) return;
-  fill(work.twins.records.get(), bodies), fill(work.twins.inlets.get(), bodies), fill(work.twins.outlets.get(), bodies);
+  fill(workspace.records.get(), tree.record_capacity());
+  fill(workspace.child_sums.get(), bodies), fill(workspace.parent_states.get(), bodies), fill(workspace.motions.get(), bodies);
+  if (!has_pair_lanes) return;
+  fill(workspace.pairs.records.get(), bodies), fill(workspace.pairs.child_sums.get(), bodies),
+      fill(workspace.pairs.parent_states.get(), bodies);
 }
 
 /// Largest difference, as a share of the largest number; infinite where anything is no number.

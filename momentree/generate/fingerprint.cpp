@@ -14,9 +14,9 @@ class Bytes {
     all_.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
   void add(const Vec3& a) { add(a.x), add(a.y), add(a.z); }
-  void add(const Link& k) {
+  void add(const LinkConstants& k) {
     // Members that come to be must be added here. Not the bytes of the whole: those between members may be anything.
-    static_assert(sizeof(Link) == 26 * sizeof(double), "a link has other members than fingerprints know");
+    static_assert(sizeof(LinkConstants) == 26 * sizeof(double), "a link has other members than fingerprints know");
     for (const double x : {k.cos_a, k.sin_a, k.cs_a, k.ss_a, k.d, k.cos_b, k.sin_b, k.cos_0, k.sin_0, k.angle_0, k.geometry[0],
                            k.geometry[1], k.body.m, k.body.J.xx, k.body.J.yy, k.body.J.zz, k.body.J.xy, k.body.J.xz, k.body.J.yz})
       add(x);
@@ -37,12 +37,12 @@ std::string fingerprint(const Tree& tree) {
   bytes.add(tree.nq()), bytes.add(tree.nv());
   for (std::size_t i = 0; i < tree.order().size(); ++i) {
     const int b = tree.order()[i];
-    bytes.add(b), bytes.add(tree.parent(b)), bytes.add(tree.flows()[i]);
+    bytes.add(b), bytes.add(tree.parent(b)), bytes.add(tree.node_flags()[i]);
     bytes.add(static_cast<unsigned char>(tree.joint(b).kind)), bytes.add(static_cast<unsigned char>(tree.variant(b)));
     bytes.add(tree.first_q(b)), bytes.add(tree.first_p(b)), bytes.add(tree.first_angle(b));
     bytes.add(tree.link(b)), bytes.add(tree.subtree_mass(b));
   }
-  for (const Segment& s : tree.segments()) bytes.add(s.begin), bytes.add(s.end), bytes.add(s.planar);
+  for (const KernelRun& s : tree.kernel_runs()) bytes.add(s.begin), bytes.add(s.end), bytes.add(s.planar);
   for (const int q : tree.angle_coordinates()) bytes.add(q);
   for (const double offset : tree.angle_offsets()) bytes.add(offset);
   for (int i = 0; i < tree.nv(); ++i) bytes.add(tree.armature()[i]);

@@ -9,9 +9,9 @@
 namespace momentree {
 
 extern template void evaluate_rates<Symbolic<false>>(const Tree&, const Symbolic<false>*, const Symbolic<false>*,
-                                                     Work<Symbolic<false>>&) noexcept;
+                                                     Workspace<Symbolic<false>>&) noexcept;
 extern template void evaluate_rates<Symbolic<true>>(const Tree&, const Symbolic<true>*, const Symbolic<true>*,
-                                                    Work<Symbolic<true>>&) noexcept;
+                                                    Workspace<Symbolic<true>>&) noexcept;
 
 namespace {
 
@@ -24,14 +24,14 @@ KernelExpressions expressions_of(const Tree& tree) {
   std::vector<T> q, p;
   for (int i = 0; i < tree.nq(); ++i) q.push_back(T::of_node(all.input(Operation::q, i)));
   for (int i = 0; i < tree.nv(); ++i) p.push_back(T::of_node(all.input(Operation::p, i)));
-  Work<T> work(tree);
-  evaluate_rates(tree, q.data(), p.data(), work);
+  Workspace<T> workspace(tree);
+  evaluate_rates(tree, q.data(), p.data(), workspace);
   const auto take = [](const auto& results, int n, std::vector<int>& nodes) {
     for (int i = 0; i < n; ++i) nodes.push_back(results[static_cast<std::size_t>(i)].node());
   };
-  take(work.v, tree.nv(), kernel.v);
-  take(work.qdot, tree.nq(), kernel.qdot);
-  take(work.pdot, tree.nv(), kernel.pdot);
+  take(workspace.v, tree.nv(), kernel.v);
+  take(workspace.qdot, tree.nq(), kernel.qdot);
+  take(workspace.pdot, tree.nv(), kernel.pdot);
   T::graph() = nullptr;
   if (all.exhausted()) throw std::bad_alloc();
   return kernel;
@@ -49,10 +49,10 @@ std::vector<int> KernelExpressions::results() const {
   return all;
 }
 
-KernelExpressions kernel_expressions(const Tree& tree, PinOrder order) {
-  if (order == PinOrder::turn_first) return expressions_of<true>(tree);
+KernelExpressions kernel_expressions(const Tree& tree, RevoluteOrder order) {
+  if (order == RevoluteOrder::turn_first) return expressions_of<true>(tree);
   KernelExpressions one = expressions_of<false>(tree);
-  if (order == PinOrder::reduce_first) return one;
+  if (order == RevoluteOrder::reduce_first) return one;
   KernelExpressions other = expressions_of<true>(tree);
   return other.operations().total() < one.operations().total() ? std::move(other) : std::move(one);
 }

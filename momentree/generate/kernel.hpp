@@ -18,13 +18,13 @@ struct KernelExpressions {
   Operations operations() const { return expressions.operations(results()); }
 };
 
-/// Which of the two orders of reducing a pin (25) and turning about it (16) the kernels take; see PinSteps::late. `fewest`: the
-/// one that leaves fewer operations when all is folded, which differs from model to model.
-enum class PinOrder { fewest, reduce_first, turn_first };
+/// Which of the two orders of reducing a pin (25) and turning about it (16) the kernels take; see RevoluteSteps::late. `fewest`:
+/// the one that leaves fewer operations when all is folded, which differs from model to model.
+enum class RevoluteOrder { fewest, reduce_first, turn_first };
 
 /// Runs evaluate_rates on symbols: the recursions with gravity, rotors and freedoms that are locked or driven, without joint
 /// forces. Allocates; takes time and memory in proportion to the bodies.
-KernelExpressions kernel_expressions(const Tree& tree, PinOrder order = PinOrder::fewest);
+KernelExpressions kernel_expressions(const Tree& tree, RevoluteOrder order = RevoluteOrder::fewest);
 
 /// Adds the forces in joints that are plain expressions to pdot: dampers, springs, constant efforts. What else acts is what
 /// `other_forces` lists.

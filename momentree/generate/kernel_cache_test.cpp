@@ -137,7 +137,7 @@ TEST_CASE("forces on bodies and functions: the kernels themselves, and why") {
   const KernelCache kernels = cache();
   generated.use_generated(kernels.provider());
   for (Simulation* sim : {&plain, &generated}) {
-    sim->drive("elbow", [](const Moment&) { return 0.3; });
+    sim->drive("elbow", [](const EvaluationContext&) { return 0.3; });
     REQUIRE(sim->run_until(0.02) == Status::ok);
   }
   check_same(plain, generated, 1e-300);

@@ -4,11 +4,11 @@
 
 #include <momentree/base/check.hpp>
 #include <momentree/generate/expressions.hpp>
-#include <momentree/joint/pin_steps.hpp>
+#include <momentree/joint/revolute_steps.hpp>
 
 namespace momentree {
 
-/// `Late`: of the two orders in which pins are reduced and turned, that of one world at a time (PinSteps::late).
+/// `Late`: of the two orders in which pins are reduced and turned, that of one world at a time (RevoluteSteps::late).
 template <bool Late>
 class Symbolic {
  public:

@@ -40,23 +40,23 @@ class Embedded : public Integrator {
 
   bool adaptive() const final { return true; }
 
-  bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept final {
+  bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept final {
     begin(evaluate, state, h);
     stages(evaluate, state.time(), h);
     if (!sound(evaluate.tree(), q0_.get(), q_.get(), p_.get())) return false;
-    accept(evaluate.tree(), state, books, h);
+    accept(evaluate.tree(), state, ledger, h);
     evaluate(state);
-    keep(Tableau::stages - 1, evaluate.work());
+    keep(Tableau::stages - 1, evaluate.workspace());
     return true;
   }
 
-  double advance(Evaluator& evaluate, State& state, Books& books, double most) noexcept final {
+  double advance(Evaluator& evaluate, State& state, EnergyLedger& ledger, double most) noexcept final {
     begin(evaluate, state, most);
     const double start = state.time();
     constexpr double longest_growth = 5, longest_cut = 0.2, safety = 0.9;
     double h = most <= control_.max_step * (1 + sliver) ? most : control_.max_step;  // as next_step: no sliver is left
     bool rejected = false;
-    const Books before = books;
+    const EnergyLedger before = ledger;
     for (;;) {
       h = h < most ? (start + h) - start : h;  // what the clock advances
       // A step that is asked for is taken, be it the rounding between two instants; shorter ones of its own would lead nowhere.
@@ -65,10 +65,10 @@ class Embedded : public Integrator {
       double error = HUGE_VAL;
       const bool fine = sound(evaluate.tree(), q0_.get(), q_.get(), p_.get());
       if (fine) {
-        accept(evaluate.tree(), state, books, h);
+        accept(evaluate.tree(), state, ledger, h);
         evaluate(state);
-        keep(Tableau::stages - 1, evaluate.work());
-        error = estimate(evaluate, books.work, h);
+        keep(Tableau::stages - 1, evaluate.workspace());
+        error = estimate(evaluate, ledger.work, h);
       }
       const double wanted = safety * std::pow(error, -1.0 / (Tableau::lower + 1));  // NaN where the error is
       const double factor = wanted >= longest_cut ? std::min(wanted, longest_growth) : longest_cut;
@@ -80,7 +80,7 @@ class Embedded : public Integrator {
         return h;
       }
       if (fine) {
-        books = before;
+        ledger = before;
         const State::Edit edit = state.edit();
         std::copy_n(q0_.get(), nq_, edit.q.begin());
         std::copy_n(p0_.get(), nv_, edit.p.begin());
@@ -122,10 +122,10 @@ class Embedded : public Integrator {
   double* kq(int j) const { return kq_.get() + j * nq_max_; }
   double* kp(int j) const { return kp_.get() + j * nv_max_; }
 
-  void keep(int stage, const Work<double>& work) noexcept {
-    std::copy_n(work.qdot.get(), nq_, kq(stage));
-    std::copy_n(work.pdot.get(), nv_, kp(stage));
-    if (stage < Tableau::stages) power_[stage] = work.power;
+  void keep(int stage, const Workspace<double>& workspace) noexcept {
+    std::copy_n(workspace.qdot.get(), nq_, kq(stage));
+    std::copy_n(workspace.pdot.get(), nv_, kp(stage));
+    if (stage < Tableau::stages) power_[stage] = workspace.power;
   }
 
   void begin(const Evaluator& evaluate, const State& state, double h) noexcept {
@@ -134,10 +134,10 @@ class Embedded : public Integrator {
     nv_ = evaluate.tree().nv();
     std::copy_n(state.q().data(), nq_, q0_.get());
     std::copy_n(state.p().data(), nv_, p0_.get());
-    std::copy_n(evaluate.work().v.get(), nv_, u0_.get());
+    std::copy_n(evaluate.workspace().v.get(), nv_, u0_.get());
     start_ = state.time();
     last_ = 0;
-    keep(0, evaluate.work());
+    keep(0, evaluate.workspace());
   }
 
   // out = start + h Σ weights[j] k[j]
@@ -160,20 +160,20 @@ class Embedded : public Integrator {
       combine(nv_, p0_.get(), weights, s, h, kp_.get(), nv_max_, p_.get());
       if (s == inner) break;
       evaluate(t + Tableau::c[s] * h, q_.get(), p_.get());
-      keep(s, evaluate.work());
+      keep(s, evaluate.workspace());
     }
     end_step(evaluate.tree(), t + h, q_.get(), p_.get());
   }
 
-  void accept(const Tree& tree, State& state, Books& books, double h) noexcept {
-    take_stored(tree, q0_.get(), q_.get(), books);
+  void accept(const Tree& tree, State& state, EnergyLedger& ledger, double h) noexcept {
+    take_stored(tree, q0_.get(), q_.get(), ledger);
     const State::Edit edit = state.edit();
     std::copy_n(q_.get(), nq_, edit.q.begin());
     std::copy_n(p_.get(), nv_, edit.p.begin());
     edit.time += h;
     for (int j = 0; j < Tableau::stages - 1; ++j) {
-      books.dissipated += h * Tableau::b[j] * power_[j].dissipated;
-      books.work += h * Tableau::b[j] * power_[j].work;
+      ledger.dissipated += h * Tableau::b[j] * power_[j].dissipated;
+      ledger.work += h * Tableau::b[j] * power_[j].work;
     }
     last_ = h;
     extended_ = false;
@@ -201,8 +201,8 @@ class Embedded : public Integrator {
   // Largest error of a coordinate or velocity in parts of what is allowed; the work is of the new state.
   // Where motions are prescribed, also of the work done: what only follows says nothing of the steps that its drive's power
   // takes.
-  double estimate(Evaluator& evaluate, double work, double h) noexcept {
-    const double* u1 = evaluate.work().v.get();
+  double estimate(Evaluator& evaluate, double workspace, double h) noexcept {
+    const double* u1 = evaluate.workspace().v.get();
     double found[2] = {};
     for (int e = 0; e < Tableau::estimates; ++e) {
       const double* weights = Tableau::error[e];
@@ -221,7 +221,7 @@ class Embedded : public Integrator {
           off += weights[j] * power_[j].work;
           most = std::max(most, std::fabs(power_[j].work));
         }
-        measure(h * off, work, h * most);
+        measure(h * off, workspace, h * most);
       }
       double* dp = solver_.impulse.get();
       for (int i = 0; i < nv_; ++i) {
@@ -242,7 +242,7 @@ class Embedded : public Integrator {
   std::unique_ptr<double[]> q_, p_;         // stage, then result
   std::unique_ptr<double[]> kq_, kp_;       // rates of the stages
   Power power_[Tableau::stages]{};
-  Work<double> solver_;
+  Workspace<double> solver_;
   double start_ = 0, last_ = 0;  // the step that kq_, kp_ are of: when, and how long (s)
   bool extended_ = false;        // with the stages of dense output
 };

@@ -30,25 +30,25 @@ class Stopwatch {
 void Evaluator::operator()(double t, const double* q, const double* p) noexcept {
   const Stopwatch watch(seconds);
   ++count;
-  evaluate_stage(*tree_, t, q, p, *work_, generated_of_ == tree_->revision() ? generated_ : nullptr);
+  evaluate_stage(*tree_, t, q, p, *workspace_, generated_of_ == tree_->revision() ? generated_ : nullptr);
 }
 
 void Evaluator::without_resistance(const Tree& other, double t, const double* q, const double* p) noexcept {
   const Stopwatch watch(seconds);
   ++count;
-  evaluate_for_forces(other, q, p, *work_);
-  add_joint_forces(other, t, q, *work_, false);
-  add_body_forces(other, t, q, *work_);
+  evaluate_for_forces(other, q, p, *workspace_);
+  add_joint_forces(other, t, q, *workspace_, false);
+  add_body_forces(other, t, q, *workspace_);
 }
 
 void Evaluator::operator()(const State& state) noexcept {
-  if (work_->evaluated == state.stamp()) return;
+  if (workspace_->evaluated == state.stamp()) return;
   const Stopwatch watch(seconds);
   ++count;
-  forward_dynamics(*tree_, state, *work_);
+  forward_dynamics(*tree_, state, *workspace_);
 }
 
-void Evaluator::solve(const double* q, const double* p, Work<double>& other) noexcept {
+void Evaluator::solve(const double* q, const double* p, Workspace<double>& other) noexcept {
   const Stopwatch watch(seconds);
   ++count;
   evaluate_rates<double>(*tree_, q, p, other);
@@ -61,7 +61,7 @@ Integrator::Integrator(const Tree& tree, const StepControl& control)
 }
 
 void Integrator::require_ready(const Evaluator& evaluate, const State& state, double h) const noexcept {
-  MT_REQUIRE(evaluated_on(evaluate.tree(), state, evaluate.work()), stale_work(state));
+  MT_REQUIRE(evaluated_on(evaluate.tree(), state, evaluate.workspace()), stale_workspace(state));
   MT_REQUIRE(evaluate.tree().bodies() <= bodies_, "the method was made for a tree of that many bodies: make another one");
   MT_REQUIRE(std::isfinite(h), "the step is finite");
 }
@@ -82,10 +82,10 @@ double velocity_resolution(const Tree& tree, std::span<const double> q) {
       if ((tree.link(b).locked >> i & 1u) != 0) u[static_cast<std::size_t>(tree.first_p(b) + i)] = 0;
   project_momentum(tree, q.data(), u.data(), p.data());
   for (std::size_t i = 0; i < nv; ++i) p[i] *= u[i];
-  Work<double> work(tree);
-  evaluate_rates<double>(tree, q.data(), p.data(), work);
+  Workspace<double> workspace(tree);
+  evaluate_rates<double>(tree, q.data(), p.data(), workspace);
   double worst = 0x1p-53;
-  for (std::size_t i = 0; i < nv; ++i) worst = std::max(worst, std::fabs(work.v[i] - 1) * u[i]);
+  for (std::size_t i = 0; i < nv; ++i) worst = std::max(worst, std::fabs(workspace.v[i] - 1) * u[i]);
   return worst;
 }
 
@@ -105,8 +105,8 @@ std::vector<std::string> integration_methods() {
   };
 }
 
-void take_stored(const Tree& tree, const double* q0, const double* q1, Books& books) noexcept {
-  if (!tree.forced_joints().empty()) books.dissipated -= forces::stored(tree, q1) - forces::stored(tree, q0);
+void take_stored(const Tree& tree, const double* q0, const double* q1, EnergyLedger& ledger) noexcept {
+  if (!tree.forced_joints().empty()) ledger.dissipated -= forces::stored(tree, q1) - forces::stored(tree, q0);
 }
 
 void end_step(const Tree& tree, double t, double* q, double* p) noexcept {

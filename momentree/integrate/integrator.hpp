@@ -16,10 +16,10 @@ namespace momentree {
 /// Evaluates rates for a method and keeps count and time of it.
 class Evaluator {
  public:
-  Evaluator(const Tree& tree, Work<double>& work) : tree_(&tree), work_(&work) {}
+  Evaluator(const Tree& tree, Workspace<double>& workspace) : tree_(&tree), workspace_(&workspace) {}
 
   const Tree& tree() const { return *tree_; }
-  Work<double>& work() const { return *work_; }
+  Workspace<double>& workspace() const { return *workspace_; }
   /// Rates at (q, p) and the time t into work().qdot, work().pdot, their power into work().power: a stage, of no state.
   void operator()(double t, const double* q, const double* p) noexcept;
   /// The same without what resists motion (resistance.hpp), at the velocities that p has by the mass of `other`, which is tree()
@@ -30,25 +30,25 @@ class Evaluator {
   /// Code for the present topology, which stages run until the tree next changes; null: none.
   void use(RatesFunction generated) noexcept { generated_ = generated, generated_of_ = tree_->revision(); }
   /// Velocities H⁻¹ p at q into other.v; rates there are meaningless. Counts as an evaluation.
-  void solve(const double* q, const double* p, Work<double>& other) noexcept;
+  void solve(const double* q, const double* p, Workspace<double>& other) noexcept;
 
   long count = 0;
   double seconds = 0;
 
  private:
   const Tree* tree_;
-  Work<double>* work_;
+  Workspace<double>* workspace_;
   RatesFunction generated_ = nullptr;
   std::uint64_t generated_of_ = 0;  // the revision that it is for
 };
 
 /// Extra states that are integrated with the method: energy dissipated and work done since the start (J).
-struct Books {
+struct EnergyLedger {
   double dissipated = 0, work = 0;
 };
 
 /// What a step from coordinates q0 to q1 stored in soft stops was not dissipated.
-void take_stored(const Tree& tree, const double* q0, const double* q1, Books& books) noexcept;
+void take_stored(const Tree& tree, const double* q0, const double* q1, EnergyLedger& ledger) noexcept;
 
 /// How long steps are. Methods of fixed step read `step` alone; for adaptive ones it is the first step.
 struct StepControl {
@@ -69,12 +69,12 @@ class Integrator {
 
   /// One step of h seconds from `state`, at which `evaluate` was last called; h is finite. Neither allocates nor throws.
   /// Returns false, and leaves the state, where the motion ran away: see `plausible` and `runaway_coordinate`.
-  [[nodiscard]] virtual bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept = 0;
+  [[nodiscard]] virtual bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept = 0;
 
   /// One step of at most h seconds: an adaptive method takes less where its error asks for it, and changes its proposal. Returns
   /// the seconds stepped; 0 where the motion ran away or no step is short enough (the state is then what it was).
-  [[nodiscard]] virtual double advance(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
-    return step(evaluate, state, books, h) ? h : 0;
+  [[nodiscard]] virtual double advance(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept {
+    return step(evaluate, state, ledger, h) ? h : 0;
   }
   virtual bool adaptive() const { return false; }
 

@@ -27,14 +27,14 @@ Limits limits_of(std::string_view method) {
 }
 
 // Dampers and springs of a freedom.
-struct Freedom {
+struct Dof {
   int body, place;
   double damping, kd, stiffness, kp;
   bool turns;
 };
 
-std::vector<Freedom> stiff_freedoms(const Tree& tree) {
-  std::vector<Freedom> all;
+std::vector<Dof> stiff_dofs(const Tree& tree) {
+  std::vector<Dof> all;
   for (const int b : tree.order()) {
     const JointParameters* p = tree.parameters(b);
     if (p == nullptr || tree.link(b).driven != 0) continue;
@@ -42,14 +42,14 @@ std::vector<Freedom> stiff_freedoms(const Tree& tree) {
     const JointDrive::Pd* pd = p->drive != nullptr && p->drive->pd.any() ? &p->drive->pd : nullptr;
     for (int i = 0; i < kind.nv; ++i) {
       if ((tree.link(b).locked >> i & 1u) != 0) continue;
-      const Freedom freedom{b,
-                            tree.first_p(b) + i,
-                            p->damping.of(i),
-                            pd != nullptr ? pd->kd.of(i) : 0,
-                            p->stiffness.of(i),
-                            pd != nullptr ? pd->kp.of(i) : 0,
-                            kind.v_units[i] == 'r'};
-      if (freedom.damping + freedom.kd > 0 || freedom.stiffness + freedom.kp > 0) all.push_back(freedom);
+      const Dof dof{b,
+                    tree.first_p(b) + i,
+                    p->damping.of(i),
+                    pd != nullptr ? pd->kd.of(i) : 0,
+                    p->stiffness.of(i),
+                    pd != nullptr ? pd->kp.of(i) : 0,
+                    kind.v_units[i] == 'r'};
+      if (dof.damping + dof.kd > 0 || dof.stiffness + dof.kp > 0) all.push_back(dof);
     }
   }
   return all;
@@ -84,26 +84,26 @@ std::string StiffJoint::cure() const {
 
 std::optional<StiffJoint> too_stiff(const Tree& tree, std::span<const double> q, std::string_view method, double step) {
   const Limits limits = limits_of(method);
-  std::vector<Freedom> freedoms = stiff_freedoms(tree);
-  if (freedoms.empty() || !std::isfinite(limits.spring)) return {};
+  std::vector<Dof> dofs = stiff_dofs(tree);
+  if (dofs.empty() || !std::isfinite(limits.spring)) return {};
   constexpr std::size_t most_bodies_solved = 4'000'000;
   const std::size_t most = std::max<std::size_t>(1, most_bodies_solved / static_cast<std::size_t>(tree.bodies()));
-  if (freedoms.size() > most) {
-    const auto size = [](const Freedom& f) { return std::max(f.damping + f.kd, f.stiffness + f.kp); };
-    std::nth_element(freedoms.begin(), freedoms.begin() + static_cast<std::ptrdiff_t>(most), freedoms.end(),
-                     [&](const Freedom& a, const Freedom& b) { return size(a) > size(b); });
-    freedoms.resize(most);
+  if (dofs.size() > most) {
+    const auto size = [](const Dof& f) { return std::max(f.damping + f.kd, f.stiffness + f.kp); };
+    std::nth_element(dofs.begin(), dofs.begin() + static_cast<std::ptrdiff_t>(most), dofs.end(),
+                     [&](const Dof& a, const Dof& b) { return size(a) > size(b); });
+    dofs.resize(most);
   }
-  Work<double> work(tree);
+  Workspace<double> workspace(tree);
   std::vector<double> p(static_cast<std::size_t>(tree.nv()), 0.0);
   std::optional<StiffJoint> worst;
   double worst_excess = 1;
-  for (const Freedom& f : freedoms) {
+  for (const Dof& f : dofs) {
     // A column of H⁻¹: its diagonal is at most the fastest rate that a unit of damping in this freedom makes.
     p[static_cast<std::size_t>(f.place)] = 1;
-    evaluate_rates<double>(tree, q.data(), p.data(), work);
+    evaluate_rates<double>(tree, q.data(), p.data(), workspace);
     p[static_cast<std::size_t>(f.place)] = 0;
-    const double mobility = work.v[static_cast<std::size_t>(f.place)];
+    const double mobility = workspace.v[static_cast<std::size_t>(f.place)];
     if (!(mobility > 0) || !std::isfinite(mobility)) continue;
     const double damping = f.damping + f.kd, stiffness = f.stiffness + f.kp;
     // "damped" adds γ h c to the inertia that everything else meets.

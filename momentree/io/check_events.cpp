@@ -12,7 +12,7 @@ namespace momentree::io {
 namespace {
 
 // Events times bodies, beyond which carrying them out takes longer than a user waits for a check.
-constexpr std::size_t most_rehearsed = 4'000'000;
+constexpr std::size_t most_dry_run = 4'000'000;
 
 using Broken = std::map<std::string, Place>;
 
@@ -147,7 +147,7 @@ void check_events(Reading& reading) {
   const auto whole = [](const StateFile& file) { return file.mechanism.empty(); };
   if (std::any_of(scenario.state_files.begin(), scenario.state_files.end(), whole)) return;  // another world: judged there
   const std::size_t errors = out.errors();
-  const bool small = scenario.events.size() * static_cast<std::size_t>(scenario.model.size()) <= most_rehearsed;
+  const bool small = scenario.events.size() * static_cast<std::size_t>(scenario.model.size()) <= most_dry_run;
   const auto joins = [](const ScenarioEvent& event) {
     return std::any_of(event.actions.begin(), event.actions.end(), [](const Action& a) { return !a->makes().empty(); });
   };
@@ -161,7 +161,7 @@ void check_events(Reading& reading) {
   const Schedule scheduled = schedule(simulation, std::move(events));
   std::vector<EventProblem> problems = scheduled.problems;
   const auto name_of = [&out](Place place) { return out.name_of(place); };
-  if (problems.empty()) problems = problems_of(simulation.rehearse(), scheduled, name_of);
+  if (problems.empty()) problems = problems_of(simulation.dry_run(), scheduled, name_of);
   for (EventProblem& problem : problems) out.error(problem.place, std::move(problem.what), std::move(problem.hint));
 }
 

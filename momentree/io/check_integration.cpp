@@ -22,9 +22,9 @@ std::string text(double x) {
   return buffer;
 }
 
-class Judge {
+class ScheduleChecker {
  public:
-  explicit Judge(Reading& reading)
+  explicit ScheduleChecker(Reading& reading)
       : scenario_(reading.scenario), how_(scenario_.integration), at_(reading.integrate), out_(reading.out) {}
 
   void times() const {
@@ -117,7 +117,7 @@ class Judge {
   // The first step, and the same in halves: where they are far apart the step does not follow the motion.
   void first_step(const Tree& tree, State& state, double step) const {
     constexpr double far = 0.05;  // rad
-    Work<double> work(tree);
+    Workspace<double> work(tree);
     State halves = state;
     const bool whole_good = stepped(tree, work, state, step, 1), halves_good = stepped(tree, work, halves, step / 2, 2);
     double worst = 0;
@@ -140,13 +140,13 @@ class Judge {
                  "use a smaller one, such as " + text(step / 20) + ", or method = \"dopri5\", which chooses its steps");
   }
 
-  bool stepped(const Tree& tree, Work<double>& work, State& state, double h, int times) const {
+  bool stepped(const Tree& tree, Workspace<double>& work, State& state, double h, int times) const {
     Evaluator evaluate(tree, work);
-    Books books;
+    EnergyLedger ledger;
     const auto method = make_integrator(how_.method, tree, {h, how_.rtol, how_.atol, how_.max_step});
     for (int i = 0; i < times; ++i) {
       evaluate(state);
-      if (!method->step(evaluate, state, books, h)) return false;
+      if (!method->step(evaluate, state, ledger, h)) return false;
     }
     return true;
   }
@@ -161,7 +161,7 @@ class Judge {
 
 void check_integration(Reading& reading) {
   const std::size_t errors = reading.out.errors();
-  const Judge judge(reading);
+  const ScheduleChecker judge(reading);
   judge.times();
   judge.tolerances();
   if (errors == reading.out.errors()) judge.model();

@@ -15,11 +15,11 @@ struct End {
   JointCoupling coupling;
   double share;  ///< of the spring's effort: 1 on the joint, −multiplier on its leader
 
-  double effort(const Moment& moment) const noexcept {
+  double effort(const EvaluationContext& context) const noexcept {
     // A joint that broke or became another lost its function. Whatever joint has its number now, it is not coupled.
-    if (!moment.has_function(coupling.joint) || !moment.has_function(coupling.leader)) return 0;
-    const auto q = moment.q(coupling.joint), v = moment.v(coupling.joint);
-    const auto q0 = moment.q(coupling.leader), v0 = moment.v(coupling.leader);
+    if (!context.has_function(coupling.joint) || !context.has_function(coupling.leader)) return 0;
+    const auto q = context.q(coupling.joint), v = context.v(coupling.joint);
+    const auto q0 = context.q(coupling.leader), v0 = context.v(coupling.leader);
     const double apart = q[0] - coupling.multiplier * q0[0] - coupling.offset, rate = v[0] - coupling.multiplier * v0[0];
     return -share * (coupling.stiffness * apart + coupling.damping * rate);
   }
@@ -55,8 +55,8 @@ void couple(Simulation& simulation, const std::vector<JointCoupling>& couplings)
   std::vector<JointDriver> drivers;
   for (auto& [joint, acting] : ends)
     drivers.push_back({std::string(simulation.world().joint({joint}).name),
-                       [all = std::move(acting)](const Moment& moment, std::span<double> efforts) {
-                         for (const End& end : all) efforts[0] += end.effort(moment);
+                       [all = std::move(acting)](const EvaluationContext& context, std::span<double> efforts) {
+                         for (const End& end : all) efforts[0] += end.effort(context);
                        }});
   if (!drivers.empty()) simulation.drive_all(std::move(drivers));
 }

@@ -72,7 +72,7 @@ TEST_CASE("every action, in the order of the keys") {
   CHECK(attach.joint.spec.parameters.damping == Values{3});
   REQUIRE(attach.at.has_value());
   CHECK(attach.at->position == Vec3{0, 1, 0});
-  CHECK(as<actions::Lock>(s.events[0].actions[3]).freedoms == std::vector<int>{1});
+  CHECK(as<actions::Lock>(s.events[0].actions[3]).dofs == std::vector<int>{1});
   const auto& set = as<actions::Set>(s.events[0].actions[4]);  // in the units of the joint that the event makes
   CHECK(set.parameters.stiffness == Values{500});
   CHECK(set.parameters.rest == Values{0.01});
@@ -207,7 +207,7 @@ TEST_CASE("events wait for conditions, follow others, and come back") {
   std::vector<const ScenarioEvent*> events;
   for (const ScenarioEvent& event : s.events) events.push_back(&event);
   CHECK(schedule(simulation, std::move(events)).problems.empty());
-  CHECK(simulation.rehearse().troubles.empty());
+  CHECK(simulation.dry_run().issues.empty());
   REQUIRE(simulation.run_until(2.5) == Status::ok);
 }
 

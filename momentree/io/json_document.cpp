@@ -144,7 +144,7 @@ std::string JsonDocument::where(const JsonNode& node) const {
 }
 
 void JsonDocument::fail_at(const JsonNode& node, std::string what, std::string hint) const {
-  fail({std::move(what), where(node), std::move(hint)});
+  throw_error({std::move(what), where(node), std::move(hint)});
 }
 
 double JsonDocument::number(const JsonNode& node, std::string_view what) const {

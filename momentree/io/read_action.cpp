@@ -94,7 +94,7 @@ void ActionReader::body(const char* key, std::string& name, bool ground_too) {
   }
 }
 
-void ActionReader::freedoms(const char* key, const std::string&, std::vector<int>& numbers) {
+void ActionReader::dofs(const char* key, const std::string&, std::vector<int>& numbers) {
   if (!fields_) return;
   const Value* list = fields_->find(key);
   if (!list) return;

@@ -23,7 +23,7 @@ class ActionReader final : public ActionFields {
 
   void joint(const char* key, std::string& name) override;
   void body(const char* key, std::string& name, bool ground_too) override;
-  void freedoms(const char* key, const std::string& of, std::vector<int>& numbers) override;
+  void dofs(const char* key, const std::string& of, std::vector<int>& numbers) override;
   void vector(const char* key, Vec3& value, const Dimension& dimension) override;
   void placement(const char* key, std::optional<Pose>& value) override;
   void description(JointDescription& joint) override;

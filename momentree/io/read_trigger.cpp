@@ -3,7 +3,7 @@
 #include <limits>
 
 #include <momentree/io/scenario_parts.hpp>
-#include <momentree/simulate/one_freedom.hpp>
+#include <momentree/simulate/single_dof.hpp>
 
 namespace momentree::io {
 
@@ -101,7 +101,7 @@ class QuantityReader final : public QuantityFields {
 
 // Units of a coordinate are those of the joint's kind, where the file's model has it.
 void know_unit(Quantity& quantity, const Value& value, Reading& reading) {
-  auto* of_joint = dynamic_cast<quantities::OneFreedom*>(&quantity);
+  auto* of_joint = dynamic_cast<quantities::SingleDof*>(&quantity);
   const Model& model = reading.scenario.model;
   if (of_joint == nullptr || !model.has_joint(of_joint->joint)) return;
   const KindInfo& kind = info(model[model.joint(of_joint->joint)].joint.kind);

@@ -62,7 +62,7 @@ void BodyColumns::row(std::string& text, const World& world) {
   text += '\n';
 }
 
-std::vector<JointKinds> joints_of(const Simulation& simulation, const Rehearsal& rehearsal, const Scenario& scenario) {
+std::vector<JointKinds> joints_of(const Simulation& simulation, const DryRun& dry_run, const Scenario& scenario) {
   const World& world = simulation.world();
   const Model& model = world.model();
   std::map<std::string, JointKinds> all;
@@ -72,8 +72,8 @@ std::vector<JointKinds> joints_of(const Simulation& simulation, const Rehearsal&
     joint.nq = std::max(joint.nq, info(kind).nq);
     joint.nv = std::max(joint.nv, info(kind).nv);
   };
-  for (const auto& [name, kind] : rehearsal.joints) widen(name, kind);
-  if (!rehearsal.complete) {
+  for (const auto& [name, kind] : dry_run.joints) widen(name, kind);
+  if (!dry_run.complete) {
     for (const ScenarioEvent& event : scenario.events)
       for (std::size_t a = 0; a < event.actions.size(); ++a) {
         const ActionBase& action = *event.actions[a];

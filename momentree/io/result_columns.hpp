@@ -41,7 +41,7 @@ struct JointKinds {
 
 /// Every joint that the simulation has now, in the order of their numbers, then those that its scheduled events will make, by
 /// name. A rehearsal that is not complete lacks the latter: then what the scenario's breaks and attachments alone would make.
-std::vector<JointKinds> joints_of(const Simulation& simulation, const Rehearsal& rehearsal, const Scenario& scenario);
+std::vector<JointKinds> joints_of(const Simulation& simulation, const DryRun& dry_run, const Scenario& scenario);
 
 /// `time`, then per joint its coordinates q0…, velocities v0… and momenta p0…; empty where it has no such coordinate at that
 /// time, or is not there. A joint that is none of the columns' is left out. With `reactions` also fx, fy, fz, mx, my, mz: the

@@ -30,20 +30,21 @@ void require_real_folder(const fs::path& path) {
   const fs::file_status status = fs::symlink_status(path, error);
   if (error) fail_with_reason("cannot look at this folder", path.string(), error);
   if (fs::is_symlink(status))
-    fail({"this is a symbolic link: a run does not replace it", path.string(), "name the folder that it leads to with --out"});
-  if (!fs::is_directory(status)) fail({"there is a file of that name already", path.string(), "name a folder with --out"});
+    throw_error(
+        {"this is a symbolic link: a run does not replace it", path.string(), "name the folder that it leads to with --out"});
+  if (!fs::is_directory(status)) throw_error({"there is a file of that name already", path.string(), "name a folder with --out"});
   if (::access(path.c_str(), R_OK | W_OK | X_OK) != 0)
     fail_with_reason("cannot write into this folder", path.string(), last_error());
   struct stat own {
   }, above{};
   if (::stat(path.c_str(), &own) == 0 && ::stat((path / "..").c_str(), &above) == 0 && own.st_dev != above.st_dev)
-    fail({"this is the root of a disk, which can't be renamed", path.string(),
-          "name a folder in it: --out " + (path / "run").string()});
+    throw_error({"this is the root of a disk, which can't be renamed", path.string(),
+                 "name a folder in it: --out " + (path / "run").string()});
 }
 
 [[noreturn]] void refuse_foreign(const fs::path& folder) {
-  fail({"this folder has files in it, but no result of momentree: it is not replaced", folder.string(),
-        "name another folder with --out"});
+  throw_error({"this folder has files in it, but no result of momentree: it is not replaced", folder.string(),
+               "name another folder with --out"});
 }
 
 // A new result is as open to others as the one that it replaces.
@@ -71,14 +72,15 @@ ResultDirectory::~ResultDirectory() {
 }
 
 void ResultDirectory::name_folders(const std::string& destination) {
-  if (destination.empty()) fail({"the result folder's name is empty", "--out", "name a folder"});
+  if (destination.empty()) throw_error({"the result folder's name is empty", "--out", "name a folder"});
   destination_ = fs::path(destination).lexically_normal();
   if (!destination_.has_filename() || destination_ == "." || destination_ == "..")  // "results/", ".", "/"
     destination_ = fs::absolute(destination_).lexically_normal();
   if (!destination_.has_filename()) destination_ = destination_.parent_path();
-  if (!destination_.has_filename()) fail({"a run does not replace this folder", destination, "name another folder with --out"});
+  if (!destination_.has_filename())
+    throw_error({"a run does not replace this folder", destination, "name another folder with --out"});
   if (destination_.extension() == ".partial")
-    fail({"names that end in .partial are of results that are being written", destination, "give another name to --out"});
+    throw_error({"names that end in .partial are of results that are being written", destination, "give another name to --out"});
   working_ = destination_;
   working_ += ".partial";
 }
@@ -113,7 +115,7 @@ void ResultDirectory::lock_working() {
     marker_ = ResultMarker::make(working_);
     if (!marker_ && is_there(working_)) refuse_foreign(working_);
   }
-  if (!marker_) fail({"cannot make the result folder: others remove it", working_.string(), ""});
+  if (!marker_) throw_error({"cannot make the result folder: others remove it", working_.string(), ""});
 }
 
 // Of a run that was killed between the two renames that stand for an exchange.
@@ -134,8 +136,8 @@ void ResultDirectory::check_destination() {
 void ResultDirectory::check_names() const {
   const auto check = [](const fs::path& folder, const ResultMarker& marker, const std::string& name) {
     if (is_there(folder / name) && !marker.owns(folder, name))
-      fail({"this file is not one that momentree wrote: it is not replaced", (folder / name).string(),
-            "move it, or name another folder with --out"});
+      throw_error({"this file is not one that momentree wrote: it is not replaced", (folder / name).string(),
+                   "move it, or name another folder with --out"});
   };
   for (const std::string& name : files_) {
     check(working_, *marker_, name);
@@ -148,7 +150,7 @@ void ResultDirectory::check_names() const {
 std::string ResultDirectory::file(const char* name) {
   const fs::path path = working_ / name;
   if (is_there(path) && !marker_->owns(working_, name))
-    fail({"this file is not one that momentree wrote: it is not replaced", path.string(), ""});
+    throw_error({"this file is not one that momentree wrote: it is not replaced", path.string(), ""});
   marker_->add({name});
   return path.string();
 }
@@ -212,7 +214,7 @@ std::vector<std::string> ResultDirectory::publish() {
     if (const std::error_code error = sync_folder(working_)) fail_with_reason("cannot finish writing", working_.string(), error);
   }
   for (int tries = 0;; ++tries) {  // what is there may change meanwhile
-    if (tries == 100) fail({"cannot move the result to its place", destination_.string(), ""});
+    if (tries == 100) throw_error({"cannot move the result to its place", destination_.string(), ""});
     std::error_code error = move_to_new(working_, destination_);
     if (error && error != std::errc::file_exists && error != std::errc::directory_not_empty)
       fail_with_reason("cannot move the result to its place", destination_.string(), error);
@@ -245,7 +247,7 @@ void ResultDirectory::replace_destination(std::vector<std::string>& warnings) {
   const auto require_same = [this](const fs::path& folder, const auto& undo) {
     if (destination_marker_->is_in(folder)) return;
     undo();
-    fail({"this folder was replaced by another while the run went on", destination_.string(), ""});
+    throw_error({"this folder was replaced by another while the run went on", destination_.string(), ""});
   };
   std::error_code error = exchange(working_, destination_);
   const bool exchanged = error != std::errc::operation_not_supported;

@@ -35,7 +35,7 @@ std::optional<ResultMarker> ResultMarker::open(const fs::path& folder, int flags
   ResultMarker marker;
   marker.path_ = (folder / file_name).string();
   for (int tries = 0;; ++tries) {
-    if (tries == 1000) fail({"cannot lock this file", marker.path_, ""});
+    if (tries == 1000) throw_error({"cannot lock this file", marker.path_, ""});
     marker.file_ = Descriptor(::open(marker.path_.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | flags, 0666));
     if (!marker.file_) {
       if (errno == ENOENT || errno == ENOTDIR || errno == ELOOP || errno == EISDIR || errno == ENXIO) return std::nullopt;
@@ -47,8 +47,8 @@ std::optional<ResultMarker> ResultMarker::open(const fs::path& folder, int flags
     if (::flock(marker.file_.number(), LOCK_EX | LOCK_NB) != 0) {
       if (errno == EINTR) continue;
       if (errno == EWOULDBLOCK)
-        fail({"another run of momentree is writing into this folder", folder.string(),
-              "wait until it has ended, or name another folder with --out"});
+        throw_error({"another run of momentree is writing into this folder", folder.string(),
+                     "wait until it has ended, or name another folder with --out"});
       fail_with_reason("cannot lock this file, so that another run could write into the folder, too", marker.path_, last_error());
     }
     if (marker.is_in(folder)) break;  // else the one who had the lock has removed or moved it meanwhile

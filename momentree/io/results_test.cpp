@@ -31,7 +31,7 @@ std::size_t column(const Rows& rows, const std::string& name) {
   return rows[0].size();
 }
 
-std::vector<JointKinds> all_joints(Simulation& simulation) { return joints_of(simulation, simulation.rehearse(), {}); }
+std::vector<JointKinds> all_joints(Simulation& simulation) { return joints_of(simulation, simulation.dry_run(), {}); }
 
 // The whole run of two_mechanisms with a break at 0.105 s, rows every `every`.
 Rows run(const std::string& out, double every, const char* file, double until = 0.5, bool reactions = false) {
@@ -229,7 +229,7 @@ TEST_CASE("what a result lacks at its end makes it a failed one: the report, or 
     return recorder.status();
   };
   CHECK(finish([](const std::filesystem::path&, const std::string&) -> std::string {
-          fail({"no page", "report.html", ""});
+          throw_error({"no page", "report.html", ""});
         }) == "failed: report.html: error: no page");
   const auto taken = [&](const std::filesystem::path&, const std::string& summary) {
     std::filesystem::create_directories(folder / "r");

@@ -14,13 +14,13 @@ namespace {
 
 using At = std::pair<std::size_t, std::size_t>;  // an event in the order of the schedule, an action of it
 
-class Judge {
+class ScheduleChecker {
  public:
-  Judge(const Rehearsal& rehearsal, const Schedule& schedule, const std::function<std::string(Place)>& name_of)
-      : rehearsal_(rehearsal), schedule_(schedule), name_of_(name_of) {
-    for (const Rehearsal::Trouble& trouble : rehearsal.troubles) {
-      idle_.insert({trouble.event, trouble.action});
-      if (trouble.verdict.outcome == Verdict::Outcome::refused) first_refused_ = std::min(first_refused_, trouble.event);
+  ScheduleChecker(const DryRun& dry_run, const Schedule& schedule, const std::function<std::string(Place)>& name_of)
+      : rehearsal_(dry_run), schedule_(schedule), name_of_(name_of) {
+    for (const DryRun::Issue& issue : dry_run.issues) {
+      idle_.insert({issue.event, issue.action});
+      if (issue.result.outcome == ActionResult::Outcome::refused) first_refused_ = std::min(first_refused_, issue.event);
     }
     for (std::size_t e = 0; e < schedule.events.size(); ++e)
       for (std::size_t a = 0; a < schedule.events[e]->actions.size(); ++a)
@@ -29,7 +29,7 @@ class Judge {
   }
 
   std::vector<EventProblem> problems() {
-    for (const Rehearsal::Trouble& trouble : rehearsal_.troubles) judge(trouble);
+    for (const DryRun::Issue& issue : rehearsal_.issues) judge(issue);
     return std::move(found_);
   }
 
@@ -45,11 +45,11 @@ class Judge {
     found_.push_back({event(at.first).places[at.second], key(at) + ": " + std::move(what), std::move(hint)});
   }
 
-  void judge(const Rehearsal::Trouble& trouble) {
-    const At at{trouble.event, trouble.action};
-    if (trouble.verdict.outcome == Verdict::Outcome::refused) return judge_refused(at, trouble.verdict);
+  void judge(const DryRun::Issue& issue) {
+    const At at{issue.event, issue.action};
+    if (issue.result.outcome == ActionResult::Outcome::refused) return judge_refused(at, issue.result);
     // After something was refused what follows may be no fault of its own.
-    if (event(at.first).wild || trouble.event > first_refused_) return;
+    if (event(at.first).wild || issue.event > first_refused_) return;
     const std::size_t first = found_.size();
     const At* before = origin(at);
     // Of the matches of a condition any may never happen.
@@ -61,9 +61,9 @@ class Judge {
       add(at, "joint " + in_quotes(action(at).joints().front()) + " is broken by then, by " + told(*before),
           "to hold the part that came off where it is, weld its body to the ground");
     else if (before != nullptr)
-      add(at, "does nothing: " + trouble.verdict.why + ", after " + told(*before));
+      add(at, "does nothing: " + issue.result.why + ", after " + told(*before));
     else
-      add(at, "does nothing: " + trouble.verdict.why + made_later(at));
+      add(at, "does nothing: " + issue.result.why + made_later(at));
     for (std::size_t i = first; i < found_.size(); ++i) found_[i].idle = true;
   }
 
@@ -91,8 +91,8 @@ class Judge {
     return "";
   }
 
-  void judge_refused(const At& at, const Verdict& verdict) {
-    std::string why = verdict.why;
+  void judge_refused(const At& at, const ActionResult& result) {
+    std::string why = result.why;
     for (const std::string& joint : action(at).joints()) {
       const auto found = decided_.find(joint);
       if (found == decided_.end() || !why.starts_with("contradicts ")) continue;
@@ -104,10 +104,10 @@ class Judge {
         break;
       }
     }
-    add(at, why, verdict.hint);
+    add(at, why, result.hint);
   }
 
-  const Rehearsal& rehearsal_;
+  const DryRun& rehearsal_;
   const Schedule& schedule_;
   const std::function<std::string(Place)>& name_of_;
   std::set<At> idle_;
@@ -191,9 +191,9 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
   return all;
 }
 
-std::vector<EventProblem> problems_of(const Rehearsal& rehearsal, const Schedule& schedule,
+std::vector<EventProblem> problems_of(const DryRun& dry_run, const Schedule& schedule,
                                       const std::function<std::string(Place)>& name_of) {
-  return Judge(rehearsal, schedule, name_of).problems();
+  return ScheduleChecker(dry_run, schedule, name_of).problems();
 }
 
 }  // namespace momentree::io

@@ -26,7 +26,7 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
 
 /// Carries everything out that is scheduled (Simulation::rehearse): what will be impossible, or will do nothing though it was
 /// named without a wildcard. `name_of` says where a second place is: "line 12".
-std::vector<EventProblem> problems_of(const Rehearsal& rehearsal, const Schedule& schedule,
+std::vector<EventProblem> problems_of(const DryRun& dry_run, const Schedule& schedule,
                                       const std::function<std::string(Place)>& name_of);
 
 }  // namespace momentree::io

@@ -17,7 +17,7 @@ struct ArmedEvent {
   int fired = 0;  ///< how often it has happened
   /// Of each match of its wildcard, in the order of the model, or of the one event: where its condition stands, when it is due.
   /// Empty: nothing is known but the count.
-  std::vector<Agenda::Armed> each{};
+  std::vector<EventQueue::Armed> each{};
   friend bool operator==(const ArmedEvent&, const ArmedEvent&) = default;
 };
 /// In the order of the file.

@@ -118,7 +118,7 @@ void JointReader::read_locks(const JsonNode& node, DescribedJoint& joint) const 
       if (side == 0) continue;
       if (!joint.parameters.limits.any()) doc_.fail_at(resting->items[i], "a joint without `limits` rests on no stop");
       joint.resting |= 1u << i;
-      joint.holds.push_back({-1, static_cast<int>(i), static_cast<int>(side)});
+      joint.active_limits.push_back({-1, static_cast<int>(i), static_cast<int>(side)});
     }
     joint.joint.locked |= joint.resting;
   }

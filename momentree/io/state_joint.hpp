@@ -17,7 +17,7 @@ struct DescribedJoint {
   Body child, parent;
   bool reversed = false;
   unsigned resting = 0;
-  std::vector<Hold> holds;  ///< numbers of joints not yet known
+  std::vector<ActiveLimit> active_limits;  ///< numbers of joints not yet known
 };
 
 class JointReader {

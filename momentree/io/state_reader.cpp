@@ -116,8 +116,8 @@ class Reader {
     return given != nullptr && given->number != 0;
   }
 
-  Agenda::Armed read_condition(const JsonNode& node) const {
-    Agenda::Armed armed;
+  EventQueue::Armed read_condition(const JsonNode& node) const {
+    EventQueue::Armed armed;
     armed.fired = read_count(node);
     armed.done = truth(node, "done"), armed.resting = truth(node, "resting");
     const JsonNode *due = node.find("due"), *since = node.find("since"), *looked = node.find("looked");
@@ -227,9 +227,9 @@ class Reader {
                    "a whole document gives one of them for every joint");
     result_.joints.push_back(start);
     result_.where.push_back(doc_.where(*joint.node));
-    for (Hold hold : joint.holds) {
+    for (ActiveLimit hold : joint.active_limits) {
       hold.joint = number;
-      result_.forest.holds.push_back(hold);
+      result_.forest.active_limits.push_back(hold);
     }
     const BodySpec& ours = spec({number});
     if (joint.name == ours.joint_name && joint.child.index == number && joint.parent == ours.parent) {
@@ -241,8 +241,8 @@ class Reader {
       const Quat& r = pose.rotation;
       return pose.position == Vec3{} && r.x == 0 && r.y == 0 && r.z == 0;
     };
-    changed.as.made = joint.joint.kind == Kind::free && joint.parent == ground && unmoved(joint.joint.at) &&
-                      unmoved(joint.joint.child_at) && joint.parameters == JointParameters{};
+    changed.as.created_by_event = joint.joint.kind == Kind::free && joint.parent == ground && unmoved(joint.joint.at) &&
+                                  unmoved(joint.joint.child_at) && joint.parameters == JointParameters{};
     result_.forest.changed.push_back(std::move(changed));
   }
 

@@ -55,8 +55,9 @@ void choose_momenta(const Model& model, const Forest& forest, const std::vector<
     const auto j = static_cast<std::size_t>(start.joint.index);
     if (start.p.empty() || complete[places.root_of_joint(j)] != 0) continue;
     if (start.v.empty())
-      fail({"joint '" + model.bodies()[j].joint_name + "' has `p` and no `v`, but other joints of its mechanism have no `p`",
-            *entries[j].where, "give `v`, or `p` of every joint of the mechanism"});
+      throw_error(
+          {"joint '" + model.bodies()[j].joint_name + "' has `p` and no `v`, but other joints of its mechanism have no `p`",
+           *entries[j].where, "give `v`, or `p` of every joint of the mechanism"});
     start.p = {};
   }
 }
@@ -80,9 +81,9 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
       MT_REQUIRE(number >= 0 && number < model.size(), "documents that were read for the simulation's model");
       const auto same = [number](const Forest::Changed& changed) { return changed.joint == number; };
       if (document.forest.places.empty() && std::any_of(forest.changed.begin(), forest.changed.end(), same))
-        fail({"joint '" + model.bodies()[static_cast<std::size_t>(number)].joint_name +
-                  "' is another one, or gone, in the document of the whole world",
-              document.where[i], "restore the whole world from one document"});
+        throw_error({"joint '" + model.bodies()[static_cast<std::size_t>(number)].joint_name +
+                         "' is another one, or gone, in the document of the whole world",
+                     document.where[i], "restore the whole world from one document"});
       entries[static_cast<std::size_t>(number)] = {&document.joints[i], &document.where[i]};
     }
     if (!document.forest.places.empty()) forest = document.forest;
@@ -97,8 +98,8 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
   const World& world = simulation.world();
   const Totals totals = world.totals();
   if (!std::isfinite(totals.kinetic) && !forest.places.empty())
-    fail({"a part of the world that it describes has not the mass or inertia to move freely", documents.front().file,
-          "is it a document of this model?"});
+    throw_error({"a part of the world that it describes has not the mass or inertia to move freely", documents.front().file,
+                 "is it a document of this model?"});
   const double tolerance = 1e-6 * fastest_body(world);
   for (const JointStart& start : starts) {
     if (start.p.empty() || start.v.empty()) continue;
@@ -106,9 +107,9 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
     for (int i = 0; i < start.v.size(); ++i) {
       const double v = joint.v[static_cast<std::size_t>(i)];
       if (!(std::fabs(v - start.v[i]) <= tolerance))
-        fail({"`v` of joint '" + std::string(joint.name) + "' does not fit its `p`: number " + std::to_string(i + 1) +
-                  " should be " + number_text(v) + ", not " + number_text(start.v[i]),
-              *entries[static_cast<std::size_t>(start.joint.index)].where, "leave out one of the two"});
+        throw_error({"`v` of joint '" + std::string(joint.name) + "' does not fit its `p`: number " + std::to_string(i + 1) +
+                         " should be " + number_text(v) + ", not " + number_text(start.v[i]),
+                     *entries[static_cast<std::size_t>(start.joint.index)].where, "leave out one of the two"});
     }
   }
 }

@@ -43,8 +43,8 @@ void write_resting(JsonWriter& json, const World& world, int number, const Joint
   json.key("resting").begin_array();
   for (int i = 0; i < info(joint.kind).nv; ++i) {
     int side = 0;
-    for (const Hold& hold : world.holds())
-      if (hold.joint == number && hold.freedom == i) side = hold.sign;
+    for (const ActiveLimit& hold : world.active_limits())
+      if (hold.joint == number && hold.dof == i) side = hold.sign;
     json.value(side);
   }
   json.end_array();
@@ -88,7 +88,7 @@ void write_body(JsonWriter& json, const std::string& name, const BodyMotion& mot
 }
 
 // Where a condition stands: what is not as at the start.
-void write_condition(JsonWriter& json, const Agenda::Armed& armed) {
+void write_condition(JsonWriter& json, const EventQueue::Armed& armed) {
   if (armed.done) json.member("done", true);
   if (std::isfinite(armed.time)) json.member("due", armed.time);
   if (armed.since >= 0) json.member("since", armed.since);
@@ -104,7 +104,7 @@ void write_armed(JsonWriter& json, const ArmedEvent& event) {
   if (event.each.size() == 1) write_condition(json, event.each.front());
   if (event.each.size() > 1) {
     json.key("each").begin_array();
-    for (const Agenda::Armed& armed : event.each) {
+    for (const EventQueue::Armed& armed : event.each) {
       json.begin_object().member("fired", armed.fired);
       write_condition(json, armed);
       json.end_object();

@@ -49,10 +49,10 @@ std::error_code Descriptor::close() {
 void fail_with_reason(const std::string& what, const std::string& path, std::error_code reason) {
   const bool full = reason == std::errc::no_space_on_device || reason.value() == EDQUOT;
   const bool limited = reason == std::errc::file_too_large;
-  fail({what + ": " + reason.message(), path,
-        full      ? "free some space there, or write elsewhere"
-        : limited ? "the limit on file sizes is too low: raise it (`ulimit -f unlimited`), or let rows be further apart"
-                  : ""});
+  throw_error({what + ": " + reason.message(), path,
+               full      ? "free some space there, or write elsewhere"
+               : limited ? "the limit on file sizes is too low: raise it (`ulimit -f unlimited`), or let rows be further apart"
+                         : ""});
 }
 
 Descriptor open_regular(const std::string& path, Links links) {
@@ -61,17 +61,17 @@ Descriptor open_regular(const std::string& path, Links links) {
   if (!file) {
     const std::error_code error = last_error();
     if (error == std::errc::no_such_file_or_directory || error == std::errc::not_a_directory)
-      fail({"there is no such file", path, ""});
+      throw_error({"there is no such file", path, ""});
     if (links == Links::refuse && error == std::errc::too_many_symbolic_link_levels)
-      fail({"this is a symbolic link, which is not followed here", path, "put the file itself in its place"});
+      throw_error({"this is a symbolic link, which is not followed here", path, "put the file itself in its place"});
     if (error == std::errc::no_such_device_or_address)  // a socket
-      fail({"this is not a regular file", path, ""});
+      throw_error({"this is not a regular file", path, ""});
     fail_with_reason("cannot read this file", path, error);
   }
   struct stat status {};
   if (::fstat(file.number(), &status) != 0) fail_with_reason("cannot read this file", path, last_error());
   if (!S_ISREG(status.st_mode))
-    fail({S_ISDIR(status.st_mode) ? "this is a folder, not a file" : "this is not a regular file", path, ""});
+    throw_error({S_ISDIR(status.st_mode) ? "this is a folder, not a file" : "this is not a regular file", path, ""});
   return file;
 }
 

@@ -117,7 +117,7 @@ void write_text_file(const std::string& path, std::string_view text) {
   struct stat status {};
   const bool exists = ::stat(target.c_str(), &status) == 0;
   if (!exists && errno != ENOENT) fail_with_reason("cannot write this file", path, last_error());
-  if (exists && S_ISDIR(status.st_mode)) fail({"this is a folder: a file is to be written", path, "name a file in it"});
+  if (exists && S_ISDIR(status.st_mode)) throw_error({"this is a folder: a file is to be written", path, "name a file in it"});
   if (exists && !S_ISREG(status.st_mode)) return write_directly(path, text);
   if (exists && ::access(target.c_str(), W_OK) != 0) fail_with_reason("cannot write this file", path, last_error());
 
@@ -138,7 +138,7 @@ std::string read_text_file(const std::string& path, Links links) {
   if (::fstat(file.number(), &status) == 0 && status.st_size > 0) expected = static_cast<std::size_t>(status.st_size);
   std::string text;
   for (std::size_t size = 0;;) {  // the file may grow or shrink meanwhile, and those of /proc have no size
-    if (size > largest || expected > largest) fail({"this file is larger than 1 GiB", path, ""});
+    if (size > largest || expected > largest) throw_error({"this file is larger than 1 GiB", path, ""});
     if (size == text.size()) text.resize(std::max({2 * size, expected + 1, std::size_t{least}}));
     const std::size_t count = read_some(file, text.data() + size, text.size() - size, path);
     size += count;

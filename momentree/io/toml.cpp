@@ -67,7 +67,7 @@ std::optional<Value> parse_toml(std::string_view text, SyntaxError& error) {
     error = std::move(*problem);
     return {};
   }
-  const toml::parse_result result = toml::parse(shielded(text));
+  const toml::parse_result result = toml::parse(escape_unsupported(text));
   if (!result) {
     error = syntax_error(result.error(), text);
     return {};
@@ -78,7 +78,7 @@ std::optional<Value> parse_toml(std::string_view text, SyntaxError& error) {
 std::optional<Value> parse_toml_value(std::string_view text, Place place) {
   const std::string line = "value = " + std::string(text);
   if (text.find('\n') != std::string_view::npos || check_toml_text(line)) return {};
-  const toml::parse_result result = toml::parse(shielded(line));
+  const toml::parse_result result = toml::parse(escape_unsupported(line));
   if (!result || result.table().size() != 1) return {};
   const toml::node* value = result.table().get("value");
   if (!value) return {};

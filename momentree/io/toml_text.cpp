@@ -117,7 +117,7 @@ std::string with_moved(std::string_view text, Moved moved) {
 
 }  // namespace
 
-std::string shielded(std::string_view text) {
+std::string escape_unsupported(std::string_view text) {
   return with_moved(text, [](char32_t c) { return c >= 0x80 && c < 0x10000 ? c + plane : c; });
 }
 

@@ -15,7 +15,7 @@ std::optional<SyntaxError> check_toml_text(std::string_view text);
 /// The text with every character from U+0080 to U+FFFF moved to the private plane from U+100000, and back: toml++ 3.3 asks of
 /// such characters, even within strings, whether they are white space, and for some of them its answer is undefined. One
 /// character stays one, so that columns do. Valid UTF-8 only.
-std::string shielded(std::string_view text);
+std::string escape_unsupported(std::string_view text);
 std::string unshielded(std::string_view text);
 
 /// The line-th line, from 1, without its end.

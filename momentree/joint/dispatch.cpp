@@ -6,7 +6,7 @@ namespace momentree {
 
 namespace {
 
-constexpr Variant variants[] = {Variant::plain, Variant::rotor, Variant::locked, Variant::reversed, Variant::reversed_locked};
+constexpr Variant variants[] = {Variant::plain, Variant::armature, Variant::locked, Variant::reversed, Variant::reversed_locked};
 
 template <class K>
 KindShape shape_of() {

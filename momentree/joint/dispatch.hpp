@@ -21,20 +21,20 @@ MOMENTREE_INLINE decltype(auto) dispatch(Kind kind, F&& f) {
 
 namespace detail {
 template <class K>
-struct PiecesOf {
+struct GenericKernelsOf {
   using type = typename K::Kernels;
 };
 template <class K>
-requires requires { typename K::Pieces; }
-struct PiecesOf<K> {
-  using type = typename K::Pieces;
+requires requires { typename K::Generic; }
+struct GenericKernelsOf<K> {
+  using type = typename K::Generic;
 };
 template <class K>
-struct RotorKernelsOf : PiecesOf<K> {};
+struct ArmatureKernelsOf : GenericKernelsOf<K> {};
 template <class K>
-requires requires { typename K::RotorKernels; }
-struct RotorKernelsOf<K> {
-  using type = typename K::RotorKernels;
+requires requires { typename K::ArmatureKernels; }
+struct ArmatureKernelsOf<K> {
+  using type = typename K::ArmatureKernels;
 };
 }  // namespace detail
 
@@ -42,13 +42,13 @@ struct RotorKernelsOf<K> {
 /// where structured kernels do not hold, the generic pieces do. Kinds that turn about z are native against their direction.
 template <class K, Variant V>
 struct KernelsFor {
-  using Generic = typename detail::PiecesOf<K>::type;
-  using Rotor = typename detail::RotorKernelsOf<K>::type;
+  using Generic = typename detail::GenericKernelsOf<K>::type;
+  using Rotor = typename detail::ArmatureKernelsOf<K>::type;
   using Reversed = std::conditional_t<Generic::turns_about_z, Generic, ReversedKernels<Generic, K::info.nq, K::info.nv>>;
   using type = std::conditional_t<
       V == Variant::plain, typename K::Kernels,
       std::conditional_t<
-          V == Variant::rotor, Rotor,
+          V == Variant::armature, Rotor,
           std::conditional_t<V == Variant::locked, LockedKernels<Generic, K::info.nv>,
                              std::conditional_t<V == Variant::reversed, Reversed, LockedKernels<Reversed, K::info.nv>>>>>;
 };
@@ -61,8 +61,8 @@ MOMENTREE_INLINE decltype(auto) dispatch_kernels(Kind kind, Variant variant, F&&
   return dispatch(kind, [&](auto tag) -> decltype(auto) {
     using K = typename decltype(tag)::type;
     using Generic = typename KernelsFor<K, Variant::plain>::Generic;
-    if constexpr (!std::is_same_v<KernelsOf<K, Variant::rotor>, typename K::Kernels>) {
-      if (variant == Variant::rotor) return f(std::type_identity<KernelsOf<K, Variant::rotor>>{});
+    if constexpr (!std::is_same_v<KernelsOf<K, Variant::armature>, typename K::Kernels>) {
+      if (variant == Variant::armature) return f(std::type_identity<KernelsOf<K, Variant::armature>>{});
     }
     if constexpr (K::info.nv > 0) {
       if (variant == Variant::locked) return f(std::type_identity<KernelsOf<K, Variant::locked>>{});

@@ -5,7 +5,7 @@
 
 #include <momentree/base/check.hpp>
 #include <momentree/joint/kinds.hpp>
-#include <momentree/joint/link.hpp>
+#include <momentree/joint/link_constants.hpp>
 
 namespace momentree {
 
@@ -63,12 +63,14 @@ void begin_motion(std::shared_ptr<const JointDrive>& drive, double position, dou
   drive = std::make_shared<const JointDrive>(std::move(begun));
 }
 
-Mat3 tilt_rotation(const Link& k) {
+Mat3 tilt_rotation(const LinkConstants& k) {
   const Mat3 Rb{k.cos_b, -k.sin_b, 0, k.sin_b, k.cos_b, 0, 0, 0, 1};
   const Mat3 Ra{1, 0, 0, 0, k.cos_a, -k.sin_a, 0, k.sin_a, k.cos_a};
   return Rb * Ra;
 }
 
-Mat3 placement_rotation(const Link& k) { return tilt_rotation(k) * Mat3{k.cos_0, -k.sin_0, 0, k.sin_0, k.cos_0, 0, 0, 0, 1}; }
+Mat3 placement_rotation(const LinkConstants& k) {
+  return tilt_rotation(k) * Mat3{k.cos_0, -k.sin_0, 0, k.sin_0, k.cos_0, 0, 0, 0, 1};
+}
 
 }  // namespace momentree

@@ -49,9 +49,9 @@ struct JointLimits {
   bool any() const { return !lower.empty() || !upper.empty(); }
   bool soft() const { return any() && !stiffness.empty(); }
   bool hard() const { return any() && stiffness.empty(); }
-  double lower_of(int freedom) const { return lower.of(freedom, -std::numeric_limits<double>::infinity()); }
-  double upper_of(int freedom) const { return upper.of(freedom, std::numeric_limits<double>::infinity()); }
-  double restitution_of(int freedom) const { return restitution.of(freedom); }
+  double lower_of(int dof) const { return lower.of(dof, -std::numeric_limits<double>::infinity()); }
+  double upper_of(int dof) const { return upper.of(dof, std::numeric_limits<double>::infinity()); }
+  double restitution_of(int dof) const { return restitution.of(dof); }
   friend bool operator==(const JointLimits&, const JointLimits&) = default;
 };
 

@@ -5,7 +5,7 @@
 #include <type_traits>
 
 #include <momentree/joint/joint.hpp>
-#include <momentree/joint/link.hpp>
+#include <momentree/joint/link_constants.hpp>
 #include <momentree/math/joint_mass.hpp>
 #include <momentree/math/spatial.hpp>
 
@@ -33,7 +33,7 @@ struct GenericRecord {
   std::array<T, static_cast<std::size_t>(N)> u0;        ///< Mj⁻¹ (p − Eᵀ Db)
   JointMass<T, N> Mj;                                   ///< factors of the joint-space mass (24)
   Vector3<T> mc;                                        ///< first moment of the subtree
-  DenseCrossing<T> x;
+  DenseTransform<T> x;
 };
 
 /// (24): Mj = Eᵀ Mb E + armature, from ME = Mb E.
@@ -109,7 +109,7 @@ MOMENTREE_INLINE void reduce_wrench_generic(const Columns<T, N>& E, const Record
 
 /// Where the pose of a kind is all that is known: R, r of the joint, after its placement. (16), (17).
 template <class K, class T>
-MOMENTREE_INLINE DenseCrossing<T> dense_crossing(const Link& k, const JointState<T>& j) {
+MOMENTREE_INLINE DenseTransform<T> dense_transform(const LinkConstants& k, const JointState<T>& j) {
   Matrix3<T> R;
   Vector3<T> r;
   K::template pose<T>(k, j, R, r);
@@ -118,7 +118,7 @@ MOMENTREE_INLINE DenseCrossing<T> dense_crossing(const Link& k, const JointState
 }
 
 /// How a joint is used, which decides its kernels: with a rotor, with freedoms locked, against its declared direction.
-enum class Variant : unsigned char { plain, rotor, locked, reversed, reversed_locked };
+enum class Variant : unsigned char { plain, armature, locked, reversed, reversed_locked };
 
 /// The defaults of a kind with N freedoms that turns and moves in any way. Derive, give `pose`, `columns`, `columns_rate`.
 template <class K, int NQ, int NV>
@@ -137,16 +137,16 @@ struct GenericKernels {
 
   /// Both sweeps cross the joint by its dense pose; the way out finds it in the record.
   template <bool Aligned, class T>
-  MOMENTREE_INLINE static DenseCrossing<T> crossing(const Link& k, const JointState<T>& j, auto& w) {
-    return w.x = dense_crossing<K, T>(k, j);
+  MOMENTREE_INLINE static DenseTransform<T> joint_transform(const LinkConstants& k, const JointState<T>& j, auto& w) {
+    return w.x = dense_transform<K, T>(k, j);
   }
   template <bool Aligned, class T>
-  MOMENTREE_INLINE static const DenseCrossing<T>& crossing_again(const Link&, const JointState<T>&, const auto& w) {
+  MOMENTREE_INLINE static const DenseTransform<T>& cached_transform(const LinkConstants&, const JointState<T>&, const auto& w) {
     return w.x;
   }
   /// (24)–(26)
   template <class T>
-  MOMENTREE_INLINE static void reduce(const Link& k, const JointState<T>& j, const T* p, const double* armature,
+  MOMENTREE_INLINE static void reduce(const LinkConstants& k, const JointState<T>& j, const T* p, const double* armature,
                                       SpatialMass<T>& M, Force<T>& D, auto& w) {
     reduce_generic<T, NV>(K::template columns<T>(k, j), p, armature, M, D, w);
   }
@@ -162,7 +162,8 @@ struct GenericKernels {
   }
   /// (17): Ω = Ω_in + E u.
   template <class T>
-  MOMENTREE_INLINE static Motion<T> spatial_velocity(const Link& k, const JointState<T>& j, const Motion<T>& in, const T* u) {
+  MOMENTREE_INLINE static Motion<T> spatial_velocity(const LinkConstants& k, const JointState<T>& j, const Motion<T>& in,
+                                                     const T* u) {
     const Column<T> E = K::template columns<T>(k, j);
     Motion<T> out = in;
     for (std::size_t i = 0; i < static_cast<std::size_t>(NV); ++i) {
@@ -173,7 +174,7 @@ struct GenericKernels {
   }
   /// (20) corrected: ṗ = Eᵀ (Tb − Ω × Pb) + Ėᵀ Pb; joint forces are added where there are any.
   template <class T>
-  MOMENTREE_INLINE static void momentum_rate(const Link& k, const JointState<T>& j, const T* u, const Force<T>& Pb,
+  MOMENTREE_INLINE static void momentum_rate(const LinkConstants& k, const JointState<T>& j, const T* u, const Force<T>& Pb,
                                              const Force<T>& wrench, T* pdot) {
     const Column<T> E = K::template columns<T>(k, j);
     for (std::size_t i = 0; i < static_cast<std::size_t>(NV); ++i) pdot[i] = dot(E[i], wrench);
@@ -187,7 +188,7 @@ struct GenericKernels {
 
   /// What Ω̇ has beyond X Ω̇_parent + E u̇: Ω × E u, because X turns, and Ė u.
   template <class T>
-  MOMENTREE_INLINE static Motion<T> acceleration_bias(const Link& k, const JointState<T>& j, const Motion<T>& velocity,
+  MOMENTREE_INLINE static Motion<T> acceleration_bias(const LinkConstants& k, const JointState<T>& j, const Motion<T>& velocity,
                                                       const T* u) {
     Motion<T> bias = cross(velocity, K::template spatial_velocity<T>(k, j, {}, u));
     if constexpr (requires { K::template columns_rate<T>(k, j, u); }) {
@@ -201,8 +202,8 @@ struct GenericKernels {
   }
   /// (51); `tau` may be `udot` itself.
   template <class T>
-  MOMENTREE_INLINE static void reduce_wrench(const Link& k, const JointState<T>& j, const auto& w, const T* tau, Force<T>& W,
-                                             T* udot) {
+  MOMENTREE_INLINE static void reduce_wrench(const LinkConstants& k, const JointState<T>& j, const auto& w, const T* tau,
+                                             Force<T>& W, T* udot) {
     reduce_wrench_generic<T, NV>(K::template columns<T>(k, j), w, tau, W, udot);
   }
   /// (47): the parent's part, u̇ − Gᵀ a′ with a′ = X Ω̇_parent + bias.
@@ -222,7 +223,7 @@ struct GenericKernels {
   }
   /// The wrench by which a drive, a spring, a damper acts on the child, W with Eᵀ W = force: a pure torque for a freedom that
   /// turns, a force through the origin for one that slides. Here the columns of E are of length one and across each other.
-  static Force<double> drive_wrench(const Link& k, const JointState<double>& j, const double* force) {
+  static Force<double> drive_wrench(const LinkConstants& k, const JointState<double>& j, const double* force) {
     const Column<double> E = K::template columns<double>(k, j);
     Force<double> W{};
     for (std::size_t i = 0; i < static_cast<std::size_t>(NV); ++i) {

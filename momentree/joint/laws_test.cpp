@@ -20,7 +20,7 @@ struct Sample {
   static constexpr int nq = K::info.nq, nv = K::info.nv;
   std::array<double, 8> q{}, u{}, p{}, armature{};
   std::array<double, 2> c{}, s{};
-  Link link;
+  LinkConstants link;
 
   Sample(Draw& draw, bool aligned, bool rotor) : link(random_link(draw, aligned)) {
     JointSpec spec;
@@ -55,7 +55,7 @@ void for_every_kind(Law law) {
       for (bool aligned : {false, true}) {
         INFO(std::string(K::info.name), aligned ? ", aligned" : "");
         law(tag, std::type_identity<KernelsOf<K, Variant::plain>>{}, false, aligned);
-        law(tag, std::type_identity<KernelsOf<K, Variant::rotor>>{}, true, aligned);
+        law(tag, std::type_identity<KernelsOf<K, Variant::armature>>{}, true, aligned);
         law(tag, std::type_identity<KernelsOf<K, Variant::reversed>>{}, true, aligned);
         law(tag, std::type_identity<typename KernelsFor<K, Variant::plain>::Generic>{}, true, aligned);
       }
@@ -69,7 +69,7 @@ constexpr bool has_steps = requires {
 };
 
 template <class Law>
-void for_every_piecewise_kind(Law law) {
+void for_every_generic_kind(Law law) {
   for_every_kind([&](auto kind, auto kernels, bool rotor, bool aligned) {
     if constexpr (!has_steps<typename decltype(kernels)::type>) law(kind, kernels, rotor, aligned);
   });
@@ -80,8 +80,8 @@ template <class K, class L>
 void reduce_body(const Sample<K>& at, const SpatialMass<double>& Mb, const Force<double>& Db, auto& record) {
   Inboard<double> in{Mb, Db, {}};
   if constexpr (has_steps<L>)
-    L::Steps::template inboard<LinkShape::general, true, true, Children::one, true>(at.link, 1.0, at.armature[0], at.c[0],
-                                                                                    at.s[0], at.p[0], in, in, record, in);
+    L::Steps::template inboard<PlacementShape::general, true, true, Children::one, true>(at.link, 1.0, at.armature[0], at.c[0],
+                                                                                         at.s[0], at.p[0], in, in, record, in);
   else
     L::template reduce<double>(at.link, at.joint(), at.p.data(), at.armature.data(), in.M, in.D, record);
 }
@@ -116,8 +116,9 @@ TEST_CASE("(6) E is the derivative of the pose, and Edot that of E") {
         return m;
       };
       const Sample<K> ahead = moved(h), behind = moved(-h);
-      const auto x0 = dense_crossing<L, double>(at.link, at.joint());
-      const auto x1 = dense_crossing<L, double>(at.link, ahead.joint()), x2 = dense_crossing<L, double>(at.link, behind.joint());
+      const auto x0 = dense_transform<L, double>(at.link, at.joint());
+      const auto x1 = dense_transform<L, double>(at.link, ahead.joint()),
+                 x2 = dense_transform<L, double>(at.link, behind.joint());
       const auto over = [&](double a, double b) { return (a - b) / (2 * h); };
       const Vec3 rdot{over(x1.r.x, x2.r.x), over(x1.r.y, x2.r.y), over(x1.r.z, x2.r.z)};
       const Mat3 Rdot{over(x1.R.xx, x2.R.xx), over(x1.R.xy, x2.R.xy), over(x1.R.xz, x2.R.xz),
@@ -146,7 +147,7 @@ TEST_CASE("(6) E is the derivative of the pose, and Edot that of E") {
 
 TEST_CASE("(16) (17) (18) the crossing of a kind is that of its pose, in both directions") {
   Draw draw;
-  for_every_piecewise_kind([&](auto kind, auto kernels, bool rotor, bool aligned) {
+  for_every_generic_kind([&](auto kind, auto kernels, bool rotor, bool aligned) {
     using K = typename decltype(kind)::type;
     using L = typename decltype(kernels)::type;
     const auto law = [&](auto is_aligned) {
@@ -157,18 +158,18 @@ TEST_CASE("(16) (17) (18) the crossing of a kind is that of its pose, in both di
         SpatialMass<double> M = random_mass(draw);
         Force<double> D{draw.vector(), draw.vector()};
         L::template reduce<double>(at.link, at.joint(), at.p.data(), at.armature.data(), M, D, record);
-        const auto dense = dense_crossing<L, double>(at.link, at.joint());
+        const auto dense = dense_transform<L, double>(at.link, at.joint());
         SpatialMass<double> M1 = M, M2 = M;
         Force<double> D1 = D, D2 = D;
         Vec3 c1 = draw.vector(), c2 = c1;
         const double mass = 2 + draw();
-        const auto& own = L::template crossing<A, double>(at.link, at.joint(), record);
+        const auto& own = L::template joint_transform<A, double>(at.link, at.joint(), record);
         own.inboard(M1), own.inboard(D1), own.inboard(c1, mass);
         dense.inboard(M2), dense.inboard(D2), dense.inboard(c2, mass);
         CHECK(distance(flat(M1), flat(M2)) < 1e-12);
         CHECK(distance(flat(D1), flat(D2)) < 1e-13);
         CHECK(norm(c1 - c2) < 1e-13);
-        const auto& again = L::template crossing_again<A, double>(at.link, at.joint(), record);
+        const auto& again = L::template cached_transform<A, double>(at.link, at.joint(), record);
         const Motion<double> m{draw.vector(), draw.vector()};
         const Force<double> f{draw.vector(), draw.vector()};
         Motion<double> m1 = m, m2 = m;
@@ -193,7 +194,7 @@ TEST_CASE("(16) (17) (18) the crossing of a kind is that of its pose, in both di
 
 TEST_CASE("(24) (25) (26) (27) (21) (20) override equals generic") {
   Draw draw;
-  for_every_piecewise_kind([&](auto kind, auto kernels, bool rotor, bool) {
+  for_every_generic_kind([&](auto kind, auto kernels, bool rotor, bool) {
     using K = typename decltype(kind)::type;
     using L = typename decltype(kernels)::type;
     constexpr int N = K::info.nv;
@@ -271,7 +272,7 @@ TEST_CASE("zero is no motion; normalising keeps what is normal") {
     Sample<K> at(draw, false, false);
     L::zero(at.q.data());
     at.turn();
-    const auto x = dense_crossing<L, double>(at.link, at.joint());
+    const auto x = dense_transform<L, double>(at.link, at.joint());
     const Mat3 R = placement_rotation(at.link);
     CHECK(norm(x.r - at.link.r) < 1e-15);
     const Vec3 v = draw.vector();

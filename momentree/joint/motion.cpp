@@ -14,7 +14,7 @@ template <class Act>
 decltype(auto) with_kernels(const JointSpec& joint, const double* q, Act act) {
   return dispatch(joint.kind, [&](auto tag) {
     using K = typename decltype(tag)::type::Kernels;
-    Link link;
+    LinkConstants link;
     const Mat3 C = K::frame(joint, link.geometry);
     double c[2] = {}, s[2] = {};
     for (std::size_t i = 0; i < K::angles.size(); ++i) c[i] = std::cos(q[K::angles[i]]), s[i] = std::sin(q[K::angles[i]]);
@@ -25,7 +25,7 @@ decltype(auto) with_kernels(const JointSpec& joint, const double* q, Act act) {
 }  // namespace
 
 Pose joint_motion(const JointSpec& joint, const double* q) {
-  return with_kernels(joint, q, [](auto tag, const Mat3& C, const Link& link, const JointState<double>& state) -> Pose {
+  return with_kernels(joint, q, [](auto tag, const Mat3& C, const LinkConstants& link, const JointState<double>& state) -> Pose {
     Mat3 R;
     Vec3 r;
     decltype(tag)::type::template pose<double>(link, state, R, r);
@@ -33,8 +33,8 @@ Pose joint_motion(const JointSpec& joint, const double* q) {
   });
 }
 
-std::vector<Motion<double>> joint_freedoms(const JointSpec& joint, const double* q) {
-  return with_kernels(joint, q, [](auto tag, const Mat3& C, const Link& link, const JointState<double>& state) {
+std::vector<Motion<double>> joint_dofs(const JointSpec& joint, const double* q) {
+  return with_kernels(joint, q, [](auto tag, const Mat3& C, const LinkConstants& link, const JointState<double>& state) {
     std::vector<Motion<double>> all;
     for (const Motion<double>& e : decltype(tag)::type::template columns<double>(link, state)) all.push_back({C * e.v, C * e.w});
     return all;

@@ -13,7 +13,7 @@ namespace momentree {
 Pose joint_motion(const JointSpec& joint, const double* q);
 
 /// Columns of E, (6): a spatial velocity per freedom, in the joint's frame after its motion.
-std::vector<Motion<double>> joint_freedoms(const JointSpec& joint, const double* q);
+std::vector<Motion<double>> joint_dofs(const JointSpec& joint, const double* q);
 
 /// Coordinates at which the joint has that motion; nothing where it can't. Of angles that differ by turns the one nearest to
 /// `hint` is taken.

@@ -83,7 +83,7 @@ TEST_CASE("freedoms are the motion's derivative") {
     if (kind.nq != kind.nv) continue;  // quaternions: laws_test
     const JointSpec joint = example(kind.kind);
     const Values q = example_coordinates(kind);
-    const auto E = joint_freedoms(joint, q.begin());
+    const auto E = joint_dofs(joint, q.begin());
     REQUIRE(static_cast<int>(E.size()) == kind.nv);
     const Pose at = joint_motion(joint, q.begin());
     for (int i = 0; i < kind.nv; ++i) {

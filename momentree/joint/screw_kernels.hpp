@@ -38,23 +38,23 @@ struct ScrewKernels : GenericKernels<K, NQ, NV> {
   static Mat3 frame(const JointSpec& joint, double*) { return frame_with_z(joint.axis); }
 
   template <class T>
-  MOMENTREE_INLINE static void pose(const Link& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+  MOMENTREE_INLINE static void pose(const LinkConstants& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
     const Screw<T> m = K::template screw<T>(k, j);
     R = {m.c, -m.s, T(0), m.s, m.c, T(0), T(0), T(0), T(1)};
     r = {T(0), T(0), m.d};
   }
   template <bool Aligned, class T>
-  MOMENTREE_INLINE static auto crossing(const Link& k, const JointState<T>& j, const auto&) {
+  MOMENTREE_INLINE static auto joint_transform(const LinkConstants& k, const JointState<T>& j, const auto&) {
     const Screw<T> m = K::template screw<T>(k, j);
-    return typename K::template Crossing<T, Aligned>{{k, m.c, m.s, m.d}};
+    return typename K::template Transform<T, Aligned>{{k, m.c, m.s, m.d}};
   }
   template <bool Aligned, class T>
-  MOMENTREE_INLINE static auto crossing_again(const Link& k, const JointState<T>& j, const auto& w) {
-    return crossing<Aligned>(k, j, w);
+  MOMENTREE_INLINE static auto cached_transform(const LinkConstants& k, const JointState<T>& j, const auto& w) {
+    return joint_transform<Aligned>(k, j, w);
   }
   /// E u = (v e_z; ω e_z).
   template <class T>
-  MOMENTREE_INLINE static Screw<T> twist(const Link& k, const JointState<T>& j, const T* u) {
+  MOMENTREE_INLINE static Screw<T> twist(const LinkConstants& k, const JointState<T>& j, const T* u) {
     const auto E = K::template columns<T>(k, j);
     Screw<T> t{T(0), T(0), T(0)};
     for (std::size_t i = 0; i < E.size(); ++i) t.s = t.s + u[i] * E[i].w.z, t.d = t.d + u[i] * E[i].v.z;
@@ -62,13 +62,14 @@ struct ScrewKernels : GenericKernels<K, NQ, NV> {
   }
   /// Ω × E u.
   template <class T>
-  MOMENTREE_INLINE static Motion<T> acceleration_bias(const Link& k, const JointState<T>& j, const Motion<T>& a, const T* u) {
+  MOMENTREE_INLINE static Motion<T> acceleration_bias(const LinkConstants& k, const JointState<T>& j, const Motion<T>& a,
+                                                      const T* u) {
     const Screw<T> t = twist(k, j, u);
     return {{t.s * a.v.y + t.d * a.w.y, -(t.s * a.v.x) - t.d * a.w.x, T(0)}, {t.s * a.w.y, -(t.s * a.w.x), T(0)}};
   }
   /// How the kind crosses itself; a kind whose reduced mass has zeros gives its own.
   template <class T, bool Aligned>
-  struct Crossing : ScrewCrossing<T, Aligned> {};
+  struct Transform : ScrewTransform<T, Aligned> {};
 };
 
 }  // namespace momentree

@@ -25,8 +25,8 @@ struct Draw {
   }
 };
 
-inline Link random_link(Draw& draw, bool aligned) {
-  Link k;
+inline LinkConstants random_link(Draw& draw, bool aligned) {
+  LinkConstants k;
   const double a = 3 * draw();
   const double b = aligned ? 0 : 3 * draw();
   k.angle_0 = 3 * draw();

@@ -12,7 +12,7 @@ struct ReversedKernels : GenericKernels<ReversedKernels<K, NQ, NV>, NQ, NV> {
   static constexpr auto angles = K::angles;
 
   template <class T>
-  MOMENTREE_INLINE static void pose(const Link& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+  MOMENTREE_INLINE static void pose(const LinkConstants& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
     Matrix3<T> forward;
     Vector3<T> at;
     K::template pose<T>(k, j, forward, at);
@@ -20,11 +20,11 @@ struct ReversedKernels : GenericKernels<ReversedKernels<K, NQ, NV>, NQ, NV> {
     r = -(R * at);
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, NV> columns(const Link& k, const JointState<T>& j) {
+  MOMENTREE_INLINE static Columns<T, NV> columns(const LinkConstants& k, const JointState<T>& j) {
     return inverted(k, j, K::template columns<T>(k, j));
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, NV> columns_rate(const Link& k, const JointState<T>& j, const T* u) {
+  MOMENTREE_INLINE static Columns<T, NV> columns_rate(const LinkConstants& k, const JointState<T>& j, const T* u) {
     Columns<T, NV> E = K::template columns<T>(k, j);
     Motion<T> rel{};
     for (std::size_t i = 0; i < E.size(); ++i) rel = rel + Motion<T>{u[i] * E[i].v, u[i] * E[i].w};
@@ -46,7 +46,7 @@ struct ReversedKernels : GenericKernels<ReversedKernels<K, NQ, NV>, NQ, NV> {
   }
   static Mat3 frame(const JointSpec& joint, double* geometry) { return K::frame(joint, geometry); }
   /// The drive acts on the declared child as ever, and on what carries the joint against that.
-  static Force<double> drive_wrench(const Link& k, const JointState<double>& j, const double* force) {
+  static Force<double> drive_wrench(const LinkConstants& k, const JointState<double>& j, const double* force) {
     const Force<double> W = K::drive_wrench(k, j, force);
     Mat3 R;
     Vec3 r;
@@ -59,7 +59,7 @@ struct ReversedKernels : GenericKernels<ReversedKernels<K, NQ, NV>, NQ, NV> {
  private:
   // −X⁻¹ E: from the declared child's frame to the declared parent's.
   template <class T>
-  MOMENTREE_INLINE static Columns<T, NV> inverted(const Link& k, const JointState<T>& j, Columns<T, NV> E) {
+  MOMENTREE_INLINE static Columns<T, NV> inverted(const LinkConstants& k, const JointState<T>& j, Columns<T, NV> E) {
     Matrix3<T> R;
     Vector3<T> r;
     K::template pose<T>(k, j, R, r);
@@ -79,7 +79,7 @@ struct LockedKernels : B {
   /// (24)–(26) with E′ = E B: a dropped column gets a one on the diagonal of Mj instead, which leaves its u what p says; the rate
   /// of a driven one gives momentum: Db + Mb E s.
   template <class T>
-  MOMENTREE_INLINE static void reduce(const Link& k, const JointState<T>& j, const T* p, const double* armature,
+  MOMENTREE_INLINE static void reduce(const LinkConstants& k, const JointState<T>& j, const T* p, const double* armature,
                                       SpatialMass<T>& M, Force<T>& D, auto& w) {
     auto E = B::template columns<T>(k, j);
     double own[NV > 0 ? NV : 1] = {};
@@ -99,7 +99,7 @@ struct LockedKernels : B {
   }
   /// (20): what is locked keeps p = 0; the rate of what is driven has its own, which is known outside.
   template <class T>
-  MOMENTREE_INLINE static void momentum_rate(const Link& k, const JointState<T>& j, const T* u, const Force<T>& Pb,
+  MOMENTREE_INLINE static void momentum_rate(const LinkConstants& k, const JointState<T>& j, const T* u, const Force<T>& Pb,
                                              const Force<T>& wrench, T* pdot) {
     B::template momentum_rate<T>(k, j, u, Pb, wrench, pdot);
     for (int i = 0; i < NV; ++i)
@@ -107,8 +107,8 @@ struct LockedKernels : B {
   }
   /// (51) with E′ = E B: what is locked has no force along it, and u̇ = 0; for what is driven τ holds u̇, which M̂ resists.
   template <class T>
-  MOMENTREE_INLINE static void reduce_wrench(const Link& k, const JointState<T>& j, const auto& w, const T* tau, Force<T>& W,
-                                             T* udot) {
+  MOMENTREE_INLINE static void reduce_wrench(const LinkConstants& k, const JointState<T>& j, const auto& w, const T* tau,
+                                             Force<T>& W, T* udot) {
     auto E = B::template columns<T>(k, j);
     Motion<T> given{};
     for (std::size_t i = 0; i < E.size(); ++i) {

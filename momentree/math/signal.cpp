@@ -46,14 +46,14 @@ std::vector<double> spline_slopes(std::span<const Signal::Knot> knots, Signal::E
 }  // namespace
 
 Signal Signal::table(std::vector<Knot> knots, Ends ends) {
-  if (knots.empty()) fail({"a table needs an entry", "", "[[time, value], …]"});
-  if (knots.size() == 1 && ends == Ends::free) fail({"a table with free ends needs two entries", "", "[[0, 0], [1, 2]]"});
+  if (knots.empty()) throw_error({"a table needs an entry", "", "[[time, value], …]"});
+  if (knots.size() == 1 && ends == Ends::free) throw_error({"a table with free ends needs two entries", "", "[[0, 0], [1, 2]]"});
   for (std::size_t i = 0; i < knots.size(); ++i) {
     if (!std::isfinite(knots[i].time) || !std::isfinite(knots[i].value))
-      fail({"entry " + std::to_string(i + 1) + " of the table is not finite", "", ""});
+      throw_error({"entry " + std::to_string(i + 1) + " of the table is not finite", "", ""});
     if (i > 0 && !(knots[i].time > knots[i - 1].time))
-      fail({"the table's times must increase: entry " + std::to_string(i + 1) + " is not after the one before it", "",
-            "for a jump, let the value rise within a very short time"});
+      throw_error({"the table's times must increase: entry " + std::to_string(i + 1) + " is not after the one before it", "",
+                   "for a jump, let the value rise within a very short time"});
   }
   Signal signal;
   signal.ends_ = ends;
@@ -66,14 +66,14 @@ Signal Signal::table(std::vector<Knot> knots, Ends ends) {
 
 Signal Signal::sine(double amplitude, double frequency, double phase, double offset) {
   if (!std::isfinite(amplitude) || !std::isfinite(frequency) || !std::isfinite(phase) || !std::isfinite(offset))
-    fail({"amplitude, frequency, phase and offset of a sine must be finite", "", ""});
+    throw_error({"amplitude, frequency, phase and offset of a sine must be finite", "", ""});
   Signal signal(offset);
   signal.amplitude_ = amplitude, signal.frequency_ = frequency, signal.phase_ = phase;
   return signal;
 }
 
 Signal Signal::ramp(double rate, double offset) {
-  if (!std::isfinite(rate) || !std::isfinite(offset)) fail({"rate and offset of a ramp must be finite", "", ""});
+  if (!std::isfinite(rate) || !std::isfinite(offset)) throw_error({"rate and offset of a ramp must be finite", "", ""});
   Signal signal(offset);
   signal.ramp_ = rate;
   return signal;

@@ -33,8 +33,8 @@ class Values {
     return false;
   }
   /// The value of a freedom: one number is that of every freedom; `none` where there is none.
-  double of(int freedom, double none = 0) const {
-    return count_ == 1 ? at_[0] : freedom < count_ ? at_[static_cast<std::size_t>(freedom)] : none;
+  double of(int dof, double none = 0) const {
+    return count_ == 1 ? at_[0] : dof < count_ ? at_[static_cast<std::size_t>(dof)] : none;
   }
   friend bool operator==(const Values& a, const Values& b) {
     if (a.count_ != b.count_) return false;

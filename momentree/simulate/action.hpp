@@ -14,21 +14,23 @@
 
 namespace momentree {
 
-class Surgery;
+class TopologyEditor;
 
 /// The order of what happens at one instant: first what changes no velocity, then all impacts together, impulses, parameters.
 enum class ActionPhase { release, impact, impulse, parameters };
 
 /// What became of an action. `skipped`: it had nothing to do, which is reported; `refused`: it is impossible, and nothing of its
 /// instant happens.
-struct Verdict {
+struct ActionResult {
   enum class Outcome { done, skipped, refused };
   Outcome outcome = Outcome::done;
   std::string why, hint;
 
-  static Verdict done() { return {}; }
-  static Verdict skipped(std::string why) { return {Outcome::skipped, std::move(why), ""}; }
-  static Verdict refused(std::string why, std::string hint = "") { return {Outcome::refused, std::move(why), std::move(hint)}; }
+  static ActionResult done() { return {}; }
+  static ActionResult skipped(std::string why) { return {Outcome::skipped, std::move(why), ""}; }
+  static ActionResult refused(std::string why, std::string hint = "") {
+    return {Outcome::refused, std::move(why), std::move(hint)};
+  }
 };
 
 /// A joint that an action makes, as its user describes it.
@@ -45,7 +47,7 @@ class ActionFields {
   /// `ground_too`: "ground" is one of the names.
   virtual void body(const char* key, std::string& name, bool ground_too) = 0;
   /// Numbers of freedoms of the joint `of`, in the order of v; none: all.
-  virtual void freedoms(const char* key, const std::string& of, std::vector<int>& numbers) = 0;
+  virtual void dofs(const char* key, const std::string& of, std::vector<int>& numbers) = 0;
   virtual void vector(const char* key, Vec3& value, const Dimension& dimension) = 0;
   virtual void placement(const char* key, std::optional<Pose>& value) = 0;
   /// kind, axis, axis2, pitch and the parameters of a joint.
@@ -73,10 +75,10 @@ class ActionBase {
   /// The name that the joint which it makes has where its event gives none; empty: it makes none.
   virtual std::string makes() const { return {}; }
 
-  virtual ActionPhase phase(Surgery& surgery) const = 0;
+  virtual ActionPhase phase(TopologyEditor& editor) const = 0;
   /// Before all impacts of an instant: what it lets go of, so that the impacts of several actions are one.
-  virtual Verdict prepare(Surgery&) const { return Verdict::done(); }
-  virtual Verdict apply(Surgery& surgery) const = 0;
+  virtual ActionResult prepare(TopologyEditor&) const { return ActionResult::done(); }
+  virtual ActionResult apply(TopologyEditor& editor) const = 0;
 };
 
 /// An action as a value. Made by the functions below or from a class in actions/.
@@ -112,9 +114,9 @@ Action change_joint(std::string joint, Kind kind);
 /// The joint becomes another: axes in the child's axes at that instant, about the child's origin.
 Action change_joint(std::string joint, JointSpec to);
 /// Freezes a joint where it is (all of its freedoms, or those of these numbers), with the impulse that it takes.
-Action lock(std::string joint, std::vector<int> freedoms = {});
+Action lock(std::string joint, std::vector<int> dofs = {});
 /// Lets it move again.
-Action unlock(std::string joint, std::vector<int> freedoms = {});
+Action unlock(std::string joint, std::vector<int> dofs = {});
 /// Joins a body to another, or to the ground, rigidly where they are.
 Action weld(std::string body, std::string to = "ground");
 /// The same with a joint of any kind: its frame at `at` in `to`'s frame (absent: at body's origin, `to`'s axes), the present pose

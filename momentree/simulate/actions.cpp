@@ -46,17 +46,17 @@ Action change_joint(std::string joint, JointSpec to) {
   return action;
 }
 
-Action lock(std::string joint, std::vector<int> freedoms) {
+Action lock(std::string joint, std::vector<int> dofs) {
   actions::Lock action;
   action.name = std::move(joint);
-  action.freedoms = std::move(freedoms);
+  action.dofs = std::move(dofs);
   return action;
 }
 
-Action unlock(std::string joint, std::vector<int> freedoms) {
+Action unlock(std::string joint, std::vector<int> dofs) {
   actions::Unlock action;
   action.name = std::move(joint);
-  action.freedoms = std::move(freedoms);
+  action.dofs = std::move(dofs);
   return action;
 }
 

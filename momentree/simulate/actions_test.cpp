@@ -310,13 +310,13 @@ TEST_CASE("a rehearsal finds what will be impossible, and every joint that there
   sim.at(0.3).then(break_joint("grasp"));
   sim.at(0.4).then(weld("tug/hand", "tug/hull"));
   const std::vector<double> before = bits(sim.world());
-  const Rehearsal found = sim.rehearse();
+  const DryRun found = sim.dry_run();
   CHECK(bits(sim.world()) == before);
-  REQUIRE(found.troubles.size() == 2);
-  CHECK(found.troubles[0].event == 2);
-  CHECK(found.troubles[0].verdict.outcome == Verdict::Outcome::skipped);
-  CHECK(found.troubles[1].event == 3);
-  CHECK(found.troubles[1].message.find("t = 0.4 s") != std::string::npos);
+  REQUIRE(found.issues.size() == 2);
+  CHECK(found.issues[0].event == 2);
+  CHECK(found.issues[0].result.outcome == ActionResult::Outcome::skipped);
+  CHECK(found.issues[1].event == 3);
+  CHECK(found.issues[1].message.find("t = 0.4 s") != std::string::npos);
   const auto has = [&](const char* name, Kind kind) {
     return std::find(found.joints.begin(), found.joints.end(), std::pair<std::string, Kind>{name, kind}) != found.joints.end();
   };
@@ -388,7 +388,7 @@ TEST_CASE("a joint with a rotor can be made on what moves: its energy is work") 
   Prismatic rail{.axis = x_axis};
   rail.armature = 0.3;
   sim.at(0.1).then(attach("cart", "ground", rail));
-  CHECK(sim.rehearse().troubles.empty());
+  CHECK(sim.dry_run().issues.empty());
   REQUIRE(sim.run_until(0.2) == Status::ok);
   REQUIRE(sim.events().size() == 1);
   CHECK(sim.events()[0].after.kinetic == doctest::Approx(0.5 * (1.5 + 0.3)));
@@ -411,8 +411,8 @@ TEST_CASE("a rehearsal judges no inertia by where joints stand before it") {
   sim.at(0.1).then(unlock("gimbal"));  // the rod is along the gimbal's axis now, but not then
   sim.at(0.25).then(change_joint("gimbal", Cylindrical{.axis = x_axis}));
   sim.at(0.25).then(change_joint("rod", Cylindrical{.axis = y_axis}));
-  const Rehearsal found = sim.rehearse();
-  CHECK(found.troubles.empty());
+  const DryRun found = sim.dry_run();
+  CHECK(found.issues.empty());
   CHECK_FALSE(found.complete);  // nothing can be tried after it
   CHECK(sim.run_until(0.2) == Status::ok);
   CHECK(sim.world().joint({0}).locked == 0);

@@ -21,13 +21,13 @@ using detail::text;
 const Integration& checked(const Integration& how) {
   const std::vector<std::string> methods = integration_methods();
   if (std::find(methods.begin(), methods.end(), how.method) == methods.end())
-    fail({"unknown integration method '" + how.method + "'", "", did_you_mean(how.method, methods)});
+    throw_error({"unknown integration method '" + how.method + "'", "", did_you_mean(how.method, methods)});
   const auto positive = [](double x) { return x > 0 && std::isfinite(x); };
-  if (!positive(how.step)) fail({"the step must be a positive time, not " + text(how.step), "", ""});
+  if (!positive(how.step)) throw_error({"the step must be a positive time, not " + text(how.step), "", ""});
   if (!positive(how.rtol) || !positive(how.atol) || !(how.max_step > 0))
-    fail({"rtol, atol and max_step must be positive", "", ""});
+    throw_error({"rtol, atol and max_step must be positive", "", ""});
   if (!positive(how.event_tolerance))
-    fail({"the event tolerance must be a positive time, not " + text(how.event_tolerance), "", ""});
+    throw_error({"the event tolerance must be a positive time, not " + text(how.event_tolerance), "", ""});
   return how;
 }
 
@@ -40,7 +40,7 @@ std::optional<Error> wrong_period(double period, double clock, const char* what)
   return std::nullopt;
 }
 
-std::optional<Error> unknown_name(const World& world, const Agenda& agenda, const std::vector<std::string>& joints,
+std::optional<Error> unknown_name(const World& world, const EventQueue& queue, const std::vector<std::string>& joints,
                                   const std::vector<std::string>& bodies) {
   const Model& model = world.model();
   const auto unknown = [&model](const char* what, const std::string& name, std::string BodySpec::*names) {
@@ -51,25 +51,25 @@ std::optional<Error> unknown_name(const World& world, const Agenda& agenda, cons
   for (const std::string& body : bodies)
     if (body != "ground" && !model.has_body(body)) return unknown("body", body, &BodySpec::name);
   for (const std::string& joint : joints) {
-    if (model.has_joint(joint) || world.find_joint(joint) >= 0 || agenda.expected.contains(joint)) continue;
+    if (model.has_joint(joint) || world.find_joint(joint) >= 0 || queue.expected.contains(joint)) continue;
     const std::size_t tail = joint.rfind("~free");
     if (model.has_body(tail == std::string::npos ? joint : joint.substr(0, tail))) continue;
-    const auto made = [&](const Agenda::Entry& e) {
+    const auto made = [&](const EventQueue::Entry& e) {
       for (std::size_t a = 0; a < e.event.actions.size(); ++a)
         if (made_joint_name(e.event, a) == joint) return true;
       return false;
     };
-    if (std::none_of(agenda.entries.begin(), agenda.entries.end(), made)) return unknown("joint", joint, &BodySpec::joint_name);
+    if (std::none_of(queue.entries.begin(), queue.entries.end(), made)) return unknown("joint", joint, &BodySpec::joint_name);
   }
   return std::nullopt;
 }
 
 namespace {
 
-bool has_one_freedom(Kind kind) { return info(kind).nq == 1 && info(kind).nv == 1; }
+bool has_single_dof(Kind kind) { return info(kind).nq == 1 && info(kind).nv == 1; }
 
 // What was so at the start, and is not now, may be so again: a run that goes on schedules what the whole run did.
-void check_quantity(const World& world, const Agenda& agenda, const Quantity& what) {
+void check_quantity(const World& world, const EventQueue& queue, const Quantity& what) {
   const Model& model = world.model();
   for (const std::string& name : what.mechanisms()) {
     if (model.has_body(name)) continue;  // a part that comes off is called as its root body
@@ -77,22 +77,22 @@ void check_quantity(const World& world, const Agenda& agenda, const Quantity& wh
     for (int b = 0; b < model.size(); ++b)
       if (model[{b}].parent == ground) known.push_back(model.mechanism_name({b}));
     if (std::find(known.begin(), known.end(), name) == known.end())
-      fail({"there is no mechanism '" + name + "'", "", did_you_mean(name, known)});
+      throw_error({"there is no mechanism '" + name + "'", "", did_you_mean(name, known)});
   }
-  if (!what.of_one_freedom()) return;
+  if (!what.of_single_dof()) return;
   for (const std::string& name : what.joints()) {
     const int number = world.find_joint(name);
-    if (number < 0 || has_one_freedom(world.joint({number}).kind)) continue;
-    if (model.has_joint(name) && has_one_freedom(model[model.joint(name)].joint.kind)) continue;
-    const auto changes = [&name](const Agenda::Entry& e) {
+    if (number < 0 || has_single_dof(world.joint({number}).kind)) continue;
+    if (model.has_joint(name) && has_single_dof(model[model.joint(name)].joint.kind)) continue;
+    const auto changes = [&name](const EventQueue::Entry& e) {
       return std::any_of(e.event.actions.begin(), e.event.actions.end(), [&name](const Action& a) {
         const std::vector<std::string> joints = a->joints();
         return a->key() == "change" && std::find(joints.begin(), joints.end(), name) != joints.end();
       });
     };
-    if (std::any_of(agenda.entries.begin(), agenda.entries.end(), changes)) continue;
+    if (std::any_of(queue.entries.begin(), queue.entries.end(), changes)) continue;
     const KindInfo& kind = info(world.joint({number}).kind);
-    fail(
+    throw_error(
         {std::string(what.key()) + ": joint '" + name + "' is " + kind.name + " and has " + std::to_string(kind.nv) + " freedoms",
          "", "for joints with one freedom"});
   }
@@ -100,16 +100,16 @@ void check_quantity(const World& world, const Agenda& agenda, const Quantity& wh
 
 }  // namespace
 
-void check_condition(const World& world, const Agenda& agenda, const Condition& condition) {
+void check_condition(const World& world, const EventQueue& queue, const Condition& condition) {
   const Quantity& what = *condition.what;
-  if (std::optional<Error> error = unknown_name(world, agenda, what.joints(), what.bodies())) fail(std::move(*error));
-  check_quantity(world, agenda, what);
-  if (!std::isfinite(condition.threshold)) fail({"the threshold must be finite", "", ""});
+  if (std::optional<Error> error = unknown_name(world, queue, what.joints(), what.bodies())) throw_error(std::move(*error));
+  check_quantity(world, queue, what);
+  if (!std::isfinite(condition.threshold)) throw_error({"the threshold must be finite", "", ""});
   if (what.never_negative() && !(condition.threshold > 0))
-    fail({"a threshold of " + text(condition.threshold) + " for what is never negative must be positive", "", ""});
+    throw_error({"a threshold of " + text(condition.threshold) + " for what is never negative must be positive", "", ""});
   if (!(condition.duration >= 0) || !std::isfinite(condition.duration))
-    fail({"a condition can't have to last " + text(condition.duration) + " s", "", ""});
-  if (!std::isfinite(condition.hysteresis)) fail({"the hysteresis must be finite", "", ""});
+    throw_error({"a condition can't have to last " + text(condition.duration) + " s", "", ""});
+  if (!std::isfinite(condition.hysteresis)) throw_error({"the hysteresis must be finite", "", ""});
 }
 
 }  // namespace momentree

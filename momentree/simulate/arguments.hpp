@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <momentree/base/error.hpp>
-#include <momentree/simulate/agenda.hpp>
+#include <momentree/simulate/event_queue.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
@@ -25,10 +25,10 @@ const Integration& checked(const Integration& how);
 std::optional<Error> wrong_period(double period, double clock, const char* what);
 
 /// Names that can never be: of no joint that is, was or is to be made, of no body.
-std::optional<Error> unknown_name(const World& world, const Agenda& agenda, const std::vector<std::string>& joints,
+std::optional<Error> unknown_name(const World& world, const EventQueue& queue, const std::vector<std::string>& joints,
                                   const std::vector<std::string>& bodies);
 
 /// Throws Error for a condition that can never come true, or means nothing.
-void check_condition(const World& world, const Agenda& agenda, const Condition& condition);
+void check_condition(const World& world, const EventQueue& queue, const Condition& condition);
 
 }  // namespace momentree

@@ -83,7 +83,7 @@ TEST_CASE("gravity that is turned off leaves a straight line; its work is booked
 
 TEST_CASE("a world whose gravity changed keeps its topology, its functions and its way back") {
   Simulation simulation(two_links({0, -9.81, 0}));
-  simulation.force("m/arm", [](const Moment&) { return Wrench{{0, 0, 0}, {0, 0, 0.5}}; });
+  simulation.force("m/arm", [](const EvaluationContext&) { return Wrench{{0, 0, 0}, {0, 0, 0.5}}; });
   simulation.apply(break_joint("m/hand"));
   CHECK(simulation.run_until(0.2) == Status::ok);
   const SimulationSnapshot kept = simulation.snapshot();
@@ -97,7 +97,7 @@ TEST_CASE("a world whose gravity changed keeps its topology, its functions and i
   CHECK(std::abs(simulation.energy().error) < 1e-9);
 
   Simulation straight(two_links({0, -9.81, 0}));  // the same without the turn
-  straight.force("m/arm", [](const Moment&) { return Wrench{{0, 0, 0}, {0, 0, 0.5}}; });
+  straight.force("m/arm", [](const EvaluationContext&) { return Wrench{{0, 0, 0}, {0, 0, 0.5}}; });
   straight.apply(break_joint("m/hand"));
   CHECK(straight.run_until(0.2) == Status::ok);
   CHECK(straight.run_until(0.4) == Status::ok);

@@ -68,14 +68,14 @@ const std::vector<Callback> within = {
 const std::vector<Callback> functions = {
     {"drive",
      [](Simulation& sim, Act act) {
-       sim.drive("m/lower", [&sim, act](const Moment& now) {
+       sim.drive("m/lower", [&sim, act](const EvaluationContext& now) {
          if (now.time() > 0) act(sim, sim.world());
          return 0.0;
        });
      }},
     {"force",
      [](Simulation& sim, Act act) {
-       sim.force("m/lower", [&sim, act](const Moment& now) {
+       sim.force("m/lower", [&sim, act](const EvaluationContext& now) {
          if (now.time() > 0) act(sim, sim.world());
          return Wrench{};
        });
@@ -103,7 +103,7 @@ const std::vector<Change> changes = {
     {"force", [](Simulation& sim, const World&) { sim.force("m/lower", {}); }},
     {"add", [](Simulation& sim, const World&) { sim.add({.name = "x", .mass = 1}); }},
     {"remove", [](Simulation& sim, const World&) { sim.remove({1}); }},
-    {"rehearse", [](Simulation& sim, const World&) { static_cast<void>(sim.rehearse()); }},
+    {"rehearse", [](Simulation& sim, const World&) { static_cast<void>(sim.dry_run()); }},
     {"restore", [](Simulation& sim, const World&) { sim.restore(Simulation(model()).snapshot()); }},
     {"restore a document", [](Simulation& sim, const World&) { sim.restore(0, {}, {}); }},
     {"undo", [](Simulation& sim, const World&) { sim.undo(0); }},
@@ -261,25 +261,29 @@ TEST_CASE("functions that drive a joint or act on a body read the moment, not th
                     sim.apply(impulse("m/upper", {1, 0, 0}));
                   });
   }
-  const auto asks = [](const std::function<void(const Moment&)>& what) {
+  const auto asks = [](const std::function<void(const EvaluationContext&)>& what) {
     return [what] {
       Simulation sim(model());
-      sim.drive("m/lower", [what](const Moment& now) {
+      sim.drive("m/lower", [what](const EvaluationContext& now) {
         what(now);
         return 0.0;
       });
     };
   };
-  check_fine("what a moment has", asks([](const Moment& now) {
+  check_fine("what a moment has", asks([](const EvaluationContext& now) {
                static_cast<void>(now.q({0})[0] + now.v({1})[0] + now.motion({1}).angular.x + now.motion(ground).linear.x);
              }));
   for (const int b : {-1, 2, 99}) {
-    check_stopped("q of no joint", "the tree has a joint of that number", asks([b](const Moment& now) { now.q({b}); }));
-    check_stopped("v of no joint", "the tree has a joint of that number", asks([b](const Moment& now) { now.v({b}); }));
-    if (b > 0) check_stopped("motion of no body", "a body of that number", asks([b](const Moment& now) { now.motion({b}); }));
+    check_stopped("q of no joint", "the tree has a joint of that number",
+                  asks([b](const EvaluationContext& now) { now.q({b}); }));
+    check_stopped("v of no joint", "the tree has a joint of that number",
+                  asks([b](const EvaluationContext& now) { now.v({b}); }));
+    if (b > 0)
+      check_stopped("motion of no body", "a body of that number", asks([b](const EvaluationContext& now) { now.motion({b}); }));
   }
-  check_stopped("a coordinate that there is not", "an index below size()", asks([](const Moment& now) { now.q({0})[1]; }));
-  CHECK_FALSE(std::is_copy_constructible_v<Moment>);
+  check_stopped("a coordinate that there is not", "an index below size()",
+                asks([](const EvaluationContext& now) { now.q({0})[1]; }));
+  CHECK_FALSE(std::is_copy_constructible_v<EvaluationContext>);
 }
 
 TEST_CASE("exceptions of observers, watchers and measured quantities end the run, which can be continued") {

@@ -5,7 +5,7 @@
 
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
-#include <momentree/simulate/surgery.hpp>
+#include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree {
 
@@ -25,24 +25,24 @@ constexpr double noise = 1e-13;
 
 }  // namespace
 
-void Surgery::remember_momenta() {
+void TopologyEditor::remember_momenta() {
   before_.resize(static_cast<std::size_t>(tree().bodies()));
   for (const int b : tree().order())
     before_[static_cast<std::size_t>(b)] =
-        to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.work_, b));
+        to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.workspace_, b));
 }
 
-void Surgery::book_impulses(const Impulse* applied) {
+void TopologyEditor::book_impulses(const Impulse* applied) {
   std::vector<Force<double>>& sums = impulses_[event_];
   sums.resize(static_cast<std::size_t>(tree().bodies()));
   double largest = 0;
   for (const int b : tree().order()) {
     Force<double>& S = before_[static_cast<std::size_t>(b)];
-    const Force<double> after = to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.work_, b));
+    const Force<double> after = to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.workspace_, b));
     S = {after.l - S.l, after.h - S.h};
   }
-  locate_bodies(tree(), world_.state_, world_.work_);
-  const auto pose_of = [&](int b) { return user_pose(tree(), world_.work_.bodies[static_cast<std::size_t>(b)], b); };
+  locate_bodies(tree(), world_.state_, world_.workspace_);
+  const auto pose_of = [&](int b) { return user_pose(tree(), world_.workspace_.bodies[static_cast<std::size_t>(b)], b); };
   if (applied != nullptr) {
     // The impulse from outside is in Pb of its body and of all inboard ones, but no joint transmitted it.
     const Vec3 point = pose_of(applied->body.index) * applied->point;
@@ -75,7 +75,7 @@ void Surgery::book_impulses(const Impulse* applied) {
   }
 }
 
-void Surgery::certify(Event& event) {
+void TopologyEditor::certify(Event& event) {
   const auto found = impulses_.find(&event);
   if (found == impulses_.end()) return;
   for (std::size_t j = 0; j < found->second.size(); ++j) {

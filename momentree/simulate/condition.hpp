@@ -43,7 +43,7 @@ class Quantity {
   virtual std::vector<std::string> bodies() const { return {}; }
   virtual std::vector<std::string> mechanisms() const { return {}; }
   /// True for what joints with one freedom have.
-  virtual bool of_one_freedom() const { return false; }
+  virtual bool of_single_dof() const { return false; }
   /// True for what can't pass a threshold below zero.
   virtual bool never_negative() const { return false; }
   /// True for loads on joints: of several at one instant the largest ratio to its threshold comes first.

@@ -64,7 +64,7 @@ Measure speed_of(std::string joint) { return of_joint<quantities::Speed>(std::mo
 
 Measure reaction(std::string joint, std::string component) {
   if (component.size() != 2 || (component[0] != 'f' && component[0] != 'm') || component[1] < 'x' || component[1] > 'z')
-    fail({"a reaction has no component '" + component + "'", "", "one of fx fy fz mx my mz"});
+    throw_error({"a reaction has no component '" + component + "'", "", "one of fx fy fz mx my mz"});
   auto quantity = std::make_shared<quantities::Reaction>();
   quantity->joint = std::move(joint), quantity->component = std::move(component);
   return Measure(std::move(quantity));
@@ -90,7 +90,7 @@ Measure kinetic_energy_of(std::string mechanism) {
 }
 
 Measure measured(std::function<double(const World&)> function) {
-  if (!function) fail({"a quantity that is measured needs a function", "", ""});
+  if (!function) throw_error({"a quantity that is measured needs a function", "", ""});
   auto quantity = std::make_shared<Function>();
   quantity->function = std::move(function);
   return Measure(std::move(quantity));

@@ -133,13 +133,13 @@ TEST_CASE("efforts that change with time keep the order of every method") {
   const Tree tree(model);
   const auto end = [&](const char* method, int steps) {
     State state = start_state(model, tree);
-    Work<double> work(tree);
+    Workspace<double> work(tree);
     Evaluator evaluate(tree, work);
-    Books books;
+    EnergyLedger ledger;
     const auto integrator = make_integrator(method, tree, {.step = 1.0 / steps});
     for (int k = 0; k < steps; ++k) {
       evaluate(state);
-      REQUIRE(integrator->step(evaluate, state, books, 1.0 / steps));
+      REQUIRE(integrator->step(evaluate, state, ledger, 1.0 / steps));
     }
     return state.q()[1];
   };
@@ -185,7 +185,7 @@ TEST_CASE("a joint's own function is as good as a signal, sees the world, and go
   Simulation told(arms({.axis = x_axis, .drive = effort_drive({Signal::sine(2, 1.3)})}), {.step = 1e-2});
   Simulation asked(arms({.axis = x_axis}), {.step = 1e-2});
   int calls = 0;
-  asked.drive("two", [&](const Moment& m) {
+  asked.drive("two", [&](const EvaluationContext& m) {
     ++calls;
     CHECK(m.q({1}).size() == 1);
     return Signal::sine(2, 1.3).value(m.time());
@@ -199,7 +199,7 @@ TEST_CASE("a joint's own function is as good as a signal, sees the world, and go
 
   // What a moment says of bodies is what the world says of them.
   BodyMotion seen;
-  asked.drive("two", [&](const Moment& m) {
+  asked.drive("two", [&](const EvaluationContext& m) {
     seen = m.motion({1});
     return 3 * m.v({0})[0];
   });
@@ -254,7 +254,7 @@ TEST_CASE("new drives, friction, stops and strengths at run time") {
 
 TEST_CASE("many joints are driven at once, or none where one of them can't be") {
   Simulation together(arms({.axis = y_axis}), exactly()), apart(arms({.axis = y_axis}), exactly());
-  const auto effort = [](double of) { return [of](const Moment&, std::span<double> efforts) { efforts[0] = of; }; };
+  const auto effort = [](double of) { return [of](const EvaluationContext&, std::span<double> efforts) { efforts[0] = of; }; };
   const double before[] = {together.world().joint({0}).pdot[0], together.world().joint({1}).pdot[0]};
   CHECK_THROWS_AS(together.drive_all({{"one", effort(3)}, {"none", effort(1)}}), Error);
   for (int j = 0; j < 2; ++j) CHECK(together.world().joint({j}).pdot[0] == before[j]);

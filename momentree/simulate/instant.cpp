@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <optional>
 
-#include <momentree/simulate/surgery.hpp>
+#include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree {
 
@@ -19,34 +19,34 @@ struct Item {
 
 std::string in_event(const DueEvent& event, const Action& action) { return action.text() + " (event '" + event.name + "')"; }
 
-std::string refusal(const DueEvent& event, const Action& action, double time, const Verdict& verdict) {
+std::string refusal(const DueEvent& event, const Action& action, double time, const ActionResult& result) {
   char at[40];
   std::snprintf(at, sizeof at, "%.9g", time);
-  std::string text = "event '" + event.name + "' at t = " + at + " s: " + action.text() + ": " + verdict.why;
-  if (!verdict.hint.empty()) text += "; " + verdict.hint;
+  std::string text = "event '" + event.name + "' at t = " + at + " s: " + action.text() + ": " + result.why;
+  if (!result.hint.empty()) text += "; " + result.hint;
   return text;
 }
 
 // Two actions that decide the same freedom of one joint; where there are such, the second one's verdict.
-std::optional<std::pair<std::size_t, Verdict>> contradiction(std::span<const DueEvent> due, const std::vector<Item>& items) {
+std::optional<std::pair<std::size_t, ActionResult>> contradiction(std::span<const DueEvent> due, const std::vector<Item>& items) {
   struct Decided {
     std::string joint;
-    unsigned freedoms;
+    unsigned dofs;
     std::size_t item;
   };
   std::vector<Decided> all;
   for (std::size_t i = 0; i < items.size(); ++i)
-    if (const unsigned freedoms = (**items[i].what).reshapes(); freedoms != 0)
-      for (std::string& joint : (**items[i].what).joints()) all.push_back({std::move(joint), freedoms, i});
+    if (const unsigned dofs = (**items[i].what).reshapes(); dofs != 0)
+      for (std::string& joint : (**items[i].what).joints()) all.push_back({std::move(joint), dofs, i});
   std::stable_sort(all.begin(), all.end(), [](const Decided& a, const Decided& b) { return a.joint < b.joint; });
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t k = i; k-- > 0 && all[k].joint == all[i].joint;) {
       const Item &one = items[all[k].item], &other = items[all[i].item];
       const bool same = (**one.what).key() == (**other.what).key() && (**one.what).key() != "change";
-      if (same || (all[k].freedoms & all[i].freedoms) == 0) continue;
+      if (same || (all[k].dofs & all[i].dofs) == 0) continue;
       return std::pair{all[i].item,
-                       Verdict::refused("contradicts " + in_event(due[one.event], *one.what) + " at the same instant",
-                                        "a joint can become one thing at a time: give them different instants")};
+                       ActionResult::refused("contradicts " + in_event(due[one.event], *one.what) + " at the same instant",
+                                             "a joint can become one thing at a time: give them different instants")};
     }
   }
   return std::nullopt;
@@ -83,9 +83,9 @@ void share_totals(const Totals& start, const std::vector<Step>& steps, std::vect
   if (!events.empty() && !steps.empty()) events.back().after = steps.back().after;  // else off by the rounding of the sums
 }
 
-Verdict no_free_mass() {
-  return Verdict::refused("what would then move by itself has not the mass or inertia to move freely",
-                          "give it a mass and an inertia about every axis");
+ActionResult no_free_mass() {
+  return ActionResult::refused("what would then move by itself has not the mass or inertia to move freely",
+                               "give it a mass and an inertia about every axis");
 }
 
 bool is_finite(const Totals& totals) {
@@ -94,12 +94,12 @@ bool is_finite(const Totals& totals) {
 
 // What moved before still moves, and no change that only lets go or holds brings energy (where no joint is driven): else a mass
 // is missing somewhere. `brought`: kinetic energy that new parameters brought, as those of a joint that is made.
-Verdict check_energy(const Totals& before, const Totals& after, ActionPhase phase, bool driven, double brought) {
+ActionResult check_energy(const Totals& before, const Totals& after, ActionPhase phase, bool driven, double brought) {
   const bool finite = is_finite(after);
   const bool gained = !driven && phase < ActionPhase::impulse && after.kinetic - brought > before.kinetic * (1 + 1e-3) + 1e-30;
-  if (finite && !gained) return Verdict::done();
+  if (finite && !gained) return ActionResult::done();
   if (phase >= ActionPhase::impulse)
-    return Verdict::refused("it would make the motion too fast for numbers", "is the value what you meant?");
+    return ActionResult::refused("it would make the motion too fast for numbers", "is the value what you meant?");
   return no_free_mass();
 }
 
@@ -123,9 +123,9 @@ std::string made_joint_name(const DueEvent& event, std::size_t action) {
   return std::count_if(event.actions.begin(), event.actions.end(), makes) == 1 ? event.name : own;
 }
 
-InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehearsal) {
+InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_run) {
   InstantReport report;
-  Surgery surgery(world, rehearsal);
+  TopologyEditor editor(world, dry_run);
   report.events.resize(due.size());
   std::vector<Item> items;
   for (std::size_t e = 0; e < due.size(); ++e) {
@@ -135,21 +135,21 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehear
   }
   const WorldSnapshot start = world.snapshot();
   const Totals totals_at_start = world.totals();
-  const bool thin = !rehearsal && has_thin_bodies(world.model());
+  const bool thin = !dry_run && has_thin_bodies(world.model());
   std::vector<Step> steps;
   std::vector<char> begun(due.size(), 0);
-  const auto refuse = [&](const Item& item, Verdict verdict) {
+  const auto refuse = [&](const Item& item, ActionResult result) {
     world.restore(start);
     report.refused = true;
-    report.message = refusal(due[item.event], *item.what, world.time(), verdict);
-    report.actions.push_back({item.event, item.action, std::move(verdict)});
+    report.message = refusal(due[item.event], *item.what, world.time(), result);
+    report.actions.push_back({item.event, item.action, std::move(result)});
     report.events.clear();
   };
   if (items.size() > most_actions_at_once) {
-    refuse(items[most_actions_at_once],
-           Verdict::refused("more than " + std::to_string(most_actions_at_once) + " actions at one instant, the first of them " +
-                                in_event(due[items[0].event], *items[0].what),
-                            "is that a wildcard that matches too much?"));
+    refuse(items[most_actions_at_once], ActionResult::refused("more than " + std::to_string(most_actions_at_once) +
+                                                                  " actions at one instant, the first of them " +
+                                                                  in_event(due[items[0].event], *items[0].what),
+                                                              "is that a wildcard that matches too much?"));
     return report;
   }
   if (const auto found = contradiction(due, items)) {
@@ -165,46 +165,47 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehear
       begun[item.event] = 1;
       event.mechanisms_before = world.mechanism_names();
     }
-    surgery.begin(event, made_joint_name(due[item.event], item.action));
-    const long changes = surgery.changes;
-    const double brought = surgery.brought;
+    editor.begin(event, made_joint_name(due[item.event], item.action));
+    const long changes = editor.changes;
+    const double brought = editor.brought;
     const ActionBase& action = **item.what;
-    Verdict verdict = prepares ? action.prepare(surgery) : action.apply(surgery);
+    ActionResult result = prepares ? action.prepare(editor) : action.apply(editor);
     const Totals after = world.totals();
     // In a rehearsal the coordinates are not those of the instant: a mass may be missing there alone.
-    const bool judged = !rehearsal || item.phase >= ActionPhase::impulse;
+    const bool judged = !dry_run || item.phase >= ActionPhase::impulse;
     if (!judged && !is_finite(after)) {
       world.restore(start);
       report.lost = true;
       report.events.clear();
       return false;
     }
-    if (verdict.outcome == Verdict::Outcome::done && judged) {
+    if (result.outcome == ActionResult::Outcome::done && judged) {
       const bool driven = !world.tree().driven_joints().empty();
-      const Verdict sound = check_energy(before, after, item.phase, driven, surgery.brought - brought);
-      if (sound.outcome != Verdict::Outcome::done) verdict = sound;
-      if (sound.outcome != Verdict::Outcome::done && prepares)  // between the old joint and the new one nothing holds it
-        verdict = Verdict::refused("it can't be one impact with others: the child alone has not the inertia to move freely",
-                                   "give its change an instant of its own");
+      const ActionResult sound = check_energy(before, after, item.phase, driven, editor.brought - brought);
+      if (sound.outcome != ActionResult::Outcome::done) result = sound;
+      if (sound.outcome != ActionResult::Outcome::done && prepares)  // between the old joint and the new one nothing holds it
+        result = ActionResult::refused("it can't be one impact with others: the child alone has not the inertia to move freely",
+                                       "give its change an instant of its own");
     }
-    if (verdict.outcome == Verdict::Outcome::refused) {
-      refuse(item, std::move(verdict));
+    if (result.outcome == ActionResult::Outcome::refused) {
+      refuse(item, std::move(result));
       return false;
     }
-    const bool changed = surgery.changes != changes;
-    if (changed && thin && !prepares && !singular_joints(surgery.tree(), world.state().q()).empty()) {
+    const bool changed = editor.changes != changes;
+    if (changed && thin && !prepares && !singular_joints(editor.tree(), world.state().q()).empty()) {
       refuse(item, no_free_mass());
       return false;
     }
     if (changed) steps.push_back({item.event, before, after});
     event.mechanisms_after = world.mechanism_names();
     if (prepares) return true;
-    event.actions.push_back(item.what->text() + (verdict.outcome == Verdict::Outcome::skipped ? " skipped: " + verdict.why : ""));
-    report.actions.push_back({item.event, item.action, std::move(verdict)});
+    event.actions.push_back(item.what->text() +
+                            (result.outcome == ActionResult::Outcome::skipped ? " skipped: " + result.why : ""));
+    report.actions.push_back({item.event, item.action, std::move(result)});
     return true;
   };
 
-  for (Item& item : items) item.phase = (**item.what).phase(surgery);
+  for (Item& item : items) item.phase = (**item.what).phase(editor);
   const auto in_phase = [&](ActionPhase phase, auto act) {
     for (const Item& item : items)
       if (item.phase == phase && !act(item)) return false;
@@ -221,9 +222,9 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehear
     if (begun[e] != 0) continue;  // else it has no action
     report.events[e].mechanisms_before = report.events[e].mechanisms_after = world.mechanism_names();
   }
-  for (Event& event : report.events) surgery.certify(event);
-  report.seconds = surgery.seconds;
-  report.changes = surgery.changes;
+  for (Event& event : report.events) editor.certify(event);
+  report.seconds = editor.seconds;
+  report.changes = editor.changes;
   return report;
 }
 

@@ -22,7 +22,7 @@ struct DueEvent {
 /// What one action became.
 struct ActionReport {
   std::size_t event = 0, action = 0;  ///< places in the instant's events
-  Verdict verdict;
+  ActionResult result;
 };
 
 struct InstantReport {
@@ -42,7 +42,7 @@ inline constexpr std::size_t most_actions_at_once = 10'000;
 /// "<to>+<body>". Empty for actions that make none.
 std::string made_joint_name(const DueEvent& event, std::size_t action);
 
-/// `rehearsal`: see Surgery.
-InstantReport carry_out(World& world, std::span<const DueEvent> due, bool rehearsal = false);
+/// `rehearsal`: see TopologyEditor.
+InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_run = false);
 
 }  // namespace momentree

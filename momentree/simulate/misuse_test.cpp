@@ -211,7 +211,7 @@ TEST_CASE("a world asked about what it has not") {
         {"joint", no_joint, [&] { static_cast<void>(world.joint(body)); }},
         {"joint_forces", no_joint, [&] { static_cast<void>(world.joint_forces(body)); }},
         {"reaction", no_joint, [&] { static_cast<void>(world.reaction(body)); }},
-        {"one_freedom", no_joint, [&] { static_cast<void>(world.one_freedom(body)); }},
+        {"one_freedom", no_joint, [&] { static_cast<void>(world.single_dof(body)); }},
         {"joint_name", "a body and a joint of that number", [&] { static_cast<void>(world.joint_name(body)); }},
         {"mechanism_name", "a body and a joint of that number", [&] { static_cast<void>(world.mechanism_name(body)); }},
     };
@@ -232,7 +232,7 @@ TEST_CASE("a document that is of another world") {
   Forest few, loop, holds;
   few.places.resize(2);
   loop.places = {{1, 0, false}, {0, 1, false}, {-1, 2, false}, {2, 3, false}};
-  holds.holds = {{0, 3, 1}};
+  holds.active_limits = {{0, 3, 1}};
   check_fine("of this one", restored(1, {}, {{{0}, 0.5, {}, {}}}));
   const Misuse all[] = {
       {"a time that is not a number", "a finite time", restored(no_number, {}, {})},
@@ -277,7 +277,7 @@ TEST_CASE("a simulation that is gone, or was another") {
       {"a snapshot of another model", "compiled from the same model",
        [] { Simulation(model()).restore(Simulation(model(2)).snapshot()); }},
       {"resumed with more events than there are", "no more events than are scheduled",
-       [] { Simulation(model()).resume(std::vector<Agenda::Armed>(3)); }},
+       [] { Simulation(model()).resume(std::vector<EventQueue::Armed>(3)); }},
       {"resumed with a step that is no number", "a memory that step_memory() returned",
        [] { Simulation(model(), {.method = "dopri5"}).resume({}, {.next_step = no_number}); }},
   };

@@ -341,7 +341,7 @@ TEST_CASE("a rehearsal judges no motion by where joints stand before it") {
   sim.at(0.1).then(set_parameters("arm", none));
   sim.at(0.2).then(set_parameters("arm", moved));
   const std::vector<double> q(sim.world().state().q().begin(), sim.world().state().q().end());
-  CHECK(sim.rehearse().troubles.empty());
+  CHECK(sim.dry_run().issues.empty());
   CHECK(q == std::vector<double>(sim.world().state().q().begin(), sim.world().state().q().end()));
   CHECK(sim.run_until(1) == Status::refused);
   CHECK(sim.message().find("its motion is at 5 now") != std::string::npos);

@@ -46,7 +46,7 @@ Simulation::Impl& Simulation::steady() const {
   return *impl_;
 }
 
-Simulation::Scheduled Simulation::scheduled(Agenda::Entry entry) {
+Simulation::Scheduled Simulation::scheduled(EventQueue::Entry entry) {
   const std::size_t place = scheduling().schedule(std::move(entry));
   return Scheduled(impl_, place);
 }
@@ -54,31 +54,32 @@ Simulation::Scheduled Simulation::scheduled(Agenda::Entry entry) {
 Simulation::Scheduled Simulation::at(double time) {
   const double now = scheduling().world.time();
   if (!std::isfinite(time) || time < now)
-    fail({"an event at " + detail::text(time) + " s cannot happen: the time is " + detail::text(now) + " s", "", ""});
-  Agenda::Entry entry;
+    throw_error({"an event at " + detail::text(time) + " s cannot happen: the time is " + detail::text(now) + " s", "", ""});
+  EventQueue::Entry entry;
   entry.time = time;
   return scheduled(std::move(entry));
 }
 
 Simulation::Scheduled Simulation::when(Condition condition) {
-  check_condition(scheduling().world, impl_->agenda, condition);
-  Agenda::Entry entry;
+  check_condition(scheduling().world, impl_->queue, condition);
+  EventQueue::Entry entry;
   entry.condition = std::move(condition);
   return scheduled(std::move(entry));
 }
 
 Simulation::Scheduled Simulation::after(std::string event, double delay) {
   std::vector<std::string> names;
-  for (const Agenda::Entry& e : scheduling().agenda.entries) names.push_back(e.event.name);
+  for (const EventQueue::Entry& e : scheduling().queue.entries) names.push_back(e.event.name);
   for (const Strength& s : strengths(impl_->world)) names.push_back(event_name(impl_->world, s));
   // A joint whose strength an event will give, or one that broke before this run began.
   const std::string_view prefix = "strength of ";
   const bool of_joint =
       event.starts_with(prefix) && impl_->world.model().has_joint(std::string_view(event).substr(prefix.size()));
   if (!of_joint && std::find(names.begin(), names.end(), event) == names.end())
-    fail({"there is no event '" + event + "' to come after", "", did_you_mean(event, names)});
-  if (!(delay >= 0) || !std::isfinite(delay)) fail({"the delay after an event can't be " + detail::text(delay) + " s", "", ""});
-  Agenda::Entry entry;
+    throw_error({"there is no event '" + event + "' to come after", "", did_you_mean(event, names)});
+  if (!(delay >= 0) || !std::isfinite(delay))
+    throw_error({"the delay after an event can't be " + detail::text(delay) + " s", "", ""});
+  EventQueue::Entry entry;
   entry.after = std::move(event), entry.delay = delay;
   return scheduled(std::move(entry));
 }
@@ -86,10 +87,10 @@ Simulation::Scheduled Simulation::after(std::string event, double delay) {
 Simulation::Scheduled Simulation::every(double period, double from) {
   const double now = scheduling().world.time();
   if (!std::isfinite(from) || from < now)
-    fail({"an event from " + detail::text(from) + " s on cannot happen: the time is " + detail::text(now) + " s", "", ""});
+    throw_error({"an event from " + detail::text(from) + " s on cannot happen: the time is " + detail::text(now) + " s", "", ""});
   const double clock = std::max({now, from, impl_->integration.step});
-  if (std::optional<Error> wrong = wrong_period(period, clock, "the period of an event")) fail(std::move(*wrong));
-  Agenda::Entry entry;
+  if (std::optional<Error> wrong = wrong_period(period, clock, "the period of an event")) throw_error(std::move(*wrong));
+  EventQueue::Entry entry;
   entry.time = from, entry.period = period;
   return scheduled(std::move(entry));
 }
@@ -102,15 +103,15 @@ std::shared_ptr<Simulation::Impl> Simulation::Scheduled::impl() const {
 }
 
 void Simulation::expect_joints(const std::vector<std::string>& names) {
-  scheduling().agenda.expected.insert(names.begin(), names.end());
+  scheduling().queue.expected.insert(names.begin(), names.end());
 }
 
 Simulation::Scheduled& Simulation::Scheduled::then(Action action) {
   const std::shared_ptr<Impl> all = impl();
-  Agenda::Entry& entry = all->agenda.entries[event_];
+  EventQueue::Entry& entry = all->queue.entries[event_];
   if (entry.done)
-    fail({"event '" + entry.event.name + "' has happened already: " + action.text() + " would not happen", "",
-          "schedule another event"});
+    throw_error({"event '" + entry.event.name + "' has happened already: " + action.text() + " would not happen", "",
+                 "schedule another event"});
   all->check_names(action->joints(), action->bodies());
   entry.event.actions.push_back(std::move(action));
   return *this;
@@ -118,21 +119,21 @@ Simulation::Scheduled& Simulation::Scheduled::then(Action action) {
 
 Simulation::Scheduled& Simulation::Scheduled::named(std::string name, bool by_user) {
   const std::shared_ptr<Impl> all = impl();
-  DueEvent& event = all->agenda.entries[event_].event;
+  DueEvent& event = all->queue.entries[event_].event;
   event.name = std::move(name);
   event.named = by_user;
   return *this;
 }
 
 Simulation::Scheduled& Simulation::Scheduled::ranked(std::size_t rank) {
-  impl()->agenda.entries[event_].rank = rank;
+  impl()->queue.entries[event_].rank = rank;
   return *this;
 }
 
 Event Simulation::apply(std::span<const Action> actions, std::string name) {
   for (const Action& action : actions) changing().check_names(action->joints(), action->bodies());
   const std::size_t place = changing().events.size();  // what its stops do about it comes after it
-  if (!impl_->act(actions, name)) fail({impl_->message, "", ""});
+  if (!impl_->act(actions, name)) throw_error({impl_->message, "", ""});
   return impl_->events[place];
 }
 
@@ -160,7 +161,7 @@ void Simulation::set_gravity(Vec3 gravity) {
   impl.recover();
 }
 
-Rehearsal Simulation::rehearse() { return changing().rehearse(); }
+DryRun Simulation::dry_run() { return changing().dry_run(); }
 Body Simulation::add(BodySpec spec) {
   const std::string name = spec.name;
   Body body;
@@ -168,7 +169,7 @@ Body Simulation::add(BodySpec spec) {
   return body;
 }
 void Simulation::remove(Body body) {
-  if (!changing().world.alive(body)) fail({"the body is not in this world any more", "", ""});
+  if (!changing().world.alive(body)) throw_error({"the body is not in this world any more", "", ""});
   impl_->populate("remove " + impl_->world.model()[body].name, [&] { impl_->world.remove(body); });
 }
 SimulationSnapshot Simulation::snapshot() const { return steady().snapshot(); }
@@ -180,7 +181,8 @@ bool Simulation::can_undo(std::size_t number) const { return impl().before(numbe
 void Simulation::undo(std::size_t number, bool again) {
   const Impl::Past* past = changing().before(number);
   if (past == nullptr)
-    fail({"the history of event " + std::to_string(number) + " was not kept", "", "call keep_history() before it happens"});
+    throw_error(
+        {"the history of event " + std::to_string(number) + " was not kept", "", "call keep_history() before it happens"});
   SimulationSnapshot before = past->before;
   if (!again)
     for (const std::size_t k : past->places)
@@ -190,7 +192,7 @@ void Simulation::undo(std::size_t number, bool again) {
 
 Simulation Simulation::branch() const {
   Simulation other(steady().world.first_model(), impl_->integration);
-  other.impl_->agenda = impl_->agenda;
+  other.impl_->queue = impl_->queue;
   other.impl_->events = impl_->events;
   other.impl_->go_back(impl_->snapshot());
   other.impl_->balance.initial = impl_->balance.initial;
@@ -200,16 +202,18 @@ Simulation Simulation::branch() const {
 
 Status Simulation::run_until(double time) {
   Impl& impl = changing();
-  if (std::isnan(time)) fail({"the time to run to is not a number", "", ""});
+  if (std::isnan(time)) throw_error({"the time to run to is not a number", "", ""});
   if (time == HUGE_VAL && !impl.observer && !impl.watcher)
-    fail({"nothing ends a run to an infinite time", "", "give it an observer or a watcher that returns false at some time"});
+    throw_error(
+        {"nothing ends a run to an infinite time", "", "give it an observer or a watcher that returns false at some time"});
   return impl.run(time);
 }
 Status Simulation::step(double dt) {
   const double now = changing().world.time();
-  if (!(dt >= 0)) fail({"a step can't be " + detail::text(dt) + " s", "", ""});
+  if (!(dt >= 0)) throw_error({"a step can't be " + detail::text(dt) + " s", "", ""});
   if (dt > 0 && now + dt == now)
-    fail({"a step of " + detail::text(dt) + " s is shorter than the clock can resolve at " + detail::text(now) + " s", "", ""});
+    throw_error(
+        {"a step of " + detail::text(dt) + " s is shorter than the clock can resolve at " + detail::text(now) + " s", "", ""});
   return run_until(now + dt);
 }
 
@@ -217,7 +221,7 @@ void Simulation::observe(double every, std::function<bool(const World&)> observe
   Impl& impl = changing();
   const double clock = std::max(impl.world.time(), impl.integration.step);
   if (every != 0)
-    if (std::optional<Error> wrong = wrong_period(every, clock, "the period of an observer")) fail(std::move(*wrong));
+    if (std::optional<Error> wrong = wrong_period(every, clock, "the period of an observer")) throw_error(std::move(*wrong));
   impl.observer = std::move(observer);
   impl.every = every;
   impl.observed = false;
@@ -231,13 +235,15 @@ void Simulation::use_generated(RatesProvider provider) {
   impl_->evaluate.use(nullptr);
 }
 
-void Simulation::drive(std::string_view joint, std::function<double(const Moment&)> effort) {
+void Simulation::drive(std::string_view joint, std::function<double(const EvaluationContext&)> effort) {
   const int number = changing().world.find_joint(joint);
-  if (const std::size_t freedoms = number < 0 ? 1 : impl_->world.joint({number}).v.size(); freedoms > 1)
-    fail({"the joint '" + std::string(joint) + "' has " + std::to_string(freedoms) + " freedoms, which one function can't drive",
-          "", "use drive_all()"});
+  if (const std::size_t dofs = number < 0 ? 1 : impl_->world.joint({number}).v.size(); dofs > 1)
+    throw_error(
+        {"the joint '" + std::string(joint) + "' has " + std::to_string(dofs) + " freedoms, which one function can't drive", "",
+         "use drive_all()"});
   JointFunction function;
-  if (effort) function = [effort = std::move(effort)](const Moment& m, std::span<double> efforts) { efforts[0] = effort(m); };
+  if (effort)
+    function = [effort = std::move(effort)](const EvaluationContext& m, std::span<double> efforts) { efforts[0] = effort(m); };
   drive_all(joint, std::move(function));
 }
 void Simulation::drive_all(std::string_view joint, JointFunction efforts) {
@@ -252,7 +258,7 @@ void Simulation::drive_all(std::vector<JointDriver> drivers) {
 
 void Simulation::force(std::string_view body, BodyFunction wrench) {
   const Body b = changing().world.model().body(body);  // or throws
-  if (!impl_->world.alive(b)) fail({"the body '" + std::string(body) + "' is not in this world any more", "", ""});
+  if (!impl_->world.alive(b)) throw_error({"the body '" + std::string(body) + "' is not in this world any more", "", ""});
   impl_->world.load(b.index, std::move(wrench));
   impl_->evaluate_state();
 }
@@ -263,18 +269,18 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
   impl_->begin();
 }
 
-StepMemory Simulation::step_memory() const { return {impl().method->proposal(), impl_->books.work}; }
-void Simulation::resume(std::span<const Agenda::Armed> armed, const StepMemory& memory) {
-  MT_REQUIRE(armed.size() <= changing().agenda.entries.size(), "no more events than are scheduled");
+StepMemory Simulation::step_memory() const { return {impl().method->proposal(), impl_->ledger.work}; }
+void Simulation::resume(std::span<const EventQueue::Armed> armed, const StepMemory& memory) {
+  MT_REQUIRE(armed.size() <= changing().queue.entries.size(), "no more events than are scheduled");
   MT_REQUIRE(std::isfinite(memory.next_step) && std::isfinite(memory.work), "a memory that step_memory() returned");
   if (impl_->method->adaptive() && memory.next_step > 0) {
     impl_->method->set_proposal(memory.next_step);
-    impl_->balance.work -= memory.work - impl_->books.work;  // it was done before this run
-    impl_->books.work = memory.work;
+    impl_->balance.work -= memory.work - impl_->ledger.work;  // it was done before this run
+    impl_->ledger.work = memory.work;
   }
-  std::vector<Agenda::Armed> all = impl_->agenda.armed();
+  std::vector<EventQueue::Armed> all = impl_->queue.armed();
   std::copy_n(armed.begin(), std::min(armed.size(), all.size()), all.begin());
-  impl_->agenda.restore(all, impl_->world.time());
+  impl_->queue.restore(all, impl_->world.time());
 }
 
 double Simulation::time() const { return impl().world.time(); }
@@ -285,7 +291,7 @@ const std::string& Simulation::message() const { return impl().message; }
 
 std::vector<MissedEvent> Simulation::missed() const {
   std::vector<MissedEvent> all;
-  for (const Agenda::Entry& e : impl().agenda.entries) {
+  for (const EventQueue::Entry& e : impl().queue.entries) {
     if (e.fired > 0) continue;
     MissedEvent missed;
     missed.name = e.event.name, missed.time = e.time, missed.after = e.after;
@@ -311,8 +317,8 @@ EnergyBalance Simulation::energy() const {
   const Totals t = impl_->world.totals();
   b.final = t.kinetic + t.potential;
   b.largest_kinetic = std::max(b.largest_kinetic, t.kinetic);
-  b.dissipated = impl_->books.dissipated;
-  b.work += impl_->books.work;
+  b.dissipated = impl_->ledger.dissipated;
+  b.work += impl_->ledger.work;
   b.error = b.final + b.dissipated + b.lost_in_impacts + b.released - b.initial - b.work;
   return b;
 }

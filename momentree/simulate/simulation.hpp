@@ -9,12 +9,12 @@
 #include <string_view>
 #include <vector>
 
-#include <momentree/dynamics/moment.hpp>
+#include <momentree/dynamics/evaluation_context.hpp>
 #include <momentree/dynamics/rates_function.hpp>
 #include <momentree/simulate/action.hpp>
-#include <momentree/simulate/agenda.hpp>
 #include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/event.hpp>
+#include <momentree/simulate/event_queue.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
@@ -67,21 +67,21 @@ struct JointDriver {
 /// A run at an instant.
 struct SimulationSnapshot {
   WorldSnapshot world;
-  std::vector<Agenda::Armed> armed;  ///< by scheduled event, in the order of scheduling
-  std::size_t events = 0;            ///< how many had happened
-  EnergyBalance balance;             ///< with what was dissipated and done by forces since the start
+  std::vector<EventQueue::Armed> armed;  ///< by scheduled event, in the order of scheduling
+  std::size_t events = 0;                ///< how many had happened
+  EnergyBalance balance;                 ///< with what was dissipated and done by forces since the start
   double impulsive_work = 0;
   double proposal = 0;  ///< the next step of an adaptive method (s)
 };
 
 /// What all that is scheduled would do to the topology, tried at once where the world stands now.
-struct Rehearsal {
-  struct Trouble {
+struct DryRun {
+  struct Issue {
     std::size_t event = 0, action = 0;  ///< in the order of scheduling
-    Verdict verdict;                    ///< skipped or refused
+    ActionResult result;                ///< skipped or refused
     std::string message;                ///< of a refusal
   };
-  std::vector<Trouble> troubles;
+  std::vector<Issue> issues;
   /// Every joint that the world has now or would come to have, with each kind that it would be of.
   std::vector<std::pair<std::string, Kind>> joints;
   bool complete = true;  ///< false: not every event was tried; there are too many, or one needs an inertia that is missing now
@@ -188,7 +188,7 @@ class Simulation {
   /// depend on the moment alone. An empty function takes it away. It belongs to the joint: topology changes, snapshots and
   /// branches keep it, until the joint breaks or becomes another. Throws Error for an unknown name, a weld, a joint with
   /// several freedoms, one whose motion is prescribed.
-  void drive(std::string_view joint, std::function<double(const Moment&)> effort);
+  void drive(std::string_view joint, std::function<double(const EvaluationContext&)> effort);
   /// The same for any number of freedoms: it fills in a list, in the order of v, that comes with zeros.
   void drive_all(std::string_view joint, JointFunction efforts);
   /// The same for many joints at once, at the cost of one evaluation; an error leaves all as they were.
@@ -214,7 +214,7 @@ class Simulation {
   /// Carries out all scheduled events in their order, without moving in between, and takes everything back: which actions will
   /// have nothing to do or are impossible, and which joints there will be. Where events wait for a condition their order is not
   /// known: they are tried in the order of scheduling.
-  [[nodiscard]] Rehearsal rehearse();
+  [[nodiscard]] DryRun dry_run();
 
   /// All that the run is at this instant: to come back to, across any number of changes, with the very bits.
   [[nodiscard]] SimulationSnapshot snapshot() const;
@@ -234,7 +234,7 @@ class Simulation {
   StepMemory step_memory() const;
   /// To go on as another run would have: with what its adaptive method remembered (a next step of 0: keep), and where its events
   /// stood, in the order of scheduling (fewer than are scheduled here are fine).
-  void resume(std::span<const Agenda::Armed> armed, const StepMemory& memory = {});
+  void resume(std::span<const EventQueue::Armed> armed, const StepMemory& memory = {});
 
   double time() const;
   const World& world() const;
@@ -251,7 +251,7 @@ class Simulation {
   Impl& changing() const;
   Impl& scheduling() const;
   Impl& steady() const;
-  Scheduled scheduled(Agenda::Entry entry);
+  Scheduled scheduled(EventQueue::Entry entry);
   std::shared_ptr<Impl> impl_;  // shared with no one for longer than a call: handles only look whether it is there
 };
 

@@ -12,11 +12,11 @@
 #include <momentree/base/restored.hpp>
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/simulate/agenda.hpp>
 #include <momentree/simulate/arguments.hpp>
+#include <momentree/simulate/event_queue.hpp>
+#include <momentree/simulate/failure.hpp>
 #include <momentree/simulate/instant.hpp>
 #include <momentree/simulate/stops.hpp>
-#include <momentree/simulate/trouble.hpp>
 
 namespace momentree {
 
@@ -26,7 +26,7 @@ using Clock = std::chrono::steady_clock;
 inline double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // Events times bodies, beyond which a rehearsal would take longer than it is worth.
-inline constexpr std::size_t most_rehearsed = 10'000'000;
+inline constexpr std::size_t most_dry_run = 10'000'000;
 
 // Events of one instant, one after the other, beyond which they are taken to bring about each other without end.
 inline constexpr std::size_t most_events_at_once = 10'000;
@@ -38,7 +38,7 @@ struct Simulation::Impl {
   Impl(const Model& model, const Integration& how)
       : integration(checked(how)),
         world(model),
-        evaluate(world.tree_, world.work_),
+        evaluate(world.tree_, world.workspace_),
         method(new_method()),
         stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)) {
     begin();
@@ -48,8 +48,8 @@ struct Simulation::Impl {
   enum class Doing { nothing, observing, working };
   Doing doing = Doing::nothing;
   using During = detail::Restored<Doing>;
-  bool idle() const { return doing == Doing::nothing && !world.work_.in_function; }
-  bool steady() const { return doing != Doing::working && !world.work_.in_function; }
+  bool idle() const { return doing == Doing::nothing && !world.workspace_.in_function; }
+  bool steady() const { return doing != Doing::working && !world.workspace_.in_function; }
 
   std::unique_ptr<Integrator> new_method() const {
     return make_integrator(integration.method, world.tree_,
@@ -59,7 +59,7 @@ struct Simulation::Impl {
   void begin() {
     evaluate_state();
     balance = {};
-    books = {};
+    ledger = {};
     const Totals t = world.totals();
     balance.initial = t.kinetic + t.potential;
     balance.largest_kinetic = t.kinetic;
@@ -125,8 +125,8 @@ struct Simulation::Impl {
     const auto start = Clock::now();
     evaluate_state();
     note_kinetic_energy();
-    if (stops.any() || agenda.watching(world)) return step_and_look(h, last ? end : HUGE_VAL, start);
-    const double stepped = method->advance(evaluate, world.state_, books, h);
+    if (stops.any() || queue.watching(world)) return step_and_look(h, last ? end : HUGE_VAL, start);
+    const double stepped = method->advance(evaluate, world.state_, ledger, h);
     if (stepped == 0) {
       report_divergence(h);
       return false;
@@ -141,14 +141,14 @@ struct Simulation::Impl {
   // The same where joints have stops or events conditions: the step may end earlier, and something happen there. `end`: what a
   // whole step ends at.
   bool step_and_look(double h, double end, Clock::time_point start) {
-    const std::optional<double> stepped = stops.step(*method, books, h, agenda.watches(world));
+    const std::optional<double> stepped = stops.step(*method, ledger, h, queue.watches(world));
     if (!stepped) {
       report_divergence(h);
       return false;
     }
     if (*stepped == h && std::isfinite(end)) set_time(end);
     ++statistics.steps;
-    settle();
+    resolve_limits();
     statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, detail::seconds_since(start));
     return true;
   }
@@ -158,27 +158,27 @@ struct Simulation::Impl {
     const int number = world.find_joint(joint);
     if (number < 0) {
       world.model().joint(joint);  // throws where there never was one
-      fail({"the joint '" + std::string(joint) + "' is not there any more", "", ""});
+      throw_error({"the joint '" + std::string(joint) + "' is not there any more", "", ""});
     }
     const JointView view = world.joint({number});
-    if (view.v.empty()) fail({"the joint '" + std::string(joint) + "' has no freedom to drive", "", ""});
+    if (view.v.empty()) throw_error({"the joint '" + std::string(joint) + "' has no freedom to drive", "", ""});
     const JointDrive* drive = view.parameters != nullptr ? view.parameters->drive.get() : nullptr;
     if (function && drive != nullptr && drive->moves())
-      fail({"the motion of joint '" + std::string(joint) + "' is prescribed", "", "take its drive away first"});
+      throw_error({"the motion of joint '" + std::string(joint) + "' is prescribed", "", "take its drive away first"});
     return number;
   }
 
-  std::size_t schedule(Agenda::Entry entry) {
-    entry.event.name = "#" + std::to_string(agenda.entries.size() + 1);
-    return agenda.add(std::move(entry));
+  std::size_t schedule(EventQueue::Entry entry) {
+    entry.event.name = "#" + std::to_string(queue.entries.size() + 1);
+    return queue.add(std::move(entry));
   }
 
   // Impacts, rests and releases at hard stops.
-  void settle() {
+  void resolve_limits() {
     const std::size_t before = events.size();
-    stops.settle(events);
+    stops.resolve_limits(events);
     for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
-    if (events.size() != before) agenda.forget_looks();
+    if (events.size() != before) queue.forget_looks();
   }
 
   // Kinetic energy at the beginning of a step, which was evaluated: by p·u/2 it costs next to nothing.
@@ -186,7 +186,7 @@ struct Simulation::Impl {
     double kinetic = 0;
     if (world.tree_.driven_joints().empty()) {
       const auto p = world.state_.p();
-      for (std::size_t i = 0; i < p.size(); ++i) kinetic += p[i] * world.work_.v[i];
+      for (std::size_t i = 0; i < p.size(); ++i) kinetic += p[i] * world.workspace_.v[i];
       kinetic *= 0.5;
     } else {  // what is driven has no momentum
       kinetic = world.totals().kinetic;
@@ -211,10 +211,10 @@ struct Simulation::Impl {
   // instant has happened.
   bool happen() {
     for (std::size_t count = 0;; ++count) {
-      std::vector<std::size_t> places = agenda.due(world.time());
-      if (places.empty() && agenda.watching(world)) {
+      std::vector<std::size_t> places = queue.due(world.time());
+      if (places.empty() && queue.watching(world)) {
         evaluate_state();
-        if (const std::optional<std::size_t> place = agenda.urgent(world, events_now())) places = {*place};
+        if (const std::optional<std::size_t> place = queue.urgent(world, events_now())) places = {*place};
       }
       if (places.empty()) return true;
       if (count > detail::most_events_at_once) {
@@ -223,20 +223,20 @@ struct Simulation::Impl {
         return false;
       }
       std::vector<DueEvent> due;
-      for (const std::size_t k : places) due.push_back(agenda.at(k).event);
+      for (const std::size_t k : places) due.push_back(queue.at(k).event);
       if (keeps_history) history.push_back({events.size(), snapshot(), places});
       if (!carry_out_now(due)) {
         if (keeps_history) history.pop_back();
         return false;
       }
-      for (const std::size_t k : places) agenda.happened(k, world.time());
+      for (const std::size_t k : places) queue.happened(k, world.time());
     }
   }
 
   /// Actions from outside, whose names are known, as one event of this instant. False, with a message: refused.
   bool act(std::span<const Action> actions, const std::string& name) {
     const During working(doing, Doing::working);
-    DueEvent due{name.empty() ? "#" + std::to_string(agenda.entries.size() + events.size() + 1) : name, !name.empty(), {}};
+    DueEvent due{name.empty() ? "#" + std::to_string(queue.entries.size() + events.size() + 1) : name, !name.empty(), {}};
     due.actions.assign(actions.begin(), actions.end());
     if (keeps_history) history.push_back({events.size(), snapshot(), {}});
     if (carry_out_now({&due, 1})) return true;
@@ -280,8 +280,8 @@ struct Simulation::Impl {
       add_to_balance(event);
       events.push_back(std::move(event));
     }
-    agenda.forget_looks();
-    settle();
+    queue.forget_looks();
+    resolve_limits();
     return true;
   }
 
@@ -306,13 +306,13 @@ struct Simulation::Impl {
     event.actions = {std::move(what)};
     balance.work += event.work;
     events.push_back(std::move(event));
-    agenda.forget_looks();
-    settle();
+    queue.forget_looks();
+    resolve_limits();
   }
 
-  Rehearsal rehearse() {
+  DryRun dry_run() {
     const During working(doing, Doing::working);
-    Rehearsal found;
+    DryRun found;
     const WorldSnapshot start = world.snapshot();
     std::set<std::pair<std::string, Kind>> joints;
     const auto look_at_joints = [&, &tree = world.tree_] {
@@ -320,31 +320,31 @@ struct Simulation::Impl {
     };
     look_at_joints();
     // Instants that are known come first, in their order; the others follow one by one, where nothing can be said of troubles.
-    using Turn = Agenda::Turn;
+    using Turn = EventQueue::Turn;
     std::vector<Turn> order;
     bool certain = true;
-    for (std::size_t k = 0; k < agenda.entries.size(); ++k) {
-      const Agenda::Entry& e = agenda.entries[k];
+    for (std::size_t k = 0; k < queue.entries.size(); ++k) {
+      const EventQueue::Entry& e = queue.entries[k];
       if (e.done) continue;
       double time = e.time;
-      for (const Agenda::Entry& other : agenda.entries)
+      for (const EventQueue::Entry& other : queue.entries)
         if (!e.after.empty() && other.event.name == e.after) time = std::min(time, other.time + e.delay);
       certain = certain && std::isfinite(time);
       order.push_back({time, !e.after.empty() && e.delay == 0, k});
     }
     std::stable_sort(order.begin(), order.end(), [this](const Turn& a, const Turn& b) {
       if (a.time != b.time || !std::isfinite(a.time)) return a.time < b.time;
-      return std::pair(a.follows, agenda.entries[a.entry].rank) < std::pair(b.follows, agenda.entries[b.entry].rank);
+      return std::pair(a.follows, queue.entries[a.entry].rank) < std::pair(b.follows, queue.entries[b.entry].rank);
     });
     std::vector<DueEvent> breaks;  // what joints that can break by themselves then come to be
     for (const Strength& s : strengths(world)) {
       breaks.push_back({event_name(world, s), false, {break_joint(std::string(world.joint_name({s.joint})))}});
-      order.push_back({HUGE_VAL, false, agenda.entries.size() + breaks.size() - 1});
+      order.push_back({HUGE_VAL, false, queue.entries.size() + breaks.size() - 1});
       certain = false;
     }
-    const std::size_t n = agenda.entries.size();
-    const auto event_at = [&](std::size_t k) { return k < n ? agenda.entries[k].event : breaks[k - n]; };
-    found.complete = order.size() * static_cast<std::size_t>(world.tree_.bodies()) <= detail::most_rehearsed;
+    const std::size_t n = queue.entries.size();
+    const auto event_at = [&](std::size_t k) { return k < n ? queue.entries[k].event : breaks[k - n]; };
+    found.complete = order.size() * static_cast<std::size_t>(world.tree_.bodies()) <= detail::most_dry_run;
     for (std::size_t i = 0; found.complete && i < order.size();) {
       std::vector<DueEvent> due;
       const std::size_t begin = i;
@@ -355,9 +355,9 @@ struct Simulation::Impl {
       if (std::isfinite(time)) world.set_time(time);
       const InstantReport report = carry_out(world, due, true);
       for (const ActionReport& action : report.actions)
-        if (certain && action.verdict.outcome != Verdict::Outcome::done)
-          found.troubles.push_back({order[begin + action.event].entry, action.action, action.verdict,
-                                    action.verdict.outcome == Verdict::Outcome::refused ? report.message : ""});
+        if (certain && action.result.outcome != ActionResult::Outcome::done)
+          found.issues.push_back({order[begin + action.event].entry, action.action, action.result,
+                                  action.result.outcome == ActionResult::Outcome::refused ? report.message : ""});
       found.complete = !report.lost;
       look_at_joints();
     }
@@ -369,10 +369,10 @@ struct Simulation::Impl {
   SimulationSnapshot snapshot() const {
     SimulationSnapshot all{world.snapshot(), {}, events.size(), balance};
     all.proposal = method->proposal();
-    all.balance.dissipated = books.dissipated;
-    all.balance.work = books.work;
+    all.balance.dissipated = ledger.dissipated;
+    all.balance.work = ledger.work;
     all.impulsive_work = balance.work;
-    all.armed = agenda.armed();
+    all.armed = queue.armed();
     return all;
   }
 
@@ -382,11 +382,11 @@ struct Simulation::Impl {
     if (world.tree_.bodies() != bodies) method = new_method();
     method->set_proposal(to.proposal);
     balance = to.balance;
-    books.dissipated = to.balance.dissipated;
-    books.work = to.balance.work;
+    ledger.dissipated = to.balance.dissipated;
+    ledger.work = to.balance.work;
     balance.dissipated = 0;
     balance.work = to.impulsive_work;
-    agenda.restore(to.armed, world.time());
+    queue.restore(to.armed, world.time());
     events.resize(std::min(events.size(), to.events));
     while (!history.empty() && history.back().events >= to.events) history.pop_back();
     recover();
@@ -396,10 +396,10 @@ struct Simulation::Impl {
   }
 
   std::optional<Error> unknown_name(const std::vector<std::string>& joints, const std::vector<std::string>& bodies) const {
-    return momentree::unknown_name(world, agenda, joints, bodies);
+    return momentree::unknown_name(world, queue, joints, bodies);
   }
   void check_names(const std::vector<std::string>& joints, const std::vector<std::string>& bodies) const {
-    if (std::optional<Error> error = unknown_name(joints, bodies)) fail(std::move(*error));
+    if (std::optional<Error> error = unknown_name(joints, bodies)) throw_error(std::move(*error));
   }
 
   bool look(bool force) {
@@ -427,13 +427,13 @@ struct Simulation::Impl {
     const During working(doing, Doing::working);
     lap = Clock::now();
     Status status = Status::ok;
-    settle();
+    resolve_limits();
     if (!happen())
       status = Status::refused;
     else if (!look(!observed))
       status = Status::interrupted;
     while (status == Status::ok && world.time() < until) {
-      double end = std::min(until, agenda.next_time());
+      double end = std::min(until, queue.next_time());
       if (observer && every > 0) end = std::min(end, next_look);
       if (!step_towards(end)) {
         status = stalled ? Status::stalled : Status::diverged;
@@ -459,10 +459,10 @@ struct Simulation::Impl {
   Evaluator evaluate;
   std::unique_ptr<Integrator> method;
   Stops stops;
-  Books books;
+  EnergyLedger ledger;
   EnergyBalance balance;
   RunStatistics statistics;
-  Agenda agenda;
+  EventQueue queue;
   struct Past {
     std::size_t events;  ///< how many had happened before
     SimulationSnapshot before;

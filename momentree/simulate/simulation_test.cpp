@@ -213,14 +213,14 @@ TEST_CASE("a coordinate that runs away in the first step is named, with how far 
   driven.add({.name = "calm", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}, .v = 1.0});
   const Body swing = driven.add({.name = "swing", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}, .q = 0.1});
   Simulation other(driven, {.step = 1e-3});
-  other.drive("swing", [swing](const Moment& at) { return -1e12 * at.q(swing)[0]; });
+  other.drive("swing", [swing](const EvaluationContext& at) { return -1e12 * at.q(swing)[0]; });
   CHECK(other.run_until(1) == Status::diverged);
   CHECK(other.message().find("diverged at t = 0 s: joint 'swing' would move by ") == 0);
   CHECK(other.message().find("within a step of 0.001 s; use a smaller step") != std::string::npos);
   Model sharp({.gravity = {}});
   const Body needle = sharp.add({.name = "sharp", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}, .q = 0.1});
   Simulation beyond(sharp, {.step = 1});
-  beyond.drive("sharp", [needle](const Moment& at) { return -1e308 * at.q(needle)[0]; });
+  beyond.drive("sharp", [needle](const EvaluationContext& at) { return -1e308 * at.q(needle)[0]; });
   CHECK(beyond.run_until(1) == Status::diverged);
   CHECK(beyond.message().find("joint 'sharp' left the range of numbers") != std::string::npos);
 }

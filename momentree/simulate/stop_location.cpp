@@ -65,9 +65,9 @@ struct Stops::Trial {
   World& world;
   Evaluator& evaluate;
   Integrator& method;
-  Books& books;
+  EnergyLedger& ledger;
   const State& start;
-  Books books_at_start;
+  EnergyLedger books_at_start;
   bool accelerations;
   double at = 0;     ///< seconds from the start to where the world is; NaN where it is not one of a step's ends
   double reach = 0;  ///< how far the method's last step went
@@ -76,21 +76,21 @@ struct Stops::Trial {
   ~Trial() {
     if (done) return;
     world.state_ = start;
-    books = books_at_start;
+    ledger = books_at_start;
   }
 
   // As far as the method itself goes; nothing where it failed.
   bool first(double most) {
     evaluate(world.state_);
-    at = reach = method.advance(evaluate, world.state_, books, most);
+    at = reach = method.advance(evaluate, world.state_, ledger, most);
     return at > 0 && look();
   }
   bool go(double s) {
     world.state_ = start;
-    books = books_at_start;
+    ledger = books_at_start;
     at = reach = s;
     evaluate(world.state_);
-    return method.step(evaluate, world.state_, books, s) && look();
+    return method.step(evaluate, world.state_, ledger, s) && look();
   }
   // The same by dense output of the last step, where there is one: to look, not to go on from.
   bool see(double s) {
@@ -105,7 +105,7 @@ struct Stops::Trial {
   }
   bool look() {
     evaluate(world.state_);
-    if (accelerations) accelerate(world.tree_, world.state_, world.work_);
+    if (accelerations) accelerate(world.tree_, world.state_, world.workspace_);
     return true;
   }
 };
@@ -212,10 +212,10 @@ void Stops::put_on_stop(const Watched& w) {
   const double limit = s.sign * w.limit;
   if (coordinate(s) == limit || std::fabs(coordinate(s) - limit) > 1e-9 * (1 + std::fabs(limit))) return;
   const Tree& tree = world_->tree_;
-  world_->state_.edit().q[static_cast<std::size_t>(tree.first_q(tree.carrier(s.joint)) + s.freedom)] = limit;
+  world_->state_.edit().q[static_cast<std::size_t>(tree.first_q(tree.carrier(s.joint)) + s.dof)] = limit;
 }
 
-std::optional<double> Stops::step(Integrator& method, Books& books, double h, std::span<const Watch> watches) {
+std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches) {
   (*evaluate_)(world_->state_);
   watched_.clear();
   bool holding = false;
@@ -231,7 +231,7 @@ std::optional<double> Stops::step(Integrator& method, Books& books, double h, st
   }
   for (const Watch& watch : watches) watched_.push_back({nullptr, &watch});
   start_ = world_->state_;
-  Trial trial{*world_, *evaluate_, method, books, start_, books, holding};
+  Trial trial{*world_, *evaluate_, method, ledger, start_, ledger, holding};
   bool fine = trial.first(h);
   double end = trial.at;
   const Watched* first = nullptr;

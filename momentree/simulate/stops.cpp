@@ -35,32 +35,33 @@ void Stops::find() {
     }
   }
   std::stable_sort(sides_.begin(), sides_.end(), [](const Side& a, const Side& b) { return a.joint < b.joint; });
-  world_->forget_holds();
+  world_->forget_active_limits();
 }
 
 double Stops::coordinate(const Side& s) const {
-  return world_->state_.q()[static_cast<std::size_t>(world_->tree_.first_q(world_->tree_.carrier(s.joint)) + s.freedom)];
+  return world_->state_.q()[static_cast<std::size_t>(world_->tree_.first_q(world_->tree_.carrier(s.joint)) + s.dof)];
 }
 double Stops::speed(const Side& s) const {
-  return s.sign * world_->work_.v[static_cast<std::size_t>(world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.freedom)];
+  return s.sign * world_->workspace_.v[static_cast<std::size_t>(world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.dof)];
 }
 double Stops::acceleration(const Side& s) const {
-  return s.sign * world_->work_.a[static_cast<std::size_t>(world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.freedom)];
+  return s.sign * world_->workspace_.a[static_cast<std::size_t>(world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.dof)];
 }
 bool Stops::locked(const Side& s) const {
-  return (world_->tree_.joint(world_->tree_.carrier(s.joint)).locked >> s.freedom & 1u) != 0;
+  return (world_->tree_.joint(world_->tree_.carrier(s.joint)).locked >> s.dof & 1u) != 0;
 }
-bool Stops::holds(const Side& s) const { return locked(s) && world_->held(s.joint, s.freedom) == s.sign; }
+bool Stops::holds(const Side& s) const { return locked(s) && world_->held(s.joint, s.dof) == s.sign; }
 
 // The whole force through the locked freedom, Eᵀ Tr, less what its spring and its drive account for, is the stop's.
 double Stops::pull(const Side& s) const {
   const Tree& tree = world_->tree_;
   const int b = tree.carrier(s.joint);
   double force[6] = {}, passive[6] = {};
-  project(tree, b, joint_state(tree, world_->state_, world_->work_, b), transmitted_wrench(tree, world_->work_, b), force);
-  unlocked_forces(tree, world_->time(), world_->state_.q().data(), world_->work_, b, passive);
-  const double stop = force[s.freedom] - passive[s.freedom];
-  const double noise = 1e-12 * (std::fabs(force[s.freedom]) + std::fabs(passive[s.freedom]));
+  project(tree, b, joint_state(tree, world_->state_, world_->workspace_, b), transmitted_wrench(tree, world_->workspace_, b),
+          force);
+  unlocked_forces(tree, world_->time(), world_->state_.q().data(), world_->workspace_, b, passive);
+  const double stop = force[s.dof] - passive[s.dof];
+  const double noise = 1e-12 * (std::fabs(force[s.dof]) + std::fabs(passive[s.dof]));
   return s.sign * stop - noise;
 }
 
@@ -73,25 +74,25 @@ double Stops::rest_speed(const Side& s) const {
   return std::max({s.rest_speed, 8 * tolerance_ * a, std::sqrt(2 * a * lowest_flight * (1 + std::fabs(s.limit)))});
 }
 
-void Stops::act(std::vector<Event>& events, const Side& s, Deed deed, double restitution) {
+void Stops::act(std::vector<Event>& events, const Side& s, LimitEvent deed, double restitution) {
   static constexpr const char* verbs[] = {"hit", "rest", "leave"};
-  Surgery surgery(*world_);
+  TopologyEditor editor(*world_);
   Event event;
   event.time = world_->time();
   event.name = "stop";
   event.mechanisms_before = event.mechanisms_after = world_->mechanism_names();
   event.before = world_->totals();
-  surgery.begin(event, "");
+  editor.begin(event, "");
   switch (deed) {
-    case Deed::hit: surgery.strike(s.joint, s.freedom, restitution); break;
-    case Deed::rest: surgery.hold(s.joint, s.freedom, s.sign); break;
-    case Deed::leave: surgery.leave(s.joint, s.freedom); break;
+    case LimitEvent::hit: editor.apply_restitution(s.joint, s.dof, restitution); break;
+    case LimitEvent::rest: editor.engage_limit(s.joint, s.dof, s.sign); break;
+    case LimitEvent::leave: editor.release_limit(s.joint, s.dof); break;
   }
   event.after = world_->totals();
-  const int nv = info(surgery.declared(s.joint).kind).nv;
-  event.actions = {std::string(verbs[static_cast<int>(deed)]) + " " + surgery.joint_name(s.joint) +
-                   (nv > 1 ? " [" + std::to_string(s.freedom) + "]" : std::string()) + (s.sign > 0 ? " upper" : " lower")};
-  surgery.certify(event);
+  const int nv = info(editor.declared(s.joint).kind).nv;
+  event.actions = {std::string(verbs[static_cast<int>(deed)]) + " " + editor.joint_name(s.joint) +
+                   (nv > 1 ? " [" + std::to_string(s.dof) + "]" : std::string()) + (s.sign > 0 ? " upper" : " lower")};
+  editor.certify(event);
   revision_ = world_->tree_.revision();  // locks move no limit
   events.push_back(std::move(event));
 }
@@ -106,16 +107,16 @@ bool Stops::release_pulled(const std::vector<Event>& events) {
         if (world_->find_joint(name) != s.joint) continue;
         const Joint& joint = world_->tree_.joint(world_->tree_.carrier(s.joint));
         const double* q = world_->state_.q().data() + world_->tree_.first_q(world_->tree_.carrier(s.joint));
-        const auto [v, w] = seen_from_child(joint, joint_freedoms(spec_of(joint), q)[static_cast<std::size_t>(s.freedom)]);
+        const auto [v, w] = seen_from_child(joint, joint_dofs(spec_of(joint), q)[static_cast<std::size_t>(s.dof)]);
         through += dot(v, Vec3{S[0], S[1], S[2]}) + dot(w, Vec3{S[3], S[4], S[5]});
         size += norm(Vec3{S[0], S[1], S[2]}) * norm(v) + norm(Vec3{S[3], S[4], S[5]}) * norm(w);
       }
     }
     if (s.sign * through <= 1e-10 * size) continue;
     Event scratch;
-    Surgery surgery(*world_);
-    surgery.begin(scratch, "");
-    surgery.leave(s.joint, s.freedom);
+    TopologyEditor editor(*world_);
+    editor.begin(scratch, "");
+    editor.release_limit(s.joint, s.dof);
     found = true;
   }
   revision_ = world_->tree_.revision();
@@ -130,7 +131,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
   bool accelerated = false;
   for (const Side& s : sides_) {
     if (locked(s) || !at_stop(s) || !(speed(s) > s.rest_speed) || (hit != nullptr && !(speed(s) > speed(*hit)))) continue;
-    if (!accelerated) accelerate(world_->tree_, world_->state_, world_->work_);
+    if (!accelerated) accelerate(world_->tree_, world_->state_, world_->workspace_);
     accelerated = true;
     if (speed(s) > rest_speed(s)) hit = &s;
   }
@@ -140,7 +141,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
     WorldSnapshot before = world_->snapshot();
     const std::size_t count = events.size();
     for (;;) {
-      act(events, side, Deed::hit, side.restitution);
+      act(events, side, LimitEvent::hit, side.restitution);
       const std::vector<Event> last{events.back()};
       bool pulled = false;
       for (const Side& s : sides_) pulled = pulled || holds(s);
@@ -159,12 +160,12 @@ bool Stops::one_thing(std::vector<Event>& events) {
   bool candidates = false;
   for (const Side& s : sides_) candidates = candidates || holds(s) || (!locked(s) && at_stop(s) && speed(s) >= -s.rest_speed);
   if (!candidates) return false;
-  accelerate(world_->tree_, world_->state_, world_->work_);
+  accelerate(world_->tree_, world_->state_, world_->workspace_);
   for (Side& s : sides_) {
     if (!holds(s) || pull(s) <= 0) continue;
     s.left = true;
     const Side side = s;
-    act(events, side, Deed::leave, 0);
+    act(events, side, LimitEvent::leave, 0);
     return true;
   }
   for (const Side& s : sides_) {
@@ -173,13 +174,13 @@ bool Stops::one_thing(std::vector<Event>& events) {
     const bool pressed = !s.left && acceleration(s) > 0;
     if (!pressed && speed(s) <= no_speed * s.rest_speed) continue;  // drawn off, or touching at no speed
     const Side side = s;
-    act(events, side, pressed ? Deed::rest : Deed::hit, 0);
+    act(events, side, pressed ? LimitEvent::rest : LimitEvent::hit, 0);
     return true;
   }
   return false;
 }
 
-void Stops::settle(std::vector<Event>& events) {
+void Stops::resolve_limits(std::vector<Event>& events) {
   if (!any()) return;
   for (Side& s : sides_) s.left = false;
   for (int k = 0; k < most_impacts && one_thing(events); ++k) {

@@ -10,7 +10,7 @@
 
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/condition.hpp>
-#include <momentree/simulate/surgery.hpp>
+#include <momentree/simulate/topology_editor.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
@@ -40,11 +40,11 @@ class Stops {
   bool any();
 
   /// Deals with what touches a stop now: impacts, rests, releases. One event for each impact, rest and release.
-  void settle(std::vector<Event>& events);
+  void resolve_limits(std::vector<Event>& events);
 
   /// One step of at most h seconds, which ends early where a stop is hit or must let go, or one of `watches` happens. Returns the
   /// seconds stepped, nothing where the method failed (the state is then what it was).
-  std::optional<double> step(Integrator& method, Books& books, double h, std::span<const Watch> watches = {});
+  std::optional<double> step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches = {});
 
   /// Among joints resting on stops, those which transmitted impulses that a stop can't (it would have pulled) at `event`: lets go
   /// of them. False: there is none.
@@ -52,7 +52,7 @@ class Stops {
 
  private:
   struct Side {
-    int joint, freedom, sign;  // +1: the upper stop
+    int joint, dof, sign;  // +1: the upper stop
     double limit, restitution, rest_speed;
     bool left = false;  // within settle()
   };
@@ -80,8 +80,8 @@ class Stops {
   bool holds(const Side& side) const;
   bool locked(const Side& side) const;
   bool one_thing(std::vector<Event>& events);
-  enum class Deed { hit, rest, leave };
-  void act(std::vector<Event>& events, const Side& side, Deed deed, double restitution);
+  enum class LimitEvent { hit, rest, leave };
+  void act(std::vector<Event>& events, const Side& side, LimitEvent deed, double restitution);
 
   /// Speeds below this fraction of rest_speed count as zero.
   static constexpr double no_speed = 1e-6;

@@ -215,12 +215,12 @@ TEST_CASE("an impact that pulls joints off several stops ends") {
                         .q = 0.0794});
   Simulation sim(model, {.step = 4e-3});
   const auto spring = [&sim](int joint, int leader, double multiplier, double offset, double stiffness, double damping) {
-    const auto effort = [=](const Moment& m) {
+    const auto effort = [=](const EvaluationContext& m) {
       return -stiffness * (m.q({joint})[0] - multiplier * m.q({leader})[0] - offset) -
              damping * (m.v({joint})[0] - multiplier * m.v({leader})[0]);
     };
     sim.drive(std::to_string(joint + 1), effort);
-    sim.drive(std::to_string(leader + 1), [=](const Moment& m) { return -multiplier * effort(m); });
+    sim.drive(std::to_string(leader + 1), [=](const EvaluationContext& m) { return -multiplier * effort(m); });
   };
   spring(1, 0, -1.24, 0.905, 1, 0.03);
   spring(3, 2, 1, 0.876, 3, 0.2);

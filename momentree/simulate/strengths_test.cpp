@@ -102,9 +102,9 @@ TEST_CASE("a strength changes at run time, comes back with a snapshot, and is no
     sim.restore(start);
   }
   CHECK(times[0] == times[1]);
-  const Rehearsal rehearsal = sim.rehearse();
+  const DryRun dry_run = sim.dry_run();
   bool found = false;
-  for (const auto& [name, kind] : rehearsal.joints) found = found || (name == "link0" && kind == Kind::free);
+  for (const auto& [name, kind] : dry_run.joints) found = found || (name == "link0" && kind == Kind::free);
   CHECK(found);
 }
 

@@ -44,7 +44,7 @@ TEST_CASE("simulations of one model, each in a thread, with actions, conditions 
   const Model model = chain();
   const Condition hard = reaction_force("c/3").exceeds(25);
   const Action cut = break_joint("c/4"), hold = lock("c/1");
-  const auto push = [](const Moment& now) { return now.time() < 0.1 ? 0.5 : 0.0; };
+  const auto push = [](const EvaluationContext& now) { return now.time() < 0.1 ? 0.5 : 0.0; };
   std::vector<double> ends(count + 1);
   const auto run = [&](int i) {
     Simulation sim(model, {.method = i % 2 == 0 ? "rk4" : "dopri5"});
@@ -64,7 +64,7 @@ TEST_CASE("simulations of one model, each in a thread, with actions, conditions 
 
 TEST_CASE("branches of one run, each in a thread") {
   Simulation trunk(chain());
-  trunk.drive("c/0", [](const Moment& now) { return -0.2 * now.v({0})[0]; });
+  trunk.drive("c/0", [](const EvaluationContext& now) { return -0.2 * now.v({0})[0]; });
   trunk.when(speed_of("c/4").exceeds(4)).then(break_joint("c/4"));
   REQUIRE(trunk.run_until(0.1) == Status::ok);
   std::vector<Simulation> branches;
@@ -84,7 +84,7 @@ TEST_CASE("one tree that all evaluate, and trees, states and works of each threa
   const State start = start_state(model, shared);
   std::vector<double> kinetic(count);
   in_threads([&](int i) {
-    Work<double> work(shared);
+    Workspace<double> work(shared);
     for (int k = 0; k < 200; ++k) {
       State state = start;
       state.edit().p[0] = 1 + 0.001 * k;

@@ -12,7 +12,7 @@ World::World(const Model& model) : model_(model), first_bodies_(model.size()) {
   const std::vector<SingularJoint> singular = singular_joints(model_);
   if (!singular.empty()) {
     const BodySpec& body = model_[singular.front().body];
-    fail({singular.front().what, "joint '" + body.joint_name + "'", singular.front().hint});
+    throw_error({singular.front().what, "joint '" + body.joint_name + "'", singular.front().hint});
   }
   restore(0, {}, {});
 }
@@ -27,18 +27,19 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   tree_ = Tree(model_);
   first_bodies_ = model_.size();
   declared_ = names_ = Names(model_);
-  holds_ = forest.holds;
+  active_limits_ = forest.active_limits;
   put_together(forest);
-  for (const Hold& h : holds_)
-    MT_REQUIRE(h.freedom >= 0 && h.freedom < info(tree_.joint(carrier({h.joint})).kind).nv, "a freedom that the joint has");
+  for (const ActiveLimit& h : active_limits_)
+    MT_REQUIRE(h.dof >= 0 && h.dof < info(tree_.joint(carrier({h.joint})).kind).nv, "a freedom that the joint has");
   for (auto& [joint, f] : functions) {
     const int b = tree_.carrier(joint);
-    if (b >= 0 && !tree_.joint(b).made && tree_.joint(b).kind == model_[{joint}].joint.kind) tree_.set_function(b, std::move(f));
+    if (b >= 0 && !tree_.joint(b).created_by_event && tree_.joint(b).kind == model_[{joint}].joint.kind)
+      tree_.set_function(b, std::move(f));
   }
   for (const Topology::Loaded& load : loads)
     if (tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);
   State state(tree_);
-  work_ = Work<double>(tree_);
+  workspace_ = Workspace<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
   motions_of_ = accelerations_of_ = {};
 
@@ -106,14 +107,14 @@ void World::put_together(const Forest& forest) {
   for (const auto& [root, name] : forest.mechanisms) names_.name_mechanism(root, name);
 }
 
-void World::evaluate() const { forward_dynamics(tree_, state_, work_); }
+void World::evaluate() const { forward_dynamics(tree_, state_, workspace_); }
 
 const CheckedVector<BodyMotion>& World::motions() const {
   if (motions_of_ == state_.stamp()) return motions_;
-  locate_bodies(tree_, state_, work_);
+  locate_bodies(tree_, state_, workspace_);
   for (const int b : tree_.order()) {
     const auto i = static_cast<std::size_t>(b);
-    motions_[i] = user_motion(tree_, work_.bodies[i], b);
+    motions_[i] = user_motion(tree_, workspace_.bodies[i], b);
   }
   motions_of_ = state_.stamp();
   return motions_;
@@ -121,10 +122,10 @@ const CheckedVector<BodyMotion>& World::motions() const {
 
 const std::vector<BodyAcceleration>& World::accelerations() const {
   if (accelerations_of_ == state_.stamp()) return accelerations_;
-  locate_bodies(tree_, state_, work_);
-  accelerate(tree_, state_, work_);
+  locate_bodies(tree_, state_, workspace_);
+  accelerate(tree_, state_, workspace_);
   accelerations_.assign(static_cast<std::size_t>(model_.size()), {});
-  for (const int b : tree_.order()) accelerations_[static_cast<std::size_t>(b)] = body_acceleration(tree_, state_, work_, b);
+  for (const int b : tree_.order()) accelerations_[static_cast<std::size_t>(b)] = body_acceleration(tree_, state_, workspace_, b);
   accelerations_of_ = state_.stamp();
   return accelerations_;
 }
@@ -137,13 +138,14 @@ int World::carrier(Body number) const {
 
 JointForces World::joint_forces(Body number) const {
   const int b = carrier(number);
-  accelerate(tree_, state_, work_);
-  const Force<double> whole = momentree::reaction(tree_, state_, work_, b), pure = pure_reaction(tree_, state_, work_, b);
+  accelerate(tree_, state_, workspace_);
+  const Force<double> whole = momentree::reaction(tree_, state_, workspace_, b),
+                      pure = pure_reaction(tree_, state_, workspace_, b);
   Values effort;
   double along[6];
-  joint_effort(tree_, state_, work_, b, along);
+  joint_effort(tree_, state_, workspace_, b, along);
   for (int i = 0; i < info(tree_.joint(b).kind).nv; ++i) effort.push_back(along[i]);
-  return {{work_.a.get() + tree_.first_p(b), static_cast<std::size_t>(info(tree_.joint(b).kind).nv)},
+  return {{workspace_.a.get() + tree_.first_p(b), static_cast<std::size_t>(info(tree_.joint(b).kind).nv)},
           {whole.l, whole.h},
           {pure.l, pure.h},
           effort};
@@ -151,17 +153,18 @@ JointForces World::joint_forces(Body number) const {
 
 Wrench World::reaction(Body number) const {
   const int b = carrier(number);
-  accelerate(tree_, state_, work_);
-  const Force<double> whole = momentree::reaction(tree_, state_, work_, b);
+  accelerate(tree_, state_, workspace_);
+  const Force<double> whole = momentree::reaction(tree_, state_, workspace_, b);
   return {whole.l, whole.h};
 }
 
-std::optional<std::pair<double, double>> World::one_freedom(Body number) const {
+std::optional<std::pair<double, double>> World::single_dof(Body number) const {
   const int b = carrier(number);
   evaluate();
   const KindInfo& kind = info(tree_.joint(b).kind);
   if (kind.nq != 1 || kind.nv != 1) return std::nullopt;
-  return std::pair{state_.q()[static_cast<std::size_t>(tree_.first_q(b))], work_.v[static_cast<std::size_t>(tree_.first_p(b))]};
+  return std::pair{state_.q()[static_cast<std::size_t>(tree_.first_q(b))],
+                   workspace_.v[static_cast<std::size_t>(tree_.first_p(b))]};
 }
 
 JointView World::joint(Body number) const {
@@ -189,9 +192,9 @@ JointView World::joint(Body number) const {
           j.pitch,
           tree_.parameters(b),
           state_.q().subspan(static_cast<std::size_t>(tree_.first_q(b)), nq),
-          {work_.v.get() + tree_.first_p(b), nv},
+          {workspace_.v.get() + tree_.first_p(b), nv},
           driven ? std::span(none, nv) : state_.p().subspan(static_cast<std::size_t>(tree_.first_p(b)), nv),
-          {driven ? none : work_.pdot.get() + tree_.first_p(b), nv}};
+          {driven ? none : workspace_.pdot.get() + tree_.first_p(b), nv}};
 }
 
 Model World::first_model() const {
@@ -201,7 +204,8 @@ Model World::first_model() const {
 }
 
 WorldSnapshot World::snapshot() const {
-  WorldSnapshot all{take(tree_, state_), {}, {}, holds_, {model_.bodies().begin() + first_bodies_, model_.bodies().end()}};
+  WorldSnapshot all{
+      take_snapshot(tree_, state_), {}, {}, active_limits_, {model_.bodies().begin() + first_bodies_, model_.bodies().end()}};
   for (int k = 0; k < model_.size(); ++k) {
     if (names_.joint(k) != declared_.joint(k)) all.joint_names.emplace_back(k, names_.joint(k));
     if (names_.mechanism(k) != declared_.mechanism(k)) all.mechanism_names.emplace_back(k, names_.mechanism(k));
@@ -218,7 +222,7 @@ void World::restore(const WorldSnapshot& snapshot) {
     make_room();
   }
   names_ = declared_;
-  holds_ = snapshot.holds;
+  active_limits_ = snapshot.active_limits;
   for (const auto& [number, name] : snapshot.joint_names) names_.name_joint(number, name);
   for (const auto& [root, name] : snapshot.mechanism_names) names_.name_mechanism(root, name);
 }
@@ -247,29 +251,29 @@ void World::set_gravity(Vec3 gravity) {
   state_.replace(0, 0, {}, 0, 0, {}, tree_);
 }
 
-int World::held(int joint, int freedom) const {
-  for (const Hold& h : holds_)
-    if (h.joint == joint && h.freedom == freedom) return h.sign;
+int World::held(int joint, int dof) const {
+  for (const ActiveLimit& h : active_limits_)
+    if (h.joint == joint && h.dof == dof) return h.sign;
   return 0;
 }
 
 unsigned World::held(int joint) const {
   unsigned bits = 0;
-  for (const Hold& h : holds_)
-    if (h.joint == joint) bits |= 1u << h.freedom;
+  for (const ActiveLimit& h : active_limits_)
+    if (h.joint == joint) bits |= 1u << h.dof;
   return bits;
 }
 
 // Holds end with their joint, or with its limits.
-void World::forget_holds() {
-  std::erase_if(holds_, [this](const Hold& h) {
+void World::forget_active_limits() {
+  std::erase_if(active_limits_, [this](const ActiveLimit& h) {
     const int b = tree_.carrier(h.joint);
     const JointParameters* p = tree_.parameters(b);
-    return (tree_.joint(b).locked >> h.freedom & 1u) == 0 || p == nullptr || !p->limits.hard();
+    return (tree_.joint(b).locked >> h.dof & 1u) == 0 || p == nullptr || !p->limits.hard();
   });
 }
 
-Totals World::totals() const { return momentree::totals(tree_, state_, work_); }
+Totals World::totals() const { return momentree::totals(tree_, state_, workspace_); }
 
 std::vector<Mechanism> World::mechanisms() const {
   std::vector<Mechanism> all;

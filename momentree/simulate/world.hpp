@@ -11,7 +11,7 @@
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/motion.hpp>
 #include <momentree/dynamics/totals.hpp>
-#include <momentree/dynamics/work.hpp>
+#include <momentree/dynamics/workspace.hpp>
 #include <momentree/simulate/names.hpp>
 #include <momentree/topology/snapshot.hpp>
 #include <momentree/tree/model.hpp>
@@ -56,15 +56,15 @@ struct Mechanism {
 };
 
 /// A joint's freedom that rests on a stop (sign +1: the upper one).
-struct Hold {
-  int joint, freedom, sign;
+struct ActiveLimit {
+  int joint, dof, sign;
 };
 
 /// All that a world is at an instant: a small value to go back to and to branch from.
 struct WorldSnapshot {
   Snapshot engine;
   std::vector<std::pair<int, std::string>> joint_names, mechanism_names;  ///< those that are not the model's
-  std::vector<Hold> holds;
+  std::vector<ActiveLimit> active_limits;
   std::vector<BodySpec> added;  ///< bodies that came after the start
 };
 
@@ -81,7 +81,7 @@ struct Forest {
   std::vector<Topology::Place> places;                  ///< by body; empty: as in the model, and so are the names of mechanisms
   std::vector<Changed> changed;                         ///< in the order of numbers
   std::vector<std::pair<int, std::string>> mechanisms;  ///< by root
-  std::vector<Hold> holds;
+  std::vector<ActiveLimit> active_limits;
 };
 
 /// What a state document says of one joint: empty lists keep the start value. Where p is given it is used, and v is not.
@@ -101,7 +101,7 @@ class World {
   Model first_model() const;
   const Tree& tree() const { return tree_; }
   const State& state() const {
-    MT_REQUIRE(!work_.in_function, inside_function);
+    MT_REQUIRE(!workspace_.in_function, inside_function);
     return state_;
   }
   double time() const { return state().time(); }
@@ -117,7 +117,7 @@ class World {
   JointForces joint_forces(Body number) const;  ///< of the joint of that number
   Wrench reaction(Body number) const;           ///< of the same, the reaction alone
   /// Coordinate and velocity of a joint with one freedom; nothing for others.
-  std::optional<std::pair<double, double>> one_freedom(Body number) const;
+  std::optional<std::pair<double, double>> single_dof(Body number) const;
   /// Number of the present joint of that name, −1 if there is none.
   int find_joint(std::string_view name) const { return names_.find_joint(name); }
   int find_joint(std::string_view name, std::atomic<int>& number) const { return names_.find_joint(name, number); }
@@ -147,11 +147,11 @@ class World {
   double next_bend(double t) const { return tree_.next_bend(t); }
 
   /// Freedoms that rest on stops.
-  std::span<const Hold> holds() const { return holds_; }
+  std::span<const ActiveLimit> active_limits() const { return active_limits_; }
 
  private:
   friend class Simulation;
-  friend class Surgery;
+  friend class TopologyEditor;
   friend class Stops;
   void put_together(const Forest& forest);
   void put_values(double time, const Forest& forest, std::span<const JointStart> joints, State& state) const;
@@ -164,17 +164,17 @@ class World {
   void load(int body, BodyFunction function);
   void set_time(double time);
   void set_gravity(Vec3 gravity);
-  int held(int joint, int freedom) const;
+  int held(int joint, int dof) const;
   unsigned held(int joint) const;
-  void forget_holds();
+  void forget_active_limits();
 
   Model model_;
   int first_bodies_ = 0;    // those that the world was made with
   Names declared_, names_;  // as the model has them, and now
-  std::vector<Hold> holds_;
+  std::vector<ActiveLimit> active_limits_;
   Tree tree_;
   State state_;
-  mutable Work<double> work_;
+  mutable Workspace<double> workspace_;
   mutable CheckedVector<BodyMotion> motions_;
   mutable std::vector<BodyAcceleration> accelerations_;  // none until they are asked for
   mutable Stamp motions_of_, accelerations_of_;

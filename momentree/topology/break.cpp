@@ -12,20 +12,20 @@ bool can_break(const Tree& tree, Body body) noexcept {
   return tree.joint(body.index).locked != 0 || (p != nullptr && p->any());
 }
 
-Released apply(const Break& change, Tree& tree, State& state, Work<double>& work) noexcept {
+Released apply(const Break& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   MT_REQUIRE(can_break(tree, change.body), "the body is in the tree, and held by a joint: can_break()");
 
-  const Force<double> Pb = articulated_momentum(tree, state, work, b);
-  const Pose pose = user_pose(tree, locate_body(tree, state, work, b), b);
-  const Released released{joint_energy(tree, state, work, b)};
+  const Force<double> Pb = articulated_momentum(tree, state, workspace, b);
+  const Pose pose = user_pose(tree, locate_body(tree, state, workspace, b), b);
+  const Released released{joint_energy(tree, state, workspace, b)};
   const KernelFrame frame = tree.frame(b);
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
   const KindInfo& old = info(tree.joint(b).kind);
   {
     const State::Edit edit = state.edit();
-    shed_momentum(tree, state, work, b, Pb, -1, edit.p.data());
+    shed_momentum(tree, state, workspace, b, Pb, -1, edit.p.data());
   }
 
   tree.detach(b);  // user frame and kernel frame of b are one now

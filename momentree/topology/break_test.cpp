@@ -36,11 +36,11 @@ struct Motions {
   std::vector<Vec3> place, linear, angular;
 };
 Motions motions(const Tree& tree, const State& state) {
-  Work<double> work(tree);
-  locate_bodies(tree, state, work);
+  Workspace<double> workspace(tree);
+  locate_bodies(tree, state, workspace);
   Motions m;
   for (int b = 0; b < tree.bodies(); ++b) {
-    const Kinematics<double>& k = work.bodies[static_cast<std::size_t>(b)];
+    const Kinematics<double>& k = workspace.bodies[static_cast<std::size_t>(b)];
     const Pose pose = user_pose(tree, k, b);
     const Vec3 w = k.R * k.velocity.w;
     m.place.push_back(pose * Vec3{0.1, 0.2, 0.3});
@@ -57,15 +57,15 @@ TEST_CASE("(28) (29) a break changes no pose and no velocity; the ancestors shed
     const Model model = bent_chain(5);
     Tree tree = compile(model);
     State state = start_state(model, tree);
-    Work<double> work(tree);
-    forward_dynamics(tree, state, work);
+    Workspace<double> workspace(tree);
+    forward_dynamics(tree, state, workspace);
     const Motions before = motions(tree, state);
-    const Totals total = totals(tree, state, work);
-    const double rotor_and_spring = joint_energy(tree, state, work, broken);
-    const Released released = apply(Break{{broken}}, tree, state, work);
+    const Totals total = totals(tree, state, workspace);
+    const double rotor_and_spring = joint_energy(tree, state, workspace, broken);
+    const Released released = apply(Break{{broken}}, tree, state, workspace);
     CHECK(released.energy == doctest::Approx(rotor_and_spring).epsilon(1e-15));
     CHECK(rotor_and_spring > 0);
-    CHECK(work.evaluated != state.stamp());
+    CHECK(workspace.evaluated != state.stamp());
     CHECK(tree.bodies() == 5);
     CHECK(tree.parent(broken) == -1);
     CHECK(tree.joint(broken).kind == Kind::free);
@@ -79,7 +79,7 @@ TEST_CASE("(28) (29) a break changes no pose and no velocity; the ancestors shed
       CHECK(norm(after.linear[b] - before.linear[b]) < 1e-12);
       CHECK(norm(after.angular[b] - before.angular[b]) < 1e-12);
     }
-    Work<double> fresh(tree);
+    Workspace<double> fresh(tree);
     const Totals now = totals(tree, state, fresh);
     CHECK(now.kinetic + now.potential + released.energy == doctest::Approx(total.kinetic + total.potential).epsilon(1e-13));
     CHECK(norm(now.linear - total.linear) < 1e-13);
@@ -91,12 +91,12 @@ TEST_CASE("what is broken can't be broken again, and every order of breaks ends 
   const Model model = bent_chain(6);
   Tree tree = compile(model);
   State state = start_state(model, tree);
-  Work<double> work(tree);
+  Workspace<double> workspace(tree);
   const Motions before = motions(tree, state);
   for (int b : {3, 0, 5, 1, 4, 2}) {
     REQUIRE(can_break(tree, {b}));
-    forward_dynamics(tree, state, work);
-    apply(Break{{b}}, tree, state, work);
+    forward_dynamics(tree, state, workspace);
+    apply(Break{{b}}, tree, state, workspace);
     CHECK_FALSE(can_break(tree, {b}));
   }
   const Motions after = motions(tree, state);
@@ -105,6 +105,6 @@ TEST_CASE("what is broken can't be broken again, and every order of breaks ends 
     CHECK(norm(after.linear[b] - before.linear[b]) < 1e-11);
     CHECK(norm(after.angular[b] - before.angular[b]) < 1e-11);
   }
-  CHECK(tree.segments().size() == 1);
-  for (const unsigned char f : tree.flows()) CHECK((f & (flow::root | flow::tip)) == (flow::root | flow::tip));
+  CHECK(tree.kernel_runs().size() == 1);
+  for (const unsigned char f : tree.node_flags()) CHECK((f & (node::root | node::leaf)) == (node::root | node::leaf));
 }

@@ -8,7 +8,7 @@
 // stale. What can't be applied is a developer's mistake and stops the program before anything has changed: a body that is not
 // there, a number that is not finite, a joint that check_joint() finds fault with, and what each change says. Whoever takes
 // changes from users asks before: `can_break`, `floats`, `root_of`, `Tree::alive`, `check_joint`, `check_body`.
-#include <momentree/dynamics/work.hpp>
+#include <momentree/dynamics/workspace.hpp>
 #include <momentree/tree/state.hpp>
 #include <momentree/tree/tree.hpp>
 
@@ -38,13 +38,13 @@ struct ChangeJoint {
 /// impact that takes: their momenta are dropped.
 struct Lock {
   Body body;
-  unsigned freedoms = ~0u;
+  unsigned dofs = ~0u;
 };
 /// Lets them move again; at rest at first: p = Eᵀ Pb. No velocity changes, but for a joint whose motion is prescribed: it is
 /// where and as fast as that says from now on, see SetParameters.
 struct Unlock {
   Body body;
-  unsigned freedoms = ~0u;
+  unsigned dofs = ~0u;
 };
 
 /// `body` becomes the root of its free mechanism. Nothing physical changes: no pose, velocity or acceleration of any body.
@@ -80,7 +80,7 @@ struct Impulse {
 /// evaluation.
 struct Impact {
   Body body;
-  int freedom = 0;
+  int dof = 0;
   double restitution = 0;  ///< 0 (plastic) to 1
 };
 
@@ -111,24 +111,25 @@ struct Released {
   double energy = 0;
 };
 
-Released apply(const Break& change, Tree& tree, State& state, Work<double>& work) noexcept;
-Released apply(const ChangeJoint& change, Tree& tree, State& state, Work<double>& work) noexcept;
-Released apply(const Lock& change, Tree& tree, State& state, Work<double>& work) noexcept;
-Released apply(const Unlock& change, Tree& tree, State& state, Work<double>& work) noexcept;
-Released apply(const Reroot& change, Tree& tree, State& state, Work<double>& work) noexcept;
-Released apply(const Join& change, Tree& tree, State& state, Work<double>& work) noexcept;
-Released apply(const Attach& change, Tree& tree, State& state, Work<double>& work) noexcept;
-Released apply(const Impulse& change, Tree& tree, State& state, Work<double>& work) noexcept;
-Released apply(const SetParameters& change, Tree& tree, State& state, Work<double>& work) noexcept;
+Released apply(const Break& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const ChangeJoint& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const Lock& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const Unlock& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const Reroot& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const Join& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const Attach& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const Impulse& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const SetParameters& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 /// Returns the impulse on the freedom (N s, or N m s). The topology stays.
-double apply(const Impact& change, const Tree& tree, State& state, Work<double>& work) noexcept;
-Released apply(const Remove& change, Tree& tree, State& state, Work<double>& work) noexcept;
+double apply(const Impact& change, const Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const Remove& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 /// Returns the new body.
-Body apply(const Add& change, Tree& tree, State& state, const Work<double>& work);
+Body apply(const Add& change, Tree& tree, State& state, const Workspace<double>& workspace);
 
 /// The same where Pb of the body's joint is given (user frame of the body), because several joints change in one impact: Pb is
 /// then what it was before any of them did.
-Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, State& state, Work<double>& work) noexcept;
+Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, State& state,
+               Workspace<double>& workspace) noexcept;
 
 /// Root of the mechanism that a body belongs to.
 [[nodiscard]] int root_of(const Tree& tree, int b) noexcept;

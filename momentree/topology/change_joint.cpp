@@ -11,7 +11,7 @@ namespace momentree {
 
 namespace {
 
-double rotor_inertia(const Tree& tree, int b, int i) { return tree.armature()[tree.first_p(b) + i]; }
+double armature_of(const Tree& tree, int b, int i) { return tree.armature()[tree.first_p(b) + i]; }
 
 // A joint that is driven now is where its motion has it; its place in p holds the rate.
 void follow_motion(const Tree& tree, int b, double t, double* q, double* p) {
@@ -51,12 +51,13 @@ void new_joint_momenta(const Tree& tree, int b, const double* q, const Force<dou
     if ((tree.link(b).locked >> i & 1u) != 0) p[i] = 0;
 }
 
-Released apply(const ChangeJoint& change, Tree& tree, State& state, Work<double>& work) noexcept {
+Released apply(const ChangeJoint& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   const int b = change.body.index;
-  return apply(change, to_user_frame(tree.frame(b), articulated_momentum(tree, state, work, b)), tree, state, work);
+  return apply(change, to_user_frame(tree.frame(b), articulated_momentum(tree, state, workspace, b)), tree, state, workspace);
 }
 
-Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, State& state, Work<double>& work) noexcept {
+Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, State& state,
+               Workspace<double>& workspace) noexcept {
   const int b = change.body.index;
   MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
   MT_REQUIRE(is_finite(Pb.l) && is_finite(Pb.h), "a finite momentum");
@@ -71,15 +72,15 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
                      reversed == tree.reversed(b);
   double u[6] = {};
   Released released;
-  if (evaluated_on(tree, state, work)) {
-    for (int i = 0; i < old.nv; ++i) u[i] = work.v[static_cast<std::size_t>(first_p + i)];
-    if (!keeps) released.energy = joint_energy(tree, state, work, b);
+  if (evaluated_on(tree, state, workspace)) {
+    for (int i = 0; i < old.nv; ++i) u[i] = workspace.v[static_cast<std::size_t>(first_p + i)];
+    if (!keeps) released.energy = joint_energy(tree, state, workspace, b);
   }
   tree.set_joint(b, change.joint, reversed);
   double p[6] = {};
   new_joint_momenta(tree, b, change.q.begin(), Pb, p);
   for (int i = 0; i < now.nv && keeps; ++i)
-    if ((tree.link(b).locked >> i & 1u) == 0) p[i] += rotor_inertia(tree, b, i) * u[i];
+    if ((tree.link(b).locked >> i & 1u) == 0) p[i] += armature_of(tree, b, i) * u[i];
   Values q = change.q;
   follow_motion(tree, b, state.time(), q.data(), p);
   state.replace(first_q, old.nq, {q.begin(), static_cast<std::size_t>(now.nq)}, first_p, old.nv,
@@ -88,21 +89,21 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
 }
 
 namespace {
-unsigned all_freedoms(const Tree& tree, int b) { return (1u << info(tree.joint(b).kind).nv) - 1; }
+unsigned all_dofs(const Tree& tree, int b) { return (1u << info(tree.joint(b).kind).nv) - 1; }
 }  // namespace
 
-Released apply(const Lock& change, Tree& tree, State& state, Work<double>& work) noexcept {
+Released apply(const Lock& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   Joint joint = tree.joint(b);
-  const unsigned newly = change.freedoms & all_freedoms(tree, b) & ~joint.locked;
+  const unsigned newly = change.dofs & all_dofs(tree, b) & ~joint.locked;
   joint.locked |= newly;
   const int first_p = tree.first_p(b), nv = info(joint.kind).nv;
   double p[6] = {};
   Released released;  // the rotor of a freedom that is locked stops with it
   for (int i = 0; i < nv; ++i) {
-    const double u = work.v[static_cast<std::size_t>(first_p + i)];
-    if ((newly >> i & 1u) != 0) released.energy += 0.5 * rotor_inertia(tree, b, i) * u * u;
+    const double u = workspace.v[static_cast<std::size_t>(first_p + i)];
+    if ((newly >> i & 1u) != 0) released.energy += 0.5 * armature_of(tree, b, i) * u * u;
     if ((joint.locked >> i & 1u) == 0) p[i] = state.p()[static_cast<std::size_t>(first_p + i)];
   }
   tree.set_joint(b, joint);
@@ -114,14 +115,14 @@ Released apply(const Lock& change, Tree& tree, State& state, Work<double>& work)
   return released;
 }
 
-Released apply(const Unlock& change, Tree& tree, State& state, Work<double>& work) noexcept {
+Released apply(const Unlock& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
-  const Force<double> Pb = articulated_momentum(tree, state, work, b);
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
+  const Force<double> Pb = articulated_momentum(tree, state, workspace, b);
   double all[6] = {}, p[6] = {};
-  project(tree, b, joint_state(tree, state, work, b), Pb, all);
+  project(tree, b, joint_state(tree, state, workspace, b), Pb, all);
   Joint joint = tree.joint(b);
-  const unsigned freed = change.freedoms & joint.locked;
+  const unsigned freed = change.dofs & joint.locked;
   joint.locked &= ~freed;
   const KindInfo& kind = info(joint.kind);
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
@@ -135,24 +136,24 @@ Released apply(const Unlock& change, Tree& tree, State& state, Work<double>& wor
   return {};
 }
 
-Released apply(const Impulse& change, Tree& tree, State& state, Work<double>& work) noexcept {
+Released apply(const Impulse& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   MT_REQUIRE(is_finite(change.force) && is_finite(change.torque) && is_finite(change.point),
              "a finite impulse at a finite point");
-  const DenseCrossing<double> body = locate_body(tree, state, work, b);
+  const DenseTransform<double> body = locate_body(tree, state, workspace, b);
   const KernelFrame& frame = tree.frame(b);
   Force<double> W{transpose_times(body.R, change.force), transpose_times(body.R, change.torque)};
   shift(W, transpose_times(frame.R, change.point - frame.r));
   const State::Edit edit = state.edit();
-  absorb(tree, b, joint_state(tree, state, work, b), W, +1, edit.p.data());
-  shed_momentum(tree, state, work, b, W, +1, edit.p.data());
+  absorb(tree, b, joint_state(tree, state, workspace, b), W, +1, edit.p.data());
+  shed_momentum(tree, state, workspace, b, W, +1, edit.p.data());
   return {};
 }
 
-Released apply(const SetParameters& change, Tree& tree, State& state, Work<double>& work) noexcept {
+Released apply(const SetParameters& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   const KindInfo& kind = info(tree.joint(b).kind);
   {
     JointSpec spec = spec_of(tree.joint(b));
@@ -162,15 +163,16 @@ Released apply(const SetParameters& change, Tree& tree, State& state, Work<doubl
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
   double q[7], p[6], all[6] = {};
   const unsigned was_driven = tree.link(b).driven;
-  if (was_driven != 0) project(tree, b, joint_state(tree, state, work, b), articulated_momentum(tree, state, work, b), all);
+  if (was_driven != 0)
+    project(tree, b, joint_state(tree, state, workspace, b), articulated_momentum(tree, state, workspace, b), all);
   for (int i = 0; i < kind.nq; ++i) q[i] = state.q()[static_cast<std::size_t>(first_q + i)];
   for (int i = 0; i < kind.nv; ++i)
     p[i] = state.p()[static_cast<std::size_t>(first_p + i)] -
-           rotor_inertia(tree, b, i) * work.v[static_cast<std::size_t>(first_p + i)];
+           armature_of(tree, b, i) * workspace.v[static_cast<std::size_t>(first_p + i)];
   for (int i = 0; i < kind.nv; ++i)
     if ((was_driven >> i & 1u) != 0) p[i] = all[i];
   tree.set_parameters(b, change.parameters);
-  for (int i = 0; i < kind.nv; ++i) p[i] += rotor_inertia(tree, b, i) * work.v[static_cast<std::size_t>(first_p + i)];
+  for (int i = 0; i < kind.nv; ++i) p[i] += armature_of(tree, b, i) * workspace.v[static_cast<std::size_t>(first_p + i)];
   follow_motion(tree, b, state.time(), q, p);
   state.replace(first_q, kind.nq, {q, static_cast<std::size_t>(kind.nq)}, first_p, kind.nv,
                 {p, static_cast<std::size_t>(kind.nv)}, tree);

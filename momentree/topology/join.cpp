@@ -2,7 +2,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/new_joint.hpp>
-#include <momentree/topology/turn_over.hpp>
+#include <momentree/topology/reverse_path.hpp>
 
 namespace momentree {
 
@@ -12,26 +12,26 @@ namespace {
 // momentum. All that is read is of the state before: the two mechanisms know nothing of each other.
 template <class Coordinates>
 void attach(int b, int to, const Joint& joint, bool reversed, Coordinates coordinates, Tree& tree, State& state,
-            Work<double>& work) noexcept {
-  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+            Workspace<double>& workspace) noexcept {
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   MT_REQUIRE(to == ground.index || tree.alive(to), "the other body is the ground or in the tree");
   MT_REQUIRE(floats(tree, b), floating);
   MT_REQUIRE(to < 0 || root_of(tree, b) != root_of(tree, to), "the bodies belong to different mechanisms");
-  Pose relative = user_pose(tree, locate_body(tree, state, work, b), b);
-  if (to >= 0) relative = inverse(user_pose(tree, locate_body(tree, state, work, to), to)) * relative;
+  Pose relative = user_pose(tree, locate_body(tree, state, workspace, b), b);
+  if (to >= 0) relative = inverse(user_pose(tree, locate_body(tree, state, workspace, to), to)) * relative;
   const int root = root_of(tree, b), first_q = tree.first_q(root), first_p = tree.first_p(root);
   Force<double> Pb;
   {
     const State::Edit edit = state.edit();
     double* p = edit.p.data();
-    Pb = turn_over_momenta(tree, state, work, b, p);
+    Pb = turn_over_momenta(tree, state, workspace, b, p);
     if (to >= 0) {  // into the kernel frame of `to`, whose own joint is the first to absorb it
       const Mat3 R = rotation_matrix(relative.rotation);
       Force<double> W{R * Pb.l, R * Pb.h};
       shift(W, relative.position);
       W = to_kernel_frame(tree.frame(to), W);
-      absorb(tree, to, joint_state(tree, state, work, to), W, +1, p);
-      shed_momentum(tree, state, work, to, W, +1, p);
+      absorb(tree, to, joint_state(tree, state, workspace, to), W, +1, p);
+      shed_momentum(tree, state, workspace, to, W, +1, p);
     }
   }
   tree.attach(b, to, joint, reversed);
@@ -45,18 +45,18 @@ void attach(int b, int to, const Joint& joint, bool reversed, Coordinates coordi
 
 }  // namespace
 
-Released apply(const Join& change, Tree& tree, State& state, Work<double>& work) noexcept {
-  attach(change.body.index, change.to.index, made_free_joint(), false, free_coordinates, tree, state, work);
+Released apply(const Join& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
+  attach(change.body.index, change.to.index, floating_root_joint(), false, free_coordinates, tree, state, workspace);
   return {};
 }
 
-Released apply(const Attach& change, Tree& tree, State& state, Work<double>& work) noexcept {
+Released apply(const Attach& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   const KindInfo& kind = info(change.joint.kind);
   require_joint(change.joint, change.q);
   const auto given = [&](const Pose&, double* q) {
     for (int i = 0; i < kind.nq; ++i) q[i] = change.q[i];
   };
-  attach(change.body.index, change.to.index, change.joint, change.reversed, given, tree, state, work);
+  attach(change.body.index, change.to.index, change.joint, change.reversed, given, tree, state, workspace);
   return {};
 }
 

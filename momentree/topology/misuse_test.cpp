@@ -25,9 +25,9 @@ struct Scene {
   Model model;
   Tree tree;
   State state;
-  Work<double> work;
-  explicit Scene(double mass = 1) : model(make(mass)), tree(model), state(start_state(model, tree)), work(tree) {
-    forward_dynamics(tree, state, work);
+  Workspace<double> workspace;
+  explicit Scene(double mass = 1) : model(make(mass)), tree(model), state(start_state(model, tree)), workspace(tree) {
+    forward_dynamics(tree, state, workspace);
   }
   static Model make(double mass) {
     Model model;
@@ -51,7 +51,7 @@ Misuse of_scene(const char* how, const char* expected, Act act) {
 }
 template <class Change>
 Misuse of_change(const char* how, const char* expected, const Change& change) {
-  return of_scene(how, expected, [change](Scene& s) { apply(change, s.tree, s.state, s.work); });
+  return of_scene(how, expected, [change](Scene& s) { apply(change, s.tree, s.state, s.workspace); });
 }
 
 Joint pin(const Vec3& axis) {
@@ -132,24 +132,24 @@ TEST_CASE("changes with what no joint, impulse or body has") {
       of_scene("Add of a body that is not complete", "complete coordinates and velocities",
                [](Scene& s) {
                  const BodySpec spec{.name = "x", .mass = 1, .joint = Revolute{}};
-                 apply(Add{&spec}, s.tree, s.state, s.work);
+                 apply(Add{&spec}, s.tree, s.state, s.workspace);
                }),
       of_scene("Add to no body", "the ground or in the tree",
                [](Scene& s) {
                  BodySpec spec = s.model[{1}];
                  spec.parent = {9};
-                 apply(Add{&spec}, s.tree, s.state, s.work);
+                 apply(Add{&spec}, s.tree, s.state, s.workspace);
                }),
       of_scene("Add of a mass that is no number", "a body without fault",
                [](Scene& s) {
                  BodySpec spec = s.model[{1}];
                  spec.mass = no_number;
-                 apply(Add{&spec}, s.tree, s.state, s.work);
+                 apply(Add{&spec}, s.tree, s.state, s.workspace);
                }),
       of_scene("a momentum that is no number", "a finite momentum",
                [](Scene& s) {
                  const Force<double> none{{no_number, 0, 0}, {}};
-                 apply(ChangeJoint{{1}, pin(z_axis), {0}}, none, s.tree, s.state, s.work);
+                 apply(ChangeJoint{{1}, pin(z_axis), {0}}, none, s.tree, s.state, s.workspace);
                }),
   };
   for (const Misuse& misuse : all) check_stopped(misuse);
@@ -160,100 +160,101 @@ TEST_CASE("the tree, the state or the work of something else") {
   const char* const stale = "the work was evaluated on this state and this tree as they are now";
   const Misuse all[] = {
       of_scene("forward_dynamics on a tree of the same shape", foreign,
-               [](Scene& s) { forward_dynamics(Scene(2).tree, s.state, s.work); }),
+               [](Scene& s) { forward_dynamics(Scene(2).tree, s.state, s.workspace); }),
       of_scene("forward_dynamics on another tree of the same model", foreign,
-               [](Scene& s) { forward_dynamics(Tree(s.model), s.state, s.work); }),
+               [](Scene& s) { forward_dynamics(Tree(s.model), s.state, s.workspace); }),
       of_scene("forward_dynamics on a larger tree", foreign,
                [](Scene& s) {
                  Model larger = s.model;
                  larger.add({.name = "x", .mass = 1, .inertia = diagonal(1), .joint = Free{}});
                  const Tree tree(larger);
-                 Work<double> work(tree);
-                 forward_dynamics(tree, s.state, work);
+                 Workspace<double> workspace(tree);
+                 forward_dynamics(tree, s.state, workspace);
                }),
-      of_scene("forward_dynamics of a default state", foreign, [](Scene& s) { forward_dynamics(s.tree, State(), s.work); }),
+      of_scene("forward_dynamics of a default state", foreign, [](Scene& s) { forward_dynamics(s.tree, State(), s.workspace); }),
       of_scene("forward_dynamics of a moved-from state", foreign,
                [](Scene& s) {
                  const State moved = std::move(s.state);
-                 forward_dynamics(s.tree, s.state, s.work);
+                 forward_dynamics(s.tree, s.state, s.workspace);
                }),
       of_scene("forward_dynamics on a moved-from tree", foreign,
                [](Scene& s) {
                  const Tree moved = std::move(s.tree);
-                 forward_dynamics(s.tree, s.state, s.work);
+                 forward_dynamics(s.tree, s.state, s.workspace);
                }),
       of_scene("forward_dynamics with a work of a smaller tree", "the work has room for the tree's bodies",
                [](Scene& s) {
                  Model small;
                  small.add({.name = "x", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}});
-                 Work<double> work{Tree(small)};
-                 forward_dynamics(s.tree, s.state, work);
+                 Workspace<double> workspace{Tree(small)};
+                 forward_dynamics(s.tree, s.state, workspace);
                }),
       of_scene("forward_dynamics with a moved-from work", "the work has room for the tree's bodies",
                [](Scene& s) {
-                 const Work<double> moved = std::move(s.work);
-                 forward_dynamics(s.tree, s.state, s.work);
+                 const Workspace<double> moved = std::move(s.workspace);
+                 forward_dynamics(s.tree, s.state, s.workspace);
                }),
       of_scene("a change while the state is edited", "the state's Edit has ended",
                [](Scene& s) {
                  const State::Edit edit = s.state.edit();
-                 forward_dynamics(s.tree, s.state, s.work);
-                 apply(Break{{1}}, s.tree, s.state, s.work);
+                 forward_dynamics(s.tree, s.state, s.workspace);
+                 apply(Break{{1}}, s.tree, s.state, s.workspace);
                }),
       of_scene("a reaction while the state is edited", "the state's Edit has ended",
                [](Scene& s) {
                  const State::Edit edit = s.state.edit();
-                 accelerate(s.tree, s.state, s.work);
-                 static_cast<void>(reaction(s.tree, s.state, s.work, 1));
+                 accelerate(s.tree, s.state, s.workspace);
+                 static_cast<void>(reaction(s.tree, s.state, s.workspace, 1));
                }),
       of_scene("a change of a tree of the same shape", stale,
                [](Scene& s) {
                  Scene other(2);
-                 apply(Break{{1}}, other.tree, s.state, s.work);
+                 apply(Break{{1}}, other.tree, s.state, s.workspace);
                }),
       of_scene("a change of a copy after the tree changed", stale,
                [](Scene& s) {
                  Tree copy = s.tree;
                  copy.detach(3);
-                 apply(Break{{1}}, copy, s.state, s.work);
+                 apply(Break{{1}}, copy, s.state, s.workspace);
                }),
       of_scene("a momentum read on another tree", stale,
-               [](Scene& s) { static_cast<void>(articulated_momentum(Scene(2).tree, s.state, s.work, 1)); }),
+               [](Scene& s) { static_cast<void>(articulated_momentum(Scene(2).tree, s.state, s.workspace, 1)); }),
       of_scene("a body located on another tree", stale,
-               [](Scene& s) { static_cast<void>(locate_body(Scene(2).tree, s.state, s.work, 1)); }),
+               [](Scene& s) { static_cast<void>(locate_body(Scene(2).tree, s.state, s.workspace, 1)); }),
       of_scene("a joint's energy on another tree", stale,
-               [](Scene& s) { static_cast<void>(joint_energy(Scene(2).tree, s.state, s.work, 1)); }),
+               [](Scene& s) { static_cast<void>(joint_energy(Scene(2).tree, s.state, s.workspace, 1)); }),
       of_scene("a reaction on another tree", "the work has the accelerations of this state and this tree",
                [](Scene& s) {
-                 accelerate(s.tree, s.state, s.work);
-                 static_cast<void>(reaction(Scene(2).tree, s.state, s.work, 1));
+                 accelerate(s.tree, s.state, s.workspace);
+                 static_cast<void>(reaction(Scene(2).tree, s.state, s.workspace, 1));
                }),
       of_scene("a momentum of no body", no_body,
-               [](Scene& s) { static_cast<void>(articulated_momentum(s.tree, s.state, s.work, 9)); }),
-      of_scene("locate_body of no body", no_body, [](Scene& s) { static_cast<void>(locate_body(s.tree, s.state, s.work, 9)); }),
+               [](Scene& s) { static_cast<void>(articulated_momentum(s.tree, s.state, s.workspace, 9)); }),
+      of_scene("locate_body of no body", no_body,
+               [](Scene& s) { static_cast<void>(locate_body(s.tree, s.state, s.workspace, 9)); }),
       of_scene("joint_energy of no body", no_body,
-               [](Scene& s) { static_cast<void>(joint_energy(s.tree, s.state, s.work, -3)); }),
+               [](Scene& s) { static_cast<void>(joint_energy(s.tree, s.state, s.workspace, -3)); }),
       of_scene("reaction of no body", no_body,
                [](Scene& s) {
-                 accelerate(s.tree, s.state, s.work);
-                 static_cast<void>(reaction(s.tree, s.state, s.work, 4));
+                 accelerate(s.tree, s.state, s.workspace);
+                 static_cast<void>(reaction(s.tree, s.state, s.workspace, 4));
                }),
       of_scene("pure_reaction of no body", no_body,
                [](Scene& s) {
-                 accelerate(s.tree, s.state, s.work);
-                 static_cast<void>(pure_reaction(s.tree, s.state, s.work, -1));
+                 accelerate(s.tree, s.state, s.workspace);
+                 static_cast<void>(pure_reaction(s.tree, s.state, s.workspace, -1));
                }),
       of_scene("joint_effort of no body", no_body,
                [](Scene& s) {
-                 accelerate(s.tree, s.state, s.work);
+                 accelerate(s.tree, s.state, s.workspace);
                  double effort[6];
-                 joint_effort(s.tree, s.state, s.work, 4, effort);
+                 joint_effort(s.tree, s.state, s.workspace, 4, effort);
                }),
       of_scene("body_acceleration of no body", no_body,
                [](Scene& s) {
-                 locate_bodies(s.tree, s.state, s.work);
-                 accelerate(s.tree, s.state, s.work);
-                 static_cast<void>(body_acceleration(s.tree, s.state, s.work, 5));
+                 locate_bodies(s.tree, s.state, s.workspace);
+                 accelerate(s.tree, s.state, s.workspace);
+                 static_cast<void>(body_acceleration(s.tree, s.state, s.workspace, 5));
                }),
       of_scene("joint_spring of a joint without one", "the joint has a spring",
                [](Scene& s) {
@@ -268,14 +269,14 @@ TEST_CASE("methods of integration") {
   const auto with_method = [](const char* name, auto act) {
     return [name, act] {
       Scene s;
-      Evaluator evaluate(s.tree, s.work);
-      Books books;
+      Evaluator evaluate(s.tree, s.workspace);
+      EnergyLedger ledger;
       const auto method = make_integrator(name, s.tree);
-      act(s, evaluate, books, *method);
+      act(s, evaluate, ledger, *method);
     };
   };
   using E = Evaluator;
-  using B = Books;
+  using B = EnergyLedger;
   using I = Integrator;
   for (const std::string& name : integration_methods()) {
     CAPTURE(name);
@@ -302,8 +303,8 @@ TEST_CASE("methods of integration") {
         {"a tree that has grown", "the method was made for a tree of that many bodies",
          with_method(method,
                      [](Scene& s, E& e, B& b, I& m) {
-                       apply(Add{&s.model[{1}]}, s.tree, s.state, s.work);
-                       s.work = Work<double>(s.tree);
+                       apply(Add{&s.model[{1}]}, s.tree, s.state, s.workspace);
+                       s.workspace = Workspace<double>(s.tree);
                        e(s.state);
                        static_cast<void>(m.step(e, s.state, b, 1e-3));
                      })},

@@ -1,7 +1,7 @@
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/topology/change.hpp>
-#include <momentree/topology/turn_over.hpp>
+#include <momentree/topology/reverse_path.hpp>
 
 namespace momentree {
 
@@ -20,29 +20,29 @@ bool floats(const Tree& tree, int b) noexcept {
 }
 
 // tot = Pb of the root; along the path, tot ← X⁻ᵀ tot, and the joint turned over keeps what is on its other side: p ← p − Eᵀ tot.
-Force<double> turn_over_momenta(const Tree& tree, const State& state, Work<double>& work, int b, double* p) noexcept {
+Force<double> turn_over_momenta(const Tree& tree, const State& state, Workspace<double>& workspace, int b, double* p) noexcept {
   int length = 0, root = b;
-  for (; tree.parent(root) >= 0; root = tree.parent(root)) work.path[static_cast<std::size_t>(length++)] = root;
+  for (; tree.parent(root) >= 0; root = tree.parent(root)) workspace.path[static_cast<std::size_t>(length++)] = root;
   const double* r = state.p().data() + tree.first_p(root);
   Force<double> total{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
   while (length > 0) {
-    const int x = work.path[static_cast<std::size_t>(--length)];
-    const DenseCrossing<double> crossing = joint_crossing(tree, state, work, x);
+    const int x = workspace.path[static_cast<std::size_t>(--length)];
+    const DenseTransform<double> crossing = joint_transform_of(tree, state, workspace, x);
     total = {transpose_times(crossing.R, total.l), transpose_times(crossing.R, total.h - cross(crossing.r, total.l))};
-    absorb(tree, x, joint_state(tree, state, work, x), total, -1, p);
+    absorb(tree, x, joint_state(tree, state, workspace, x), total, -1, p);
   }
   return to_user_frame(tree.frame(b), total);
 }
 
-Released apply(const Reroot& change, Tree& tree, State& state, Work<double>& work) noexcept {
+Released apply(const Reroot& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   const int b = change.body.index;
-  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   MT_REQUIRE(floats(tree, b), floating);
-  const Pose pose = user_pose(tree, locate_body(tree, state, work, b), b);
+  const Pose pose = user_pose(tree, locate_body(tree, state, workspace, b), b);
   const int root = root_of(tree, b), first_q = tree.first_q(root), first_p = tree.first_p(root);
   const Force<double> P = [&] {
     const State::Edit edit = state.edit();
-    return turn_over_momenta(tree, state, work, b, edit.p.data());
+    return turn_over_momenta(tree, state, workspace, b, edit.p.data());
   }();
   tree.reroot(b);
   double q[7];

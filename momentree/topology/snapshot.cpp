@@ -1,11 +1,11 @@
 #include <momentree/topology/snapshot.hpp>
 
 #include <momentree/base/check.hpp>
-#include <momentree/dynamics/work.hpp>
+#include <momentree/dynamics/workspace.hpp>
 
 namespace momentree {
 
-Snapshot take(const Tree& tree, const State& state) {
+Snapshot take_snapshot(const Tree& tree, const State& state) {
   MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
   return {tree.topology(), state.time(), {state.q().begin(), state.q().end()}, {state.p().begin(), state.p().end()}};
 }

@@ -15,7 +15,7 @@ struct Snapshot {
   std::vector<double> q, p;  ///< packed, as in the state
 };
 
-[[nodiscard]] Snapshot take(const Tree& tree, const State& state);
+[[nodiscard]] Snapshot take_snapshot(const Tree& tree, const State& state);
 
 /// The tree was compiled from the same model as that which the snapshot was taken of. Work that was evaluated before is stale
 /// afterwards, even where nothing had changed.

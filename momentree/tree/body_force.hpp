@@ -37,10 +37,10 @@ struct Wrench {
   Vec3 force, torque;  ///< N, N m
 };
 
-class Moment;
+class EvaluationContext;
 /// What acts on a body, as a function of the world: about the origin of the body's frame, in world axes. Called at every stage of
 /// a step; must not throw, and what it returns may depend on the moment alone.
-using BodyFunction = std::function<Wrench(const Moment&)>;
+using BodyFunction = std::function<Wrench(const EvaluationContext&)>;
 
 /// What is wrong with a force by itself: empty if nothing. `field` names the scenario key at fault.
 struct ForceProblem {

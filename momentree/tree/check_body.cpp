@@ -71,7 +71,7 @@ class Checks {
     if (const QuaternionCheck bad = check_quaternion(r.w, r.x, r.y, r.z); bad.what) add(field, bad.what, bad.hint);
   }
   // One value for every freedom, or one per freedom.
-  void per_freedom(const char* field, const Values& values, const KindInfo& kind, bool negative_allowed) {
+  void per_dof(const char* field, const Values& values, const KindInfo& kind, bool negative_allowed) {
     if (!finite(values)) return add(field, "must be finite");
     if (values.size() > 1 && values.size() != kind.nv)
       add(field,
@@ -96,7 +96,7 @@ class Checks {
     }
     for (int i = 0; i < kind.nv; ++i)
       if (!(l.lower_of(i) < l.upper_of(i))) return add("limits", "'lower' must be less than 'upper'");
-    per_freedom("limits", l.restitution, kind, false);
+    per_dof("limits", l.restitution, kind, false);
     if (std::any_of(l.restitution.begin(), l.restitution.end(), [](double e) { return e > 1; }))
       add("limits", "a restitution of more than 1 would make energy", "0 is plastic, 1 elastic");
     if (!(l.rest_speed > 0) || !std::isfinite(l.rest_speed)) add("limits", "'rest_speed' must be positive");
@@ -139,7 +139,7 @@ class Checks {
       add("drive", std::string("'") + what + "' must be finite");
   }
   void drive(const JointParameters& p, const KindInfo& kind) {
-    per_freedom("drive", p.effort, kind, true);
+    per_dof("drive", p.effort, kind, true);
     if (p.effort.size() == 1 && kind.nv > 1) one_effort_for_many(kind);
     if (p.drive == nullptr) return;
     const JointDrive& d = *p.drive;
@@ -210,9 +210,9 @@ std::vector<JointProblem> check_joint(const JointSpec& joint) {
   if (kind.pitch && joint.pitch == 0) checks.add("pitch", "a pitch of zero does not move along the axis", "use a revolute joint");
 
   const JointParameters& p = joint.parameters;
-  checks.per_freedom("damping", p.damping, kind, false);
-  checks.per_freedom("stiffness", p.stiffness, kind, false);
-  checks.per_freedom("armature", p.armature, kind, false);
+  checks.per_dof("damping", p.damping, kind, false);
+  checks.per_dof("stiffness", p.stiffness, kind, false);
+  checks.per_dof("armature", p.armature, kind, false);
   checks.drive(p, kind);
   checks.coordinates("rest", p.rest, kind);
   checks.limits(p.limits, kind);

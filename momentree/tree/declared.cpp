@@ -37,12 +37,12 @@ std::uint64_t pair(int high, int low) {
 
 auto words(const Joint& j) {
   return Words<24>()(j.at)(j.child_at)(j.axis)(j.axis2)(j.pitch)(pair(static_cast<int>(j.kind), j.parameters))(
-             pair(static_cast<int>(j.locked), j.function))(std::uint64_t{j.made})
+             pair(static_cast<int>(j.locked), j.function))(std::uint64_t{j.created_by_event})
       .all();
 }
 auto words(const MassProperties& m) { return Words<10>()(m.mass)(m.com)(m.inertia).all(); }
 
-auto words(const Link& k, const KernelFrame& frame) {
+auto words(const LinkConstants& k, const KernelFrame& frame) {
   return Words<38>()(k.cos_a)(k.sin_a)(k.cs_a)(k.ss_a)(k.r)(k.d)(k.cos_b)(k.sin_b)(k.body.m)(k.body.mc)(k.body.J)(
              pair(static_cast<int>(k.shape), k.locked << 8 | k.driven))(k.cos_0)(k.sin_0)(k.angle_0)(k.geometry[0])(
              k.geometry[1])(frame.R)(frame.r)
@@ -93,13 +93,13 @@ int number_in(std::vector<T>& list, Distinct& numbers, const T& value, const Sam
 
 }  // namespace
 
-FreedomParameters spread(const JointParameters& parameters) {
-  FreedomParameters f;
+DofParameters spread(const JointParameters& parameters) {
+  DofParameters f;
   for (std::size_t i = 0; i < 6; ++i) {
-    const int freedom = static_cast<int>(i);
-    f.armature[i] = parameters.armature.of(freedom);
-    f.damping[i] = parameters.damping.of(freedom);
-    f.effort[i] = parameters.effort.of(freedom);
+    const int dof = static_cast<int>(i);
+    f.armature[i] = parameters.armature.of(dof);
+    f.damping[i] = parameters.damping.of(dof);
+    f.effort[i] = parameters.effort.of(dof);
   }
   f.rotor = parameters.armature.any();
   f.spring = parameters.stiffness.any();
@@ -127,8 +127,8 @@ std::shared_ptr<Declared> declare(const Model& model) {
                    number_in(d.masses, masses, {s.mass, s.com, s.inertia}, same_words), -1};
   }
   shrink(d.joints), shrink(d.masses);
-  d.freedoms.reserve(d.parameters.size());
-  for (const JointParameters& p : d.parameters) d.freedoms.push_back(spread(p));
+  d.dofs.reserve(d.parameters.size());
+  for (const JointParameters& p : d.parameters) d.dofs.push_back(spread(p));
   d.fingerprint = fingerprint_of(d);
   return declared;
 }
@@ -142,7 +142,7 @@ LinkCollector::LinkCollector(Declared& declared) : declared_(declared) {
   declared.links.frames.reserve(declared.bodies.size());
 }
 
-int LinkCollector::take(int body, int first_child, const Link& link, const KernelFrame& frame) {
+int LinkCollector::take(int body, int first_child, const LinkConstants& link, const KernelFrame& frame) {
   SharedLinks& list = declared_.links;
   const auto own = words(link, frame);
   const int number = numbers_.number(

@@ -20,9 +20,9 @@ struct Joint {
   Pose at{}, child_at{};
   Vec3 axis{0, 0, 1}, axis2{};
   double pitch = 0;
-  unsigned locked = 0;  ///< a bit per freedom that is frozen, in the order of v
-  bool made = false;    ///< a free root joint that a change made: its place in a mechanism is that of no declared joint
-  int function = -1;    ///< index of its drive for Tree::function, −1: none
+  unsigned locked = 0;            ///< a bit per freedom that is frozen, in the order of v
+  bool created_by_event = false;  ///< a free root joint that a change made: its place in a mechanism is that of no declared joint
+  int function = -1;              ///< index of its drive for Tree::function, −1: none
 };
 /// Kind and geometry of a joint, without placements and parameters.
 inline JointSpec spec_of(const Joint& joint) {
@@ -39,11 +39,11 @@ struct MassProperties {
 };
 
 /// Parameters spread over the freedoms: what relinking copies.
-struct FreedomParameters {
+struct DofParameters {
   std::array<double, 6> armature{}, damping{}, effort{};
   bool rotor = false, spring = false, force = false, drive = false, motion = false, strength = false;
 };
-FreedomParameters spread(const JointParameters& parameters);
+DofParameters spread(const JointParameters& parameters);
 
 /// The model as its trees see it.
 struct Declared {
@@ -55,8 +55,8 @@ struct Declared {
   std::vector<Joint> joints;
   std::vector<MassProperties> masses;
   std::vector<JointParameters> parameters;
-  std::vector<FreedomParameters> freedoms;  ///< the same, by their numbers
-  SharedLinks links;                        ///< of the declared topology
+  std::vector<DofParameters> dofs;  ///< the same, by their numbers
+  SharedLinks links;                ///< of the declared topology
   std::vector<BodyForce> forces;
   /// Of all that a snapshot of coordinates and momenta relies on: models with the same bodies and joints have the same one.
   std::uint64_t fingerprint = 0;
@@ -72,7 +72,7 @@ class LinkCollector {
   /// There is room for all: links that were taken stay where they are.
   explicit LinkCollector(Declared& declared);
   /// Returns the number of the link.
-  int take(int body, int first_child, const Link& link, const KernelFrame& frame);
+  int take(int body, int first_child, const LinkConstants& link, const KernelFrame& frame);
   /// Gives back the room that was not needed, if it was much: links move then, and it returns true.
   bool finish();
 

@@ -25,7 +25,7 @@ void Tree::hang(int b, int parent) {
 // What hangs on b stood at [begin, end) of the order: it moves to where b hangs now.
 void Tree::move_tree(int b, int begin, int end) {
   move_block(begin, end, end_of(b));
-  arrange();
+  build_runs();
 }
 
 void Tree::require_valid(const Joint& joint) const {
@@ -52,8 +52,8 @@ void Tree::detach(int b) {
   const int begin = place_[at(b)], end = end_of(b);
   unlink(b);
   hang(b, -1);
-  if (replace_joint(b, made_free_joint(), false)) list_special_joints();
-  renew(b);
+  if (replace_joint(b, floating_root_joint(), false)) list_special_joints();
+  update_frames(b);
   if (was_first) renew_child_changed(outer);
   move_tree(b, begin, end);
   weigh_path(outer);
@@ -62,7 +62,7 @@ void Tree::detach(int b) {
 
 // From b up to the root, each body's parent is hung below it: joints keep their numbers and what is packed for them, carriers
 // move one body inboard. Returns the old root.
-int Tree::turn_over(int b) {
+int Tree::reverse_path(int b) {
   int root = b;
   while (parent_[at(root)] >= 0) root = parent_[at(root)];
   MT_REQUIRE(joint(root).kind == Kind::free, "the root is joined to the ground by a free joint");
@@ -96,7 +96,7 @@ void Tree::attach(int b, int parent, const Joint& joint, bool reversed) {
   MT_REQUIRE(parent >= ground.index, "the parent is a body or the ground");
   for (int a = parent; a >= 0; a = parent_[index(a)]) MT_REQUIRE(a != root, "the parent belongs to another tree");
   const int begin = place_[at(root)], end = end_of(root);
-  turn_over(b);
+  reverse_path(b);
   if (parent >= 0) {
     unlink(b);
     hang(b, parent);
@@ -113,20 +113,20 @@ void Tree::attach(int b, int parent, const Joint& joint, bool reversed) {
     make_outboard_links(a, below);
     below = a;
   }
-  renew(b);
-  walk(b, begin);
+  update_frames(b);
+  number_depth_first(b, begin);
   move_tree(b, begin, end);
   weigh_path(root);
   revision_.renew();
 }
 
-void Tree::reroot(int b) { attach(b, -1, made_free_joint(), false); }
+void Tree::reroot(int b) { attach(b, -1, floating_root_joint(), false); }
 
 void Tree::set_joint(int b, const Joint& joint, bool reversed) {
   MT_REQUIRE(alive(b), known_body);
   if (replace_joint(b, joint, reversed)) list_special_joints();
-  renew(b);
-  arrange();
+  update_frames(b);
+  build_runs();
   revision_.renew();
 }
 
@@ -141,7 +141,7 @@ void Tree::set_parameters(int b, const JointParameters& parameters) {
   Joint joint = this->joint(b);
   joint.parameters = number;
   if (replace_joint(b, joint, reversed(b))) list_special_joints();
-  arrange();
+  build_runs();
   revision_.renew();
 }
 
@@ -178,7 +178,7 @@ void Tree::remove(int b) {
   }
   order_.erase(order_.begin() + begin, order_.begin() + end);
   pack_all();
-  arrange();
+  build_runs();
   revision_.renew();
 }
 
@@ -195,12 +195,12 @@ int Tree::add(const BodySpec& spec) {
   own_joint(b).joint = joint;
   hang(b, outer);
   order_.insert(order_.begin() + end_of(b), b);
-  take_places(b);
+  assign_offsets(b);
   pack(b);
   list_special_joints();
-  renew(b);
+  update_frames(b);
   put_locks(b);  // it has a link only now
-  arrange();
+  build_runs();
   weigh_path(b);
   revision_.renew();
   return b;
@@ -223,10 +223,10 @@ int Tree::give_parameters(int joint, const JointParameters& parameters) {
   if (own.parameters < 0) {
     own.parameters = static_cast<int>(own_parameters_.size());
     own_parameters_.emplace_back();
-    own_freedoms_.emplace_back();
+    own_dofs_.emplace_back();
   }
   own_parameters_[at(own.parameters)] = parameters;
-  own_freedoms_[at(own.parameters)] = spread(parameters);
+  own_dofs_[at(own.parameters)] = spread(parameters);
   return shared_parameters() + own.parameters;
 }
 

@@ -33,7 +33,7 @@ void unit_pair(double& c, double& s) {
 }
 
 // R = Rz(β) Rx(α) Rz(θ0), stable where α is small: β is found from the tilt, θ0 from what then remains.
-void factorise(const Mat3& R, Link& k) {
+void factorise(const Mat3& R, LinkConstants& k) {
   const double x = std::fabs(R.xz) < 1e-15 ? 0 : R.xz;
   const double tilt = std::sqrt(x * x + R.yz * R.yz);
   if (x == 0 || tilt < 1e-15) {
@@ -85,14 +85,14 @@ double foot(const Vec3& d, const Vec3& r) {
 }
 
 // Lengths that are zero but for rounding, and what the link lacks of a general one.
-void find_shape(Link& k, bool turns, double scale) {
+void find_shape(LinkConstants& k, bool turns, double scale) {
   const double smallest = 8e-16 * scale;
   const auto zero = [smallest](double x) { return std::fabs(x) <= smallest; };
   k.cs_a = k.cos_a * k.sin_a, k.ss_a = k.sin_a * k.sin_a;
   k.d = 0;
-  k.shape = LinkShape::general;
+  k.shape = PlacementShape::general;
   if (k.sin_b != 0 || k.cos_b != 1) return;
-  k.shape = LinkShape::tilted;
+  k.shape = PlacementShape::tilted;
   if (!turns) return;
   // The child's axis is (0, −sin α, cos α).
   const double d = k.cos_a * k.r.z - k.sin_a * k.r.y;
@@ -103,27 +103,29 @@ void find_shape(Link& k, bool turns, double scale) {
   const bool has_a = k.r.x != 0, has_d = k.d != 0;
   // Both, for the cosine of 1e-8 is 1.
   if (k.sin_a == 1 && k.cos_a == 0)
-    k.shape = has_a ? (has_d ? LinkShape::right : LinkShape::right_a) : has_d ? LinkShape::right_d : LinkShape::right_meeting;
+    k.shape = has_a   ? (has_d ? PlacementShape::right : PlacementShape::right_a)
+              : has_d ? PlacementShape::right_d
+                      : PlacementShape::right_meeting;
   else if (k.cos_a == 1 && k.sin_a == 0 && has_a)
-    k.shape = has_d ? LinkShape::parallel : LinkShape::parallel_a;
+    k.shape = has_d ? PlacementShape::parallel : PlacementShape::parallel_a;
   else
-    k.shape = !has_a ? LinkShape::screw_d : has_d ? LinkShape::screw : LinkShape::screw_a;
+    k.shape = !has_a ? PlacementShape::screw_d : has_d ? PlacementShape::screw : PlacementShape::screw_a;
 }
 
 }  // namespace
 
 void Tree::make_frame(int b) {
-  Link& link = links_.own(at(b));
+  LinkConstants& link = links_.own(at(b));
   if (is_welded(b)) {
     // That of the body that it is welded to, so that nothing has to cross the weld.
     const KernelFrame outer = parent_[at(b)] < 0 ? KernelFrame{} : frame(parent_[at(b)]),
                       place = welded_at(joint(b), reversed(b));
     links_.own_frame(at(b)) = {transpose(place.R) * outer.R, transpose_times(place.R, outer.r - place.r)};
-    const Link none;
+    const LinkConstants none;
     const unsigned char locked = link.locked, driven = link.driven;
     link = none;
     link.locked = locked, link.driven = driven;
-    put_mass(b, link);
+    set_mass_properties(b, link);
     classify(b);
     return;
   }
@@ -155,11 +157,11 @@ void Tree::make_frame(int b) {
   }
   const Mat3 R = side * mine.C;
   links_.own_frame(at(b)) = {R, mine.own.position + slide * Vec3{R.xz, R.yz, R.zz}};
-  put_mass(b, link);
+  set_mass_properties(b, link);
 }
 
 // The mass properties of b, in its kernel frame.
-void Tree::put_mass(int b, Link& link) const {
+void Tree::set_mass_properties(int b, LinkConstants& link) const {
   const KernelFrame& own = frame(b);
   const MassProperties& m = mass(b);
   const Vec3 r = transpose_times(own.R, m.com - own.r);
@@ -177,7 +179,7 @@ void Tree::make_link(int b) {
   const Carried mine = carried(joint(b), reversed(b), geometry);
   const KernelFrame own = frame(b);
   const KernelFrame outer = parent_[at(b)] < 0 ? KernelFrame{} : frame(parent_[at(b)]);
-  Link& k = links_.own(at(b));
+  LinkConstants& k = links_.own(at(b));
   // The joint's axes C are what the kernel frame has beyond the joint's side: with the choice of x.
   const Mat3 C = transpose(rotation_matrix(mine.own.rotation)) * own.R;
   const Mat3 axes = rotation_matrix(mine.outer.rotation) * C;
@@ -194,7 +196,7 @@ void Tree::make_link(int b) {
 
 // What the order is cut into segments by, of the link.
 void Tree::classify(int b) {
-  const Link& k = links_[at(b)];
+  const LinkConstants& k = links_[at(b)];
   class_[at(b)].parallel = k.cos_a == 1 && k.sin_a == 0;
   class_[at(b)].aligned = aligned(k);
 }
@@ -254,7 +256,7 @@ int Tree::carrier_of(int b) const {
 
 // The joint of b changed: so may its frame, and that of its parent, whose x looks to the joint of its first child; and every link
 // that touches them.
-void Tree::renew(int b) {
+void Tree::update_frames(int b) {
   const int outer = parent_[at(b)];
   if (is_welded(b) && outer >= 0) {
     const int carrier = carrier_of(b);

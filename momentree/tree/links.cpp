@@ -5,10 +5,10 @@
 namespace momentree {
 
 // Pointers to own links that stood at `from` follow them.
-void LinkTable::move(const Link* from, std::size_t count) {
+void LinkTable::move(const LinkConstants* from, std::size_t count) {
   if (count == 0 || from == own_.data()) return;
   const std::less<> before;
-  for (const Link*& link : at_)
+  for (const LinkConstants*& link : at_)
     if (link != nullptr && !before(link, from) && before(link, from + count)) link = own_.data() + (link - from);
 }
 
@@ -22,12 +22,12 @@ LinkTable& LinkTable::operator=(const LinkTable& other) {
   return *this;
 }
 
-Link& LinkTable::own(std::size_t body) {
-  const Link* const link = at_[body];
+LinkConstants& LinkTable::own(std::size_t body) {
+  const LinkConstants* const link = at_[body];
   if (link != nullptr && is_own(link)) return own_[static_cast<std::size_t>(link - own_.data())];
   MT_REQUIRE(own_.size() < own_.capacity(), "there is room for a link of every body's own");
   const KernelFrame frame = link != nullptr ? this->frame(body) : KernelFrame{};
-  own_.push_back(link != nullptr ? *link : Link{});
+  own_.push_back(link != nullptr ? *link : LinkConstants{});
   own_frames_.push_back(frame);
   at_[body] = &own_.back();
   return own_.back();
@@ -42,7 +42,7 @@ void LinkTable::give_back(std::size_t body, std::size_t number) {
 void LinkTable::resize(std::size_t bodies) {
   at_.resize(bodies, nullptr);
   if (own_.capacity() >= bodies) return;
-  const Link* const from = own_.data();
+  const LinkConstants* const from = own_.data();
   reserve(own_, bodies), reserve(own_frames_, bodies);
   move(from, own_.size());
 }

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include <momentree/joint/link.hpp>
+#include <momentree/joint/link_constants.hpp>
 #include <momentree/tree/reserved.hpp>
 
 namespace momentree {
@@ -17,7 +17,7 @@ struct KernelFrame {
 
 /// Links and frames, equal pairs once: a rope of a million bodies has three.
 struct SharedLinks {
-  std::vector<Link> links;
+  std::vector<LinkConstants> links;
   std::vector<KernelFrame> frames;
 };
 
@@ -32,17 +32,17 @@ class LinkTable {
   ~LinkTable() = default;
 
   bool has(std::size_t body) const { return at_[body] != nullptr; }
-  const Link& operator[](std::size_t body) const { return *at_[body]; }
+  const LinkConstants& operator[](std::size_t body) const { return *at_[body]; }
   const KernelFrame& frame(std::size_t body) const {
-    const Link* const link = at_[body];
+    const LinkConstants* const link = at_[body];
     return is_own(link) ? own_frames_[static_cast<std::size_t>(link - own_.data())]
                         : shared_->frames[static_cast<std::size_t>(link - shared_->links.data())];
   }
 
   /// The body's own link and frame, at first those that it shared. Does not allocate.
-  Link& own(std::size_t body);
+  LinkConstants& own(std::size_t body);
   KernelFrame& own_frame(std::size_t body) {
-    const Link& link = own(body);
+    const LinkConstants& link = own(body);
     return own_frames_[static_cast<std::size_t>(&link - own_.data())];
   }
 
@@ -56,15 +56,15 @@ class LinkTable {
   void give_back(std::size_t body, std::size_t number);
 
  private:
-  bool is_own(const Link* link) const {
+  bool is_own(const LinkConstants* link) const {
     const std::less<> before;
     return !before(link, own_.data()) && before(link, own_.data() + own_.size());
   }
-  void move(const Link* from, std::size_t count);
+  void move(const LinkConstants* from, std::size_t count);
 
-  std::vector<const Link*> at_;
+  std::vector<const LinkConstants*> at_;
   std::shared_ptr<const SharedLinks> shared_;
-  Reserved<Link> own_;
+  Reserved<LinkConstants> own_;
   Reserved<KernelFrame> own_frames_;
 };
 

@@ -192,11 +192,11 @@ TEST_CASE("a topology or a snapshot of something else") {
       {"a snapshot of another tree", "one of this tree as it is now",
        [&] {
          const Tree other(arm());
-         static_cast<void>(take(other, state));
+         static_cast<void>(take_snapshot(other, state));
        }},
       {"a snapshot with coordinates missing", "the coordinates and momenta are of this topology",
        [&] {
-         Snapshot snapshot = take(tree, state);
+         Snapshot snapshot = take_snapshot(tree, state);
          snapshot.q.pop_back();
          restore(snapshot, tree, state);
        }},

@@ -57,7 +57,7 @@ std::vector<std::string> names(const auto& by_name) {
 Body look_up(const auto& by_name, std::string_view name, const char* what) {
   const auto found = by_name.find(name);
   if (found == by_name.end())
-    fail({"there is no " + std::string(what) + " '" + std::string(name) + "'", "", did_you_mean(name, names(by_name))});
+    throw_error({"there is no " + std::string(what) + " '" + std::string(name) + "'", "", did_you_mean(name, names(by_name))});
   return {found->second};
 }
 
@@ -65,20 +65,21 @@ Body look_up(const auto& by_name, std::string_view name, const char* what) {
 
 Body Model::add(BodySpec spec) {
   const MassProblem problem = check_mass(spec.mass, spec.inertia);
-  if (!problem.what.empty() && !problem.warning) fail({problem.what, spec.name, problem.hint});
+  if (!problem.what.empty() && !problem.warning) throw_error({problem.what, spec.name, problem.hint});
   return add_unjudged(std::move(spec));
 }
 
 Body Model::add_unjudged(BodySpec spec) {
-  for (const BodyProblem& problem : check_body(spec)) fail({problem.field + ": " + problem.what, spec.name, problem.hint});
+  for (const BodyProblem& problem : check_body(spec)) throw_error({problem.field + ": " + problem.what, spec.name, problem.hint});
   if (spec.parent.index < -1 || spec.parent.index >= size())
-    fail({"the parent is not a body of this model", spec.name, "add the parent first, and give what add() returned for it"});
+    throw_error(
+        {"the parent is not a body of this model", spec.name, "add the parent first, and give what add() returned for it"});
   complete(spec);
   if (spec.q.size() == 1) begin_motion(spec.joint.parameters.drive, spec.q[0], 0);
   if (by_body_->contains(spec.name))
-    fail({"there is a body of that name already", spec.name, "names of bodies are unique in a model"});
+    throw_error({"there is a body of that name already", spec.name, "names of bodies are unique in a model"});
   if (by_joint_->contains(spec.joint_name))
-    fail({"there is a joint '" + spec.joint_name + "' already", spec.name, "names of joints are unique in a model"});
+    throw_error({"there is a joint '" + spec.joint_name + "' already", spec.name, "names of joints are unique in a model"});
 
   const int index = size();
   by_body_.own().emplace(spec.name, index);
@@ -89,15 +90,15 @@ Body Model::add_unjudged(BodySpec spec) {
 }
 
 void Model::set_gravity(Vec3 gravity) {
-  if (!is_finite(gravity)) fail({"gravity must be finite numbers", "", "m/s², world axes"});
+  if (!is_finite(gravity)) throw_error({"gravity must be finite numbers", "", "m/s², world axes"});
   gravity_ = gravity;
 }
 
 void Model::add_force(BodyForce force) {
   if (force.body.index < 0 || force.body.index >= size())
-    fail({"the force acts on no body of this model", "", "give what add() returned for the body"});
+    throw_error({"the force acts on no body of this model", "", "give what add() returned for the body"});
   for (const ForceProblem& problem : check_force(force))
-    fail({problem.field + ": " + problem.what, "force on " + (*this)[force.body].name, problem.hint});
+    throw_error({problem.field + ": " + problem.what, "force on " + (*this)[force.body].name, problem.hint});
   forces_.push_back(std::move(force));
 }
 

@@ -24,7 +24,7 @@ Variant variant_of(unsigned locked, bool rotor, bool reversed, bool turns_about_
   const bool turned = reversed && !turns_about_z;  // others are native against their direction
   if (locked != 0) return turned ? Variant::reversed_locked : Variant::locked;
   if (turned) return Variant::reversed;
-  return rotor ? Variant::rotor : Variant::plain;
+  return rotor ? Variant::armature : Variant::plain;
 }
 
 // What stands from `first` on moves by `by` places, in a list that has room.
@@ -56,7 +56,7 @@ void Tree::link_all(LinkCollector* collector) {
   }
   order_.resize(at(living));
   int place = 0;
-  for (int root = first_root_; root >= 0; root = next_sibling_[at(root)]) place = walk(root, place);
+  for (int root = first_root_; root >= 0; root = next_sibling_[at(root)]) place = number_depth_first(root, place);
   MT_REQUIRE(place == living, "every body is joined to the ground");
   // Where the topology is the model's, so are frames and links.
   const bool known = declared_ && collector == nullptr;
@@ -79,8 +79,8 @@ void Tree::link_all(LinkCollector* collector) {
     make_link(b);
     if (collector != nullptr) collect(b, *collector);
   }
-  arrange();
-  for (std::size_t i = order_.size(); i-- > 0;) weigh(order_[i]);
+  build_runs();
+  for (std::size_t i = order_.size(); i-- > 0;) update_subtree_mass(order_[i]);
 }
 
 void Tree::pack_all() {
@@ -91,14 +91,14 @@ void Tree::pack_all() {
     const int b = carrier_[at(j)];
     special_[at(j)] = 0;
     if (b < 0) continue;
-    take_places(b);
+    assign_offsets(b);
     pack(b);
   }
   list_special_joints();
 }
 
 // The next coordinates, freedoms and angles are those of b's joint. Does not allocate: there is room for any joints.
-void Tree::take_places(int b) {
+void Tree::assign_offsets(int b) {
   const KindShape& kind = shape(joint(b).kind);
   offsets_[at(b)].q = nq_, offsets_[at(b)].p = nv_, offsets_[at(b)].angle = angles_;
   nq_ += kind.nq, nv_ += kind.nv, angles_ += kind.angles;
@@ -106,24 +106,24 @@ void Tree::take_places(int b) {
   for (auto* list : {&armature_, &damping_, &effort_}) list->resize(at(nv_));
 }
 
-const FreedomParameters& Tree::freedom_parameters(const Joint& joint) const {
-  static constexpr FreedomParameters none{};
+const DofParameters& Tree::dof_parameters(const Joint& joint) const {
+  static constexpr DofParameters none{};
   const int own = joint.parameters - shared_parameters();
   if (joint.parameters < 0) return none;
-  return own < 0 ? declared_->freedoms[at(joint.parameters)] : own_freedoms_[at(own)];
+  return own < 0 ? declared_->dofs[at(joint.parameters)] : own_dofs_[at(own)];
 }
 
 Tree::Locks Tree::locks_of(int b) const {
   const Joint& joint = this->joint(b);
   const unsigned all = (1u << shape(joint.kind).nv) - 1;
-  const unsigned driven = freedom_parameters(joint).motion ? all & ~joint.locked : 0;
+  const unsigned driven = dof_parameters(joint).motion ? all & ~joint.locked : 0;
   return {static_cast<unsigned char>(joint.locked | driven), static_cast<unsigned char>(driven)};
 }
 
 void Tree::put_locks(int b) {
   const Locks now = locks_of(b);
   if (links_[at(b)].locked == now.locked && links_[at(b)].driven == now.driven) return;
-  Link& link = links_.own(at(b));
+  LinkConstants& link = links_.own(at(b));
   link.locked = now.locked, link.driven = now.driven;
 }
 
@@ -131,7 +131,7 @@ void Tree::put_locks(int b) {
 void Tree::pack(int b) {
   const Joint& joint = this->joint(b);
   const KindShape& kind = shape(joint.kind);
-  const FreedomParameters& given = freedom_parameters(joint);
+  const DofParameters& given = dof_parameters(joint);
   const Locks locks = locks_of(b);
   if (links_.has(at(b))) put_locks(b);
   for (int i = 0; i < kind.angles; ++i) {
@@ -153,21 +153,21 @@ void Tree::pack(int b) {
       (joint.function >= 0 ? function_driven : 0) | (locks.driven != 0 ? driven : 0) | (given.strength ? strength : 0));
 }
 
-void Tree::copy_with_rotors(const Tree& other) {
+void Tree::copy_with_armatures(const Tree& other) {
   *this = other;
   revision_.renew();
   for (const int b : order_)
-    if (parameters(b) != nullptr && class_[at(b)].variant == Variant::plain) class_[at(b)].variant = Variant::rotor;
-  arrange();
+    if (parameters(b) != nullptr && class_[at(b)].variant == Variant::plain) class_[at(b)].variant = Variant::armature;
+  build_runs();
 }
 
-void Tree::copy_in_pieces(const Tree& other) {
+void Tree::copy_with_generic_kernels(const Tree& other) {
   *this = other;
   revision_.renew();
   for (const int b : order_)
-    if (class_[at(b)].variant == Variant::plain || class_[at(b)].variant == Variant::rotor)
+    if (class_[at(b)].variant == Variant::plain || class_[at(b)].variant == Variant::armature)
       class_[at(b)].variant = Variant::locked;
-  arrange();
+  build_runs();
 }
 
 // The joint of b was of another kind before: what is packed behind it moves. Returns whether the lists of joints are to be
@@ -212,7 +212,7 @@ void Tree::list_special_joints() {
 
 // Writes the tree of `root` into the order, from `place` on; returns where it ends. Without a stack: a chain of a million bodies
 // is as deep as it is long.
-int Tree::walk(int root, int place) {
+int Tree::number_depth_first(int root, int place) {
   for (int b = root;;) {
     order_[at(place)] = b;
     place_[at(b)] = place++;
@@ -240,10 +240,10 @@ void Tree::move_block(int begin, int end, int to) {
 }
 
 // Places, flows, records and segments, from the order.
-void Tree::arrange() {
-  segments_.clear();
+void Tree::build_runs() {
+  runs_.clear();
   const int count = static_cast<int>(order_.size());
-  flows_.resize(at(count));
+  node_flags_.resize(at(count));
   const int *order = order_.data(), *parent = parent_.data(), *first_child = first_child_.data(),
             *next_sibling = next_sibling_.data();
   const Class* classes = class_.data();
@@ -257,23 +257,23 @@ void Tree::arrange() {
     const int b = order[place], outer = parent[b], child = first_child[b];
     places[b] = place;
     unsigned f = 0;
-    if (classes[b].aligned) f |= flow::aligned;
-    if (child < 0) f |= flow::tip;
-    if (child >= 0 && next_sibling[child] >= 0) f |= flow::fork;
+    if (classes[b].aligned) f |= node::aligned;
+    if (child < 0) f |= node::leaf;
+    if (child >= 0 && next_sibling[child] >= 0) f |= node::branching;
     if (outer < 0)
-      f |= flow::root;
+      f |= node::root;
     else if (first_child[outer] == b)
-      f |= flow::first;
+      f |= node::first_child;
     else if (next_sibling[b] < 0)
-      f |= flow::last;
-    flows_[at(place)] = static_cast<unsigned char>(f);
+      f |= node::last_child;
+    node_flags_[at(place)] = static_cast<unsigned char>(f);
     any |= f;
     const Class own = classes[b];
     const bool was_planar = planar;
     if (outer < 0) planar = in_a_plane(place);
     if (place == 0 || !(own == same) || (outer < 0 && (planar || was_planar))) {
-      if (place > 0) segments_.back().end = place;
-      segments_.push_back({place, count, own.kind, own.variant, planar});
+      if (place > 0) runs_.back().end = place;
+      runs_.push_back({place, count, own.kind, own.variant, planar});
       record = shape(own.kind).record[static_cast<std::size_t>(own.variant)];
       same = own;
     }
@@ -282,7 +282,7 @@ void Tree::arrange() {
   }
   MT_REQUIRE(scalars <= std::numeric_limits<std::uint32_t>::max(), "fewer than some hundred million bodies");
   record_scalars_ = scalars;
-  if (has_twin_lanes) find_twins((any & flow::fork) != 0);
+  if (has_pair_lanes) find_pairs((any & node::branching) != 0);
   list_loaded_bodies();
 }
 
@@ -315,14 +315,14 @@ bool Tree::in_a_plane(int place) const {
 }
 
 // Mass of b and all outboard bodies, from that of its children.
-void Tree::weigh(int b) {
+void Tree::update_subtree_mass(int b) {
   double sum = links_[at(b)].body.m;
   for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)]) sum += subtree_mass_[at(c)];
   subtree_mass_[at(b)] = sum;
 }
 
 void Tree::weigh_path(int b) {
-  for (; b >= 0; b = parent_[at(b)]) weigh(b);
+  for (; b >= 0; b = parent_[at(b)]) update_subtree_mass(b);
 }
 
 }  // namespace momentree

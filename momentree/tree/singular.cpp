@@ -80,7 +80,7 @@ std::vector<SingularJoint> singular_joints(const Tree& tree, std::span<const dou
       }
       // An armature keeps the freedom's mass; that no more than this is reduced makes the judgement of others milder, never
       // wrong.
-      const auto crossing = dense_crossing<K, double>(tree.link(b), joint);
+      const auto crossing = dense_transform<K, double>(tree.link(b), joint);
       crossing.inboard(M);
       carried[static_cast<std::size_t>(b)] = full;
       crossing.inboard(carried[static_cast<std::size_t>(b)]);

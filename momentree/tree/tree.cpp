@@ -14,10 +14,10 @@ void Tree::resize(int bodies) {
   offsets_.resize(n), reversed_.resize(n), class_.resize(n), special_.resize(n), subtree_mass_.resize(n);
   links_.resize(n);
   for (auto* list :
-       {&order_, &end_, &twin_, &spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_})
+       {&order_, &end_, &pair_, &spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_})
     reserve(*list, n);
-  reserve(segments_, n), reserve(twin_segments_, n), reserve(twin_links_, n / 2), reserve(flows_, n);
-  reserve(own_joints_, n), reserve(own_parameters_, n), reserve(own_freedoms_, n);
+  reserve(runs_, n), reserve(paired_runs_, n), reserve(paired_links_, n / 2), reserve(node_flags_, n);
+  reserve(own_joints_, n), reserve(own_parameters_, n), reserve(own_dofs_, n);
   reserve(angle_q_, 2 * n), reserve(angle_offset_, 2 * n);
   for (auto* list : {&armature_, &damping_, &effort_}) reserve(*list, 6 * n);
   static const std::size_t largest = [] {
@@ -94,7 +94,7 @@ void Tree::restore(const Topology& topology) {
   require_valid(topology);
   resize(static_cast<int>(topology.places.size()));
   added_masses_ = topology.added;
-  own_joints_.clear(), own_parameters_.clear(), own_freedoms_.clear();
+  own_joints_.clear(), own_parameters_.clear(), own_dofs_.clear();
   std::fill(carrier_.begin(), carrier_.end(), -1);
   for (int b = 0; b < bodies(); ++b) {
     const Topology::Place& place = topology.places[at(b)];

@@ -12,9 +12,9 @@
 
 #include <momentree/base/check.hpp>
 #include <momentree/base/unique_number.hpp>
+#include <momentree/joint/body_pair.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/kernels.hpp>
-#include <momentree/joint/twins.hpp>
 #include <momentree/tree/declared.hpp>
 #include <momentree/tree/model.hpp>
 
@@ -22,7 +22,7 @@ namespace momentree {
 
 /// A drive that is a function of the world: called at every stage of a step with one entry per freedom, zeros, to be made efforts
 /// (N m, N). Must not throw; what it returns may depend on the moment alone.
-using JointFunction = std::function<void(const Moment&, std::span<double>)>;
+using JointFunction = std::function<void(const EvaluationContext&, std::span<double>)>;
 
 /// What a topology is beyond the compiled model: a small value. Everything else of a Tree follows from it and the model, to the
 /// last bit, whatever changes led there.
@@ -58,38 +58,38 @@ struct Topology {
 };
 
 /// The free joint of what broke off, at the identity: coordinates are the pose of the body's own frame.
-inline Joint made_free_joint() {
+inline Joint floating_root_joint() {
   Joint joint;
   joint.kind = Kind::free;
-  joint.made = true;
+  joint.created_by_event = true;
   return joint;
 }
 
 /// A stretch of the order whose joints share their kernels: bodies order[begin] … order[end − 1], forks and tips among them.
-struct Segment {
+struct KernelRun {
   int begin = 0, end = 0;
   Kind kind = Kind::weld;
   Variant variant = Variant::plain;
   bool planar = false;  ///< one mechanism, whole: a grounded tree of plain pins whose axes are parallel
-  int twin = -1;        ///< where that stretch begins that is like this one in a branch that is built alike; −1: there is none
+  int pair = -1;        ///< where that stretch begins that is like this one in a branch that is built alike; −1: there is none
   bool branch = false;  ///< such a branch begins with it
-  int links = 0;        ///< where its constants and its twin's begin in Tree::twin_links
+  int links = 0;        ///< where its constants and its twin's begin in Tree::paired_links
 };
 /// The stretch that is swept with this one.
-inline Segment twin_of(const Segment& s) {
-  return {s.twin, s.twin + s.end - s.begin, s.kind, s.variant, s.planar, s.begin, s.branch, s.links};
+inline KernelRun pair_of(const KernelRun& s) {
+  return {s.pair, s.pair + s.end - s.begin, s.kind, s.variant, s.planar, s.begin, s.branch, s.links};
 }
 
 /// How a body stands in the order: depth first, so that behind a body comes its first child, if it has any. On the way in its
 /// sums are then at hand, and on the way out those of its parent; only other children pass theirs through memory.
-namespace flow {
+namespace node {
 enum : unsigned char {
-  tip = 1,       ///< it has no child
-  fork = 2,      ///< it has several
-  first = 4,     ///< it is its parent's first child, and comes right behind it
-  root = 8,      ///< it is joined to the ground
-  last = 16,     ///< its parent's last child, and not the only one: the first to be met on the way in
-  aligned = 32,  ///< its link needs no turn about the parent's z
+  leaf = 1,         ///< it has no child
+  branching = 2,    ///< it has several
+  first_child = 4,  ///< it is its parent's first child, and comes right behind it
+  root = 8,         ///< it is joined to the ground
+  last_child = 16,  ///< its parent's last child, and not the only one: the first to be met on the way in
+  aligned = 32,     ///< its link needs no turn about the parent's z
 };
 }
 
@@ -125,7 +125,7 @@ class Tree {
   int first_angle(int b) const { return offsets_[index(b)].angle; }
   /// Offset of the body's record in Work, in scalars.
   std::size_t record(int b) const { return offsets_[index(b)].record; }
-  const Link& link(int b) const { return links_[index(b)]; }
+  const LinkConstants& link(int b) const { return links_[index(b)]; }
   /// Mass of body b and of all outboard of it (kg).
   double subtree_mass(int b) const { return subtree_mass_[index(b)]; }
   /// The inboard joint of body b. Joints have numbers of their own: at the start that of their child; re-rooting makes a body
@@ -152,18 +152,18 @@ class Tree {
   /// How many parameters the model's joints share: those that changes gave to one joint have numbers from there on.
   int shared_parameters() const { return declared_ ? static_cast<int>(declared_->parameters.size()) : 0; }
   /// True for a body whose root joint was made by a change: named after the body.
-  bool detached(int b) const { return joint(b).made; }
+  bool detached(int b) const { return joint(b).created_by_event; }
 
   /// Depth first, inboard before outboard; siblings and roots in ascending order of numbers.
   std::span<const int> order() const { return order_; }
-  std::span<const Segment> segments() const { return segments_; }
+  std::span<const KernelRun> kernel_runs() const { return runs_; }
   /// The same cut where branches begin and end that hang on one body and are built alike, pins and welds in the same order with
   /// the same forks, as the legs of a robot are: the sweeps of one world take two such branches at once.
-  std::span<const Segment> twin_segments() const { return has_twins_ ? twin_segments_ : segments_; }
+  std::span<const KernelRun> paired_runs() const { return has_pairs_ ? paired_runs_ : runs_; }
   /// The constants of bodies and their twins, by the first ones' places in their branches: see Segment::links.
-  std::span<const TwinLinks> twin_links() const { return twin_links_; }
+  std::span<const PairedLinks> paired_links() const { return paired_links_; }
   /// Flags of the bodies in the order: see flow.
-  std::span<const unsigned char> flows() const { return flows_; }
+  std::span<const unsigned char> node_flags() const { return node_flags_; }
   std::size_t record_scalars() const { return record_scalars_; }
   /// Angles of all joints: index into q, and the offset θ0 that is added to it.
   std::span<const int> angle_coordinates() const { return angle_q_; }
@@ -217,10 +217,10 @@ class Tree {
   [[nodiscard]] Topology topology() const;
   /// Becomes a copy of `other` in which every joint that has parameters takes a rotor, whether or not it has one: what stands in
   /// rotors() is then its whole mass beside the bodies'. O(bodies); a copy of the same bodies as before allocates nothing.
-  void copy_with_rotors(const Tree& other);
+  void copy_with_armatures(const Tree& other);
   /// Becomes a copy of `other` in which joints with structured kernels go by the generic pieces, as locked ones do, though
   /// nothing is locked: what those kernels are held to. Costs as much.
-  void copy_in_pieces(const Tree& other);
+  void copy_with_generic_kernels(const Tree& other);
   /// The numbers of armature(), for a method that changes them between evaluations at bare arrays: no state is one of this tree
   /// from now on. Good until the tree is next changed or copied to.
   double* rotors() {
@@ -271,11 +271,11 @@ class Tree {
   void for_rigid(int b, const F& f) const;
   int carrier_of(int b) const;
   void make_frame(int b);
-  void put_mass(int b, Link& link) const;
+  void set_mass_properties(int b, LinkConstants& link) const;
   void make_link(int b);
   void make_frames(int b);
   void make_outboard_links(int b, int but = -1);
-  void renew(int b);
+  void update_frames(int b);
   bool renew_child_changed(int b);
 
   void classify(int b);
@@ -285,9 +285,9 @@ class Tree {
   // relink.cpp: from parents, joints and directions, everything that follows.
   void link_all(LinkCollector* collector = nullptr);
   void pack_all();
-  void take_places(int b);
+  void assign_offsets(int b);
   void pack(int b);
-  const FreedomParameters& freedom_parameters(const Joint& joint) const;
+  const DofParameters& dof_parameters(const Joint& joint) const;
   struct Locks {
     unsigned char locked, driven;
   };
@@ -295,17 +295,17 @@ class Tree {
   void put_locks(int b);
   bool repack(int b, Kind before);
   void list_special_joints();
-  int walk(int root, int place);
-  void arrange();
+  int number_depth_first(int root, int place);
+  void build_runs();
   bool in_a_plane(int place) const;
 
   // twins.cpp
-  void find_twins(bool forks);
+  void find_pairs(bool forks);
   void pair_siblings(int first, int end);
   void pair_branches();
-  void cut_segments();
-  bool alike(int place, int other, int count) const;
-  void weigh(int b);
+  void cut_runs();
+  bool are_isomorphic(int place, int other, int count) const;
+  void update_subtree_mass(int b);
   void weigh_path(int b);
   int end_of(int b) const;
   void move_block(int begin, int end, int to);
@@ -317,7 +317,7 @@ class Tree {
   void hang(int b, int parent);
   void move_tree(int b, int begin, int end);
   bool replace_joint(int b, const Joint& joint, bool reversed);
-  int turn_over(int b);
+  int reverse_path(int b);
   int give_parameters(int joint, const JointParameters& parameters);
   void require_valid(const Joint& joint) const;
   void require_valid(const Topology& topology) const;
@@ -370,18 +370,18 @@ class Tree {
   Reserved<OwnJoint> own_joints_;
   std::vector<MassProperties> added_masses_;
   Reserved<JointParameters> own_parameters_;  // those that changes gave to one joint, in the order in which they were given
-  Reserved<FreedomParameters> own_freedoms_;
-  Reserved<Segment> segments_, twin_segments_;
-  Reserved<TwinLinks> twin_links_;
-  Reserved<int> end_, twin_;  // while branches are compared, by place: where what is outboard ends; place of the twin, or −1
-  Reserved<unsigned char> flows_;
+  Reserved<DofParameters> own_dofs_;
+  Reserved<KernelRun> runs_, paired_runs_;
+  Reserved<PairedLinks> paired_links_;
+  Reserved<int> end_, pair_;  // while branches are compared, by place: where what is outboard ends; place of the twin, or −1
+  Reserved<unsigned char> node_flags_;
   Reserved<int> spring_joints_, quaternion_joints_, forced_joints_, driven_joints_, strength_joints_;
   std::vector<std::shared_ptr<const JointFunction>> functions_;  // in the order in which they were given
   std::vector<unsigned char> special_;                           // by joint: a bit each for a spring, a quaternion, a force, …
   // Packed, by angle and by freedom.
   Reserved<int> angle_q_;
   Reserved<double> angle_offset_, armature_, damping_, effort_;
-  bool has_forces_ = false, has_functions_ = false, has_twins_ = false;
+  bool has_forces_ = false, has_functions_ = false, has_pairs_ = false;
   std::vector<Topology::Loaded> body_functions_;
   Reserved<int> loaded_;
   std::vector<unsigned char> loaded_mark_;  // scratch, by body

@@ -22,27 +22,27 @@ TEST_CASE("stretches of one kind are one segment, with forks and tips among them
   link(model, "f", d), link(model, "g", e), link(model, "h", ground);
   const Tree tree(model);
   // a b c | d | f e g | h, which is a mechanism in a plane
-  REQUIRE(tree.segments().size() == 4);
-  CHECK(tree.segments()[0].end == 3);
-  CHECK(tree.segments()[1].kind == Kind::ball);
-  CHECK(tree.segments()[2].end == 7);
-  CHECK_FALSE(tree.segments()[2].planar);
-  CHECK(tree.segments()[3].planar);
+  REQUIRE(tree.kernel_runs().size() == 4);
+  CHECK(tree.kernel_runs()[0].end == 3);
+  CHECK(tree.kernel_runs()[1].kind == Kind::ball);
+  CHECK(tree.kernel_runs()[2].end == 7);
+  CHECK_FALSE(tree.kernel_runs()[2].planar);
+  CHECK(tree.kernel_runs()[3].planar);
   const std::string order = [&] {
     std::string names;
     for (const int body : tree.order()) names += model[{body}].name;
     return names;
   }();
   CHECK(order == "abcdfegh");
-  const auto flow_of = [&](char name) { return tree.flows()[order.find(name)] & ~flow::aligned; };
-  CHECK(flow_of('a') == flow::root);
-  CHECK(flow_of('b') == flow::first);
-  CHECK(flow_of('c') == (flow::first | flow::fork));
-  CHECK(flow_of('d') == flow::first);
-  CHECK(flow_of('f') == (flow::first | flow::tip));
-  CHECK(flow_of('e') == flow::last);
-  CHECK(flow_of('g') == (flow::first | flow::tip));
-  CHECK(flow_of('h') == (flow::root | flow::tip));
+  const auto flags_of = [&](char name) { return tree.node_flags()[order.find(name)] & ~node::aligned; };
+  CHECK(flags_of('a') == node::root);
+  CHECK(flags_of('b') == node::first_child);
+  CHECK(flags_of('c') == (node::first_child | node::branching));
+  CHECK(flags_of('d') == node::first_child);
+  CHECK(flags_of('f') == (node::first_child | node::leaf));
+  CHECK(flags_of('e') == node::last_child);
+  CHECK(flags_of('g') == (node::first_child | node::leaf));
+  CHECK(flags_of('h') == (node::root | node::leaf));
   CHECK(tree.nq() == 7 + 4);
   CHECK(tree.nv() == 7 + 3);
   CHECK(tree.subtree_mass(0) == 7);
@@ -91,7 +91,7 @@ TEST_CASE("every body comes after its parent in the order, for bushy trees and a
       if (tree.parent(b) >= 0) CHECK(place[static_cast<std::size_t>(tree.parent(b))] < place[static_cast<std::size_t>(b)]);
     }
     int covered = 0;
-    for (const Segment& s : tree.segments()) {
+    for (const KernelRun& s : tree.kernel_runs()) {
       CHECK(s.begin == covered);
       covered = s.end;
     }
@@ -115,11 +115,11 @@ TEST_CASE("chains of pins are aligned: no link needs a turn about its parent's z
                       .at = Pose{{0.1 * k, 0.2, 0.3}, normalized(Quat{1, 0.1 * k, -0.2, 0.3})},
                       .joint = Revolute{.axis = {1, 0.1 * k, -0.5}}});
   const Tree tree(model);
-  CHECK(tree.segments().size() == 1);
+  CHECK(tree.kernel_runs().size() == 1);
   for (int b = 1; b < 20; ++b) {  // the first body hangs on the ground, whose axes are given
-    CHECK((tree.flows()[static_cast<std::size_t>(b)] & flow::aligned) != 0);
+    CHECK((tree.node_flags()[static_cast<std::size_t>(b)] & node::aligned) != 0);
     // Two lengths do for a link: along the parent's x, and along the joint's axis. The last one's frame stands at its joint.
-    CHECK(tree.link(b).shape == LinkShape::screw);
+    CHECK(tree.link(b).shape == PlacementShape::screw);
   }
 }
 
@@ -150,7 +150,7 @@ TEST_CASE("what is welded has its carrier's frame, and frames look through it to
   CHECK(same(place(plate), place(bracket)));
   CHECK(same(place(base), KernelFrame{}));
   CHECK(aligned(tree.link(elbow.index)));
-  CHECK(tree.link(elbow.index).shape == LinkShape::screw);
+  CHECK(tree.link(elbow.index).shape == PlacementShape::screw);
   tree.detach(plate.index);  // and whatever was looked at is gone
   CHECK_FALSE(same(place(plate), place(bracket)));
   CHECK(same(place(bracket), place(pin)));
@@ -164,7 +164,7 @@ TEST_CASE("state: numbers of a body make room for others without moving the stor
   for (std::size_t i = 0; i < state.q().size(); ++i) state.edit().q[i] = 10 + static_cast<double>(i);
   const double* storage = state.q().data();
   const double q[7] = {1, 2, 3, 4, 5, 6, 7}, p[6] = {1, 2, 3, 4, 5, 6};
-  tree.set_joint(1, made_free_joint());
+  tree.set_joint(1, floating_root_joint());
   state.replace(1, 4, q, 1, 3, p, tree);  // grows
   REQUIRE(state.q().size() == 9);
   CHECK(state.q()[0] == 10);

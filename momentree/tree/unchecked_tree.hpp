@@ -15,15 +15,15 @@ class UncheckedTree {
   int first_p(int b) const { return tree_.offsets_[at(b)].p; }
   int first_angle(int b) const { return tree_.offsets_[at(b)].angle; }
   std::size_t record(int b) const { return tree_.offsets_[at(b)].record; }
-  const Link& link(int b) const { return tree_.links_[at(b)]; }
+  const LinkConstants& link(int b) const { return tree_.links_[at(b)]; }
   double subtree_mass(int b) const { return tree_.subtree_mass_[at(b)]; }
   Kind kind(int b) const { return tree_.class_[at(b)].kind; }
   Variant variant(int b) const { return tree_.class_[at(b)].variant; }
 
   std::span<const int> order() const { return tree_.order(); }
-  std::span<const Segment> segments() const { return tree_.segments(); }
-  std::span<const TwinLinks> twin_links() const { return tree_.twin_links(); }
-  std::span<const unsigned char> flows() const { return tree_.flows(); }
+  std::span<const KernelRun> kernel_runs() const { return tree_.kernel_runs(); }
+  std::span<const PairedLinks> paired_links() const { return tree_.paired_links(); }
+  std::span<const unsigned char> node_flags() const { return tree_.node_flags(); }
   std::span<const int> loaded_bodies() const { return tree_.loaded_bodies(); }
   const double* armature() const { return tree_.armature(); }
   const Vec3& gravity() const { return tree_.gravity(); }

@@ -26,7 +26,7 @@ Joint& some_joint(
   return draft.joints[draft.choose.pick(good)];
 }
 
-bool has_freedoms(const Joint& joint) { return joint.kind->nv > 0; }
+bool has_dofs(const Joint& joint) { return joint.kind->nv > 0; }
 
 // A name, or several joints or bodies by a wildcard.
 struct Named {
@@ -38,7 +38,7 @@ Named names(Draft& draft, const Joint& joint) {
   return {all, all};
 }
 
-std::string freedoms(Draft& draft, const Joint& joint, const std::string& name) {
+std::string dofs(Draft& draft, const Joint& joint, const std::string& name) {
   if (joint.kind->nv < 2 || name != joint.name || draft.choose.chance(0.5)) return quoted(name);
   const int first = draft.choose.integer(0, joint.kind->nv - 1), last = draft.choose.integer(first, joint.kind->nv - 1);
   std::string list = std::to_string(first);
@@ -142,7 +142,7 @@ std::string action(Draft& draft, std::string& key, bool named, bool late, int nu
   const bool frees = key == "break" || key == "free";
   Joint& joint = some_joint(
       draft, late,
-      key == "lock" || key == "set" ? has_freedoms
+      key == "lock" || key == "set" ? has_dofs
       : frees                       ? [](const Joint& j) { return j.kind->kind != Kind::free; }
       : key == "change"             ? [](const Joint& j) { return !j.coupled; }
                                     : [](const Joint&) { return true; });
@@ -151,7 +151,7 @@ std::string action(Draft& draft, std::string& key, bool named, bool late, int nu
   if (key == "impulse") return impulse(draft, wild.body);
   if (key == "set") return set(draft, joint, wild.joint);
   if (key == "change") return change(draft, joint, joint.name);
-  if (key == "lock") return joint.locked = true, freedoms(draft, joint, wild.joint);
+  if (key == "lock") return joint.locked = true, dofs(draft, joint, wild.joint);
   return quoted(wild.joint);
 }
 
@@ -168,7 +168,7 @@ std::string point(Draft& draft) {
 
 std::string condition(Draft& draft) {
   Choices& choose = draft.choose;
-  const Joint& joint = some_joint(draft, true, has_freedoms);
+  const Joint& joint = some_joint(draft, true, has_dofs);
   const std::string wild = choose.chance(0.15) ? choose.pick(draft.mechanisms) + "/*" : joint.name;
   Entries all;
   std::string threshold;

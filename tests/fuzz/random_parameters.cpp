@@ -9,18 +9,18 @@ namespace {
 
 // One value for all freedoms, or one for each.
 template <class Value>
-std::string per_freedom(Choices& choose, int freedoms, Value value) {
-  if (freedoms == 1 || choose.chance(0.5)) return value();
+std::string per_dof(Choices& choose, int dofs, Value value) {
+  if (dofs == 1 || choose.chance(0.5)) return value();
   std::string list = "[" + value();
-  for (int i = 1; i < freedoms; ++i) list += ", " + value();
+  for (int i = 1; i < dofs; ++i) list += ", " + value();
   return list + "]";
 }
 
 template <class Value>
-std::string each_freedom(int freedoms, Value value) {
-  if (freedoms == 1) return value();
+std::string each_dof(int dofs, Value value) {
+  if (dofs == 1) return value();
   std::string list = "[" + value();
-  for (int i = 1; i < freedoms; ++i) list += ", " + value();
+  for (int i = 1; i < dofs; ++i) list += ", " + value();
   return list + "]";
 }
 
@@ -28,20 +28,16 @@ std::string random_limits(Draft& draft, const KindInfo& kind) {
   Choices& choose = draft.choose;
   Entries entries;
   const bool low = choose.chance(0.7);
-  if (low) entries.emplace_back("lower", per_freedom(choose, kind.nv, [&] { return choose.number(-1.2, -0.3); }));
+  if (low) entries.emplace_back("lower", per_dof(choose, kind.nv, [&] { return choose.number(-1.2, -0.3); }));
   if (!low || choose.chance(0.6))
-    entries.emplace_back("upper",
-                         per_freedom(choose, kind.nv, [&] { return choose.chance(0.1) ? "inf" : choose.number(0.3, 1.2); }));
+    entries.emplace_back("upper", per_dof(choose, kind.nv, [&] { return choose.chance(0.1) ? "inf" : choose.number(0.3, 1.2); }));
   if (choose.chance(0.3)) {
-    entries.emplace_back("stiffness", per_freedom(choose, kind.nv, [&] { return choose.magnitude(0, 2); }));
-    if (choose.chance(0.6))
-      entries.emplace_back("damping", per_freedom(choose, kind.nv, [&] { return choose.magnitude(-2, 0); }));
+    entries.emplace_back("stiffness", per_dof(choose, kind.nv, [&] { return choose.magnitude(0, 2); }));
+    if (choose.chance(0.6)) entries.emplace_back("damping", per_dof(choose, kind.nv, [&] { return choose.magnitude(-2, 0); }));
     return braces(entries);
   }
   if (choose.chance(0.6))
-    entries.emplace_back("restitution", per_freedom(choose, kind.nv, [&] {
-                           return choose.word({"0", "0.3", "0.5", "0.8", "1"});
-                         }));
+    entries.emplace_back("restitution", per_dof(choose, kind.nv, [&] { return choose.word({"0", "0.3", "0.5", "0.8", "1"}); }));
   if (choose.chance(0.3)) entries.emplace_back("rest_speed", choose.magnitude(-5, -1));
   return braces(entries);
 }
@@ -57,14 +53,13 @@ std::string random_drive(Draft& draft, const KindInfo& kind, bool may_move) {
   }
   Entries entries;
   const bool pd = rates && choose.chance(0.4);
-  if (!pd || choose.chance(0.3)) entries.emplace_back("effort", each_freedom(kind.nv, [&] { return random_signal(draft, 3); }));
+  if (!pd || choose.chance(0.3)) entries.emplace_back("effort", each_dof(kind.nv, [&] { return random_signal(draft, 3); }));
   if (!pd) return braces(entries);
-  Entries control{{"kp", per_freedom(choose, kind.nv, [&] { return choose.magnitude(-1, 1); })}};
-  if (choose.chance(0.7)) control.emplace_back("kd", per_freedom(choose, kind.nv, [&] { return choose.magnitude(-2, 0); }));
-  if (choose.chance(0.6)) control.emplace_back("target", each_freedom(kind.nv, [&] { return random_signal(draft, 1); }));
-  if (choose.chance(0.3)) control.emplace_back("target_speed", each_freedom(kind.nv, [&] { return random_signal(draft, 1); }));
-  if (choose.chance(0.3))
-    control.emplace_back("max_effort", per_freedom(choose, kind.nv, [&] { return choose.magnitude(-1, 1); }));
+  Entries control{{"kp", per_dof(choose, kind.nv, [&] { return choose.magnitude(-1, 1); })}};
+  if (choose.chance(0.7)) control.emplace_back("kd", per_dof(choose, kind.nv, [&] { return choose.magnitude(-2, 0); }));
+  if (choose.chance(0.6)) control.emplace_back("target", each_dof(kind.nv, [&] { return random_signal(draft, 1); }));
+  if (choose.chance(0.3)) control.emplace_back("target_speed", each_dof(kind.nv, [&] { return random_signal(draft, 1); }));
+  if (choose.chance(0.3)) control.emplace_back("max_effort", per_dof(choose, kind.nv, [&] { return choose.magnitude(-1, 1); }));
   entries.emplace_back("pd", braces(control));
   return braces(entries);
 }
@@ -102,7 +97,7 @@ std::string random_coordinates(Choices& choose, const KindInfo& kind, double siz
 }
 
 std::string random_velocities(Choices& choose, const KindInfo& kind) {
-  return each_freedom(kind.nv, [&] { return choose.number(-2, 2); });
+  return each_dof(kind.nv, [&] { return choose.number(-2, 2); });
 }
 
 std::string random_signal(Draft& draft, double size) {
@@ -137,14 +132,14 @@ Entries random_parameters(Draft& draft, const KindInfo& kind, bool may_move) {
   }
   const bool rates = kind.nq == kind.nv;
   if (choose.chance(0.35))
-    all.emplace_back("damping", per_freedom(choose, kind.nv, [&] { return choose.magnitude(-3, draft.heavy ? 2 : -1); }));
+    all.emplace_back("damping", per_dof(choose, kind.nv, [&] { return choose.magnitude(-3, draft.heavy ? 2 : -1); }));
   if (choose.chance(0.2)) {
-    all.emplace_back("stiffness", per_freedom(choose, kind.nv, [&] { return choose.magnitude(-1, 1); }));
+    all.emplace_back("stiffness", per_dof(choose, kind.nv, [&] { return choose.magnitude(-1, 1); }));
     if (choose.chance(0.5)) all.emplace_back("rest", random_coordinates(choose, kind));
   }
-  if (choose.chance(0.15)) all.emplace_back("armature", per_freedom(choose, kind.nv, [&] { return choose.magnitude(-3, -1); }));
+  if (choose.chance(0.15)) all.emplace_back("armature", per_dof(choose, kind.nv, [&] { return choose.magnitude(-3, -1); }));
   if (choose.chance(0.15)) {
-    const std::string coulomb = per_freedom(choose, kind.nv, [&] { return choose.magnitude(-2, 0); });
+    const std::string coulomb = per_dof(choose, kind.nv, [&] { return choose.magnitude(-2, 0); });
     all.emplace_back("friction", "{ coulomb = " + coulomb + ", speed = " + choose.magnitude(-1, 0) + " }");
   }
   if (!draft.certain && choose.chance(0.1)) {

@@ -123,20 +123,20 @@ Changed random_world(std::uint64_t seed) {
   world.state = start_state(model, world.tree);
   if (seed % 4 < 2) return world;
   Prng random(seed + 1000);
-  Work<double> work(world.tree);
-  oracle::rearrange(random, world.tree, world.state, work);
+  Workspace<double> workspace(world.tree);
+  oracle::rearrange(random, world.tree, world.state, workspace);
   return world;
 }
 
 void Seen::note(const Tree& tree) {
-  for (const Segment& s : tree.segments()) {
+  for (const KernelRun& s : tree.kernel_runs()) {
     kernels[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
     planar += s.planar;
   }
-  for (const Segment& s : tree.twin_segments()) twins += s.twin > s.begin;
+  for (const KernelRun& s : tree.paired_runs()) twins += s.pair > s.begin;
   for (std::size_t i = 0; i < tree.order().size(); ++i) {
     const int b = tree.order()[i];
-    forks += (tree.flows()[i] & flow::fork) != 0;
+    forks += (tree.node_flags()[i] & node::branching) != 0;
     reversed += tree.reversed(b);
     locked += tree.link(b).locked != 0 && tree.link(b).driven == 0;
   }
@@ -154,7 +154,7 @@ std::string Seen::missing() const {
   for (const auto& kind : kernels)
     for (const bool variant : kind) combinations += variant ? 1 : 0;
   want(combinations >= 25, "kinds and variants");
-  want(planar > 10, "mechanisms in a plane"), want(twins > 10 || !has_twin_lanes, "twins"), want(forks > 50, "forks");
+  want(planar > 10, "mechanisms in a plane"), want(twins > 10 || !has_pair_lanes, "twins"), want(forks > 50, "forks");
   want(reversed > 10, "reversed joints"), want(locked > 10, "locks"), want(driven > 10, "prescribed motions");
   want(loaded > 10, "forces on bodies"), want(weightless > 10, "worlds without gravity");
   return all;

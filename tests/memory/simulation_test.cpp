@@ -57,7 +57,8 @@ Outcome run(std::uint64_t seed, const std::string& method) {
   const Model model = random_model(seed);
   Simulation sim(model, {.method = method, .step = 1e-3, .rtol = 1e-6, .atol = 1e-8});
   sim.keep_history();
-  if (seed % 2 == 0) sim.force(model[{0}].name, [](const Moment& moment) { return Wrench{{moment.time(), 0, 1}, {}}; });
+  if (seed % 2 == 0)
+    sim.force(model[{0}].name, [](const EvaluationContext& context) { return Wrench{{context.time(), 0, 1}, {}}; });
   for (int k = 1; k <= 5; ++k) {
     outcome.bits.add(static_cast<double>(sim.run_until(2e-3 * k)));
     add(sim.world(), outcome.bits);

@@ -31,18 +31,18 @@ void check_double(const Tree& tree, const char* what, const Find& find) {
   Bits found[2];
   {
     const Filled fill(Fill::doubles);
-    Work<double> work(tree);
+    Workspace<double> workspace(tree);
     watch();
-    find(work, found[0]);
+    find(workspace, found[0]);
     CHECK_FALSE(signalled());
   }
-  Work<double> work(tree);
-  find(work, found[1]);
+  Workspace<double> workspace(tree);
+  find(workspace, found[1]);
   CHECK((found[0] == found[1]));
 }
 
-void add_rates(const Tree& tree, const Work<double>& work, Bits& found) {
-  found.add(work.v.get(), tree.nv()), found.add(work.qdot.get(), tree.nq()), found.add(work.pdot.get(), tree.nv());
+void add_rates(const Tree& tree, const Workspace<double>& workspace, Bits& found) {
+  found.add(workspace.v.get(), tree.nv()), found.add(workspace.qdot.get(), tree.nq()), found.add(workspace.pdot.get(), tree.nv());
 }
 
 }  // namespace
@@ -74,38 +74,38 @@ TEST_CASE("double: stages, motions, accelerations, wrenches, places") {
     const Tree& tree = world.tree;
     const double *const q = world.state.q().data(), *const p = world.state.p().data();
     seen.note(tree);
-    check_double(tree, "a stage", [&](Work<double>& work, Bits& found) {
-      evaluate_rates(tree, q, p, work);
-      add_rates(tree, work, found);
+    check_double(tree, "a stage", [&](Workspace<double>& workspace, Bits& found) {
+      evaluate_rates(tree, q, p, workspace);
+      add_rates(tree, workspace, found);
     });
-    check_double(tree, "motions", [&](Work<double>& work, Bits& found) {
-      evaluate_motions(tree, q, p, work);
-      add_rates(tree, work, found);
+    check_double(tree, "motions", [&](Workspace<double>& workspace, Bits& found) {
+      evaluate_motions(tree, q, p, workspace);
+      add_rates(tree, workspace, found);
       for (const int b : tree.order()) {
-        const BodySweep<double>& body = work.motions[static_cast<std::size_t>(b)];
+        const BodySweep<double>& body = workspace.motions[static_cast<std::size_t>(b)];
         found.add(body.velocity), found.add(body.articulated);
       }
     });
-    check_double(tree, "a stage with forces", [&](Work<double>& work, Bits& found) {
-      evaluate_stage(tree, 0.3, q, p, work);
-      add_rates(tree, work, found);
-      found.add(work.power.dissipated), found.add(work.power.work);
+    check_double(tree, "a stage with forces", [&](Workspace<double>& workspace, Bits& found) {
+      evaluate_stage(tree, 0.3, q, p, workspace);
+      add_rates(tree, workspace, found);
+      found.add(workspace.power.dissipated), found.add(workspace.power.work);
     });
-    check_double(tree, "accelerations", [&](Work<double>& work, Bits& found) {
-      accelerate(tree, world.state, work);
-      locate_bodies(tree, world.state, work);
-      found.add(work.a.get(), tree.nv());
+    check_double(tree, "accelerations", [&](Workspace<double>& workspace, Bits& found) {
+      accelerate(tree, world.state, workspace);
+      locate_bodies(tree, world.state, workspace);
+      found.add(workspace.a.get(), tree.nv());
       for (const int b : tree.order()) {
         double effort[6] = {};
-        joint_effort(tree, world.state, work, b, effort);
+        joint_effort(tree, world.state, workspace, b, effort);
         found.add(effort, 6);
-        found.add(transmitted_wrench(tree, work, b)), found.add(felt_acceleration(tree, q, work, b));
-        const BodyAcceleration a = body_acceleration(tree, world.state, work, b);
+        found.add(transmitted_wrench(tree, workspace, b)), found.add(felt_acceleration(tree, q, workspace, b));
+        const BodyAcceleration a = body_acceleration(tree, world.state, workspace, b);
         found.add(a.linear), found.add(a.angular);
-        const BodyMotion motion = user_motion(tree, work.bodies[static_cast<std::size_t>(b)], b);
+        const BodyMotion motion = user_motion(tree, workspace.bodies[static_cast<std::size_t>(b)], b);
         found.add(motion.pose.position), found.add(motion.linear), found.add(motion.angular);
       }
-      const Totals sum = totals(tree, world.state, work);
+      const Totals sum = totals(tree, world.state, workspace);
       found.add(sum.kinetic), found.add(sum.potential), found.add(sum.linear), found.add(sum.angular);
     });
   }
@@ -176,7 +176,7 @@ TEST_CASE("the counter and symbols") {
     }
     counted[1] = count_operations(tree);
     CHECK(counted[0].total() == counted[1].total());
-    for (const PinOrder order : {PinOrder::reduce_first, PinOrder::turn_first}) {
+    for (const RevoluteOrder order : {RevoluteOrder::reduce_first, RevoluteOrder::turn_first}) {
       KernelExpressions one;
       {
         const Filled fill(Fill::quiet);

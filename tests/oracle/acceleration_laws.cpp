@@ -23,7 +23,7 @@ struct Alone {
   std::vector<double> q;
   std::vector<Real> v;
 };
-Alone joint_alone(const Tree& tree, const State& state, const Work<double>& work, int b) {
+Alone joint_alone(const Tree& tree, const State& state, const Workspace<double>& workspace, int b) {
   const Joint& joint = tree.joint(b);
   Alone one;
   JointSpec spec;
@@ -33,7 +33,7 @@ Alone joint_alone(const Tree& tree, const State& state, const Work<double>& work
   number(one.system);
   one.system.time = state.time();
   for (int i = 0; i < one.system.nq(); ++i) one.q.push_back(state.q()[static_cast<std::size_t>(tree.first_q(b) + i)]);
-  for (int i = 0; i < one.system.nv(); ++i) one.v.push_back(work.v[static_cast<std::size_t>(tree.first_p(b) + i)]);
+  for (int i = 0; i < one.system.nv(); ++i) one.v.push_back(workspace.v[static_cast<std::size_t>(tree.first_p(b) + i)]);
   return one;
 }
 
@@ -48,10 +48,10 @@ bool declared(const System& system, const Tree& tree, int b) {
 
 }  // namespace
 
-double equations_of_motion(const System& system, const Tree& tree, const State& state, Work<double>& work,
+double equations_of_motion(const System& system, const Tree& tree, const State& state, Workspace<double>& workspace,
                            const std::vector<Load>& loads) {
-  locate_bodies(tree, state, work);
-  accelerate(tree, state, work);
+  locate_bodies(tree, state, workspace);
+  accelerate(tree, state, workspace);
   const auto n = system.links.size();
   struct Sum {
     V3<Real> force{}, torque{};  ///< about the centre of mass, world axes
@@ -62,12 +62,12 @@ double equations_of_motion(const System& system, const Tree& tree, const State& 
   std::vector<V3<Real>> coms;
   for (std::size_t k = 0; k < n; ++k) {
     const Link& link = system.links[k];
-    const Frame<Real> frame = frame_of(user_pose(tree, work.bodies[k], static_cast<int>(k)));
-    const BodyAcceleration a = body_acceleration(tree, state, work, static_cast<int>(k));
+    const Frame<Real> frame = frame_of(user_pose(tree, workspace.bodies[k], static_cast<int>(k)));
+    const BodyAcceleration a = body_acceleration(tree, state, workspace, static_cast<int>(k));
     const Sym3& j = link.inertia;
     const M3<Real> inertia =
         frame.rotation * M3<Real>{{j.xx, j.xy, j.xz, j.xy, j.yy, j.yz, j.xz, j.yz, j.zz}} * transposed(frame.rotation);
-    const V3<Real> arm = frame.rotation * real(link.com), w = real(work.bodies[k].R * work.bodies[k].velocity.w);
+    const V3<Real> arm = frame.rotation * real(link.com), w = real(workspace.bodies[k].R * workspace.bodies[k].velocity.w);
     const V3<Real> linear = real(a.linear), angular = real(a.angular);
     Sum& s = sums[k];
     const Real m = link.mass;
@@ -77,8 +77,8 @@ double equations_of_motion(const System& system, const Tree& tree, const State& 
     s.torque_summands = length(inertia * angular) + length(cross(w, inertia * w));
     // The body moves relative to another, which may be far wilder.
     if (const int outer = tree.parent(static_cast<int>(k)); outer >= 0) {
-      const BodyAcceleration by = body_acceleration(tree, state, work, outer);
-      const Vec3 way = work.bodies[k].r - work.bodies[static_cast<std::size_t>(outer)].r;
+      const BodyAcceleration by = body_acceleration(tree, state, workspace, outer);
+      const Vec3 way = workspace.bodies[k].r - workspace.bodies[static_cast<std::size_t>(outer)].r;
       s.force_summands += m * (length(real(by.linear)) + length(real(by.angular)) * length(real(way)));
       s.torque_summands += length(real(by.angular)) * (j.xx + j.yy + j.zz);
     }
@@ -94,7 +94,7 @@ double equations_of_motion(const System& system, const Tree& tree, const State& 
     coms.push_back(frame.position + arm);
   }
   for (int b = 0; b < tree.bodies(); ++b) {
-    const Force<double> W = reaction(tree, state, work, b);
+    const Force<double> W = reaction(tree, state, workspace, b);
     const int child = declared_child(tree, b), parent = declared_parent(tree, b);
     const Frame<Real>& at = frames[static_cast<std::size_t>(child)];
     const V3<Real> f = at.rotation * real(W.l), t = at.rotation * real(W.h);
@@ -119,25 +119,25 @@ double equations_of_motion(const System& system, const Tree& tree, const State& 
   return narrow(worst);
 }
 
-double work_of_reactions(const Tree& tree, const State& state, Work<double>& work) {
-  accelerate(tree, state, work);
+double work_of_reactions(const Tree& tree, const State& state, Workspace<double>& workspace) {
+  accelerate(tree, state, workspace);
   Real worst = 0;
   for (int b = 0; b < tree.bodies(); ++b) {
     // Summands of Tr = Mb Ω̇ + W: what hangs outboard, moved as the body is.
     Real felt = length(real(tree.gravity()));
     for (int k = b; k >= 0; k = k == b ? tree.parent(b) : -1) {
-      const Motion<double> a = felt_acceleration(tree, state.q().data(), work, k);
+      const Motion<double> a = felt_acceleration(tree, state.q().data(), workspace, k);
       felt += length(real(a.v)) + length(real(a.w));
     }
     const Real carried = tree.subtree_mass(b) * felt;
-    const Alone one = joint_alone(tree, state, work, b);
+    const Alone one = joint_alone(tree, state, workspace, b);
     const auto E = joint_columns(one.system, one.q, 0);
     const std::vector<Real> force = joint_forces(one.system, one.q, one.v);
-    const Force<double> W = reaction(tree, state, work, b), pure = pure_reaction(tree, state, work, b);
+    const Force<double> W = reaction(tree, state, workspace, b), pure = pure_reaction(tree, state, workspace, b);
     for (std::size_t i = 0; i < E.size(); ++i) {
       const auto& e = E[i];
       const int k = tree.first_p(b) + static_cast<int>(i);
-      const Real udot = work.a[static_cast<std::size_t>(k)];
+      const Real udot = workspace.a[static_cast<std::size_t>(k)];
       const V3<Real> v{{e[0], e[1], e[2]}}, w{{e[3], e[4], e[5]}};
       if ((tree.joint(b).locked >> i & 1u) != 0) {
         if (udot != 0) return std::numeric_limits<double>::infinity();
@@ -160,21 +160,21 @@ double work_of_reactions(const Tree& tree, const State& state, Work<double>& wor
   return narrow(worst);
 }
 
-std::vector<Measure> measure_accelerations(const System& system, const Tree& tree, const State& state, Work<double>& work,
-                                           const Spectrum& range) {
+std::vector<Measure> measure_accelerations(const System& system, const Tree& tree, const State& state,
+                                           Workspace<double>& workspace, const Spectrum& range) {
   std::vector<Measure> laws;
-  locate_bodies(tree, state, work);
-  accelerate(tree, state, work);
+  locate_bodies(tree, state, workspace);
+  accelerate(tree, state, workspace);
   const int nv = tree.nv();
   const std::vector<double> q(state.q().begin(), state.q().end());
-  const std::vector<Real> v(work.v.get(), work.v.get() + nv);
+  const std::vector<Real> v(workspace.v.get(), workspace.v.get() + nv);
   std::vector<char> locked(static_cast<std::size_t>(nv), 0);
   std::vector<Real> given(static_cast<std::size_t>(nv), 0);
-  bool one_freedom = true;
+  bool single_dof = true;
   for (int b = 0; b < tree.bodies(); ++b)
-    for (int i = 0; i < freedoms(tree.joint(b).kind); ++i) {
+    for (int i = 0; i < dofs(tree.joint(b).kind); ++i) {
       locked[static_cast<std::size_t>(tree.first_p(b) + i)] = (tree.joint(b).locked >> i & 1u) != 0;
-      one_freedom = one_freedom && i == 0;
+      single_dof = single_dof && i == 0;
       if (tree.link(b).driven == 0) continue;
       locked[static_cast<std::size_t>(tree.first_p(b))] = 1;
       given[static_cast<std::size_t>(tree.first_p(b))] =
@@ -182,37 +182,39 @@ std::vector<Measure> measure_accelerations(const System& system, const Tree& tre
     }
   const Accelerations exact = accelerate(system, q, v, mass_matrix(system, q), locked, given);
 
-  const double bound = std::max(one_freedom ? 1e-12 : 1e-10, epsilon * range.condition());
+  const double bound = std::max(single_dof ? 1e-12 : 1e-10, epsilon * range.condition());
   const auto enter = [&laws](const char* law, Real error, Real scale, double within) {
     laws.push_back({law, scale > 0 ? narrow(error / scale) : narrow(error), within});
   };
   // Where all forces but cancel, rounding is that of the summands.
   const double by_summands = norm(exact.v) > 0 ? 8 * epsilon * narrow(exact.summands / norm(exact.v)) : bound;
-  if (nv > 0) enter("dv/dt", distance({work.a.get(), work.a.get() + nv}, exact.v), norm(exact.v), std::max(bound, by_summands));
-  Real linear = 0, angular = 0, force = 0, torque = 0, fast = 0, whirl = 0, most = 0, moment = 0, weight = 0;
+  if (nv > 0)
+    enter("dv/dt", distance({workspace.a.get(), workspace.a.get() + nv}, exact.v), norm(exact.v), std::max(bound, by_summands));
+  Real linear = 0, angular = 0, force = 0, torque = 0, fast = 0, whirl = 0, most = 0, context = 0, weight = 0;
   for (int b = 0; b < tree.bodies(); ++b) {
-    const BodyAcceleration a = body_acceleration(tree, state, work, b);
+    const BodyAcceleration a = body_acceleration(tree, state, workspace, b);
     const Accelerations::Body& e = exact.bodies[static_cast<std::size_t>(b)];
     linear = std::max(linear, length(real(a.linear) - e.linear));
     angular = std::max(angular, length(real(a.angular) - e.angular));
     fast = std::max(fast, length(e.linear));
-    const V3<Real> w = real(work.bodies[static_cast<std::size_t>(b)].velocity.w);
+    const V3<Real> w = real(workspace.bodies[static_cast<std::size_t>(b)].velocity.w);
     whirl = std::max(whirl, length(e.angular) + dot(w, w));
     weight = std::max(weight, system.links[static_cast<std::size_t>(b)].mass * length(system.gravity - e.linear));
     if (!declared(system, tree, b)) continue;
     const Accelerations::Body& child = exact.bodies[static_cast<std::size_t>(declared_child(tree, b))];
-    const Force<double> W = reaction(tree, state, work, b);
+    const Force<double> W = reaction(tree, state, workspace, b);
     force = std::max(force, length(real(W.l) - child.force));
     torque = std::max(torque, length(real(W.h) - child.torque));
     most = std::max(most, length(child.force));
-    moment = std::max(moment, length(child.torque));
+    context = std::max(context, length(child.torque));
   }
   enter("accelerations of origins", linear, fast + whirl, bound);
   enter("angular accelerations", angular, fast + whirl, bound);
   enter("forces of joints", force, most + weight, bound);
-  enter("torques of joints", torque, moment + most + weight, bound);
-  laws.push_back({"Newton and Euler", equations_of_motion(system, tree, state, work), range.condition() > 1e6 ? 1e-9 : 1e-10});
-  laws.push_back({"E^T Tr = tau - rotor dv/dt", work_of_reactions(tree, state, work), 1e-12});
+  enter("torques of joints", torque, context + most + weight, bound);
+  laws.push_back(
+      {"Newton and Euler", equations_of_motion(system, tree, state, workspace), range.condition() > 1e6 ? 1e-9 : 1e-10});
+  laws.push_back({"E^T Tr = tau - rotor dv/dt", work_of_reactions(tree, state, workspace), 1e-12});
   return laws;
 }
 

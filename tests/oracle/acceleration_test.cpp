@@ -35,13 +35,13 @@ TEST_CASE("(47) locked freedoms: what is left accelerates as the oracle says, an
     for (int b = 0; b < m.size(); ++b) {
       const int nv = info(m.tree.joint(b).kind).nv;
       if (nv == 0 || random.chance(0.5)) continue;
-      const unsigned freedoms = some_freedoms(random, nv);
+      const unsigned dofs = some_dofs(random, nv);
       m.evaluate();
-      apply(Lock{{b}, freedoms}, m.tree, m.state, m.work);
+      apply(Lock{{b}, dofs}, m.tree, m.state, m.workspace);
       ++locks;
-      partial += freedoms != (1u << nv) - 1;
+      partial += dofs != (1u << nv) - 1;
     }
-    check(measure_accelerations(system, m.tree, m.state, m.work, spectrum(mass_matrix(system, start_q(model)))));
+    check(measure_accelerations(system, m.tree, m.state, m.workspace, spectrum(mass_matrix(system, start_q(model)))));
   }
   CHECK(locks > 1000);
   CHECK(partial > 300);
@@ -65,24 +65,25 @@ TEST_CASE("after any changes every body's equations of motion close, and a joint
       m.evaluate();
       switch (what) {
         case 0:
-          if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.work);
+          if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.workspace);
           break;
         case 1: {
           const int nv = info(m.tree.joint(b).kind).nv;
-          if (nv > 0) apply(Lock{{b}, some_freedoms(random, nv)}, m.tree, m.state, m.work);
+          if (nv > 0) apply(Lock{{b}, some_dofs(random, nv)}, m.tree, m.state, m.workspace);
           break;
         }
-        case 2: apply(random_change(random, m, b), m.tree, m.state, m.work); break;
+        case 2: apply(random_change(random, m, b), m.tree, m.state, m.workspace); break;
         case 3: {
           const int to = random.integer(0, m.size() - 1);
-          if (root_of(m.tree, to) != root_of(m.tree, b) && floats(m.tree, b)) apply(Join{{b}, {to}}, m.tree, m.state, m.work);
+          if (root_of(m.tree, to) != root_of(m.tree, b) && floats(m.tree, b))
+            apply(Join{{b}, {to}}, m.tree, m.state, m.workspace);
           break;
         }
         default:
-          if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.work);
+          if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
       }
-      const double off = equations_of_motion(system, m.tree, m.state, m.work);
-      const double loose = work_of_reactions(m.tree, m.state, m.work);
+      const double off = equations_of_motion(system, m.tree, m.state, m.workspace);
+      const double loose = work_of_reactions(m.tree, m.state, m.workspace);
       CHECK(off < 1e-10);
       CHECK(loose < 1e-12);
       residual = std::max(residual, off), work = std::max(work, loose);

@@ -69,10 +69,10 @@ TEST_CASE("stepping and breaking allocate nothing, with all kinds of joints, unt
     const Model model = in_the_wind(oracle::random_tree(seed, {.min_bodies = 20, .max_bodies = 40}).model);
     Tree tree(model);
     State state = start_state(model, tree);
-    Work<double> work(tree);
-    Evaluator evaluate(tree, work);
+    Workspace<double> workspace(tree);
+    Evaluator evaluate(tree, workspace);
     const std::unique_ptr<Integrator> method = make_integrator("rk4", tree);
-    Books books;
+    EnergyLedger ledger;
     oracle::Prng draw(seed);
     evaluate(state);
 
@@ -85,17 +85,17 @@ TEST_CASE("stepping and breaking allocate nothing, with all kinds of joints, unt
         const Body body{(first + k) % tree.bodies()};
         if (!can_break(tree, body)) continue;
         evaluate(state);
-        sum += apply(Break{body}, tree, state, work).energy;
+        sum += apply(Break{body}, tree, state, workspace).energy;
         ++breaks;
         break;
       }
       for (int i = 0; i < 2; ++i) {
         evaluate(state);
-        steps += method->step(evaluate, state, books, 1e-5);
+        steps += method->step(evaluate, state, ledger, 1e-5);
       }
-      sum += totals(tree, state, work).kinetic;
-      accelerate(tree, state, work);
-      sum += norm(reaction(tree, state, work, first).l) + norm(body_acceleration(tree, state, work, first).linear);
+      sum += totals(tree, state, workspace).kinetic;
+      accelerate(tree, state, workspace);
+      sum += norm(reaction(tree, state, workspace, first).l) + norm(body_acceleration(tree, state, workspace, first).linear);
     }
     const long during = allocations - before;
     CHECK(during == 0);
@@ -110,7 +110,7 @@ TEST_CASE("no change allocates, in a copy either") {
   const Tree original(model);
   Tree tree(original);
   State state = start_state(model, tree);
-  Work<double> work(tree);
+  Workspace<double> workspace(tree);
   oracle::Prng draw(5);
   const JointParameters parameters{.damping = 0.1, .friction = {0.1, 0.1}, .drive = effort_drive({})};
   const long before = allocations;
@@ -118,24 +118,24 @@ TEST_CASE("no change allocates, in a copy either") {
   for (int k = 0; k < 400; ++k) {
     const Body body{draw.integer(0, tree.bodies() - 1)};
     const Body to{draw.integer(0, tree.bodies() - 1)};
-    forward_dynamics(tree, state, work);
+    forward_dynamics(tree, state, workspace);
     switch (draw.integer(0, 5)) {
       case 0:
-        if (can_break(tree, body)) apply(Break{body}, tree, state, work), ++changes;
+        if (can_break(tree, body)) apply(Break{body}, tree, state, workspace), ++changes;
         break;
       case 1:
-        if (tree.parent(body.index) >= 0) apply(Lock{body}, tree, state, work), ++changes;
+        if (tree.parent(body.index) >= 0) apply(Lock{body}, tree, state, workspace), ++changes;
         break;
-      case 2: apply(Unlock{body}, tree, state, work), ++changes; break;
+      case 2: apply(Unlock{body}, tree, state, workspace), ++changes; break;
       case 3:
-        if (floats(tree, body.index)) apply(Reroot{body}, tree, state, work), ++changes;
+        if (floats(tree, body.index)) apply(Reroot{body}, tree, state, workspace), ++changes;
         break;
       case 4:
-        if (tree.parent(body.index) >= 0) apply(SetParameters{body, parameters}, tree, state, work), ++changes;
+        if (tree.parent(body.index) >= 0) apply(SetParameters{body, parameters}, tree, state, workspace), ++changes;
         break;
       default:
         if (floats(tree, body.index) && root_of(tree, body.index) != root_of(tree, to.index))
-          apply(Join{body, to}, tree, state, work), ++changes;
+          apply(Join{body, to}, tree, state, workspace), ++changes;
     }
   }
   const long during = allocations - before;
@@ -175,8 +175,9 @@ TEST_CASE("steps with drives, motions, functions and strengths allocate nothing"
   for (const char* method : {"rk4", "dopri5"}) {
     CAPTURE(method);
     Simulation sim(model, {.method = method, .step = 1e-4});
-    sim.drive("a mechanism with a long name/asked",
-              [=](const Moment& m) { return m.motion(moved).linear.x - m.v(asked)[0] + (m.q({0}).empty() ? 0.1 : 0.2); });
+    sim.drive("a mechanism with a long name/asked", [=](const EvaluationContext& m) {
+      return m.motion(moved).linear.x - m.v(asked)[0] + (m.q({0}).empty() ? 0.1 : 0.2);
+    });
     REQUIRE(sim.run_until(0.01) == Status::ok);
     const long before = allocations;
     const Status status = sim.run_until(0.05);

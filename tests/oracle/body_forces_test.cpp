@@ -71,7 +71,7 @@ std::vector<Load> loads_now(Machine& m) {
   m.evaluate();
   for (int b = 0; b < m.size(); ++b) {
     Evaluation::Motion& motion = motions[static_cast<std::size_t>(b)];
-    const Kinematics<double>& k = m.work.bodies[static_cast<std::size_t>(b)];
+    const Kinematics<double>& k = m.workspace.bodies[static_cast<std::size_t>(b)];
     motion.frame = frame_of(m.pose(b));
     motion.angular = real(k.R * k.velocity.w);
     motion.velocity = real(k.R * k.velocity.v) + cross(motion.angular, motion.frame.position - real(k.r));
@@ -86,17 +86,18 @@ void change_something(Prng& random, Machine& m) {
   const int nv = info(m.tree.joint(b).kind).nv;
   switch (random.integer(0, 5)) {
     case 0:
-      if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.work);
+      if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.workspace);
       break;
     case 1:
-      if (nv > 0) apply(Lock{{b}, some_freedoms(random, nv)}, m.tree, m.state, m.work);
+      if (nv > 0) apply(Lock{{b}, some_dofs(random, nv)}, m.tree, m.state, m.workspace);
       break;
-    case 2: apply(random_change(random, m, b), m.tree, m.state, m.work); break;
+    case 2: apply(random_change(random, m, b), m.tree, m.state, m.workspace); break;
     case 3:
-      if (root_of(m.tree, other) != root_of(m.tree, b) && floats(m.tree, b)) apply(Join{{b}, {other}}, m.tree, m.state, m.work);
+      if (root_of(m.tree, other) != root_of(m.tree, b) && floats(m.tree, b))
+        apply(Join{{b}, {other}}, m.tree, m.state, m.workspace);
       break;
     default:
-      if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.work);
+      if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
   }
 }
 
@@ -115,7 +116,7 @@ TEST_CASE("(20) rates are those without forces and Jt W; accelerations what the 
     m.evaluate();
     const System system = system_of(model);
     const std::vector<double> q(m.state.q().begin(), m.state.q().end());
-    const std::vector<Real> v(m.work.v.get(), m.work.v.get() + m.tree.nv());
+    const std::vector<Real> v(m.workspace.v.get(), m.workspace.v.get() + m.tree.nv());
     const Evaluation e = evaluate(system, q, v);
     const std::vector<Real> given = generalised(system, q, loads_of(model, e.motions, m.state.time()));
     std::vector<Real> expected = e.pdot;
@@ -123,16 +124,16 @@ TEST_CASE("(20) rates are those without forces and Jt W; accelerations what the 
     if (expected.empty()) continue;
     const MassMatrix mass = mass_matrix(system, q);
     const double condition = spectrum(mass).condition();
-    const double rate = static_cast<double>(distance({m.work.pdot.get(), m.work.pdot.get() + m.tree.nv()}, expected) /
+    const double rate = static_cast<double>(distance({m.workspace.pdot.get(), m.workspace.pdot.get() + m.tree.nv()}, expected) /
                                             (norm(e.pdot) + norm(given)));
     CHECK(rate < std::max(1e-9, 1e-15 * condition));
     worst_rate = std::max(worst_rate, rate);
-    momentree::accelerate(m.tree, m.state, m.work);
+    momentree::accelerate(m.tree, m.state, m.workspace);
     std::vector<Real> exact = accelerate(system, q, v, mass).v;
     const std::vector<Real> more = solve(mass, given);
     const Real scale = norm(exact) + norm(more);
     for (std::size_t i = 0; i < exact.size(); ++i) exact[i] += more[i];
-    const double off = static_cast<double>(distance({m.work.a.get(), m.work.a.get() + m.tree.nv()}, exact) / scale);
+    const double off = static_cast<double>(distance({m.workspace.a.get(), m.workspace.a.get() + m.tree.nv()}, exact) / scale);
     CHECK(off < std::max(1e-10, 1e-15 * condition));
     worst_acceleration = std::max(worst_acceleration, off);
   }
@@ -156,9 +157,9 @@ TEST_CASE(
     for (int action = 0; action < 8; ++action) {
       CAPTURE(action);
       change_something(random, m);
-      const double off = equations_of_motion(system, m.tree, m.state, m.work, loads_now(m));
+      const double off = equations_of_motion(system, m.tree, m.state, m.workspace, loads_now(m));
       CHECK(off < 1e-10);
-      CHECK(work_of_reactions(m.tree, m.state, m.work) < 1e-12);
+      CHECK(work_of_reactions(m.tree, m.state, m.workspace) < 1e-12);
       residual = std::max(residual, off);
       for (int k = 0; k < m.size(); ++k) reversed += m.tree.reversed(k);
       loaded += static_cast<int>(m.tree.loaded_bodies().size());
@@ -177,15 +178,15 @@ TEST_CASE("momentum of free trees changes by what acts from outside, energy by i
     load(random, model);
     Machine m(model);
     m.evaluate();
-    std::vector<double> qdot(m.work.qdot.get(), m.work.qdot.get() + m.tree.nq());
-    std::vector<double> pdot(m.work.pdot.get(), m.work.pdot.get() + m.tree.nv());
-    const Power power = m.work.power;
+    std::vector<double> qdot(m.workspace.qdot.get(), m.workspace.qdot.get() + m.tree.nq());
+    std::vector<double> pdot(m.workspace.pdot.get(), m.workspace.pdot.get() + m.tree.nv());
+    const Power power = m.workspace.power;
     const auto at = [&](double h) {
       State moved = m.state;
       for (std::size_t i = 0; i < qdot.size(); ++i) moved.edit().q[i] += h * qdot[i];
       for (std::size_t i = 0; i < pdot.size(); ++i) moved.edit().p[i] += h * pdot[i];
-      Work<double> work(m.tree);
-      return totals(m.tree, moved, work);
+      Workspace<double> workspace(m.tree);
+      return totals(m.tree, moved, workspace);
     };
     Vec3 force{}, torque{};
     double mass = 0;

@@ -30,16 +30,16 @@ struct Scene {
   System system;
   Tree tree;
   State state;
-  Work<double> work;
-  Scene(const Model& model) : system(system_of(model)), tree(model), state(start_state(model, tree)), work(tree) {}
+  Workspace<double> workspace;
+  Scene(const Model& model) : system(system_of(model)), tree(model), state(start_state(model, tree)), workspace(tree) {}
 
   std::vector<double> q() const { return {state.q().begin(), state.q().end()}; }
-  std::vector<Real> v() { return evaluated(), wide({work.v.get(), static_cast<std::size_t>(tree.nv())}); }
-  void evaluated() { forward_dynamics(tree, state, work); }
+  std::vector<Real> v() { return evaluated(), wide({workspace.v.get(), static_cast<std::size_t>(tree.nv())}); }
+  void evaluated() { forward_dynamics(tree, state, workspace); }
   Evaluation oracle() { return evaluated(), evaluate(system, q(), v(), false); }
   Released break_joint(int body) {
     evaluated();
-    const Released released = apply(Break{{body}}, tree, state, work);
+    const Released released = apply(Break{{body}}, tree, state, workspace);
     system = broken(system, body);
     return released;
   }
@@ -122,7 +122,7 @@ double check_break(Scene& scene, int body, Book& book) {
   const std::vector<double> q = scene.q(), p(scene.state.p().begin(), scene.state.p().end());
   const std::vector<Real> v = scene.v();
   const Evaluation e = scene.oracle();
-  const Totals sum = totals(scene.tree, scene.state, scene.work);
+  const Totals sum = totals(scene.tree, scene.state, scene.workspace);
   const std::vector<Real> heavy = sizes_of_terms(mass_matrix(before, q), v);
 
   const Released released = scene.break_joint(body);
@@ -170,7 +170,7 @@ double check_break(Scene& scene, int body, Book& book) {
   book.enter("body velocities are continuous", linear, unsure * (scale.speed + scale.spin * scale.reach));
   book.enter("body angular velocities are continuous", angular, unsure * scale.spin);
 
-  const Totals then = totals(scene.tree, scene.state, scene.work);
+  const Totals then = totals(scene.tree, scene.state, scene.workspace);
   const Real kept = then.kinetic + then.potential + released.energy;
   // Velocities are known as far as M v = p is met, to 1e-13 ‖M‖ ‖v‖, and the energy follows them.
   Real squares = 0;
@@ -210,7 +210,7 @@ TEST_CASE("a break in a random tree, at states drawn by velocities and by moment
       const std::vector<int> bodies = breakable(scene);
       if (bodies.empty()) continue;
       check_break(scene, bodies[static_cast<std::size_t>(draw.integer(0, static_cast<int>(bodies.size()) - 1))], book);
-      const StateMeasures laws = measure_state(scene.system, scene.tree, scene.state, scene.work);
+      const StateMeasures laws = measure_state(scene.system, scene.tree, scene.state, scene.workspace);
       for (const oracle::Measure& m : laws.laws) {
         INFO(std::string(m.law) << ": " << m.error << " > " << m.bound);
         CHECK(m.holds());
@@ -230,7 +230,7 @@ TEST_CASE("every joint breaks, in a random order: nothing is lost until all bodi
     Prng draw(seed + 9000);
     const Evaluation e = scene.oracle();
     const Scale scale(scene.system, e);
-    const Totals start = totals(scene.tree, scene.state, scene.work);
+    const Totals start = totals(scene.tree, scene.state, scene.workspace);
     Real released = 0;
     std::vector<int> left = breakable(scene);
     const int joints = static_cast<int>(left.size());
@@ -246,7 +246,7 @@ TEST_CASE("every joint breaks, in a random order: nothing is lost until all bodi
       CHECK(scene.tree.parent(b) == -1);
       CHECK(scene.tree.joint(b).kind == Kind::free);
     }
-    const Totals end = totals(scene.tree, scene.state, scene.work);
+    const Totals end = totals(scene.tree, scene.state, scene.workspace);
     book.enter("energy over all breaks", std::fabs(end.kinetic + end.potential + released - start.kinetic - start.potential),
                1e-12L * scale.energy);
     book.enter("linear momentum over all breaks", size(end.linear - start.linear), 1e-12L * scale.linear);

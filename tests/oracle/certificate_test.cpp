@@ -93,7 +93,7 @@ TEST_CASE("certificates: every body's momentum jumps by what its joints transmit
           Vec3 force, torque, point;
           void joint(const char*, std::string&) override {}
           void body(const char*, std::string& body, bool) override { name = body; }
-          void freedoms(const char*, const std::string&, std::vector<int>&) override {}
+          void dofs(const char*, const std::string&, std::vector<int>&) override {}
           void vector(const char* key, Vec3& value, const Dimension&) override {
             (key == std::string_view("force") ? force : key == std::string_view("torque") ? torque : point) = value;
           }

@@ -29,24 +29,24 @@ TEST_CASE("(28) every change leaves the velocities that a projection in maximal 
         const int nv = info(m.tree.joint(b).kind).nv;
         switch (what) {
           case 0:
-            if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.work);
+            if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.workspace);
             break;
           case 1:
-            if (nv > 0) apply(Lock{{b}, some_freedoms(random, nv)}, m.tree, m.state, m.work);
+            if (nv > 0) apply(Lock{{b}, some_dofs(random, nv)}, m.tree, m.state, m.workspace);
             break;
-          case 2: apply(Unlock{{b}, ~0u}, m.tree, m.state, m.work); break;
+          case 2: apply(Unlock{{b}, ~0u}, m.tree, m.state, m.workspace); break;
           case 3:
-          case 4: apply(random_change(random, m, b), m.tree, m.state, m.work); break;
+          case 4: apply(random_change(random, m, b), m.tree, m.state, m.workspace); break;
           case 5:
-            if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.work);
+            if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
             break;
           default: {
             const int to = random.integer(0, m.size() - 1);
             if (root_of(m.tree, to) == root_of(m.tree, b) || !floats(m.tree, b)) break;
-            apply(Join{{b}, {to}}, m.tree, m.state, m.work);
+            apply(Join{{b}, {to}}, m.tree, m.state, m.workspace);
             m.evaluate();
             const auto direction = random.chance(0.5) ? ChangeJoint::Direction::reversed : ChangeJoint::Direction::declared;
-            apply(random_change(random, m, b, direction), m.tree, m.state, m.work);
+            apply(random_change(random, m, b, direction), m.tree, m.state, m.workspace);
           }
         }
       });
@@ -80,10 +80,10 @@ TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body; nor
     INFO("seed ", seed, " body ", b);
     // Of origins and attitudes; and the wrenches of all joints but free ones, on the declared child.
     const auto accelerations = [](Machine& at) {
-      accelerate(at.tree, at.state, at.work);
+      accelerate(at.tree, at.state, at.workspace);
       Column A(6 * at.size());
       for (int k = 0; k < at.size(); ++k) {
-        const BodyAcceleration a = body_acceleration(at.tree, at.state, at.work, k);
+        const BodyAcceleration a = body_acceleration(at.tree, at.state, at.workspace, k);
         A.segment(6 * k, 6) << a.linear.x, a.linear.y, a.linear.z, a.angular.x, a.angular.y, a.angular.z;
       }
       return A;
@@ -91,7 +91,7 @@ TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body; nor
     const auto wrenches = [](const Machine& at) {
       Column W = Column::Zero(6 * at.size());
       for (int k = 0; k < at.size(); ++k) {
-        const Force<double> f = reaction(at.tree, at.state, at.work, k);
+        const Force<double> f = reaction(at.tree, at.state, at.workspace, k);
         if (!at.tree.detached(k) && at.tree.parent(k) >= 0)
           W.segment(6 * at.tree.joint_of(k), 6) << f.l.x, f.l.y, f.l.z, f.h.x, f.h.y, f.h.z;
       }
@@ -100,11 +100,11 @@ TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body; nor
     for (int k = 0; k < m.size(); ++k) {  // some joints are locked
       const int nv = info(m.tree.joint(k).kind).nv;
       if (nv == 0 || m.tree.parent(k) < 0 || random.chance(0.8)) continue;
-      apply(Lock{{k}, some_freedoms(random, nv)}, m.tree, m.state, m.work);
+      apply(Lock{{k}, some_dofs(random, nv)}, m.tree, m.state, m.workspace);
       m.evaluate();
     }
     const Column V = m.velocities(), A = accelerations(m), W = wrenches(m);
-    apply(Reroot{{b}}, m.tree, m.state, m.work);
+    apply(Reroot{{b}}, m.tree, m.state, m.workspace);
     m.evaluate();
     CHECK(root_of(m.tree, root) == b);
     // 10 ε cond(M), M the joint-space mass of the tree as it was: what its momenta can tell of velocities.
@@ -115,7 +115,7 @@ TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body; nor
     const long double whirl = 1 + A.cwiseAbs().maxCoeff() + V.cwiseAbs2().maxCoeff();
     CHECK((accelerations(m) - A).cwiseAbs().maxCoeff() / whirl < bound);
     CHECK((wrenches(m) - W).cwiseAbs().maxCoeff() / std::max<long double>(whirl, W.cwiseAbs().maxCoeff()) < bound);
-    apply(Reroot{{root}}, m.tree, m.state, m.work);
+    apply(Reroot{{root}}, m.tree, m.state, m.workspace);
     m.evaluate();
     for (int k = 0; k < m.size(); ++k) CHECK_FALSE(m.tree.reversed(k));
     CHECK((m.velocities() - V).cwiseAbs().maxCoeff() / std::max<long double>(1, V.cwiseAbs().maxCoeff()) < bound);
@@ -135,27 +135,27 @@ TEST_CASE("a capture does not depend on which partner is re-rooted") {
     const int a = random.integer(0, one.size() - 1);
     const int b = random.integer(0, one.size() - 1);
     for (Machine* m : {&one, &other}) {
-      if (can_break(m->tree, {cut})) apply(Break{{cut}}, m->tree, m->state, m->work);
+      if (can_break(m->tree, {cut})) apply(Break{{cut}}, m->tree, m->state, m->workspace);
       m->evaluate();
     }
     if (root_of(one.tree, a) == root_of(one.tree, b)) continue;
     ++captures;
     const auto weld = [](Machine& m, int child, int parent) {
-      apply(Join{{child}, {parent}}, m.tree, m.state, m.work);
+      apply(Join{{child}, {parent}}, m.tree, m.state, m.workspace);
       m.evaluate();
       ChangeJoint rigid;
       rigid.body = {child};
       rigid.joint.at = inverse(m.pose(parent)) * m.pose(child);
-      apply(rigid, m.tree, m.state, m.work);
+      apply(rigid, m.tree, m.state, m.workspace);
       m.evaluate();
     };
-    const Totals before = totals(one.tree, one.state, one.work);
+    const Totals before = totals(one.tree, one.state, one.workspace);
     weld(one, b, a);
     weld(other, a, b);
     const Column V = one.velocities();
     const double bound = std::max(1e-10, 10 * 2.2e-16 * condition(one.masses(), one.constraints()));
     CHECK((other.velocities() - V).cwiseAbs().maxCoeff() / std::max<long double>(1, V.cwiseAbs().maxCoeff()) < bound);
-    const Totals after = totals(one.tree, one.state, one.work);
+    const Totals after = totals(one.tree, one.state, one.workspace);
     const double scale = 1 + norm(before.linear) + norm(before.angular);
     CHECK(norm(after.linear - before.linear) < 1e-12 * scale);
     CHECK(norm(after.angular - before.angular) < 1e-12 * scale);
@@ -173,7 +173,7 @@ TEST_CASE("an attached joint is the same with its declared child on either side:
     const int cut = random.integer(0, one.size() - 1);
     const int parent = random.integer(0, one.size() - 1);
     const int child = random.integer(0, one.size() - 1);
-    if (can_break(one.tree, {cut})) apply(Break{{cut}}, one.tree, one.state, one.work);
+    if (can_break(one.tree, {cut})) apply(Break{{cut}}, one.tree, one.state, one.workspace);
     one.evaluate();
     if (root_of(one.tree, parent) == root_of(one.tree, child)) continue;
     ++attached;
@@ -183,9 +183,9 @@ TEST_CASE("an attached joint is the same with its declared child on either side:
     INFO("seed ", seed);
     Prng same = random;
     const auto attach = [](Machine& m, Prng& draw, int body, int to, ChangeJoint::Direction direction) {
-      apply(Join{{body}, {to}}, m.tree, m.state, m.work);
+      apply(Join{{body}, {to}}, m.tree, m.state, m.workspace);
       m.evaluate();
-      const Outcome o = compare(m, [&] { apply(random_change(draw, m, body, direction), m.tree, m.state, m.work); });
+      const Outcome o = compare(m, [&] { apply(random_change(draw, m, body, direction), m.tree, m.state, m.workspace); });
       CHECK(o.difference < o.bound);
       CHECK(o.gain < 1e-10L);
       CHECK(o.carnot < 1e-10L);
@@ -200,8 +200,8 @@ TEST_CASE("an attached joint is the same with its declared child on either side:
     CHECK((other.velocities() - V).cwiseAbs().maxCoeff() / std::max<long double>(1, V.cwiseAbs().maxCoeff()) < bound);
     // The same coordinates and their rates: q and u belong to the joint, not to its carrier.
     for (int i = 0; i < info(one.tree.joint(child).kind).nv; ++i) {
-      const double u = one.work.v[static_cast<std::size_t>(one.tree.first_p(child) + i)];
-      CHECK(std::fabs(other.work.v[static_cast<std::size_t>(other.tree.first_p(parent) + i)] - u) <
+      const double u = one.workspace.v[static_cast<std::size_t>(one.tree.first_p(child) + i)];
+      CHECK(std::fabs(other.workspace.v[static_cast<std::size_t>(other.tree.first_p(parent) + i)] - u) <
             bound * (1 + std::fabs(u)) * 10);
     }
   }
@@ -217,7 +217,7 @@ TEST_CASE("Attach is Join and ChangeJoint at once; the projection agrees, for th
     Machine one(random_tree(seed, options).model);
     for (int k = 0; k < 2; ++k) {
       const int cut = random.integer(0, one.size() - 1);
-      if (can_break(one.tree, {cut})) apply(Break{{cut}}, one.tree, one.state, one.work);
+      if (can_break(one.tree, {cut})) apply(Break{{cut}}, one.tree, one.state, one.workspace);
       one.evaluate();
     }
     const int b = random.integer(0, one.size() - 1);
@@ -229,14 +229,14 @@ TEST_CASE("Attach is Join and ChangeJoint at once; the projection agrees, for th
     Machine other(one.model);
     other.tree = one.tree, other.state = one.state;
     other.evaluate();
-    const Outcome o = compare(one, [&] { apply(attach, one.tree, one.state, one.work); });
+    const Outcome o = compare(one, [&] { apply(attach, one.tree, one.state, one.workspace); });
     CHECK(o.difference < o.bound);
     CHECK(o.gain < 1e-10L);
     CHECK(o.carnot < 1e-10L);
-    apply(Join{{b}, {to}}, other.tree, other.state, other.work);
+    apply(Join{{b}, {to}}, other.tree, other.state, other.workspace);
     other.evaluate();
     const auto direction = attach.reversed ? ChangeJoint::Direction::reversed : ChangeJoint::Direction::declared;
-    apply(ChangeJoint{{b}, attach.joint, attach.q, direction}, other.tree, other.state, other.work);
+    apply(ChangeJoint{{b}, attach.joint, attach.q, direction}, other.tree, other.state, other.workspace);
     other.evaluate();
     const Column V = one.velocities();
     CHECK((other.velocities() - V).cwiseAbs().maxCoeff() / std::max<long double>(1, V.cwiseAbs().maxCoeff()) < o.bound);
@@ -254,10 +254,12 @@ TEST_CASE("several joints change in one impact: Pb of all from before, whatever 
     const int b = (a + 1) % m.size();
     const ChangeJoint first = random_change(random, m, a), second = random_change(random, m, b);
     const Outcome o = compare(m, [&] {
-      const auto before = [&](int k) { return to_user_frame(m.tree.frame(k), articulated_momentum(m.tree, m.state, m.work, k)); };
+      const auto before = [&](int k) {
+        return to_user_frame(m.tree.frame(k), articulated_momentum(m.tree, m.state, m.workspace, k));
+      };
       const Force<double> Pa = before(a), Pb = before(b);
-      apply(first, Pa, m.tree, m.state, m.work);
-      apply(second, Pb, m.tree, m.state, m.work);
+      apply(first, Pa, m.tree, m.state, m.workspace);
+      apply(second, Pb, m.tree, m.state, m.workspace);
     });
     INFO("seed ", seed);
     CHECK(o.difference < o.bound);
@@ -270,32 +272,32 @@ TEST_CASE("a hundred thousand changes of one free world: momenta drift by round-
   options.min_bodies = 12, options.max_bodies = 12, options.parameters = false, options.all_free = true, options.gravity = false;
   Machine m(random_tree(11, options).model);
   Prng random(3);
-  const Totals start = totals(m.tree, m.state, m.work);
+  const Totals start = totals(m.tree, m.state, m.workspace);
   const double scale = 1 + norm(start.linear) + norm(start.angular);
   const double* storage = m.state.q().data();
   for (int k = 0; k < 100000; ++k) {
     const int b = random.integer(0, m.size() - 1);
     const int nv = info(m.tree.joint(b).kind).nv;
-    forward_dynamics(m.tree, m.state, m.work);
+    forward_dynamics(m.tree, m.state, m.workspace);
     switch (random.integer(0, 4)) {
       case 0:
-        if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.work);
+        if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.workspace);
         break;
       case 1:
-        if (nv > 0 && m.tree.parent(b) >= 0) apply(Lock{{b}, some_freedoms(random, nv)}, m.tree, m.state, m.work);
+        if (nv > 0 && m.tree.parent(b) >= 0) apply(Lock{{b}, some_dofs(random, nv)}, m.tree, m.state, m.workspace);
         break;
-      case 2: apply(Unlock{{b}}, m.tree, m.state, m.work); break;
+      case 2: apply(Unlock{{b}}, m.tree, m.state, m.workspace); break;
       case 3:
-        if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.work);
+        if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
         break;
       default: {
         const int to = random.integer(0, m.size() - 1);
-        if (root_of(m.tree, to) != root_of(m.tree, b) && floats(m.tree, b)) apply(Join{{b}, {to}}, m.tree, m.state, m.work);
+        if (root_of(m.tree, to) != root_of(m.tree, b) && floats(m.tree, b)) apply(Join{{b}, {to}}, m.tree, m.state, m.workspace);
       }
     }
   }
   m.evaluate();
-  const Totals end = totals(m.tree, m.state, m.work);
+  const Totals end = totals(m.tree, m.state, m.workspace);
   CHECK(norm(end.linear - start.linear) / scale < 1e-10);
   CHECK(norm(end.angular - start.angular) / scale < 1e-10);
   CHECK(end.kinetic <= start.kinetic * (1 + 1e-9));

@@ -34,7 +34,7 @@ Model chimney(int pieces) {
   return model;
 }
 
-double moment(double x, double angle) { return density * g * std::sin(angle) / (4 * height) * x * (height - x) * (height - x); }
+double context(double x, double angle) { return density * g * std::sin(angle) / (4 * height) * x * (height - x) * (height - x); }
 
 /// When the rod, let go at `start`, is at that angle: from φ̇² = 3g/L (cos φ0 − cos φ), with sin((π − φ)/2) = k sin ψ.
 double time_at(double angle) {
@@ -58,8 +58,8 @@ TEST_CASE("the bending moment in a falling chimney is the closed form's at every
   CHECK(angle > 0.3);
   CHECK(std::fabs(time_at(angle) - 3) < 1e-8);
   for (int k = 1; k < pieces; ++k) {
-    const double exact = moment(k * height / pieces, angle), found = norm(sim.world().joint_forces({k}).reaction.torque);
-    CHECK(std::fabs(found - exact) < 1e-10 * moment(height / 3, angle));
+    const double exact = context(k * height / pieces, angle), found = norm(sim.world().joint_forces({k}).reaction.torque);
+    CHECK(std::fabs(found - exact) < 1e-10 * context(height / 3, angle));
   }
 }
 
@@ -71,14 +71,14 @@ TEST_CASE("a falling chimney breaks nearest to a third of its height, at the ins
     for (int k = 1; k < pieces; ++k) {
       const std::string joint = "chimney/" + std::to_string(k + 1);
       sim.when(reaction_torque(joint).exceeds(strength)).then(break_joint(joint));
-      if (moment(k * height / pieces, 1) > moment(weakest * height / pieces, 1)) weakest = k;
+      if (context(k * height / pieces, 1) > context(weakest * height / pieces, 1)) weakest = k;
     }
     CHECK(std::fabs(static_cast<double>(weakest) / pieces - 1.0 / 3) <= 0.5 / pieces);
     REQUIRE(sim.run_until(4.5) == Status::ok);
     REQUIRE(sim.events().size() == 1);  // the upper part turns freely, in the lower one the moment is a ninth
     const Event& event = sim.events()[0];
     CHECK(event.actions[0] == "break chimney/" + std::to_string(weakest + 1));
-    const double angle = std::asin(strength / moment(weakest * height / pieces, std::asin(1.0)));
+    const double angle = std::asin(strength / context(weakest * height / pieces, std::asin(1.0)));
     MESSAGE(pieces << " pieces: breaks at " << weakest << "/" << pieces << " of its height, " << event.time - time_at(angle)
                    << " s late");
     CHECK(std::fabs(event.time - time_at(angle)) < 1e-9);

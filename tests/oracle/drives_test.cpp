@@ -66,14 +66,14 @@ void check_motions(const System& at_rest, Machine& m) {
     }
   }
   const double condition = spectrum(mass).condition();
-  const std::vector<Real> v = solve(free, p), is(m.work.v.get(), m.work.v.get() + nv);
+  const std::vector<Real> v = solve(free, p), is(m.workspace.v.get(), m.workspace.v.get() + nv);
   CHECK(narrow(oracle::distance(v, is)) <= std::max(1e-13, 1e-15 * condition) * narrow(oracle::norm(v)));
   Evaluation e = evaluate(system, q, v);
   for (int i = 0; i < nv; ++i)
     if (driven[static_cast<std::size_t>(i)]) e.pdot[static_cast<std::size_t>(i)] = expected_rates[static_cast<std::size_t>(i)];
-  const std::vector<Real> rates(m.work.pdot.get(), m.work.pdot.get() + nv);
+  const std::vector<Real> rates(m.workspace.pdot.get(), m.workspace.pdot.get() + nv);
   CHECK(narrow(oracle::distance(rates, e.pdot)) <= std::max(1e-9, 1e-15 * condition) * narrow(oracle::norm(e.pdot)));
-  check(measure_accelerations(system, m.tree, m.state, m.work, spectrum(mass)));
+  check(measure_accelerations(system, m.tree, m.state, m.workspace, spectrum(mass)));
 }
 
 }  // namespace
@@ -86,9 +86,9 @@ TEST_CASE("forces of friction, soft stops, efforts and position control, and wha
     System system = system_of(model);
     system.time = m.state.edit().time = Prng(seed).uniform(0, 1);
     m.evaluate();
-    const StateMeasures measures = measure_state(system, m.tree, m.state, m.work);
+    const StateMeasures measures = measure_state(system, m.tree, m.state, m.workspace);
     check(measures.laws);
-    check(measure_accelerations(system, m.tree, m.state, m.work, measures.range));
+    check(measure_accelerations(system, m.tree, m.state, m.workspace, measures.range));
   }
 }
 
@@ -126,40 +126,41 @@ TEST_CASE(
       CAPTURE(action);
       CAPTURE(what);
       m.evaluate();
-      const Totals before = totals(m.tree, m.state, m.work);
+      const Totals before = totals(m.tree, m.state, m.workspace);
       bool steady = true, floating = true;
       for (int k = 0; k < m.size(); ++k) floating = floating && floats(m.tree, k);
       std::vector<Vec3> spins;
       for (int k = 0; k < m.size(); ++k) {
-        const Kinematics<double>& body = m.work.bodies[static_cast<std::size_t>(k)];
+        const Kinematics<double>& body = m.workspace.bodies[static_cast<std::size_t>(k)];
         spins.push_back(body.R * body.velocity.w);
       }
       switch (what) {
         case 0:
-          if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.work);
+          if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.workspace);
           break;
         case 1:
           steady = false;
-          if (info(m.tree.joint(b).kind).nv > 0) apply(Lock{{b}}, m.tree, m.state, m.work);
+          if (info(m.tree.joint(b).kind).nv > 0) apply(Lock{{b}}, m.tree, m.state, m.workspace);
           break;
         case 2: {
           const int to = random.integer(0, m.size() - 1);
-          if (root_of(m.tree, to) != root_of(m.tree, b) && floats(m.tree, b)) apply(Join{{b}, {to}}, m.tree, m.state, m.work);
+          if (root_of(m.tree, to) != root_of(m.tree, b) && floats(m.tree, b))
+            apply(Join{{b}, {to}}, m.tree, m.state, m.workspace);
           break;
         }
         case 3:  // the motion is taken away
-          if (m.tree.link(b).driven != 0) apply(SetParameters{{b}, {}}, m.tree, m.state, m.work);
+          if (m.tree.link(b).driven != 0) apply(SetParameters{{b}, {}}, m.tree, m.state, m.workspace);
           break;
         default:
-          if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.work);
+          if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
       }
-      CHECK(equations_of_motion(system, m.tree, m.state, m.work) < 1e-10);
-      CHECK(work_of_reactions(m.tree, m.state, m.work) < 1e-12);
-      const Totals after = totals(m.tree, m.state, m.work);
+      CHECK(equations_of_motion(system, m.tree, m.state, m.workspace) < 1e-10);
+      CHECK(work_of_reactions(m.tree, m.state, m.workspace) < 1e-12);
+      const Totals after = totals(m.tree, m.state, m.workspace);
       double fast = 1;
       for (const Vec3& w : spins) fast = std::max(fast, momentree::norm(w));
       for (int k = 0; k < m.size() && steady; ++k) {
-        const Kinematics<double>& body = m.work.bodies[static_cast<std::size_t>(k)];
+        const Kinematics<double>& body = m.workspace.bodies[static_cast<std::size_t>(k)];
         CHECK(momentree::norm(body.R * body.velocity.w - spins[static_cast<std::size_t>(k)]) <= 1e-9 * fast);
       }
       for (int k = 0; k < m.size(); ++k) floating = floating && floats(m.tree, k);  // a root may have been locked
@@ -168,7 +169,7 @@ TEST_CASE(
         if (m.tree.link(k).driven == 0) continue;
         ++driven, reversed += m.tree.reversed(k);
         const double rate = m.tree.motion(k).at(m.state.time()).rate;
-        CHECK(m.work.v[static_cast<std::size_t>(m.tree.first_p(k))] == rate);
+        CHECK(m.workspace.v[static_cast<std::size_t>(m.tree.first_p(k))] == rate);
       }
     }
   }

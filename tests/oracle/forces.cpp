@@ -22,25 +22,24 @@ V3<Dual> rotation_from(const Real rest[4], const Dual q[4]) {
 }
 
 /// Extension of each spring, with freedom `freedom` moved by ε; for a free joint's position along the parent-side axes.
-std::vector<Dual> extensions(const JointSpec& joint, const double* q, int freedom) {
+std::vector<Dual> extensions(const JointSpec& joint, const double* q, int dof) {
   const Values& rest = joint.parameters.rest;
   const bool ball = joint.kind == Kind::ball, free = joint.kind == Kind::free;
   const auto at_rest = [&](int i) { return rest.empty() ? Real(0) : Real(rest[i]); };
   std::vector<Dual> x;
   if (!ball && !free)
-    for (int i = 0; i < coordinates(joint.kind); ++i) x.push_back({q[i] - at_rest(i), freedom == i ? Real(1) : Real(0)});
+    for (int i = 0; i < coordinates(joint.kind); ++i) x.push_back({q[i] - at_rest(i), dof == i ? Real(1) : Real(0)});
   const int plain = free ? 3 : 0;
   const double* Q = q + plain;
   if (free) {
     const M3<Real> R = matrix_of(Q[0], Q[1], Q[2], Q[3]);
-    for (int i = 0; i < 3; ++i)
-      x.push_back({q[i] - at_rest(i), freedom >= 0 && freedom < 3 ? R[static_cast<unsigned>(3 * i + freedom)] : 0});
+    for (int i = 0; i < 3; ++i) x.push_back({q[i] - at_rest(i), dof >= 0 && dof < 3 ? R[static_cast<unsigned>(3 * i + dof)] : 0});
   }
   if (ball || free) {
     Real r[4] = {1, 0, 0, 0};
     for (int i = 0; i < 4 && !rest.empty(); ++i) r[i] = rest[plain + i];
     Real d[3] = {0, 0, 0};  // half a turn of ε about the child's axis: q (1, ½ ε e)
-    if (freedom >= plain) d[freedom - plain] = 0.5L;
+    if (dof >= plain) d[dof - plain] = 0.5L;
     const Dual moved[4] = {{Q[0], -Q[1] * d[0] - Q[2] * d[1] - Q[3] * d[2]},
                            {Q[1], Q[0] * d[0] + Q[2] * d[2] - Q[3] * d[1]},
                            {Q[2], Q[0] * d[1] + Q[3] * d[0] - Q[1] * d[2]},
@@ -51,10 +50,10 @@ std::vector<Dual> extensions(const JointSpec& joint, const double* q, int freedo
 }
 
 /// Energy of the joint's springs: ½ Σ k x².
-Dual spring_energy(const JointSpec& joint, const double* q, int freedom) {
+Dual spring_energy(const JointSpec& joint, const double* q, int dof) {
   Dual energy = 0;
   if (joint.parameters.stiffness.empty()) return energy;
-  const std::vector<Dual> x = extensions(joint, q, freedom);
+  const std::vector<Dual> x = extensions(joint, q, dof);
   for (std::size_t i = 0; i < x.size(); ++i)
     energy = energy + (value(joint.parameters.stiffness, static_cast<int>(i)) / 2) * (x[i] * x[i]);
   return energy;
@@ -118,7 +117,7 @@ std::vector<Real> joint_forces(const System& system, const std::vector<double>& 
     const double* qk = q.data() + system.first_q[k];
     const Real* vk = v.data() + system.first_v[k];
     Real* fk = force.data() + system.first_v[k];
-    for (int i = 0; i < freedoms(joint.kind); ++i)
+    for (int i = 0; i < dofs(joint.kind); ++i)
       fk[i] = value(p.effort, i) - value(p.damping, i) * vk[i] - spring_energy(joint, qk, i).e +
               driving_force(p, qk, vk[i], i, system.time);
   }
@@ -138,7 +137,7 @@ Real potential(const System& system, const std::vector<double>& q) {
     energy -= link.mass * (system.gravity[0] * com[0].r + system.gravity[1] * com[1].r + system.gravity[2] * com[2].r);
     energy += spring_energy(link.joint, qk, -1).r;
     const JointParameters& p = link.joint.parameters;
-    for (int i = 0; i < freedoms(link.joint.kind); ++i) {
+    for (int i = 0; i < dofs(link.joint.kind); ++i) {
       const Real x = beyond(p, qk, i);
       energy += value(p.limits.stiffness, i) * x * x / 2;
     }

@@ -71,13 +71,14 @@ double distance(const std::vector<double>& a, const double* b) {
 
 // Error over what is allowed. Both compute the same in another order, so that they differ by what rounding makes of the mass:
 // velocities are known to its condition times 1e-16 (velocity_resolution), and so is what is made of them.
-double error(const Tree& tree, const std::vector<double>& q, const Rates& found, const Work<double>& work) {
+double error(const Tree& tree, const std::vector<double>& q, const Rates& found, const Workspace<double>& workspace) {
   const auto nv = found.v.size(), nq = found.qdot.size();
   const double allowed = std::fmax(1e-13, 30 * velocity_resolution(tree, q));
-  const double speed = largest(work.v.get(), nv) + largest(work.qdot.get(), nq) + 1e-3,
-               rate = largest(work.pdot.get(), nv) + 1e-3;
-  const double of_v = std::fmax(distance(found.v, work.v.get()), distance(found.qdot, work.qdot.get())) / (allowed * speed);
-  const double of_p = distance(found.pdot, work.pdot.get()) / (allowed * rate);
+  const double speed = largest(workspace.v.get(), nv) + largest(workspace.qdot.get(), nq) + 1e-3,
+               rate = largest(workspace.pdot.get(), nv) + 1e-3;
+  const double of_v =
+      std::fmax(distance(found.v, workspace.v.get()), distance(found.qdot, workspace.qdot.get())) / (allowed * speed);
+  const double of_p = distance(found.pdot, workspace.pdot.get()) / (allowed * rate);
   return of_v >= of_p ? of_v : of_p;
 }
 
@@ -104,12 +105,12 @@ TEST_CASE("expressions are what the kernels compute, on trees of all kinds and v
     const RandomTree random = random_tree(seed, {.max_bodies = 30});
     Tree tree(random.model);
     Prng draw(seed + 900);
-    Work<double> work(tree);
+    Workspace<double> workspace(tree);
     State state = start_state(random.model, tree);
-    if (seed % 2 == 1) rearrange(draw, tree, state, work);
-    for (const Segment& s : tree.segments()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
-    const KernelExpressions one = kernel_expressions(tree, PinOrder::reduce_first);
-    const KernelExpressions other = kernel_expressions(tree, PinOrder::turn_first);
+    if (seed % 2 == 1) rearrange(draw, tree, state, workspace);
+    for (const KernelRun& s : tree.kernel_runs()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
+    const KernelExpressions one = kernel_expressions(tree, RevoluteOrder::reduce_first);
+    const KernelExpressions other = kernel_expressions(tree, RevoluteOrder::turn_first);
     // Nothing is added to what the kernels do, and the order that is chosen by itself is the shorter one.
     CHECK(one.operations().total() <= count_operations(tree).total());
     CHECK(one.operations().sincos <= count_operations(tree).sincos);
@@ -117,10 +118,10 @@ TEST_CASE("expressions are what the kernels compute, on trees of all kinds and v
     Rates rates(tree);
     for (int i = 0; i < 3; ++i) {
       const std::vector<double> q = moved(draw, state.q(), 0.1), p = moved(draw, state.p(), 0.1);
-      evaluate_rates(tree, q.data(), p.data(), work);
+      evaluate_rates(tree, q.data(), p.data(), workspace);
       for (const KernelExpressions* kernel : {&one, &other}) {
         interpret(*kernel, q, p, rates);
-        const double off = error(tree, q, rates, work);
+        const double off = error(tree, q, rates, workspace);
         CAPTURE(seed);
         CHECK(off <= 1);
         worst = std::fmax(worst, off);
@@ -149,13 +150,13 @@ TEST_CASE("a prescribed motion has the rate that p holds, in expressions too") {
              .joint = driven});
   const Tree tree(model);
   const KernelExpressions kernel = kernel_expressions(tree);
-  Work<double> work(tree);
+  Workspace<double> workspace(tree);
   Rates rates(tree);
   const std::vector<double> q{0.4, -0.3}, p{0.7, 1.9};
-  evaluate_rates(tree, q.data(), p.data(), work);
+  evaluate_rates(tree, q.data(), p.data(), workspace);
   interpret(kernel, q, p, rates);
   CHECK(rates.v[1] == 1.9);
-  CHECK(error(tree, q, rates, work) <= 1);
+  CHECK(error(tree, q, rates, workspace) <= 1);
 }
 
 TEST_CASE("compiled source finds what the engine finds, at many states") {
@@ -173,10 +174,10 @@ TEST_CASE("compiled source finds what the engine finds, at many states") {
   for (const Case& c : cases) {
     CAPTURE(c.name);
     Tree tree(c.model);
-    Work<double> work(tree);
+    Workspace<double> workspace(tree);
     State state = start_state(c.model, tree);
     Prng random(42);
-    if (c.changed) rearrange(random, tree, state, work);
+    if (c.changed) rearrange(random, tree, state, workspace);
     Library library;
     const RatesFunction rates = compiled(kernel_source(kernel_expressions(tree)), library);
     REQUIRE((rates != nullptr));
@@ -188,9 +189,9 @@ TEST_CASE("compiled source finds what the engine finds, at many states") {
       const double far = i % 10 == 0 ? 4e6 : 1;  // beyond sincos_range, too
       const std::vector<double> q = moved(random, state.q(), tree.quaternion_joints().empty() ? far : 0.3);
       const std::vector<double> p = moved(random, state.p(), 0.5 * largest(state.p().data(), state.p().size()));
-      evaluate_rates(tree, q.data(), p.data(), work);
+      evaluate_rates(tree, q.data(), p.data(), workspace);
       rates(q.data(), p.data(), found.v.data(), found.qdot.data(), found.pdot.data());
-      const double off = error(tree, q, found, work);
+      const double off = error(tree, q, found, workspace);
       worst = off <= worst ? worst : off;
     }
     CHECK(worst <= 1);

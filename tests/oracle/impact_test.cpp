@@ -11,7 +11,7 @@ using namespace momentree::oracle;
 namespace {
 
 struct Stop {
-  int body = -1, freedom = 0;
+  int body = -1, dof = 0;
 };
 Stop some_stop(Prng& random, const Machine& m) {
   Stop stop;
@@ -24,7 +24,7 @@ Stop some_stop(Prng& random, const Machine& m) {
 }
 
 double rate(const Machine& m, const Stop& stop) {
-  return m.work.v[static_cast<std::size_t>(m.tree.first_p(stop.body) + stop.freedom)];
+  return m.workspace.v[static_cast<std::size_t>(m.tree.first_p(stop.body) + stop.dof)];
 }
 
 Machine copy(const Machine& m) {
@@ -34,7 +34,7 @@ Machine copy(const Machine& m) {
   return other;
 }
 
-double kinetic(Machine& m) { return totals(m.tree, m.state, m.work).kinetic; }
+double kinetic(Machine& m) { return totals(m.tree, m.state, m.workspace).kinetic; }
 
 }  // namespace
 
@@ -46,15 +46,15 @@ TEST_CASE("an impact is the projection, overshot by the restitution; of all kind
     options.max_bodies = 10, options.parameters = false, options.all_free = seed % 2 == 0;
     Machine m(random_tree(seed, options).model);
     const int root = m.some_body(random);
-    if (floats(m.tree, root)) apply(Reroot{{root}}, m.tree, m.state, m.work);
+    if (floats(m.tree, root)) apply(Reroot{{root}}, m.tree, m.state, m.workspace);
     m.evaluate();
     const Stop stop = some_stop(random, m);
     if (stop.body < 0) continue;
     ++impacts, ++kinds[static_cast<std::size_t>(m.tree.joint(stop.body).kind)];
-    INFO("seed ", seed, " body ", stop.body, " freedom ", stop.freedom);
+    INFO("seed ", seed, " body ", stop.body, " freedom ", stop.dof);
     const double e = seed % 5 == 0 ? 0.0 : random.uniform(0, 1);
     Machine locked = copy(m);
-    apply(Lock{{stop.body}, 1u << stop.freedom}, locked.tree, locked.state, locked.work);
+    apply(Lock{{stop.body}, 1u << stop.dof}, locked.tree, locked.state, locked.workspace);
     locked.evaluate();
 
     const Column before = m.velocities();
@@ -62,12 +62,12 @@ TEST_CASE("an impact is the projection, overshot by the restitution; of all kind
     const Column plastic = projected(M, C, before), expected = before + (1 + static_cast<long double>(e)) * (plastic - before);
     const double u = rate(m, stop);
     const std::uint64_t revision = m.tree.revision();
-    const double p = m.state.p()[static_cast<std::size_t>(m.tree.first_p(stop.body) + stop.freedom)];
-    const double impulse = apply(Impact{{stop.body}, stop.freedom, e}, m.tree, m.state, m.work);
-    CHECK(m.work.evaluated != m.state.stamp());
+    const double p = m.state.p()[static_cast<std::size_t>(m.tree.first_p(stop.body) + stop.dof)];
+    const double impulse = apply(Impact{{stop.body}, stop.dof, e}, m.tree, m.state, m.workspace);
+    CHECK(m.workspace.evaluated != m.state.stamp());
     CHECK(m.tree.revision() == revision);
     CHECK(impulse * u <= 0);
-    CHECK(m.state.p()[static_cast<std::size_t>(m.tree.first_p(stop.body) + stop.freedom)] == p + impulse);
+    CHECK(m.state.p()[static_cast<std::size_t>(m.tree.first_p(stop.body) + stop.dof)] == p + impulse);
     m.evaluate();
     const double bound = std::max(1e-10, 10 * 2.2e-16 * condition(M, m.constraints()));
     const long double scale = std::max<long double>(1, before.cwiseAbs().maxCoeff());
@@ -91,17 +91,17 @@ TEST_CASE("with rotors, springs and locked neighbours: restitution, and its shar
     options.max_bodies = 12;
     Machine m(random_tree(seed, options).model);
     const int b = m.some_body(random);
-    if (info(m.tree.joint(b).kind).nv > 0) apply(Lock{{b}, 1}, m.tree, m.state, m.work);
+    if (info(m.tree.joint(b).kind).nv > 0) apply(Lock{{b}, 1}, m.tree, m.state, m.workspace);
     m.evaluate();
     const Stop stop = some_stop(random, m);
-    if (stop.body < 0 || (m.tree.joint(stop.body).locked >> stop.freedom & 1u) != 0) continue;
+    if (stop.body < 0 || (m.tree.joint(stop.body).locked >> stop.dof & 1u) != 0) continue;
     ++impacts;
-    INFO("seed ", seed, " body ", stop.body, " freedom ", stop.freedom);
+    INFO("seed ", seed, " body ", stop.body, " freedom ", stop.dof);
     const double e = random.uniform(0, 1), u = rate(m, stop), before = kinetic(m);
     Machine plastic = copy(m);
     const double bound = std::max(1e-10, 10 * 2.2e-16 * condition(m.masses(), m.constraints()));
-    apply(Impact{{stop.body}, stop.freedom, 0}, plastic.tree, plastic.state, plastic.work);
-    apply(Impact{{stop.body}, stop.freedom, e}, m.tree, m.state, m.work);
+    apply(Impact{{stop.body}, stop.dof, 0}, plastic.tree, plastic.state, plastic.workspace);
+    apply(Impact{{stop.body}, stop.dof, e}, m.tree, m.state, m.workspace);
     m.evaluate(), plastic.evaluate();
     CHECK(std::fabs(rate(m, stop) + e * u) < bound * std::max(1.0, std::fabs(u)));
     CHECK(std::fabs(rate(plastic, stop)) < bound * std::max(1.0, std::fabs(u)));

@@ -75,20 +75,20 @@ double apart(const Outcome& a, const Outcome& b) {
 Outcome fixed_run(const Model& model, const std::string& method, double h, int steps) {
   Tree tree(model);
   State state = start_state(model, tree);
-  Work<double> work(tree);
-  Evaluator evaluate(tree, work);
-  Books books;
+  Workspace<double> workspace(tree);
+  Evaluator evaluate(tree, workspace);
+  EnergyLedger ledger;
   const auto how = make_integrator(method, tree);
   for (int i = 0; i < steps; ++i) {
     evaluate(state);
-    REQUIRE(how->step(evaluate, state, books, h));
+    REQUIRE(how->step(evaluate, state, ledger, h));
   }
   evaluate(state);
   Outcome end;
   end.values.assign(state.q().begin(), state.q().end());
-  end.values.insert(end.values.end(), work.v.get(), work.v.get() + tree.nv());
-  end.values.push_back(books.dissipated);
-  end.values.push_back(books.work);
+  end.values.insert(end.values.end(), workspace.v.get(), workspace.v.get() + tree.nv());
+  end.values.push_back(ledger.dissipated);
+  end.values.push_back(ledger.work);
   return end;
 }
 
@@ -166,9 +166,9 @@ TEST_CASE("dense output is of order 4 for dopri5, of order 7 for dop853") {
   for (const Model& model : {chain(), tumbler()}) {
     Tree tree(model);
     const State start = start_state(model, tree);
-    Work<double> work(tree), elsewhere(tree);
-    Evaluator evaluate(tree, work), other(tree, elsewhere);
-    Books books;
+    Workspace<double> workspace(tree), elsewhere(tree);
+    Evaluator evaluate(tree, workspace), other(tree, elsewhere);
+    EnergyLedger ledger;
     std::vector<double> q(static_cast<std::size_t>(tree.nq())), p(static_cast<std::size_t>(tree.nv()));
     for (const auto& m : methods) {
       const auto method = make_integrator(m.name, tree), reference = make_integrator("dop853", tree);
@@ -176,7 +176,7 @@ TEST_CASE("dense output is of order 4 for dopri5, of order 7 for dop853") {
       const auto error = [&](double h) {
         State end = start;
         evaluate(end);
-        REQUIRE(method->step(evaluate, end, books, h));
+        REQUIRE(method->step(evaluate, end, ledger, h));
         const long before = evaluate.count;
         double most = 0;
         for (const double theta : {0.0, 0.1, 0.3, 0.6, 0.85, 1.0}) {
@@ -184,13 +184,13 @@ TEST_CASE("dense output is of order 4 for dopri5, of order 7 for dop853") {
           State exact = start;
           for (int i = 0; i < 16 && theta > 0; ++i) {
             other(exact);
-            REQUIRE(reference->step(other, exact, books, theta * h / 16));
+            REQUIRE(reference->step(other, exact, ledger, theta * h / 16));
           }
           for (std::size_t i = 0; i < q.size(); ++i) most = std::max(most, std::abs(q[i] - exact.q()[i]));
           for (std::size_t i = 0; i < p.size(); ++i) most = std::max(most, std::abs(p[i] - exact.p()[i]));
         }
         CHECK(evaluate.count == before + m.evaluations);  // once for a step, and only where it is asked for
-        CHECK(work.evaluated == end.stamp());
+        CHECK(workspace.evaluated == end.stamp());
         return most;
       };
       const double h = m.h[number], coarse = error(h), fine = error(h / 2);

@@ -8,7 +8,7 @@ namespace momentree::oracle {
 /// ε first: ball and free are displaced by ε and then move by τ, else the other way round. The two differ by a Lie bracket.
 struct Perturbation {
   const Real* v = nullptr;
-  int freedom = -1;
+  int dof = -1;
   bool epsilon_first = true;
   const Real* a = nullptr;
 };
@@ -71,7 +71,7 @@ Frame<T> small_motion(const Perturbation& by, int linear, int nv) {
   V3<T> a{}, w{};
   for (int i = 0; i < nv; ++i) {
     const unsigned k = static_cast<unsigned>(i < linear ? i : i - linear);
-    (i < linear ? epsilon.position : a)[k] = T::variable(0, by.freedom == i ? 1 : 0, 0, 0);
+    (i < linear ? epsilon.position : a)[k] = T::variable(0, by.dof == i ? 1 : 0, 0, 0);
     (i < linear ? tau.position : w)[k] = T::variable(0, 0, by.v ? by.v[i] : 0, by.a ? by.a[i] : 0);
   }
   epsilon.rotation = small_turn(a);
@@ -83,7 +83,7 @@ Frame<T> small_motion(const Perturbation& by, int linear, int nv) {
 /// The joint's child-side frame in its parent-side frame.
 template <class T>
 Frame<T> joint_frame(const JointSpec& joint, const double* q, const Perturbation& by) {
-  const auto x = [&](int i) { return T::variable(q[i], by.freedom == i ? 1 : 0, by.v ? by.v[i] : 0, by.a ? by.a[i] : 0); };
+  const auto x = [&](int i) { return T::variable(q[i], by.dof == i ? 1 : 0, by.v ? by.v[i] : 0, by.a ? by.a[i] : 0); };
   const V3<Real> n = joint.kind == Kind::planar || joint.kind == Kind::weld ? V3<Real>{{0, 0, 1}} : unit(real(joint.axis));
   const auto along = [&](const T& s) { return V3<T>{{n[0] * s, n[1] * s, n[2] * s}}; };
   Frame<T> f;

@@ -44,7 +44,7 @@ Worst compare(const Tree& tree, const State& middle, Prng& random, batch::Steppe
     for (auto* list : {&q, &p})
       for (double& x : *list) x = static_cast<float>(x);
   stepper.rates(tree, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
-  Work<double> work(tree);
+  Workspace<double> workspace(tree);
   std::vector<double> one_q(static_cast<std::size_t>(nq)), one_p(static_cast<std::size_t>(nv));
   Worst worst;
   for (int lane = 0; lane < lanes; ++lane) {
@@ -52,19 +52,19 @@ Worst compare(const Tree& tree, const State& middle, Prng& random, batch::Steppe
     for (int i = 0; i < nv; ++i) one_p[static_cast<std::size_t>(i)] = p[static_cast<std::size_t>(i * lanes + lane)];
     // Velocities are known to the condition of the mass matrix times the precision; so is what is made of them.
     const double known = epsilon * velocity_resolution(tree, one_q) / 1e-16;
-    evaluate_rates<double>(tree, one_q.data(), one_p.data(), work);
-    const double speed = largest(work.v.get(), nv) + largest(work.qdot.get(), nq) + 1e-3;
-    const double rate = largest(work.pdot.get(), nv) + 1e-3;
+    evaluate_rates<double>(tree, one_q.data(), one_p.data(), workspace);
+    const double speed = largest(workspace.v.get(), nv) + largest(workspace.qdot.get(), nq) + 1e-3;
+    const double rate = largest(workspace.pdot.get(), nv) + 1e-3;
     const double allowed = std::fmax(1e4 * epsilon, 30 * known);
     for (int i = 0; i < nv; ++i) {
       const auto at = static_cast<std::size_t>(i * lanes + lane), here = static_cast<std::size_t>(i);
-      worst.q = std::fmax(worst.q, std::fabs(v[at] - work.v[here]) / (allowed * speed));
-      worst.p = std::fmax(worst.p, std::fabs(pdot[at] - work.pdot[here]) / (allowed * rate));
+      worst.q = std::fmax(worst.q, std::fabs(v[at] - workspace.v[here]) / (allowed * speed));
+      worst.p = std::fmax(worst.p, std::fabs(pdot[at] - workspace.pdot[here]) / (allowed * rate));
       if (!std::isfinite(v[at] + pdot[at])) worst.q = HUGE_VAL;
     }
     for (int i = 0; i < nq; ++i) {
       const auto at = static_cast<std::size_t>(i * lanes + lane), here = static_cast<std::size_t>(i);
-      worst.q = std::fmax(worst.q, std::fabs(qdot[at] - work.qdot[here]) / (allowed * speed));
+      worst.q = std::fmax(worst.q, std::fabs(qdot[at] - workspace.qdot[here]) / (allowed * speed));
     }
   }
   return worst;
@@ -88,10 +88,10 @@ TEST_CASE("a lane finds what the scalar finds, on trees of all kinds and variant
         const RandomTree random = random_tree(seed, {.max_bodies = wide ? 40 : 6, .drives = true});
         Tree tree(random.model);
         Prng draw(seed + 500);
-        Work<double> work(tree);
+        Workspace<double> workspace(tree);
         State state = start_state(random.model, tree);
-        if (seed % 2 == 1) rearrange(draw, tree, state, work);
-        for (const Segment& s : tree.segments()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
+        if (seed % 2 == 1) rearrange(draw, tree, state, workspace);
+        for (const KernelRun& s : tree.kernel_runs()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
         const auto stepper = batch::make_stepper(isa, precision, tree);
         const Worst worst = compare(tree, state, draw, *stepper, epsilon);
         CAPTURE(seed);

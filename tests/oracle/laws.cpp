@@ -24,12 +24,12 @@ Real length(const V3<Real>& a) { return std::sqrt(dot(a, a)); }
 /// The second measure is stricter: in terms of |E||Pb| alone, what is left after the summands of Pb have cancelled; it
 /// can only hold to the condition of the mass.
 void measure_projection(const System& system, const std::vector<double>& q, const MassMatrix& mass, double condition,
-                        const Tree& tree, const State& state, const Work<double>& work, std::vector<Measure>& laws) {
+                        const Tree& tree, const State& state, const Workspace<double>& workspace, std::vector<Measure>& laws) {
   double worst = 0, worst_left = 0;
   for (int b = 0; b < tree.bodies(); ++b) {
     const auto columns = joint_columns(system, q, b);
     if (columns.empty()) continue;
-    const Force<double> Pb = articulated_momentum(tree, state, work, b);
+    const Force<double> Pb = articulated_momentum(tree, state, workspace, b);
     const KernelFrame& frame = tree.frame(b);  // of the kernels, in the user's frame
     const Frame<Real> at{
         {{frame.R.xx, frame.R.xy, frame.R.xz, frame.R.yx, frame.R.yy, frame.R.yz, frame.R.zx, frame.R.zy, frame.R.zz}},
@@ -39,11 +39,11 @@ void measure_projection(const System& system, const std::vector<double>& q, cons
       const auto& e = columns[i];
       const V3<Real> w{{e[3], e[4], e[5]}}, v = V3<Real>{{e[0], e[1], e[2]}} + cross(w, at.position);
       const int k = tree.first_p(b) + static_cast<int>(i);
-      const Real rotor = static_cast<Real>(tree.armature()[k]) * work.v[static_cast<std::size_t>(k)];
+      const Real rotor = static_cast<Real>(tree.armature()[k]) * workspace.v[static_cast<std::size_t>(k)];
       const Real p = state.p()[static_cast<std::size_t>(k)];
       const Real left = length(v) * length(l) + length(w) * length(h) + std::fabs(rotor) + std::fabs(p);
       Real summands = left;
-      for (int c = 0; c < tree.nv(); ++c) summands += std::fabs(mass(k, c) * work.v[static_cast<std::size_t>(c)]);
+      for (int c = 0; c < tree.nv(); ++c) summands += std::fabs(mass(k, c) * workspace.v[static_cast<std::size_t>(c)]);
       const Real error = std::fabs(dot(v, l) + dot(w, h) + rotor - p);
       if (!(error <= worst * summands)) worst = narrow(error / summands);
       if (!(error <= worst_left * left)) worst_left = narrow(error / left);
@@ -54,13 +54,13 @@ void measure_projection(const System& system, const std::vector<double>& q, cons
 }
 
 /// Coordinate rates: those of plain coordinates are v, of quaternions ½ Q (0, ω), of a free position R v.
-Measure coordinate_rates(const System& system, const std::vector<double>& q, const Work<double>& work) {
+Measure coordinate_rates(const System& system, const std::vector<double>& q, const Workspace<double>& workspace) {
   Real worst = 0;
   for (std::size_t k = 0; k < system.links.size(); ++k) {
     const Kind kind = system.links[k].joint.kind;
     const double* qk = q.data() + system.first_q[k];
-    const double* rate = work.qdot.get() + system.first_q[k];
-    const double* u = work.v.get() + system.first_v[k];
+    const double* rate = workspace.qdot.get() + system.first_q[k];
+    const double* u = workspace.v.get() + system.first_v[k];
     std::vector<Real> expected;
     if (kind == Kind::ball || kind == Kind::free) {
       if (kind == Kind::free) {
@@ -85,15 +85,15 @@ Measure coordinate_rates(const System& system, const std::vector<double>& q, con
 V3<Real> minus(const Vec3& a, const V3<Real>& b) { return real(a) - b; }
 
 /// Poses and velocities of bodies, energies and momenta, at the engine's own velocities.
-void measure_bodies(const System& system, const std::vector<double>& q, const Tree& tree, const State& state, Work<double>& work,
-                    std::vector<Measure>& laws) {
-  const std::vector<Real> v = wide(work.v.get(), tree.nv());
+void measure_bodies(const System& system, const std::vector<double>& q, const Tree& tree, const State& state,
+                    Workspace<double>& workspace, std::vector<Measure>& laws) {
+  const std::vector<Real> v = wide(workspace.v.get(), tree.nv());
   const Evaluation e = evaluate(system, q, v, false);
-  const Totals sum = totals(tree, state, work);
+  const Totals sum = totals(tree, state, workspace);
   Real place = 0, turn = 0, speed = 0, spin = 0, reach = 1, fast = 0, whirl = 0, all = 0, weight = 0;
   for (std::size_t k = 0; k < e.motions.size(); ++k) {
     const auto& m = e.motions[k];
-    const Kinematics<double>& body = work.bodies[k];
+    const Kinematics<double>& body = workspace.bodies[k];
     const Pose pose = user_pose(tree, body, static_cast<int>(k));
     const Vec3 w = body.R * body.velocity.w;
     const Vec3 velocity = body.R * body.velocity.v + momentree::cross(w, pose.position - body.r);
@@ -135,11 +135,11 @@ Real distance(const std::vector<Real>& a, const std::vector<Real>& b) {
   return norm(d);
 }
 
-StateMeasures measure_state(const System& system, const Tree& tree, const State& state, Work<double>& work) {
+StateMeasures measure_state(const System& system, const Tree& tree, const State& state, Workspace<double>& workspace) {
   const std::vector<double> q(state.q().begin(), state.q().end());
   const int nv = tree.nv();
-  forward_dynamics(tree, state, work);
-  const std::vector<Real> p = wide(state.p().data(), nv), v = wide(work.v.get(), nv), rates = wide(work.pdot.get(), nv);
+  forward_dynamics(tree, state, workspace);
+  const std::vector<Real> p = wide(state.p().data(), nv), v = wide(workspace.v.get(), nv), rates = wide(workspace.pdot.get(), nv);
 
   const MassMatrix mass = mass_matrix(system, q);
   StateMeasures out;
@@ -155,24 +155,24 @@ StateMeasures measure_state(const System& system, const Tree& tree, const State&
     laws.push_back({"dp/dt", relative(distance(rates, e.pdot), norm(e.pdot)), std::max(1e-9, 10 * epsilon * condition)});
     laws.push_back({"Lagrange = d'Alembert", relative(distance(e.pdot, e.pdot_alembert), norm(e.pdot)), 1e-13});
   }
-  measure_projection(system, q, mass, condition, tree, state, work, laws);
-  laws.push_back(coordinate_rates(system, q, work));
-  measure_bodies(system, q, tree, state, work, laws);
+  measure_projection(system, q, mass, condition, tree, state, workspace, laws);
+  laws.push_back(coordinate_rates(system, q, workspace));
+  measure_bodies(system, q, tree, state, workspace, laws);
   return out;
 }
 
 std::vector<Measure> measure_round_trip(const System& system, const std::vector<double>& given, const Tree& tree,
-                                        const State& start, Work<double>& work) {
+                                        const State& start, Workspace<double>& workspace) {
   const int nv = tree.nv();
   if (nv == 0) return {};
   const std::vector<double> q(start.q().begin(), start.q().end());
   const std::vector<Real> v = wide(given.data(), nv);
   const MassMatrix mass = mass_matrix(system, q);
   const Spectrum range = spectrum(mass);
-  forward_dynamics(tree, start, work);
+  forward_dynamics(tree, start, workspace);
   return {{"p = M v", narrow(distance(wide(start.p().data(), nv), mass.times(v))),
            narrow(1e-14L * static_cast<Real>(range.largest) * norm(v))},
-          {"v to p to v", relative(distance(wide(work.v.get(), nv), v), norm(v)), 10 * epsilon * range.condition()}};
+          {"v to p to v", relative(distance(wide(workspace.v.get(), nv), v), norm(v)), 10 * epsilon * range.condition()}};
 }
 
 }  // namespace momentree::oracle

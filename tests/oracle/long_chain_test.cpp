@@ -39,15 +39,15 @@ void evaluate_chain(Outcome& out) {
                       .v = k == 0 ? 1e-3 : 0.0});
   Tree tree(model);
   State state = start_state(model, tree);
-  Work<double> work(tree);
-  forward_dynamics(tree, state, work);
+  Workspace<double> workspace(tree);
+  forward_dynamics(tree, state, workspace);
   out.bodies = tree.bodies();
-  out.first = work.v[0];
+  out.first = workspace.v[0];
   out.last = state.p().back();
-  out.before = totals(tree, state, work);
-  apply(Break{{links / 2}}, tree, state, work);
-  forward_dynamics(tree, state, work);
-  out.after = totals(tree, state, work);
+  out.before = totals(tree, state, workspace);
+  apply(Break{{links / 2}}, tree, state, workspace);
+  forward_dynamics(tree, state, workspace);
+  out.after = totals(tree, state, workspace);
   for (int b = tree.first_root(); b >= 0; b = tree.next_sibling(b)) ++out.parts;
 }
 

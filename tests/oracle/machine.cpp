@@ -8,7 +8,7 @@ namespace momentree::oracle {
 Column Machine::velocities() const {
   Column V = Column::Zero(6 * size());
   for (int b : tree.order()) {
-    const Kinematics<double>& k = work.bodies[static_cast<std::size_t>(b)];
+    const Kinematics<double>& k = workspace.bodies[static_cast<std::size_t>(b)];
     const Vec3 w = k.R * k.velocity.w;
     const Vec3 v = k.R * k.velocity.v + cross(w, pose(b) * model[{b}].com - k.r);
     V.segment(6 * b, 6) << v.x, v.y, v.z, w.x, w.y, w.z;
@@ -89,7 +89,7 @@ Column projected(const Dense& M, const Dense& C, const Column& V) {
   return V - MiC * (C * MiC).ldlt().solve(C * V);
 }
 
-unsigned some_freedoms(Prng& random, int nv) {
+unsigned some_dofs(Prng& random, int nv) {
   const unsigned all = (1u << nv) - 1;
   const unsigned some = static_cast<unsigned>(random.integer(0, (1 << nv) - 1)) & all;
   return some == 0 ? all : some;
@@ -159,8 +159,8 @@ int Machine::add(Prng& random, bool parameters, bool at_rest) {
   spec.q = random_coordinates(random, spec.joint.kind);
   if (!at_rest) spec.v = random_velocities(random, spec.joint.kind);
   const Body body = model.add(spec);
-  apply(Add{&model[body]}, tree, state, work);
-  work = Work<double>(tree);
+  apply(Add{&model[body]}, tree, state, workspace);
+  workspace = Workspace<double>(tree);
   return body.index;
 }
 
@@ -177,35 +177,35 @@ void act(Prng& random, Machine& m) {
   const int living = static_cast<int>(m.tree.order().size());
   switch (random.integer(0, 9)) {
     case 0:
-      if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.work);
+      if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.workspace);
       break;
     case 1:
-      if (nv > 0) apply(Lock{{b}, some_freedoms(random, nv)}, m.tree, m.state, m.work);
+      if (nv > 0) apply(Lock{{b}, some_dofs(random, nv)}, m.tree, m.state, m.workspace);
       break;
-    case 2: apply(Unlock{{b}}, m.tree, m.state, m.work); break;
-    case 3: apply(random_change(random, m, b), m.tree, m.state, m.work); break;
+    case 2: apply(Unlock{{b}}, m.tree, m.state, m.workspace); break;
+    case 3: apply(random_change(random, m, b), m.tree, m.state, m.workspace); break;
     case 4:
-      if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.work);
+      if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
       break;
     case 5: {
       JointParameters parameters;
       parameters.damping = random.uniform(0, 0.1), parameters.armature = random.uniform(0, 0.1);
-      if (m.tree.parent(b) >= 0 && nv > 0) apply(SetParameters{{b}, parameters}, m.tree, m.state, m.work);
+      if (m.tree.parent(b) >= 0 && nv > 0) apply(SetParameters{{b}, parameters}, m.tree, m.state, m.workspace);
       break;
     }
     case 6:
       if (living < 25) m.add(random, true, false);
       break;
     case 7:
-      if (m.tree.parent(b) < 0 && floats(m.tree, b) && living - m.part(b) > 2) apply(Remove{{b}}, m.tree, m.state, m.work);
+      if (m.tree.parent(b) < 0 && floats(m.tree, b) && living - m.part(b) > 2) apply(Remove{{b}}, m.tree, m.state, m.workspace);
       break;
     default: {
       const int to = m.some_body(random);
       if (root_of(m.tree, to) == root_of(m.tree, b) || !floats(m.tree, b)) break;
       if (random.chance(0.3)) {
-        apply(Join{{b}, {to}}, m.tree, m.state, m.work);
+        apply(Join{{b}, {to}}, m.tree, m.state, m.workspace);
       } else {
-        apply(random_attach(random, m, b, to), m.tree, m.state, m.work);
+        apply(random_attach(random, m, b, to), m.tree, m.state, m.workspace);
       }
     }
   }

@@ -24,9 +24,9 @@ struct Machine {
   Model model;
   Tree tree;
   State state;
-  Work<double> work;
-  explicit Machine(const Model& m) : model(m), tree(model), state(start_state(model, tree)), work(tree) { evaluate(); }
-  void evaluate() { locate_bodies(tree, state, work); }
+  Workspace<double> workspace;
+  explicit Machine(const Model& m) : model(m), tree(model), state(start_state(model, tree)), workspace(tree) { evaluate(); }
+  void evaluate() { locate_bodies(tree, state, workspace); }
   int size() const { return tree.bodies(); }
 
   /// A living body.
@@ -36,7 +36,7 @@ struct Machine {
   /// A new body on any or on the ground, which it returns; evaluate afterwards.
   int add(Prng& random, bool parameters, bool at_rest);
 
-  Pose pose(int b) const { return user_pose(tree, work.bodies[static_cast<std::size_t>(b)], b); }
+  Pose pose(int b) const { return user_pose(tree, workspace.bodies[static_cast<std::size_t>(b)], b); }
   /// Velocities of the centres of mass and angular velocities, world axes.
   Column velocities() const;
   Dense masses() const;
@@ -49,7 +49,7 @@ Column projected(const Dense& M, const Dense& C, const Column& V);
 inline long double energy(const Dense& M, const Column& V) { return V.dot(M * V) / 2; }
 
 /// Some freedoms out of `nv`, at least one.
-unsigned some_freedoms(Prng& random, int nv);
+unsigned some_dofs(Prng& random, int nv);
 
 /// A joint of a random kind at the present pose of b, its frame at the declared child's own; for a declared child that is b, its
 /// parent, or what it is at present.

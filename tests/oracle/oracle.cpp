@@ -30,14 +30,14 @@ std::vector<Frame<T>> all_frames(const System& system, const std::vector<Mount>&
 /// Calls visit(k, frame) for `link` and all its descendants, with freedom `freedom` of its joint moved by ε.
 template <class T, class Visit>
 void moved(const System& system, const std::vector<Mount>& mount, const std::vector<Frame<T>>& still,
-           const std::vector<double>& q, const Real* v, std::size_t link, int freedom, bool epsilon_first,
+           const std::vector<double>& q, const Real* v, std::size_t link, int dof, bool epsilon_first,
            std::vector<Frame<T>>& frame, Visit visit) {
   std::vector<char> inside(system.links.size(), 0);
   for (std::size_t k = link; k < frame.size(); ++k) {
     const int parent = system.links[k].parent;
     if (k != link && (parent < 0 || !inside[static_cast<std::size_t>(parent)])) continue;
     inside[k] = 1;
-    const Perturbation by{v ? v + system.first_v[k] : nullptr, k == link ? freedom : -1, epsilon_first};
+    const Perturbation by{v ? v + system.first_v[k] : nullptr, k == link ? dof : -1, epsilon_first};
     const Frame<T> origin = parent < 0  ? Frame<T>{}
                             : k == link ? still[static_cast<std::size_t>(parent)]
                                         : frame[static_cast<std::size_t>(parent)];
@@ -67,7 +67,7 @@ MassMatrix mass_matrix(const System& system, const std::vector<double>& q) {
   std::vector<std::vector<std::pair<int, Column>>> jacobian(n);  // per body: the freedoms that move it
   std::vector<Frame<Dual>> frame(n);
   for (std::size_t j = 0; j < n; ++j)
-    for (int i = 0; i < freedoms(system.links[j].joint.kind); ++i)
+    for (int i = 0; i < dofs(system.links[j].joint.kind); ++i)
       moved(system, mount, still, q, nullptr, j, i, true, frame, [&](std::size_t k, const Frame<Dual>& f) {
         const V3<Dual> com = f.position + f.rotation * mount[k].com;
         const M3<Real> r = part<M3<Real>>(f.rotation, &Dual::r), dr = part<M3<Real>>(f.rotation, &Dual::e);
@@ -89,7 +89,7 @@ MassMatrix mass_matrix(const System& system, const std::vector<double>& q) {
       }
     }
     const Values& armature = system.links[k].joint.parameters.armature;
-    for (int i = 0; i < freedoms(system.links[k].joint.kind) && !armature.empty(); ++i)
+    for (int i = 0; i < dofs(system.links[k].joint.kind) && !armature.empty(); ++i)
       mass(system.first_v[k] + i, system.first_v[k] + i) += armature.size() == 1 ? armature[0] : armature[i];
   }
   for (int i = 0; i < mass.size(); ++i)
@@ -148,7 +148,7 @@ Evaluation evaluate(const System& system, const std::vector<double>& q, const st
     out.linear = out.linear + linear[k];
     out.angular = out.angular + cross(m.com, linear[k]) + angular[k];
     const Values& armature = system.links[k].joint.parameters.armature;
-    for (int i = 0; i < freedoms(system.links[k].joint.kind) && !armature.empty(); ++i) {
+    for (int i = 0; i < dofs(system.links[k].joint.kind) && !armature.empty(); ++i) {
       const Real u = v[static_cast<std::size_t>(system.first_v[k] + i)];
       out.kinetic += (armature.size() == 1 ? armature[0] : armature[i]) * u * u / 2;
     }
@@ -161,7 +161,7 @@ Evaluation evaluate(const System& system, const std::vector<double>& q, const st
   std::vector<Frame<Jet>> frame(n);
   for (std::size_t j = 0; j < n; ++j) {
     const bool group = system.links[j].joint.kind == Kind::ball || system.links[j].joint.kind == Kind::free;
-    for (int i = 0; i < freedoms(system.links[j].joint.kind); ++i) {
+    for (int i = 0; i < dofs(system.links[j].joint.kind); ++i) {
       const std::size_t a = static_cast<std::size_t>(system.first_v[j] + i);
       // ∂L/∂(freedom) with all velocities held: Σ m ċ·δċ + (Iω)·δω + m g·δc, ω in body axes.
       const auto lagrange = [&](std::size_t k, const Frame<Jet>& f) {
@@ -221,7 +221,7 @@ std::vector<std::array<Real, 6>> joint_columns(const System& system, const std::
   const std::size_t k = static_cast<std::size_t>(link);
   const std::vector<Mount> mount = mounts(system);
   std::vector<std::array<Real, 6>> columns;
-  for (int i = 0; i < freedoms(system.links[k].joint.kind); ++i) {
+  for (int i = 0; i < dofs(system.links[k].joint.kind); ++i) {
     const Frame<Dual> f = body_frame(system.links[k], mount[k], Frame<Dual>{}, q.data() + system.first_q[k], {nullptr, i, true});
     const M3<Real> back = transposed(part<M3<Real>>(f.rotation, &Dual::r));
     const V3<Real> linear = back * part<V3<Real>>(f.position, &Dual::e);

@@ -50,7 +50,7 @@ System broken(System system, int body);
 
 /// Number of coordinates and of freedoms of a kind, by the contract.
 int coordinates(Kind kind);
-int freedoms(Kind kind);
+int dofs(Kind kind);
 
 /// Lower triangle of a symmetric matrix, entries only between a freedom and its ancestors.
 class MassMatrix {

@@ -166,13 +166,13 @@ TEST_CASE("oracle: rates of energy and momenta along the motion, by differences"
       side[i] = evaluate(s.system, q, solve(mass_matrix(s.system, q), moved), false);
     }
     Real mass = 0;
-    V3<Real> moment{};
+    V3<Real> context{};
     for (std::size_t k = 0; k < now.motions.size(); ++k) {
       mass += s.system.links[k].mass;
-      moment = moment + scaled(static_cast<Real>(s.system.links[k].mass), now.motions[k].com);
+      context = context + scaled(static_cast<Real>(s.system.links[k].mass), now.motions[k].com);
     }
-    const V3<Real> torque = cross(moment, s.system.gravity);
-    const Real scale = 1 + now.kinetic + std::sqrt(dot(moment, moment)) + mass;
+    const V3<Real> torque = cross(context, s.system.gravity);
+    const Real scale = 1 + now.kinetic + std::sqrt(dot(context, context)) + mass;
     // A spring or rotor at the root joint acts on the ground: then only energy is kept.
     const JointParameters& root = s.system.links[0].joint.parameters;
     const bool outside = root.stiffness.any() || root.armature.any();

@@ -14,18 +14,18 @@ namespace {
 
 void run(Machine& m, int steps) {
   const auto method = make_integrator("rk4", m.tree);
-  Evaluator evaluate(m.tree, m.work);
-  Books books;
+  Evaluator evaluate(m.tree, m.workspace);
+  EnergyLedger ledger;
   for (int k = 0; k < steps; ++k) {
     evaluate(m.state);
-    REQUIRE(method->step(evaluate, m.state, books, 1e-3));
+    REQUIRE(method->step(evaluate, m.state, ledger, 1e-3));
   }
   m.evaluate();
 }
 
 void break_some(Prng& random, Machine& m) {
   const int cut = m.some_body(random);
-  if (can_break(m.tree, {cut})) apply(Break{{cut}}, m.tree, m.state, m.work);
+  if (can_break(m.tree, {cut})) apply(Break{{cut}}, m.tree, m.state, m.workspace);
   m.evaluate();
 }
 
@@ -57,7 +57,7 @@ TEST_CASE("what is left moves as if the part that was removed were still there")
     Machine with(m.model);
     with.tree = m.tree, with.state = m.state;
     const int living = static_cast<int>(m.tree.order().size()), leaving = m.part(root);
-    apply(Remove{{root}}, m.tree, m.state, m.work);
+    apply(Remove{{root}}, m.tree, m.state, m.workspace);
     CHECK_FALSE(m.tree.alive(root));
     CHECK(with.tree.alive(root));
     CHECK(static_cast<int>(m.tree.order().size()) == living - leaving);
@@ -91,9 +91,9 @@ TEST_CASE("a body that comes changes no velocity and takes no energy; its own is
       const double bound = std::max(1e-10, 10 * 2.2e-16 * condition(m.masses(), m.constraints()));
       CHECK(difference(before, before.velocities(), m, V) < bound);
       for (int i = 0; i < info(m.tree.joint(b).kind).nv; ++i)
-        CHECK(std::fabs(m.work.v[static_cast<std::size_t>(m.tree.first_p(b) + i)] - m.model[{b}].v[i]) < 10 * bound);
+        CHECK(std::fabs(m.workspace.v[static_cast<std::size_t>(m.tree.first_p(b) + i)] - m.model[{b}].v[i]) < 10 * bound);
       // Kinetic energy: the bodies' and the rotor's that came.
-      const Totals was = totals(before.tree, before.state, before.work), now = totals(m.tree, m.state, m.work);
+      const Totals was = totals(before.tree, before.state, before.workspace), now = totals(m.tree, m.state, m.workspace);
       double brought =
           static_cast<double>(V.segment(6 * b, 6).dot(m.masses().block(6 * b, 6 * b, 6, 6) * V.segment(6 * b, 6))) / 2;
       for (int i = 0; i < info(m.tree.joint(b).kind).nv; ++i)
@@ -125,9 +125,9 @@ TEST_CASE("worlds that come, go, break and join: the projection holds throughout
         case 2: {
           if (m.tree.parent(b) >= 0 || !m.tree.detached(b) || living - m.part(b) < 3) break;
           Machine before(m.model);
-          before.tree = m.tree, before.state = m.state, before.work = Work<double>(m.tree);
+          before.tree = m.tree, before.state = m.state, before.workspace = Workspace<double>(m.tree);
           before.evaluate();
-          apply(Remove{{b}}, m.tree, m.state, m.work);
+          apply(Remove{{b}}, m.tree, m.state, m.workspace);
           m.evaluate();
           CHECK(difference(before, before.velocities(), m, m.velocities()) < 1e-13);
           ++removed;
@@ -136,7 +136,7 @@ TEST_CASE("worlds that come, go, break and join: the projection holds throughout
         default: {
           const int to = m.some_body(random);
           if (!floats(m.tree, b) || root_of(m.tree, b) == root_of(m.tree, to)) break;
-          const Outcome o = compare(m, [&] { apply(random_attach(random, m, b, to), m.tree, m.state, m.work); });
+          const Outcome o = compare(m, [&] { apply(random_attach(random, m, b, to), m.tree, m.state, m.workspace); });
           CHECK(o.difference < o.bound);
           CHECK(o.gain < 1e-10L);
           CHECK(o.carnot < 1e-10L);
@@ -159,20 +159,20 @@ TEST_CASE("ten thousand bodies come and go: what moves keeps its storage") {
   Model shots;
   const BodySpec shot = shots[shots.add(spec)];
   const int nq = m.tree.nq(), nv = m.tree.nv(), bodies = m.size();
-  const Totals start = totals(m.tree, m.state, m.work);
+  const Totals start = totals(m.tree, m.state, m.workspace);
   const double* storage = nullptr;
   for (int k = 0; k < 10000; ++k) {
-    forward_dynamics(m.tree, m.state, m.work);
-    const Body body = apply(Add{&shot}, m.tree, m.state, m.work);
+    forward_dynamics(m.tree, m.state, m.workspace);
+    const Body body = apply(Add{&shot}, m.tree, m.state, m.workspace);
     CHECK(body.index == bodies + k);
     if (k == 0) storage = m.state.q().data();
-    m.work = Work<double>(m.tree);
-    apply(Remove{body}, m.tree, m.state, m.work);
+    m.workspace = Workspace<double>(m.tree);
+    apply(Remove{body}, m.tree, m.state, m.workspace);
   }
   CHECK(m.state.q().data() == storage);
   CHECK(m.tree.nq() == nq);
   CHECK(m.tree.nv() == nv);
   CHECK(static_cast<int>(m.tree.order().size()) == bodies);
   m.evaluate();
-  CHECK(totals(m.tree, m.state, m.work).kinetic == doctest::Approx(start.kinetic).epsilon(1e-13));
+  CHECK(totals(m.tree, m.state, m.workspace).kinetic == doctest::Approx(start.kinetic).epsilon(1e-13));
 }

@@ -22,8 +22,8 @@ struct Worst {
 };
 
 // A third of the seeds make trees with free roots.
-std::uint64_t seed_of(unsigned long tree, bool one_freedom) {
-  if (!one_freedom) return 50000 + tree;
+std::uint64_t seed_of(unsigned long tree, bool single_dof) {
+  if (!single_dof) return 50000 + tree;
   constexpr std::uint64_t not_free[6] = {0, 1, 2, 6, 7, 8};
   return 90000 + tree / 2 / 6 * 9 + not_free[tree / 2 % 6];
 }
@@ -40,24 +40,24 @@ int main(int argc, char** argv) {
   int broken = 0;
   for (unsigned long i = first; i < first + count; ++i) {
     RandomTreeOptions options;
-    const bool one_freedom = i % 2 == 0;
-    if (one_freedom) options.kinds = {Kind::revolute, Kind::prismatic, Kind::helical, Kind::weld};
-    options.several_mechanisms = !one_freedom;  // others of them may have free roots
+    const bool single_dof = i % 2 == 0;
+    if (single_dof) options.kinds = {Kind::revolute, Kind::prismatic, Kind::helical, Kind::weld};
+    options.several_mechanisms = !single_dof;  // others of them may have free roots
     options.max_bodies = i % 40 < 2 ? 200 : 25;
-    const std::uint64_t seed = seed_of(i, one_freedom);
+    const std::uint64_t seed = seed_of(i, single_dof);
     const RandomTree random = random_tree(seed, options);
     const System system = system_of(random.model);
     const Tree tree(random.model);
-    Work<double> work(tree);
+    Workspace<double> workspace(tree);
     State state = start_state(random.model, tree);
     if (i % 4 >= 2) {  // a state drawn by its momenta
       Prng draw(seed + 1000000);
       for (double& p : state.edit().p) p = draw.uniform(-1, 1);
     }
     const Spectrum range = spectrum(mass_matrix(system, start_q(random.model)));
-    for (const Measure& m : measure_accelerations(system, tree, state, work, range)) {
-      Worst& w = worst[std::string(one_freedom ? "one freedom: " : "all kinds: ") + m.law];
-      const bool beyond = m.error > (one_freedom ? 1e-12 : 1e-10);
+    for (const Measure& m : measure_accelerations(system, tree, state, workspace, range)) {
+      Worst& w = worst[std::string(single_dof ? "one freedom: " : "all kinds: ") + m.law];
+      const bool beyond = m.error > (single_dof ? 1e-12 : 1e-10);
       w.error = std::max(w.error, m.error);
       w.ratio = std::max(w.ratio, m.ratio());
       w.beyond += beyond;

@@ -21,7 +21,7 @@ int coordinates_of(Kind kind) {
   }
 }
 
-int freedoms_of(Kind kind) {
+int dofs_of(Kind kind) {
   const int nq = coordinates_of(kind);
   return nq == 4 ? 3 : nq == 7 ? 6 : nq;
 }
@@ -52,7 +52,7 @@ Pose random_pose(Prng& random, double size) {
 }
 
 void draw_parameters(Prng& random, JointSpec& joint, const RandomTreeOptions& options) {
-  const int nv = freedoms_of(joint.kind);
+  const int nv = dofs_of(joint.kind);
   if (nv == 0) return;
   JointParameters& p = joint.parameters;
   if (random.chance(0.3)) p.armature = positive_values(random, nv, 1e-3, 1);
@@ -88,7 +88,7 @@ std::vector<Signal> random_signals(Prng& random, int count) {
 }
 
 void draw_drives(Prng& random, JointSpec& joint) {
-  const int nv = freedoms_of(joint.kind);
+  const int nv = dofs_of(joint.kind);
   if (nv == 0) return;
   JointParameters& p = joint.parameters;
   const auto some = [&] { return random.chance(0.5) ? 1 : nv; };
@@ -173,7 +173,7 @@ Values random_coordinates(Prng& random, Kind kind) {
 
 Values random_velocities(Prng& random, Kind kind) {
   Values v;
-  for (int i = 0; i < freedoms_of(kind); ++i) {
+  for (int i = 0; i < dofs_of(kind); ++i) {
     const double value = random.uniform(-1, 1);
     v.push_back(value);
   }
@@ -223,9 +223,9 @@ RandomTree random_tree(std::uint64_t seed, const RandomTreeOptions& options) {
   return tree;
 }
 
-int freedoms(const Model& model) {
+int dofs(const Model& model) {
   int count = 0;
-  for (const BodySpec& body : model.bodies()) count += freedoms_of(body.joint.kind);
+  for (const BodySpec& body : model.bodies()) count += dofs_of(body.joint.kind);
   return count;
 }
 

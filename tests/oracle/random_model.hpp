@@ -41,6 +41,6 @@ Values random_coordinates(Prng& random, Kind kind);
 Values random_velocities(Prng& random, Kind kind);
 
 /// Number of momenta of the model.
-int freedoms(const Model& model);
+int dofs(const Model& model);
 
 }  // namespace momentree::oracle

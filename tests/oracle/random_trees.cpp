@@ -55,18 +55,19 @@ int main(int argc, char** argv) {
     const RandomTree random = random_tree(seed);
     const System system = system_of(random.model);
     const Tree tree(random.model);
-    Work<double> work(tree);
+    Workspace<double> workspace(tree);
     State state = start_state(random.model, tree);
-    const StateMeasures by_v = measure_state(system, tree, state, work);
+    const StateMeasures by_v = measure_state(system, tree, state, workspace);
     book.enter(by_v.laws, random, seed, "v", by_v.range.condition());
-    book.enter(measure_accelerations(system, tree, state, work, by_v.range), random, seed, "v", by_v.range.condition());
-    book.enter(measure_round_trip(system, start_v(random.model), tree, state, work), random, seed, "v", by_v.range.condition());
+    book.enter(measure_accelerations(system, tree, state, workspace, by_v.range), random, seed, "v", by_v.range.condition());
+    book.enter(measure_round_trip(system, start_v(random.model), tree, state, workspace), random, seed, "v",
+               by_v.range.condition());
 
     Prng draw(seed + 1000000);
     for (double& p : state.edit().p) p = draw.uniform(-1, 1);
-    const StateMeasures by_p = measure_state(system, tree, state, work);
+    const StateMeasures by_p = measure_state(system, tree, state, workspace);
     book.enter(by_p.laws, random, seed, "p", by_p.range.condition());
-    book.enter(measure_accelerations(system, tree, state, work, by_p.range), random, seed, "p", by_p.range.condition());
+    book.enter(measure_accelerations(system, tree, state, workspace, by_p.range), random, seed, "p", by_p.range.condition());
   }
   for (const auto& [law, w] : book.worst)
     std::printf("%-36s worst %.2e of bound %.2e (ratio %.2g, seed %lu)\n", law.c_str(), w.error, w.bound, w.ratio, w.seed);

@@ -20,14 +20,14 @@ constexpr double degree = std::numbers::pi / 180;
 struct Instant {
   Tree tree;
   State state;
-  Work<double> work;
-  explicit Instant(const Model& model) : tree(compile(model)), state(start_state(model, tree)), work(tree) {
-    locate_bodies(tree, state, work);
-    accelerate(tree, state, work);
+  Workspace<double> workspace;
+  explicit Instant(const Model& model) : tree(compile(model)), state(start_state(model, tree)), workspace(tree) {
+    locate_bodies(tree, state, workspace);
+    accelerate(tree, state, workspace);
   }
-  Force<double> reaction(int b) const { return momentree::reaction(tree, state, work, b); }
+  Force<double> reaction(int b) const { return momentree::reaction(tree, state, workspace, b); }
   Vec3 force(int b) const {
-    return rotation_matrix(user_pose(tree, work.bodies[static_cast<std::size_t>(b)], b).rotation) * reaction(b).l;
+    return rotation_matrix(user_pose(tree, workspace.bodies[static_cast<std::size_t>(b)], b).rotation) * reaction(b).l;
   }
 };
 
@@ -82,7 +82,7 @@ TEST_CASE("(32) the tension of a pendulum's string") {
                .v = row["thetadot"].get<double>()});
     const Instant at(model);
     check_near(at.reaction(0).l.y, row["tension"], 1e-12 * row["tension"].get<double>(), "tension");
-    check_near(at.work.a[0], -9.81 * row["x"].get<double>(), 1e-11, "acceleration");
+    check_near(at.workspace.a[0], -9.81 * row["x"].get<double>(), 1e-11, "acceleration");
   }
 }
 
@@ -113,7 +113,7 @@ TEST_CASE("(32) a hanging chain that a force pulls sideways at its tip rests in 
              .joint = Prismatic{.axis = x_axis, .effort = -H}});
   const Instant at(model);
   for (int k = 0; k < n; ++k) {
-    CHECK(std::abs(at.work.a[static_cast<std::size_t>(k)]) < 1e-9);  // rad/s²; 100 m/s² would be that of a joint let go
+    CHECK(std::abs(at.workspace.a[static_cast<std::size_t>(k)]) < 1e-9);  // rad/s²; 100 m/s² would be that of a joint let go
     check_near(at.force(k), {-H, (n - k) * m * g, 0}, 1e-12, "joint " + std::to_string(k));
   }
   check_near(at.force(n), {-H, 0, 0}, 1e-12, "the drive");
@@ -144,7 +144,7 @@ TEST_CASE("(32) (47) accelerations and reactions along the reference trajectorie
         CAPTURE(model[{b}].name);
         for (std::size_t i = 0; i < joint["udot"].size(); ++i) {
           const double expected = joint["udot"][i];
-          check_near(at.work.a[static_cast<std::size_t>(at.tree.first_p(b)) + i], expected, 1e-10 * (1 + std::abs(expected)),
+          check_near(at.workspace.a[static_cast<std::size_t>(at.tree.first_p(b)) + i], expected, 1e-10 * (1 + std::abs(expected)),
                      "a");
         }
         const auto& w = joint["reaction"];

@@ -7,17 +7,17 @@
 namespace momentree::oracle {
 
 /// Breaks, locks and turns over what it can, four times.
-inline void rearrange(Prng& random, Tree& tree, State& state, Work<double>& work) {
+inline void rearrange(Prng& random, Tree& tree, State& state, Workspace<double>& workspace) {
   for (int i = 0; i < 4; ++i) {
     const int b = random.integer(0, tree.bodies() - 1);
     const int what = random.integer(0, 2);
-    forward_dynamics(tree, state, work);
+    forward_dynamics(tree, state, workspace);
     if (what == 0 && can_break(tree, {b}))
-      apply(Break{{b}}, tree, state, work);
+      apply(Break{{b}}, tree, state, workspace);
     else if (what == 1 && floats(tree, b))
-      apply(Reroot{{b}}, tree, state, work);
+      apply(Reroot{{b}}, tree, state, workspace);
     else
-      apply(Lock{{b}, 1u << random.integer(0, 2)}, tree, state, work);
+      apply(Lock{{b}, 1u << random.integer(0, 2)}, tree, state, workspace);
   }
 }
 

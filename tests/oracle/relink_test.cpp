@@ -44,12 +44,12 @@ void check_same(const Tree& a, const Tree& b) {
   CHECK(same_bits(a.armature(), b.armature(), nv));
   CHECK(same_bits(a.damping(), b.damping(), nv));
   CHECK(same_bits(a.effort(), b.effort(), nv));
-  REQUIRE(a.segments().size() == b.segments().size());
-  for (std::size_t i = 0; i < a.segments().size(); ++i) {
-    const Segment &s = a.segments()[i], &t = b.segments()[i];
+  REQUIRE(a.kernel_runs().size() == b.kernel_runs().size());
+  for (std::size_t i = 0; i < a.kernel_runs().size(); ++i) {
+    const KernelRun &s = a.kernel_runs()[i], &t = b.kernel_runs()[i];
     CHECK((s.begin == t.begin && s.end == t.end && s.kind == t.kind && s.variant == t.variant && s.planar == t.planar));
   }
-  CHECK(std::equal(a.flows().begin(), a.flows().end(), b.flows().begin(), b.flows().end()));
+  CHECK(std::equal(a.node_flags().begin(), a.node_flags().end(), b.node_flags().begin(), b.node_flags().end()));
   for (int k : a.order()) {
     INFO("body ", k);
     CHECK(a.parent(k) == b.parent(k));

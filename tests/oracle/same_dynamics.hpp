@@ -16,11 +16,11 @@ namespace momentree::oracle {
 struct Evaluated {
   Tree tree;
   State state;
-  Work<double> work;
-  Evaluated(const Model& model, double time) : tree(model), state(start_state(model, tree)), work(tree) {
+  Workspace<double> workspace;
+  Evaluated(const Model& model, double time) : tree(model), state(start_state(model, tree)), workspace(tree) {
     state.edit().time = time;
-    locate_bodies(tree, state, work);
-    accelerate(tree, state, work);
+    locate_bodies(tree, state, workspace);
+    accelerate(tree, state, workspace);
   }
 };
 
@@ -70,10 +70,11 @@ inline double difference(const Model& one, const Model& other, const RandomState
     }
     return worst == 0 ? 0 : worst / largest;
   };
-  const auto array = [](const Evaluated& e, const Work<double>::Array& x) {
+  const auto array = [](const Evaluated& e, const Workspace<double>::Array& x) {
     return std::vector<double>(x.get(), x.get() + e.tree.nv());
   };
-  return std::max(compare(array(a, a.work.a), array(b, b.work.a)), compare(array(a, a.work.pdot), array(b, b.work.pdot)));
+  return std::max(compare(array(a, a.workspace.a), array(b, b.workspace.a)),
+                  compare(array(a, a.workspace.pdot), array(b, b.workspace.pdot)));
 }
 
 }  // namespace momentree::oracle

@@ -16,8 +16,8 @@ namespace {
 void advance(Machine& m) {
   const State::Edit edit = m.state.edit();
   edit.time += 1e-3;
-  for (std::size_t i = 0; i < edit.q.size(); ++i) edit.q[i] += 1e-3 * m.work.qdot[i];
-  for (std::size_t i = 0; i < edit.p.size(); ++i) edit.p[i] += 1e-3 * m.work.pdot[i];
+  for (std::size_t i = 0; i < edit.q.size(); ++i) edit.q[i] += 1e-3 * m.workspace.qdot[i];
+  for (std::size_t i = 0; i < edit.p.size(); ++i) edit.p[i] += 1e-3 * m.workspace.pdot[i];
   for (int b : m.tree.quaternion_joints()) {
     const KindInfo& kind = info(m.tree.joint(b).kind);
     double* w = edit.q.data() + m.tree.first_q(b) + kind.nq - 4;
@@ -38,11 +38,11 @@ struct Found {
     values.push_back(m.state.time());
     add(m.state.q().data(), m.state.q().size());
     add(m.state.p().data(), m.state.p().size());
-    add(m.work.qdot.get(), m.state.q().size());
-    add(m.work.pdot.get(), m.state.p().size());
-    add(m.work.v.get(), m.state.p().size());
+    add(m.workspace.qdot.get(), m.state.q().size());
+    add(m.workspace.pdot.get(), m.state.p().size());
+    add(m.workspace.v.get(), m.state.p().size());
     for (int b : m.tree.order()) {
-      const Kinematics<double>& k = m.work.bodies[static_cast<std::size_t>(b)];
+      const Kinematics<double>& k = m.workspace.bodies[static_cast<std::size_t>(b)];
       add(&k.R.xx, 9);
       add(&k.r.x, 3);
       add(&m.tree.frame(b).R.xx, 9);
@@ -75,7 +75,7 @@ TEST_CASE("a restored world goes on bit for bit: in the same tree, and in one co
     const Model compiled = m.model;
     Prng random(seed * 5 + 3);
     for (int k = random.integer(0, 15); k > 0; --k) act(random, m), step(m);
-    const Snapshot start = take(m.tree, m.state);
+    const Snapshot start = take_snapshot(m.tree, m.state);
     const Model then = m.model;  // its names: what was added later is added again
     const Prng draws = random;
     std::vector<Found> first;
@@ -90,11 +90,11 @@ TEST_CASE("a restored world goes on bit for bit: in the same tree, and in one co
     restore(start, m.tree, m.state);
     m.model = then;
     CHECK(m.tree.revision() != revision);
-    CHECK(m.work.evaluated == stamp);
-    CHECK_FALSE(m.work.evaluated == m.state.stamp());
+    CHECK(m.workspace.evaluated == stamp);
+    CHECK_FALSE(m.workspace.evaluated == m.state.stamp());
     Machine anew(compiled);
     restore(start, anew.tree, anew.state);
-    anew.model = then, anew.work = Work<double>(anew.tree);
+    anew.model = then, anew.workspace = Workspace<double>(anew.tree);
     for (Machine* again : {&m, &anew}) {
       again->evaluate();
       Prng same = draws;
@@ -111,7 +111,7 @@ TEST_CASE("back to the start: what was compiled, with nothing to tell") {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     Machine m(random_tree(seed, options(seed)).model);
     const Found begin(m);
-    const Snapshot start = take(m.tree, m.state);
+    const Snapshot start = take_snapshot(m.tree, m.state);
     CHECK(start.topology.changed.empty());
     CHECK(start.topology.own.empty());
     Prng random(seed + 99);

@@ -20,8 +20,8 @@ struct Scene {
       oracle::random_tree(4, {.min_bodies = 6, .max_bodies = 6, .several_mechanisms = false, .kinds = {Kind::revolute}}).model;
   Tree tree{model};
   State state = start_state(model, tree);
-  Work<double> work{tree};
-  Scene() { forward_dynamics(tree, state, work); }
+  Workspace<double> workspace{tree};
+  Scene() { forward_dynamics(tree, state, workspace); }
 };
 
 const char* const stale = "the work was evaluated on this state and this tree as they are now";
@@ -33,80 +33,80 @@ TEST_CASE("a change reads only a work of this very state") {
   const Body joint{3};
   check_fine("the work of this state", [&] {
     Scene s;
-    apply(Break{joint}, s.tree, s.state, s.work);
+    apply(Break{joint}, s.tree, s.state, s.workspace);
   });
   check_stopped("a work never evaluated", stale, [&] {
     Scene s;
-    Work<double> fresh(s.tree);
+    Workspace<double> fresh(s.tree);
     apply(Break{joint}, s.tree, s.state, fresh);
   });
   check_stopped("the state was edited since", stale, [&] {
     Scene s;
     s.state.edit().p[0] += 1e-3;
-    apply(Break{joint}, s.tree, s.state, s.work);
+    apply(Break{joint}, s.tree, s.state, s.workspace);
   });
   check_stopped("the work holds the last stage of a step", stale, [&] {
     Scene s;
-    Evaluator evaluate(s.tree, s.work);
-    Books books;
-    static_cast<void>(make_integrator("rk4", s.tree)->step(evaluate, s.state, books, 1e-3));
-    apply(Break{joint}, s.tree, s.state, s.work);
+    Evaluator evaluate(s.tree, s.workspace);
+    EnergyLedger ledger;
+    static_cast<void>(make_integrator("rk4", s.tree)->step(evaluate, s.state, ledger, 1e-3));
+    apply(Break{joint}, s.tree, s.state, s.workspace);
   });
   check_stopped("the work is of another state with equal numbers", stale, [&] {
     Scene s;
     State copy = s.state;
-    apply(Break{joint}, s.tree, copy, s.work);
+    apply(Break{joint}, s.tree, copy, s.workspace);
   });
   check_stopped("a second change without an evaluation between", stale, [&] {
     Scene s;
-    apply(Break{joint}, s.tree, s.state, s.work);
-    apply(Break{{2}}, s.tree, s.state, s.work);
+    apply(Break{joint}, s.tree, s.state, s.workspace);
+    apply(Break{{2}}, s.tree, s.state, s.workspace);
   });
   check_stopped("a joint that broke already", "held by a joint", [&] {
     Scene s;
-    apply(Break{joint}, s.tree, s.state, s.work);
-    forward_dynamics(s.tree, s.state, s.work);
-    apply(Break{joint}, s.tree, s.state, s.work);
+    apply(Break{joint}, s.tree, s.state, s.workspace);
+    forward_dynamics(s.tree, s.state, s.workspace);
+    apply(Break{joint}, s.tree, s.state, s.workspace);
   });
   check_stopped("a state of another topology", "the state is one of this tree as it is now", [&] {
     Scene s;
     Tree other(s.model);
     other.detach(joint.index);
-    forward_dynamics(other, s.state, s.work);
+    forward_dynamics(other, s.state, s.workspace);
   });
   check_stopped("a momentum read from a stale work", stale, [&] {
     Scene s;
     static_cast<void>(s.state.edit());
-    static_cast<void>(articulated_momentum(s.tree, s.state, s.work, 2));
+    static_cast<void>(articulated_momentum(s.tree, s.state, s.workspace, 2));
   });
   check_stopped("a reaction read before accelerations were asked for", unaccelerated, [&] {
     Scene s;
-    static_cast<void>(reaction(s.tree, s.state, s.work, 2));
+    static_cast<void>(reaction(s.tree, s.state, s.workspace, 2));
   });
   check_stopped("a reaction read after the state was edited", unaccelerated, [&] {
     Scene s;
-    accelerate(s.tree, s.state, s.work);
+    accelerate(s.tree, s.state, s.workspace);
     static_cast<void>(s.state.edit());
-    forward_dynamics(s.tree, s.state, s.work);
-    static_cast<void>(reaction(s.tree, s.state, s.work, 2));
+    forward_dynamics(s.tree, s.state, s.workspace);
+    static_cast<void>(reaction(s.tree, s.state, s.workspace, 2));
   });
   check_stopped("the acceleration of a body that is not located", "the bodies are located at this state", [&] {
     Scene s;
-    accelerate(s.tree, s.state, s.work);
-    static_cast<void>(body_acceleration(s.tree, s.state, s.work, 2));
+    accelerate(s.tree, s.state, s.workspace);
+    static_cast<void>(body_acceleration(s.tree, s.state, s.workspace, 2));
   });
 }
 
 TEST_CASE("what was removed is gone; what was added needs room") {
   const auto remove = [](Scene& s) {
-    apply(Break{{3}}, s.tree, s.state, s.work);
-    apply(Remove{{3}}, s.tree, s.state, s.work);
-    forward_dynamics(s.tree, s.state, s.work);
+    apply(Break{{3}}, s.tree, s.state, s.workspace);
+    apply(Remove{{3}}, s.tree, s.state, s.workspace);
+    forward_dynamics(s.tree, s.state, s.workspace);
   };
   check_fine("another body", [&] {
     Scene s;
     remove(s);
-    apply(Break{{2}}, s.tree, s.state, s.work);
+    apply(Break{{2}}, s.tree, s.state, s.workspace);
   });
   check_stopped("its joint is asked for", "it was not removed", [&] {
     Scene s;
@@ -116,24 +116,24 @@ TEST_CASE("what was removed is gone; what was added needs room") {
   check_stopped("it is broken off again", "held by a joint", [&] {
     Scene s;
     remove(s);
-    apply(Break{{3}}, s.tree, s.state, s.work);
+    apply(Break{{3}}, s.tree, s.state, s.workspace);
   });
   check_stopped("it is joined to", "the ground or in the tree", [&] {
     Scene s;
-    apply(Break{{2}}, s.tree, s.state, s.work);
-    forward_dynamics(s.tree, s.state, s.work);
-    apply(Break{{4}}, s.tree, s.state, s.work);
-    apply(Remove{{4}}, s.tree, s.state, s.work);
-    forward_dynamics(s.tree, s.state, s.work);
-    apply(Join{{2}, {4}}, s.tree, s.state, s.work);
+    apply(Break{{2}}, s.tree, s.state, s.workspace);
+    forward_dynamics(s.tree, s.state, s.workspace);
+    apply(Break{{4}}, s.tree, s.state, s.workspace);
+    apply(Remove{{4}}, s.tree, s.state, s.workspace);
+    forward_dynamics(s.tree, s.state, s.workspace);
+    apply(Join{{2}, {4}}, s.tree, s.state, s.workspace);
   });
   check_stopped("a part that is joined to something is removed", "the root of a mechanism that floats", [&] {
     Scene s;
-    apply(Remove{{3}}, s.tree, s.state, s.work);
+    apply(Remove{{3}}, s.tree, s.state, s.workspace);
   });
   check_stopped("a body came, the work did not grow", "the work has room for the tree's bodies", [&] {
     Scene s;
-    apply(Add{&s.model[{1}]}, s.tree, s.state, s.work);
-    forward_dynamics(s.tree, s.state, s.work);
+    apply(Add{&s.model[{1}]}, s.tree, s.state, s.workspace);
+    forward_dynamics(s.tree, s.state, s.workspace);
   });
 }

@@ -15,7 +15,7 @@ int coordinates(Kind kind) {
   }
 }
 
-int freedoms(Kind kind) { return kind == Kind::ball ? 3 : kind == Kind::free ? 6 : coordinates(kind); }
+int dofs(Kind kind) { return kind == Kind::ball ? 3 : kind == Kind::free ? 6 : coordinates(kind); }
 
 void number(System& system) {
   int q = 0, v = 0;
@@ -23,7 +23,7 @@ void number(System& system) {
     system.first_q.push_back(q);
     system.first_v.push_back(v);
     q += coordinates(link.joint.kind);
-    v += freedoms(link.joint.kind);
+    v += dofs(link.joint.kind);
   }
   system.first_q.push_back(q);
   system.first_v.push_back(v);

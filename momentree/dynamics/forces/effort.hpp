@@ -4,9 +4,9 @@
 
 namespace momentree::forces {
 
-inline void add_effort(const Site& s, int freedom, double effort) noexcept {
-  s.force[freedom] += effort;
-  s.power->work += effort * s.u[freedom];
+inline void add_effort(const Site& s, int dof, double effort) noexcept {
+  s.force[dof] += effort;
+  s.power->work += effort * s.u[dof];
 }
 
 inline void add_efforts(const Site& s, const JointDrive& drive) noexcept {

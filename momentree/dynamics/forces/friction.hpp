@@ -6,10 +6,10 @@
 
 namespace momentree::forces {
 
-inline Resistance friction(const JointFriction& f, int freedom, double u) noexcept {
-  const double coulomb = f.coulomb.of(freedom);
+inline Resistance friction(const JointFriction& f, int dof, double u) noexcept {
+  const double coulomb = f.coulomb.of(dof);
   if (coulomb == 0) return {};
-  const double speed = f.speed.of(freedom), part = std::tanh(u / speed);
+  const double speed = f.speed.of(dof), part = std::tanh(u / speed);
   return {-coulomb * part, coulomb / speed * (1 - part * part)};
 }
 

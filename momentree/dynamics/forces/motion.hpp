@@ -1,7 +1,7 @@
 #pragma once
 // Prescribed motion: the freedom follows a curve s(t), whatever effort that takes. It has no momentum of its own; in its place p
 // holds ṡ, ṗ is s̈, and the equation integrates itself. After every step both are put where the curve says.
-#include <momentree/dynamics/work.hpp>
+#include <momentree/dynamics/workspace.hpp>
 
 namespace momentree {
 

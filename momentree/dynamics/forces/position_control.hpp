@@ -7,17 +7,17 @@
 namespace momentree::forces {
 
 /// What it asks for, bounded or not, at the velocity u.
-inline double asked(const JointDrive::Pd& pd, int freedom, double t, double q, double u) noexcept {
-  const Signal *target = signal_of(pd.target, freedom), *speed = signal_of(pd.target_speed, freedom);
+inline double asked(const JointDrive::Pd& pd, int dof, double t, double q, double u) noexcept {
+  const Signal *target = signal_of(pd.target, dof), *speed = signal_of(pd.target_speed, dof);
   const double position = target != nullptr ? target->value(t) : 0;
   const double rate = speed != nullptr ? speed->value(t) : target != nullptr ? target->rate(t) : 0;
-  return pd.kp.of(freedom) * (position - q) + pd.kd.of(freedom) * (rate - u);
+  return pd.kp.of(dof) * (position - q) + pd.kd.of(dof) * (rate - u);
 }
 
-inline Resistance position_control(const JointDrive::Pd& pd, int freedom, double t, double q, double u) noexcept {
-  const double effort = asked(pd, freedom, t, q, u), most = pd.max_effort.of(freedom, HUGE_VAL);
+inline Resistance position_control(const JointDrive::Pd& pd, int dof, double t, double q, double u) noexcept {
+  const double effort = asked(pd, dof, t, q, u), most = pd.max_effort.of(dof, HUGE_VAL);
   const bool bounded = std::fabs(effort) > most;
-  return {bounded ? std::copysign(most, effort) : effort, bounded ? 0 : pd.kd.of(freedom)};
+  return {bounded ? std::copysign(most, effort) : effort, bounded ? 0 : pd.kd.of(dof)};
 }
 
 inline void add_position_control(const Site& s, const JointDrive::Pd& pd) noexcept {

@@ -1,6 +1,6 @@
 #pragma once
 // Where a force element acts: one joint at one instant.
-#include <momentree/dynamics/work.hpp>
+#include <momentree/dynamics/workspace.hpp>
 
 namespace momentree::forces {
 
@@ -13,7 +13,7 @@ struct Site {
   double* force;  ///< to be added to: N m, N
   Power* power;   ///< W; the caller's
 
-  bool on(int freedom) const { return (acts >> freedom & 1u) != 0; }
+  bool on(int dof) const { return (acts >> dof & 1u) != 0; }
 };
 
 /// A force that resists motion: what it is at a velocity (N m, N), and how fast it grows against that, −∂force/∂u.
@@ -29,9 +29,9 @@ inline Site site_of(const Tree& tree, double t, const double* q, const double* v
 }
 
 /// The signal of a freedom; nothing where the list is empty.
-inline const Signal* signal_of(const std::vector<Signal>& list, int freedom) {
+inline const Signal* signal_of(const std::vector<Signal>& list, int dof) {
   if (list.empty()) return nullptr;
-  return &list[list.size() == 1 ? 0 : static_cast<std::size_t>(freedom)];
+  return &list[list.size() == 1 ? 0 : static_cast<std::size_t>(dof)];
 }
 
 }  // namespace momentree::forces

@@ -10,14 +10,14 @@
 namespace momentree::forces {
 
 /// How far a freedom has passed a stop: positive beyond the upper one, negative beyond the lower one.
-inline double passed(const JointLimits& limits, int freedom, double q) noexcept {
-  return q - std::clamp(q, limits.lower_of(freedom), limits.upper_of(freedom));
+inline double passed(const JointLimits& limits, int dof, double q) noexcept {
+  return q - std::clamp(q, limits.lower_of(dof), limits.upper_of(dof));
 }
 
-inline Resistance soft_stop(const JointLimits& limits, int freedom, double q, double u) noexcept {
-  const double x = passed(limits, freedom, q), damping = limits.damping.of(freedom);
+inline Resistance soft_stop(const JointLimits& limits, int dof, double q, double u) noexcept {
+  const double x = passed(limits, dof, q), damping = limits.damping.of(dof);
   if (x == 0) return {};
-  const double force = limits.stiffness.of(freedom) * x + damping * u;
+  const double force = limits.stiffness.of(dof) * x + damping * u;
   if (force * x < 0) return {};
   return {-force, damping};
 }

@@ -2,5 +2,5 @@
 #include <momentree/math/counted.hpp>
 
 namespace momentree {
-template void evaluate_rates<Counted>(const Tree&, const Counted*, const Counted*, Work<Counted>&) noexcept;
+template void evaluate_rates<Counted>(const Tree&, const Counted*, const Counted*, Workspace<Counted>&) noexcept;
 }  // namespace momentree

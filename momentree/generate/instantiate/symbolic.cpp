@@ -3,7 +3,7 @@
 
 namespace momentree {
 template void evaluate_rates<Symbolic<false>>(const Tree&, const Symbolic<false>*, const Symbolic<false>*,
-                                              Work<Symbolic<false>>&) noexcept;
+                                              Workspace<Symbolic<false>>&) noexcept;
 template void evaluate_rates<Symbolic<true>>(const Tree&, const Symbolic<true>*, const Symbolic<true>*,
-                                             Work<Symbolic<true>>&) noexcept;
+                                             Workspace<Symbolic<true>>&) noexcept;
 }  // namespace momentree

@@ -23,7 +23,7 @@ class Damped final : public Integrator {
   static constexpr double damper_limit = HUGE_VAL, spring_limit = 1.57;
   static constexpr double implicit_share = 0.5;  ///< γ
   Damped(const Tree& tree, const StepControl& control);
-  bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept override;
+  bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept override;
 
  private:
   static constexpr int stages = 5;
@@ -63,7 +63,7 @@ inline Damped::Damped(const Tree& tree, const StepControl& control)
 }
 
 inline void Damped::follow(const Tree& tree) {
-  massive_.copy_with_rotors(tree);
+  massive_.copy_with_armatures(tree);
   rotors_ = massive_.rotors();
   revision_ = tree.revision();
 }
@@ -72,9 +72,9 @@ inline void Damped::follow(const Tree& tree) {
 // left of the error goes to the explicit part, so that the sum is exact.
 inline void Damped::evaluate_stage(Evaluator& evaluate, int stage, double t, double h) noexcept {
   const Tree& tree = evaluate.tree();
-  const Work<double>& work = evaluate.work();
+  const Workspace<double>& workspace = evaluate.workspace();
   const int nv = tree.nv();
-  const double *armature = tree.armature(), *u = work.v.get();
+  const double *armature = tree.armature(), *u = workspace.v.get();
   double *rotors = rotors_, *resist = rate(resist_, stage), *dissipating = rate(dissipating_, stage),
          *giving = rate(giving_, stage);
   const bool linear = tree.forced_joints().empty();
@@ -94,7 +94,7 @@ inline void Damped::evaluate_stage(Evaluator& evaluate, int stage, double t, dou
   for (std::size_t i = 0; i < static_cast<std::size_t>(nv); ++i) {
     const double found = at_point_[i] - slope_[i] * (u[i] - point_[i]);
     resist[i] = found - damping_[i] * u[i];
-    rate(pdot_, stage)[i] = work.pdot[i] + (dissipating[i] + giving[i] - found);
+    rate(pdot_, stage)[i] = workspace.pdot[i] + (dissipating[i] + giving[i] - found);
   }
 }
 
@@ -108,9 +108,9 @@ inline bool Damped::met(int nv, const double* u, const double* dissipating, cons
   return true;
 }
 
-inline bool Damped::step(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
+inline bool Damped::step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept {
   const Tree& tree = evaluate.tree();
-  const Work<double>& work = evaluate.work();
+  const Workspace<double>& workspace = evaluate.workspace();
   require_ready(evaluate, state, h);
   if (revision_ != tree.revision()) follow(tree);
   const int nq = tree.nq(), nv = tree.nv();
@@ -122,9 +122,9 @@ inline bool Damped::step(Evaluator& evaluate, State& state, Books& books, double
     const double t = state.time() + c[s] * h;
     double *u = rate(velocity_, s), *pdot = rate(pdot_, s);
     if (s == 0) {  // the state's own evaluation, with all that resists
-      resisting_forces(tree, t, q, work.v.get(), {rate(dissipating_, 0), rate(giving_, 0), slope_.get()});
+      resisting_forces(tree, t, q, workspace.v.get(), {rate(dissipating_, 0), rate(giving_, 0), slope_.get()});
       for (std::size_t i = 0; i < static_cast<std::size_t>(nv); ++i)
-        pdot[i] = work.pdot[i] + damping_[i] * work.v[i] - dissipating_[i] - giving_[i];
+        pdot[i] = workspace.pdot[i] + damping_[i] * workspace.v[i] - dissipating_[i] - giving_[i];
     } else {
       std::copy_n(q, nq, q_.get());
       std::copy_n(p, nv, known_.get());
@@ -139,30 +139,30 @@ inline bool Damped::step(Evaluator& evaluate, State& state, Books& books, double
       evaluate_stage(evaluate, s, t, h);
       for (std::size_t i = 0; i < static_cast<std::size_t>(nv); ++i) p_[i] = known_[i] + gamma * h * rate(resist_, s)[i];
     }
-    std::copy_n(work.qdot.get(), nq, qdot_.get() + s * nq_max_);
-    std::copy_n(work.v.get(), nv, u);
+    std::copy_n(workspace.qdot.get(), nq, qdot_.get() + s * nq_max_);
+    std::copy_n(workspace.v.get(), nv, u);
     if (s + 1 == stages) continue;
     const double share = h * explicit_part[stages - 1][s];
-    lost += share * work.power.dissipated;
+    lost += share * workspace.power.dissipated;
     const bool driven = s > 0 && !tree.driven_joints().empty();
     if (driven) evaluate(t, q_.get(), p_.get());  // what a motion takes depends on accelerations by the true mass
-    done += share * work.power.work;
+    done += share * workspace.power.work;
     for (int i = 0; i < nv && s == 0; ++i)
       lost -= share * (damping_[static_cast<std::size_t>(i)] * u[i] - rate(dissipating_, 0)[i]) * u[i];
     for (int i = 0; i < nv && (s == 0 || driven); ++i) done -= share * rate(giving_, s)[i] * u[i];
   }
   end_step(tree, state.time() + h, q_.get(), p_.get());
   if (!sound(tree, q, q_.get(), p_.get())) return false;
-  take_stored(tree, q, q_.get(), books);
+  take_stored(tree, q, q_.get(), ledger);
   const State::Edit edit = state.edit();
   std::copy_n(q_.get(), nq, edit.q.begin());
   std::copy_n(p_.get(), nv, edit.p.begin());
   edit.time += h;
-  books.dissipated += taken(nv, h, rate(velocity_, stages - 1)) + lost;
-  books.work += done;
+  ledger.dissipated += taken(nv, h, rate(velocity_, stages - 1)) + lost;
+  ledger.work += done;
   if (!tree.forced_joints().empty()) {
-    books.dissipated -= spent(dissipating_, nv, h);
-    books.work += spent(giving_, nv, h);
+    ledger.dissipated -= spent(dissipating_, nv, h);
+    ledger.work += spent(giving_, nv, h);
   }
   return true;
 }

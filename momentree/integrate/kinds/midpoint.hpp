@@ -14,7 +14,7 @@ class Midpoint final : public Integrator {
   // Above these the iteration does not converge.
   static constexpr double damper_limit = 2, spring_limit = 2;
   Midpoint(const Tree& tree, const StepControl& control);
-  bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept override;
+  bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept override;
 
  private:
   static constexpr int most_iterations = 60;
@@ -25,8 +25,8 @@ class Midpoint final : public Integrator {
 inline Midpoint::Midpoint(const Tree& tree, const StepControl& control)
     : Integrator(tree, control), q_(scratch(7L * tree.bodies())), p_(scratch(6L * tree.bodies())) {}
 
-inline bool Midpoint::step(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
-  const Work<double>& work = evaluate.work();
+inline bool Midpoint::step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept {
+  const Workspace<double>& workspace = evaluate.workspace();
   require_ready(evaluate, state, h);
   const int nq = evaluate.tree().nq(), nv = evaluate.tree().nv();
   const double *q = state.q().data(), *p = state.p().data();
@@ -39,11 +39,11 @@ inline bool Midpoint::step(Evaluator& evaluate, State& state, Books& books, doub
     if (i > 0) evaluate(state.time() + h / 2, q_.get(), p_.get());
     double moved = 0;
     for (int k = 0; k < nq; ++k) {
-      const double next = q[k] + h / 2 * work.qdot[static_cast<std::size_t>(k)];
+      const double next = q[k] + h / 2 * workspace.qdot[static_cast<std::size_t>(k)];
       moved = std::max(moved, std::fabs(next - q_[static_cast<std::size_t>(k)]) / (1 + std::fabs(next)));
       q_[static_cast<std::size_t>(k)] = next;
     }
-    for (int k = 0; k < nv; ++k) p_[static_cast<std::size_t>(k)] = p[k] + h / 2 * work.pdot[static_cast<std::size_t>(k)];
+    for (int k = 0; k < nv; ++k) p_[static_cast<std::size_t>(k)] = p[k] + h / 2 * workspace.pdot[static_cast<std::size_t>(k)];
     if (i > 0 && (moved <= converged || (moved <= stalled && moved >= change))) ++settled;
     change = moved;
   }
@@ -51,13 +51,13 @@ inline bool Midpoint::step(Evaluator& evaluate, State& state, Books& books, doub
   for (int k = 0; k < nv; ++k) p_[static_cast<std::size_t>(k)] = 2 * p_[static_cast<std::size_t>(k)] - p[k];
   end_step(evaluate.tree(), state.time() + h, q_.get(), p_.get());
   if (!sound(evaluate.tree(), q, q_.get(), p_.get())) return false;
-  take_stored(evaluate.tree(), q, q_.get(), books);
+  take_stored(evaluate.tree(), q, q_.get(), ledger);
   const State::Edit edit = state.edit();
   std::copy_n(q_.get(), nq, edit.q.begin());
   std::copy_n(p_.get(), nv, edit.p.begin());
   edit.time += h;
-  books.dissipated += h * work.power.dissipated;
-  books.work += h * work.power.work;
+  ledger.dissipated += h * workspace.power.dissipated;
+  ledger.work += h * workspace.power.work;
   return true;
 }
 

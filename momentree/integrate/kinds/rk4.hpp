@@ -22,7 +22,7 @@ class Rk4 final : public Integrator {
   // Steps times the rate of a damper, or of a spring, above which it is unstable (the furthest that its region reaches).
   static constexpr double damper_limit = 2.785, spring_limit = 2.97;
   Rk4(const Tree& tree, const StepControl& control);
-  bool step(Evaluator& evaluate, State& state, Books& books, double h) noexcept override;
+  bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept override;
 
  private:
   std::unique_ptr<double[]> q_, p_;          // stage, then result
@@ -36,8 +36,8 @@ inline Rk4::Rk4(const Tree& tree, const StepControl& control)
       q_sum_(scratch(7 * tree.bodies())),
       p_sum_(scratch(6 * tree.bodies())) {}
 
-inline bool Rk4::step(Evaluator& evaluate, State& state, Books& books, double h) noexcept {
-  const Work<double>& work = evaluate.work();
+inline bool Rk4::step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept {
+  const Workspace<double>& workspace = evaluate.workspace();
   require_ready(evaluate, state, h);
   const int nq = evaluate.tree().nq(), nv = evaluate.tree().nv();
   const double *q = state.q().data(), *p = state.p().data(), t = state.time();
@@ -48,23 +48,23 @@ inline bool Rk4::step(Evaluator& evaluate, State& state, Books& books, double h)
   for (int stage = 0; stage < 4; ++stage) {
     if (stage > 0) evaluate(t + nodes[stage - 1] * h, q_.get(), p_.get());
     const double w = weights[stage], to_next = nodes[stage] * h;
-    detail::advance(nq, q, work.qdot.get(), w, to_next, q_sum_.get(), q_.get());
-    detail::advance(nv, p, work.pdot.get(), w, to_next, p_sum_.get(), p_.get());
-    sum.dissipated += w * work.power.dissipated;
-    sum.work += w * work.power.work;
+    detail::advance(nq, q, workspace.qdot.get(), w, to_next, q_sum_.get(), q_.get());
+    detail::advance(nv, p, workspace.pdot.get(), w, to_next, p_sum_.get(), p_.get());
+    sum.dissipated += w * workspace.power.dissipated;
+    sum.work += w * workspace.power.work;
   }
   const double h6 = h / 6;
   for (int i = 0; i < nq; ++i) q_[static_cast<std::size_t>(i)] = q[i] + h6 * q_sum_[static_cast<std::size_t>(i)];
   for (int i = 0; i < nv; ++i) p_[static_cast<std::size_t>(i)] = p[i] + h6 * p_sum_[static_cast<std::size_t>(i)];
   end_step(evaluate.tree(), t + h, q_.get(), p_.get());
   if (!sound(evaluate.tree(), q, q_.get(), p_.get())) return false;
-  take_stored(evaluate.tree(), q, q_.get(), books);
+  take_stored(evaluate.tree(), q, q_.get(), ledger);
   const State::Edit edit = state.edit();
   std::copy_n(q_.get(), nq, edit.q.begin());
   std::copy_n(p_.get(), nv, edit.p.begin());
   edit.time += h;
-  books.dissipated += h6 * sum.dissipated;
-  books.work += h6 * sum.work;
+  ledger.dissipated += h6 * sum.dissipated;
+  ledger.work += h6 * sum.work;
   return true;
 }
 

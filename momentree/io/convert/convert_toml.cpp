@@ -189,7 +189,7 @@ class Converter {
     const ReadResult again = read_scenario_text(text, scenario_.path + " as TOML");
     if (again.scenario) return;
     for (const Diagnostic& each : again.diagnostics)
-      if (each.severity == Severity::error) fail({"cannot be written as TOML: " + each.what, scenario_.path, each.hint});
+      if (each.severity == Severity::error) throw_error({"cannot be written as TOML: " + each.what, scenario_.path, each.hint});
   }
 
   const Scenario& scenario_;

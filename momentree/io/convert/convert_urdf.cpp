@@ -43,7 +43,7 @@ struct Part {
   const char* suffix;  ///< of its name; empty: the joint's own
   const char* type;    ///< revolute: continuous where it has no stops
   Vec3 axis;
-  int freedom;  ///< whose damping, friction and stops it has; −1: those of all
+  int dof;  ///< whose damping, friction and stops it has; −1: those of all
 };
 
 std::vector<Part> parts_of(const JointSpec& joint) {
@@ -97,7 +97,8 @@ class Writer {
       if (parts_of(spec.joint).empty())
         names += (names.empty() ? "" : ", ") + in_quotes(spec.joint_name) + " is " + info(spec.joint.kind).name;
     }
-    if (!names.empty()) fail({"URDF has no such joint: " + names, scenario_.path, "write a .toml, or change the joint's kind"});
+    if (!names.empty())
+      throw_error({"URDF has no such joint: " + names, scenario_.path, "write a .toml, or change the joint's kind"});
   }
 
   void note_names(const BodySpec& spec) {
@@ -213,9 +214,9 @@ class Writer {
   void take_parameters(const BodySpec& spec, const Part& part, WrittenJoint& joint) {
     const JointParameters& p = spec.joint.parameters;
     const KindInfo& kind = info(spec.joint.kind);
-    const int i = std::max(part.freedom, 0);
+    const int i = std::max(part.dof, 0);
     // A ball's damping is not that of three axes.
-    const bool one = part.freedom >= 0 && spec.joint.kind != Kind::ball;
+    const bool one = part.dof >= 0 && spec.joint.kind != Kind::ball;
     if (one || (kind.nv > 0 && spec.joint.kind != Kind::ball && alike(p.damping, kind.nv))) joint.damping = p.damping.of(i);
     if (one || (kind.nv > 0 && spec.joint.kind != Kind::ball && alike(p.friction.coulomb, kind.nv)))
       joint.friction = p.friction.coulomb.of(i);
@@ -352,11 +353,11 @@ Converted to_urdf(const Scenario& scenario, const std::string& mechanism, const 
   }
   if (names.size() > 10) all += " …";
   if (mechanism.empty() && names.size() > 1)
-    fail({"a URDF is one mechanism, and here are " + std::to_string(names.size()) + ": " + all, scenario.path,
-          "choose one by --mechanism NAME"});
+    throw_error({"a URDF is one mechanism, and here are " + std::to_string(names.size()) + ": " + all, scenario.path,
+                 "choose one by --mechanism NAME"});
   if (chosen == ground) {
     const std::string hint = did_you_mean(mechanism, names);
-    fail({"there is no mechanism " + in_quotes(mechanism), scenario.path, hint.empty() ? "known: " + all : hint});
+    throw_error({"there is no mechanism " + in_quotes(mechanism), scenario.path, hint.empty() ? "known: " + all : hint});
   }
   return Writer(scenario, folder).write(chosen, mechanism.empty() ? names.front() : mechanism);
 }

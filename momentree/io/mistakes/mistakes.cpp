@@ -2,7 +2,7 @@
 
 #include <unordered_map>
 
-#include <momentree/base/words.hpp>
+#include <momentree/base/edit_distance.hpp>
 #include <momentree/io/mistakes/keys.hpp>
 
 namespace momentree::io {

@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include <momentree/base/words.hpp>
+#include <momentree/base/edit_distance.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/io/mistakes/mistakes.hpp>
 #include <momentree/joint/joint.hpp>

@@ -1,5 +1,5 @@
 // Names of kinds and methods in other engines and formats.
-#include <momentree/base/words.hpp>
+#include <momentree/base/edit_distance.hpp>
 #include <momentree/io/mistakes/mistakes.hpp>
 
 namespace momentree::io {

@@ -22,7 +22,7 @@ std::vector<XmlElement> children_of(XmlElement element, Reading& reading) {
     const auto name = fields.string("file");
     fields.finish();
     if (!name) continue;
-    const XmlElement root = reading.import.include(*name, fields.spot("file"), reading.file_of(child));
+    const XmlElement root = reading.import.include(*name, fields.location("file"), reading.file_of(child));
     if (!root) continue;
     for (const XmlElement each : children_of(root, reading)) children.push_back(each);
   }
@@ -55,28 +55,29 @@ Attributes::Attributes(XmlElement element, const std::string& childclass, Readin
   }
 }
 
-XmlSpot Attributes::at(std::string_view name) const {
+XmlLocation Attributes::at(std::string_view name) const {
   for (const XmlElement each : from_)
     if (const auto i = each.find(name)) return {each, *i};
   return {};
 }
 
 void Attributes::error(std::string_view name, std::string what, std::string hint) {
-  const XmlSpot spot = at(name);
-  const XmlElement place = spot.element ? spot.element : element_;
-  reading_.file_of(place).error(spot.element ? spot : XmlSpot{element_}, std::move(what), std::move(hint));
+  const XmlLocation location = at(name);
+  const XmlElement place = location.element ? location.element : element_;
+  reading_.file_of(place).error(location.element ? location : XmlLocation{element_}, std::move(what), std::move(hint));
 }
 
 std::optional<std::string> Attributes::string(std::string_view name) const {
-  const XmlSpot spot = at(name);
-  if (!spot.element) return {};
-  return std::string(spot.element.attribute(spot.attribute));
+  const XmlLocation location = at(name);
+  if (!location.element) return {};
+  return std::string(location.element.attribute(location.attribute));
 }
 
 std::optional<std::vector<double>> Attributes::numbers(std::string_view name, std::size_t count, std::size_t most) {
-  const XmlSpot spot = at(name);
-  if (!spot.element) return {};
-  return read_numbers(spot.element.attribute(spot.attribute), count, most, spot, name, reading_.file_of(spot.element));
+  const XmlLocation location = at(name);
+  if (!location.element) return {};
+  return read_numbers(location.element.attribute(location.attribute), count, most, location, name,
+                      reading_.file_of(location.element));
 }
 
 std::optional<double> Attributes::number(std::string_view name) {
@@ -179,7 +180,7 @@ void read_compiler(XmlElement compiler, Reading& reading) {
       if (*text == word) return i;
       all += (i++ == 0 ? "" : ", ") + std::string(word);
     }
-    file.error(fields.spot(name), std::string(name) + ": expected one of " + all + ", found " + in_quotes(*text));
+    file.error(fields.location(name), std::string(name) + ": expected one of " + all + ", found " + in_quotes(*text));
     return {};
   };
   if (const auto angle = choice("angle", {"degree", "radian"})) c.degrees = *angle == 0;
@@ -188,7 +189,7 @@ void read_compiler(XmlElement compiler, Reading& reading) {
   if (const auto from = choice("inertiafromgeom", {"auto", "true", "false"}))
     c.from_geoms = static_cast<Compiler::FromGeoms>(*from);
   if (const auto coordinate = choice("coordinate", {"local", "global"}); coordinate && *coordinate == 1)
-    file.error(fields.spot("coordinate"), "coordinates in the world's frame are not supported",
+    file.error(fields.location("coordinate"), "coordinates in the world's frame are not supported",
                "save the model in local coordinates");
   c.boundmass = fields.not_negative("boundmass").value_or(c.boundmass);
   c.boundinertia = fields.not_negative("boundinertia").value_or(c.boundinertia);
@@ -202,7 +203,7 @@ void read_compiler(XmlElement compiler, Reading& reading) {
     if (sequence->size() == 3 && std::all_of(sequence->begin(), sequence->end(), fits))
       c.eulerseq = *sequence;
     else
-      file.error(fields.spot("eulerseq"),
+      file.error(fields.location("eulerseq"),
                  "eulerseq: expected three of the letters x, y, z, X, Y, Z, found " + in_quotes(*sequence));
   }
   fields.known({"meshdir", "texturedir", "assetdir", "strippath", "fitaabb", "discardvisual", "usethread", "fusestatic",

@@ -51,7 +51,7 @@ class Attributes {
   Attributes(XmlElement element, const std::string& childclass, Reading& reading);
   bool has(std::string_view name) const { return static_cast<bool>(at(name).element); }
   /// Where an attribute stands, wherever it comes from; the element is none where it is absent.
-  XmlSpot at(std::string_view name) const;
+  XmlLocation at(std::string_view name) const;
   std::optional<std::string> string(std::string_view name) const;
   std::optional<double> number(std::string_view name);
   std::optional<double> not_negative(std::string_view name);

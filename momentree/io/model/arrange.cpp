@@ -10,9 +10,9 @@ namespace momentree::io {
 
 namespace {
 
-XmlSpot name_spot(XmlElement element) {
+XmlLocation name_spot(XmlElement element) {
   const auto i = element.find("name");
-  return {element, i ? *i : XmlSpot::no_attribute};
+  return {element, i ? *i : XmlLocation::no_attribute};
 }
 
 class Arranger {
@@ -37,7 +37,7 @@ class Arranger {
     int parent, child;
   };
 
-  void error(const XmlSpot& at, std::string what, std::string hint = {}) {
+  void error(const XmlLocation& at, std::string what, std::string hint = {}) {
     import_.file_of(at.element).error(at, std::move(what), std::move(hint));
     sound_ = false;
   }
@@ -62,7 +62,7 @@ class Arranger {
     }
   }
 
-  int find(const std::string& name, const XmlSpot& at, const char* end) {
+  int find(const std::string& name, const XmlLocation& at, const char* end) {
     const auto found = by_name_.find(name);
     if (found != by_name_.end()) return static_cast<int>(found->second);
     sound_ = false;

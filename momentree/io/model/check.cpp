@@ -40,7 +40,7 @@ void check_inertias(const ImportedModel& model) {
   for (const ImportedBody& body : model.bodies) specs.push_back(body.spec);
   for (const auto& [body, problem] : check_masses(specs)) {
     const BodySpots& spots = model.bodies[static_cast<std::size_t>(body.index)].spots;
-    const XmlSpot at{place_of(spots, "inertia")};
+    const XmlLocation at{place_of(spots, "inertia")};
     const std::string what = problem.what + " ('" + specs[static_cast<std::size_t>(body.index)].name + "')";
     if (problem.warning)
       spots.file->warning(at, what, problem.hint);

@@ -65,7 +65,7 @@ std::string Import::folder_of(const XmlFile& file) const {
   return folder.empty() ? "." : folder;
 }
 
-XmlElement Import::include(const std::string& name, const XmlSpot& at, XmlFile& from, bool again) {
+XmlElement Import::include(const std::string& name, const XmlLocation& at, XmlFile& from, bool again) {
   constexpr std::size_t most_files = 200;
   const auto refuse = [&](const std::string& what, const std::string& hint) {
     from.error(at, "include: " + what, hint);
@@ -91,13 +91,13 @@ XmlElement Import::include(const std::string& name, const XmlSpot& at, XmlFile& 
   return files_.back()->root();
 }
 
-bool check_name(const std::string& name, const XmlSpot& at, std::string_view what, XmlFile& file) {
+bool check_name(const std::string& name, const XmlLocation& at, std::string_view what, XmlFile& file) {
   Diagnostics unheard("", "");
   if (check_bare_name(name, {}, what, unheard)) return true;  // no place is looked up for names that are fine
   return !file.out().full() && check_bare_name(name, at.place(), what, file.out());
 }
 
-void Import::read_mesh(const std::string& name, const XmlSpot& at, Shape& shape, XmlFile& file) {
+void Import::read_mesh(const std::string& name, const XmlLocation& at, Shape& shape, XmlFile& file) {
   bool in_package = false;
   const std::string rest = without_scheme(name, in_package);
   if (rest.empty()) {

@@ -29,7 +29,7 @@ class Import {
   XmlFile& file_of(XmlElement element);
   /// The root of another file in the model's folder, read once; none, with a report at `at`, where it can't be. A second time is
   /// an error, or the same root `again`.
-  XmlElement include(const std::string& name, const XmlSpot& at, XmlFile& from, bool again = false);
+  XmlElement include(const std::string& name, const XmlLocation& at, XmlFile& from, bool again = false);
   /// What stands under a name in the model's folder; nothing where it is not in it, or where a symbolic link leads out of it.
   enum class Found { nothing, file, folder };
   Found look(const std::string& name) const;
@@ -40,7 +40,7 @@ class Import {
 
   /// A shape's mesh as a path in the model's folder. `package://name/` and the like are looked for there too; what is not found,
   /// or only by a symbolic link out of the folder, is a warning, and a path that leaves the folder an error.
-  void read_mesh(const std::string& name, const XmlSpot& at, Shape& shape, XmlFile& file);
+  void read_mesh(const std::string& name, const XmlLocation& at, Shape& shape, XmlFile& file);
 
  private:
   std::string folder_;
@@ -50,7 +50,7 @@ class Import {
 };
 
 /// Bare names of bodies and joints: what a path, a column or a wildcard could not carry is refused at `at`.
-bool check_name(const std::string& name, const XmlSpot& at, std::string_view what, XmlFile& file);
+bool check_name(const std::string& name, const XmlLocation& at, std::string_view what, XmlFile& file);
 
 /// A link of a model that names its joints' ends (URDF, SDF), and its joint once it is known.
 struct NamedLink {
@@ -61,7 +61,7 @@ struct NamedJoint {
   std::string name, parent, child;  ///< names of links; the child is never the ground
   bool from_ground = false;         ///< the parent is the ground
   XmlElement element{};
-  XmlSpot parent_spot{}, child_spot{};
+  XmlLocation parent_spot{}, child_spot{};
 };
 struct LinkTree {
   std::vector<std::size_t> order;  ///< of links, parents first, else as in the file; empty where something is wrong

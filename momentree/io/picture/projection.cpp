@@ -76,7 +76,7 @@ View tilted(const View& level, double angle) {
 
 View view_along(const Vec3& look, const Vec3& gravity) {
   if (norm(look) == 0 || !std::isfinite(norm(look)))
-    fail({"the direction of view is zero", "--look", "for example --look 0,0,-1"});
+    throw_error({"the direction of view is zero", "--look", "for example --look 0,0,-1"});
   const Vec3 forward = normalized(look);
   for (const Vec3& candidate : {upwards(gravity), Vec3{0, 0, 1}, Vec3{0, 1, 0}, Vec3{1, 0, 0}}) {
     const Vec3 up = without(candidate, forward);
@@ -118,10 +118,11 @@ Vec3 parse_direction(std::string_view text) {
     const auto [stop, error] = std::from_chars(begin, end, at[k]);
     const bool last = k == 2;
     if (error != std::errc{} || !std::isfinite(at[k]) || (last ? stop != end : (stop == end || *stop != ',')))
-      fail({"'" + std::string(text) + "' is not a direction", "--look", "three numbers, for example --look 0,0,-1"});
+      throw_error({"'" + std::string(text) + "' is not a direction", "--look", "three numbers, for example --look 0,0,-1"});
     begin = last ? stop : stop + 1;
   }
-  if (at[0] == 0 && at[1] == 0 && at[2] == 0) fail({"the direction of view is zero", "--look", "for example --look 0,0,-1"});
+  if (at[0] == 0 && at[1] == 0 && at[2] == 0)
+    throw_error({"the direction of view is zero", "--look", "for example --look 0,0,-1"});
   return {at[0], at[1], at[2]};
 }
 

@@ -10,7 +10,7 @@
 #include <momentree/io/json_document.hpp>
 #include <momentree/io/line_reader.hpp>
 #include <momentree/io/picture/body_table.hpp>
-#include <momentree/io/picture/phases.hpp>
+#include <momentree/io/picture/topology_history.hpp>
 #include <momentree/io/text_file.hpp>
 
 namespace momentree::io {
@@ -147,7 +147,7 @@ void read_events(const std::filesystem::path& file, Recording& run) {
       document = parse_json(line, file.string() + ':' + std::to_string(in.number()));
     } catch (const Error&) {
       if (!in.is_whole()) break;  // a run that was stopped was still writing this line
-      fail({"the line is not JSON", file.string() + ':' + std::to_string(in.number()), cut});
+      throw_error({"the line is not JSON", file.string() + ':' + std::to_string(in.number()), cut});
     }
     const JsonNode& json = document.root;
     RecordedEvent event;
@@ -196,7 +196,7 @@ Recording read_story(const std::filesystem::path& directory, const std::vector<s
 
 Recording read_recording(const std::filesystem::path& directory, double every) {
   if (!std::filesystem::is_directory(directory))
-    fail({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
+    throw_error({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
   const BodyTable table(directory / "bodies.csv");
   std::vector<std::string> names;
   for (const PoseColumns& column : table.bodies()) names.push_back(column.name);

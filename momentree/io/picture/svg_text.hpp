@@ -1,5 +1,5 @@
 #pragma once
-// Pieces of SVG text: escaped words, rounded numbers, colours.
+// Generic of SVG text: escaped words, rounded numbers, colours.
 #include <cstddef>
 #include <string>
 #include <string_view>

@@ -20,19 +20,20 @@ double number(std::string_view cell, const std::string& where) {
   const char* end = cell.data() + cell.size();
   const auto [stop, error] = std::from_chars(cell.data(), end, value);
   if (error != std::errc{} || stop != end)
-    fail({"'" + std::string(cell) + "' is not a number", where, "the file was cut or changed: run again"});
+    throw_error({"'" + std::string(cell) + "' is not a number", where, "the file was cut or changed: run again"});
   return std::isfinite(value) ? value : HUGE_VAL;
 }
 
 }  // namespace
 
 NumberTable::NumberTable(std::filesystem::path file) : file_(std::move(file)) {
-  if (!is_there(file_)) fail({"there is no such file", file_.string(), "give the directory that `momentree run` wrote"});
+  if (!is_there(file_)) throw_error({"there is no such file", file_.string(), "give the directory that `momentree run` wrote"});
   LineReader in(file_);
   std::string line;
   in.next(line);
   columns_ = split_csv(line);
-  if (columns_.front() != "time") fail({"the first column is '" + columns_.front() + "', not 'time'", place(file_, 1), {}});
+  if (columns_.front() != "time")
+    throw_error({"the first column is '" + columns_.front() + "', not 'time'", place(file_, 1), {}});
   columns_.erase(columns_.begin());
   while (in.next(line) && in.is_whole())
     times_.push_back(number(std::string_view(line).substr(0, line.find(',')), place(file_, in.number())));
@@ -55,8 +56,8 @@ std::vector<double> NumberTable::read(const std::vector<std::size_t>& rows) cons
       at = end;
     }
     if (cells != columns_.size())
-      fail({"the row has " + std::to_string(cells + 1) + " of " + std::to_string(columns_.size() + 1) + " columns", where,
-            "the file was cut or changed: run again"});
+      throw_error({"the row has " + std::to_string(cells + 1) + " of " + std::to_string(columns_.size() + 1) + " columns", where,
+                   "the file was cut or changed: run again"});
   }
   return numbers;
 }

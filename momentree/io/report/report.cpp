@@ -27,10 +27,11 @@ std::vector<std::string> body_names(const NumberTable& table, const std::string&
   std::vector<std::string> names;
   const std::vector<std::string>& columns = table.columns();
   if (columns.empty() || columns.size() % 7 != 0)
-    fail({"it has no seven columns for each body", file, "bodies.csv as `momentree run` writes it is needed"});
+    throw_error({"it has no seven columns for each body", file, "bodies.csv as `momentree run` writes it is needed"});
   for (std::size_t c = 0; c < columns.size(); c += 7) {
     if (!columns[c].ends_with(first))
-      fail({"column '" + columns[c] + "' should be the x of a body", file, "bodies.csv as `momentree run` writes it is needed"});
+      throw_error(
+          {"column '" + columns[c] + "' should be the x of a body", file, "bodies.csv as `momentree run` writes it is needed"});
     names.push_back(columns[c].substr(0, columns[c].size() - first.size()));
   }
   return names;
@@ -154,9 +155,9 @@ std::string document(const fs::path& file) {
 
 std::string report_data(const fs::path& directory, const ReportOptions& options) {
   if (!fs::is_directory(directory))
-    fail({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
+    throw_error({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
   const fs::path model = directory / "model.json", summary = directory / "summary.json";
-  if (!is_there(model)) fail({"it has no model.json", directory.string(), "was the run killed? run it again"});
+  if (!is_there(model)) throw_error({"it has no model.json", directory.string(), "was the run killed? run it again"});
   const NumberTable bodies(directory / "bodies.csv");
   const std::vector<std::string> names = body_names(bodies, (directory / "bodies.csv").string());
   std::optional<NumberTable> joints = table_of(directory / "joints.csv");
@@ -164,7 +165,7 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   std::size_t count = bodies.times().size();  // a run that was killed may have written less of one table than of another
   if (joints) count = std::min(count, joints->times().size());
   if (energy) count = std::min(count, energy->times().size());
-  if (count == 0) fail({"its tables have no complete row", directory.string(), "the run stopped before it wrote one"});
+  if (count == 0) throw_error({"its tables have no complete row", directory.string(), "the run stopped before it wrote one"});
 
   const std::size_t width = bodies.columns().size();
   const auto affordable = [&](std::size_t columns) { return std::max<std::size_t>(options.most_numbers / columns, 60); };
@@ -175,7 +176,7 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   std::vector<double> poses = bodies.read(rows);
   const auto infinite = std::find_if(poses.begin(), poses.end(), [](double x) { return std::isinf(x); });
   rows.resize(static_cast<std::size_t>(infinite - poses.begin()) / width);
-  if (rows.empty()) fail({"its first row has no finite poses", (directory / "bodies.csv").string(), ""});
+  if (rows.empty()) throw_error({"its first row has no finite poses", (directory / "bodies.csv").string(), ""});
   poses.resize(rows.size() * width);
 
   const Recording run = read_story(directory, names, bodies.times()[count - 1]);

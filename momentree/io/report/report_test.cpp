@@ -28,7 +28,7 @@ void write_result(const std::string& out) {
   RunOrigin origin;
   origin.name = "arm";
   Recorder recorder(simulation, origin, model_json(model, hostile),
-                    {.directory = out, .joints = joints_of(simulation, simulation.rehearse(), {})});
+                    {.directory = out, .joints = joints_of(simulation, simulation.dry_run(), {})});
   simulation.observe(0, [&](const World& world) { return recorder.observe(world); });
   REQUIRE(simulation.run_until(0.3) == Status::ok);
   recorder.finish("done", {});
@@ -108,12 +108,12 @@ TEST_CASE("large tables are thinned evenly, the last row stays; joints are left 
     const std::size_t from = text.rfind('\n', text.size() - 2) + 1;
     return text.substr(text.find(',', from));
   };
-  const std::string pose = last("r/bodies.csv"), joint = last("r/joints.csv"), books = last("r/energy.csv");
+  const std::string pose = last("r/bodies.csv"), joint = last("r/joints.csv"), ledger = last("r/energy.csv");
   for (int k = 1; k < 1000; ++k) {
     const std::string time = std::to_string(0.3 + 0.001 * k);
     more << time << pose;
     joints << time << joint;
-    energy << time << books;
+    energy << time << ledger;
   }
   more.close(), joints.close(), energy.close();
   CHECK(rows_of(3'000'000, "frames") == 1030);

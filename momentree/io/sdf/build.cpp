@@ -96,7 +96,7 @@ class Builder {
 
   Vec3 axis_of(const Joined& joint, const AxisPart& axis) {
     int frame = joint.frame;
-    if (!axis.expressed_in.empty()) frame = frames_.look_up(joint.scope, axis.expressed_in, axis.spot, "expressed_in");
+    if (!axis.expressed_in.empty()) frame = frames_.look_up(joint.scope, axis.expressed_in, axis.location, "expressed_in");
     if (frame < 0) return axis.xyz;
     return rotation_matrix(frames_.between(joint.frame, frame).rotation) * axis.xyz;
   }
@@ -107,13 +107,13 @@ class Builder {
     spec.child_at = frames_.between(joint.child, joint.frame);
     spec.joint.kind = part.kind;
     if (part.kind == Kind::helical) spec.joint.pitch = part.pitch;
-    if (part.freedoms > 0) spec.joint.axis = axis_of(joint, part.axes[0]);
-    if (part.freedoms > 1) spec.joint.axis2 = axis_of(joint, part.axes[1]);
+    if (part.dofs > 0) spec.joint.axis = axis_of(joint, part.axes[0]);
+    if (part.dofs > 1) spec.joint.axis2 = axis_of(joint, part.axes[1]);
     JointParameters& p = spec.joint.parameters;
     const auto take = [&](Values& target, double AxisPart::*value) {
       bool any = false;
-      for (int i = 0; i < part.freedoms; ++i) any = any || part.axes[static_cast<std::size_t>(i)].*value != 0;
-      for (int i = 0; any && i < part.freedoms; ++i) target.push_back(part.axes[static_cast<std::size_t>(i)].*value);
+      for (int i = 0; i < part.dofs; ++i) any = any || part.axes[static_cast<std::size_t>(i)].*value != 0;
+      for (int i = 0; any && i < part.dofs; ++i) target.push_back(part.axes[static_cast<std::size_t>(i)].*value);
     };
     take(p.damping, &AxisPart::damping);
     take(p.stiffness, &AxisPart::stiffness);
@@ -121,12 +121,12 @@ class Builder {
     take(p.friction.coulomb, &AxisPart::friction);
     if (p.friction.any()) p.friction.speed = imported_friction_speed;
     bool limited = false;
-    for (int i = 0; i < part.freedoms; ++i) {
+    for (int i = 0; i < part.dofs; ++i) {
       const AxisPart& axis = part.axes[static_cast<std::size_t>(i)];
       limited = limited || std::isfinite(axis.lower) || std::isfinite(axis.upper);
       if (axis.limit && !body.spots.limits) body.spots.limits = axis.limit;
     }
-    for (int i = 0; limited && i < part.freedoms; ++i) {
+    for (int i = 0; limited && i < part.dofs; ++i) {
       body.limits.lower.push_back(part.axes[static_cast<std::size_t>(i)].lower);
       body.limits.upper.push_back(part.axes[static_cast<std::size_t>(i)].upper);
     }
@@ -143,7 +143,7 @@ class Builder {
     body.spots = {frames_.scopes()[static_cast<std::size_t>(scope)].part->file, part->element, {}, part->inertial, {}};
     body.shapes = part->shapes;
     for (const auto& [shape, pose] : part->placed_shapes) {
-      const int base = frames_.look_up(scope, pose.relative_to, pose.spot, "pose");
+      const int base = frames_.look_up(scope, pose.relative_to, pose.location, "pose");
       if (base >= 0) body.shapes[shape].at = frames_.between(frame, base) * pose.pose;
     }
     body_of_[link] = static_cast<int>(import_.model.bodies.size()) - 1;
@@ -186,7 +186,7 @@ class Builder {
         const auto own = body_of_joint.find(ends_[j].name);
         const auto other = body_of_joint.find(frames_.scopes()[static_cast<std::size_t>(joints_[j].scope)].prefix + *leader);
         if (other == body_of_joint.end()) {
-          file.error(texts.fields.spot("joint"), "mimic: there is no joint " + in_quotes(*leader));
+          file.error(texts.fields.location("joint"), "mimic: there is no joint " + in_quotes(*leader));
           continue;
         }
         follower.body = own->second;

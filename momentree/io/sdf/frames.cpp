@@ -10,9 +10,9 @@ namespace momentree::io::sdf {
 
 namespace {
 
-XmlSpot name_spot(XmlElement element) {
+XmlLocation name_spot(XmlElement element) {
   const auto i = element.find("name");
-  return {element, i ? *i : XmlSpot::no_attribute};
+  return {element, i ? *i : XmlLocation::no_attribute};
 }
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
@@ -28,8 +28,8 @@ Frames::Frames(const ModelPart& outermost, Import& import) : import_(import) {
   if (sound_) place_all();
 }
 
-void Frames::error(const XmlSpot& spot, std::string what, std::string hint) {
-  import_.file_of(spot.element).error(spot, std::move(what), std::move(hint));
+void Frames::error(const XmlLocation& location, std::string what, std::string hint) {
+  import_.file_of(location.element).error(location, std::move(what), std::move(hint));
   sound_ = false;
 }
 
@@ -108,7 +108,7 @@ int Frames::find(int scope, std::string_view name) const {
   }
 }
 
-int Frames::look_up(int scope, const std::string& name, const XmlSpot& spot, const char* what) {
+int Frames::look_up(int scope, const std::string& name, const XmlLocation& location, const char* what) {
   const int found = find(scope, name);
   if (found != Frame::unknown) return found;
   std::vector<std::string> known;
@@ -118,12 +118,12 @@ int Frames::look_up(int scope, const std::string& name, const XmlSpot& spot, con
   std::sort(known.begin(), known.end());
   std::string hint = did_you_mean(name, known);
   if (hint.empty() && name == "world") hint = "within a model only a joint's parent is the world";
-  error(spot, std::string(what) + ": there is no link, joint, frame or model " + in_quotes(name) + " here", hint);
+  error(location, std::string(what) + ": there is no link, joint, frame or model " + in_quotes(name) + " here", hint);
   return Frame::unknown;
 }
 
 int Frames::base(int scope, const FramedPose& pose, int otherwise) {
-  return pose.relative_to.empty() ? otherwise : look_up(scope, pose.relative_to, pose.spot, "pose");
+  return pose.relative_to.empty() ? otherwise : look_up(scope, pose.relative_to, pose.location, "pose");
 }
 
 // What each frame is relative to, and attached to.
@@ -136,7 +136,7 @@ void Frames::relate() {
     if (scope.parent >= 0) {
       own.relative_to = base(scope.parent, nested->pose, scopes_[at(scope.parent)].own_frame);
     } else if (!part.pose.relative_to.empty()) {
-      error(part.pose.spot, "pose: the outermost model is placed in the world, and in no other frame");
+      error(part.pose.location, "pose: the outermost model is placed in the world, and in no other frame");
     }
     // Its canonical link: the one that it names, its first, or that of its first model.
     if (!part.canonical_link.empty())

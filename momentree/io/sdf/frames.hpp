@@ -47,12 +47,12 @@ class Frames {
   /// The frame of that name as a scope knows it; `unknown` where there is none.
   int find(int scope, std::string_view name) const;
   /// The same, with a report at `at`.
-  int look_up(int scope, const std::string& name, const XmlSpot& at, const char* what);
+  int look_up(int scope, const std::string& name, const XmlLocation& at, const char* what);
   /// The frame of the link that a frame moves with; `nothing`: the world.
   int link_of(int frame) const;
   /// Where frame b stands in frame a.
   Pose between(int a, int b) const;
-  void error(const XmlSpot& at, std::string what, std::string hint = {});
+  void error(const XmlLocation& at, std::string what, std::string hint = {});
 
  private:
   struct Placement {

@@ -10,21 +10,21 @@ namespace {
 namespace fs = std::filesystem;
 
 // The path without model:// and the like; nothing, with a report, where it is no file of this machine.
-std::optional<std::string> path_of(const std::string& uri, const XmlSpot& spot, XmlFile& file) {
+std::optional<std::string> path_of(const std::string& uri, const XmlLocation& location, XmlFile& file) {
   const std::size_t colon = uri.find("://");
   if (colon == std::string::npos) return uri;
   const std::string scheme = uri.substr(0, colon);
   if (scheme == "model" || scheme == "package" || scheme == "file") return uri.substr(colon + 3);
-  file.error(spot, "include: " + in_quotes(uri) + " is not fetched", "copy it into the model's folder and name it there");
+  file.error(location, "include: " + in_quotes(uri) + " is not fetched", "copy it into the model's folder and name it there");
   return {};
 }
 
 // In a folder of a model, its description says which file is which version's.
-std::string file_of_folder(const std::string& folder, const XmlSpot& spot, Reading& reading, XmlFile& file) {
+std::string file_of_folder(const std::string& folder, const XmlLocation& location, Reading& reading, XmlFile& file) {
   const std::string config = (fs::path(folder) / "model.config").generic_string();
   std::string best = "model.sdf";
   if (reading.import.look(config) != Import::Found::file) return (fs::path(folder) / best).generic_string();
-  const XmlElement root = reading.import.include(config, spot, file, true);
+  const XmlElement root = reading.import.include(config, location, file, true);
   int newest = -1;
   if (root)
     for (const XmlElement each : root.children()) {
@@ -40,17 +40,17 @@ std::string file_of_folder(const std::string& folder, const XmlSpot& spot, Readi
 }
 
 // Beside the file that includes it, or from the model's folder on.
-XmlElement open(const std::string& uri, const XmlSpot& spot, Reading& reading, XmlFile& file) {
+XmlElement open(const std::string& uri, const XmlLocation& location, Reading& reading, XmlFile& file) {
   Import& import = reading.import;
-  const auto path = path_of(uri, spot, file);
+  const auto path = path_of(uri, location, file);
   if (!path) return {};
   std::string found = *path;
   if (import.looks_at_files() && !found.empty()) {
     const std::string beside = (fs::path(import.folder_of(file)) / *path).lexically_normal().generic_string();
     if (fs::path(*path).is_relative() && import.look(beside) != Import::Found::nothing) found = beside;
-    if (import.look(found) == Import::Found::folder) found = file_of_folder(found, spot, reading, file);
+    if (import.look(found) == Import::Found::folder) found = file_of_folder(found, location, reading, file);
   }
-  return import.include(found, spot, file, true);
+  return import.include(found, location, file, true);
 }
 
 }  // namespace
@@ -61,15 +61,15 @@ std::optional<NestedPart> read_include(XmlElement element, const ModelPart& into
   NestedPart nested;
   nested.element = element;
   nested.merged = fields.boolean("merge").value_or(false);
-  const XmlSpot merge = fields.spot("merge");
+  const XmlLocation merge = fields.location("merge");
   const auto uri = texts.string("uri");
-  const XmlSpot uri_spot = texts.spot();
+  const XmlLocation uri_spot = texts.location();
   if (!uri) fields.require_child("uri", "for example <uri>arm.sdf</uri>");
   const auto name = texts.string("name");
-  const XmlSpot name_spot = texts.spot();
+  const XmlLocation name_spot = texts.location();
   const auto is_static = texts.boolean("static");
   const auto placement = texts.string("placement_frame");
-  nested.placement_spot = texts.spot();
+  nested.placement_spot = texts.location();
   const bool placed = static_cast<bool>(fields.child("pose"));
   nested.pose = read_pose(fields, into.version, file);
   fields.leave_out({"plugin"}, "it belongs to another program");

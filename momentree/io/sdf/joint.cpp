@@ -21,7 +21,7 @@ constexpr Type types[] = {{"revolute", Kind::revolute, 1, true},   {"continuous"
 
 const Type* read_type(XmlFields& fields, XmlFile& file) {
   if (fields.string("type") == "gearbox") {
-    file.error(fields.spot("type"), "a gearbox couples two joints, which is not supported yet",
+    file.error(fields.location("type"), "a gearbox couples two joints, which is not supported yet",
                "leave it out: what it couples then moves by itself");
     return nullptr;
   }
@@ -31,14 +31,14 @@ const Type* read_type(XmlFields& fields, XmlFile& file) {
   return place < 0 ? nullptr : &types[place];
 }
 
-std::string read_end(Texts& texts, const char* end, XmlSpot& spot, XmlFile& file) {
+std::string read_end(Texts& texts, const char* end, XmlLocation& location, XmlFile& file) {
   const auto name = texts.string(end);
   if (!name) {
     texts.fields.require_child(end, std::string("for example <") + end + ">base</" + end + ">");
     return {};
   }
-  spot = texts.spot();
-  if (name->empty()) file.error(spot, std::string(end) + ": the name of a link is missing");
+  location = texts.location();
+  if (name->empty()) file.error(location, std::string(end) + ": the name of a link is missing");
   return *name;
 }
 
@@ -46,12 +46,12 @@ void read_limit(XmlElement element, const Type& type, AxisPart& axis, XmlFile& f
   Texts texts(element, file);
   constexpr double inf = std::numeric_limits<double>::infinity();
   const double lower = texts.bound("lower").value_or(-inf);
-  const XmlSpot at = texts.fields.child("lower") ? texts.spot() : XmlSpot{element};
+  const XmlLocation at = texts.fields.child("lower") ? texts.location() : XmlLocation{element};
   const double upper = texts.bound("upper").value_or(inf);
   const auto effort = texts.bound("effort");
   if (effort && *effort == 0)
     file.once(Severity::note, "an effort limit of 0: nothing could drive this joint", "efforts are not limited here",
-              texts.spot());
+              texts.location());
   texts.bound("velocity");
   texts.bound("stiffness");
   texts.bound("dissipation");
@@ -80,21 +80,21 @@ void read_dynamics(XmlElement element, AxisPart& axis, XmlFile& file) {
 
 AxisPart read_axis(XmlElement element, const Type& type, Version version, XmlFile& file) {
   AxisPart axis;
-  axis.spot = {element};
+  axis.location = {element};
   Texts texts(element, file);
   if (const XmlElement xyz = texts.fields.child("xyz")) {
-    axis.spot = {xyz, XmlSpot::no_attribute, true};
+    axis.location = {xyz, XmlLocation::no_attribute, true};
     XmlFields of(xyz, file);
     if (version.frames()) axis.expressed_in = of.string("expressed_in").value_or("");
     of.finish();
-    if (const auto given = read_numbers(xyz.text(), 3, 3, axis.spot, "xyz", file))
+    if (const auto given = read_numbers(xyz.text(), 3, 3, axis.location, "xyz", file))
       axis.xyz = {(*given)[0], (*given)[1], (*given)[2]};
     const double length = norm(axis.xyz);
     if (length < 1e-9) {
-      file.error(axis.spot, "xyz: an axis of length zero has no direction", "for example <xyz>0 0 1</xyz>");
+      file.error(axis.location, "xyz: an axis of length zero has no direction", "for example <xyz>0 0 1</xyz>");
       axis.xyz = {0, 0, 1};
     } else if (std::fabs(length - 1) > 1e-3) {
-      file.once(Severity::note, "an axis is not of length 1: it is taken as a direction", "", axis.spot);
+      file.once(Severity::note, "an axis is not of length 1: it is taken as a direction", "", axis.location);
     }
   }
   // Axes were those of the model until 1.4, and by choice until 1.6.
@@ -113,13 +113,13 @@ AxisPart read_axis(XmlElement element, const Type& type, Version version, XmlFil
 
 void read_pitch(Texts& texts, JointPart& joint, XmlFile& file) {
   const auto old = texts.number("thread_pitch");
-  const XmlSpot spot = texts.spot();
+  const XmlLocation location = texts.location();
   const auto pitch = texts.number("screw_thread_pitch");
   if (joint.kind != Kind::helical) return;
   if (pitch) {
     joint.pitch = *pitch;
   } else if (old && *old == 0) {
-    file.error(spot, "thread_pitch: 0 rad/m is no thread", "it is in rad/m, and positive for a left-handed thread");
+    file.error(location, "thread_pitch: 0 rad/m is no thread", "it is in rad/m, and positive for a left-handed thread");
   } else if (old) {
     joint.pitch = -2 * std::numbers::pi / *old;  // rad/m of a left-handed thread, by which Gazebo has read it
   } else if (!texts.fields.child("thread_pitch") && !texts.fields.child("screw_thread_pitch")) {
@@ -142,7 +142,7 @@ JointPart read_joint(XmlElement element, Version version, XmlFile& file) {
   if (type) {
     joint.known = true;
     joint.kind = type->kind;
-    joint.freedoms = type->axes;
+    joint.dofs = type->axes;
   }
   read_pitch(texts, joint, file);
   constexpr const char* names[] = {"axis", "axis2"};

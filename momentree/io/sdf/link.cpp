@@ -28,11 +28,11 @@ void read_inertial(XmlElement inertial, Version version, LinkPart& link, XmlFile
   const std::size_t errors = file.out().errors();
   Texts texts(inertial, file);
   if (texts.fields.boolean("auto").value_or(false))
-    file.error(texts.fields.spot("auto"), "an inertia that is computed from collisions is not supported",
+    file.error(texts.fields.location("auto"), "an inertia that is computed from collisions is not supported",
                "give mass and inertia as numbers");
   const FramedPose pose = read_pose(texts.fields, version, file);
   if (!pose.relative_to.empty())
-    file.error(pose.spot, "the pose of an <inertial> is that in its link, and names no frame", "leave the attribute out");
+    file.error(pose.location, "the pose of an <inertial> is that in its link, and names no frame", "leave the attribute out");
   link.com = pose.pose.position;
   if (const auto mass = texts.not_negative("mass"))
     link.mass = *mass;
@@ -53,7 +53,7 @@ double positive(Texts& texts, const char* name, XmlElement of, XmlFile& file) {
   const auto value = texts.number(name);
   if (!value && !texts.fields.child(name)) file.error({of}, of.tag() + " has no <" + std::string(name) + ">");
   if (!value || *value > 0) return value.value_or(1);
-  file.error(texts.spot(), std::string(name) + ": must be greater than 0");
+  file.error(texts.location(), std::string(name) + ": must be greater than 0");
   return 1;
 }
 
@@ -64,7 +64,7 @@ void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& f
     shape.kind = Shape::Kind::box;
     shape.size = texts.vec3("size").value_or(Vec3{1, 1, 1});
     if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0))
-      file.error(texts.spot(), "size: must be greater than 0"), shape.size = {1, 1, 1};
+      file.error(texts.location(), "size: must be greater than 0"), shape.size = {1, 1, 1};
     texts.fields.finish();
   }
   const auto round = [&](const char* tag, Shape::Kind kind) {
@@ -82,13 +82,13 @@ void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& f
   if (const XmlElement mesh = fields.child("mesh")) {
     Texts texts(mesh, file);
     const auto uri = texts.string("uri");
-    const XmlSpot spot = texts.spot();
+    const XmlLocation location = texts.location();
     shape.scale = texts.vec3("scale").value_or(Vec3{1, 1, 1});
     texts.fields.known({"optimization"});
     texts.fields.known_children({"submesh", "convex_decomposition"});
     texts.fields.finish();
     if (uri)
-      import.read_mesh(*uri, spot, shape, file);
+      import.read_mesh(*uri, location, shape, file);
     else
       file.error({mesh}, "<mesh> has no <uri>");
   }
@@ -102,7 +102,7 @@ std::string colour_of(Texts& material, XmlFile& file) {
   for (const char* name : {"ambient", "diffuse"}) {
     const XmlElement element = material.fields.child(name);
     if (!element || element.text().empty()) continue;
-    const auto rgba = read_numbers(element.text(), 3, 4, {element, XmlSpot::no_attribute, true}, name, file);
+    const auto rgba = read_numbers(element.text(), 3, 4, {element, XmlLocation::no_attribute, true}, name, file);
     if (!rgba) continue;
     unsigned levels[3];
     for (std::size_t i = 0; i < 3; ++i) levels[i] = static_cast<unsigned>(std::lround(255 * std::clamp((*rgba)[i], 0.0, 1.0)));
@@ -137,9 +137,9 @@ void read_visual(XmlElement visual, Version version, LinkPart& link, Import& imp
 // What moves a link otherwise than masses and joints do.
 void warn_of_special(Texts& texts, XmlFile& file) {
   if (!texts.boolean("gravity").value_or(true))
-    file.once(Severity::warning, "<gravity> of a link is ignored: gravity acts on every body", "", texts.spot());
+    file.once(Severity::warning, "<gravity> of a link is ignored: gravity acts on every body", "", texts.location());
   if (texts.boolean("kinematic").value_or(false))
-    file.once(Severity::warning, "<kinematic> is ignored: the link moves as its masses do", "", texts.spot());
+    file.once(Severity::warning, "<kinematic> is ignored: the link moves as its masses do", "", texts.location());
   if (const XmlElement decay = texts.fields.child("velocity_decay")) {
     Texts rates(decay, file);
     const double linear = rates.number("linear").value_or(0), angular = rates.number("angular").value_or(0);

@@ -22,8 +22,9 @@ void read_gravity(Texts& world, Reading& reading, XmlFile& file) {
   for (const XmlElement physics : world.fields.children("physics"))  // until 1.5
     for (const XmlElement child : physics.children())
       if (child.name() == "gravity") {
-        const XmlSpot spot{child, XmlSpot::no_attribute, true};
-        if (const auto g = read_numbers(child.text(), 3, 3, spot, "gravity", file)) reading.gravity = {(*g)[0], (*g)[1], (*g)[2]};
+        const XmlLocation location{child, XmlLocation::no_attribute, true};
+        if (const auto g = read_numbers(child.text(), 3, 3, location, "gravity", file))
+          reading.gravity = {(*g)[0], (*g)[1], (*g)[2]};
       }
 }
 
@@ -54,7 +55,7 @@ FramePart read_frame(XmlElement element, Version version, XmlFile& file) {
   XmlFields fields(element, file);
   frame.name = read_name(fields, "a frame", version, file);
   frame.attached_to = fields.string("attached_to").value_or("");
-  frame.attached_spot = fields.spot("attached_to");
+  frame.attached_spot = fields.location("attached_to");
   frame.pose = read_pose(fields, version, file);
   fields.finish();
   return frame;
@@ -96,9 +97,9 @@ std::shared_ptr<ModelPart> read_model(XmlElement element, Version version, Readi
   } else {
     model->name = read_name(fields, "a model", version, file);
     model->canonical_link = fields.string("canonical_link").value_or("");
-    model->canonical_spot = fields.spot("canonical_link");
+    model->canonical_spot = fields.location("canonical_link");
     model->placement_frame = fields.string("placement_frame").value_or("");
-    model->placement_spot = fields.spot("placement_frame");
+    model->placement_spot = fields.location("placement_frame");
     model->is_static = texts.boolean("static").value_or(false);
     model->pose = read_pose(fields, version, file);
     const auto links = fields.children("link");

@@ -33,21 +33,21 @@ class Texts {
   std::optional<Vec3> vec3(std::string_view child);
   std::optional<bool> boolean(std::string_view child);
   /// Of the text of the child read last.
-  const XmlSpot& spot() const { return spot_; }
+  const XmlLocation& location() const { return spot_; }
 
   XmlFields fields;
 
  private:
   XmlElement leaf(std::string_view child);
   XmlFile& file_;
-  XmlSpot spot_{};
+  XmlLocation spot_{};
 };
 
 /// A placement in a frame that is still a name; empty: the one that counts by the rules of the format.
 struct FramedPose {
   Pose pose{};
   std::string relative_to{};
-  XmlSpot spot{};  ///< of relative_to, or of the pose; none where there is none
+  XmlLocation location{};  ///< of relative_to, or of the pose; none where there is none
 };
 FramedPose read_pose(XmlFields& fields, Version version, XmlFile& file);
 
@@ -66,14 +66,14 @@ struct FramePart {
   std::string name{}, attached_to{};
   FramedPose pose{};
   XmlElement element{};
-  XmlSpot attached_spot{};
+  XmlLocation attached_spot{};
 };
 
 /// What one freedom of a joint has.
 struct AxisPart {
   Vec3 xyz{0, 0, 1};
   std::string expressed_in{};
-  XmlSpot spot{};  ///< of xyz
+  XmlLocation location{};  ///< of xyz
   double damping = 0, friction = 0, stiffness = 0, rest = 0;
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   XmlElement limit{}, mimic{};
@@ -85,10 +85,10 @@ struct JointPart {
   bool known = false;  ///< its type
   FramedPose pose{};
   std::array<AxisPart, 2> axes{};
-  int freedoms = 0;  ///< with an axis each
+  int dofs = 0;      ///< with an axis each
   double pitch = 1;  ///< m per turn, right-handed
   XmlElement element{};
-  XmlSpot parent_spot{}, child_spot{};
+  XmlLocation parent_spot{}, child_spot{};
 };
 
 struct ModelPart;
@@ -100,7 +100,7 @@ struct NestedPart {
   bool is_static = false;
   bool merged = false;  ///< its parts are those of the model that includes it
   XmlElement element{};
-  XmlSpot placement_spot{};
+  XmlLocation placement_spot{};
 };
 
 /// A model or a world.
@@ -115,7 +115,7 @@ struct ModelPart {
   std::vector<JointPart> joints{};
   std::vector<NestedPart> nested{};
   XmlElement element{};
-  XmlSpot canonical_spot{}, placement_spot{};
+  XmlLocation canonical_spot{}, placement_spot{};
   XmlFile* file = nullptr;
   std::size_t all_links = 0, all_models = 1;  ///< with those of nested models
   int levels = 1;                             ///< of models in each other

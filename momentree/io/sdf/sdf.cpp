@@ -24,13 +24,13 @@ Version read_version(XmlFields& fields, XmlFile& file) {
     if (code != std::errc{} || end != text.data() + text.size()) minor = -1;
   }
   if (minor < 0) {
-    file.error(fields.spot("version"), "version: expected a version of SDF, found " + in_quotes(text),
+    file.error(fields.location("version"), "version: expected a version of SDF, found " + in_quotes(text),
                "versions " + known + " are read");
   } else if (minor < oldest) {
-    file.error(fields.spot("version"), "version: SDF " + text + " is too old: versions " + known + " are read",
+    file.error(fields.location("version"), "version: SDF " + text + " is too old: versions " + known + " are read",
                "gz sdf -p writes a newer one");
   } else if (minor > newest) {
-    file.warning(fields.spot("version"), "version: SDF " + text + " is read as 1." + std::to_string(newest),
+    file.warning(fields.location("version"), "version: SDF " + text + " is read as 1." + std::to_string(newest),
                  "what is new in it is left out with a note");
     return {newest};
   } else {

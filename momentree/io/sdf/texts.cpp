@@ -11,7 +11,7 @@ namespace momentree::io::sdf {
 XmlElement Texts::leaf(std::string_view child) {
   const XmlElement element = fields.child(child);
   if (!element) return element;
-  spot_ = {element, XmlSpot::no_attribute, true};
+  spot_ = {element, XmlLocation::no_attribute, true};
   XmlFields(element, file_).finish();
   return element;
 }
@@ -69,7 +69,7 @@ std::optional<bool> Texts::boolean(std::string_view child) {
 
 namespace {
 
-Quat rotation_of(const std::vector<double>& numbers, bool quaternion, bool degrees, const XmlSpot& spot, XmlFile& file) {
+Quat rotation_of(const std::vector<double>& numbers, bool quaternion, bool degrees, const XmlLocation& location, XmlFile& file) {
   if (!quaternion) {
     const double unit = degrees ? std::numbers::pi / 180 : 1;
     return from_rpy(unit * numbers[3], unit * numbers[4], unit * numbers[5]);
@@ -77,7 +77,7 @@ Quat rotation_of(const std::vector<double>& numbers, bool quaternion, bool degre
   const Quat given{numbers[6], numbers[3], numbers[4], numbers[5]};
   const double length = std::hypot(std::hypot(given.w, given.x), std::hypot(given.y, given.z));
   if (std::fabs(length - 1) <= 1e-3) return normalized(given);
-  file.error(spot, "pose: the quaternion is not of length 1", "the order is x y z qx qy qz qw");
+  file.error(location, "pose: the quaternion is not of length 1", "the order is x y z qx qy qz qw");
   return {};
 }
 
@@ -88,24 +88,25 @@ FramedPose read_pose(XmlFields& fields, Version version, XmlFile& file) {
   const XmlElement pose = fields.child("pose");
   if (!pose) return result;
   XmlFields of(pose, file);
-  result.spot = {pose, XmlSpot::no_attribute, true};
+  result.location = {pose, XmlLocation::no_attribute, true};
   // The attribute's name until 1.6; later ones have another.
   const char* key = version.frames() ? "relative_to" : "frame";
   const char* other = version.frames() ? "frame" : "relative_to";
   if (of.string(other).value_or("") != "")
-    file.error(of.spot(other), "pose: '" + std::string(other) + "' is '" + key + "' in SDF 1." + std::to_string(version.minor),
+    file.error(of.location(other),
+               "pose: '" + std::string(other) + "' is '" + key + "' in SDF 1." + std::to_string(version.minor),
                "write " + std::string(key) + "=…");
   result.relative_to = of.string(key).value_or("");
-  if (!result.relative_to.empty()) result.spot = of.spot(key);
+  if (!result.relative_to.empty()) result.location = of.location(key);
   const bool degrees = of.boolean("degrees").value_or(false);
   const std::string format = of.string("rotation_format").value_or("euler_rpy");
   const bool quaternion = format == "quat_xyzw";
   if (!quaternion && format != "euler_rpy")
-    file.error(of.spot("rotation_format"), "rotation_format: expected euler_rpy or quat_xyzw, found " + in_quotes(format));
-  if (quaternion && degrees) file.error(of.spot("degrees"), "pose: a quaternion has no degrees", "leave 'degrees' out");
+    file.error(of.location("rotation_format"), "rotation_format: expected euler_rpy or quat_xyzw, found " + in_quotes(format));
+  if (quaternion && degrees) file.error(of.location("degrees"), "pose: a quaternion has no degrees", "leave 'degrees' out");
   of.finish();
   if (pose.text().empty()) return result;
-  const XmlSpot text{pose, XmlSpot::no_attribute, true};
+  const XmlLocation text{pose, XmlLocation::no_attribute, true};
   const std::size_t count = quaternion ? 7 : 6;
   const auto numbers = read_numbers(pose.text(), count, count, text, "pose", file);
   if (!numbers) return result;
@@ -117,10 +118,10 @@ FramedPose read_pose(XmlFields& fields, Version version, XmlFile& file) {
 std::string read_name(XmlFields& fields, const char* what, Version version, XmlFile& file) {
   if (!fields.require("name", "for example name=\"upper_arm\"")) return {};
   const std::string name = fields.string("name").value_or("");
-  const XmlSpot spot = fields.spot("name");
-  if (!check_name(name, spot, what, file)) return {};
+  const XmlLocation location = fields.location("name");
+  if (!check_name(name, location, what, file)) return {};
   const auto refuse = [&](const std::string& why, const std::string& hint) {
-    file.error(spot, "name: " + std::string(what) + " cannot be named " + in_quotes(name) + ": " + why, hint);
+    file.error(location, "name: " + std::string(what) + " cannot be named " + in_quotes(name) + ": " + why, hint);
     return std::string{};
   };
   if (name == "world" || (name.size() > 3 && name.starts_with("__") && name.ends_with("__")))

@@ -24,14 +24,14 @@ const Type* read_type(XmlFields& fields) {
   return place < 0 ? nullptr : &types[place];
 }
 
-std::string read_end(XmlFields& fields, const char* end, XmlSpot& spot, XmlFile& file) {
+std::string read_end(XmlFields& fields, const char* end, XmlLocation& location, XmlFile& file) {
   const XmlElement element = fields.require_child(end, std::string("for example <") + end + " link=\"base\"/>");
   if (!element) return {};
   XmlFields of(element, file);
   of.require("link", "the name of a link");
   const std::string name = of.string("link").value_or("");
-  spot = of.spot("link");
-  if (of.has("link") && name.empty()) file.error(spot, std::string(end) + ": the name of a link is missing");
+  location = of.location("link");
+  if (of.has("link") && name.empty()) file.error(location, std::string(end) + ": the name of a link is missing");
   of.finish();
   return name;
 }
@@ -50,15 +50,16 @@ Vec3 read_axis(XmlFields& fields, XmlFile& file) {
   XmlFields of(element, file);
   of.require("xyz", "for example xyz=\"0 0 1\"");
   const auto given = of.vec3("xyz");
-  const XmlSpot spot = of.spot("xyz");
+  const XmlLocation location = of.location("xyz");
   of.finish();
   if (!given) return axis;
   const double length = norm(*given);
   if (length < 1e-9) {
-    file.error(spot, "xyz: an axis of length zero has no direction", "for example xyz=\"0 0 1\"");
+    file.error(location, "xyz: an axis of length zero has no direction", "for example xyz=\"0 0 1\"");
     return axis;
   }
-  if (std::fabs(length - 1) > 1e-3) file.once(Severity::note, "an axis is not of length 1: it is taken as a direction", "", spot);
+  if (std::fabs(length - 1) > 1e-3)
+    file.once(Severity::note, "an axis is not of length 1: it is taken as a direction", "", location);
   return *given;
 }
 
@@ -69,11 +70,11 @@ void read_limit(XmlElement limit, const Type& type, Joint& joint, XmlFile& file)
   fields.not_negative("velocity");
   if (effort && *effort == 0)
     file.once(Severity::note, "an effort limit of 0: nothing could drive this joint", "efforts are not limited here",
-              fields.spot("effort"));
+              fields.location("effort"));
   fields.finish();
   if (!type.limited || (!fields.has("lower") && !fields.has("upper"))) return;
   if (lower > upper) {
-    file.error(fields.spot("lower"), "limit: 'lower' is more than 'upper'", "swap them");
+    file.error(fields.location("lower"), "limit: 'lower' is more than 'upper'", "swap them");
   } else if (lower == upper) {
     file.once(Severity::warning, "the limits of this joint are equal: it could not move; they are not taken up",
               "a joint that does not move is type=\"fixed\"", {limit});
@@ -101,7 +102,7 @@ Joint read_joint(XmlElement element, XmlFile& file) {
   joint.ends.element = element;
   if (fields.require("name", "for example name=\"elbow\"")) {
     joint.ends.name = fields.string("name").value_or("");
-    check_name(joint.ends.name, fields.spot("name"), "a joint", file);
+    check_name(joint.ends.name, fields.location("name"), "a joint", file);
   }
   joint.ends.parent = read_end(fields, "parent", joint.ends.parent_spot, file);
   joint.ends.child = read_end(fields, "child", joint.ends.child_spot, file);

@@ -18,10 +18,10 @@ Pose read_origin(XmlFields& fields, XmlFile& file) {
     const Quat given{(*q)[3], (*q)[0], (*q)[1], (*q)[2]};
     const double length = std::hypot(std::hypot(given.w, given.x), std::hypot(given.y, given.z));
     if (std::fabs(length - 1) > 1e-3)
-      file.error(of.spot("quat_xyzw"), "quat_xyzw: the quaternion is not of length 1");
+      file.error(of.location("quat_xyzw"), "quat_xyzw: the quaternion is not of length 1");
     else
       pose.rotation = normalized(given);
-    if (of.has("rpy")) file.error(of.spot("rpy"), "rpy and quat_xyzw give the rotation twice", "leave one of them out");
+    if (of.has("rpy")) file.error(of.location("rpy"), "rpy and quat_xyzw give the rotation twice", "leave one of them out");
   }
   of.finish();
   return pose;
@@ -92,7 +92,7 @@ void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& f
     of.require("size", "its three edges");
     shape.kind = Shape::Kind::box;
     shape.size = of.vec3("size").value_or(Vec3{1, 1, 1});
-    if (shape.size.x < 0 || shape.size.y < 0 || shape.size.z < 0) file.error(of.spot("size"), "size: must not be negative");
+    if (shape.size.x < 0 || shape.size.y < 0 || shape.size.z < 0) file.error(of.location("size"), "size: must not be negative");
     of.finish();
   }
   const auto round = [&](const char* tag, Shape::Kind kind, bool has_length) {
@@ -119,7 +119,7 @@ void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& f
       const std::vector<double>& s = *scale;
       shape.scale = s.size() == 3 ? Vec3{s[0], s[1], s[2]} : Vec3{s[0], s[0], s[0]};
     }
-    if (name) import.read_mesh(*name, of.spot("filename"), shape, file);
+    if (name) import.read_mesh(*name, of.location("filename"), shape, file);
     of.finish();
   }
   fields.finish();
@@ -152,7 +152,7 @@ ImportedBody read_link(XmlElement link, const Materials& materials, Import& impo
   fields.known({"type"});
   if (fields.require("name", "for example name=\"upper_arm\"")) {
     body.spec.name = fields.string("name").value_or("");
-    check_name(body.spec.name, fields.spot("name"), "a link", file);
+    check_name(body.spec.name, fields.location("name"), "a link", file);
   }
   if (const XmlElement inertial = fields.child("inertial")) {
     body.spots.inertia = inertial;

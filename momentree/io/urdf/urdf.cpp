@@ -77,7 +77,7 @@ void read_mimics(const std::vector<Joint>& joints, const std::vector<NamedJoint>
       std::vector<std::string> names;
       if (ends.size() <= 10'000 && !file.enough())
         for (const NamedJoint& each : ends) names.push_back(each.name);
-      file.error(fields.spot("joint"), "mimic: there is no joint " + in_quotes(*leader), did_you_mean(*leader, names));
+      file.error(fields.location("joint"), "mimic: there is no joint " + in_quotes(*leader), did_you_mean(*leader, names));
       continue;
     }
     follower.body = own->second;

@@ -4,8 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include <momentree/base/edit_distance.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/base/words.hpp>
 
 namespace momentree::io {
 
@@ -25,12 +25,12 @@ std::vector<std::string_view> words_of(std::string_view text, std::size_t most) 
   return words;
 }
 
-struct Trouble {
+struct Issue {
   std::string what, hint;
 };
 
 // A finite number, whole and alone; any locale.
-std::optional<double> number_of(std::string_view word, Trouble& trouble) {
+std::optional<double> number_of(std::string_view word, Issue& issue) {
   std::string_view digits = word;
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
   double value = 0;
@@ -38,21 +38,21 @@ std::optional<double> number_of(std::string_view word, Trouble& trouble) {
   const std::string_view rest(end, static_cast<std::size_t>(digits.data() + digits.size() - end));
   if (code == std::errc::result_out_of_range && rest.empty()) {
     if (digits.find("e-") != std::string_view::npos || digits.find("E-") != std::string_view::npos) return 0.0;
-    trouble = {in_quotes(word) + " is outside the range of numbers", ""};
+    issue = {in_quotes(word) + " is outside the range of numbers", ""};
     return {};
   }
   if (code == std::errc{} && rest.empty()) {
     if (std::isfinite(value)) return value;
-    trouble = {in_quotes(word) + " is no finite number", ""};
+    issue = {in_quotes(word) + " is no finite number", ""};
     return {};
   }
-  trouble.what = in_quotes(word) + " is no number";
+  issue.what = in_quotes(word) + " is no number";
   if (word.find("${") != std::string_view::npos || word.find("$(") != std::string_view::npos)
-    trouble.hint = "is this a template? expand it first (xacro)";
+    issue.hint = "is this a template? expand it first (xacro)";
   else if (!rest.empty() && rest[0] == ',')
-    trouble.hint = "the decimal sign is a point; blanks stand between numbers";
+    issue.hint = "the decimal sign is a point; blanks stand between numbers";
   else if (code == std::errc{} && !rest.empty() && is_letter(rest[0]))
-    trouble.hint = "no unit is written here: m, kg, s and what is made of them";
+    issue.hint = "no unit is written here: m, kg, s and what is made of them";
   return {};
 }
 
@@ -72,16 +72,16 @@ std::string slip_of(std::string_view word, const std::vector<std::string>& known
 
 }  // namespace
 
-std::optional<std::vector<double>> read_numbers(std::string_view text, std::size_t count, std::size_t most, const XmlSpot& at,
+std::optional<std::vector<double>> read_numbers(std::string_view text, std::size_t count, std::size_t most, const XmlLocation& at,
                                                 std::string_view label, XmlFile& file) {
   most = std::max(count, most);
   const std::vector<std::string_view> words = words_of(text, most + 1000);
   std::vector<double> numbers;
   for (const std::string_view word : words) {
-    Trouble trouble;
-    const auto number = number_of(word, trouble);
+    Issue issue;
+    const auto number = number_of(word, issue);
     if (!number) {
-      file.error(at, std::string(label) + ": " + trouble.what, trouble.hint);
+      file.error(at, std::string(label) + ": " + issue.what, issue.hint);
       return {};
     }
     numbers.push_back(*number);
@@ -96,9 +96,9 @@ std::optional<std::vector<double>> read_numbers(std::string_view text, std::size
   return {};
 }
 
-XmlSpot XmlFields::spot(std::string_view attribute) const {
+XmlLocation XmlFields::location(std::string_view attribute) const {
   const auto i = element_.find(attribute);
-  return {element_, i ? *i : XmlSpot::no_attribute};
+  return {element_, i ? *i : XmlLocation::no_attribute};
 }
 
 void XmlFields::know(std::vector<std::string_view>& list, std::string_view name) {
@@ -127,14 +127,14 @@ std::optional<double> XmlFields::number(std::string_view attribute) {
 std::optional<double> XmlFields::not_negative(std::string_view attribute) {
   const auto value = number(attribute);
   if (!value || *value >= 0) return value;
-  file_.error(spot(attribute), std::string(attribute) + ": must not be negative");
+  file_.error(location(attribute), std::string(attribute) + ": must not be negative");
   return {};
 }
 
 std::optional<double> XmlFields::positive(std::string_view attribute) {
   const auto value = number(attribute);
   if (!value || *value > 0) return value;
-  file_.error(spot(attribute), std::string(attribute) + ": must be greater than 0");
+  file_.error(location(attribute), std::string(attribute) + ": must be greater than 0");
   return {};
 }
 
@@ -148,7 +148,7 @@ std::optional<bool> XmlFields::boolean(std::string_view attribute) {
   if (!text) return {};
   if (*text == "true" || *text == "1") return true;
   if (*text == "false" || *text == "0") return false;
-  file_.error(spot(attribute), std::string(attribute) + ": expected true or false, found " + in_quotes(*text));
+  file_.error(location(attribute), std::string(attribute) + ": expected true or false, found " + in_quotes(*text));
   return {};
 }
 
@@ -167,7 +167,7 @@ int XmlFields::require_choice(std::string_view attribute, const std::vector<std:
   for (std::size_t i = 0; i < names.size(); ++i)
     if (given == names[i]) return static_cast<int>(i);
   const std::string hint = did_you_mean(given, names);
-  file_.error(spot(attribute), "unknown " + what + " " + in_quotes(given), hint.empty() ? all : hint);
+  file_.error(location(attribute), "unknown " + what + " " + in_quotes(given), hint.empty() ? all : hint);
   return -1;
 }
 
@@ -226,10 +226,10 @@ void XmlFields::finish_attributes() {
     const std::string_view name = element_.attribute_name(i);
     if (std::find(attributes_.begin(), attributes_.end(), name) != attributes_.end()) continue;
     if (name == "xmlns" || name.starts_with("xmlns:") || name.starts_with("xml:")) continue;
-    const XmlSpot spot{element_, i, false, true};
+    const XmlLocation location{element_, i, false, true};
     if (name.find(':') != std::string_view::npos) {
       file_.once(Severity::note, "attribute " + in_quotes(name) + " of " + element_.tag() + " is ignored",
-                 "it belongs to another namespace", spot);
+                 "it belongs to another namespace", location);
       continue;
     }
     if (!absent) {
@@ -239,9 +239,9 @@ void XmlFields::finish_attributes() {
     }
     const std::string meant = slip_of(name, *absent, file_);
     if (!meant.empty())
-      file_.error(spot, "unknown attribute " + in_quotes(name) + " of " + element_.tag(), "did you mean '" + meant + "'?");
+      file_.error(location, "unknown attribute " + in_quotes(name) + " of " + element_.tag(), "did you mean '" + meant + "'?");
     else
-      file_.once(Severity::note, "unknown attribute " + in_quotes(name) + " of " + element_.tag() + " is ignored", "", spot);
+      file_.once(Severity::note, "unknown attribute " + in_quotes(name) + " of " + element_.tag() + " is ignored", "", location);
   }
 }
 

@@ -13,7 +13,7 @@ namespace momentree::io {
 
 /// `count` finite numbers apart by blanks, in any locale; nothing, with a report under the name `label`, where there is something
 /// else. `most` > `count`: so many may be given.
-std::optional<std::vector<double>> read_numbers(std::string_view text, std::size_t count, std::size_t most, const XmlSpot& at,
+std::optional<std::vector<double>> read_numbers(std::string_view text, std::size_t count, std::size_t most, const XmlLocation& at,
                                                 std::string_view label, XmlFile& file);
 
 class XmlFields {
@@ -23,7 +23,7 @@ class XmlFields {
   XmlElement element() const { return element_; }
   bool has(std::string_view attribute) const { return element_.find(attribute).has_value(); }
   /// Of the attribute; of the element where it is absent.
-  XmlSpot spot(std::string_view attribute) const;
+  XmlLocation location(std::string_view attribute) const;
 
   /// Typed: nothing where the attribute is absent, or wrong and reported. The attribute is known from now on.
   std::optional<std::string> string(std::string_view attribute);

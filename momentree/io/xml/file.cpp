@@ -15,7 +15,7 @@ XmlFile::XmlFile(std::string path, std::string text, bool quotes)
   if (!document_) out_.error(error.place, error.what, error.hint);
 }
 
-void XmlFile::once(Severity severity, const std::string& what, const std::string& hint, const XmlSpot& at) {
+void XmlFile::once(Severity severity, const std::string& what, const std::string& hint, const XmlLocation& at) {
   const auto key = std::tuple(severity, what, hint);
   auto found = repeated_.find(key);
   if (found == repeated_.end()) {

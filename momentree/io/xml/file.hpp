@@ -13,7 +13,7 @@
 namespace momentree::io {
 
 /// An element, or one of its attributes. Where it stands is found out only when it is asked for.
-struct XmlSpot {
+struct XmlLocation {
   static constexpr std::size_t no_attribute = static_cast<std::size_t>(-1);
   XmlElement element{};
   std::size_t attribute = no_attribute;
@@ -39,7 +39,7 @@ class XmlFile {
   XmlElement root() const { return document_ ? document_->root() : XmlElement{}; }
   Diagnostics& out() { return out_; }
 
-  void error(const XmlSpot& at, std::string what, std::string hint = {}) {
+  void error(const XmlLocation& at, std::string what, std::string hint = {}) {
     if (out_.full()) return out_.error({}, "", "");  // counted, no more
     out_.error(at.place(), std::move(what), std::move(hint));
   }
@@ -48,7 +48,7 @@ class XmlFile {
     if (out_.full()) out_.error({}, "", "");
     return out_.full();
   }
-  void warning(const XmlSpot& at, std::string what, std::string hint = {}) {
+  void warning(const XmlLocation& at, std::string what, std::string hint = {}) {
     out_.warning(at.place(), std::move(what), std::move(hint));
   }
   std::string line_of(XmlElement element) const { return "line " + std::to_string(element.place().line); }
@@ -57,13 +57,13 @@ class XmlFile {
   bool may_suggest() { return suggestions_left_ > 0 && suggestions_left_-- > 0; }
 
   /// Something like it is said once for the whole file, with the lines: "<gazebo> is ignored (lines 3, 9 and 12)".
-  void once(Severity severity, const std::string& what, const std::string& hint, const XmlSpot& at);
+  void once(Severity severity, const std::string& what, const std::string& hint, const XmlLocation& at);
   /// Everything, in the order of the file.
   std::vector<Diagnostic> take();
 
  private:
   struct Repeated {
-    std::vector<XmlSpot> first;  // a few
+    std::vector<XmlLocation> first;  // a few
     std::size_t count = 0;
   };
   std::string path_, text_;

@@ -10,16 +10,16 @@
 namespace momentree {
 
 template <class K>
-struct SixFreedoms : GenericKernels<K, 7, 6> {
+struct SixDofs : GenericKernels<K, 7, 6> {
   static constexpr std::array<int, 0> angles{};
 
   template <class T>
-  MOMENTREE_INLINE static void pose(const Link&, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+  MOMENTREE_INLINE static void pose(const LinkConstants&, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
     R = rotation_matrix(Quaternion<T>{j.q[3], j.q[4], j.q[5], j.q[6]});
     r = {j.q[0], j.q[1], j.q[2]};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 6> columns(const Link&, const JointState<T>&) {
+  MOMENTREE_INLINE static Columns<T, 6> columns(const LinkConstants&, const JointState<T>&) {
     const Vector3<T> o{T(0), T(0), T(0)}, x{T(1), T(0), T(0)}, y{T(0), T(1), T(0)}, z{T(0), T(0), T(1)};
     return {{{x, o}, {y, o}, {z, o}, {o, x}, {o, y}, {o, z}}};
   }
@@ -53,23 +53,23 @@ struct SixFreedoms : GenericKernels<K, 7, 6> {
   }
 };
 
-struct PiecewiseFree : SixFreedoms<PiecewiseFree> {};
+struct GenericFree : SixDofs<GenericFree> {};
 
 template <class T>
 struct FreeRecord {
   std::array<T, 6> u0;
   JointMass<T, 6> Mj;
   Vector3<T> mc;
-  DenseCrossing<T> x;
+  DenseTransform<T> x;
 };
 
-struct FreeKernels : SixFreedoms<FreeKernels> {
+struct FreeKernels : SixDofs<FreeKernels> {
   template <class T>
   using Record = FreeRecord<T>;
 
   /// (24)–(26) with E = I: Mj = Mb, G = I, M̂ = 0, D̂ = p.
   template <class T>
-  MOMENTREE_INLINE static void reduce(const Link&, const JointState<T>&, const T* p, const double*, SpatialMass<T>& M,
+  MOMENTREE_INLINE static void reduce(const LinkConstants&, const JointState<T>&, const T* p, const double*, SpatialMass<T>& M,
                                       Force<T>& D, Record<T>& w) {
     auto& m = w.Mj;
     m(0, 0) = M.A.xx, m(1, 0) = M.A.xy, m(1, 1) = M.A.yy, m(2, 0) = M.A.xz, m(2, 1) = M.A.yz, m(2, 2) = M.A.zz;
@@ -95,13 +95,14 @@ struct FreeKernels : SixFreedoms<FreeKernels> {
   }
   /// (17)
   template <class T>
-  MOMENTREE_INLINE static Motion<T> spatial_velocity(const Link&, const JointState<T>&, const Motion<T>& in, const T* u) {
+  MOMENTREE_INLINE static Motion<T> spatial_velocity(const LinkConstants&, const JointState<T>&, const Motion<T>& in,
+                                                     const T* u) {
     return {{in.v.x + u[0], in.v.y + u[1], in.v.z + u[2]}, {in.w.x + u[3], in.w.y + u[4], in.w.z + u[5]}};
   }
   /// (51): nothing reaches the parent but τ.
   template <class T>
-  MOMENTREE_INLINE static void reduce_wrench(const Link&, const JointState<T>&, const Record<T>& w, const T* tau, Force<T>& W,
-                                             T* udot) {
+  MOMENTREE_INLINE static void reduce_wrench(const LinkConstants&, const JointState<T>&, const Record<T>& w, const T* tau,
+                                             Force<T>& W, T* udot) {
     const Force<T> t{{tau[0], tau[1], tau[2]}, {tau[3], tau[4], tau[5]}};
     const Force<T> r = t - W;
     udot[0] = r.l.x, udot[1] = r.l.y, udot[2] = r.l.z, udot[3] = r.h.x, udot[4] = r.h.y, udot[5] = r.h.z;
@@ -124,7 +125,7 @@ struct Free {
   static constexpr Kind kind = Kind::free;
   static constexpr KindInfo info{Kind::free, "free", 7, 6, false, false, false, "mmmnnnn", "mmmrrr"};
   using Kernels = FreeKernels;
-  using Pieces = PiecewiseFree;
+  using Generic = GenericFree;
 
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};
   JointFriction friction{};

@@ -8,25 +8,25 @@ namespace momentree {
 
 /// What any slide needs. With the generic pieces it serves slides that are locked or have a rotor.
 template <class K>
-struct SlideKernels : ScrewKernels<K, 1, 1> {
+struct PrismaticKernelsBase : ScrewKernels<K, 1, 1> {
   static constexpr std::array<int, 0> angles{};
   template <class T>
-  MOMENTREE_INLINE static Screw<T> screw(const Link& k, const JointState<T>& j) {
+  MOMENTREE_INLINE static Screw<T> screw(const LinkConstants& k, const JointState<T>& j) {
     return {T(k.cos_0), T(k.sin_0), j.q[0]};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 1> columns(const Link&, const JointState<T>&) {
+  MOMENTREE_INLINE static Columns<T, 1> columns(const LinkConstants&, const JointState<T>&) {
     return {{{{T(0), T(0), T(1)}, {T(0), T(0), T(0)}}}};
   }
   static bool coordinates(const JointSpec& joint, const Pose& motion, double, double* q) {
     return coordinates::negligible(motion.rotation) && coordinates::along_axis(joint.axis, motion.position, q[0]);
   }
 };
-struct PiecewiseSlide : SlideKernels<PiecewiseSlide> {};
+struct GenericPrismatic : PrismaticKernelsBase<GenericPrismatic> {};
 
 /// What reduction about z leaves: M̂ E = 0, so A has no z row and B none; D̂·E = p; G·E = 1.
 template <class T>
-struct SlideRecord {
+struct PrismaticRecord {
   T Axx, Axy, Ayy, Bxx, Bxy, Bxz, Byx, Byy, Byz;
   Symmetric3<T> J;
   T lx, ly;  // D̂
@@ -39,11 +39,11 @@ struct SlideRecord {
 
 /// Across a slide (16), (17), what was reduced: turn by θ0, by the placement, and one shift, of the placement and the slide.
 template <class T, bool Aligned>
-struct SlideCrossing {
-  const Link& link;
+struct PrismaticTransform {
+  const LinkConstants& link;
   Vector3<T> r;
 
-  MOMENTREE_INLINE SlideCrossing(const Link& k, const T& d) : link(k) {
+  MOMENTREE_INLINE PrismaticTransform(const LinkConstants& k, const T& d) : link(k) {
     const double across = Aligned ? 1 : k.cos_b;
     r = {T(k.r.x), k.r.y - (across * k.sin_a) * d, k.r.z + k.cos_a * d};
     if constexpr (!Aligned) r.x = k.r.x + (k.sin_b * k.sin_a) * d;
@@ -98,21 +98,23 @@ struct SlideCrossing {
 };
 
 /// Without a rotor the reduced mass has a row of zeros.
-struct PrismaticKernels : SlideKernels<PrismaticKernels> {
+struct PrismaticKernels : PrismaticKernelsBase<PrismaticKernels> {
   template <class T>
-  using Record = SlideRecord<T>;
+  using Record = PrismaticRecord<T>;
 
   template <bool Aligned, class T>
-  MOMENTREE_INLINE static SlideCrossing<T, Aligned> crossing(const Link& k, const JointState<T>& j, const auto&) {
+  MOMENTREE_INLINE static PrismaticTransform<T, Aligned> joint_transform(const LinkConstants& k, const JointState<T>& j,
+                                                                         const auto&) {
     return {k, j.q[0]};
   }
   template <bool Aligned, class T>
-  MOMENTREE_INLINE static SlideCrossing<T, Aligned> crossing_again(const Link& k, const JointState<T>& j, const auto&) {
+  MOMENTREE_INLINE static PrismaticTransform<T, Aligned> cached_transform(const LinkConstants& k, const JointState<T>& j,
+                                                                          const auto&) {
     return {k, j.q[0]};
   }
   /// (24)–(26)
   template <class T>
-  MOMENTREE_INLINE static void reduce(const Link&, const JointState<T>&, const T* p, const double*, SpatialMass<T>& M,
+  MOMENTREE_INLINE static void reduce(const LinkConstants&, const JointState<T>&, const T* p, const double*, SpatialMass<T>& M,
                                       Force<T>& D, Record<T>& w) {
     const T ex = M.A.xz, ey = M.A.yz, hx = M.B.zx, hy = M.B.zy, hz = M.B.zz;  // Mb E, but for Mj
     const T inverse = 1.0 / M.A.zz, r = p[0] - D.l.z, o(0);
@@ -143,24 +145,26 @@ struct PrismaticKernels : SlideKernels<PrismaticKernels> {
   }
   /// (17)
   template <class T>
-  MOMENTREE_INLINE static Motion<T> spatial_velocity(const Link&, const JointState<T>&, const Motion<T>& in, const T* u) {
+  MOMENTREE_INLINE static Motion<T> spatial_velocity(const LinkConstants&, const JointState<T>&, const Motion<T>& in,
+                                                     const T* u) {
     return {{in.v.x, in.v.y, in.v.z + u[0]}, in.w};
   }
   /// (20)
   template <class T>
-  MOMENTREE_INLINE static void momentum_rate(const Link&, const JointState<T>&, const T*, const Force<T>&, const Force<T>& wrench,
-                                             T* pdot) {
+  MOMENTREE_INLINE static void momentum_rate(const LinkConstants&, const JointState<T>&, const T*, const Force<T>&,
+                                             const Force<T>& wrench, T* pdot) {
     pdot[0] = wrench.l.z;
   }
   /// Ω × E u.
   template <class T>
-  MOMENTREE_INLINE static Motion<T> acceleration_bias(const Link&, const JointState<T>&, const Motion<T>& a, const T* u) {
+  MOMENTREE_INLINE static Motion<T> acceleration_bias(const LinkConstants&, const JointState<T>&, const Motion<T>& a,
+                                                      const T* u) {
     return {{u[0] * a.w.y, -(u[0] * a.w.x), T(0)}, {T(0), T(0), T(0)}};
   }
   /// (51): what goes along the axis becomes τ, as that of D̂ becomes p.
   template <class T>
-  MOMENTREE_INLINE static void reduce_wrench(const Link&, const JointState<T>&, const Record<T>& w, const T* tau, Force<T>& W,
-                                             T* udot) {
+  MOMENTREE_INLINE static void reduce_wrench(const LinkConstants&, const JointState<T>&, const Record<T>& w, const T* tau,
+                                             Force<T>& W, T* udot) {
     const T r = tau[0] - W.l.z;
     W.l = {W.l.x + r * w.glx, W.l.y + r * w.gly, tau[0]};
     W.h += r * w.gh;
@@ -203,7 +207,7 @@ struct Prismatic {
   static constexpr Kind kind = Kind::prismatic;
   static constexpr KindInfo info{Kind::prismatic, "prismatic", 1, 1, true, false, false, "m", "m"};
   using Kernels = PrismaticKernels;
-  using Pieces = PiecewiseSlide;
+  using Generic = GenericPrismatic;
 
   Vec3 axis{0, 0, 1};
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};

@@ -2,50 +2,52 @@
 // Revolute (pin): one angle about z. E = (0; e_z), constant. The kind of the paper's tables, so the one with most structure.
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/motion.hpp>
-#include <momentree/joint/pin_steps.hpp>
+#include <momentree/joint/revolute_steps.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
 namespace momentree {
 
 /// What any pin needs. With the generic pieces it serves pins that are locked, and is what their own steps are held to.
 template <class K>
-struct PinKernels : ScrewKernels<K, 1, 1> {
+struct RevoluteKernelsBase : ScrewKernels<K, 1, 1> {
   static constexpr std::array<int, 1> angles{0};
   template <class T>
-  MOMENTREE_INLINE static Screw<T> screw(const Link&, const JointState<T>& j) {
+  MOMENTREE_INLINE static Screw<T> screw(const LinkConstants&, const JointState<T>& j) {
     return {j.c[0], j.s[0], T(0)};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 1> columns(const Link&, const JointState<T>&) {
+  MOMENTREE_INLINE static Columns<T, 1> columns(const LinkConstants&, const JointState<T>&) {
     return {{{{T(0), T(0), T(0)}, {T(0), T(0), T(1)}}}};
   }
   static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
     return coordinates::negligible(motion.position) && coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]);
   }
   template <class T>
-  MOMENTREE_INLINE static Motion<T> acceleration_bias(const Link&, const JointState<T>&, const Motion<T>& a, const T* u) {
+  MOMENTREE_INLINE static Motion<T> acceleration_bias(const LinkConstants&, const JointState<T>&, const Motion<T>& a,
+                                                      const T* u) {
     return {{u[0] * a.v.y, -(u[0] * a.v.x), T(0)}, {u[0] * a.w.y, -(u[0] * a.w.x), T(0)}};
   }
 };
-struct PiecewisePin : PinKernels<PiecewisePin> {};
+struct GenericRevolute : RevoluteKernelsBase<GenericRevolute> {};
 
 /// Without a rotor (armature), or with one: then the reduced mass has no zeros.
 template <bool Rotor>
-struct PinKernelsWith : PinKernels<PinKernelsWith<Rotor>> {
+struct RevoluteKernelsWith : RevoluteKernelsBase<RevoluteKernelsWith<Rotor>> {
   /// Whole steps of the two sweeps, by the shape of the link, instead of the pieces that other kinds have: (24)–(27), (21), (20).
-  using Steps = PinStepsOf<Rotor>;
+  using Steps = RevoluteStepsOf<Rotor>;
   template <class T>
   using Record = typename Steps::template Record<T>;
 
   /// (17)
   template <class T>
-  MOMENTREE_INLINE static Motion<T> spatial_velocity(const Link&, const JointState<T>&, const Motion<T>& in, const T* u) {
+  MOMENTREE_INLINE static Motion<T> spatial_velocity(const LinkConstants&, const JointState<T>&, const Motion<T>& in,
+                                                     const T* u) {
     return {in.v, {in.w.x, in.w.y, in.w.z + u[0]}};
   }
   /// (51): the last component becomes τ, as that of D̂ becomes p, less what the rotor takes.
   template <class T>
-  MOMENTREE_INLINE static void reduce_wrench(const Link&, const JointState<T>&, const Record<T>& w, const T* tau, Force<T>& W,
-                                             T* udot) {
+  MOMENTREE_INLINE static void reduce_wrench(const LinkConstants&, const JointState<T>&, const Record<T>& w, const T* tau,
+                                             Force<T>& W, T* udot) {
     const T r = tau[0] - W.h.z;
     T z = tau[0];
     if constexpr (Rotor) z = W.h.z + w.ghz * r;
@@ -93,16 +95,16 @@ struct PinKernelsWith : PinKernels<PinKernelsWith<Rotor>> {
     return (w.gl.x * a.v.x + w.ghx * a.w.x) + (w.gl.y * a.v.y + w.ghy * a.w.y) + w.gl.z * a.v.z;
   }
 };
-using RevoluteKernels = PinKernelsWith<false>;
-using RotorKernels = PinKernelsWith<true>;
+using RevoluteKernels = RevoluteKernelsWith<false>;
+using ArmatureKernels = RevoluteKernelsWith<true>;
 
 /// A pin: turns about `axis` through the joint's origin.
 struct Revolute {
   static constexpr Kind kind = Kind::revolute;
   static constexpr KindInfo info{Kind::revolute, "revolute", 1, 1, true, false, false, "r", "r"};
   using Kernels = RevoluteKernels;
-  using RotorKernels = momentree::RotorKernels;
-  using Pieces = PiecewisePin;
+  using ArmatureKernels = momentree::ArmatureKernels;
+  using Generic = GenericRevolute;
 
   Vec3 axis{0, 0, 1};
   Values damping{}, stiffness{}, rest{}, armature{}, effort{};

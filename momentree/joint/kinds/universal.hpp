@@ -18,7 +18,7 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
   }
 
   template <class T>
-  MOMENTREE_INLINE static void pose(const Link& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+  MOMENTREE_INLINE static void pose(const LinkConstants& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
     const double x = k.geometry[0], z = k.geometry[1];
     const T c = j.c[0], s = j.s[0], o = T(1) - c;
     const Matrix3<T> R1{c + o * (x * x), -(s * z), o * (x * z), s * z, c, -(s * x), o * (x * z), s * x, c + o * (z * z)};
@@ -27,13 +27,13 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
     r = {T(0), T(0), T(0)};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 2> columns(const Link& k, const JointState<T>& j) {
+  MOMENTREE_INLINE static Columns<T, 2> columns(const LinkConstants& k, const JointState<T>& j) {
     const Vector3<T> n1{j.c[1] * k.geometry[0], -(j.s[1] * k.geometry[0]), T(k.geometry[1])};
     const Vector3<T> o{T(0), T(0), T(0)};
     return {{{o, n1}, {o, {T(0), T(0), T(1)}}}};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 2> columns_rate(const Link& k, const JointState<T>& j, const T* u) {
+  MOMENTREE_INLINE static Columns<T, 2> columns_rate(const LinkConstants& k, const JointState<T>& j, const T* u) {
     const Vector3<T> o{T(0), T(0), T(0)};
     return {{{o, {-(u[1] * (j.s[1] * k.geometry[0])), -(u[1] * (j.c[1] * k.geometry[0])), T(0)}}, {o, o}}};
   }
@@ -47,7 +47,7 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
     return coordinates::negligible(motion.position) && coordinates::about_axis(joint.axis2, rest, 0, q[1]);
   }
   /// A torque in the plane of the axes that are free: along the one axis, if only one is.
-  static Force<double> drive_wrench(const Link& k, const JointState<double>& j, const double* force) {
+  static Force<double> drive_wrench(const LinkConstants& k, const JointState<double>& j, const double* force) {
     const Columns<double, 2> E = columns<double>(k, j);
     const double c = k.locked == 0 ? k.geometry[1] : 0, across = 1 - c * c;
     return {{}, ((force[0] - c * force[1]) / across) * E[0].w + ((force[1] - c * force[0]) / across) * E[1].w};

@@ -1,7 +1,7 @@
 #pragma once
 // Joins a body to another mechanism, or to the ground, by a joint of any kind: a plastic impact in what the joint holds.
 #include <momentree/math/unit.hpp>
-#include <momentree/simulate/surgery.hpp>
+#include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
 
@@ -22,18 +22,18 @@ struct Attach : ActionBase {
     return to == "ground" ? std::vector<std::string>{body} : std::vector<std::string>{body, to};
   }
   std::string makes() const override { return to + "+" + body; }
-  ActionPhase phase(Surgery&) const override { return ActionPhase::impact; }
-  Verdict apply(Surgery& surgery) const override {
-    const int one = surgery.body(body), other = surgery.body(to);
-    if (one < 0) return Verdict::refused("there is no body '" + body + "' to join to another");
-    if (other < -1) return Verdict::refused("there is no body '" + to + "' to join to");
+  ActionPhase phase(TopologyEditor&) const override { return ActionPhase::impact; }
+  ActionResult apply(TopologyEditor& editor) const override {
+    const int one = editor.body(body), other = editor.body(to);
+    if (one < 0) return ActionResult::refused("there is no body '" + body + "' to join to another");
+    if (other < -1) return ActionResult::refused("there is no body '" + to + "' to join to");
     JointSpec spec = joint.spec;
     for (const JointProblem& problem : check_joint(spec))
-      return Verdict::refused(problem.field + ": " + problem.what, problem.hint);
-    if (at && !is_placement(*at)) return Verdict::refused("at: the placement must be finite, with a quaternion of length 1");
+      return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
+    if (at && !is_placement(*at)) return ActionResult::refused("at: the placement must be finite, with a quaternion of length 1");
     if (info(spec.kind).axis) spec.axis = normalized(spec.axis);
     if (info(spec.kind).axis2) spec.axis2 = normalized(spec.axis2);
-    return surgery.attach(one, other, spec, at);
+    return editor.attach(one, other, spec, at);
   }
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 // Removes a joint: the child's subtree becomes a mechanism of its own (paper, section 4.1).
-#include <momentree/simulate/surgery.hpp>
+#include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
 
@@ -13,13 +13,14 @@ struct Break : ActionBase {
   void fields(ActionFields& fields) override { fields.joint("joint", name); }
   std::vector<std::string> joints() const override { return {name}; }
   unsigned reshapes() const override { return ~0u; }
-  ActionPhase phase(Surgery&) const override { return ActionPhase::release; }
-  Verdict apply(Surgery& surgery) const override {
-    const int joint = surgery.joint(name);
-    if (joint < 0) return Verdict::skipped("the joint is not there any more");
-    if (!can_break(surgery.tree(), {surgery.tree().carrier(joint)})) return Verdict::skipped("nothing is held by it: it is free");
-    surgery.break_off(joint);
-    return Verdict::done();
+  ActionPhase phase(TopologyEditor&) const override { return ActionPhase::release; }
+  ActionResult apply(TopologyEditor& editor) const override {
+    const int joint = editor.joint(name);
+    if (joint < 0) return ActionResult::skipped("the joint is not there any more");
+    if (!can_break(editor.tree(), {editor.tree().carrier(joint)}))
+      return ActionResult::skipped("nothing is held by it: it is free");
+    editor.break_off(joint);
+    return ActionResult::done();
   }
 };
 

@@ -49,17 +49,17 @@ double angle_hint(const KindInfo& kind, const Values& q) {
 
 }  // namespace
 
-Verdict Change::plan(Surgery& surgery, JointPlan& plan) const {
-  const int number = surgery.joint(name);
-  if (number < 0) return Verdict::skipped("the joint is not there any more");
-  const Joint old = surgery.declared(number);
-  const Values q = surgery.coordinates(number);
+ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
+  const int number = editor.joint(name);
+  if (number < 0) return ActionResult::skipped("the joint is not there any more");
+  const Joint old = editor.declared(number);
+  const Values q = editor.coordinates(number);
   const KindInfo &before = info(old.kind), &now = info(to.spec.kind);
   JointSpec spec = to.spec;
   const Pose motion = joint_motion(spec_of(old), q.begin());
   const bool placed = to.axis_given || to.axis2_given;
   const auto lacks = [&](const char* what) {
-    return Verdict::refused(
+    return ActionResult::refused(
         "a " + std::string(before.name) + " joint has no " + what + " that the " + now.name + " could take over",
         std::string("give ") + what + ", in the child's axes");
   };
@@ -68,22 +68,22 @@ Verdict Change::plan(Surgery& surgery, JointPlan& plan) const {
   if (now.axis && !to.axis_given) spec.axis = placed ? axis_in_child(old, motion) : old.axis;
   if (now.axis2 && !to.axis2_given) spec.axis2 = placed ? rotation_matrix(old.child_at.rotation) * old.axis2 : old.axis2;
   for (const JointProblem& problem : check_joint(spec))
-    return Verdict::refused(problem.field + ": " + problem.what, problem.hint);
+    return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
   if (now.axis) spec.axis = normalized(spec.axis);
   if (now.axis2) spec.axis2 = normalized(spec.axis2);
 
   plan.joint.kind = spec.kind, plan.joint.axis = spec.axis, plan.joint.axis2 = spec.axis2, plan.joint.pitch = spec.pitch;
   if (placed) {
-    plan.joint.at = surgery.joint_pose(number);
+    plan.joint.at = editor.joint_pose(number);
     plan.q = joint_zero(spec.kind);
-    return Verdict::done();
+    return ActionResult::done();
   }
   plan.joint.at = old.at, plan.joint.child_at = old.child_at;
   if (old.kind == spec.kind && (!now.pitch || old.pitch == spec.pitch)) {
-    if (surgery.locked(number) == 0) return Verdict::skipped("it is that already");
-    const JointParameters* own = surgery.tree().parameters(surgery.tree().carrier(number));
+    if (editor.locked(number) == 0) return ActionResult::skipped("it is that already");
+    const JointParameters* own = editor.tree().parameters(editor.tree().carrier(number));
     if (own != nullptr && own->drive != nullptr && own->drive->moves())
-      return Verdict::refused("its motion is prescribed, and suspended by a lock", "unlock it instead");
+      return ActionResult::refused("its motion is prescribed, and suspended by a lock", "unlock it instead");
     plan.joint.parameters = old.parameters, plan.joint.function = old.function;
     plan.q = q;
   } else if (const auto kept = joint_coordinates(spec, motion, angle_hint(before, q))) {
@@ -92,57 +92,56 @@ Verdict Change::plan(Surgery& surgery, JointPlan& plan) const {
     plan.joint.at = old.at * motion;
     plan.q = joint_zero(spec.kind);
   }
-  return Verdict::done();
+  return ActionResult::done();
 }
 
-ActionPhase Change::phase(Surgery& surgery) const {
+ActionPhase Change::phase(TopologyEditor& editor) const {
   JointPlan found;
-  if (plan(surgery, found).outcome != Verdict::Outcome::done) return ActionPhase::release;  // told there
-  const int number = surgery.joint(name);
-  const bool frees =
-      spans(surgery.freedoms(found.joint, found.q), surgery.freedoms(surgery.declared(number), surgery.coordinates(number)));
+  if (plan(editor, found).outcome != ActionResult::Outcome::done) return ActionPhase::release;  // told there
+  const int number = editor.joint(name);
+  const bool frees = spans(editor.dofs(found.joint, found.q), editor.dofs(editor.declared(number), editor.coordinates(number)));
   return frees ? ActionPhase::release : ActionPhase::impact;
 }
 
 // The old constraints take no part in the impact, whatever the order of what happens in it: they are let go first.
-Verdict Change::prepare(Surgery& surgery) const {
+ActionResult Change::prepare(TopologyEditor& editor) const {
   JointPlan found;
-  const Verdict verdict = plan(surgery, found);
-  if (verdict.outcome != Verdict::Outcome::done) return verdict;
-  const int number = surgery.joint(name);
-  surgery.plans[this] = found;
-  surgery.loosened.insert(number);
+  const ActionResult result = plan(editor, found);
+  if (result.outcome != ActionResult::Outcome::done) return result;
+  const int number = editor.joint(name);
+  editor.plans[this] = found;
+  editor.loosened.insert(number);
   JointPlan loose;
   loose.joint.kind = Kind::free;
-  const Joint old = surgery.declared(number);
+  const Joint old = editor.declared(number);
   loose.joint.at = old.at, loose.joint.child_at = old.child_at;
   JointSpec six;
   six.kind = Kind::free;
-  loose.q = *joint_coordinates(six, joint_motion(spec_of(old), surgery.coordinates(number).begin()), 0);
-  surgery.loosen(number, loose);
-  return verdict;
+  loose.q = *joint_coordinates(six, joint_motion(spec_of(old), editor.coordinates(number).begin()), 0);
+  editor.loosen(number, loose);
+  return result;
 }
 
-Verdict Change::apply(Surgery& surgery) const {
+ActionResult Change::apply(TopologyEditor& editor) const {
   JointPlan found;
-  const int number = surgery.joint(name);
-  const auto prepared = surgery.plans.find(this);
-  if (prepared != surgery.plans.end()) {
+  const int number = editor.joint(name);
+  const auto prepared = editor.plans.find(this);
+  if (prepared != editor.plans.end()) {
     found = prepared->second;
-    surgery.loosened.erase(number);
+    editor.loosened.erase(number);
   } else {
-    const Verdict verdict = plan(surgery, found);
-    if (verdict.outcome != Verdict::Outcome::done) return verdict;
+    const ActionResult result = plan(editor, found);
+    if (result.outcome != ActionResult::Outcome::done) return result;
   }
-  if (prepared == surgery.plans.end() && phase(surgery) == ActionPhase::release)
-    surgery.loosen(number, found);
+  if (prepared == editor.plans.end() && phase(editor) == ActionPhase::release)
+    editor.loosen(number, found);
   else
-    surgery.become(number, found);
-  const JointParameters parameters = surgery.begun(number, to.spec.parameters);
-  const Verdict follows = surgery.can_follow(number, parameters);
-  if (follows.outcome != Verdict::Outcome::done) return follows;
-  if (!(parameters == JointParameters{})) surgery.set(number, parameters);
-  return Verdict::done();
+    editor.become(number, found);
+  const JointParameters parameters = editor.begun(number, to.spec.parameters);
+  const ActionResult follows = editor.can_follow(number, parameters);
+  if (follows.outcome != ActionResult::Outcome::done) return follows;
+  if (!(parameters == JointParameters{})) editor.set(number, parameters);
+  return ActionResult::done();
 }
 
 }  // namespace momentree::actions

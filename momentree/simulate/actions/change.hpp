@@ -1,6 +1,6 @@
 #pragma once
 // Makes a joint one of another kind or on other axes. Where the freedoms become fewer or others, that is an impact.
-#include <momentree/simulate/surgery.hpp>
+#include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
 
@@ -16,13 +16,13 @@ struct Change : ActionBase {
   }
   std::vector<std::string> joints() const override { return {name}; }
   unsigned reshapes() const override { return ~0u; }
-  ActionPhase phase(Surgery& surgery) const override;
-  Verdict prepare(Surgery& surgery) const override;
-  Verdict apply(Surgery& surgery) const override;
+  ActionPhase phase(TopologyEditor& editor) const override;
+  ActionResult prepare(TopologyEditor& editor) const override;
+  ActionResult apply(TopologyEditor& editor) const override;
 
  protected:
   /// What the joint shall become, from where it is now.
-  Verdict plan(Surgery& surgery, JointPlan& plan) const;
+  ActionResult plan(TopologyEditor& editor, JointPlan& plan) const;
 };
 
 }  // namespace momentree::actions

@@ -1,7 +1,7 @@
 #pragma once
 // An impulsive wrench on a body, from outside.
 #include <momentree/math/unit.hpp>
-#include <momentree/simulate/surgery.hpp>
+#include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
 
@@ -18,14 +18,14 @@ struct Impulse : ActionBase {
     fields.vector("point", point, dimension::length);
   }
   std::vector<std::string> bodies() const override { return {body}; }
-  ActionPhase phase(Surgery&) const override { return ActionPhase::impulse; }
-  Verdict apply(Surgery& surgery) const override {
-    const int b = surgery.body(body);
-    if (b < 0) return Verdict::refused("there is no body '" + body + "'");
+  ActionPhase phase(TopologyEditor&) const override { return ActionPhase::impulse; }
+  ActionResult apply(TopologyEditor& editor) const override {
+    const int b = editor.body(body);
+    if (b < 0) return ActionResult::refused("there is no body '" + body + "'");
     for (const Vec3& a : {force, torque, point})
-      if (!is_finite(a)) return Verdict::refused("the impulse and its point must be finite numbers");
-    surgery.push(b, force, torque, point);
-    return Verdict::done();
+      if (!is_finite(a)) return ActionResult::refused("the impulse and its point must be finite numbers");
+    editor.push(b, force, torque, point);
+    return ActionResult::done();
   }
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 // Makes a body the root of its free mechanism: no pose, velocity or acceleration changes for it.
-#include <momentree/simulate/surgery.hpp>
+#include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
 
@@ -12,16 +12,16 @@ struct Reroot : ActionBase {
   const char* plain_field() const override { return "body"; }
   void fields(ActionFields& fields) override { fields.body("body", body, false); }
   std::vector<std::string> bodies() const override { return {body}; }
-  ActionPhase phase(Surgery&) const override { return ActionPhase::release; }
-  Verdict apply(Surgery& surgery) const override {
-    const int b = surgery.body(body);
-    if (b < 0) return Verdict::refused("there is no body '" + body + "'");
-    if (!floats(surgery.tree(), b))
-      return Verdict::refused("mechanism '" + surgery.mechanism_of(b) + "' is held to the ground: its root can't be another",
-                              "break its root joint first");
-    if (surgery.tree().parent(b) < 0) return Verdict::skipped("it is the root already");
-    surgery.reroot(b);
-    return Verdict::done();
+  ActionPhase phase(TopologyEditor&) const override { return ActionPhase::release; }
+  ActionResult apply(TopologyEditor& editor) const override {
+    const int b = editor.body(body);
+    if (b < 0) return ActionResult::refused("there is no body '" + body + "'");
+    if (!floats(editor.tree(), b))
+      return ActionResult::refused("mechanism '" + editor.mechanism_of(b) + "' is held to the ground: its root can't be another",
+                                   "break its root joint first");
+    if (editor.tree().parent(b) < 0) return ActionResult::skipped("it is the root already");
+    editor.reroot(b);
+    return ActionResult::done();
   }
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 // New parameters for a joint: velocities stay.
-#include <momentree/simulate/surgery.hpp>
+#include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
 
@@ -15,12 +15,12 @@ struct Set : ActionBase {
     fields.parameters(name, parameters);
   }
   std::vector<std::string> joints() const override { return {name}; }
-  ActionPhase phase(Surgery&) const override { return ActionPhase::parameters; }
-  Verdict apply(Surgery& surgery) const override {
-    const int joint = surgery.joint(name);
-    if (joint < 0) return Verdict::skipped("the joint is not there any more");
+  ActionPhase phase(TopologyEditor&) const override { return ActionPhase::parameters; }
+  ActionResult apply(TopologyEditor& editor) const override {
+    const int joint = editor.joint(name);
+    if (joint < 0) return ActionResult::skipped("the joint is not there any more");
     JointParameters all;
-    if (const JointParameters* own = surgery.tree().parameters(surgery.tree().carrier(joint))) all = *own;
+    if (const JointParameters* own = editor.tree().parameters(editor.tree().carrier(joint))) all = *own;
     const auto take = [](Values& to, const Values& from) {
       if (!from.empty()) to = from;
     };
@@ -36,19 +36,19 @@ struct Set : ActionBase {
     take(all.friction.coulomb, parameters.friction.coulomb);
     take(all.friction.speed, parameters.friction.speed);
     if (parameters.strength.any()) all.strength = parameters.strength;
-    JointSpec spec = spec_of(surgery.declared(joint));
+    JointSpec spec = spec_of(editor.declared(joint));
     spec.parameters = all;
     for (const JointProblem& problem : check_joint(spec))
-      return Verdict::refused(problem.field + ": " + problem.what, problem.hint);
-    if (all.drive != nullptr && all.drive->moves() && surgery.declared(joint).function >= 0)
-      return Verdict::refused("a function drives the joint: its motion can't be prescribed", "take the function away first");
-    if ((surgery.declared(joint).locked & 1u) == 0) {
-      all = surgery.begun(joint, std::move(all));
-      Verdict follows = surgery.can_follow(joint, all);
-      if (follows.outcome != Verdict::Outcome::done) return follows;
+      return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
+    if (all.drive != nullptr && all.drive->moves() && editor.declared(joint).function >= 0)
+      return ActionResult::refused("a function drives the joint: its motion can't be prescribed", "take the function away first");
+    if ((editor.declared(joint).locked & 1u) == 0) {
+      all = editor.begun(joint, std::move(all));
+      ActionResult follows = editor.can_follow(joint, all);
+      if (follows.outcome != ActionResult::Outcome::done) return follows;
     }
-    surgery.set(joint, all);
-    return Verdict::done();
+    editor.set(joint, all);
+    return ActionResult::done();
   }
 };
 

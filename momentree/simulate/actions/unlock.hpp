@@ -7,30 +7,30 @@ namespace momentree::actions {
 struct Unlock : Lock {
   std::string_view key() const override { return "unlock"; }
   /// A motion that goes on brings its speed, as one that is set.
-  ActionPhase phase(Surgery& surgery) const override {
-    const JointParameters* p = parameters(surgery);
+  ActionPhase phase(TopologyEditor& editor) const override {
+    const JointParameters* p = parameters(editor);
     return p != nullptr && p->drive != nullptr && p->drive->moves() ? ActionPhase::parameters : ActionPhase::release;
   }
-  Verdict apply(Surgery& surgery) const override {
+  ActionResult apply(TopologyEditor& editor) const override {
     unsigned wanted = 0;
-    const Verdict verdict = check(surgery, wanted);
-    if (verdict.outcome != Verdict::Outcome::done) return verdict;
-    const int joint = surgery.joint(name);
-    if ((wanted & surgery.locked(joint)) == 0) return Verdict::skipped("it is not locked");
-    if (const JointParameters* p = parameters(surgery)) {
-      const JointParameters all = surgery.begun(joint, *p);
-      Verdict follows = surgery.can_follow(joint, all);
-      if (follows.outcome != Verdict::Outcome::done) return follows;
-      if (!(all == *p)) surgery.set(joint, all);
+    const ActionResult result = check(editor, wanted);
+    if (result.outcome != ActionResult::Outcome::done) return result;
+    const int joint = editor.joint(name);
+    if ((wanted & editor.locked(joint)) == 0) return ActionResult::skipped("it is not locked");
+    if (const JointParameters* p = parameters(editor)) {
+      const JointParameters all = editor.begun(joint, *p);
+      ActionResult follows = editor.can_follow(joint, all);
+      if (follows.outcome != ActionResult::Outcome::done) return follows;
+      if (!(all == *p)) editor.set(joint, all);
     }
-    surgery.unlock(joint, wanted);
-    return verdict;
+    editor.unlock(joint, wanted);
+    return result;
   }
 
  private:
-  const JointParameters* parameters(const Surgery& surgery) const {
-    const int joint = surgery.joint(name);
-    return joint < 0 ? nullptr : surgery.tree().parameters(surgery.tree().carrier(joint));
+  const JointParameters* parameters(const TopologyEditor& editor) const {
+    const int joint = editor.joint(name);
+    return joint < 0 ? nullptr : editor.tree().parameters(editor.tree().carrier(joint));
   }
 };
 

@@ -1,10 +1,10 @@
 #pragma once
 // Speed of a joint with one freedom.
-#include <momentree/simulate/one_freedom.hpp>
+#include <momentree/simulate/single_dof.hpp>
 
 namespace momentree::quantities {
 
-struct Speed : OneFreedom {
+struct Speed : SingleDof {
   std::string_view key() const override { return "speed"; }
   Dimension dimension() const override { return turns ? dimension::angular_speed : dimension::speed; }
   double of(double, double speed) const override { return speed; }

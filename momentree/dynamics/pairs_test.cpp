@@ -70,20 +70,20 @@ struct Seen {
   int pairs = 0, apart = 0, mechanisms = 0, forks = 0, welds = 0, rotors = 0, mixed = 0, single = 0;
 
   void note(const Tree& tree) {
-    for (const Segment& s : tree.twin_segments()) {
-      if (s.twin < 0) single += s.end - s.begin;
-      if (s.twin <= s.begin) continue;
+    for (const KernelRun& s : tree.paired_runs()) {
+      if (s.pair < 0) single += s.end - s.begin;
+      if (s.pair <= s.begin) continue;
       pairs += s.branch;
       welds += s.kind == Kind::weld;
-      rotors += s.variant == Variant::rotor;
-      const int first = tree.order()[static_cast<std::size_t>(s.begin)], other = tree.order()[static_cast<std::size_t>(s.twin)];
+      rotors += s.variant == Variant::armature;
+      const int first = tree.order()[static_cast<std::size_t>(s.begin)], other = tree.order()[static_cast<std::size_t>(s.pair)];
       mechanisms += s.branch && tree.parent(first) < 0;
       apart +=
           s.branch && tree.parent(first) >= 0 && (tree.first_child(tree.parent(first)) != first || tree.next_sibling(other) >= 0);
       for (int i = 0; i < s.end - s.begin; ++i) {
-        forks += (tree.flows()[static_cast<std::size_t>(s.begin + i)] & flow::fork) != 0;
+        forks += (tree.node_flags()[static_cast<std::size_t>(s.begin + i)] & node::branching) != 0;
         mixed += tree.link(tree.order()[static_cast<std::size_t>(s.begin + i)]).shape !=
-                 tree.link(tree.order()[static_cast<std::size_t>(s.twin + i)]).shape;
+                 tree.link(tree.order()[static_cast<std::size_t>(s.pair + i)]).shape;
       }
     }
   }
@@ -93,13 +93,13 @@ std::vector<double> numbers(const Motion<double>& a) { return {a.v.x, a.v.y, a.v
 std::vector<double> numbers(const Force<double>& a) { return {a.l.x, a.l.y, a.l.z, a.h.x, a.h.y, a.h.z}; }
 
 /// Whole states of bodies, of a work that is accelerated.
-std::vector<double> of_bodies(const Tree& tree, const Work<double>& work) {
+std::vector<double> of_bodies(const Tree& tree, const Workspace<double>& workspace) {
   std::vector<double> all;
   const auto add = [&](const std::vector<double>& some) { all.insert(all.end(), some.begin(), some.end()); };
   for (const int b : tree.order()) {
     const auto body = static_cast<std::size_t>(b);
-    add(numbers(work.motions[body].velocity)), add(numbers(work.motions[body].articulated));
-    add(numbers(work.approaches[body])), add(numbers(work.demands[body]));
+    add(numbers(workspace.motions[body].velocity)), add(numbers(workspace.motions[body].articulated));
+    add(numbers(workspace.inboard_accelerations[body])), add(numbers(workspace.reduced_bias_wrenches[body]));
   }
   return all;
 }
@@ -107,14 +107,14 @@ std::vector<double> of_bodies(const Tree& tree, const Work<double>& work) {
 void compare(const Tree& tree, const State& state, Seen& seen) {
   seen.note(tree);
   const auto nv = tree.nv(), nq = tree.nq();
-  Work<double> stage(tree), pairs(tree);
+  Workspace<double> stage(tree), pairs(tree);
   poison(tree, stage), poison(tree, pairs);
   evaluate_rates(tree, state.q().data(), state.p().data(), stage);
   accelerate(tree, state, pairs);
   Tree in_pieces;  // which has no twins
-  in_pieces.copy_in_pieces(tree);
-  for (const Segment& s : in_pieces.twin_segments()) CHECK((s.twin < 0 || s.kind == Kind::weld));
-  Work<double> generic(in_pieces);
+  in_pieces.copy_with_generic_kernels(tree);
+  for (const KernelRun& s : in_pieces.paired_runs()) CHECK((s.pair < 0 || s.kind == Kind::weld));
+  Workspace<double> generic(in_pieces);
   State of_pieces;
   of_pieces.assign(state.time(), state.q(), state.p(), in_pieces);
   accelerate(in_pieces, of_pieces, generic);
@@ -141,12 +141,12 @@ TEST_CASE("two branches at once move as each does by itself, whatever changes") 
     const Model model = random_model(random, seed % 3 != 0);
     Tree tree = compile(model);
     State state = start_state(model, tree);
-    Work<double> work(tree);
+    Workspace<double> workspace(tree);
     for (int change = 0; change < 4; ++change) {
       CAPTURE(change);
       put_at_random(tree, state, random);
       compare(tree, state, seen);
-      change_at_random(tree, state, work, random, 0.4);
+      change_at_random(tree, state, workspace, random, 0.4);
     }
   }
   CHECK(seen.pairs > 500);

@@ -11,15 +11,16 @@ constexpr int few = 3;  // bodies: of shorter branches two are swept as fast one
 }
 
 /// Whether the `count` bodies from `place` on, a body and all outboard of it, hang together as those from `other` on do.
-bool Tree::alike(int place, int other, int count) const {
+bool Tree::are_isomorphic(int place, int other, int count) const {
   bool any_pin = false;
   for (int i = 0; i < count; ++i) {
     const Class& a = class_[at(order_[at(place + i)])];
     const Class& b = class_[at(order_[at(other + i)])];
-    const bool pin = a.kind == Kind::revolute && (a.variant == Variant::plain || a.variant == Variant::rotor);
+    const bool pin = a.kind == Kind::revolute && (a.variant == Variant::plain || a.variant == Variant::armature);
     any_pin = any_pin || pin;
-    const unsigned what = i == 0 ? flow::tip | flow::fork : flow::tip | flow::fork | flow::first | flow::last;
-    if (!(a == b) || !(pin || a.kind == Kind::weld) || ((flows_[at(place + i)] ^ flows_[at(other + i)]) & what) != 0)
+    const unsigned what =
+        i == 0 ? node::leaf | node::branching : node::leaf | node::branching | node::first_child | node::last_child;
+    if (!(a == b) || !(pin || a.kind == Kind::weld) || ((node_flags_[at(place + i)] ^ node_flags_[at(other + i)]) & what) != 0)
       return false;
   }
   return any_pin;
@@ -37,15 +38,15 @@ void Tree::pair_siblings(int first, int end) {
     const int place = place_[at(b)], next = next_sibling_[at(b)], size = (next < 0 ? end : place_[at(next)]) - place;
     if (size < few || (parent_[at(b)] < 0 && in_a_plane(place))) continue;  // those in a plane have a faster way
     std::size_t i = count;
-    while (i > 0 && !(waiting[i - 1].size == size && alike(waiting[i - 1].place, place, size))) --i;
+    while (i > 0 && !(waiting[i - 1].size == size && are_isomorphic(waiting[i - 1].place, place, size))) --i;
     if (i == 0) {
       if (count == waiting.size()) std::copy(waiting.begin() + 1, waiting.end(), waiting.begin()), --count;
       waiting[count++] = {place, size};
     } else {
-      if (!has_twins_) twin_.assign(order_.size(), -1), end_.resize(order_.size());
-      has_twins_ = true;
+      if (!has_pairs_) pair_.assign(order_.size(), -1), end_.resize(order_.size());
+      has_pairs_ = true;
       const int other = waiting[i - 1].place;
-      twin_[at(place)] = other, twin_[at(other)] = place;
+      pair_[at(place)] = other, pair_[at(other)] = place;
       end_[at(place)] = place + size, end_[at(other)] = other + size;
       std::move(waiting.begin() + static_cast<std::ptrdiff_t>(i), waiting.begin() + static_cast<std::ptrdiff_t>(count),
                 waiting.begin() + static_cast<std::ptrdiff_t>(i) - 1);
@@ -55,15 +56,15 @@ void Tree::pair_siblings(int first, int end) {
 }
 
 /// From order, flows and segments. `forks`: whether there are any.
-void Tree::find_twins(bool forks) {
+void Tree::find_pairs(bool forks) {
   const int count = static_cast<int>(order_.size());
-  has_twins_ = false;
+  has_pairs_ = false;
   pair_siblings(first_root_, count);
   if (forks) pair_branches();
-  if (has_twins_)
-    cut_segments();
+  if (has_pairs_)
+    cut_runs();
   else
-    twin_segments_.clear(), twin_links_.clear(), end_.clear(), twin_.clear();  // copies are as long as they need to be
+    paired_runs_.clear(), paired_links_.clear(), end_.clear(), pair_.clear();  // copies are as long as they need to be
 }
 
 /// At every fork, but for those of mechanisms in a plane and of branches with a twin.
@@ -73,15 +74,15 @@ void Tree::pair_branches() {
   int end = 0;  // of what is outboard of the body at hand
   for (int place = 0; place < count; ++place) {
     const int b = order_[at(place)], next = next_sibling_[at(b)];
-    const unsigned flow = flows_[at(place)];
-    if ((flow & flow::root) != 0)
+    const unsigned flags = node_flags_[at(place)];
+    if ((flags & node::root) != 0)
       end = next < 0 ? count : place_[at(next)];
-    else if ((flow & flow::first) == 0 || next >= 0)
+    else if ((flags & node::first_child) == 0 || next >= 0)
       end = end_[at(place)];
-    const bool flat = (flow & flow::root) != 0 && in_a_plane(place);
-    if (flat || (has_twins_ && twin_[at(place)] >= 0)) {
+    const bool flat = (flags & node::root) != 0 && in_a_plane(place);
+    if (flat || (has_pairs_ && pair_[at(place)] >= 0)) {
       place = end - 1;
-    } else if ((flow & flow::fork) != 0) {
+    } else if ((flags & node::branching) != 0) {
       for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)])
         end_[at(place_[at(c)])] = next_sibling_[at(c)] < 0 ? end : place_[at(next_sibling_[at(c)])];
       pair_siblings(first_child_[at(b)], end);
@@ -90,28 +91,28 @@ void Tree::pair_branches() {
 }
 
 /// Where branches with twins begin and end; and the constants of both.
-void Tree::cut_segments() {
-  twin_segments_.clear(), twin_links_.clear();
-  int begin = 0, end = 0, twin = 0, links = 0;  // of the branch at hand; its twin's place; the first of its constants
-  for (const Segment& whole : segments_) {
-    Segment piece = whole;
+void Tree::cut_runs() {
+  paired_runs_.clear(), paired_links_.clear();
+  int begin = 0, end = 0, pair = 0, links = 0;  // of the branch at hand; its twin's place; the first of its constants
+  for (const KernelRun& whole : runs_) {
+    KernelRun piece = whole;
     for (int place = whole.begin; place < whole.end; ++place) {
-      const bool branch = place >= end && twin_[at(place)] >= 0;
+      const bool branch = place >= end && pair_[at(place)] >= 0;
       if (branch) {
-        begin = place, end = end_[at(place)], twin = twin_[at(place)];
-        int& of_first = twin_[at(std::min(place, twin))];  // from here on not its twin, but where its constants are
-        if (place < twin) of_first = static_cast<int>(twin_links_.size());
+        begin = place, end = end_[at(place)], pair = pair_[at(place)];
+        int& of_first = pair_[at(std::min(place, pair))];  // from here on not its twin, but where its constants are
+        if (place < pair) of_first = static_cast<int>(paired_links_.size());
         links = of_first;
       }
-      if (place > whole.begin && (branch || place == end)) piece.end = place, twin_segments_.push_back(piece), piece = whole;
+      if (place > whole.begin && (branch || place == end)) piece.end = place, paired_runs_.push_back(piece), piece = whole;
       if (place == whole.begin || branch || place == end) {
         piece.begin = place, piece.branch = branch;
-        if (place < end) piece.twin = twin + place - begin, piece.links = links + place - begin;
+        if (place < end) piece.pair = pair + place - begin, piece.links = links + place - begin;
       }
-      if (place < end && place < twin)
-        twin_links_.emplace_back(links_[at(order_[at(place)])], links_[at(order_[at(twin + place - begin)])]);
+      if (place < end && place < pair)
+        paired_links_.emplace_back(links_[at(order_[at(place)])], links_[at(order_[at(pair + place - begin)])]);
     }
-    twin_segments_.push_back(piece);
+    paired_runs_.push_back(piece);
   }
 }
 

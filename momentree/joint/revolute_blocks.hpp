@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-#include <momentree/joint/link.hpp>
+#include <momentree/joint/link_constants.hpp>
 
 namespace momentree::detail {
 
@@ -15,7 +15,7 @@ using ConstantOf = std::remove_cvref_t<decltype(std::declval<const L&>().d)>;
 
 /// Mb E, or G = Mb E / Mj: the third column of the right half, without what stands at Mj.
 template <class T>
-struct PinColumn {
+struct RevoluteColumn {
   T lx, ly, lz, hx, hy;
 };
 template <class T>
@@ -44,7 +44,7 @@ struct ReducedMass {
 // (16), the turn about z by (c, s) and the slide along it by d: B ← B − A r̃, J ← J + r̃ B_new + (r̃ B_old)ᵀ with r = d e_z.
 
 template <bool Slides, class T, class C>
-MOMENTREE_INLINE void cross_z(PinColumn<T>& e, const T& c, const T& s, const C& d) {
+MOMENTREE_INLINE void cross_z(RevoluteColumn<T>& e, const T& c, const T& s, const C& d) {
   turn(e.lx, e.ly, c, s);
   turn(e.hx, e.hy, c, s);
   if constexpr (Slides) e.hx = e.hx - d * e.ly, e.hy = e.hy + d * e.lx;

@@ -6,21 +6,21 @@
 
 namespace momentree {
 
-Released apply(const Remove& change, Tree& tree, State& state, Work<double>& work) noexcept {
+Released apply(const Remove& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   const int b = change.body.index;
   MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
   MT_REQUIRE(floats(tree, b) && tree.parent(b) < 0, "the body is the root of a mechanism that floats: break it off first");
-  MT_REQUIRE(tree.bodies() <= work.capacity(), "the work has room for the tree's bodies: make it anew");
+  MT_REQUIRE(tree.bodies() <= workspace.capacity(), "the work has room for the tree's bodies: make it anew");
   for (int x : tree.order()) {  // inboard before outboard
     const int outer = tree.parent(x);
-    work.path[static_cast<std::size_t>(x)] = x == b || (outer >= 0 && work.path[static_cast<std::size_t>(outer)] != 0);
+    workspace.path[static_cast<std::size_t>(x)] = x == b || (outer >= 0 && workspace.path[static_cast<std::size_t>(outer)] != 0);
   }
   {
     const State::Edit edit = state.edit();
     double *q = edit.q.data(), *p = edit.p.data();
     for (int j = 0; j < tree.bodies(); ++j) {  // what stays moves up, in the order of joints
       const int x = tree.carrier(j);
-      if (x < 0 || work.path[static_cast<std::size_t>(x)] != 0) continue;
+      if (x < 0 || workspace.path[static_cast<std::size_t>(x)] != 0) continue;
       const KindInfo& kind = info(tree.kind(x));
       q = std::copy_n(edit.q.data() + tree.first_q(x), kind.nq, q);
       p = std::copy_n(edit.p.data() + tree.first_p(x), kind.nv, p);
@@ -32,8 +32,8 @@ Released apply(const Remove& change, Tree& tree, State& state, Work<double>& wor
   return {};
 }
 
-Body apply(const Add& change, Tree& tree, State& state, const Work<double>& work) {
-  MT_REQUIRE(evaluated_on(tree, state, work), stale_work(state));
+Body apply(const Add& change, Tree& tree, State& state, const Workspace<double>& workspace) {
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   MT_REQUIRE(change.spec != nullptr, "a body to add");
   const BodySpec& spec = *change.spec;
   const KindInfo& kind = info(spec.joint.kind);
@@ -44,7 +44,7 @@ Body apply(const Add& change, Tree& tree, State& state, const Work<double>& work
   MT_REQUIRE(outer == ground.index || tree.alive(outer), "the parent is the ground or in the tree");
   if (outer >= 0) {
     const KernelFrame& frame = tree.frame(outer);
-    const Motion<double>& own = work.motions[static_cast<std::size_t>(outer)].velocity;
+    const Motion<double>& own = workspace.motions[static_cast<std::size_t>(outer)].velocity;
     motion = {frame.R * own.v, frame.R * own.w};
     motion.v += cross(frame.r, motion.w);
   }

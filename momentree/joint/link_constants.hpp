@@ -9,7 +9,7 @@
 namespace momentree {
 
 /// How much of a general placement a link has: kernels leave the rest out. Found when a topology is compiled.
-enum class LinkShape : unsigned char {
+enum class PlacementShape : unsigned char {
   general,        ///< any turn, any offset
   tilted,         ///< β = 0: the parent's x axis lies across both joints' axes
   screw,          ///< and the offset is r.x along that x axis and d along the joint's own (Denavit–Hartenberg)
@@ -26,14 +26,14 @@ enum class LinkShape : unsigned char {
 /// Placement of the joint in the parent's frame: R = Rz(β) Rx(α) Rz(θ0), origin at r; mass properties in the body's own frame.
 /// Rotations about one axis at a time cost half of a general one, and β = 0 where the parent's x axis could be chosen for it.
 /// Nothing in it tells one body from another that is made and placed the same: a tree keeps equal links once.
-struct Link {
+struct LinkConstants {
   double cos_a = 1, sin_a = 0;
   double cs_a = 0, ss_a = 0;  ///< cos α sin α, sin² α
   Vec3 r{};
   double d = 0;  ///< where the shape says so: r = r.x along the parent's x, and then d along the joint's axis
   double cos_b = 1, sin_b = 0;
   RigidMass body{};
-  LinkShape shape{};
+  PlacementShape shape{};
   unsigned char locked = 0;  ///< a bit per freedom without a momentum of its own: frozen or driven
   unsigned char driven = 0;  ///< a bit per freedom of these whose rate is prescribed: p holds it
   double cos_0 = 1, sin_0 = 0;
@@ -41,11 +41,11 @@ struct Link {
   double geometry[2] = {0, 0};  ///< helical: metres per radian; universal: x and z components of the first axis
 };
 /// True where the link needs no turn about the parent's z.
-inline bool aligned(const Link& link) { return link.sin_b == 0 && link.cos_b == 1; }
+inline bool aligned(const LinkConstants& link) { return link.sin_b == 0 && link.cos_b == 1; }
 /// Rz(β) Rx(α) Rz(θ0).
-Mat3 placement_rotation(const Link& link);
+Mat3 placement_rotation(const LinkConstants& link);
 /// Rz(β) Rx(α): for kinds that add θ0 to their own angle.
-Mat3 tilt_rotation(const Link& link);
+Mat3 tilt_rotation(const LinkConstants& link);
 
 /// What one child contributes to its parent: reduced mass and remainder momentum (25)(26), first moment of the subtree for
 /// gravity.
@@ -82,35 +82,35 @@ struct BodySweep {
 
 /// What one child contributes to its parent in a plane, in its axes.
 template <class T>
-struct FlatInboard {
+struct InPlaneInboard {
   T axx, axy, ayy, bx, by, J;  ///< l = A v + b ω, h = b·v + J ω
   T lx, ly, h;
   T mx, my;  ///< first moment of the subtree
 };
 template <class T>
-MOMENTREE_INLINE void operator+=(FlatInboard<T>& a, const FlatInboard<T>& b) {
+MOMENTREE_INLINE void operator+=(InPlaneInboard<T>& a, const InPlaneInboard<T>& b) {
   a.axx = a.axx + b.axx, a.axy = a.axy + b.axy, a.ayy = a.ayy + b.ayy;
   a.bx = a.bx + b.bx, a.by = a.by + b.by, a.J = a.J + b.J;
   a.lx = a.lx + b.lx, a.ly = a.ly + b.ly, a.h = a.h + b.h;
   a.mx = a.mx + b.mx, a.my = a.my + b.my;
 }
 template <class T>
-struct FlatOutboard {
+struct InPlaneOutboard {
   T vx, vy, w;
 };
 /// What the sweeps keep of a body in a plane; it has the place of a pin's record.
 template <class T>
-struct FlatRecord {
+struct InPlaneRecord {
   T axx, axy, ayy, lx, ly, gx, gy, u0, rx, ry, mx, my;
 };
-struct FlatKernels {
+struct InPlaneKernels {
   template <class T>
-  using Record = FlatRecord<T>;
+  using Record = InPlaneRecord<T>;
 };
 
 /// Across the placement after the child's joint: turn about x by α, about z by β unless the frames are aligned, shift by r.
 template <bool Aligned, class T>
-MOMENTREE_INLINE void placement_inboard(const Link& k, Force<T>& P) {
+MOMENTREE_INLINE void placement_inboard(const LinkConstants& k, Force<T>& P) {
   turn_x(P.l, k.cos_a, k.sin_a);
   turn_x(P.h, k.cos_a, k.sin_a);
   if constexpr (!Aligned) {
@@ -120,25 +120,25 @@ MOMENTREE_INLINE void placement_inboard(const Link& k, Force<T>& P) {
   shift(P, k.r);
 }
 template <bool Aligned, class T>
-MOMENTREE_INLINE void placement_inboard(const Link& k, Vector3<T>& mc, double mass) {
+MOMENTREE_INLINE void placement_inboard(const LinkConstants& k, Vector3<T>& mc, double mass) {
   turn_x(mc, k.cos_a, k.sin_a);
   if constexpr (!Aligned) turn_z(mc, k.cos_b, k.sin_b);
   mc += Vector3<T>{T(mass * k.r.x), T(mass * k.r.y), T(mass * k.r.z)};
 }
 template <bool Aligned, class T>
-MOMENTREE_INLINE void placement_inboard(const Link& k, SpatialMass<T>& M) {
+MOMENTREE_INLINE void placement_inboard(const LinkConstants& k, SpatialMass<T>& M) {
   turn_x(M, k.cos_a, k.sin_a);
   if constexpr (!Aligned) turn_z(M, k.cos_b, k.sin_b);
   shift(M, k.r);
 }
 /// The way back for a direction: components in the parent's axes to components before the joint's own motion.
 template <bool Aligned, class T>
-MOMENTREE_INLINE void placement_outboard(const Link& k, Vector3<T>& a) {
+MOMENTREE_INLINE void placement_outboard(const LinkConstants& k, Vector3<T>& a) {
   if constexpr (!Aligned) turn_z(a, k.cos_b, -k.sin_b);
   turn_x(a, k.cos_a, -k.sin_a);
 }
 template <bool Aligned, class T>
-MOMENTREE_INLINE void placement_outboard(const Link& k, Motion<T>& a) {
+MOMENTREE_INLINE void placement_outboard(const LinkConstants& k, Motion<T>& a) {
   shift_outboard(a, k.r);
   placement_outboard<Aligned>(k, a.v);
   placement_outboard<Aligned>(k, a.w);
@@ -161,8 +161,8 @@ MOMENTREE_INLINE void turn_x(Matrix3<T>& R, const C& c, const C& s) {
 /// Crossing a joint that turns about z and slides along z (revolute, prismatic, helical, cylindrical): c, s of the angle with θ0,
 /// d the displacement. (16), (17).
 template <class T, bool Aligned>
-struct ScrewCrossing {
-  const Link& link;
+struct ScrewTransform {
+  const LinkConstants& link;
   T c, s, d;
 
   MOMENTREE_INLINE void inboard(Force<T>& P) const {
@@ -211,7 +211,7 @@ struct ScrewCrossing {
 
 /// Crossing any joint, from its pose: R child axes to parent axes, r the child's origin, both with the placement.
 template <class T>
-struct DenseCrossing {
+struct DenseTransform {
   Matrix3<T> R;
   Vector3<T> r;
 

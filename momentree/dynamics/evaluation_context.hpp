@@ -3,22 +3,22 @@
 #include <span>
 
 #include <momentree/dynamics/motion.hpp>
-#include <momentree/dynamics/work.hpp>
+#include <momentree/dynamics/workspace.hpp>
 
 namespace momentree {
 
 /// What such a function may ask for. It is called at every stage of a step, whose coordinates are not those of any state that is
 /// kept: use none of it after the call, and in the call nothing else that the world has. What asks the world or its simulation
 /// there stops the program. Bodies are located the first time that one is asked for; nothing allocates.
-class Moment {
+class EvaluationContext {
  public:
-  Moment(const Tree& tree, double time, const double* q, Work<double>& work) noexcept
-      : tree_(&tree), work_(&work), q_(q), time_(time), nested_(work.in_function) {
-    work.in_function = true;
+  EvaluationContext(const Tree& tree, double time, const double* q, Workspace<double>& workspace) noexcept
+      : tree_(&tree), workspace_(&workspace), q_(q), time_(time), nested_(workspace.in_function) {
+    workspace.in_function = true;
   }
-  ~Moment() { work_->in_function = nested_; }
-  Moment(const Moment&) = delete;
-  Moment& operator=(const Moment&) = delete;
+  ~EvaluationContext() { workspace_->in_function = nested_; }
+  EvaluationContext(const EvaluationContext&) = delete;
+  EvaluationContext& operator=(const EvaluationContext&) = delete;
 
   double time() const { return time_; }
   /// Coordinates and velocities of the joint of that number, in its declared direction; empty where it left the world.
@@ -31,7 +31,7 @@ class Moment {
 
  private:
   const Tree* tree_;
-  Work<double>* work_;
+  Workspace<double>* workspace_;
   const double* q_;
   double time_;
   bool nested_;

@@ -2,15 +2,15 @@
 #include <cmath>
 
 #include <momentree/dynamics/forward.hpp>
-#include <momentree/simulate/surgery.hpp>
+#include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree {
 
 Body World::add(BodySpec spec) {
-  if (spec.parent != ground && !alive(spec.parent)) fail({"the parent is no body of this world", spec.name, ""});
+  if (spec.parent != ground && !alive(spec.parent)) throw_error({"the parent is no body of this world", spec.name, ""});
   const std::string joint = spec.joint_name.empty() ? spec.name : spec.joint_name;
   if (names_.find_joint(joint) >= 0)
-    fail({"there is a joint '" + joint + "' already", spec.name, "give the new one another name"});
+    throw_error({"there is a joint '" + joint + "' already", spec.name, "give the new one another name"});
   const WorldSnapshot before = snapshot();
   const JointDrive* drive = spec.joint.parameters.drive.get();
   if (drive != nullptr && drive->motion.size() == 1) {
@@ -20,7 +20,7 @@ Body World::add(BodySpec spec) {
   const Body body = model_.add(std::move(spec));
   evaluate();
   const double kinetic = totals().kinetic;
-  apply(Add{&model_[body]}, tree_, state_, work_);
+  apply(Add{&model_[body]}, tree_, state_, workspace_);
   declared_ = Names(model_);
   names_.add(joint, declared_.mechanism(body.index));
   make_room();
@@ -30,24 +30,25 @@ Body World::add(BodySpec spec) {
   if (!std::isfinite(now) || now < kinetic * (1 - 1e-3)) {
     const std::string name = model_[body].name;
     restore(before);
-    fail({"the joint '" + joint + "' would move no mass or inertia", name, "give the body a mass and an inertia, or weld it"});
+    throw_error(
+        {"the joint '" + joint + "' would move no mass or inertia", name, "give the body a mass and an inertia, or weld it"});
   }
   return body;
 }
 
 void World::remove(Body body) {
-  if (!alive(body)) fail({"the body is not in this world any more", "", ""});
+  if (!alive(body)) throw_error({"the body is not in this world any more", "", ""});
   const int b = body.index;
-  Event books;
-  Surgery surgery(*this);
-  surgery.begin(books, "");
+  Event ledger;
+  TopologyEditor editor(*this);
+  editor.begin(ledger, "");
   const int joint = tree_.joint_of(b);
   if (can_break(tree_, body)) {
-    surgery.break_off(joint);
+    editor.break_off(joint);
   } else {  // a free joint to the ground: only what draws at it or locks it is to be taken away
-    if (tree_.parameters(b) != nullptr) surgery.set(joint, {});
+    if (tree_.parameters(b) != nullptr) editor.set(joint, {});
     if (tree_.joint(b).function >= 0) drive(joint, {});
-    if (tree_.joint(b).locked != 0) surgery.unlock(joint, ~0u);
+    if (tree_.joint(b).locked != 0) editor.unlock(joint, ~0u);
   }
   evaluate();
   std::vector<int> gone;
@@ -55,14 +56,14 @@ void World::remove(Body body) {
     if (root_of(tree_, x) == b) gone.push_back(x);
   std::vector<int> joints;
   for (const int x : gone) joints.push_back(tree_.joint_of(x));
-  apply(Remove{body}, tree_, state_, work_);
+  apply(Remove{body}, tree_, state_, workspace_);
   for (const int j : joints) names_.remove_joint(j);
   for (const int x : gone) names_.name_mechanism(x, {});
-  std::erase_if(holds_, [&](const Hold& h) { return tree_.carrier(h.joint) < 0; });
+  std::erase_if(active_limits_, [&](const ActiveLimit& h) { return tree_.carrier(h.joint) < 0; });
 }
 
 void World::make_room() {
-  work_ = Work<double>(tree_);
+  workspace_ = Workspace<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
   motions_of_ = accelerations_of_ = {};
 }

@@ -1,13 +1,13 @@
 #pragma once
 // What the sweeps keep of a pin for the way out, and for further right sides.
-#include <momentree/joint/link.hpp>
-#include <momentree/joint/twins.hpp>
+#include <momentree/joint/body_pair.hpp>
+#include <momentree/joint/link_constants.hpp>
 
 namespace momentree {
 
 /// What reduction about z leaves: M̂ E = 0, so B has no z column and J no z row; D̂·E = p; G·E = 1.
 template <class T>
-struct PinRecord {
+struct RevoluteRecord {
   Symmetric3<T> A;
   T Bxx, Bxy, Byx, Byy, Bzx, Bzy, Jxx, Jxy, Jyy;
   Vector3<T> l;  // D̂
@@ -20,11 +20,11 @@ struct PinRecord {
 /// With a rotor these are no zeros: M̂ E = rotor · G, D̂·E, G·E. It may be of any size, as `damped` makes dampers rotors; so u is
 /// not found from u + ω_z, nor D̂·E from p and what the rotor has.
 template <class T>
-struct RotorRecord : PinRecord<T> {
+struct ArmatureRecord : RevoluteRecord<T> {
   T rotor, hz, ghz;
 };
 
-MOMENTREE_INLINE void part(const PinRecord<Twins>& from, PinRecord<double>& one, PinRecord<double>& other) {
+MOMENTREE_INLINE void part(const RevoluteRecord<BodyPair>& from, RevoluteRecord<double>& one, RevoluteRecord<double>& other) {
   part(from.A, one.A, other.A), part(from.l, one.l, other.l), part(from.gl, one.gl, other.gl), part(from.mc, one.mc, other.mc);
   part(from.Bxx, one.Bxx, other.Bxx), part(from.Bxy, one.Bxy, other.Bxy), part(from.Byx, one.Byx, other.Byx);
   part(from.Byy, one.Byy, other.Byy), part(from.Bzx, one.Bzx, other.Bzx), part(from.Bzy, one.Bzy, other.Bzy);
@@ -33,8 +33,9 @@ MOMENTREE_INLINE void part(const PinRecord<Twins>& from, PinRecord<double>& one,
   part(from.ghy, one.ghy, other.ghy), part(from.u0, one.u0, other.u0);
   part(from.inverse_mass, one.inverse_mass, other.inverse_mass);
 }
-MOMENTREE_INLINE void part(const RotorRecord<Twins>& from, RotorRecord<double>& one, RotorRecord<double>& other) {
-  part(static_cast<const PinRecord<Twins>&>(from), static_cast<PinRecord<double>&>(one), static_cast<PinRecord<double>&>(other));
+MOMENTREE_INLINE void part(const ArmatureRecord<BodyPair>& from, ArmatureRecord<double>& one, ArmatureRecord<double>& other) {
+  part(static_cast<const RevoluteRecord<BodyPair>&>(from), static_cast<RevoluteRecord<double>&>(one),
+       static_cast<RevoluteRecord<double>&>(other));
   part(from.rotor, one.rotor, other.rotor), part(from.hz, one.hz, other.hz), part(from.ghz, one.ghz, other.ghz);
 }
 

@@ -1,4 +1,4 @@
-#include <momentree/io/picture/phases.hpp>
+#include <momentree/io/picture/topology_history.hpp>
 
 #include <algorithm>
 #include <map>

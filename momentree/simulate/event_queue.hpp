@@ -25,7 +25,7 @@ struct Approach {
   }
 };
 
-class Agenda {
+class EventQueue {
  public:
   struct Entry {
     DueEvent event;

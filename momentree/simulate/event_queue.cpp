@@ -1,4 +1,4 @@
-#include <momentree/simulate/agenda.hpp>
+#include <momentree/simulate/event_queue.hpp>
 
 #include <algorithm>
 
@@ -6,14 +6,14 @@
 
 namespace momentree {
 
-std::size_t Agenda::add(Entry entry) {
+std::size_t EventQueue::add(Entry entry) {
   entry.rank = entries.size();
   entries.push_back(std::move(entry));
   next_ = std::min(next_, entries.back().time);
   return entries.size() - 1;
 }
 
-void Agenda::look_ahead() {
+void EventQueue::look_ahead() {
   next_ = HUGE_VAL;
   for (const Entry& e : entries) {
     if (e.done) continue;
@@ -22,7 +22,7 @@ void Agenda::look_ahead() {
   }
 }
 
-std::vector<std::size_t> Agenda::due(double time) const {
+std::vector<std::size_t> EventQueue::due(double time) const {
   std::vector<std::size_t> places;
   if (next_ > time) return places;
   for (std::size_t k = 0; k < entries.size(); ++k)
@@ -31,14 +31,14 @@ std::vector<std::size_t> Agenda::due(double time) const {
   return places;
 }
 
-bool Agenda::watching(const World& world) const {
+bool EventQueue::watching(const World& world) const {
   return !strengths_.empty() || !world.tree().strength_joints().empty() ||
          std::any_of(entries.begin(), entries.end(), [](const Entry& e) { return e.condition && !e.done; });
 }
 
 // Joints come and go, and with them their strengths; of those that stay, what is known of their loads stays. One that broke is
 // gone: what has its number and its strength now was given them since.
-void Agenda::renew_strengths(const World& world) {
+void EventQueue::renew_strengths(const World& world) {
   strengths_of_ = world.tree().revision();
   if (strengths_.empty() && world.tree().strength_joints().empty()) return;
   const std::vector<Strength> now = strengths(world);
@@ -62,7 +62,7 @@ void Agenda::renew_strengths(const World& world) {
 namespace {
 
 // The highest point of the parabola through three looks, where that is between them.
-void look_between(Approach& nearest, const Agenda::Entry& e, double time, double excess) {
+void look_between(Approach& nearest, const EventQueue::Entry& e, double time, double excess) {
   if (e.looked_before < 0 || !(e.excess >= e.excess_before && e.excess >= excess)) return;
   const double before = e.looked - e.looked_before, after = time - e.looked;
   const double rise = (e.excess - e.excess_before) / before, fall = (excess - e.excess) / after;
@@ -74,7 +74,7 @@ void look_between(Approach& nearest, const Agenda::Entry& e, double time, double
 
 }  // namespace
 
-std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Event> now) {
+std::optional<std::size_t> EventQueue::urgent(const World& world, std::span<const Event> now) {
   if (strengths_of_ != world.tree().revision()) renew_strengths(world);
   std::optional<std::size_t> first, load;
   double largest = 0;
@@ -109,7 +109,7 @@ std::optional<std::size_t> Agenda::urgent(const World& world, std::span<const Ev
   return load ? load : first;
 }
 
-std::span<const Watch> Agenda::watches(const World& world) {
+std::span<const Watch> EventQueue::watches(const World& world) {
   watches_.clear();
   if (strengths_of_ != world.tree().revision()) renew_strengths(world);
   for (std::size_t k = 0; k < count(); ++k) {
@@ -131,7 +131,7 @@ std::span<const Watch> Agenda::watches(const World& world) {
   return watches_;
 }
 
-void Agenda::happened(std::size_t place, double time) {
+void EventQueue::happened(std::size_t place, double time) {
   Entry& e = at(place);
   ++e.fired;
   e.since = -1;
@@ -152,18 +152,18 @@ void Agenda::happened(std::size_t place, double time) {
   look_ahead();
 }
 
-void Agenda::forget_looks() {
+void EventQueue::forget_looks() {
   for (std::size_t k = 0; k < count(); ++k) at(k).looked = at(k).looked_before = -1;
 }
 
-std::vector<Agenda::Armed> Agenda::armed() const {
+std::vector<EventQueue::Armed> EventQueue::armed() const {
   std::vector<Armed> all;
   for (const Entry& e : entries)
     all.push_back({e.time, e.fired, e.done, e.since, e.resting, e.excess, e.excess_before, e.looked, e.looked_before});
   return all;
 }
 
-void Agenda::restore(std::span<const Armed> armed, double now) {
+void EventQueue::restore(std::span<const Armed> armed, double now) {
   strengths_.clear();
   strengths_of_.reset();
   for (std::size_t k = 0; k < entries.size(); ++k) {

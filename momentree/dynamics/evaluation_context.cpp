@@ -1,33 +1,33 @@
-#include <momentree/dynamics/moment.hpp>
+#include <momentree/dynamics/evaluation_context.hpp>
 
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/forward.hpp>
 
 namespace momentree {
 
-Numbers Moment::q(Body joint) const noexcept {
+Numbers EvaluationContext::q(Body joint) const noexcept {
   const int b = tree_->carrier(joint.index);
   if (b < 0) return {};
   return Numbers(q_ + tree_->first_q(b), static_cast<std::size_t>(info(tree_->joint(b).kind).nq));
 }
 
-Numbers Moment::v(Body joint) const noexcept {
+Numbers EvaluationContext::v(Body joint) const noexcept {
   const int b = tree_->carrier(joint.index);
   if (b < 0) return {};
-  return Numbers(work_->v.get() + tree_->first_p(b), static_cast<std::size_t>(info(tree_->joint(b).kind).nv));
+  return Numbers(workspace_->v.get() + tree_->first_p(b), static_cast<std::size_t>(info(tree_->joint(b).kind).nv));
 }
 
-bool Moment::has_function(Body joint) const noexcept {
+bool EvaluationContext::has_function(Body joint) const noexcept {
   const int b = tree_->carrier(joint.index);
   return b >= 0 && tree_->function(b) != nullptr;
 }
 
-BodyMotion Moment::motion(Body body) const noexcept {
+BodyMotion EvaluationContext::motion(Body body) const noexcept {
   MT_REQUIRE(body.index >= ground.index && body.index < tree_->bodies(), "the world has or had a body of that number");
   if (body == ground || !tree_->alive(body.index)) return {};
-  if (!located_) locate_stage(*tree_, q_, *work_);
+  if (!located_) locate_stage(*tree_, q_, *workspace_);
   located_ = true;
-  return user_motion(*tree_, work_->bodies[static_cast<std::size_t>(body.index)], body.index);
+  return user_motion(*tree_, workspace_->bodies[static_cast<std::size_t>(body.index)], body.index);
 }
 
 }  // namespace momentree

@@ -1,8 +1,8 @@
 #pragma once
 // Mechanisms in a plane: grounded trees of pins, all axes parallel. Three numbers do for a velocity; in the plane's own axes,
 // with absolute angles, nothing has to be turned from body to body. Included only by forward.ipp.
-#include <momentree/dynamics/passage.hpp>
-#include <momentree/dynamics/work.hpp>
+#include <momentree/dynamics/sweep_buffers.hpp>
+#include <momentree/dynamics/workspace.hpp>
 #include <momentree/joint/kinds.hpp>
 
 namespace momentree {
@@ -10,7 +10,7 @@ namespace momentree {
 /// Gravity in the axes of a plane: those of its root's joint, before it turns.
 inline Vec3 gravity_in_plane(UncheckedTree tree, int root) {
   Vec3 g = tree.gravity();
-  const Link& k = tree.link(root);
+  const LinkConstants& k = tree.link(root);
   turn_z(g, k.cos_b, -k.sin_b);
   turn_x(g, k.cos_a, -k.sin_a);
   return g;
@@ -19,15 +19,15 @@ inline Vec3 gravity_in_plane(UncheckedTree tree, int root) {
 /// Angles of joints, in `angle`, become those of bodies. A first child finds its parent's at hand: through memory it would wait
 /// for it.
 template <class T>
-void add_up_angles(UncheckedTree tree, const Segment& segment, T* angle) noexcept {
+void add_up_angles(UncheckedTree tree, const KernelRun& run, T* angle) noexcept {
   T sum(0);
-  for (int i = segment.begin; i < segment.end; ++i) {
+  for (int i = run.begin; i < run.end; ++i) {
     const int b = tree.order()[static_cast<std::size_t>(i)];
-    const unsigned flow = tree.flows()[static_cast<std::size_t>(i)];
+    const unsigned flags = tree.node_flags()[static_cast<std::size_t>(i)];
     T& own = angle[tree.first_angle(b)];
-    if ((flow & flow::root) != 0)
+    if ((flags & node::root) != 0)
       sum = own;
-    else if ((flow & flow::first) != 0)
+    else if ((flags & node::first_child) != 0)
       sum = own + sum;
     else
       sum = own + angle[tree.first_angle(tree.parent(b))];
@@ -36,29 +36,31 @@ void add_up_angles(UncheckedTree tree, const Segment& segment, T* angle) noexcep
 }
 
 template <class T>
-struct FlatSweep {
+struct InPlaneSweep {
   UncheckedTree tree;
   const T* q;
   const T* p;
-  Work<T>& work;
-  Passage<FlatInboard<T>, FlatOutboard<T>> passage{tree, work.flat_inlets.get(), work.flat_outlets.get()};
+  Workspace<T>& workspace;
+  SweepBuffers<InPlaneInboard<T>, InPlaneOutboard<T>> buffers{tree, workspace.in_plane_child_sums.get(),
+                                                              workspace.in_plane_parent_states.get()};
 
   /// (22)–(26) and (16); everything about the body's joint, in the plane's axes.
   template <bool Gravity>
-  void inboard(const Segment& segment) const {
+  void inboard(const KernelRun& run) const {
     const int* order = tree.order().data();
-    const unsigned char* flows = tree.flows().data();
-    FlatRecord<T>* const records = work.template records_of<FlatKernels>(tree, segment);  // closer together than those of pins
-    FlatInboard<T> a{};
-    for (int i = segment.end - 1; i >= segment.begin; --i) {
+    const unsigned char* node_flags = tree.node_flags().data();
+    InPlaneRecord<T>* const records =
+        workspace.template records_of<InPlaneKernels>(tree, run);  // closer together than those of pins
+    InPlaneInboard<T> a{};
+    for (int i = run.end - 1; i >= run.begin; --i) {
       const int b = order[i], outer = tree.parent(b);
-      const unsigned flow = flows[i];
-      const Link& k = tree.link(b);
+      const unsigned flags = node_flags[i];
+      const LinkConstants& k = tree.link(b);
       const int angle = tree.first_angle(b);
-      const T c = work.cos[angle], s = work.sin[angle];
-      FlatRecord<T>& w = records[i - segment.begin];
-      if ((flow & flow::tip) != 0) a = {};
-      passage.collect(b, flow, a);
+      const T c = workspace.cos[angle], s = workspace.sin[angle];
+      InPlaneRecord<T>& w = records[i - run.begin];
+      if ((flags & node::leaf) != 0) a = {};
+      buffers.gather_children(b, flags, a);
       const T mx = k.body.mc.x * c - k.body.mc.y * s, my = k.body.mc.x * s + k.body.mc.y * c;
       const T bx = a.bx - my, by = a.by + mx, J = a.J + k.body.J.zz;  // (22), (23)
       const T axx = a.axx + k.body.m, ayy = a.ayy + k.body.m;
@@ -71,8 +73,8 @@ struct FlatSweep {
       w.axx = axx - bx * gx, w.axy = a.axy - bx * gy, w.ayy = ayy - by * gy;  // (25)
       w.lx = a.lx + gx * u, w.ly = a.ly + gy * u;                             // (26)
       w.gx = gx, w.gy = gy, w.u0 = inverse * u;
-      if ((flow & flow::root) != 0) continue;
-      const T cp = work.cos[tree.first_angle(outer)], sp = work.sin[tree.first_angle(outer)];
+      if ((flags & node::root) != 0) continue;
+      const T cp = workspace.cos[tree.first_angle(outer)], sp = workspace.sin[tree.first_angle(outer)];
       const T rx = k.r.x * cp - k.r.y * sp, ry = k.r.x * sp + k.r.y * cp;
       w.rx = rx, w.ry = ry;
       a.axx = w.axx, a.axy = w.axy, a.ayy = w.ayy, a.lx = w.lx, a.ly = w.ly;
@@ -80,32 +82,32 @@ struct FlatSweep {
       a.J = rx * a.by - ry * a.bx;
       a.h = p[tree.first_p(b)] + (rx * w.ly - ry * w.lx);
       if constexpr (Gravity) a.mx = a.mx + tree.subtree_mass(b) * rx, a.my = a.my + tree.subtree_mass(b) * ry;
-      passage.deliver(b, flow, a);
+      buffers.add_to_parent(b, flags, a);
     }
   }
 
   /// (17), (27), (21), (20).
   template <bool Gravity>
-  void outboard(const Segment& segment) const {
-    const Vec3 gravity = gravity_in_plane(tree, tree.order()[static_cast<std::size_t>(segment.begin)]);
+  void outboard(const KernelRun& run) const {
+    const Vec3 gravity = gravity_in_plane(tree, tree.order()[static_cast<std::size_t>(run.begin)]);
     const int* order = tree.order().data();
-    const unsigned char* flows = tree.flows().data();
-    const FlatRecord<T>* const records = work.template records_of<FlatKernels>(tree, segment);
-    FlatOutboard<T> a{};
-    for (int i = segment.begin; i < segment.end; ++i) {
+    const unsigned char* node_flags = tree.node_flags().data();
+    const InPlaneRecord<T>* const records = workspace.template records_of<InPlaneKernels>(tree, run);
+    InPlaneOutboard<T> a{};
+    for (int i = run.begin; i < run.end; ++i) {
       const int b = order[i], at = tree.first_p(b);
-      const unsigned flow = flows[i];
-      const FlatRecord<T>& w = records[i - segment.begin];
-      passage.receive(b, flow, {}, a);
-      if ((flow & flow::root) == 0) a.vx = a.vx - a.w * w.ry, a.vy = a.vy + a.w * w.rx;          // (17)
+      const unsigned flags = node_flags[i];
+      const InPlaneRecord<T>& w = records[i - run.begin];
+      buffers.load_parent(b, flags, {}, a);
+      if ((flags & node::root) == 0) a.vx = a.vx - a.w * w.ry, a.vy = a.vy + a.w * w.rx;         // (17)
       const T turning = w.u0 - (w.gx * a.vx + w.gy * a.vy);                                      // (27)
       const T lx = w.axx * a.vx + w.axy * a.vy + w.lx, ly = w.axy * a.vx + w.ayy * a.vy + w.ly;  // (21)
       T pdot = a.vy * lx - a.vx * ly;                                                            // (20)
       if constexpr (Gravity) pdot = pdot + (w.mx * gravity.y - w.my * gravity.x);
       const T u = turning - a.w;
-      work.v[at] = u, work.qdot[tree.first_q(b)] = u, work.pdot[at] = pdot;
+      workspace.v[at] = u, workspace.qdot[tree.first_q(b)] = u, workspace.pdot[at] = pdot;
       a.w = turning;
-      passage.hand_down(b, flow, a);
+      buffers.store_for_children(b, flags, a);
     }
   }
 };

@@ -1,4 +1,4 @@
-#include <momentree/simulate/surgery.hpp>
+#include <momentree/simulate/topology_editor.hpp>
 
 #include <chrono>
 #include <cmath>
@@ -10,24 +10,24 @@
 
 namespace momentree {
 
-Surgery::Surgery(World& world, bool rehearsal) : world_(world), rehearsal_(rehearsal) {}
+TopologyEditor::TopologyEditor(World& world, bool dry_run) : world_(world), rehearsal_(dry_run) {}
 
-void Surgery::begin(Event& event, std::string made_name) {
+void TopologyEditor::begin(Event& event, std::string made_name) {
   event_ = &event;
   made_name_ = std::move(made_name);
 }
 
-int Surgery::body(std::string_view name) const {
+int TopologyEditor::body(std::string_view name) const {
   if (name == "ground") return -1;
   if (!world_.model_.has_body(name)) return -2;
   const Body body = world_.model_.body(name);
   return world_.alive(body) ? body.index : -2;
 }
 
-std::string Surgery::body_name(int body) const { return body < 0 ? "ground" : world_.model_[Body{body}].name; }
-std::string Surgery::mechanism_of(int body) const { return world_.names_.mechanism(root_of(tree(), body)); }
+std::string TopologyEditor::body_name(int body) const { return body < 0 ? "ground" : world_.model_[Body{body}].name; }
+std::string TopologyEditor::mechanism_of(int body) const { return world_.names_.mechanism(root_of(tree(), body)); }
 
-Values Surgery::coordinates(int joint) const {
+Values TopologyEditor::coordinates(int joint) const {
   const int b = tree().carrier(joint);
   Values q;
   for (int i = 0; i < info(tree().joint(b).kind).nq; ++i)
@@ -35,43 +35,43 @@ Values Surgery::coordinates(int joint) const {
   return q;
 }
 
-Pose Surgery::pose(int body) {
+Pose TopologyEditor::pose(int body) {
   if (body < 0) return {};
   evaluate();
-  return user_pose(tree(), locate_body(tree(), world_.state_, world_.work_, body), body);
+  return user_pose(tree(), locate_body(tree(), world_.state_, world_.workspace_, body), body);
 }
 
-Pose Surgery::joint_pose(int joint) {
+Pose TopologyEditor::joint_pose(int joint) {
   const int b = tree().carrier(joint);
   const Pose outer = pose(tree().parent(b)), own = pose(b);
   return tree().reversed(b) ? inverse(own) * outer : inverse(outer) * own;
 }
 
-Motion<double> seen_from_child(const Joint& joint, const Motion<double>& freedom) {
+Motion<double> seen_from_child(const Joint& joint, const Motion<double>& dof) {
   const Mat3 R = rotation_matrix(joint.child_at.rotation);
-  const Vec3 w = R * freedom.w;
-  return {R * freedom.v + cross(joint.child_at.position, w), w};
+  const Vec3 w = R * dof.w;
+  return {R * dof.v + cross(joint.child_at.position, w), w};
 }
 
-std::vector<Motion<double>> Surgery::freedoms(const Joint& joint, const Values& q) const {
+std::vector<Motion<double>> TopologyEditor::dofs(const Joint& joint, const Values& q) const {
   std::vector<Motion<double>> all;
-  const std::vector<Motion<double>> own = joint_freedoms(spec_of(joint), q.begin());
+  const std::vector<Motion<double>> own = joint_dofs(spec_of(joint), q.begin());
   for (std::size_t i = 0; i < own.size(); ++i)
     if ((joint.locked >> i & 1u) == 0) all.push_back(seen_from_child(joint, own[i]));
   return all;
 }
 
 template <class Change>
-void Surgery::carry_out(const Change& change, Nature nature) {
+void TopologyEditor::carry_out(const Change& change, Nature nature) {
   evaluate();
   const Totals before = world_.totals();
   if (nature != Nature::workless) remember_momenta();
   const auto start = std::chrono::steady_clock::now();
   Released released;
   if constexpr (std::is_same_v<Change, Impact>)
-    apply(change, world_.tree_, world_.state_, world_.work_);
+    apply(change, world_.tree_, world_.state_, world_.workspace_);
   else
-    released = apply(change, world_.tree_, world_.state_, world_.work_);
+    released = apply(change, world_.tree_, world_.state_, world_.workspace_);
   const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   seconds += taken;
   ++changes;
@@ -94,22 +94,22 @@ void Surgery::carry_out(const Change& change, Nature nature) {
 
 // What prescribed motions did in the impact that just was, to be no slower and no faster for it: impulse along the freedom times
 // its speed. Pb of before it is in before_.
-double Surgery::work_of_motions() {
+double TopologyEditor::work_of_motions() {
   double work = 0;
   for (const int b : tree().driven_joints()) {
     const Force<double>&before = before_[static_cast<std::size_t>(b)],
-          after = to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.work_, b));
+          after = to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.workspace_, b));
     double along[6];
-    project(tree(), b, joint_state(tree(), world_.state_, world_.work_, b),
+    project(tree(), b, joint_state(tree(), world_.state_, world_.workspace_, b),
             to_kernel_frame(tree().frame(b), {after.l - before.l, after.h - before.h}), along);
-    work += along[0] * world_.work_.v[static_cast<std::size_t>(tree().first_p(b))];
+    work += along[0] * world_.workspace_.v[static_cast<std::size_t>(tree().first_p(b))];
   }
   return work;
 }
 
 // The free joint of a part that came off takes the name of its body, which is often that of the joint that broke. Actions mean
 // the joint that broke: nothing that they do to it may act on the part in flight.
-int Surgery::joint(std::string_view name) const {
+int TopologyEditor::joint(std::string_view name) const {
   const int found = world_.names_.find_joint(name);
   if (found < 0 || loosened.contains(found)) return found;
   const int b = tree().carrier(found);
@@ -125,7 +125,7 @@ int Surgery::joint(std::string_view name) const {
   return broke ? -1 : found;
 }
 
-void Surgery::break_off(int joint) {
+void TopologyEditor::break_off(int joint) {
   const int b = tree().carrier(joint);
   const bool was_root = tree().parent(b) < 0;
   carry_out(Break{{b}}, Nature::workless);
@@ -134,96 +134,97 @@ void Surgery::break_off(int joint) {
   if (!was_root) world_.names_.name_mechanism(b, body);
 }
 
-void Surgery::unlock(int joint, unsigned freedoms) {
+void TopologyEditor::unlock(int joint, unsigned dofs) {
   const JointParameters* p = tree().parameters(tree().carrier(joint));
   const bool resumes = p != nullptr && p->drive != nullptr && p->drive->moves();
-  carry_out(Unlock{{tree().carrier(joint)}, freedoms & ~world_.held(joint)}, resumes ? Nature::outside : Nature::workless);
+  carry_out(Unlock{{tree().carrier(joint)}, dofs & ~world_.held(joint)}, resumes ? Nature::outside : Nature::workless);
 }
-void Surgery::lock(int joint, unsigned freedoms) {
-  carry_out(Lock{{tree().carrier(joint)}, freedoms}, Nature::impact);
-  std::erase_if(world_.holds_, [&](const Hold& h) { return h.joint == joint && (freedoms >> h.freedom & 1u) != 0; });
-}
-
-void Surgery::strike(int joint, int freedom, double restitution) {
-  carry_out(Impact{{tree().carrier(joint)}, freedom, restitution}, Nature::impact);
-}
-void Surgery::hold(int joint, int freedom, int sign) {
-  carry_out(Lock{{tree().carrier(joint)}, 1u << freedom}, Nature::impact);
-  world_.holds_.push_back({joint, freedom, sign});
-}
-void Surgery::leave(int joint, int freedom) {
-  carry_out(Unlock{{tree().carrier(joint)}, 1u << freedom}, Nature::workless);
-  std::erase_if(world_.holds_, [&](const Hold& h) { return h.joint == joint && h.freedom == freedom; });
+void TopologyEditor::lock(int joint, unsigned dofs) {
+  carry_out(Lock{{tree().carrier(joint)}, dofs}, Nature::impact);
+  std::erase_if(world_.active_limits_, [&](const ActiveLimit& h) { return h.joint == joint && (dofs >> h.dof & 1u) != 0; });
 }
 
-void Surgery::loosen(int joint, const JointPlan& plan) {
+void TopologyEditor::apply_restitution(int joint, int dof, double restitution) {
+  carry_out(Impact{{tree().carrier(joint)}, dof, restitution}, Nature::impact);
+}
+void TopologyEditor::engage_limit(int joint, int dof, int sign) {
+  carry_out(Lock{{tree().carrier(joint)}, 1u << dof}, Nature::impact);
+  world_.active_limits_.push_back({joint, dof, sign});
+}
+void TopologyEditor::release_limit(int joint, int dof) {
+  carry_out(Unlock{{tree().carrier(joint)}, 1u << dof}, Nature::workless);
+  std::erase_if(world_.active_limits_, [&](const ActiveLimit& h) { return h.joint == joint && h.dof == dof; });
+}
+
+void TopologyEditor::loosen(int joint, const JointPlan& plan) {
   carry_out(ChangeJoint{{tree().carrier(joint)}, plan.joint, plan.q}, Nature::workless);
 }
-void Surgery::become(int joint, const JointPlan& plan) {
+void TopologyEditor::become(int joint, const JointPlan& plan) {
   carry_out(ChangeJoint{{tree().carrier(joint)}, plan.joint, plan.q}, Nature::impact);
 }
 
-void Surgery::reroot(int body) {
+void TopologyEditor::reroot(int body) {
   const int root = root_of(tree(), body);
   carry_out(Reroot{{body}}, Nature::workless);
   world_.names_.move_mechanism(root, body);
 }
 
-void Surgery::push(int body, const Vec3& force, const Vec3& torque, const Vec3& point) {
+void TopologyEditor::push(int body, const Vec3& force, const Vec3& torque, const Vec3& point) {
   carry_out(Impulse{{body}, force, torque, point}, Nature::outside);
 }
 
-void Surgery::set(int joint, const JointParameters& parameters) {
+void TopologyEditor::set(int joint, const JointParameters& parameters) {
   carry_out(SetParameters{{tree().carrier(joint)}, parameters}, Nature::outside);
 }
 
-JointParameters Surgery::begun(int joint, JointParameters parameters) const {
+JointParameters TopologyEditor::begun(int joint, JointParameters parameters) const {
   const Values q = coordinates(joint);
   if (q.size() == 1) begin_motion(parameters.drive, q[0], world_.time());
   return parameters;
 }
 
-Verdict Surgery::can_follow(int joint, const JointParameters& parameters) const {
-  if (rehearsal_ || parameters.drive == nullptr || !parameters.drive->moves()) return Verdict::done();
+ActionResult TopologyEditor::can_follow(int joint, const JointParameters& parameters) const {
+  if (rehearsal_ || parameters.drive == nullptr || !parameters.drive->moves()) return ActionResult::done();
   const double at = parameters.drive->motion[0].at(world_.time()).value, is = coordinates(joint)[0];
-  if (std::fabs(at - is) <= motion_tolerance) return Verdict::done();
+  if (std::fabs(at - is) <= motion_tolerance) return ActionResult::done();
   const auto text = [](double x) {
     char buffer[32];
     std::snprintf(buffer, sizeof buffer, "%.9g", x);
     return std::string(buffer);
   };
-  return Verdict::refused(
+  return ActionResult::refused(
       "joint '" + joint_name(joint) + "' stands at " + text(is) + ", but its motion is at " + text(at) + " now",
       "a joint does not jump: let the motion pass there at this instant, or drive it there by 'pd' first");
 }
 
-bool Surgery::drifts(int body) const {
+bool TopologyEditor::drifts(int body) const {
   return floats(tree(), body) && !loosened.contains(tree().joint_of(root_of(tree(), body)));
 }
 
-Verdict Surgery::attach(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {
-  if (body == to) return Verdict::refused("body '" + body_name(body) + "' can't be joined to itself");
+ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {
+  if (body == to) return ActionResult::refused("body '" + body_name(body) + "' can't be joined to itself");
   const int root = root_of(tree(), body);
   if (to >= 0 && root_of(tree(), to) == root) {
     const bool below = tree().parent(body) == to, above = tree().parent(to) == body;
     if (below || above)
-      return Verdict::refused("'" + body_name(body) + "' and '" + body_name(to) + "' are joined already, by joint '" +
-                                  joint_name(tree().joint_of(below ? body : to)) + "'",
-                              "lock that joint, or change its kind");
-    return Verdict::refused("'" + body_name(body) + "' and '" + body_name(to) + "' both belong to mechanism '" +
-                                mechanism_of(body) + "': that would close a loop",
-                            "loops are not supported: break a joint between them first");
+      return ActionResult::refused("'" + body_name(body) + "' and '" + body_name(to) + "' are joined already, by joint '" +
+                                       joint_name(tree().joint_of(below ? body : to)) + "'",
+                                   "lock that joint, or change its kind");
+    return ActionResult::refused("'" + body_name(body) + "' and '" + body_name(to) + "' both belong to mechanism '" +
+                                     mechanism_of(body) + "': that would close a loop",
+                                 "loops are not supported: break a joint between them first");
   }
   const auto held_by = [this](int b) { return joint_name(tree().joint_of(root_of(tree(), b))); };
   const bool floats_here = drifts(body), floats_there = to >= 0 && drifts(to);
   if (!floats_here && !floats_there) {
     const std::string one = "mechanism '" + mechanism_of(body) + "' is held to the ground by joint '" + held_by(body) + "'";
-    if (to < 0) return Verdict::refused(one + ": a second joint to the ground would close a loop", "break one of them first");
-    return Verdict::refused(one + ", and '" + mechanism_of(to) + "' by joint '" + held_by(to) + "': that would close a loop",
-                            "break one of them first");
+    if (to < 0)
+      return ActionResult::refused(one + ": a second joint to the ground would close a loop", "break one of them first");
+    return ActionResult::refused(one + ", and '" + mechanism_of(to) + "' by joint '" + held_by(to) + "': that would close a loop",
+                                 "break one of them first");
   }
   if (joint(made_name_) >= 0)
-    return Verdict::refused("there is a joint '" + made_name_ + "' already", "give the event another name");
+    return ActionResult::refused("there is a joint '" + made_name_ + "' already", "give the event another name");
 
   const int carrier = floats_here ? body : to, other = floats_here ? to : body;
   const int old_root = root_of(tree(), carrier);
@@ -245,10 +246,10 @@ Verdict Surgery::attach(int body, int to, const JointSpec& spec, const std::opti
   carry_out(change, Nature::impact);
   const int made = tree().joint_of(carrier);
   const JointParameters parameters = begun(made, spec.parameters);
-  const Verdict follows = can_follow(made, parameters);
-  if (follows.outcome != Verdict::Outcome::done) return follows;
+  const ActionResult follows = can_follow(made, parameters);
+  if (follows.outcome != ActionResult::Outcome::done) return follows;
   if (!(parameters == JointParameters{})) set(made, parameters);
-  return Verdict::done();
+  return ActionResult::done();
 }
 
 }  // namespace momentree

@@ -20,12 +20,12 @@ struct JointPlan {
 };
 
 /// A freedom of a joint, from the joint's frame after its motion to the declared child's: about its origin, in its axes.
-Motion<double> seen_from_child(const Joint& joint, const Motion<double>& freedom);
+Motion<double> seen_from_child(const Joint& joint, const Motion<double>& dof);
 
-class Surgery {
+class TopologyEditor {
  public:
   /// `rehearsal`: coordinates are not those of the instant, and nothing is judged by them.
-  explicit Surgery(World& world, bool rehearsal = false);
+  explicit TopologyEditor(World& world, bool dry_run = false);
 
   /// What follows belongs to this event; a joint that is made gets that name.
   void begin(Event& event, std::string made_name);
@@ -49,30 +49,30 @@ class Surgery {
   Pose pose(int body);
   Pose joint_pose(int joint);
   /// Spatial velocities that a joint allows, locked freedoms apart: about the child's origin, in its axes.
-  std::vector<Motion<double>> freedoms(const Joint& joint, const Values& q) const;
+  std::vector<Motion<double>> dofs(const Joint& joint, const Values& q) const;
 
   // What changes no velocity: energy can only leave with springs and rotors.
   void break_off(int joint);
-  void unlock(int joint, unsigned freedoms);
+  void unlock(int joint, unsigned dofs);
   void loosen(int joint, const JointPlan& plan);
   void reroot(int body);
   // Impacts.
-  void lock(int joint, unsigned freedoms);
+  void lock(int joint, unsigned dofs);
   void become(int joint, const JointPlan& plan);
   /// Joins `body` to `to` (−1: the ground) by a joint at `at` in to's frame, the present pose its zero; whichever floats is
   /// re-rooted. Refused where that would close a loop.
-  Verdict attach(int body, int to, const JointSpec& joint, const std::optional<Pose>& at);
+  ActionResult attach(int body, int to, const JointSpec& joint, const std::optional<Pose>& at);
   /// A stop of the joint throws the freedom back; takes hold of it; lets go of it.
-  void strike(int joint, int freedom, double restitution);
-  void hold(int joint, int freedom, int sign);
-  void leave(int joint, int freedom);
+  void apply_restitution(int joint, int dof, double restitution);
+  void engage_limit(int joint, int dof, int sign);
+  void release_limit(int joint, int dof);
   // Energy from outside.
   void push(int body, const Vec3& force, const Vec3& torque, const Vec3& point);
   void set(int joint, const JointParameters& parameters);
   /// The same parameters, where their motion begins where the joint stands now: it does.
   JointParameters begun(int joint, JointParameters parameters) const;
   /// Whether a motion that these parameters prescribe can begin, or go on, where the joint stands now.
-  Verdict can_follow(int joint, const JointParameters& parameters) const;
+  ActionResult can_follow(int joint, const JointParameters& parameters) const;
 
   /// Plans by action, from before the first impact of the instant, and the joints that are let go until they are carried out:
   /// what hangs on such a joint is no less held for that.

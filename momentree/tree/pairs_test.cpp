@@ -28,30 +28,30 @@ Body trunk(Model& model) { return model.add({.name = "trunk", .mass = 1, .inerti
 /// The twins of a tree by the numbers of the bodies that branches begin with, "first-other …".
 std::string pairs(const Tree& tree) {
   std::string all;
-  for (const Segment& s : tree.twin_segments())
-    if (s.branch && s.twin > s.begin)
+  for (const KernelRun& s : tree.paired_runs())
+    if (s.branch && s.pair > s.begin)
       all += (all.empty() ? "" : " ") + std::to_string(tree.order()[static_cast<std::size_t>(s.begin)]) + "-" +
-             std::to_string(tree.order()[static_cast<std::size_t>(s.twin)]);
+             std::to_string(tree.order()[static_cast<std::size_t>(s.pair)]);
   return all;
 }
 
-/// Pieces in the order, whole, in pairs of one length and kind; the constants those of both links.
+/// Generic in the order, whole, in pairs of one length and kind; the constants those of both links.
 void check_pieces(const Tree& tree) {
   int place = 0;
-  for (const Segment& s : tree.twin_segments()) {
+  for (const KernelRun& s : tree.paired_runs()) {
     CHECK(s.begin == place);
     place = s.end;
-    if (s.twin < 0) continue;
-    const Segment other = twin_of(s);
+    if (s.pair < 0) continue;
+    const KernelRun other = pair_of(s);
     bool found = false;
-    for (const Segment& t : tree.twin_segments())
+    for (const KernelRun& t : tree.paired_runs())
       if (t.begin == other.begin)
-        found = t.end == other.end && t.kind == s.kind && t.twin == s.begin && t.branch == s.branch && t.links == s.links;
+        found = t.end == other.end && t.kind == s.kind && t.pair == s.begin && t.branch == s.branch && t.links == s.links;
     CHECK(found);
-    for (int i = 0; i < s.end - s.begin && s.begin < s.twin; ++i) {
-      const Link& a = tree.link(tree.order()[static_cast<std::size_t>(s.begin + i)]);
-      const Link& b = tree.link(tree.order()[static_cast<std::size_t>(s.twin + i)]);
-      const TwinLinks& both = tree.twin_links()[static_cast<std::size_t>(s.links + i)];
+    for (int i = 0; i < s.end - s.begin && s.begin < s.pair; ++i) {
+      const LinkConstants& a = tree.link(tree.order()[static_cast<std::size_t>(s.begin + i)]);
+      const LinkConstants& b = tree.link(tree.order()[static_cast<std::size_t>(s.pair + i)]);
+      const PairedLinks& both = tree.paired_links()[static_cast<std::size_t>(s.links + i)];
       CHECK(both.body.m[0] == a.body.m);
       CHECK(both.body.m[1] == b.body.m);
       CHECK(both.cos_a[0] == a.cos_a);
@@ -132,7 +132,7 @@ TEST_CASE("twins part when one of them changes, and meet again when it is restor
   locked.locked = 1;
   tree.set_joint(6, locked);
   CHECK(pairs(tree).empty());
-  CHECK(tree.twin_segments().size() == tree.segments().size());
+  CHECK(tree.paired_runs().size() == tree.kernel_runs().size());
   const Tree copy = tree;
   CHECK(pairs(copy).empty());
   tree.restore(before);

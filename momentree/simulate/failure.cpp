@@ -1,4 +1,4 @@
-#include <momentree/simulate/trouble.hpp>
+#include <momentree/simulate/failure.hpp>
 
 #include <algorithm>
 #include <cmath>

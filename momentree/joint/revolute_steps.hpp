@@ -1,52 +1,52 @@
 #pragma once
 // Steps of the two sweeps across a pin: (22)–(26) and (16) inboard, (17), (27), (21), (20) outboard, as one piece each. What
 // reduction about z leaves has zeros, but with a rotor on the joint, and so has the placement of most links.
-#include <momentree/joint/pin_blocks.hpp>
-#include <momentree/joint/pin_record.hpp>
+#include <momentree/joint/revolute_blocks.hpp>
+#include <momentree/joint/revolute_record.hpp>
 
 namespace momentree {
 
 /// Whether a scalar stands for one world that is evaluated by itself, whose processor waits for every division.
 template <class T>
-inline constexpr bool one_world_at_a_time = std::is_same_v<T, double> || std::is_same_v<T, Twins>;
+inline constexpr bool one_world_at_a_time = std::is_same_v<T, double> || std::is_same_v<T, BodyPair>;
 
 /// What a body has to collect from its children: at a fork, beside what the first asks, the sum of the others.
 enum class Children : unsigned char { none, one, several };
 
 template <bool Rotor>
-struct PinStepsOf {
+struct RevoluteStepsOf {
   static constexpr bool rotor = Rotor;
   template <class T>
-  using Record = std::conditional_t<Rotor, RotorRecord<T>, PinRecord<T>>;
+  using Record = std::conditional_t<Rotor, ArmatureRecord<T>, RevoluteRecord<T>>;
 
   /// Whether the mass is turned about z before it is reduced, while 1 / Mj is in flight: more operations, but for one world at a
   /// time less waiting. E, and what is about z, are the same on both sides of the turn. Records are then those of the parent's
   /// side: not where they are kept for others.
   template <class T, bool Keep>
-  static constexpr bool late = one_world_at_a_time<T> && !Keep;
+  static constexpr bool rotate_then_reduce = one_world_at_a_time<T> && !Keep;
 
   /// What of a link's placement a shape has.
-  template <LinkShape S>
+  template <PlacementShape S>
   struct Has {
-    static constexpr bool turn_b = S == LinkShape::general;
-    static constexpr bool any_offset = S == LinkShape::general || S == LinkShape::tilted;
-    static constexpr bool right = S >= LinkShape::right && S <= LinkShape::right_meeting;
-    static constexpr bool parallel = S >= LinkShape::parallel;
-    static constexpr bool a =
-        S == LinkShape::screw || S == LinkShape::screw_a || S == LinkShape::right || S == LinkShape::right_a || parallel;
-    static constexpr bool d = S == LinkShape::screw || S == LinkShape::screw_d || S == LinkShape::right ||
-                              S == LinkShape::right_d || S == LinkShape::parallel;
+    static constexpr bool turn_b = S == PlacementShape::general;
+    static constexpr bool any_offset = S == PlacementShape::general || S == PlacementShape::tilted;
+    static constexpr bool right = S >= PlacementShape::right && S <= PlacementShape::right_meeting;
+    static constexpr bool parallel = S >= PlacementShape::parallel;
+    static constexpr bool a = S == PlacementShape::screw || S == PlacementShape::screw_a || S == PlacementShape::right ||
+                              S == PlacementShape::right_a || parallel;
+    static constexpr bool d = S == PlacementShape::screw || S == PlacementShape::screw_d || S == PlacementShape::right ||
+                              S == PlacementShape::right_d || S == PlacementShape::parallel;
   };
 
   /// In: what the children reduced, in the body's frame, the first and the others. Out: what the parent gets, in its frame;
   /// `Root`: nobody asks for it. `out` may be `in`. `mass`: of the body and all outboard of it. `armature`: the rotor's inertia,
   /// where there is one.
-  template <LinkShape S, bool Gravity, bool Keep, Children N, bool Root, class L, class T>
+  template <PlacementShape S, bool Gravity, bool Keep, Children N, bool Root, class L, class T>
   MOMENTREE_INLINE static void inboard(const L& k, const detail::ConstantOf<L>& mass,
                                        [[maybe_unused]] const detail::ConstantOf<L>& armature, const T& cosine, const T& sine,
                                        const T& momentum, const Inboard<T>& in, const Inboard<T>& others, Record<T>& w,
                                        Inboard<T>& out) {
-    constexpr bool is_late = late<T, Keep>, crosses_z = is_late || !Root, slides = Has<S>::d;
+    constexpr bool rotates_first = rotate_then_reduce<T, Keep>, crosses_z = rotates_first || !Root, slides = Has<S>::d;
     const T c = cosine, s = sine, p = momentum;
     const auto& b = k.body;
     const T Jzz = with<N>(in.M.J.zz, others.M.J.zz, b.J.zz);
@@ -54,26 +54,27 @@ struct PinStepsOf {
     if constexpr (Rotor) Mj = Mj + armature;
     const T inverse = T(1) / Mj;
     if constexpr (Root && !Keep) return inboard_root<Gravity, N>(k, c, s, inverse, p, in, others, w);
-    detail::PinColumn<T> e{with<N>(in.M.B.xz, others.M.B.xz, -b.mc.y), with<N>(in.M.B.yz, others.M.B.yz, b.mc.x),
-                           alone<N>(in.M.B.zz, others.M.B.zz), with<N>(in.M.J.xz, others.M.J.xz, b.J.xz),
-                           with<N>(in.M.J.yz, others.M.J.yz, b.J.yz)};
-    if constexpr (is_late) detail::cross_z<slides>(e, c, s, k.d);
+    detail::RevoluteColumn<T> e{with<N>(in.M.B.xz, others.M.B.xz, -b.mc.y), with<N>(in.M.B.yz, others.M.B.yz, b.mc.x),
+                                alone<N>(in.M.B.zz, others.M.B.zz), with<N>(in.M.J.xz, others.M.J.xz, b.J.xz),
+                                with<N>(in.M.J.yz, others.M.J.yz, b.J.yz)};
+    if constexpr (rotates_first) detail::cross_z<slides>(e, c, s, k.d);
     constexpr bool tip = N == Children::none;  // of what is known to be zero nothing is made
-    const detail::PinColumn<T> g{inverse * e.lx, inverse * e.ly, tip ? T(0) : inverse * e.lz, inverse * e.hx, inverse * e.hy};
+    const detail::RevoluteColumn<T> g{inverse * e.lx, inverse * e.ly, tip ? T(0) : inverse * e.lz, inverse * e.hx,
+                                      inverse * e.hy};
     w.gl.x = g.lx, w.gl.y = g.ly, w.gl.z = g.lz, w.ghx = g.hx, w.ghy = g.hy;
     if constexpr (Keep) w.inverse_mass = inverse;
     if constexpr (Rotor) w.rotor = T(armature), w.ghz = inverse * Jzz;
     T u = p;
     if constexpr (!tip) u = p - alone<N>(in.D.h.z, others.D.h.z);
-    if constexpr (!is_late) w.u0 = inverse * u;  // one number less to keep: compilers see to other orders of things badly
+    if constexpr (!rotates_first) w.u0 = inverse * u;  // one number less to keep: compilers see to other orders of things badly
 
     detail::ReducedMass<T> m;
-    reduce_mass<slides, is_late, crosses_z, N>(k, c, s, e, g, in.M, others.M, m, w);
+    reduce_mass<slides, rotates_first, crosses_z, N>(k, c, s, e, g, in.M, others.M, m, w);
     if constexpr (Keep) w.A.zz = m.Azz;
     if constexpr (!Root) {
       if constexpr (Rotor) {
-        detail::PinColumn<T> z{armature * g.lx, armature * g.ly, armature * g.lz, armature * g.hx, armature * g.hy};
-        if constexpr (!is_late) detail::cross_z<slides>(z, c, s, k.d);
+        detail::RevoluteColumn<T> z{armature * g.lx, armature * g.ly, armature * g.lz, armature * g.hx, armature * g.hy};
+        if constexpr (!rotates_first) detail::cross_z<slides>(z, c, s, k.d);
         const T zz = armature * w.ghz;
         mass_inboard<S>(k, m, z, zz, out.M);
       } else {
@@ -81,7 +82,7 @@ struct PinStepsOf {
       }
     }
 
-    if constexpr (is_late) w.u0 = inverse * u;
+    if constexpr (rotates_first) w.u0 = inverse * u;
     T hz = p;  // D̂·E
     if constexpr (Rotor) w.hz = hz = alone<N>(in.D.h.z, others.D.h.z) + u * w.ghz;
     Force<T> D{{alone<N>(in.D.l.x, others.D.l.x), alone<N>(in.D.l.y, others.D.l.y), alone<N>(in.D.l.z, others.D.l.z)},
@@ -94,9 +95,9 @@ struct PinStepsOf {
       detail::cross_z<slides>(D, c, s, k.d);
       if constexpr (Gravity) turn_z(mc, c, s);
     };
-    if constexpr (is_late && tip)
+    if constexpr (rotates_first && tip)
       mc.x = e.ly, mc.y = -e.lx;  // as they stand there, turned
-    else if constexpr (is_late)
+    else if constexpr (rotates_first)
       turn();
     if constexpr (tip)  // (26)
       D = {{u * g.lx, u * g.ly, T(0)}, {u * g.hx, u * g.hy, hz}};
@@ -106,7 +107,7 @@ struct PinStepsOf {
     if constexpr (Keep) w.l.z = D.l.z;
     if constexpr (Gravity) w.mc.x = mc.x, w.mc.y = mc.y;
     if constexpr (Root) return;
-    if constexpr (!is_late) turn();
+    if constexpr (!rotates_first) turn();
     momentum_inboard<S, Gravity>(k, mass, D, mc);
     out.D.l.x = D.l.x, out.D.l.y = D.l.y, out.D.l.z = D.l.z, out.D.h.x = D.h.x, out.D.h.y = D.h.y, out.D.h.z = D.h.z;
     if constexpr (Gravity) out.mc.x = mc.x, out.mc.y = mc.y, out.mc.z = mc.z;
@@ -114,7 +115,7 @@ struct PinStepsOf {
 
   /// In: the parent's velocity, and gravity in its axes; out: those of the body, but behind a tip, where nobody asks. Gives u and
   /// ṗ of the joint; if kept, Ω and Pb.
-  template <LinkShape S, bool Gravity, bool Keep, class L, class T>
+  template <PlacementShape S, bool Gravity, bool Keep, class L, class T>
   MOMENTREE_INLINE static void outboard(const L& k, const T& c, const T& s, const Record<T>& w, const T& p, bool tip,
                                         Outboard<T>& out, T& u, T& pdot, BodySweep<T>* kept) {
     Vector3<T>&v = out.velocity.v, &o = out.velocity.w, &g = out.gravity;
@@ -134,7 +135,7 @@ struct PinStepsOf {
       if constexpr (Has<S>::d) v.x = v.x + k.d * o.y, v.y = v.y - k.d * o.x;
       each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { turn_z(x, c, -s); });
     };
-    if constexpr (!late<T, Keep>) cross_joint();
+    if constexpr (!rotate_then_reduce<T, Keep>) cross_joint();
     // (27): u + ω_z at once, which is all that the next joint asks for
     const T along = (w.gl.x * v.x + w.ghx * o.x) + (w.gl.y * v.y + w.ghy * o.y) + w.gl.z * v.z;
     T turning;
@@ -165,7 +166,7 @@ struct PinStepsOf {
       if constexpr (Rotor) lz = lz + turned * w.gl.z, hz = w.hz + (w.rotor * along + turned * w.ghz);
       *kept = {out.velocity, {{lx, ly, lz}, {hx, hy, hz}}};
     }
-    if constexpr (late<T, Keep>)
+    if constexpr (rotate_then_reduce<T, Keep>)
       if (!tip) cross_joint();
   }
 
@@ -179,9 +180,9 @@ struct PinStepsOf {
     if constexpr (Gravity) {
       turn_z(g, k.cos_b, -k.sin_b);
       turn_x(g, k.cos_a, -k.sin_a);
-      if constexpr (!late<T, Keep>) turn_z(g, c, -s);
+      if constexpr (!rotate_then_reduce<T, Keep>) turn_z(g, c, -s);
       pdot = w.mc.x * g.y - w.mc.y * g.x;
-      if constexpr (late<T, Keep>) turn_z(g, c, -s);
+      if constexpr (rotate_then_reduce<T, Keep>) turn_z(g, c, -s);
     } else {
       pdot = o;
     }
@@ -196,8 +197,8 @@ struct PinStepsOf {
   // The second recursion.
 
   /// (45): a wrench, to the parent.
-  template <LinkShape S, class T>
-  MOMENTREE_INLINE static void cross_inboard(const Link& k, const T& c, const T& s, Force<T>& W) {
+  template <PlacementShape S, class T>
+  MOMENTREE_INLINE static void cross_inboard(const LinkConstants& k, const T& c, const T& s, Force<T>& W) {
     turn_z(W.l, c, s);
     turn_z(W.h, c, s);
     if constexpr (Has<S>::d) W.h.x = W.h.x - k.d * W.l.y, W.h.y = W.h.y + k.d * W.l.x;
@@ -218,10 +219,10 @@ struct PinStepsOf {
   }
   /// (39), (47): Ω̇ of the parent in, of the body out, less gravity; u̇, which comes in as Mj⁻¹ (τ − Eᵀ W) − Gᵀ bias. `approach`
   /// gets a′. `velocity` is Ω.
-  template <LinkShape S, class T>
-  MOMENTREE_INLINE static void rate_outboard(const Link& k, const T& c, const T& s, const Record<T>& w, const Motion<T>& velocity,
-                                             const T& u, T& udot, Motion<T>& a, Motion<T>& approach) {
-    constexpr bool is_late = one_world_at_a_time<T>, slides = Has<S>::d;
+  template <PlacementShape S, class T>
+  MOMENTREE_INLINE static void rate_outboard(const LinkConstants& k, const T& c, const T& s, const Record<T>& w,
+                                             const Motion<T>& velocity, const T& u, T& udot, Motion<T>& a, Motion<T>& approach) {
+    constexpr bool rotates_first = one_world_at_a_time<T>, slides = Has<S>::d;
     Vector3<T>&v = a.v, &o = a.w;
     if constexpr (Has<S>::any_offset)
       shift_outboard(a, k.r);
@@ -243,8 +244,8 @@ struct PinStepsOf {
       turn_z(o, c, -s);
     };
     // u̇ + ω̇_z at once, which is all that the next joint asks for; with G of the parent's side, so that it need not wait.
-    detail::PinColumn<T> g{w.gl.x, w.gl.y, w.gl.z, w.ghx, w.ghy};
-    if constexpr (is_late)
+    detail::RevoluteColumn<T> g{w.gl.x, w.gl.y, w.gl.z, w.ghx, w.ghy};
+    if constexpr (rotates_first)
       detail::cross_z<slides>(g, c, s, k.d);
     else
       cross_joint();
@@ -254,7 +255,7 @@ struct PinStepsOf {
       udot = udot - (along + w.ghz * o.z), turning = udot + o.z;
     else
       turning = udot - along, udot = turning - o.z;
-    if constexpr (is_late) cross_joint();
+    if constexpr (rotates_first) cross_joint();
     v.x = v.x + u * velocity.v.y, v.y = v.y - u * velocity.v.x;
     o.x = o.x + u * velocity.w.y, o.y = o.y - u * velocity.w.x;
     put(a, approach);
@@ -271,7 +272,7 @@ struct PinStepsOf {
     w.u0 = inverse * u;
     if constexpr (Gravity) {
       T x = with<N>(in.mc.x, others.mc.x, k.body.mc.x), y = with<N>(in.mc.y, others.mc.y, k.body.mc.y);
-      if constexpr (late<T, false>) turn(x, y, c, s);
+      if constexpr (rotate_then_reduce<T, false>) turn(x, y, c, s);
       w.mc.x = x, w.mc.y = y;
     }
   }
@@ -297,9 +298,9 @@ struct PinStepsOf {
   // (25), M̂ = Mb − G (Mb E)ᵀ, and (16) as far as the parent's side of the joint, before it or, late, behind it. Piece by piece,
   // so that few numbers are at hand; the record gets what steps outboard read.
   template <bool Slides, bool Late, bool CrossesZ, Children N, class L, class T>
-  MOMENTREE_INLINE static void reduce_mass(const L& k, const T& c, const T& s, const detail::PinColumn<T>& e,
-                                           const detail::PinColumn<T>& g, const SpatialMass<T>& in, const SpatialMass<T>& others,
-                                           detail::ReducedMass<T>& m, Record<T>& w) {
+  MOMENTREE_INLINE static void reduce_mass(const L& k, const T& c, const T& s, const detail::RevoluteColumn<T>& e,
+                                           const detail::RevoluteColumn<T>& g, const SpatialMass<T>& in,
+                                           const SpatialMass<T>& others, detail::ReducedMass<T>& m, Record<T>& w) {
     const auto by = [&]() MOMENTREE_INLINE_LAMBDA {
       if constexpr (CrossesZ)
         return Turn<T>(c, s);
@@ -377,7 +378,7 @@ struct PinStepsOf {
   }
 
   // (16) from the parent's side of the joint to the parent. With a rotor there are M̂ E and its last number, too.
-  template <LinkShape S, class L, class T, class Column, class Last>
+  template <PlacementShape S, class L, class T, class Column, class Last>
   MOMENTREE_INLINE static void mass_inboard(const L& k, const detail::ReducedMass<T>& m, const Column& z, const Last& zz,
                                             SpatialMass<T>& out) {
     using detail::Twist;
@@ -402,7 +403,7 @@ struct PinStepsOf {
     out.B.zx = M.B.zx, out.B.zy = M.B.zy, out.B.zz = M.B.zz;
     out.J.xx = M.J.xx, out.J.yy = M.J.yy, out.J.zz = M.J.zz, out.J.xy = M.J.xy, out.J.xz = M.J.xz, out.J.yz = M.J.yz;
   }
-  template <LinkShape S, bool Gravity, class L, class T>
+  template <PlacementShape S, bool Gravity, class L, class T>
   MOMENTREE_INLINE static void momentum_inboard(const L& k, const detail::ConstantOf<L>& mass, Force<T>& D, Vector3<T>& mc) {
     const auto each = [&](auto turn) MOMENTREE_INLINE_LAMBDA {
       turn(D.l), turn(D.h);
@@ -426,15 +427,15 @@ struct PinStepsOf {
   }
 };
 
-using PinSteps = PinStepsOf<false>;
-using RotorSteps = PinStepsOf<true>;
+using RevoluteSteps = RevoluteStepsOf<false>;
+using ArmatureSteps = RevoluteStepsOf<true>;
 
-/// Calls f(std::integral_constant<LinkShape, …>{}) for a shape known at run time.
+/// Calls f(std::integral_constant<PlacementShape, …>{}) for a shape known at run time.
 template <class F>
-MOMENTREE_INLINE void dispatch_shape(LinkShape shape, F&& f) {
+MOMENTREE_INLINE void dispatch_shape(PlacementShape shape, F&& f) {
   switch (shape) {
 #define MOMENTREE_SHAPE(name) \
-  case LinkShape::name: return f(std::integral_constant<LinkShape, LinkShape::name>{});
+  case PlacementShape::name: return f(std::integral_constant<PlacementShape, PlacementShape::name>{});
     MOMENTREE_SHAPE(general)
     MOMENTREE_SHAPE(tilted)
     MOMENTREE_SHAPE(screw)
@@ -453,29 +454,29 @@ MOMENTREE_INLINE void dispatch_shape(LinkShape shape, F&& f) {
 
 /// Of five shapes one that has all that the link's own has: for steps that are less frequent.
 template <class F>
-MOMENTREE_INLINE void dispatch_main_shape(LinkShape shape, F&& f) {
-  if (shape == LinkShape::general)
-    f(std::integral_constant<LinkShape, LinkShape::general>{});
-  else if (shape == LinkShape::tilted)
-    f(std::integral_constant<LinkShape, LinkShape::tilted>{});
-  else if (shape < LinkShape::right)
-    f(std::integral_constant<LinkShape, LinkShape::screw>{});
-  else if (shape < LinkShape::parallel)
-    f(std::integral_constant<LinkShape, LinkShape::right>{});
+MOMENTREE_INLINE void dispatch_main_shape(PlacementShape shape, F&& f) {
+  if (shape == PlacementShape::general)
+    f(std::integral_constant<PlacementShape, PlacementShape::general>{});
+  else if (shape == PlacementShape::tilted)
+    f(std::integral_constant<PlacementShape, PlacementShape::tilted>{});
+  else if (shape < PlacementShape::right)
+    f(std::integral_constant<PlacementShape, PlacementShape::screw>{});
+  else if (shape < PlacementShape::parallel)
+    f(std::integral_constant<PlacementShape, PlacementShape::right>{});
   else
-    f(std::integral_constant<LinkShape, LinkShape::parallel>{});
+    f(std::integral_constant<PlacementShape, PlacementShape::parallel>{});
 }
 /// The shape of a link, for steps of pins without rotor; for those with one, of which there are fewer, one of three.
 template <bool Rotor, class F>
-MOMENTREE_INLINE void dispatch_link(LinkShape shape, F&& f) {
+MOMENTREE_INLINE void dispatch_link(PlacementShape shape, F&& f) {
   if constexpr (!Rotor)
     dispatch_shape(shape, f);
-  else if (shape == LinkShape::general || shape == LinkShape::tilted)
-    f(std::integral_constant<LinkShape, LinkShape::general>{});
-  else if (shape >= LinkShape::right && shape < LinkShape::parallel)
-    f(std::integral_constant<LinkShape, LinkShape::right>{});
+  else if (shape == PlacementShape::general || shape == PlacementShape::tilted)
+    f(std::integral_constant<PlacementShape, PlacementShape::general>{});
+  else if (shape >= PlacementShape::right && shape < PlacementShape::parallel)
+    f(std::integral_constant<PlacementShape, PlacementShape::right>{});
   else
-    f(std::integral_constant<LinkShape, LinkShape::screw>{});
+    f(std::integral_constant<PlacementShape, PlacementShape::screw>{});
 }
 
 }  // namespace momentree

@@ -8,8 +8,8 @@
 
 #include <momentree/base/check.hpp>
 #include <momentree/base/inline.hpp>
-#include <momentree/joint/link.hpp>
-#include <momentree/joint/pin_record.hpp>
+#include <momentree/joint/link_constants.hpp>
+#include <momentree/joint/revolute_record.hpp>
 #include <momentree/tree/state.hpp>
 
 namespace momentree {
@@ -43,15 +43,15 @@ MOMENTREE_INLINE Untouched<T> untouched(std::size_t count) {
 }
 
 /// What pairs of branches need that are swept at once, by the first one's body.
-struct TwinWork {
-  Untouched<RotorRecord<Twins>> records;
-  Untouched<Inboard<Twins>> inlets;
-  Untouched<Outboard<Twins>> outlets;
+struct PairWorkspace {
+  Untouched<ArmatureRecord<BodyPair>> records;
+  Untouched<Inboard<BodyPair>> child_sums;
+  Untouched<Outboard<BodyPair>> parent_states;
 };
-struct NoTwins {};
+struct NoPairs {};
 
 /// What a work is of. A moved-from work is of nothing and has room for nothing.
-struct WorkStamps {
+struct WorkspaceStamps {
   /// Of which state and topology the records, v, qdot, pdot are; nothing after a stage of an integrator.
   Stamp evaluated;
   /// Of which the poses and velocities in `bodies` are.
@@ -63,10 +63,10 @@ struct WorkStamps {
   /// True while an evaluation calls a function of the user's: the work is between two of its steps then.
   bool in_function = false;
 
-  WorkStamps() = default;
-  explicit WorkStamps(int bodies) : capacity_(bodies) {}
-  WorkStamps(WorkStamps&& other) noexcept { *this = std::move(other); }
-  WorkStamps& operator=(WorkStamps&& other) noexcept {
+  WorkspaceStamps() = default;
+  explicit WorkspaceStamps(int bodies) : capacity_(bodies) {}
+  WorkspaceStamps(WorkspaceStamps&& other) noexcept { *this = std::move(other); }
+  WorkspaceStamps& operator=(WorkspaceStamps&& other) noexcept {
     MT_REQUIRE(!in_function && !other.in_function, "a function that an evaluation calls leaves the work where it is");
     evaluated = std::exchange(other.evaluated, {});
     located = std::exchange(other.located, {});
@@ -74,7 +74,7 @@ struct WorkStamps {
     capacity_ = std::exchange(other.capacity_, 0);
     return *this;
   }
-  ~WorkStamps() = default;
+  ~WorkspaceStamps() = default;
 
  private:
   int capacity_ = 0;
@@ -84,11 +84,11 @@ struct WorkStamps {
 /// cost nothing. One thread at a time uses it. Arrays are plain memory: an index beyond what the tree has is not noticed. A stage
 /// writes 24 numbers per pin beside its record, forward_dynamics the motions of bodies, too.
 template <class T>
-class Work : public WorkStamps {
+class Workspace : public WorkspaceStamps {
  public:
-  Work() = default;
-  explicit Work(const Tree& tree)
-      : WorkStamps(tree.bodies()),
+  Workspace() = default;
+  explicit Workspace(const Tree& tree)
+      : WorkspaceStamps(tree.bodies()),
         cos(make(tree, 2, 3)),
         sin(make(tree, 2, 3)),
         v(make(tree, 6)),
@@ -98,20 +98,20 @@ class Work : public WorkStamps {
         impulse(make(tree, 6)),
         passive(make(tree, 1)),
         records(untouched<T>(tree.record_capacity())),
-        inlets(by_body<Inboard<T>>(tree)),
-        outlets(by_body<Outboard<T>>(tree)),
-        wrench_inlets(by_body<Force<T>>(tree)),
-        rate_outlets(by_body<Motion<T>>(tree)),
-        flat_inlets(by_body<FlatInboard<T>>(tree)),
-        flat_outlets(by_body<FlatOutboard<T>>(tree)),
+        child_sums(by_body<Inboard<T>>(tree)),
+        parent_states(by_body<Outboard<T>>(tree)),
+        child_wrenches(by_body<Force<T>>(tree)),
+        parent_accelerations(by_body<Motion<T>>(tree)),
+        in_plane_child_sums(by_body<InPlaneInboard<T>>(tree)),
+        in_plane_parent_states(by_body<InPlaneOutboard<T>>(tree)),
         motions(by_body<BodySweep<T>>(tree)),
-        approaches(by_body<Motion<T>>(tree)),
-        demands(by_body<Force<T>>(tree)),
+        inboard_accelerations(by_body<Motion<T>>(tree)),
+        reduced_bias_wrenches(by_body<Force<T>>(tree)),
         loads(by_body<Force<T>>(tree)),
         path(by_body<int>(tree)),
         bodies(by_body<Kinematics<T>>(tree)) {
-    if constexpr (has_twin_lanes && std::is_same_v<T, double>)
-      twins = {by_body<RotorRecord<Twins>>(tree), by_body<Inboard<Twins>>(tree), by_body<Outboard<Twins>>(tree)};
+    if constexpr (has_pair_lanes && std::is_same_v<T, double>)
+      pairs = {by_body<ArmatureRecord<BodyPair>>(tree), by_body<Inboard<BodyPair>>(tree), by_body<Outboard<BodyPair>>(tree)};
   }
 
   /// The record of body b, whose joint has kernels K. The tree: a Tree, or an UncheckedTree.
@@ -124,8 +124,8 @@ class Work : public WorkStamps {
 
   /// Those of a stretch of the order, one behind the other.
   template <class K, class AnyTree>
-  typename K::template Record<T>* records_of(const AnyTree& tree, const Segment& segment) const {
-    return &record<K>(tree, tree.order()[static_cast<std::size_t>(segment.begin)]);
+  typename K::template Record<T>* records_of(const AnyTree& tree, const KernelRun& run) const {
+    return &record<K>(tree, tree.order()[static_cast<std::size_t>(run.begin)]);
   }
 
   using Array = Untouched<T>;
@@ -135,19 +135,19 @@ class Work : public WorkStamps {
   Array passive;           ///< by body: what acts on its driven joint beside the motion's own effort
   Array records;
   Power power;
-  Untouched<Inboard<T>> inlets;       ///< by body: what its children but the first ask, on the way in
-  Untouched<Outboard<T>> outlets;     ///< by body: what waits for children but the first, on the way out
-  Untouched<Force<T>> wrench_inlets;  ///< the same of the second recursion
-  Untouched<Motion<T>> rate_outlets;
-  Untouched<FlatInboard<T>> flat_inlets;  ///< and of mechanisms in a plane
-  Untouched<FlatOutboard<T>> flat_outlets;
-  Untouched<BodySweep<T>> motions;  ///< of the state of `evaluated`
-  Untouched<Motion<T>> approaches;  ///< a′ = Ω̇ − E u̇ of each body, less gravity, as felt in the body; kernel frame
-  Untouched<Force<T>> demands;      ///< W of Tr = M̂ a′ + W, the wrench of the inboard joint on the body; kernel frame
-  Untouched<Force<T>> loads;        ///< T: what acts on each of the tree's loaded bodies from outside, kernel frame
-  Untouched<int> path;              ///< scratch of changes that walk from a root to a body
+  Untouched<Inboard<T>> child_sums;      ///< by body: what its children but the first ask, on the way in
+  Untouched<Outboard<T>> parent_states;  ///< by body: what waits for children but the first, on the way out
+  Untouched<Force<T>> child_wrenches;    ///< the same of the second recursion
+  Untouched<Motion<T>> parent_accelerations;
+  Untouched<InPlaneInboard<T>> in_plane_child_sums;  ///< and of mechanisms in a plane
+  Untouched<InPlaneOutboard<T>> in_plane_parent_states;
+  Untouched<BodySweep<T>> motions;             ///< of the state of `evaluated`
+  Untouched<Motion<T>> inboard_accelerations;  ///< a′ = Ω̇ − E u̇ of each body, less gravity, as felt in the body; kernel frame
+  Untouched<Force<T>> reduced_bias_wrenches;  ///< W of Tr = M̂ a′ + W, the wrench of the inboard joint on the body; kernel frame
+  Untouched<Force<T>> loads;                  ///< T: what acts on each of the tree's loaded bodies from outside, kernel frame
+  Untouched<int> path;                        ///< scratch of changes that walk from a root to a body
   Untouched<Kinematics<T>> bodies;
-  [[no_unique_address]] std::conditional_t<std::is_same_v<T, double>, TwinWork, NoTwins> twins;
+  [[no_unique_address]] std::conditional_t<std::is_same_v<T, double>, PairWorkspace, NoPairs> pairs;
 
  private:
   static Array make(const Tree& tree, int each, int more = 0) {
@@ -161,16 +161,16 @@ class Work : public WorkStamps {
 };
 
 /// True where the work holds the evaluation of this state on this tree, as both are now; the accelerations of it.
-inline bool evaluated_on(const Tree& tree, const State& state, const Work<double>& work) noexcept {
-  return work.evaluated == state.stamp() && state.topology() == tree.revision();
+inline bool evaluated_on(const Tree& tree, const State& state, const Workspace<double>& workspace) noexcept {
+  return workspace.evaluated == state.stamp() && state.topology() == tree.revision();
 }
-inline bool accelerated_on(const Tree& tree, const State& state, const Work<double>& work) noexcept {
-  return work.accelerated == state.stamp() && state.topology() == tree.revision();
+inline bool accelerated_on(const Tree& tree, const State& state, const Workspace<double>& workspace) noexcept {
+  return workspace.accelerated == state.stamp() && state.topology() == tree.revision();
 }
 /// What is expected where they are false.
 inline constexpr const char* edited_state = "the state's Edit has ended: close its scope first";
 inline constexpr const char* foreign_state = "the state is one of this tree as it is now";
-inline const char* stale_work(const State& state) {
+inline const char* stale_workspace(const State& state) {
   return state.being_edited() ? edited_state
                               : "the work was evaluated on this state and this tree as they are now: call forward_dynamics first";
 }

@@ -14,21 +14,22 @@ using namespace momentree;
 namespace {
 
 // A link of a shape, as `Tree` makes it: a along the parent's x, d along the joint's own axis.
-Link link_of_shape(LinkShape shape, Draw& draw) {
-  Link k = random_link(draw, shape != LinkShape::general);
+LinkConstants link_of_shape(PlacementShape shape, Draw& draw) {
+  LinkConstants k = random_link(draw, shape != PlacementShape::general);
   const double turns[] = {0, std::acos(0.0)};
-  const bool right = shape >= LinkShape::right && shape <= LinkShape::right_meeting;
-  if (right || shape >= LinkShape::parallel) {
+  const bool right = shape >= PlacementShape::right && shape <= PlacementShape::right_meeting;
+  if (right || shape >= PlacementShape::parallel) {
     const double a = turns[right ? 1 : 0];
     k.cos_a = right ? 0 : 1, k.sin_a = right ? 1 : 0, k.cs_a = 0, k.ss_a = std::sin(a) * std::sin(a);
   }
   k.shape = shape;
   const RigidMass body{1.5 + draw(), draw.vector(), {1.5 + draw(), 1.6 + draw(), 1.7 + draw(), draw(), draw(), draw()}};
   k.body = body;
-  if (shape <= LinkShape::tilted) return k;
-  const LinkShape with_a[] = {LinkShape::screw,   LinkShape::screw_a,  LinkShape::right,
-                              LinkShape::right_a, LinkShape::parallel, LinkShape::parallel_a};
-  const LinkShape with_d[] = {LinkShape::screw, LinkShape::screw_d, LinkShape::right, LinkShape::right_d, LinkShape::parallel};
+  if (shape <= PlacementShape::tilted) return k;
+  const PlacementShape with_a[] = {PlacementShape::screw,   PlacementShape::screw_a,  PlacementShape::right,
+                                   PlacementShape::right_a, PlacementShape::parallel, PlacementShape::parallel_a};
+  const PlacementShape with_d[] = {PlacementShape::screw, PlacementShape::screw_d, PlacementShape::right, PlacementShape::right_d,
+                                   PlacementShape::parallel};
   k.d = std::count(std::begin(with_d), std::end(with_d), shape) > 0 ? draw() : 0;
   k.r = {std::count(std::begin(with_a), std::end(with_a), shape) > 0 ? draw() : 0, -k.d * k.sin_a, k.d * k.cos_a};
   return k;
@@ -36,11 +37,11 @@ Link link_of_shape(LinkShape shape, Draw& draw) {
 
 // One step inboard and one outboard against the same by the generic pieces; `of`: the link's own shape, where steps inboard
 // are those of one that has more.
-template <class Steps, LinkShape S, bool Gravity, bool Keep, Children N, bool Root>
-void step_laws(Draw& draw, LinkShape of = S) {
-  using L = PiecewisePin;
-  using K = std::conditional_t<Steps::rotor, RotorKernels, RevoluteKernels>;
-  const Link k = link_of_shape(of, draw);
+template <class Steps, PlacementShape S, bool Gravity, bool Keep, Children N, bool Root>
+void step_laws(Draw& draw, PlacementShape of = S) {
+  using L = GenericRevolute;
+  using K = std::conditional_t<Steps::rotor, ArmatureKernels, RevoluteKernels>;
+  const LinkConstants k = link_of_shape(of, draw);
   const double mass = 2 + draw(), q = 3 * draw(), p = draw(), c = std::cos(q), s = std::sin(q),
                armature = !Steps::rotor ? 0
                           : draw() < 0  ? 1.5 + draw()
@@ -55,7 +56,7 @@ void step_laws(Draw& draw, LinkShape of = S) {
   typename L::template Record<double> record{};
   record.mc = expected.mc;
   L::reduce<double>(k, joint, &p, &armature, expected.M, expected.D, record);  // (24)–(26)
-  const DenseCrossing<double> x = dense_crossing<L, double>(k, joint);
+  const DenseTransform<double> x = dense_transform<L, double>(k, joint);
   x.inboard(expected.M), x.inboard(expected.D), x.inboard(expected.mc, mass);  // (16)
 
   typename Steps::template Record<double> w{};
@@ -119,23 +120,23 @@ void step_laws(Draw& draw, LinkShape of = S) {
 
 TEST_CASE_TEMPLATE(
     "steps of a pin, by the shape of its link, are the generic pieces: (22)-(27), (15)-(17), (20), (21), (39), (45), (47)", Steps,
-    PinSteps, RotorSteps) {
+    RevoluteSteps, ArmatureSteps) {
   Draw draw;
   const auto all = []<std::size_t... I>(std::index_sequence<I...>, auto law) {
-    (law(std::integral_constant<LinkShape, static_cast<LinkShape>(I)>{}), ...);
+    (law(std::integral_constant<PlacementShape, static_cast<PlacementShape>(I)>{}), ...);
   };
   all(std::make_index_sequence<11>{}, [&](auto shape) {
-    constexpr LinkShape S = shape();
+    constexpr PlacementShape S = shape();
     CAPTURE(static_cast<int>(S));
-    constexpr LinkShape main = S == LinkShape::general || S == LinkShape::tilted ? S
-                               : S < LinkShape::right                            ? LinkShape::screw
-                               : S < LinkShape::parallel                         ? LinkShape::right
-                                                                                 : LinkShape::parallel;
-    constexpr LinkShape aside = main == S && S < LinkShape::screw ? LinkShape::general : LinkShape::screw;
-    constexpr LinkShape few = S < LinkShape::screw                               ? LinkShape::general
-                              : S >= LinkShape::right && S < LinkShape::parallel ? LinkShape::right
-                                                                                 : LinkShape::screw;
-    constexpr LinkShape own = Steps::rotor ? few : S, fork = Steps::rotor ? few : main;
+    constexpr PlacementShape main = S == PlacementShape::general || S == PlacementShape::tilted ? S
+                                    : S < PlacementShape::right                                 ? PlacementShape::screw
+                                    : S < PlacementShape::parallel                              ? PlacementShape::right
+                                                                                                : PlacementShape::parallel;
+    constexpr PlacementShape aside = main == S && S < PlacementShape::screw ? PlacementShape::general : PlacementShape::screw;
+    constexpr PlacementShape few = S < PlacementShape::screw                                    ? PlacementShape::general
+                                   : S >= PlacementShape::right && S < PlacementShape::parallel ? PlacementShape::right
+                                                                                                : PlacementShape::screw;
+    constexpr PlacementShape own = Steps::rotor ? few : S, fork = Steps::rotor ? few : main;
     for (int trial = 0; trial < 20; ++trial) {
       step_laws<Steps, own, true, false, Children::one, false>(draw, S);
       step_laws<Steps, own, true, false, Children::none, false>(draw, S);
@@ -149,7 +150,7 @@ TEST_CASE_TEMPLATE(
       step_laws<Steps, aside, true, false, Children::none, false>(draw, S);
       step_laws<Steps, aside, true, true, Children::one, false>(draw, S);
       step_laws<Steps, aside, true, false, Children::several, false>(draw, S);
-      if constexpr (S == LinkShape::parallel || S == LinkShape::parallel_a) {  // roots go by these
+      if constexpr (S == PlacementShape::parallel || S == PlacementShape::parallel_a) {  // roots go by these
         step_laws<Steps, S, true, false, Children::one, true>(draw);
         step_laws<Steps, S, true, false, Children::none, true>(draw);
         step_laws<Steps, S, true, true, Children::one, true>(draw);

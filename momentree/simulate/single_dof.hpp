@@ -5,13 +5,13 @@
 
 namespace momentree::quantities {
 
-struct OneFreedom : Quantity {
+struct SingleDof : Quantity {
   std::string joint;
   bool turns = true;  ///< for its unit; readers of files know
 
   void fields(QuantityFields& fields) override { fields.joint(joint); }
   std::vector<std::string> joints() const override { return {joint}; }
-  bool of_one_freedom() const override { return true; }
+  bool of_single_dof() const override { return true; }
   virtual double of(double position, double speed) const = 0;
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     const auto state = present(world);
@@ -23,7 +23,7 @@ struct OneFreedom : Quantity {
   std::optional<std::pair<double, double>> present(const World& world) const {
     const int number = world.find_joint(joint, number_);
     if (number < 0) return std::nullopt;
-    return world.one_freedom({number});
+    return world.single_dof({number});
   }
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 // What re-rooting does to the momenta, shared by the changes that need it.
-#include <momentree/dynamics/work.hpp>
+#include <momentree/dynamics/workspace.hpp>
 #include <momentree/tree/state.hpp>
 #include <momentree/tree/tree.hpp>
 
@@ -12,7 +12,7 @@ inline constexpr const char* floating =
 
 /// Momenta of a floating mechanism as if b were its root: those of the joints between its root and b, to be turned over, change
 /// in `p`. Returns the momentum of the whole mechanism in the user's frame of b. The tree stays as it is; work.path is scratch.
-Force<double> turn_over_momenta(const Tree& tree, const State& state, Work<double>& work, int b, double* p) noexcept;
+Force<double> turn_over_momenta(const Tree& tree, const State& state, Workspace<double>& workspace, int b, double* p) noexcept;
 
 /// Coordinates of a free joint at a pose: position, then the quaternion.
 inline void free_coordinates(const Pose& pose, double* q) {
