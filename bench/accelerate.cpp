@@ -23,12 +23,13 @@ double force_error(const Model& model, const Tree& tree, const State& state, Wor
   for (int b = 0; b < tree.bodies(); ++b) {
     const Kinematics<double>& body = workspace.bodies[static_cast<std::size_t>(b)];
     const Pose pose = user_pose(tree, body, b);
-    const BodyAcceleration a = body_acceleration(tree, state, workspace, b);
+    const BodyAcceleration a = body_acceleration(tree, state, workspace, BodyId{b});
     const Vec3 arm = rotation_matrix(pose.rotation) * model[{b}].com, w = body.R * body.velocity.w;
     const Vec3 force = model[{b}].mass * (a.linear + cross(a.angular, arm) + cross(w, cross(w, arm)) - model.gravity());
     missing += force;
     largest = std::max(largest, norm(force));
-    if (tree.parent(b) < 0) missing -= rotation_matrix(pose.rotation) * reaction(tree, state, workspace, b).l;
+    if (tree.parent(b) < 0)
+      missing -= rotation_matrix(pose.rotation) * reaction(tree, state, workspace, tree.inboard_joint({b})).l;
   }
   return norm(missing) / largest;
 }

@@ -72,7 +72,7 @@ void weld(benchmark::State& run, Make make) {
 void stiffen(benchmark::State& run, Make make) {
   const Worlds w(make(static_cast<int>(run.range(0))));
   ChangeJoint weld;
-  weld.body = {w.middle};
+  weld.joint = w.tree.inboard_joint({w.middle});
   measure(run, w, weld);
 }
 /// A chain that floats, from its first body to its last.
@@ -86,7 +86,7 @@ void reroot(benchmark::State& run, Make make) {
 void event(benchmark::State& run, Make make) {
   const Model model = make(static_cast<int>(run.range(0)));
   Simulation simulation(model);
-  const std::string joint = model[Body{model.size() * 2 / 5}].joint_name;
+  const std::string joint = model[BodyId{model.size() * 2 / 5}].joint_name;
   const Action actions[] = {momentree::lock(joint), momentree::unlock(joint)};
   double inside = 0;
   std::size_t turn = 0;

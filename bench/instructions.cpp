@@ -68,7 +68,7 @@ void lanes(const World& w, long count, Precision precision) {
 }
 
 /// Two fifths of the way along.
-Body middle(const World& w) { return {w.tree.bodies() * 2 / 5}; }
+BodyId middle(const World& w) { return {w.tree.bodies() * 2 / 5}; }
 
 struct Kernel {
   const char* name;
@@ -79,9 +79,13 @@ const Kernel kernels[] = {
     {"accelerate", accelerate},
     {"anew", [](World& w, long count) { anew(w, count, [](World&) {}); }},
     {"anew_and_break",
-     [](World& w, long count) { anew(w, count, [](World& x) { apply(Break{middle(x)}, x.tree, x.state, x.workspace); }); }},
+     [](World& w, long count) {
+       anew(w, count, [](World& x) { apply(Break{x.tree.inboard_joint(middle(x))}, x.tree, x.state, x.workspace); });
+     }},
     {"anew_and_lock",
-     [](World& w, long count) { anew(w, count, [](World& x) { apply(Lock{middle(x)}, x.tree, x.state, x.workspace); }); }},
+     [](World& w, long count) {
+       anew(w, count, [](World& x) { apply(Lock{x.tree.inboard_joint(middle(x))}, x.tree, x.state, x.workspace); });
+     }},
     {"lanes_double", [](World& w, long count) { lanes(w, count, Precision::float64); }},
     {"lanes_float", [](World& w, long count) { lanes(w, count, Precision::float32); }},
 };

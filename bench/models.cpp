@@ -60,7 +60,7 @@ namespace {
 
 Model rods(int bodies, double speed) {
   Model model({.gravity = {0, -9.81, 0}});
-  Body link = ground;
+  BodyId link = ground;
   for (int k = 1; k <= bodies; ++k)
     link = model.add({.name = "b/" + std::to_string(k),
                       .mass = 0.010,
@@ -82,7 +82,7 @@ Model breaking_chain() { return rods(100, 0); }
 
 Model rope(int bodies) {
   Model model;
-  Body link = ground;
+  BodyId link = ground;
   for (int k = 1; k <= bodies; ++k)
     link = model.add({.name = "b/" + std::to_string(k),
                       .mass = 0.010,
@@ -99,7 +99,7 @@ Model rope(int bodies) {
 Model spatial_chain(int bodies) {
   Random random(1);
   Model model;
-  Body parent = ground;
+  BodyId parent = ground;
   for (int k = 1; k <= bodies; ++k) {
     BodySpec body = general_body(k, random);
     body.parent = parent;
@@ -111,7 +111,7 @@ Model spatial_chain(int bodies) {
 Model twisted_chain(int bodies) {
   Random random(3);
   Model model;
-  Body parent = ground;
+  BodyId parent = ground;
   for (int k = 1; k <= bodies; ++k) {
     BodySpec body = general_body(k, random);
     const double alpha = random.between(0.6, 2.5);
@@ -130,7 +130,7 @@ Model bushy_tree(int bodies) {
   for (int k = 1; k <= bodies; ++k) {
     BodySpec body = general_body(k, random);
     const auto earlier = random.bits() % static_cast<std::uint64_t>(k == 1 ? 1 : k - 1);
-    body.parent = k == 1 ? ground : Body{static_cast<int>(earlier)};
+    body.parent = k == 1 ? ground : BodyId{static_cast<int>(earlier)};
     model.add(body);
   }
   return model;
@@ -141,7 +141,7 @@ Model binary_tree(int bodies) {
   Model model;
   for (int k = 1; k <= bodies; ++k) {
     BodySpec body = general_body(k, random);
-    body.parent = k == 1 ? ground : Body{k / 2 - 1};
+    body.parent = k == 1 ? ground : BodyId{k / 2 - 1};
     model.add(body);
   }
   return model;
@@ -159,7 +159,7 @@ Model arm(int bodies) {
       {0.3, 0.08, {0, 0, 0.02}, {0.001, 0.001, 0.001}}};
   constexpr double right = 1.5707963267948966;
   Model model;
-  Body parent = ground;
+  BodyId parent = ground;
   for (int k = 0; k < bodies; ++k) {
     const Part& part = parts[k % 7];
     BodySpec body;
@@ -181,7 +181,7 @@ Model humanoid(int /*bodies*/) {
   Random random(5);
   Model model;
   int k = 0;
-  const auto add = [&](Body parent, const JointSpec& joint, const Vec3& at) {
+  const auto add = [&](BodyId parent, const JointSpec& joint, const Vec3& at) {
     BodySpec body = general_body(++k, random);
     body.parent = parent;
     body.at = {at, {}};
@@ -192,17 +192,17 @@ Model humanoid(int /*bodies*/) {
   struct Pin {
     Vec3 axis, at;
   };
-  const auto limb = [&](Body last, std::initializer_list<Pin> pins, double side) {
+  const auto limb = [&](BodyId last, std::initializer_list<Pin> pins, double side) {
     for (const Pin& pin : pins)
       last = add(last, Revolute{.axis = pin.axis, .damping = 1e-3}, {pin.at.x, side * pin.at.y, pin.at.z});
     return last;
   };
-  const Body pelvis = add(ground, Free{}, {});
+  const BodyId pelvis = add(ground, Free{}, {});
   for (const double side : {1, -1})
     limb(pelvis,
          {{z_axis, {0, 0.1, -0.05}}, {x_axis, {}}, {y_axis, {}}, {y_axis, {0, 0, -0.4}}, {y_axis, {0, 0, -0.4}}, {x_axis, {}}},
          side);
-  const Body chest = limb(pelvis, {{z_axis, {0, 0, 0.1}}, {y_axis, {}}}, 1);
+  const BodyId chest = limb(pelvis, {{z_axis, {0, 0, 0.1}}, {y_axis, {}}}, 1);
   for (const double side : {1, -1})
     limb(chest,
          {{y_axis, {0, 0.2, 0.3}},

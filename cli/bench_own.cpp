@@ -81,7 +81,7 @@ class Own {
     for (int k = 0; k < n && (row.broken.empty() || row.locked.empty()); ++k) {
       const int b = (n * 2 / 5 + k) % n;
       const bool moves = info(tree_.kind(b)).nv > 0 && !locked(tree_, b, 0) && tree_.kind(b) != Kind::free;
-      const std::string& name = model_[Body{b}].joint_name;
+      const std::string& name = model_[BodyId{b}].joint_name;
       if (row.broken.empty() && moves) row.broken = name, row.break_joint = change(Break{{b}}, !has_armature(b), budget);
       if (row.locked.empty() && moves && !driven(b)) row.locked = name, row.lock_joint = change(Lock{{b}}, false, budget);
     }

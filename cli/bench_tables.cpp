@@ -134,7 +134,7 @@ ChangeRow change_time(const char* name, const char* model_name, const Model& mod
   Workspace<double> work(first);
   if (floating) {
     forward_dynamics(first, begin, work);
-    apply(Break{{0}}, first, begin, work);
+    apply(Break{first.inboard_joint({0})}, first, begin, work);
   }
   ChangeRow row{name, model_name, model.size(), 0, 0};
   row.seconds = shortest_change(budget, change, first, begin, work, row.energy);
@@ -225,11 +225,11 @@ std::string generated_times(double budget, const std::function<bool(const Genera
 void change_times(double budget, const std::function<bool(const ChangeRow&)>& row) {
   for (const int n : {10, 100, 1000}) {
     const Model planar = bench::planar_chain(n), spatial = bench::spatial_chain(n);
-    const Body middle{n * 2 / 5};
+    const JointId middle{n * 2 / 5};
     if (!row(change_time("break a joint", "planar chain", planar, false, 1, budget, Break{middle}))) return;
     if (!row(change_time("break a joint", "spatial chain", spatial, false, 1, budget, Break{middle}))) return;
     if (!row(change_time("lock a joint", "spatial chain", spatial, false, 0, budget, Lock{middle}))) return;
-    if (!row(change_time("re-root", "spatial chain", spatial, true, 1, budget, Reroot{Body{n - 1}}))) return;
+    if (!row(change_time("re-root", "spatial chain", spatial, true, 1, budget, Reroot{BodyId{n - 1}}))) return;
   }
 }
 

@@ -47,8 +47,9 @@ std::string packing(const World& world) {
 void require_plain_forces(const World& world, const std::string& path) {
   std::string all;
   for (const OtherForce& force : other_forces(world.tree())) {
-    const Body place{force.on_body ? force.body : world.tree().joint_of(force.body)};
-    const std::string name(force.on_body ? std::string_view(world.model()[place].name) : world.joint_name(place));
+    const BodyId body{force.body};
+    const std::string name(force.on_body ? std::string_view(world.model()[body].name)
+                                         : world.joint_name(world.tree().inboard_joint(body)));
     all += (all.empty() ? "" : "; ") + std::string(force.on_body ? "body '" : "joint '") + name + "' has " + force.what;
   }
   if (!all.empty())

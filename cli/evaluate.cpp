@@ -39,7 +39,7 @@ std::string evaluation_text(const World& world, const Style& style) {
     reactions.row({std::string(joint.name), model[joint.child].name, vector_text(forces.reaction.force),
                    vector_text(forces.reaction.torque)});
     const BodyAcceleration& a = world.accelerations()[static_cast<std::size_t>(b)];
-    bodies.row({model[Body{b}].name, vector_text(a.linear), vector_text(a.angular)});
+    bodies.row({model[BodyId{b}].name, vector_text(a.linear), vector_text(a.angular)});
   }
   return style.heading("World") + '\n' + sums.text("  ") + '\n' + style.heading("Joints") + " (m, rad, s, kg)\n" +
          joints.text("  ") + '\n' + style.heading("Reactions") + " (N, N m; about the body's origin, in its axes)\n" +

@@ -40,7 +40,7 @@ class Drawing {
  public:
   explicit Drawing(const World& world) : world_(world), tree_(world.tree()) {}
 
-  std::string of(Body root) {
+  std::string of(BodyId root) {
     lines_.clear();
     std::vector<Open> open{{root.index, "", true}};
     while (!open.empty()) {
@@ -125,7 +125,7 @@ std::string joints_by_kind(const World& world) {
 /// Branches that are built alike, which the sweeps of one world take two at once: "hip_left and hip_right, … (10 bodies of 13)".
 std::string pairs_text(const World& world) {
   const Tree& tree = world.tree();
-  const auto name = [&](int place) { return world.model()[Body{tree.order()[static_cast<std::size_t>(place)]}].name; };
+  const auto name = [&](int place) { return world.model()[BodyId{tree.order()[static_cast<std::size_t>(place)]}].name; };
   std::string text;
   int bodies = 0;
   for (const KernelRun& run : tree.paired_runs()) {
@@ -193,7 +193,7 @@ int explain(const ExplainOptions& options) {
   for (const Mechanism& mechanism : world.mechanisms()) {
     int dofs = 0;
     double mass = 0;
-    for (const Body body : mechanism.bodies) {
+    for (const BodyId body : mechanism.bodies) {
       dofs += info(world.tree().joint(body.index).kind).nv;
       mass += world.model()[body].mass;
     }

@@ -100,7 +100,7 @@ TEST_CASE("links for other engines: real robots keep their dynamics") {
 
 TEST_CASE("links for other engines: welds anywhere, a free body whose frame is not its joint's, oblique axes") {
   const Quat turned = exp_rotation({0.3, -0.5, 0.7}), back = exp_rotation({-0.2, 0.1, 0.4});
-  const auto body = [&](const char* name, Body parent, const JointSpec& joint) {
+  const auto body = [&](const char* name, BodyId parent, const JointSpec& joint) {
     BodySpec spec;
     spec.name = name, spec.mass = 1.3, spec.com = {0.1, -0.05, 0.2}, spec.inertia = {0.3, 0.4, 0.5, 0.02, -0.03, 0.04};
     spec.parent = parent, spec.joint = joint;
@@ -109,17 +109,17 @@ TEST_CASE("links for other engines: welds anywhere, a free body whose frame is n
   };
   const JointSpec pin = Revolute{.axis = {0.6, 0, 0.8}}, slide = Prismatic{.axis = {0, -0.6, 0.8}}, weld;
   Model floating;
-  const Body hull = floating.add(body("hull", ground, Free{}));
-  const Body mast = floating.add(body("mast", hull, weld));
-  const Body boom = floating.add(body("boom", mast, pin));
+  const BodyId hull = floating.add(body("hull", ground, Free{}));
+  const BodyId mast = floating.add(body("mast", hull, weld));
+  const BodyId boom = floating.add(body("boom", mast, pin));
   floating.add(body("trolley", boom, slide));
   floating.add(body("plate", boom, weld));
   floating.add(body("rudder", hull, pin));
   check_same(floating);
 
   Model grounded;
-  const Body bench = grounded.add(body("bench", ground, weld));
-  const Body left = grounded.add(body("left", bench, slide));
+  const BodyId bench = grounded.add(body("bench", ground, weld));
+  const BodyId left = grounded.add(body("left", bench, slide));
   grounded.add(body("right", bench, pin));
   grounded.add(body("hand", left, pin));
   grounded.add(body("alone", ground, pin));

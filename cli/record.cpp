@@ -38,7 +38,7 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, double 
   const InterruptGuard guard;
   io::Recorder recorder(
       simulation, {scenario.name, scenario.title, scenario.path, scenario.hash, {}, start, scenario.until, scenario.integration},
-      io::model_json(scenario.model, scenario.title, scenario.shapes),
+      io::model_json(simulation.world(), scenario.title, scenario.shapes),
       {.directory = folder,
        .joints = session.joints(),
        .every = scenario.output_every,

@@ -32,7 +32,7 @@ struct Run {
     session.simulation().observe(scenario.output_every, [](const World&) { return true; });
     REQUIRE(session.simulation().run_until(until) == Status::ok);
     for (const Event& event : session.simulation().events())
-      events.push_back(event.name + " " + std::to_string(event.time) + " " + event.actions.front());
+      events.push_back(event.name + " " + std::to_string(event.time) + " " + event.actions.front().text());
   }
   std::string state() const {
     const double next = adaptive ? session.simulation().step_memory().next_step : 0;

@@ -71,7 +71,7 @@ int run(const RunOptions& options) {
   io::Recorder recorder(
       simulation,
       {scenario->name, scenario->title, scenario->path, scenario->hash, overrides, start, scenario->until, scenario->integration},
-      io::model_json(scenario->model, scenario->title, scenario->shapes),
+      io::model_json(simulation.world(), scenario->title, scenario->shapes),
       {.directory = options.out.empty() ? "results/" + scenario->name : options.out,
        .joints = session.joints(),
        .every = scenario->output_every,

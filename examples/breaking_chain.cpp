@@ -8,7 +8,7 @@ using namespace momentree;
 
 int main() {
   Model chain({.gravity = {0, -9.81, 0}});
-  Body link = ground;
+  BodyId link = ground;
   for (int k = 1; k <= 100; ++k)
     link = chain.add({.name = "chain/" + std::to_string(k),
                       .mass = 0.010,
@@ -24,7 +24,7 @@ int main() {
   if (sim.run_until(3.0) != Status::ok) return std::fprintf(stderr, "%s\n", sim.message().c_str()), 1;
 
   for (const Event& e : sim.events())
-    std::printf("%g s: %s, %zu mechanisms\n", e.time, e.actions[0].c_str(), e.mechanisms_after.size());
+    std::printf("%g s: %s, %zu mechanisms\n", e.time, e.actions[0].text().c_str(), e.mechanisms_after.size());
   const Vec3 tip = sim.world().motions()[99].pose.position;
   std::printf("%g s: chain/100 is at (%.3f, %.3f) m\n", sim.time(), tip.x, tip.y);
 }

@@ -73,8 +73,8 @@ void fill_totals(const Simulation& simulation, double* all) {
 Grip grip_on(const World& world, int body, Vec3 point, double strength) {
   double whole = 0;
   for (const Mechanism& mechanism : world.mechanisms()) {
-    if (std::find(mechanism.bodies.begin(), mechanism.bodies.end(), Body{body}) == mechanism.bodies.end()) continue;
-    for (const Body each : mechanism.bodies) whole += world.model()[each].mass;
+    if (std::find(mechanism.bodies.begin(), mechanism.bodies.end(), BodyId{body}) == mechanism.bodies.end()) continue;
+    for (const BodyId each : mechanism.bodies) whole += world.model()[each].mass;
   }
   // It swings the whole mechanism three times a second, and its damper is that of the body alone, which a step resolves.
   constexpr double swing = 2 * 3.14159265358979 * 3;

@@ -55,7 +55,7 @@ std::string topology_json(const World& world) {
   for (const Mechanism& mechanism : world.mechanisms()) {
     json.begin_object().member("name", mechanism.name).member("root", mechanism.root.index);
     json.member("grounded", mechanism.grounded).key("bodies").begin_array();
-    for (const Body body : mechanism.bodies) json.value(body.index);
+    for (const BodyId body : mechanism.bodies) json.value(body.index);
     json.end_array().end_object();
   }
   json.end_array().key("joints").begin_array();

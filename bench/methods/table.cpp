@@ -29,7 +29,7 @@ Model tumbler() {
 /// Two rods on pins in full swing, without friction.
 Model double_pendulum() {
   Model model({.gravity = {0, -9.81, 0}});
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 0; k < 2; ++k)
     last = model.add({.name = std::to_string(k),
                       .mass = 1,
@@ -55,7 +55,7 @@ Model spinning_top() {
 /// An arm of five links that sinks in its dampers: the fastest of its motions is over in tens of microseconds.
 Model damped_arm() {
   Model model;
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 0; k < 5; ++k)
     last = model.add({.name = std::to_string(k),
                       .mass = 1,

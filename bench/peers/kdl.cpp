@@ -21,7 +21,7 @@ KDL::Chain chain_of(const EvaluationModel& model) {
     const KDL::RigidBodyInertia inertia(link.mass, vec(link.com),
                                         KDL::RotationalInertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)));
     const KDL::Joint::JointType type = link.slides ? KDL::Joint::TransAxis : KDL::Joint::RotAxis;
-    chain.addSegment(KDL::KernelRun(link.name, KDL::Joint(link.name, frame.p, frame.M.UnitZ(), type), frame, inertia));
+    chain.addSegment(KDL::Segment(link.name, KDL::Joint(link.name, frame.p, frame.M.UnitZ(), type), frame, inertia));
   }
   return chain;
 }

@@ -61,8 +61,8 @@ struct Engine : Trial {
   void change() override {
     if (around) forward_dynamics(tree, state, workspace);
     const mt::Body body{e.body}, to{e.to};
-    if (e.change == Change::cut) apply(mt::Break{body}, tree, state, workspace);
-    if (e.change == Change::lock) apply(mt::Lock{body}, tree, state, workspace);
+    if (e.change == Change::cut) apply(mt::Break{tree.inboard_joint(body)}, tree, state, workspace);
+    if (e.change == Change::lock) apply(mt::Lock{tree.inboard_joint(body)}, tree, state, workspace);
     if (e.change == Change::capture) {
       apply(mt::Join{body, to}, tree, state, workspace);
       forward_dynamics(tree, state, workspace);

@@ -194,7 +194,7 @@ void Batch::set_state(int world, const State& state) {
   seat.group->set_ran_away(seat.slot, false);
 }
 
-void Batch::set_effort(int world, Body body, int dof, double effort) {
+void Batch::set_effort(int world, BodyId body, int dof, double effort) {
   const Impl::Seat& seat = changing().seat(world);
   const Tree& tree = seat.group->tree();
   MT_REQUIRE(tree.alive(body.index) && dof >= 0 && dof < info(tree.joint(body.index).kind).nv,

@@ -60,7 +60,7 @@ class Batch {
 
   /// A further effort, finite, on one freedom of the joint that `body` carries (N m, N), from now on and until it is set again.
   /// Locked freedoms do not feel it. Goes with the joint, as long as that is of its kind.
-  void set_effort(int world, Body body, int dof, double effort);
+  void set_effort(int world, BodyId body, int dof, double effort);
 
   /// A topology change of one world, or any other of topology/change.hpp; it then moves among the worlds that have the same.
   template <class Change>

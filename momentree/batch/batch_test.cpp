@@ -20,13 +20,13 @@ constexpr Isa all_sets[] = {Isa::baseline, Isa::avx2, Isa::avx512};
 // A chain with a branch; springs, dampers, and what acts lane by lane.
 Model mobile(bool elements = true) {
   Model model({.gravity = {0, 0, -9.81}});
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 0; k < 7; ++k) {
     BodySpec body{.name = "m/" + std::to_string(k),
                   .mass = 0.5 + 0.1 * k,
                   .com = {0.1, 0.02, -0.03},
                   .inertia = {0.01, 0.012, 0.013, 0.001, 0, 0.0005},
-                  .parent = k == 5 ? Body{2} : last,
+                  .parent = k == 5 ? BodyId{2} : last,
                   .at = Pose{{0.2, 0.05, 0}, normalized(Quat{1, 0.1, 0.2, -0.3})}};
     if (k == 3)
       body.joint = Ball{.damping = 0.02, .stiffness = elements ? 0.3 : 0.0}, body.q = {1, 0, 0, 0};
@@ -83,9 +83,9 @@ struct Alone {
   void apply(const Change& change) {
     evaluate(state);
     if (change.breaks)
-      momentree::apply(Break{{change.body}}, tree, state, workspace);
+      momentree::apply(Break{tree.inboard_joint({change.body})}, tree, state, workspace);
     else
-      momentree::apply(Lock{{change.body}}, tree, state, workspace);
+      momentree::apply(Lock{tree.inboard_joint({change.body})}, tree, state, workspace);
   }
 };
 
@@ -213,9 +213,10 @@ TEST_CASE("worlds that came to the same topology share lanes again") {
 TEST_CASE("bodies can be added to worlds of a batch") {
   const Model model = mobile();
   Model larger = mobile();  // completes the body
-  const Body extra = larger.add({.name = "x", .mass = 1, .inertia = diagonal(0.1), .parent = {4}, .joint = Revolute{}, .q = 0.2});
+  const BodyId extra =
+      larger.add({.name = "x", .mass = 1, .inertia = diagonal(0.1), .parent = {4}, .joint = Revolute{}, .q = 0.2});
   Batch batch(model, 3);
-  const Body added = batch.apply(1, Add{&larger[extra]});
+  const BodyId added = batch.apply(1, Add{&larger[extra]});
   CHECK(added.index == model.size());
   CHECK(batch.groups() == 2);
   CHECK(batch.tree(1).bodies() == model.size() + 1);

@@ -21,7 +21,7 @@ constexpr double no_number = std::numeric_limits<double>::quiet_NaN(), inf = std
 
 Model chain(double mass = 1) {
   Model model;
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 0; k < 3; ++k)
     last = model.add({.name = "c/" + std::to_string(k),
                       .mass = mass,
@@ -174,7 +174,7 @@ TEST_CASE("edits") {
   const State before = batch.state(0);
   CHECK_THROWS_AS(batch.edit(0,
                              [](Tree& tree, State& state, Workspace<double>& workspace) {
-                               apply(Break{{1}}, tree, state, workspace);
+                               apply(Break{tree.inboard_joint({1})}, tree, state, workspace);
                                throw std::runtime_error("not that");
                              }),
                   std::runtime_error);

@@ -49,27 +49,31 @@ Force<double> transmitted_wrench(const Tree& tree, const Workspace<double>& work
   return Tr;
 }
 
-Force<double> reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, int b) noexcept {
+Force<double> reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint) noexcept {
+  const int b = tree.carrier(joint.index);
   MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
   return on_declared_child(tree, state, workspace, b, transmitted_wrench(tree, workspace, b));
 }
 
-Force<double> pure_reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, int b) noexcept {
+Force<double> pure_reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint) noexcept {
+  const int b = tree.carrier(joint.index);
   MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
   const Force<double> Tr = transmitted_wrench(tree, workspace, b);
-  const JointState<double> joint = joint_state(tree, state, workspace, b);
+  const JointState<double> at = joint_state(tree, state, workspace, b);
   const Force<double> drive = dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
     using K = typename decltype(tag)::type;
-    const auto E = K::template columns<double>(tree.link(b), joint);
+    const auto E = K::template columns<double>(tree.link(b), at);
     double force[6] = {};
     for (std::size_t i = 0; i < E.size(); ++i)
       if ((tree.joint(b).locked >> i & 1u) == 0) force[i] = dot(E[i], Tr);
-    return K::drive_wrench(tree.link(b), joint, force);
+    return K::drive_wrench(tree.link(b), at, force);
   });
   return on_declared_child(tree, state, workspace, b, Tr - drive);
 }
 
-void joint_effort(const Tree& tree, const State& state, const Workspace<double>& workspace, int b, double* effort) noexcept {
+void joint_effort(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint,
+                  double* effort) noexcept {
+  const int b = tree.carrier(joint.index);
   MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
   project(tree, b, joint_state(tree, state, workspace, b), transmitted_wrench(tree, workspace, b), effort);
   const int at = tree.first_p(b);
@@ -77,16 +81,18 @@ void joint_effort(const Tree& tree, const State& state, const Workspace<double>&
     effort[i] += tree.armature()[at + i] * workspace.a[static_cast<std::size_t>(at + i)];
 }
 
-BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Workspace<double>& workspace, int b) noexcept {
+BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Workspace<double>& workspace,
+                                   BodyId body) noexcept {
+  const int b = body.index;
   MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
   MT_REQUIRE(workspace.located == state.stamp(), "the bodies are located at this state: call locate_bodies first");
-  const Kinematics<double>& body = workspace.bodies[static_cast<std::size_t>(b)];
+  const Kinematics<double>& located = workspace.bodies[static_cast<std::size_t>(b)];
   const Motion<double> rate = felt_acceleration(tree, state.q().data(), workspace, b);
   const KernelFrame& frame = tree.frame(b);
   // The components of Ω turn with the body: d(Rv)/dt = R (v̇ + ω × v). Then from the kernels' origin to the user's, and gravity.
-  const Vec3 &v = body.velocity.v, &w = body.velocity.w, to = -transpose_times(frame.R, frame.r);
+  const Vec3 &v = located.velocity.v, &w = located.velocity.w, to = -transpose_times(frame.R, frame.r);
   const Vec3 linear = rate.v + cross(w, v) + cross(rate.w, to) + cross(w, cross(w, to));
-  return {body.R * linear + tree.gravity(), body.R * rate.w};
+  return {located.R * linear + tree.gravity(), located.R * rate.w};
 }
 
 }  // namespace momentree

@@ -25,7 +25,8 @@ Force<double> transmitted_wrench(const Tree& tree, const Workspace<double>& work
 /// its axes. The joint is that which body b carries; where it is carried in reverse, the child is b's parent in the tree.
 /// `reaction` is all that the declared parent exerts through the joint: constraint, drive, spring and damping. The work must be
 /// of this state, and accelerated.
-[[nodiscard]] Force<double> reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, int b) noexcept;
+[[nodiscard]] Force<double> reaction(const Tree& tree, const State& state, const Workspace<double>& workspace,
+                                     JointId joint) noexcept;
 
 /// The part of `reaction` that does no work on the joint's freedoms: what its bearings carry. Taken away is the force that the
 /// joint transmits along its freedoms, Eᵀ Tr = τ − rotor·u̇, which acts as follows, whatever makes it (drive, spring, damper,
@@ -34,11 +35,12 @@ Force<double> transmitted_wrench(const Tree& tree, const Workspace<double>& work
 /// of the joint's child side and a torque across it; free: force and torque about that origin. What holds a locked freedom is a
 /// constraint and stays.
 [[nodiscard]] Force<double> pure_reaction(const Tree& tree, const State& state, const Workspace<double>& workspace,
-                                          int b) noexcept;
+                                          JointId joint) noexcept;
 
 /// What acts along each freedom of b's joint, drive, spring, damping and friction together (nv numbers, N m or N): Eᵀ Tr +
 /// rotor·u̇ = τ. Where the motion is prescribed, that is the effort which it takes; where a freedom is locked, what holds it.
-void joint_effort(const Tree& tree, const State& state, const Workspace<double>& workspace, int b, double* effort) noexcept;
+void joint_effort(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint,
+                  double* effort) noexcept;
 
 /// Time derivatives of what a user sees of a body's motion: the velocity of its frame's origin (m/s²) and its angular velocity
 /// (rad/s²), world axes.
@@ -47,7 +49,7 @@ struct BodyAcceleration {
 };
 /// The work must be of this state, located and accelerated.
 [[nodiscard]] BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Workspace<double>& workspace,
-                                                 int b) noexcept;
+                                                 BodyId body) noexcept;
 
 extern template void evaluate_accelerations<double>(const Tree&, const double*, Workspace<double>&) noexcept;
 

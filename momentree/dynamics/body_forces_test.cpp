@@ -38,7 +38,7 @@ TEST_CASE("(20) a force at a point turns and pushes a body; it stands in world a
     const double half = std::sqrt(0.5);
     BodySpec spec = ball("m/a");
     spec.q = {0, 0, 0, half, 0, 0, half};  // a quarter turn about z
-    const Body a = model.add(spec);
+    const BodyId a = model.add(spec);
     model.add_force(
         {.body = a, .point = {0.5, 0, 0}, .force = {0.0, 3.0, 0.0}, .torque = {0.0, 0.0, 1.0}, .body_axes = body_axes});
     const Tree tree = compile(model);
@@ -51,14 +51,14 @@ TEST_CASE("(20) a force at a point turns and pushes a body; it stands in world a
     CHECK(workspace.pdot[5] == doctest::Approx(body_axes ? 2.5 : 1));
     accelerate(tree, state, workspace);
     CHECK(workspace.a[5] == doctest::Approx((body_axes ? 2.5 : 1) / 0.3));
-    CHECK(norm(reaction(tree, state, workspace, 0).l) < 1e-14);  // nothing holds it
-    CHECK(norm(reaction(tree, state, workspace, 0).h) < 1e-14);
+    CHECK(norm(reaction(tree, state, workspace, tree.inboard_joint({0})).l) < 1e-14);  // nothing holds it
+    CHECK(norm(reaction(tree, state, workspace, tree.inboard_joint({0})).h) < 1e-14);
   }
 }
 
 TEST_CASE("a pendulum in the wind: the joint gets the moment, and its reaction holds the force") {
   Model model({.gravity = {}});
-  const Body a = model.add(
+  const BodyId a = model.add(
       {.name = "m/a", .mass = 1, .com = {0, 0, -1}, .inertia = diagonal(0.1), .joint = Revolute{.axis = {0, 1, 0}}, .q = 0.0});
   model.add_force({.body = a, .point = {0, 0, -2}, .force = {5.0, 0.0, 2.0}});
   const Tree tree = compile(model);
@@ -68,41 +68,41 @@ TEST_CASE("a pendulum in the wind: the joint gets the moment, and its reaction h
   CHECK(workspace.pdot[0] == doctest::Approx(-10));
   accelerate(tree, state, workspace);
   CHECK(workspace.a[0] == doctest::Approx(-10 / 1.1));
-  const Force<double> R = reaction(tree, state, workspace, 0);
+  const Force<double> R = reaction(tree, state, workspace, tree.inboard_joint({0}));
   CHECK(R.l.x == doctest::Approx(10 / 1.1 - 5));  // m·a of the centre of mass, less the force
   CHECK(R.l.z == doctest::Approx(-2));
 }
 
 TEST_CASE("a locked joint gets nothing, what carries it does; a removed body takes its force along") {
   Model model({.gravity = {}});
-  const Body a = model.add({.name = "m/a", .mass = 1, .inertia = diagonal(1), .joint = Prismatic{.axis = {1, 0, 0}}});
-  const Body b =
+  const BodyId a = model.add({.name = "m/a", .mass = 1, .inertia = diagonal(1), .joint = Prismatic{.axis = {1, 0, 0}}});
+  const BodyId b =
       model.add({.name = "m/b", .mass = 1, .inertia = diagonal(1), .parent = a, .joint = Prismatic{.axis = {1, 0, 0}}});
   model.add_force({.body = b, .force = {4.0, 0.0, 0.0}});
   Simulation sim(model);
   sim.apply(lock("m/b"));
-  CHECK(sim.world().joint(b).pdot[0] == 0);
-  CHECK(sim.world().joint(a).pdot[0] == doctest::Approx(4));
-  CHECK(sim.world().joint_forces(b).reaction.force.x == doctest::Approx(-2));
+  CHECK(sim.world().joint({b.index}).pdot[0] == 0);
+  CHECK(sim.world().joint({a.index}).pdot[0] == doctest::Approx(4));
+  CHECK(sim.world().joint_forces({b.index}).reaction.force.x == doctest::Approx(-2));
   sim.apply(unlock("m/b"));
-  CHECK(sim.world().joint(b).pdot[0] == doctest::Approx(4));
+  CHECK(sim.world().joint({b.index}).pdot[0] == doctest::Approx(4));
   sim.apply(break_joint("m/b"));
   CHECK(sim.world().tree().loaded_bodies().size() == 1);
-  CHECK(sim.world().joint(a).pdot[0] == 0);
-  CHECK(sim.world().joint(b).pdot[0] == doctest::Approx(4));
+  CHECK(sim.world().joint({a.index}).pdot[0] == 0);
+  CHECK(sim.world().joint({b.index}).pdot[0] == doctest::Approx(4));
   const SimulationSnapshot before = sim.snapshot();
   sim.remove(b);
   CHECK(sim.world().tree().loaded_bodies().empty());
   CHECK(sim.run_until(0.1) == Status::ok);
   sim.restore(before);
-  CHECK(sim.world().joint(b).pdot[0] == doctest::Approx(4));
+  CHECK(sim.world().joint({b.index}).pdot[0] == doctest::Approx(4));
 }
 
 TEST_CASE("a body falls to its terminal speed as tanh says; drag is dissipated, and the books close") {
   for (const bool quadratic : {false, true}) {
     Model model({.gravity = {0, 0, -9.81}});
     const double m = 2, k = quadratic ? 0.4 : 0.9;
-    const Body a = model.add(ball("m/a", m));
+    const BodyId a = model.add(ball("m/a", m));
     BodyForce force{.body = a};
     if (quadratic)
       force.drag = {.quadratic = 0.8, .area = 0.5};
@@ -124,7 +124,7 @@ TEST_CASE("a body falls to its terminal speed as tanh says; drag is dissipated, 
 
 TEST_CASE("forces that change with time: impulse and work") {
   Model model({.gravity = {}});
-  const Body a = model.add(ball("m/a"));
+  const BodyId a = model.add(ball("m/a"));
   model.add_force({.body = a, .force = {Signal::table({{0, 0}, {1, 6}, {2, 0}}), Signal::sine(4, 0.5), 0.0}});
   Simulation sim(model, {.method = "rk4", .step = 0.01});
   REQUIRE(sim.run_until(1) == Status::ok);
@@ -137,7 +137,7 @@ TEST_CASE("forces that change with time: impulse and work") {
 
 TEST_CASE("what is wrong with a force names its field") {
   Model model;
-  const Body a = model.add(ball("m/a"));
+  const BodyId a = model.add(ball("m/a"));
   CHECK(error_of([&] { model.add_force({.body = {7}}); }).find("acts on no body of this model") != std::string::npos);
   CHECK(error_of([&] {
           model.add_force({.body = a, .force = {Signal(HUGE_VAL), 0.0, 0.0}});
@@ -150,13 +150,13 @@ TEST_CASE("what is wrong with a force names its field") {
 TEST_CASE("a function of the world acts on a body as the same force told in numbers does") {
   const auto model = [](bool told) {
     Model m({.gravity = {0, 0, -9.81}});
-    const Body a = m.add({.name = "m/a",
-                          .mass = 1,
-                          .com = {0, 0, -0.5},
-                          .inertia = diagonal(0.1),
-                          .joint = Revolute{.axis = {0, 1, 0}},
-                          .q = 0.4,
-                          .child_at = Pose{{0.1, 0.2, 0.3}, from_rpy(0.3, 0.2, 0.1)}});
+    const BodyId a = m.add({.name = "m/a",
+                            .mass = 1,
+                            .com = {0, 0, -0.5},
+                            .inertia = diagonal(0.1),
+                            .joint = Revolute{.axis = {0, 1, 0}},
+                            .q = 0.4,
+                            .child_at = Pose{{0.1, 0.2, 0.3}, from_rpy(0.3, 0.2, 0.1)}});
     m.add({.name = "m/b",
            .mass = 2,
            .com = {0.1, 0, 0},
@@ -206,7 +206,7 @@ TEST_CASE("a function of the world acts on a body as the same force told in numb
 
 TEST_CASE("bodies that prescribed motions carry: the drive's effort holds the force on what it moves") {
   Model model({.gravity = {}});
-  const Body a =
+  const BodyId a =
       model.add({.name = "m/a",
                  .mass = 2,
                  .inertia = diagonal(1),
@@ -216,7 +216,7 @@ TEST_CASE("bodies that prescribed motions carry: the drive's effort holds the fo
   model.add_force({.body = a, .force = {-4.0, 0.0, 0.0}});
   Simulation sim(model);
   REQUIRE(sim.run_until(0.4) == Status::ok);
-  const JointForces forces = sim.world().joint_forces(a);
+  const JointForces forces = sim.world().joint_forces({a.index});
   const double b = 5 - 0.3 * sim.world().motions()[1].linear.x;  // on the free slider, which passes nothing on
   CHECK(sim.world().accelerations()[1].linear.x == doctest::Approx(b));
   CHECK(forces.effort[0] == doctest::Approx(2 * forces.a[0] + 4));

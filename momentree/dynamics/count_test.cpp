@@ -20,7 +20,7 @@ constexpr Vec3 down{0.3, -0.2, -9.81}, nothing{};
 
 long operations(const Model& model) { return count_operations(compile(model)).total(); }
 
-BodySpec body(int k, Body parent, const Pose& at, const JointSpec& joint) {
+BodySpec body(int k, BodyId parent, const Pose& at, const JointSpec& joint) {
   return {.name = "b/" + std::to_string(k),
           .mass = 1.25,
           .com = {0.1, -0.05, 0.2},
@@ -43,7 +43,7 @@ Pose general_place(std::mt19937& random) {
 Model general_chain(int bodies, const Vec3& gravity) {
   std::mt19937 random(static_cast<unsigned>(bodies));
   Model model({.gravity = gravity});
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 0; k < bodies; ++k) last = model.add(body(k, last, general_place(random), Revolute{}));
   return model;
 }
@@ -55,7 +55,7 @@ Pose link_place(double alpha, double a, double d) {
 /// Two pins that keep it from a plane, and `links` of one shape.
 Model shaped_chain(int links, const Pose& at, const Vec3& gravity) {
   Model model({.gravity = gravity});
-  Body last = model.add(body(0, ground, {}, Revolute{}));
+  BodyId last = model.add(body(0, ground, {}, Revolute{}));
   last = model.add(body(1, last, link_place(0.7, 0.2, 0.3), Revolute{}));
   for (int k = 0; k < links; ++k) last = model.add(body(k + 2, last, at, Revolute{}));
   return model;
@@ -88,7 +88,7 @@ long of_a_link(Kind kind, Variant variant, const Vec3& gravity) {
     if (kind == Kind::helical) joint.pitch = 0.1;
     if (variant == Variant::armature) joint.parameters.armature = 0.1;
     Model model({.gravity = gravity});
-    Body last = model.add(body(0, ground, {}, turned ? JointSpec(Free{}) : JointSpec(Weld{})));
+    BodyId last = model.add(body(0, ground, {}, turned ? JointSpec(Free{}) : JointSpec(Weld{})));
     for (int k = 1; k <= links; ++k) last = model.add(body(k, last, general_place(random), joint));
     Tree tree = compile(model);
     State state = start_state(model, tree);
@@ -100,7 +100,7 @@ long of_a_link(Kind kind, Variant variant, const Vec3& gravity) {
     for (int b = 0; locked && b < tree.bodies(); ++b) {
       if (tree.kind(b) != kind || tree.parent(b) < 0) continue;
       forward_dynamics(tree, state, workspace);
-      apply(Lock{{b}}, tree, state, workspace);
+      apply(Lock{tree.inboard_joint({b})}, tree, state, workspace);
     }
     return count_operations(tree).total();
   };
@@ -182,7 +182,7 @@ TEST_CASE("budgets by the shape of a link") {
 TEST_CASE("budgets of mechanisms in a plane") {
   const auto chain = [](int links, const Vec3& gravity) {
     Model model({.gravity = gravity});
-    Body last = ground;
+    BodyId last = ground;
     for (int k = 0; k < links; ++k) last = model.add(body(k, last, link_place(0, 0.2, 0.1), Revolute{}));
     return operations(model);
   };
@@ -231,7 +231,7 @@ TEST_CASE("mechanisms add up; another branch costs what it has, and the sum at t
     for (int k = 0; k < other.size(); ++k) {
       BodySpec spec = other[{k}];
       spec.name = "c/" + std::to_string(k), spec.joint_name.clear();
-      spec.parent = k == 0 ? ground : Body{spec.parent.index + 7};
+      spec.parent = k == 0 ? ground : BodyId{spec.parent.index + 7};
       both.add(spec);
     }
     CHECK(operations(both) == operations(general_chain(7, gravity)) + operations(other));
@@ -239,9 +239,9 @@ TEST_CASE("mechanisms add up; another branch costs what it has, and the sum at t
     // A trunk with branches alike, in general position.
     const auto star = [&](int branches, int links) {
       Model model({.gravity = gravity});
-      const Body trunk = model.add(body(0, ground, {}, Revolute{}));
+      const BodyId trunk = model.add(body(0, ground, {}, Revolute{}));
       for (int branch = 0, k = 1; branch < branches; ++branch) {
-        Body last = trunk;
+        BodyId last = trunk;
         const Pose first{{0.3, 0.1 + 0.1 * branch, -0.2}, normalized(Quat{0.9, 0.2 * branch, 0.4, 0.1})};
         for (int i = 0; i < links; ++i) last = model.add(body(k++, last, i == 0 ? first : link_place(0.7, 0.2, 0.3), Revolute{}));
       }

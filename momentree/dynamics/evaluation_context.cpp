@@ -5,24 +5,24 @@
 
 namespace momentree {
 
-Numbers EvaluationContext::q(Body joint) const noexcept {
+Numbers EvaluationContext::q(JointId joint) const noexcept {
   const int b = tree_->carrier(joint.index);
   if (b < 0) return {};
   return Numbers(q_ + tree_->first_q(b), static_cast<std::size_t>(info(tree_->joint(b).kind).nq));
 }
 
-Numbers EvaluationContext::v(Body joint) const noexcept {
+Numbers EvaluationContext::v(JointId joint) const noexcept {
   const int b = tree_->carrier(joint.index);
   if (b < 0) return {};
   return Numbers(workspace_->v.get() + tree_->first_p(b), static_cast<std::size_t>(info(tree_->joint(b).kind).nv));
 }
 
-bool EvaluationContext::has_function(Body joint) const noexcept {
+bool EvaluationContext::has_function(JointId joint) const noexcept {
   const int b = tree_->carrier(joint.index);
   return b >= 0 && tree_->function(b) != nullptr;
 }
 
-BodyMotion EvaluationContext::motion(Body body) const noexcept {
+BodyMotion EvaluationContext::motion(BodyId body) const noexcept {
   MT_REQUIRE(body.index >= ground.index && body.index < tree_->bodies(), "the world has or had a body of that number");
   if (body == ground || !tree_->alive(body.index)) return {};
   if (!located_) locate_stage(*tree_, q_, *workspace_);

@@ -22,12 +22,12 @@ class EvaluationContext {
 
   double time() const { return time_; }
   /// Coordinates and velocities of the joint of that number, in its declared direction; empty where it left the world.
-  Numbers q(Body joint) const noexcept;
-  Numbers v(Body joint) const noexcept;
+  Numbers q(JointId joint) const noexcept;
+  Numbers v(JointId joint) const noexcept;
   /// True where a function drives the joint of that number: false once it broke or became another.
-  bool has_function(Body joint) const noexcept;
+  bool has_function(JointId joint) const noexcept;
   /// Frame of a body; the world's origin at rest for the ground and for a body that left the world.
-  BodyMotion motion(Body body) const noexcept;
+  BodyMotion motion(BodyId body) const noexcept;
 
  private:
   const Tree* tree_;

@@ -20,7 +20,7 @@ namespace {
 // A body of every kind of joint on a trunk, two of them on a fork, one mechanism on a free root.
 Model all_kinds_model() {
   Model model({.gravity = {0.5, -2, -9}});
-  const auto body = [&](const char* name, Body parent, JointSpec joint, Values q, Values v) {
+  const auto body = [&](const char* name, BodyId parent, JointSpec joint, Values q, Values v) {
     return model.add({.name = name,
                       .mass = 1.25,
                       .com = {0.1, -0.05, 0.2},
@@ -33,14 +33,14 @@ Model all_kinds_model() {
                       .child_at = Pose{{0.02, -0.03, 0.01}, normalized(Quat{0.8, -0.2, 0.1, 0.4})}});
   };
   const Quat r = normalized(Quat{0.7, 0.3, -0.5, 0.4});
-  const Body trunk = body("a/trunk", ground, Revolute{.axis = {1, 2, 2}, .armature = 0.3}, 0.4, 1.2);
-  const Body slide = body("a/slide", trunk, Prismatic{.axis = {0, 1, 1}}, 0.2, -0.7);
-  const Body screw = body("a/screw", slide, Helical{.axis = {1, 0, 0}, .pitch = 0.5}, -0.6, 0.9);
+  const BodyId trunk = body("a/trunk", ground, Revolute{.axis = {1, 2, 2}, .armature = 0.3}, 0.4, 1.2);
+  const BodyId slide = body("a/slide", trunk, Prismatic{.axis = {0, 1, 1}}, 0.2, -0.7);
+  const BodyId screw = body("a/screw", slide, Helical{.axis = {1, 0, 0}, .pitch = 0.5}, -0.6, 0.9);
   body("a/tip", screw, Ball{.armature = {0.1, 0.2, 0.3}}, {r.w, r.x, r.y, r.z}, {0.3, -0.8, 0.5});
-  const Body hooke = body("a/hooke", slide, Universal{.axis = {1, 0.2, 0}, .axis2 = {0, 1, 0.5}}, {0.3, -0.9}, {1, -0.4});
+  const BodyId hooke = body("a/hooke", slide, Universal{.axis = {1, 0.2, 0}, .axis2 = {0, 1, 0.5}}, {0.3, -0.9}, {1, -0.4});
   body("a/rod", hooke, Cylindrical{}, {0.5, 0.3}, {-0.6, 0.8});
-  const Body base = body("b/base", ground, Free{}, {1, 2, 3, r.w, r.x, r.y, r.z}, {0.1, 0.2, 0.3, -0.4, 0.5, -0.6});
-  const Body plate = body("b/plate", base, Planar{}, {0.1, -0.2, 0.7}, {0.9, 0.1, -0.5});
+  const BodyId base = body("b/base", ground, Free{}, {1, 2, 3, r.w, r.x, r.y, r.z}, {0.1, 0.2, 0.3, -0.4, 0.5, -0.6});
+  const BodyId plate = body("b/plate", base, Planar{}, {0.1, -0.2, 0.7}, {0.9, 0.1, -0.5});
   body("b/knob", plate, Weld{}, {}, {});
   return model;
 }
@@ -142,12 +142,12 @@ TEST_CASE("a free root's rate of momentum is its weight, in its own turning axes
 
 TEST_CASE("damping, springs and efforts: forces and power") {
   Model model({.gravity = {}});
-  const Body a = model.add({.name = "m/a",
-                            .mass = 2,
-                            .inertia = diagonal(0.5),
-                            .joint = Revolute{.damping = 0.3, .stiffness = 4, .rest = 0.25, .effort = 0.7},
-                            .q = 1.0,
-                            .v = 2.0});
+  const BodyId a = model.add({.name = "m/a",
+                              .mass = 2,
+                              .inertia = diagonal(0.5),
+                              .joint = Revolute{.damping = 0.3, .stiffness = 4, .rest = 0.25, .effort = 0.7},
+                              .q = 1.0,
+                              .v = 2.0});
   model.add({.name = "m/b",
              .mass = 1,
              .inertia = diagonal(0.1),

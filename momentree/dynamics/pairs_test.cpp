@@ -33,13 +33,13 @@ std::vector<Piece> random_limb(Random& random) {
   return limb;
 }
 /// Placements and masses are each body's own: those of a limb's twin differ.
-void add_limb(Model& model, const std::vector<Piece>& limb, Body at, Random& random) {
+void add_limb(Model& model, const std::vector<Piece>& limb, BodyId at, Random& random) {
   const int first = model.size();
   for (const Piece& piece : limb) {
     BodySpec body{.name = std::to_string(model.size()), .mass = random.between(0.5, 2)};
     body.com = random.vector(0.2);
     body.inertia = diagonal(random.between(0.06, 0.1), random.between(0.06, 0.1), random.between(0.06, 0.1));
-    body.parent = piece.parent < 0 ? at : Body{first + piece.parent};
+    body.parent = piece.parent < 0 ? at : BodyId{first + piece.parent};
     body.at = random_place(random);
     body.joint = Revolute{.damping = 1};
     if (piece.rotor) body.joint = Revolute{.damping = 1, .armature = random.between(0.01, 0.1)};
@@ -55,13 +55,13 @@ Model random_model(Random& random, bool gravity) {
   const int trunk = whole ? 0 : 1 + random.below(3);
   for (int k = 0; k < trunk; ++k) {
     BodySpec body{.name = "trunk" + std::to_string(k), .mass = 2, .com = random.vector(0.1), .inertia = diagonal(0.2)};
-    body.parent = k == 0 ? ground : Body{k - 1};
+    body.parent = k == 0 ? ground : BodyId{k - 1};
     body.at = random_place(random);
     body.joint = k == 0 && random.chance(0.6) ? JointSpec(Free{}) : JointSpec(Revolute{.damping = 1});
     model.add(body);
   }
   const int limbs = 2 + random.below(5);
-  for (int k = 0; k < limbs; ++k) add_limb(model, sorts[random.below(2)], whole ? ground : Body{random.below(trunk)}, random);
+  for (int k = 0; k < limbs; ++k) add_limb(model, sorts[random.below(2)], whole ? ground : BodyId{random.below(trunk)}, random);
   return model;
 }
 

@@ -43,7 +43,7 @@ Model random_model(Random& random, bool gravity) {
       body.com = random.vector(0.2);
       body.inertia = diagonal(random.between(0.06, 0.1), random.between(0.06, 0.1), random.between(0.06, 0.1));
       const int outer = chain ? k - 1 : random.below(k + 1) - 1;
-      body.parent = k == 0 ? ground : Body{first + std::max(outer, 0)};
+      body.parent = k == 0 ? ground : BodyId{first + std::max(outer, 0)};
       body.at = random_place(random);
       if (flat) body.at = {random.vector(0.4), k == 0 ? body.at.rotation : from_axis_angle(z_axis, random.between(-1, 1))};
       body.joint = flat                           ? JointSpec(Revolute{.damping = 1})

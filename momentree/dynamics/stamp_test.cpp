@@ -104,7 +104,7 @@ TEST_CASE("a copy of a tree is the same tree until one of them changes") {
   CHECK(copy.revision() == tree.revision());
   CHECK(speed(copy, state, workspace) == both);
   const State before = state;
-  apply(Break{{1}}, tree, state, workspace);
+  apply(Break{tree.inboard_joint({1})}, tree, state, workspace);
   CHECK(copy.revision() != tree.revision());
   CHECK(before.topology() == copy.revision());
   CHECK(state.topology() == tree.revision());
@@ -112,9 +112,9 @@ TEST_CASE("a copy of a tree is the same tree until one of them changes") {
   Tree a = copy, b = copy;  // the same change of each is a change of its own
   State of_a = before, of_b = before;
   forward_dynamics(a, of_a, workspace);
-  apply(Lock{{1}}, a, of_a, workspace);
+  apply(Lock{a.inboard_joint({1})}, a, of_a, workspace);
   forward_dynamics(b, of_b, workspace);
-  apply(Lock{{1}}, b, of_b, workspace);
+  apply(Lock{b.inboard_joint({1})}, b, of_b, workspace);
   CHECK(a.revision() != b.revision());
 
   const std::uint64_t was = a.revision();

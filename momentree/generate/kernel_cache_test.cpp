@@ -23,7 +23,7 @@ const char* const arm_joints[] = {"shoulder", "upper", "elbow", "hand"};
 // Four pins about different axes, the last on a slider's place: short enough that round-off stays round-off.
 Model arm(double damping = 0.05) {
   Model model;
-  Body parent = ground;
+  BodyId parent = ground;
   const Vec3 axes[] = {y_axis, x_axis, y_axis, {1, 1, 0}};
   for (int k = 0; k < 4; ++k)
     parent = model.add({.name = arm_joints[k],

@@ -201,7 +201,7 @@ class Embedded : public Integrator {
   // Largest error of a coordinate or velocity in parts of what is allowed; the work is of the new state.
   // Where motions are prescribed, also of the work done: what only follows says nothing of the steps that its drive's power
   // takes.
-  double estimate(Evaluator& evaluate, double workspace, double h) noexcept {
+  double estimate(Evaluator& evaluate, double work, double h) noexcept {
     const double* u1 = evaluate.workspace().v.get();
     double found[2] = {};
     for (int e = 0; e < Tableau::estimates; ++e) {
@@ -221,7 +221,7 @@ class Embedded : public Integrator {
           off += weights[j] * power_[j].work;
           most = std::max(most, std::fabs(power_[j].work));
         }
-        measure(h * off, workspace, h * most);
+        measure(h * off, work, h * most);
       }
       double* dp = solver_.impulse.get();
       for (int i = 0; i < nv_; ++i) {

@@ -14,14 +14,14 @@ namespace {
 // An arm of three bodies with joint parameters `p` at its light end.
 Model arm(const JointParameters& p, Kind kind = Kind::revolute) {
   Model model({.gravity = {}});
-  const Body base = model.add({.name = "base", .mass = 5, .inertia = diagonal(0.4), .joint = Revolute{.axis = y_axis}});
-  const Body link = model.add({.name = "link",
-                               .mass = 2,
-                               .com = {0.2, 0, 0},
-                               .inertia = diagonal(0.05),
-                               .parent = base,
-                               .at = {0.3, 0, 0},
-                               .joint = Revolute{.axis = y_axis}});
+  const BodyId base = model.add({.name = "base", .mass = 5, .inertia = diagonal(0.4), .joint = Revolute{.axis = y_axis}});
+  const BodyId link = model.add({.name = "link",
+                                 .mass = 2,
+                                 .com = {0.2, 0, 0},
+                                 .inertia = diagonal(0.05),
+                                 .parent = base,
+                                 .at = {0.3, 0, 0},
+                                 .joint = Revolute{.axis = y_axis}});
   BodySpec hand{.name = "hand", .mass = 0.1, .com = {0.05, 0, 0}, .inertia = diagonal(2e-4), .parent = link, .at = {0.4, 0, 0}};
   hand.joint.kind = kind;
   hand.joint.axis = y_axis;

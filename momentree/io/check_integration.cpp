@@ -96,7 +96,7 @@ class ScheduleChecker {
     State state = start_state(model, tree);
     const double step = std::min(how_.step, scenario_.until);
     if (const auto stiff = too_stiff(tree, state.q(), how_.method, step)) {
-      const std::string& name = model[Body{stiff->joint}].joint_name;
+      const std::string& name = model[BodyId{stiff->joint}].joint_name;
       out_.warning(at_.step, stiff->what(name, step) + " by " + how_.method, stiff->cure());
     } else {
       first_step(tree, state, step);
@@ -133,7 +133,7 @@ class ScheduleChecker {
     if (whole_good && halves_good && worst <= far) return;
     std::string what = "step = " + text(step) + " s is too long for this motion: ";
     if (joint >= 0 && whole_good && halves_good)
-      what += "of joint '" + scenario_.model[Body{joint}].joint_name + "' the first step is off by " + text(worst) + " rad";
+      what += "of joint '" + scenario_.model[BodyId{joint}].joint_name + "' the first step is off by " + text(worst) + " rad";
     else
       what += "the first step runs away";
     out_.warning(at_.step, what,

@@ -35,13 +35,13 @@ bool same(const Pose& a, const Pose& b) {
 }
 
 // False for a joint that broke or became another before the run began.
-bool as_in_the_model(const World& world, Body joint) {
+bool as_in_the_model(const World& world, JointId joint) {
   if (world.tree().carrier(joint.index) < 0) return false;
   const JointView now = world.joint(joint);
   const BodySpec& then = world.model()[joint];
-  return now.name == then.joint_name && now.child == joint && now.parent == then.parent && now.kind == then.joint.kind &&
-         same(now.axis, then.joint.axis) && now.pitch == then.joint.pitch && same(now.at, then.at) &&
-         same(now.child_at, then.child_at);
+  return now.name == then.joint_name && now.child == world.model().child(joint) && now.parent == then.parent &&
+         now.kind == then.joint.kind && same(now.axis, then.joint.axis) && now.pitch == then.joint.pitch &&
+         same(now.at, then.at) && same(now.child_at, then.child_at);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace momentree::io {
 /// A spring and a damper between two coordinates: with e = q(joint) − multiplier·q(leader) − offset they act with
 /// −(stiffness·e + damping·ė) on the joint and with −multiplier times that on its leader. Joints have one freedom each.
 struct JointCoupling {
-  Body joint, leader;
+  JointId joint, leader;
   double multiplier = 1;  ///< units of the joint per unit of its leader
   double offset = 0;      ///< rad or m
   double stiffness = 0;   ///< N m/rad or N/m, of the joint

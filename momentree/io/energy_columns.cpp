@@ -12,7 +12,7 @@ double gravity_energy(const World& world) {
   double energy = 0;
   for (int b = 0; b < model.size(); ++b) {
     if (!world.alive({b})) continue;
-    const BodySpec& body = model[Body{b}];
+    const BodySpec& body = model[BodyId{b}];
     const Pose& pose = world.motions()[static_cast<std::size_t>(b)].pose;
     energy -= body.mass * dot(model.gravity(), pose * body.com);
   }

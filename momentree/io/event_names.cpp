@@ -72,7 +72,7 @@ class Names {
   // The free joint of what comes off is named after its body.
   void broken(const std::string& joint, double time) {
     if (!model_.has_joint(joint)) return;
-    const Body child = model_.joint(joint);
+    const BodyId child = model_.child(model_.joint(joint));
     const std::string& body = model_[child].name;
     const std::string name = body == joint || !model_.has_joint(body) ? body : body + "~free";
     became_free_.insert(name);

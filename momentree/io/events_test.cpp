@@ -117,7 +117,7 @@ TEST_CASE("later events find joints that earlier ones make, wherever they stand 
   REQUIRE(simulation.run_until(5) == Status::ok);
   REQUIRE(simulation.events().size() == 5);
   CHECK(simulation.events()[1].name == "#1");
-  CHECK(simulation.events()[4].actions == std::vector<std::string>{"break ground+m/b"});
+  CHECK(simulation.events()[4].action_texts() == std::vector<std::string>{"break ground+m/b"});
   CHECK(simulation.world().mechanism_names() == std::vector<std::string>{"m", "m/b", "f/x"});
 }
 
@@ -146,13 +146,13 @@ TEST_CASE("matches of an event whose instant is not known happen together") {
   for (const Event& event : simulation.events()) {
     if (event.name == "slow") {
       ++set;
-      CHECK(event.actions == std::vector<std::string>{"set m/1", "set m/2", "set m/3"});
+      CHECK(event.action_texts() == std::vector<std::string>{"set m/1", "set m/2", "set m/3"});
     } else if (event.name == "low") {
       low = event.time;
-      CHECK(event.actions == std::vector<std::string>{"lock m/1", "lock m/2", "lock m/3"});
+      CHECK(event.action_texts() == std::vector<std::string>{"lock m/1", "lock m/2", "lock m/3"});
     } else {
       CHECK(event.time == doctest::Approx(low + 0.1).epsilon(1e-12));
-      CHECK(event.actions == std::vector<std::string>{"unlock m/1", "unlock m/2", "unlock m/3"});
+      CHECK(event.action_texts() == std::vector<std::string>{"unlock m/1", "unlock m/2", "unlock m/3"});
     }
   }
   CHECK(low > 0);

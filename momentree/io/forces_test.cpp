@@ -22,7 +22,7 @@ Scenario read(const std::string& text) {
 }
 
 JointParameters joint(const std::string& keys, const char* kind = "revolute") {
-  return read(one_body + "[mechanism.body.joint]\nkind = \"" + kind + "\"\n" + keys).model[Body{0}].joint.parameters;
+  return read(one_body + "[mechanism.body.joint]\nkind = \"" + kind + "\"\n" + keys).model[BodyId{0}].joint.parameters;
 }
 
 std::vector<std::string> texts(const ScenarioEvent& event) {
@@ -62,9 +62,9 @@ TEST_CASE("motions at a constant rate, and tables with free ends") {
   // It begins where the joint starts.
   const Scenario scenario =
       read(one_body + "[mechanism.body.joint]\nkind = \"revolute\"\nangle = 0.3\ndrive = { motion = { rate = 2 } }\n");
-  CHECK(scenario.model[Body{0}].q[0] == 0.3);
-  CHECK(scenario.model[Body{0}].v[0] == 2);
-  CHECK(scenario.model[Body{0}].joint.parameters.drive->motion[0].at(1).value == doctest::Approx(2.3));
+  CHECK(scenario.model[BodyId{0}].q[0] == 0.3);
+  CHECK(scenario.model[BodyId{0}].v[0] == 2);
+  CHECK(scenario.model[BodyId{0}].joint.parameters.drive->motion[0].at(1).value == doctest::Approx(2.3));
 }
 
 TEST_CASE("position control and prescribed motion") {
@@ -82,13 +82,13 @@ TEST_CASE("position control and prescribed motion") {
   const Scenario s = read(one_body +
                           "[mechanism.body.joint]\nkind = \"prismatic\"\nposition = \"1 m\"\n"
                           "drive = { motion = { table = [[0, \"1 m\"], [2, \"300 cm\"]] } }\n");
-  const BodySpec& moved = s.model[Body{0}];
+  const BodySpec& moved = s.model[BodyId{0}];
   REQUIRE(moved.joint.parameters.drive);
   CHECK(moved.joint.parameters.drive->motion[0].signal() == Signal::table({{0, 1}, {2, 3}}));
   CHECK(moved.q == Values{1});
   const Scenario t = read(pinned + "drive = { motion = { sine = { amplitude = 0.5, frequency = 1, offset = 2 } } }\n");
-  CHECK(t.model[Body{0}].q == Values{2});
-  CHECK(t.model[Body{0}].v[0] == doctest::Approx(std::acos(-1.0)));
+  CHECK(t.model[BodyId{0}].q == Values{2});
+  CHECK(t.model[BodyId{0}].v[0] == doctest::Approx(std::acos(-1.0)));
 }
 
 TEST_CASE("friction, soft stops and strength") {
@@ -110,7 +110,7 @@ TEST_CASE("a chain has them for all of its joints") {
                           "inertia = 1\nfriction = { coulomb = 1, speed = 0.1 }\nstrength = { force = 5, torque = 6 }\n"
                           "drive = { effort = { sine = { amplitude = 1, frequency = 2 } } }\nstiffness = 3\n");
   for (int k = 0; k < 3; ++k) {
-    const JointParameters& p = s.model[Body{k}].joint.parameters;
+    const JointParameters& p = s.model[BodyId{k}].joint.parameters;
     CHECK(p.friction.coulomb == Values{1});
     CHECK(p.strength.torque == 6);
     CHECK(p.drive->effort[0].frequency() == 2);
@@ -141,7 +141,7 @@ TEST_CASE("forces on bodies: constant and changing, in either axes, for every ma
            "[[force]]\nbody = \"m/*\"\ndrag = { linear = \"0.1 N s/m\", quadratic = \"0.6 kg/m^3\", area = \"20 cm^2\" }\n");
   REQUIRE(s.model.forces().size() == 4);
   const BodyForce& f = s.model.forces()[0];
-  CHECK(f.body == Body{1});
+  CHECK(f.body == BodyId{1});
   CHECK(f.point == Vec3{0.5, 0, 0});
   CHECK(f.body_axes);
   CHECK(f.force[0] == Signal(3));
@@ -150,7 +150,7 @@ TEST_CASE("forces on bodies: constant and changing, in either axes, for every ma
   CHECK(f.torque[2] == Signal(1));
   for (int k = 0; k < 3; ++k) {
     const BodyForce& each = s.model.forces()[static_cast<std::size_t>(k + 1)];
-    CHECK(each.body == Body{k});
+    CHECK(each.body == BodyId{k});
     CHECK(each.drag == Drag{0.1, 0.6, 0.002});
     CHECK(!each.body_axes);
   }
@@ -191,7 +191,7 @@ TEST_CASE("each joint of a chain breaks at its own load") {
   // Joint 1 bears 40 N, breaks, and with it all weight is gone.
   REQUIRE(simulation.events().size() == 1);
   CHECK(simulation.events()[0].name == "overload");
-  CHECK(simulation.events()[0].actions == std::vector<std::string>{"break m/1"});
+  CHECK(simulation.events()[0].action_texts() == std::vector<std::string>{"break m/1"});
 }
 
 TEST_CASE("something may come after a joint's own strength") {

@@ -1,8 +1,11 @@
 #include <momentree/io/model_json.hpp>
 
+#include <algorithm>
+
 #include <utility>
 
-#include <momentree/io/json_writer.hpp>
+#include <momentree/io/joint_json.hpp>
+#include <momentree/simulate/topology_record.hpp>
 
 namespace momentree::io {
 namespace {
@@ -19,7 +22,7 @@ std::vector<std::vector<Edge3>> drawn_extents(const Model& model, const std::vec
       extents[static_cast<std::size_t>(child.parent.index)].emplace_back(from, child.at.position);
   }
   for (int b = 0; b < model.size(); ++b) {
-    const BodySpec& body = model[Body{b}];
+    const BodySpec& body = model[BodyId{b}];
     const Vec3 from = body.child_at.position;
     auto& extent = extents[static_cast<std::size_t>(b)];
     const bool shaped =
@@ -27,10 +30,6 @@ std::vector<std::vector<Edge3>> drawn_extents(const Model& model, const std::vec
     if (extent.empty() && norm(body.com - from) > 0) extent.emplace_back(from, from + (shaped ? 1.0 : 2.0) * (body.com - from));
   }
   return extents;
-}
-
-void write_pose(JsonWriter& json, const char* key, const Pose& pose) {
-  json.key(key).begin_object().member("xyz", pose.position).member("quat", pose.rotation).end_object();
 }
 
 void write_shape(JsonWriter& json, const Shape& shape) {
@@ -52,42 +51,13 @@ void write_shape(JsonWriter& json, const Shape& shape) {
   json.end_object();
 }
 
-void write_joint(JsonWriter& json, const Model& model, const BodySpec& body) {
-  const KindInfo& kind = info(body.joint.kind);
-  json.key(body.joint_name).begin_object().member("kind", kind.name).key("parent");
-  if (body.parent == ground)
-    json.null();
-  else
-    json.value(model[body.parent].name);
-  json.member("child", body.name);
-  write_pose(json, "at", body.at);
-  write_pose(json, "child_at", body.child_at);
-  if (kind.axis) json.member("axis", body.joint.axis);
-  if (kind.axis2) json.member("axis2", body.joint.axis2);
-  if (kind.pitch) json.member("pitch", body.joint.pitch);
-  json.end_object();
-}
-
-/// The root of each body's tree at the start: parents come before children.
-std::vector<int> roots(const Model& model) {
-  std::vector<int> root(static_cast<std::size_t>(model.size()));
-  for (int b = 0; b < model.size(); ++b) {
-    const Body parent = model[Body{b}].parent;
-    root[static_cast<std::size_t>(b)] = parent == ground ? b : root[static_cast<std::size_t>(parent.index)];
-  }
-  return root;
-}
-
-void write_mechanisms(JsonWriter& json, const Model& model) {
-  const std::vector<int> root = roots(model);
-  std::vector<std::vector<int>> members(root.size());
-  for (std::size_t b = 0; b < root.size(); ++b) members[static_cast<std::size_t>(root[b])].push_back(static_cast<int>(b));
+void write_mechanisms(JsonWriter& json, const World& world) {
+  const Model& model = world.model();
   json.key("mechanisms").begin_array();
-  for (std::size_t r = 0; r < members.size(); ++r) {
-    if (members[r].empty()) continue;
-    const Body body{static_cast<int>(r)};
-    json.begin_object().member("name", model.mechanism_name(body)).member("root", model[body].name).key("bodies").begin_array();
-    for (const int b : members[r]) json.value(model[Body{b}].name);
+  for (Mechanism& mechanism : world.mechanisms()) {
+    std::sort(mechanism.bodies.begin(), mechanism.bodies.end(), [](BodyId a, BodyId b) { return a.index < b.index; });
+    json.begin_object().member("name", mechanism.name).member("root", model[mechanism.root].name).key("bodies").begin_array();
+    for (const BodyId body : mechanism.bodies) json.value(model[body].name);
     json.end_array().end_object();
   }
   json.end_array();
@@ -95,19 +65,24 @@ void write_mechanisms(JsonWriter& json, const Model& model) {
 
 }  // namespace
 
-std::string model_json(const Model& model, const std::string& title, const std::vector<Shape>& shapes) {
+std::string model_json(const World& world, const std::string& title, const std::vector<Shape>& shapes) {
+  const Model& model = world.model();
   std::string text;
   JsonWriter json(text, 2);
   json.begin_object().member("format", 1).member("title", title).member("gravity", model.gravity());
-  write_mechanisms(json, model);
+  write_mechanisms(json, world);
   const auto extents = drawn_extents(model, shapes);
   json.key("bodies").begin_object();
   for (int b = 0; b < model.size(); ++b) {
     const auto n = static_cast<std::size_t>(b);
-    const BodySpec& body = model[Body{b}];
+    const BodySpec& body = model[BodyId{b}];
     const Sym3& I = body.inertia;
     const double inertia[6] = {I.xx, I.yy, I.zz, I.xy, I.xz, I.yz};
-    json.key(body.name).begin_object().member("joint", body.joint_name).member("mass", body.mass).member("com", body.com);
+    json.key(body.name)
+        .begin_object()
+        .member("joint", world.joint_name(world.tree().inboard_joint({b})))
+        .member("mass", body.mass)
+        .member("com", body.com);
     json.member("inertia", std::span<const double>(inertia)).key("extent").begin_array();
     for (const auto& [from, to] : extents[n]) json.begin_array().value(from).value(to).end_array();
     json.end_array().key("shape");
@@ -121,7 +96,12 @@ std::string model_json(const Model& model, const std::string& title, const std::
     json.end_object();
   }
   json.end_object().key("joints").begin_object();
-  for (const BodySpec& body : model.bodies()) write_joint(json, model, body);
+  for (const JointId number : present_joints(world)) {
+    const JointRecord joint = joint_record(world, number);
+    json.key(joint.name).begin_object();
+    write_joint_frame(json, joint);
+    json.end_object();
+  }
   json.end_object().end_object();
   text += '\n';
   return text;

@@ -11,15 +11,15 @@ namespace {
 
 Model arm() {
   Model model({.gravity = {0, 0, -1}});
-  const Body base = model.add({.name = "arm/base", .mass = 2, .com = {0, 0, 0.1}, .inertia = diagonal(1), .joint = Free{}});
-  const Body link = model.add({.name = "arm/<link>",
-                               .mass = 1,
-                               .com = {0.25, 0, 0},
-                               .inertia = {3, 4, 5, 0.1, 0.2, 0.3},
-                               .parent = base,
-                               .at = {0, 0, 0.5},
-                               .joint = Revolute{.axis = {0, 1, 0}},
-                               .joint_name = "arm/hinge"});
+  const BodyId base = model.add({.name = "arm/base", .mass = 2, .com = {0, 0, 0.1}, .inertia = diagonal(1), .joint = Free{}});
+  const BodyId link = model.add({.name = "arm/<link>",
+                                 .mass = 1,
+                                 .com = {0.25, 0, 0},
+                                 .inertia = {3, 4, 5, 0.1, 0.2, 0.3},
+                                 .parent = base,
+                                 .at = {0, 0, 0.5},
+                                 .joint = Revolute{.axis = {0, 1, 0}},
+                                 .joint_name = "arm/hinge"});
   model.add({.name = "arm/nut",
              .mass = 1,
              .inertia = diagonal(1),
@@ -34,17 +34,17 @@ bool mentions(const std::string& text, const std::string& part) { return text.fi
 }  // namespace
 
 TEST_CASE("a body is drawn to its children, a tip through its centre of mass") {
-  const std::string text = model_json(arm(), "");
+  const std::string text = model_json(World(arm()), "");
   CHECK(mentions(text, R"("extent": [[[0, 0, 0], [0, 0, 0.5]]])"));  // the base
   CHECK(mentions(text, R"("extent": [[[0, 0, 0], [1, 0, 0]]])"));    // the link
   CHECK(mentions(text, R"("extent": [])"));                          // the nut: its mass lies at its joint
 
   Model rod;
   rod.add({.name = "rod", .mass = 1, .com = {0.5, 0, 0}, .inertia = diagonal(1), .joint = Revolute{}, .child_at = {0.25, 0, 0}});
-  CHECK(mentions(model_json(rod, ""), R"("extent": [[[0.25, 0, 0], [0.75, 0, 0]]])"));
+  CHECK(mentions(model_json(World(rod), ""), R"("extent": [[[0.25, 0, 0], [0.75, 0, 0]]])"));
   Shape ball;
   ball.kind = Shape::Kind::sphere;
-  CHECK(mentions(model_json(rod, "", {ball}), R"("extent": [[[0.25, 0, 0], [0.5, 0, 0]]])"));
+  CHECK(mentions(model_json(World(rod), "", {ball}), R"("extent": [[[0.25, 0, 0], [0.5, 0, 0]]])"));
 }
 
 TEST_CASE("the document names what there is, in the order of the model") {
@@ -52,7 +52,7 @@ TEST_CASE("the document names what there is, in the order of the model") {
   box.kind = Shape::Kind::box;
   box.size = {1, 2, 3};
   box.colour = "#ff8800";
-  const std::string text = model_json(arm(), "An \"arm\"", {box});
+  const std::string text = model_json(World(arm()), "An \"arm\"", {box});
   CHECK(mentions(text, R"("title": "An \"arm\"")"));
   CHECK(mentions(text, R"("gravity": [0, 0, -1])"));
   CHECK(mentions(text, R"("root": "arm/base")"));

@@ -26,9 +26,9 @@ TEST_CASE("an override replaces or adds a value by its dotted path") {
   CHECK(with("integrate.step=1e-4").integration.step == 1e-4);   // a table that was not there
   CHECK(with("integrate.step=2 ms").integration.step == 0.002);  // no TOML: a string
   CHECK(with("integrate.step=\"3 ms\"").integration.step == 0.003);
-  CHECK(with("mechanism.m.pose.xyz=[0,0,1]").model[Body{0}].at.position.z == 1);
-  CHECK(with("mechanism.m.body.a.mass=7").model[Body{0}].mass == 7);
-  CHECK(with("mechanism.0.body.\"a\".mass=7").model[Body{0}].mass == 7);
+  CHECK(with("mechanism.m.pose.xyz=[0,0,1]").model[BodyId{0}].at.position.z == 1);
+  CHECK(with("mechanism.m.body.a.mass=7").model[BodyId{0}].mass == 7);
+  CHECK(with("mechanism.0.body.\"a\".mass=7").model[BodyId{0}].mass == 7);
   CHECK(with("world.gravity.1=-9.81").model.gravity() == Vec3{0, -9.81, 0});
   CHECK(with("event.#1.at=0.5").events.at(0).time == 0.5);
   CHECK(with("event.0.at=0.5").events.at(0).time == 0.5);

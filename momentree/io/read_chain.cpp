@@ -16,7 +16,7 @@ struct Chain {
   Vec3 axis{0, 0, 1};
 };
 
-BodySpec make_link(const Chain& chain, int k, const std::string& mechanism, bool free_root, const Pose& pose, Body parent) {
+BodySpec make_link(const Chain& chain, int k, const std::string& mechanism, bool free_root, const Pose& pose, BodyId parent) {
   BodySpec link;
   link.name = mechanism + "/" + std::to_string(k);
   link.mass = chain.mass;
@@ -109,7 +109,7 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
       names.emplace_back(std::to_string(k), k == 1 && free_root ? Kind::free : Kind::revolute);
     joints.read(names);
   }
-  Body parent = ground;
+  BodyId parent = ground;
   std::size_t states_used = 0;
   for (int k = 1; k <= chain.links; ++k) {
     BodySpec link = make_link(chain, k, mechanism, free_root, pose, parent);

@@ -14,7 +14,7 @@ namespace momentree::io {
 namespace {
 
 /// The joint of a name, if it has one freedom and may be driven; else −1, and a report.
-Body coupled_joint(const Value& value, const char* key, Reading& reading) {
+JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
   Diagnostics& out = reading.out;
   const auto name = read_string(value, key, out);
   if (!name || reading.opaque.contains(mechanism_of(*name))) return {-1};
@@ -26,7 +26,7 @@ Body coupled_joint(const Value& value, const char* key, Reading& reading) {
   const std::string& carried = body == reading.body_of_joint.end() ? *name : body->second;
   const Model& model = reading.scenario.model;
   if (!model.has_body(carried)) return {-1};  // of a mechanism that was refused
-  const Body joint = model.body(carried);
+  const JointId joint = model.inboard_joint(model.body(carried));
   const JointSpec& spec = model[joint].joint;
   if (info(spec.kind).nv != 1) {
     out.error(value.place,
@@ -76,8 +76,8 @@ void read_coupling(const Value& table, Reading& reading) {
   const Value* joint_value = fields.require("joint", "the joint that follows, for example \"hand/finger2\"");
   const Value* leader_value = fields.require("follows", "the joint that leads, for example \"hand/finger1\"");
   const std::size_t errors = out.errors();
-  const Body joint = joint_value ? coupled_joint(*joint_value, "joint", reading) : Body{-1};
-  const Body leader = leader_value ? coupled_joint(*leader_value, "follows", reading) : Body{-1};
+  const JointId joint = joint_value ? coupled_joint(*joint_value, "joint", reading) : JointId{-1};
+  const JointId leader = leader_value ? coupled_joint(*leader_value, "follows", reading) : JointId{-1};
   const bool slides = joint.index >= 0 && reading.scenario.model[joint].joint.kind == Kind::prismatic;
   JointCoupling coupling;
   coupling.multiplier = fields.number("multiplier", dimension::number).value_or(1);
@@ -99,12 +99,12 @@ void check_couplings(Reading& reading) {
   for (const std::vector<int>& circle : circles_of(pairs)) {
     const auto first = std::find(pairs.begin(), pairs.end(), std::pair(circle[0], circle[1]));
     reading.out.error(reading.coupling_places[static_cast<std::size_t>(first - pairs.begin())],
-                      "coupling: " + circle_text(circle, [&](int joint) { return in_quotes(model[Body{joint}].joint_name); }),
+                      "coupling: " + circle_text(circle, [&](int joint) { return in_quotes(model[JointId{joint}].joint_name); }),
                       "one of them has to lead: it follows none");
   }
   std::unordered_set<std::string_view> coupled;
   for (const JointCoupling& each : reading.scenario.couplings)
-    for (const Body joint : {each.joint, each.leader}) coupled.insert(model[joint].joint_name);
+    for (const JointId joint : {each.joint, each.leader}) coupled.insert(model[joint].joint_name);
   for (const ScenarioEvent& event : reading.scenario.events)
     for (std::size_t a = 0; a < event.actions.size(); ++a) {
       if (event.actions[a]->key() != "change") continue;

@@ -148,7 +148,7 @@ void JointColumns::row(std::string& text, const World& world) {
       text.append(width, ',');
       continue;
     }
-    const JointView joint = world.joint(Body{number});
+    const JointView joint = world.joint(JointId{number});
     const KindInfo& kind = info(joint.kind);
     if (kind.nq > group.nq || kind.nv > group.nv) {  // of a kind that no event was expected to make of it
       text.append(width, ',');
@@ -165,7 +165,7 @@ void JointColumns::row(std::string& text, const World& world) {
     append_cells(text, joint.v, group.nv);
     append_cells(text, joint.p, group.nv);
     if (!reactions_) continue;
-    const auto& [force, torque] = world.joint_forces(Body{number}).reaction;
+    const auto& [force, torque] = world.joint_forces(JointId{number}).reaction;
     for (const double x : {force.x, force.y, force.z, torque.x, torque.y, torque.z}) append_cell(text, x);
   }
   text += '\n';

@@ -61,7 +61,7 @@ TEST_CASE("the breaking chain") {
   CHECK(s.model.gravity() == Vec3{0, -9.81, 0});
   REQUIRE(s.model.size() == 100);
   for (int k = 1; k <= 100; ++k) {
-    const BodySpec& link = s.model[Body{k - 1}];
+    const BodySpec& link = s.model[BodyId{k - 1}];
     CHECK(link.name == "chain/" + std::to_string(k));
     CHECK(link.joint_name == link.name);
     CHECK(link.parent.index == k - 2);
@@ -102,7 +102,7 @@ TEST_CASE("a free chain has no first pin, and stands at its pose") {
                           "state = { joints = { \"2\" = \"30 deg\", \"3\" = { speed = 2 } }, velocity = { linear = [1, 2, 3], "
                           "angular = [4, 5, 6] } }\n" +
                           "[mechanism.chain]\nlinks = 3\nlength = 2\nmass = 1\ninertia = 1\nangle = 0.5\n");
-  const BodySpec &first = s.model[Body{0}], &second = s.model[Body{1}], &third = s.model[Body{2}];
+  const BodySpec &first = s.model[BodyId{0}], &second = s.model[BodyId{1}], &third = s.model[BodyId{2}];
   CHECK(first.joint.kind == Kind::free);
   CHECK(first.q[0] == 1);
   CHECK(first.q[3] == doctest::Approx(std::sqrt(0.5)));
@@ -119,33 +119,33 @@ TEST_CASE("bodies stand in the file in any order; the model has parents first") 
   const Scenario s = read(head + body + "name = \"c\"\n" + joint + "parent = \"b\"\n" + body + "name = \"a\"\n" + body +
                           "name = \"b\"\n" + joint + "parent = \"m/a\"\nname = \"hinge\"\n");
   REQUIRE(s.model.size() == 3);
-  CHECK(s.model[Body{0}].name == "m/a");
-  CHECK(s.model[Body{0}].joint.kind == Kind::weld);
-  CHECK(s.model[Body{1}].name == "m/b");
-  CHECK(s.model[Body{1}].joint_name == "m/hinge");
-  CHECK(s.model[Body{2}].name == "m/c");
-  CHECK(s.model[Body{2}].parent == Body{1});
+  CHECK(s.model[BodyId{0}].name == "m/a");
+  CHECK(s.model[BodyId{0}].joint.kind == Kind::weld);
+  CHECK(s.model[BodyId{1}].name == "m/b");
+  CHECK(s.model[BodyId{1}].joint_name == "m/hinge");
+  CHECK(s.model[BodyId{2}].name == "m/c");
+  CHECK(s.model[BodyId{2}].parent == BodyId{1});
 }
 
 TEST_CASE("a pose places the mechanism; a root joint stands in it") {
   const std::string posed = head + "pose = { xyz = [1, 0, 0], rpy = [0, 0, \"90 deg\"] }\n";
   const Scenario pinned_at = read(posed + pinned.substr(head.size()) + "at = { xyz = [1, 0, 0] }\n");
-  CHECK(pinned_at.model[Body{0}].at.position.x == doctest::Approx(1));
-  CHECK(pinned_at.model[Body{0}].at.position.y == doctest::Approx(1));
+  CHECK(pinned_at.model[BodyId{0}].at.position.x == doctest::Approx(1));
+  CHECK(pinned_at.model[BodyId{0}].at.position.y == doctest::Approx(1));
   const Scenario free = read(posed + "root = \"free\"\n" + one_body.substr(head.size()));
-  CHECK(free.model[Body{0}].joint.kind == Kind::free);
-  CHECK(free.model[Body{0}].q[0] == 1);
-  CHECK(free.model[Body{0}].at.position == Vec3{});
+  CHECK(free.model[BodyId{0}].joint.kind == Kind::free);
+  CHECK(free.model[BodyId{0}].q[0] == 1);
+  CHECK(free.model[BodyId{0}].at.position == Vec3{});
   const Scenario fixed = read(posed + one_body.substr(head.size()));
-  CHECK(fixed.model[Body{0}].joint.kind == Kind::weld);
-  CHECK(fixed.model[Body{0}].at.position == Vec3{1, 0, 0});
+  CHECK(fixed.model[BodyId{0}].joint.kind == Kind::weld);
+  CHECK(fixed.model[BodyId{0}].at.position == Vec3{1, 0, 0});
 }
 
 TEST_CASE("the velocity of a free root is that of its body's frame, wherever the joint stands in it") {
   const Scenario s =
       read(head + "state = { velocity = { linear = [1, 0, 0], angular = [0, 0, 2] } }\n" + one_body.substr(head.size()) +
            "[mechanism.body.joint]\nkind = \"free\"\nchild_at = { xyz = [1, 0, 0], rpy = [0, 0, \"90 deg\"] }\n");
-  const Values& v = s.model[Body{0}].v;
+  const Values& v = s.model[BodyId{0}].v;
   // At (1, 0, 0) the body moves with (1, 2, 0), which along axes turned by 90° is (2, −1, 0).
   const double expected[] = {2, -1, 0, 0, 0, 2};
   for (int i = 0; i < 6; ++i) CHECK(v[i] == doctest::Approx(expected[i]));
@@ -153,7 +153,7 @@ TEST_CASE("the velocity of a free root is that of its body's frame, wherever the
 
 TEST_CASE("every kind of joint, with its parameters") {
   const std::string text = one_body + "[mechanism.body.joint]\n";
-  const auto joint = [&](const std::string& keys) { return read(text + keys).model[Body{0}]; };
+  const auto joint = [&](const std::string& keys) { return read(text + keys).model[BodyId{0}]; };
   CHECK(joint("kind = \"prismatic\"\nposition = \"5 mm\"\nspeed = \"1 m/s\"\ndamping = \"2 N s/m\"\n").q == Values{0.005});
   CHECK(joint("kind = \"helical\"\npitch = \"5 mm\"\nangle = \"90 deg\"\n").joint.pitch == 0.005);
   CHECK(joint("kind = \"cylindrical\"\nq = [\"90 deg\", \"1 m\"]\ndamping = [\"1 N m s\", \"2 N s/m\"]\n")
@@ -222,9 +222,9 @@ TEST_CASE("several roots make several mechanisms, where the file says so") {
       read(two + "[mechanism.body.joint]\nkind = \"free\"\n[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n" +
            "[mechanism.body.joint]\nkind = \"revolute\"\n");
   REQUIRE(s.model.size() == 2);
-  CHECK(s.model.mechanism_name(Body{0}) == "m");
-  CHECK(s.model.mechanism_name(Body{1}) == "m/b");
-  CHECK(s.model[Body{1}].parent == ground);
+  CHECK(s.model.mechanism_name(BodyId{0}) == "m");
+  CHECK(s.model.mechanism_name(BodyId{1}) == "m/b");
+  CHECK(s.model[BodyId{1}].parent == ground);
 }
 
 TEST_CASE("state documents are named, relative to the scenario") {
@@ -364,7 +364,7 @@ TEST_CASE("a long chain of bodies, the last one first, loads without recursion")
   }
   const Scenario s = read(text);
   REQUIRE(s.model.size() == n);
-  CHECK(s.model[Body{n - 1}].name == "m/20000");
+  CHECK(s.model[BodyId{n - 1}].name == "m/20000");
   // The same as a circle.
   const ReadResult circle = read_scenario_text(text + "parent = \"20000\"\n", "s.toml");
   REQUIRE(circle.diagnostics.size() == 1);

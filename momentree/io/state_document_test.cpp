@@ -78,7 +78,7 @@ TEST_CASE("accelerations and reactions are written; what a document says of them
     CHECK(same(numbers(*joint.find("reaction"), "force"), forces.reaction.force));
     CHECK(same(numbers(*joint.find("reaction"), "torque"), forces.reaction.torque));
     const BodyAcceleration& a = world.accelerations()[static_cast<std::size_t>(j)];
-    const JsonNode& body = *document.root.find("bodies")->find(world.model()[Body{j}].name);
+    const JsonNode& body = *document.root.find("bodies")->find(world.model()[BodyId{j}].name);
     CHECK(same(numbers(body, "linear_acceleration"), a.linear));
     CHECK(same(numbers(body, "angular_acceleration"), a.angular));
   }

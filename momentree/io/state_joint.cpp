@@ -63,7 +63,7 @@ bool make_unit(Number* x, int n) {
 
 }  // namespace
 
-Body JointReader::body_named(const std::string& name, const JsonNode& node) const {
+BodyId JointReader::body_named(const std::string& name, const JsonNode& node) const {
   if (model_.has_body(name)) return model_.body(name);
   std::vector<std::string> known;
   for (const BodySpec& body : model_.bodies()) known.push_back(body.name);
@@ -124,7 +124,7 @@ void JointReader::read_locks(const JsonNode& node, DescribedJoint& joint) const 
   }
 }
 
-DescribedJoint JointReader::describe(const std::string& name, const JsonNode& node, const BodySpec* like, Body child) const {
+DescribedJoint JointReader::describe(const std::string& name, const JsonNode& node, const BodySpec* like, BodyId child) const {
   doc_.require_known(node, {"kind", "parent", "child", "at", "child_at", "axis", "axis2", "pitch", "locked", "reversed",
                             "resting", "parameters", "q", "v", "p", "pdot", "a", "reaction"});
   DescribedJoint d;
@@ -203,7 +203,7 @@ Values JointReader::numbers(const DescribedJoint& joint, const char* key, int co
   return result;
 }
 
-JointStart JointReader::start(const DescribedJoint& joint, Body number) const {
+JointStart JointReader::start(const DescribedJoint& joint, JointId number) const {
   const KindInfo& kind = info(joint.joint.kind);
   JointStart start{number, numbers(joint, "q", kind.nq), numbers(joint, "v", kind.nv), numbers(joint, "p", kind.nv)};
   const std::size_t first = std::string_view(kind.q_units).find('n');

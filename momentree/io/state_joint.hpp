@@ -14,7 +14,7 @@ struct DescribedJoint {
   const JsonNode* node = nullptr;
   Joint joint;
   JointParameters parameters;
-  Body child, parent;
+  BodyId child, parent;
   bool reversed = false;
   unsigned resting = 0;
   std::vector<ActiveLimit> active_limits;  ///< numbers of joints not yet known
@@ -25,11 +25,11 @@ class JointReader {
   JointReader(const JsonDocument& document, const Model& model) : doc_(document), model_(model) {}
 
   /// The body of that name; throws Error with the nearest one.
-  Body body_named(const std::string& name, const JsonNode& node) const;
+  BodyId body_named(const std::string& name, const JsonNode& node) const;
   /// What stands there; what does not is as in the model's joint `like` (null: there must be enough without it).
-  DescribedJoint describe(const std::string& name, const JsonNode& node, const BodySpec* like, Body child) const;
+  DescribedJoint describe(const std::string& name, const JsonNode& node, const BodySpec* like, BodyId child) const;
   /// Coordinates of a joint of that kind and shape; empty where they are absent or null.
-  JointStart start(const DescribedJoint& joint, Body number) const;
+  JointStart start(const DescribedJoint& joint, JointId number) const;
   /// The first thing in which a joint differs from that of the model: its key, or null. `exact`: to the last bit, signs of
   /// quaternions apart; else to what rounding would hide.
   const char* difference(const DescribedJoint& joint, const BodySpec& model, bool exact) const;

@@ -56,9 +56,9 @@ class Reader {
   }
 
  private:
-  const BodySpec& spec(Body body) const { return model_[body]; }
+  const BodySpec& spec(BodyId body) const { return model_[body]; }
 
-  bool in_mechanism(Body body) const {
+  bool in_mechanism(BodyId body) const {
     while (spec(body).parent != ground) body = spec(body).parent;
     return model_.mechanism_name(body) == mechanism_;
   }
@@ -74,10 +74,11 @@ class Reader {
         hint = "a body of that name is there: a joint that broke is restored by a whole document, with `mechanisms`";
       doc_.fail_at(node, "unknown joint '" + name + "'", hint);
     }
-    const Body number = model_.joint(name);
-    if (!mechanism_.empty() && !in_mechanism(number)) return;
-    const DescribedJoint joint = joints_.describe(name, node, &spec(number), number);
-    if (const char* key = joints_.difference(joint, spec(number), false))
+    const JointId number = model_.joint(name);
+    const BodyId child = model_.child(number);
+    if (!mechanism_.empty() && !in_mechanism(child)) return;
+    const DescribedJoint joint = joints_.describe(name, node, &spec(child), child);
+    if (const char* key = joints_.difference(joint, spec(child), false))
       doc_.fail_at(*node.find(key), '`' + std::string(key) + "` of joint '" + name + "' is not that of the model",
                    "what has changed is restored by a whole document, with `mechanisms`");
     result_.joints.push_back(joints_.start(joint, number));
@@ -94,11 +95,12 @@ class Reader {
 
   void describe(const std::string& name, const JsonNode& node) {
     require_name(name, node, "a joint");
-    const BodySpec* like = model_.has_joint(name) ? &spec(model_.joint(name)) : nullptr;
-    Body child = like != nullptr ? model_.joint(name) : ground;
+    const BodyId declared = model_.has_joint(name) ? model_.child(model_.joint(name)) : ground;
+    const BodySpec* like = declared != ground ? &spec(declared) : nullptr;
+    BodyId child = declared;
     if (const JsonNode* given = node.find("child")) child = joints_.body_named(doc_.string(*given, "`child`"), *given);
     if (child == ground) doc_.fail_at(node, "joint '" + name + "', which the model does not have, has no `child`");
-    if (like != nullptr && child != model_.joint(name)) like = nullptr;
+    if (like != nullptr && child != declared) like = nullptr;
     described_.push_back(joints_.describe(name, node, like, child));
   }
 
@@ -168,7 +170,7 @@ class Reader {
     std::vector<char> taken(model_.bodies().size(), 0);
     std::vector<int> numbers;
     for (const DescribedJoint& joint : described_) {
-      const Body same = model_.has_joint(joint.name) ? model_.joint(joint.name) : ground;
+      const BodyId same = model_.has_joint(joint.name) ? model_.child(model_.joint(joint.name)) : ground;
       const bool ours = same != ground && same == joint.child && spec(same).parent == joint.parent;
       numbers.push_back(ours ? same.index : -1);
       if (ours) taken[static_cast<std::size_t>(same.index)] = 1;
@@ -191,7 +193,7 @@ class Reader {
     places.resize(n);
     for (std::size_t k = 0; k < described_.size(); ++k) {
       const DescribedJoint& joint = described_[k];
-      const Body carrier = joint.reversed ? joint.parent : joint.child, outer = joint.reversed ? joint.child : joint.parent;
+      const BodyId carrier = joint.reversed ? joint.parent : joint.child, outer = joint.reversed ? joint.child : joint.parent;
       const auto b = static_cast<std::size_t>(carrier.index);
       if (joint_of[b] != nullptr)
         doc_.fail_at(*joint.node, "body '" + spec(carrier).name + "' has a joint already, at " + doc_.where(*joint_of[b]));
@@ -256,7 +258,7 @@ class Reader {
       const JsonNode* bodies = mechanism.find("bodies");
       if (bodies == nullptr) doc_.fail_at(mechanism, "a mechanism has no `bodies`");
       for (const JsonNode& node : doc_.array(*bodies, "`bodies`").items) {
-        const Body body = joints_.body_named(doc_.string(node, "a body's name"), node);
+        const BodyId body = joints_.body_named(doc_.string(node, "a body's name"), node);
         const JsonNode*& place = mechanism_of[static_cast<std::size_t>(body.index)];
         if (place != nullptr) doc_.fail_at(node, "body '" + node.text + "' is in two mechanisms, or twice in one");
         place = &mechanism;

@@ -3,17 +3,14 @@
 #include <cmath>
 #include <string_view>
 
-#include <momentree/io/json_writer.hpp>
+#include <momentree/io/joint_json.hpp>
 #include <momentree/io/parameters_json.hpp>
 #include <momentree/io/state_document.hpp>
+#include <momentree/simulate/topology_record.hpp>
 
 namespace momentree::io {
 
 namespace {
-
-void write_pose(JsonWriter& json, const char* key, const Pose& pose) {
-  json.key(key).begin_object().member("xyz", pose.position).member("quat", pose.rotation).end_object();
-}
 
 void write_coordinates(JsonWriter& json, const JointView& joint) {
   double q[Values::capacity];
@@ -22,19 +19,6 @@ void write_coordinates(JsonWriter& json, const JointView& joint) {
   if (w != std::string_view::npos && q[w] < 0)
     for (std::size_t i = w; i < w + 4; ++i) q[i] = -q[i];
   json.member("q", std::span<const double>(q, joint.q.size()));
-}
-
-// True or false, or one of them per freedom.
-void write_locked(JsonWriter& json, const JointView& joint) {
-  const int nv = info(joint.kind).nv;
-  json.key("locked");
-  if (joint.locked == 0 || joint.locked == (1u << nv) - 1) {
-    json.value(joint.locked != 0);
-    return;
-  }
-  json.begin_array();
-  for (int i = 0; i < nv; ++i) json.value((joint.locked >> i & 1u) != 0);
-  json.end_array();
 }
 
 // Per freedom 1 on its upper stop, -1 on its lower one, 0 on none.
@@ -51,22 +35,10 @@ void write_resting(JsonWriter& json, const World& world, int number, const Joint
 }
 
 void write_joint(JsonWriter& json, const World& world, int number) {
-  const Model& model = world.model();
   const JointView joint = world.joint({number});
-  const KindInfo& kind = info(joint.kind);
-  json.key(joint.name).begin_object().member("kind", kind.name);
-  json.key("parent");
-  if (joint.parent == ground)
-    json.null();
-  else
-    json.value(model[joint.parent].name);
-  json.member("child", model[joint.child].name);
-  write_pose(json, "at", joint.at);
-  write_pose(json, "child_at", joint.child_at);
-  if (kind.axis) json.member("axis", joint.axis);
-  if (kind.axis2) json.member("axis2", joint.axis2);
-  if (kind.pitch) json.member("pitch", joint.pitch);
-  write_locked(json, joint);
+  json.key(joint.name).begin_object();
+  write_joint_frame(json, joint_record(world, {number}));
+  write_locked(json, joint.locked, info(joint.kind).nv);
   json.member("reversed", joint.reversed);
   write_resting(json, world, number, joint);
   json.key("parameters");
@@ -127,7 +99,7 @@ std::string state_json(const World& world, const Armed& armed, const StepMemory&
   for (const Mechanism& mechanism : world.mechanisms()) {
     json.begin_object().member("name", mechanism.name).member("root", model[mechanism.root].name);
     json.key("bodies").begin_array();
-    for (const Body body : mechanism.bodies) json.value(model[body].name);
+    for (const BodyId body : mechanism.bodies) json.value(model[body].name);
     json.end_array().end_object();
   }
   json.end_array();

@@ -5,7 +5,7 @@
 #include <unordered_set>
 
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/io/json_writer.hpp>
+#include <momentree/io/joint_json.hpp>
 
 #ifndef MOMENTREE_VERSION
 #error "MOMENTREE_VERSION is set by the build"
@@ -40,6 +40,40 @@ void write_origin(JsonWriter& json, const RunOrigin& origin, const std::string& 
   }
 }
 
+// What readers need who do not read the texts of actions.
+void write_changes(JsonWriter& json, const std::vector<ActionRecord>& actions) {
+  json.key("changes").begin_array();
+  for (const ActionRecord& action : actions) {
+    json.begin_object().member("kind", action.kind);
+    if (!action.joint.empty()) json.member("joint", action.joint);
+    if (!action.body.empty()) json.member("body", action.body);
+    if (!action.to.empty()) json.member("to", action.to);
+    if (!action.skipped.empty()) json.member("skipped", action.skipped);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_topology(JsonWriter& json, const TopologyRecord& topology) {
+  json.key("topology").begin_object();
+  json.key("gone").begin_array();
+  for (const std::string& joint : topology.gone) json.value(joint);
+  json.end_array().key("joints").begin_object();
+  for (const JointRecord& joint : topology.joints) {
+    json.key(joint.name).begin_object();
+    write_joint_frame(json, joint);
+    write_locked(json, joint.locked, info(joint.kind).nv);
+    json.end_object();
+  }
+  json.end_object().key("moved").begin_object();
+  for (const TopologyRecord::Moved& moved : topology.moved) {
+    json.key(moved.mechanism).begin_array();
+    for (const auto& [first, count] : moved.bodies) json.begin_array().value(first).value(count).end_array();
+    json.end_array();
+  }
+  json.end_object().end_object();
+}
+
 }  // namespace
 
 std::vector<MissedEvent> missed_events(const Simulation& simulation) {
@@ -67,7 +101,7 @@ std::string event_json(const Event& event) {
   json.begin_object();
   json.member("time", event.time).member("event", event.name);
   json.key("actions").begin_array();
-  for (const std::string& action : event.actions) json.value(action);
+  for (const ActionRecord& action : event.actions) json.value(action.text());
   json.end_array();
   json.key("mechanisms").begin_object();
   json.key("before").begin_array();
@@ -75,6 +109,8 @@ std::string event_json(const Event& event) {
   json.end_array().key("after").begin_array();
   for (const std::string& name : event.mechanisms_after) json.value(name);
   json.end_array().end_object();
+  write_changes(json, event.actions);
+  if (!event.topology.empty()) write_topology(json, event.topology);
   json.key("before");
   write_totals(json, event.before);
   json.key("after");

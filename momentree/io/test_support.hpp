@@ -40,23 +40,23 @@ std::string error_of(Action&& action) {
 /// A spinning base with an arm whose joints have other names than their bodies, and a pendulum beside it.
 inline Model two_mechanisms() {
   Model model({.gravity = {0, 0, -9.81}});
-  const Body base = model.add({.name = "arm/base",
-                               .mass = 2,
-                               .com = {0.1, 0, 0.2},
-                               .inertia = {0.3, 0.4, 0.5, 0.01, 0.02, 0.03},
-                               .joint = Free{},
-                               .q = {0.1, 0.2, 0.3, 0.5, 0.5, -0.5, 0.5},
-                               .v = {0.1, -0.2, 0.3, 1, 2, -3}});
-  const Body link = model.add({.name = "arm/link",
-                               .mass = 1,
-                               .com = {0.25, 0, 0},
-                               .inertia = diagonal(0.1, 0.2, 0.3),
-                               .parent = base,
-                               .at = {0, 0, 0.5},
-                               .joint = Ball{.damping = {0.1, 0.2, 0.3}},
-                               .q = {-0.6, 0.8, 0, 0},
-                               .v = {0.5, 0.25, -0.125},
-                               .joint_name = "arm/shoulder"});
+  const BodyId base = model.add({.name = "arm/base",
+                                 .mass = 2,
+                                 .com = {0.1, 0, 0.2},
+                                 .inertia = {0.3, 0.4, 0.5, 0.01, 0.02, 0.03},
+                                 .joint = Free{},
+                                 .q = {0.1, 0.2, 0.3, 0.5, 0.5, -0.5, 0.5},
+                                 .v = {0.1, -0.2, 0.3, 1, 2, -3}});
+  const BodyId link = model.add({.name = "arm/link",
+                                 .mass = 1,
+                                 .com = {0.25, 0, 0},
+                                 .inertia = diagonal(0.1, 0.2, 0.3),
+                                 .parent = base,
+                                 .at = {0, 0, 0.5},
+                                 .joint = Ball{.damping = {0.1, 0.2, 0.3}},
+                                 .q = {-0.6, 0.8, 0, 0},
+                                 .v = {0.5, 0.25, -0.125},
+                                 .joint_name = "arm/shoulder"});
   model.add({.name = "arm/hand",
              .mass = 0.5,
              .com = {0, 0.1, 0},

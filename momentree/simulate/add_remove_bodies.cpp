@@ -6,7 +6,7 @@
 
 namespace momentree {
 
-Body World::add(BodySpec spec) {
+BodyId World::add(BodySpec spec) {
   if (spec.parent != ground && !alive(spec.parent)) throw_error({"the parent is no body of this world", spec.name, ""});
   const std::string joint = spec.joint_name.empty() ? spec.name : spec.joint_name;
   if (names_.find_joint(joint) >= 0)
@@ -17,7 +17,7 @@ Body World::add(BodySpec spec) {
     const Curve::Point now = drive->motion[0].at(time());
     spec.q = now.value, spec.v = now.rate;
   }
-  const Body body = model_.add(std::move(spec));
+  const BodyId body = model_.add(std::move(spec));
   evaluate();
   const double kinetic = totals().kinetic;
   apply(Add{&model_[body]}, tree_, state_, workspace_);
@@ -36,14 +36,14 @@ Body World::add(BodySpec spec) {
   return body;
 }
 
-void World::remove(Body body) {
+void World::remove(BodyId body) {
   if (!alive(body)) throw_error({"the body is not in this world any more", "", ""});
   const int b = body.index;
   Event ledger;
   TopologyEditor editor(*this);
   editor.begin(ledger, "");
   const int joint = tree_.joint_of(b);
-  if (can_break(tree_, body)) {
+  if (can_break(tree_, tree_.inboard_joint(body))) {
     editor.break_off(joint);
   } else {  // a free joint to the ground: only what draws at it or locks it is to be taken away
     if (tree_.parameters(b) != nullptr) editor.set(joint, {});

@@ -13,7 +13,7 @@ namespace {
 
 Model two_links(Vec3 gravity) {
   Model model(Model::Options{gravity});
-  const Body arm = model.add({.name = "m/arm", .mass = 2, .com = {0.5, 0, 0}, .inertia = diagonal(0.2), .joint = Revolute{}});
+  const BodyId arm = model.add({.name = "m/arm", .mass = 2, .com = {0.5, 0, 0}, .inertia = diagonal(0.2), .joint = Revolute{}});
   model.add({.name = "m/hand",
              .mass = 1,
              .com = {0.2, 0, 0},

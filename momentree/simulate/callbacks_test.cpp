@@ -17,7 +17,7 @@ namespace {
 
 Model model() {
   Model all;
-  Body last = ground;
+  BodyId last = ground;
   for (const char* name : {"m/upper", "m/lower"})
     last = all.add({.name = name,
                     .mass = 1,

@@ -6,6 +6,7 @@
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/simulate/topology_editor.hpp>
+#include <momentree/simulate/topology_record.hpp>
 
 namespace momentree {
 
@@ -76,6 +77,10 @@ void TopologyEditor::book_impulses(const Impulse* applied) {
 }
 
 void TopologyEditor::certify(Event& event) {
+  for (const auto& [joint, name] : touched_[&event]) {
+    if (world_.find_joint(name) < 0) event.topology.gone.push_back(name);
+    if (tree().carrier(joint) >= 0) event.topology.joints.push_back(joint_record(world_, {joint}));
+  }
   const auto found = impulses_.find(&event);
   if (found == impulses_.end()) return;
   for (std::size_t j = 0; j < found->second.size(); ++j) {

@@ -24,7 +24,7 @@ Model falling(double v = 0) {
 // Rods of 1 kg and 1 m that hang from one another, at rest.
 Model hanging(int links) {
   Model model;
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 1; k <= links; ++k)
     last = model.add({.name = "rod/" + std::to_string(k),
                       .mass = 1,
@@ -109,7 +109,7 @@ TEST_CASE("already past at the start: at once; the largest load first; a cascade
   }
   REQUIRE(all.run_until(0) == Status::ok);
   CHECK(all.events().size() == 12);  // each true at once, one after the other, in the order of scheduling
-  CHECK(all.events()[0].actions[0] == "break rod/12");
+  CHECK(all.events()[0].actions[0].text() == "break rod/12");
   CHECK(all.world().mechanisms().size() == 12);
 }
 

@@ -31,13 +31,13 @@ double scale(const Simulation& sim) {
 // A double pendulum, the joint of the second arm as given.
 Model arms(const Revolute& second) {
   Model model({.gravity = {0, 0, -9.81}});
-  const Body one = model.add({.name = "one",
-                              .mass = 2,
-                              .com = {0, 0, -0.5},
-                              .inertia = diagonal(0.2, 0.2, 0.05),
-                              .joint = Revolute{.axis = y_axis, .damping = 0.1},
-                              .q = 0.4,
-                              .v = -0.3});
+  const BodyId one = model.add({.name = "one",
+                                .mass = 2,
+                                .com = {0, 0, -0.5},
+                                .inertia = diagonal(0.2, 0.2, 0.05),
+                                .joint = Revolute{.axis = y_axis, .damping = 0.1},
+                                .q = 0.4,
+                                .v = -0.3});
   model.add({.name = "two",
              .mass = 1,
              .com = {0, 0.1, -0.4},

@@ -7,15 +7,60 @@
 #include <vector>
 
 #include <momentree/dynamics/totals.hpp>
+#include <momentree/joint/joint.hpp>
 
 namespace momentree {
+
+/// What one action of an event did. Names are those of the moment before the event, `joint` of an action that makes one apart.
+struct ActionRecord {
+  std::string kind;      ///< as in scenario files, "break"; of a joint limit "hit", "rest", "leave"; "add", "remove" of a body
+  std::string target;    ///< as in logs: "chain/41", "satellite/hull to tug/gripper", "arm/elbow upper"
+  std::string joint;     ///< the joint that it acted on or made; empty: none
+  std::string body, to;  ///< the body that it acted on, and what that was joined to ("ground" is possible); empty: none
+  std::string skipped;   ///< why nothing was done; empty: it was done
+
+  /// "break chain/41", "break chain/41 skipped: the joint is not there any more".
+  std::string text() const { return kind + " " + target + (skipped.empty() ? "" : " skipped: " + skipped); }
+  friend bool operator==(const ActionRecord&, const ActionRecord&) = default;
+};
+
+/// A joint as an event left it, in its declared direction.
+struct JointRecord {
+  std::string name;
+  Kind kind = Kind::weld;
+  std::string parent, child;  ///< names of bodies; the parent may be "ground"
+  Pose at, child_at;
+  Vec3 axis{}, axis2{};
+  double pitch = 0;
+  unsigned locked = 0;  ///< a bit per locked freedom
+};
+
+/// How an event changed the topology: what a reader needs to follow it without knowing what actions do.
+struct TopologyRecord {
+  std::vector<std::string> gone;    ///< names of joints that do not exist any more
+  std::vector<JointRecord> joints;  ///< those that were made or changed: they replace what had their names
+  /// Bodies that belong to another mechanism now, as ranges of body numbers. Of events at one instant the last one has them.
+  struct Moved {
+    std::string mechanism;
+    std::vector<std::pair<int, int>> bodies;  ///< first number, count
+  };
+  std::vector<Moved> moved;
+  bool empty() const { return gone.empty() && joints.empty() && moved.empty(); }
+};
 
 /// An event that happened, with its certificate: what it conserved and what it lost.
 struct Event {
   double time = 0;
-  std::string name;                  ///< the event's name, or #1, #2 … by its place
-  std::vector<std::string> actions;  ///< "break chain/41"; "break chain/41 skipped: …"
+  std::string name;  ///< the event's name, or #1, #2 … by its place
+  std::vector<ActionRecord> actions;
+  TopologyRecord topology;
   std::vector<std::string> mechanisms_before, mechanisms_after;
+  /// "break chain/41", …: see ActionRecord::text().
+  std::vector<std::string> action_texts() const {
+    std::vector<std::string> all;
+    for (const ActionRecord& action : actions) all.push_back(action.text());
+    return all;
+  }
   Totals before, after;
   double released = 0;  ///< energy of springs and rotors that left with a freedom (J)
   double lost = 0;      ///< energy that its impacts took: the kinetic energy of the jump of velocities (J)

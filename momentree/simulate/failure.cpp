@@ -58,7 +58,7 @@ std::string divergence_text(const World& world, const Integrator& method, const 
 std::string no_progress_at(double time) { return "no progress at t = " + text(time) + " s: "; }
 
 std::string last_events(std::span<const Event> events) {
-  const auto one = [](const Event& e) { return "'" + e.name + (e.actions.empty() ? "" : ": " + e.actions.front()) + "'"; };
+  const auto one = [](const Event& e) { return "'" + e.name + (e.actions.empty() ? "" : ": " + e.actions.front().text()) + "'"; };
   if (events.empty()) return "none";
   return one(events.back()) + (events.size() > 1 ? " and " + one(events[events.size() - 2]) : "");
 }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <momentree/simulate/topology_editor.hpp>
+#include <momentree/simulate/topology_record.hpp>
 
 namespace momentree {
 
@@ -114,6 +115,17 @@ bool has_thin_bodies(const Model& model) {
   });
 }
 
+ActionRecord record_of(const ActionBase& action, const std::string& made_joint, const ActionResult& result) {
+  ActionRecord record{std::string(action.key()), action.target(), made_joint, {}, {}, {}};
+  if (const std::vector<std::string> joints = action.joints(); !joints.empty()) record.joint = joints.front();
+  if (const std::vector<std::string> bodies = action.bodies(); !bodies.empty()) {
+    record.body = bodies.front();
+    if (!made_joint.empty()) record.to = bodies.size() > 1 ? bodies[1] : "ground";
+  }
+  if (result.outcome == ActionResult::Outcome::skipped) record.skipped = result.why;
+  return record;
+}
+
 }  // namespace
 
 std::string made_joint_name(const DueEvent& event, std::size_t action) {
@@ -135,6 +147,7 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
   }
   const WorldSnapshot start = world.snapshot();
   const Totals totals_at_start = world.totals();
+  const Membership members_at_start(world);
   const bool thin = !dry_run && has_thin_bodies(world.model());
   std::vector<Step> steps;
   std::vector<char> begun(due.size(), 0);
@@ -199,8 +212,7 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
     if (changed) steps.push_back({item.event, before, after});
     event.mechanisms_after = world.mechanism_names();
     if (prepares) return true;
-    event.actions.push_back(item.what->text() +
-                            (result.outcome == ActionResult::Outcome::skipped ? " skipped: " + result.why : ""));
+    event.actions.push_back(record_of(action, made_joint_name(due[item.event], item.action), result));
     report.actions.push_back({item.event, item.action, std::move(result)});
     return true;
   };
@@ -217,14 +229,16 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
   for (const ActionPhase phase : {ActionPhase::impact, ActionPhase::impulse, ActionPhase::parameters})
     if (!in_phase(phase, [&](const Item& item) { return carry(item, false); })) return report;
 
+  report.seconds = editor.seconds;
+  report.changes = editor.changes;
   share_totals(totals_at_start, steps, report.events);
   for (std::size_t e = 0; e < due.size(); ++e) {
     if (begun[e] != 0) continue;  // else it has no action
     report.events[e].mechanisms_before = report.events[e].mechanisms_after = world.mechanism_names();
   }
   for (Event& event : report.events) editor.certify(event);
-  report.seconds = editor.seconds;
-  report.changes = editor.changes;
+  if (!report.events.empty() && report.changes != 0)
+    report.events.back().topology.moved = members_at_start.moved(Membership(world));
   return report;
 }
 

@@ -25,20 +25,20 @@ Model pendulum() {
 // Three bodies that float, none of them an end of the other's joint alone.
 Model floating() {
   Model model({.gravity = {0, 0, -9.81}});
-  const Body hull = model.add({.name = "hull",
-                               .mass = 2,
-                               .com = {0.1, 0, 0.2},
-                               .inertia = diagonal(0.3, 0.4, 0.5),
-                               .joint = Free{},
-                               .v = {0.1, -0.2, 0.3, 1, 2, -3}});
-  const Body arm = model.add({.name = "arm",
-                              .mass = 1,
-                              .com = {0.25, 0, 0},
-                              .inertia = diagonal(0.1, 0.2, 0.3),
-                              .parent = hull,
-                              .at = {0, 0, 0.5},
-                              .joint = Ball{.damping = {0.1, 0.2, 0.3}},
-                              .v = {0.5, 0.25, -0.125}});
+  const BodyId hull = model.add({.name = "hull",
+                                 .mass = 2,
+                                 .com = {0.1, 0, 0.2},
+                                 .inertia = diagonal(0.3, 0.4, 0.5),
+                                 .joint = Free{},
+                                 .v = {0.1, -0.2, 0.3, 1, 2, -3}});
+  const BodyId arm = model.add({.name = "arm",
+                                .mass = 1,
+                                .com = {0.25, 0, 0},
+                                .inertia = diagonal(0.1, 0.2, 0.3),
+                                .parent = hull,
+                                .at = {0, 0, 0.5},
+                                .joint = Ball{.damping = {0.1, 0.2, 0.3}},
+                                .v = {0.5, 0.25, -0.125}});
   model.add({.name = "hand",
              .mass = 0.5,
              .com = {0, 0.1, 0},

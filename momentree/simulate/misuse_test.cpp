@@ -22,7 +22,7 @@ constexpr double no_number = std::numeric_limits<double>::quiet_NaN(), inf = std
 // A pendulum of two links, and a body that floats with another on a ball.
 Model model(double mass = 1) {
   Model all;
-  const auto add = [&](const char* name, Body parent, const JointSpec& joint) {
+  const auto add = [&](const char* name, BodyId parent, const JointSpec& joint) {
     return all.add({.name = name, .mass = mass, .com = {0.1, 0, 0}, .inertia = diagonal(0.1), .parent = parent, .joint = joint});
   };
   add("m/lower", add("m/upper", ground, Revolute{.axis = y_axis}), Revolute{.axis = y_axis});
@@ -206,13 +206,13 @@ TEST_CASE("a world asked about what it has not") {
   const char* const no_joint = "the joint is in this world";
   for (const int b : {-1, 4, 1 << 30}) {
     CAPTURE(b);
-    const Body body{b};
+    const BodyId body{b};
     const Misuse all[] = {
-        {"joint", no_joint, [&] { static_cast<void>(world.joint(body)); }},
-        {"joint_forces", no_joint, [&] { static_cast<void>(world.joint_forces(body)); }},
-        {"reaction", no_joint, [&] { static_cast<void>(world.reaction(body)); }},
-        {"one_freedom", no_joint, [&] { static_cast<void>(world.single_dof(body)); }},
-        {"joint_name", "a body and a joint of that number", [&] { static_cast<void>(world.joint_name(body)); }},
+        {"joint", no_joint, [&] { static_cast<void>(world.joint({body.index})); }},
+        {"joint_forces", no_joint, [&] { static_cast<void>(world.joint_forces({body.index})); }},
+        {"reaction", no_joint, [&] { static_cast<void>(world.reaction({body.index})); }},
+        {"one_freedom", no_joint, [&] { static_cast<void>(world.single_dof({body.index})); }},
+        {"joint_name", "a body and a joint of that number", [&] { static_cast<void>(world.joint_name({body.index})); }},
         {"mechanism_name", "a body and a joint of that number", [&] { static_cast<void>(world.mechanism_name(body)); }},
     };
     for (const Misuse& misuse : all) check_stopped(misuse);
@@ -297,9 +297,9 @@ TEST_CASE("handles outlive a move of their simulation and another gravity") {
   REQUIRE(again->run_until(0.02) == Status::ok);
   REQUIRE(again->events().size() == 1);
   CHECK(again->events()[0].name == "cut");
-  CHECK(again->events()[0].actions == std::vector<std::string>{"break m/lower"});
+  CHECK(again->events()[0].action_texts() == std::vector<std::string>{"break m/lower"});
   CHECK(again->world().model().gravity() == Vec3{0, 0, -1});
   const Event pushed = again->apply(impulse("m/upper", {1, 0, 0}));  // a value: later events do not move it
   for (int i = 0; i < 100; ++i) again->apply(impulse("m/upper", {1, 0, 0}));
-  CHECK(pushed.actions == std::vector<std::string>{"impulse m/upper"});
+  CHECK(pushed.action_texts() == std::vector<std::string>{"impulse m/upper"});
 }

@@ -27,19 +27,19 @@ Model pendulum(const Signal& angle, double armature = 0) {
 // A hull that floats, with an arm that is moved and a hand on it that swings.
 Model floating(const Signal& angle, double armature = 0.2) {
   Model model({.gravity = {}});
-  const Body hull = model.add({.name = "hull",
-                               .mass = 5,
-                               .com = {0.1, 0, 0.2},
-                               .inertia = diagonal(0.8, 0.9, 1),
-                               .joint = Free{},
-                               .v = {0.1, -0.2, 0.3, 0.1, 0.2, -0.3}});
-  const Body arm = model.add({.name = "arm",
-                              .mass = 1,
-                              .com = {0.25, 0.1, 0},
-                              .inertia = diagonal(0.1, 0.2, 0.3),
-                              .parent = hull,
-                              .at = {0, 0, 0.5},
-                              .joint = Revolute{.axis = {1, 1, 0}, .armature = armature, .drive = motion_drive(angle)}});
+  const BodyId hull = model.add({.name = "hull",
+                                 .mass = 5,
+                                 .com = {0.1, 0, 0.2},
+                                 .inertia = diagonal(0.8, 0.9, 1),
+                                 .joint = Free{},
+                                 .v = {0.1, -0.2, 0.3, 0.1, 0.2, -0.3}});
+  const BodyId arm = model.add({.name = "arm",
+                                .mass = 1,
+                                .com = {0.25, 0.1, 0},
+                                .inertia = diagonal(0.1, 0.2, 0.3),
+                                .parent = hull,
+                                .at = {0, 0, 0.5},
+                                .joint = Revolute{.axis = {1, 1, 0}, .armature = armature, .drive = motion_drive(angle)}});
   model.add({.name = "hand",
              .mass = 0.5,
              .com = {0, 0.1, 0.2},
@@ -246,10 +246,10 @@ TEST_CASE("impacts elsewhere leave a motion as it is: the drive's impulse is its
 
 TEST_CASE("a hit on a stop beside a prescribed motion: the drive's work in the impact is in the balance") {
   Model model({.gravity = {}});
-  const Body cart = model.add({.name = "cart",
-                               .mass = 1,
-                               .inertia = diagonal(1),
-                               .joint = Prismatic{.axis = x_axis, .drive = motion_drive(Signal::sine(0.2, 1))}});
+  const BodyId cart = model.add({.name = "cart",
+                                 .mass = 1,
+                                 .inertia = diagonal(1),
+                                 .joint = Prismatic{.axis = x_axis, .drive = motion_drive(Signal::sine(0.2, 1))}});
   model.add({.name = "arm",
              .mass = 1,
              .com = {0, 0.3, 0},
@@ -300,11 +300,11 @@ TEST_CASE("a motion at a constant rate: from the start, from where the joint sta
   // θ̇²/2 − ω² sin²θ/2 − (g/r) cos θ.
   constexpr double g = 9.81, r = 0.5, omega = 7;
   Model model({.gravity = {0, 0, -g}});
-  const Body hoop = model.add({.name = "hoop",
-                               .mass = 1,
-                               .inertia = diagonal(0.1),
-                               .joint = Revolute{.axis = z_axis, .drive = motion_drive(Signal::ramp_from_here(omega))},
-                               .q = 0.4});
+  const BodyId hoop = model.add({.name = "hoop",
+                                 .mass = 1,
+                                 .inertia = diagonal(0.1),
+                                 .joint = Revolute{.axis = z_axis, .drive = motion_drive(Signal::ramp_from_here(omega))},
+                                 .q = 0.4});
   model.add({.name = "bead", .mass = 0.3, .com = {0, 0, -r}, .parent = hoop, .joint = Revolute{.axis = y_axis}, .q = 0.2});
   Simulation sim(model, exactly());
   const auto integral = [&] {
@@ -369,18 +369,18 @@ TEST_CASE("a body joins and leaves a world with a motion of its own") {
   REQUIRE(sim.run_until(0.2) == Status::ok);
   const std::vector<BodyMotion> before = sim.world().motions();
   const Signal turn = Signal::sine(1, 0.5, 0.2);
-  const Body added = sim.add({.name = "fan",
-                              .mass = 0.3,
-                              .com = {0.1, 0, 0},
-                              .inertia = diagonal(0.02),
-                              .parent = {2},
-                              .at = {0, 0, 0.3},
-                              .joint = Revolute{.drive = motion_drive(turn)}});
-  CHECK(sim.world().joint(added).q[0] == Curve(turn).at(0.2).value);
-  CHECK(sim.world().joint(added).v[0] == doctest::Approx(Curve(turn).at(0.2).rate));
+  const BodyId added = sim.add({.name = "fan",
+                                .mass = 0.3,
+                                .com = {0.1, 0, 0},
+                                .inertia = diagonal(0.02),
+                                .parent = {2},
+                                .at = {0, 0, 0.3},
+                                .joint = Revolute{.drive = motion_drive(turn)}});
+  CHECK(sim.world().joint({added.index}).q[0] == Curve(turn).at(0.2).value);
+  CHECK(sim.world().joint({added.index}).v[0] == doctest::Approx(Curve(turn).at(0.2).rate));
   for (std::size_t b = 0; b < 3; ++b) CHECK(norm(sim.world().motions()[b].angular - before[b].angular) <= 1e-12);
   REQUIRE(sim.run_until(0.7) == Status::ok);
-  CHECK(sim.world().joint(added).q[0] == Curve(turn).at(0.7).value);
+  CHECK(sim.world().joint({added.index}).q[0] == Curve(turn).at(0.7).value);
   CHECK(std::fabs(sim.energy().error) <= 1e-9 * scale(sim));
   sim.remove(added);
   REQUIRE(sim.run_until(1) == Status::ok);

@@ -162,15 +162,15 @@ void Simulation::set_gravity(Vec3 gravity) {
 }
 
 DryRun Simulation::dry_run() { return changing().dry_run(); }
-Body Simulation::add(BodySpec spec) {
+BodyId Simulation::add(BodySpec spec) {
   const std::string name = spec.name;
-  Body body;
-  changing().populate("add " + name, [&] { body = impl_->world.add(std::move(spec)); });
+  BodyId body;
+  changing().populate("add", name, [&] { body = impl_->world.add(std::move(spec)); });
   return body;
 }
-void Simulation::remove(Body body) {
+void Simulation::remove(BodyId body) {
   if (!changing().world.alive(body)) throw_error({"the body is not in this world any more", "", ""});
-  impl_->populate("remove " + impl_->world.model()[body].name, [&] { impl_->world.remove(body); });
+  impl_->populate("remove", impl_->world.model()[body].name, [&] { impl_->world.remove(body); });
 }
 SimulationSnapshot Simulation::snapshot() const { return steady().snapshot(); }
 void Simulation::restore(const SimulationSnapshot& snapshot) { changing().go_back(snapshot); }
@@ -257,7 +257,7 @@ void Simulation::drive_all(std::vector<JointDriver> drivers) {
 }
 
 void Simulation::force(std::string_view body, BodyFunction wrench) {
-  const Body b = changing().world.model().body(body);  // or throws
+  const BodyId b = changing().world.model().body(body);  // or throws
   if (!impl_->world.alive(b)) throw_error({"the body '" + std::string(body) + "' is not in this world any more", "", ""});
   impl_->world.load(b.index, std::move(wrench));
   impl_->evaluate_state();

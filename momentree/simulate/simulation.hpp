@@ -206,10 +206,10 @@ class Simulation {
   /// A new body, on any body of the world or on the ground, with the coordinates and velocities of its spec; no velocity of
   /// another body changes, so that a joint at rest takes no energy. Its number, and its joint's, are the next. Throws Error as
   /// Model::add does, and for a joint that would move no mass.
-  Body add(BodySpec spec);
+  BodyId add(BodySpec spec);
   /// A body and all bodies outboard of it leave the world; where something holds it, that joint breaks first. Their names and
   /// numbers are not given again. What is scheduled for them is skipped or refused.
-  void remove(Body body);
+  void remove(BodyId body);
 
   /// Carries out all scheduled events in their order, without moving in between, and takes everything back: which actions will
   /// have nothing to do or are impossible, and which joints there will be. Where events wait for a condition their order is not

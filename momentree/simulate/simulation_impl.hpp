@@ -17,6 +17,7 @@
 #include <momentree/simulate/failure.hpp>
 #include <momentree/simulate/instant.hpp>
 #include <momentree/simulate/stops.hpp>
+#include <momentree/simulate/topology_record.hpp>
 
 namespace momentree {
 
@@ -287,11 +288,15 @@ struct Simulation::Impl {
 
   // What bodies bring into the world and take out of it is work; the event's certificate says how much.
   template <class Act>
-  void populate(std::string what, Act act) {
+  void populate(const char* what, const std::string& body, Act act) {
     const During working(doing, Doing::working);
     Event event;
     event.time = world.time();
-    event.name = what.substr(0, what.find(' '));
+    event.name = what;
+    const Membership members(world);
+    const std::vector<JointId> joints = present_joints(world);
+    std::vector<std::string> names;
+    for (const JointId joint : joints) names.emplace_back(world.joint_name(joint));
     event.mechanisms_before = world.mechanism_names();
     event.before = world.totals();
     std::optional<SimulationSnapshot> past;
@@ -303,7 +308,12 @@ struct Simulation::Impl {
     event.after = world.totals();
     event.mechanisms_after = world.mechanism_names();
     event.work = event.after.kinetic + event.after.potential - event.before.kinetic - event.before.potential;
-    event.actions = {std::move(what)};
+    event.actions = {{what, body, {}, body, {}, {}}};
+    for (std::size_t i = 0; i < joints.size(); ++i)
+      if (world.tree().carrier(joints[i].index) < 0) event.topology.gone.push_back(std::move(names[i]));
+    if (world.tree().bodies() > members.bodies())
+      event.topology.joints.push_back(joint_record(world, {world.tree().bodies() - 1}));
+    event.topology.moved = members.moved(Membership(world));
     balance.work += event.work;
     events.push_back(std::move(event));
     queue.forget_looks();

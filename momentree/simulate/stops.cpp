@@ -90,8 +90,9 @@ void Stops::act(std::vector<Event>& events, const Side& s, LimitEvent deed, doub
   }
   event.after = world_->totals();
   const int nv = info(editor.declared(s.joint).kind).nv;
-  event.actions = {std::string(verbs[static_cast<int>(deed)]) + " " + editor.joint_name(s.joint) +
-                   (nv > 1 ? " [" + std::to_string(s.dof) + "]" : std::string()) + (s.sign > 0 ? " upper" : " lower")};
+  const std::string& joint = editor.joint_name(s.joint);
+  const std::string side = (nv > 1 ? " [" + std::to_string(s.dof) + "]" : std::string()) + (s.sign > 0 ? " upper" : " lower");
+  event.actions = {{verbs[static_cast<int>(deed)], joint + side, joint, {}, {}, {}}};
   editor.certify(event);
   revision_ = world_->tree_.revision();  // locks move no limit
   events.push_back(std::move(event));

@@ -12,7 +12,7 @@ namespace {
 // A chain that swings from a pin; `strength` of its links, in the order of the chain.
 Model chain(const std::vector<JointStrength>& strengths) {
   Model model({.gravity = {0, 0, -9.81}});
-  Body parent = ground;
+  BodyId parent = ground;
   for (std::size_t k = 0; k < strengths.size(); ++k) {
     Revolute joint{.axis = k % 2 == 0 ? y_axis : x_axis, .damping = 1e-3};
     joint.strength = strengths[k];
@@ -49,7 +49,7 @@ TEST_CASE("strengths break joints as explicit events do, bit for bit") {
     for (const Simulation* sim : {&borne, &told})
       for (const Event& e : sim->events())
         if (e.mechanisms_after.size() > e.mechanisms_before.size())
-          broken[sim == &told].push_back(std::to_string(e.time) + e.actions[0]);
+          broken[sim == &told].push_back(std::to_string(e.time) + e.actions[0].text());
     CHECK(broken[0] == broken[1]);
     const auto p = borne.world().state().p(), other = told.world().state().p();
     const auto q = borne.world().state().q(), other_q = told.world().state().q();
@@ -60,7 +60,7 @@ TEST_CASE("strengths break joints as explicit events do, bit for bit") {
 
 TEST_CASE("a strength goes with a joint that is turned over, and others can follow its break") {
   Model model({.gravity = {}});
-  const Body hull = model.add({.name = "hull", .mass = 5, .inertia = diagonal(1), .joint = Free{}});
+  const BodyId hull = model.add({.name = "hull", .mass = 5, .inertia = diagonal(1), .joint = Free{}});
   model.add({.name = "arm",
              .mass = 1,
              .com = {0.5, 0, 0},

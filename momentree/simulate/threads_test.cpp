@@ -25,7 +25,7 @@ void in_threads(const std::function<void(int)>& act) {
 
 Model chain() {
   Model model;
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 0; k < 5; ++k)
     last = model.add({.name = "c/" + std::to_string(k),
                       .mass = 1,
@@ -90,7 +90,7 @@ TEST_CASE("one tree that all evaluate, and trees, states and works of each threa
       state.edit().p[0] = 1 + 0.001 * k;
       kinetic[static_cast<std::size_t>(i)] = totals(shared, state, work).kinetic;
       Tree tree = shared;
-      if (k % 20 == i) apply(Break{{i}}, tree, state, work);
+      if (k % 20 == i) apply(Break{tree.inboard_joint({i})}, tree, state, work);
     }
   });
   for (const double each : kinetic) CHECK(each == kinetic[0]);

@@ -20,11 +20,11 @@ void TopologyEditor::begin(Event& event, std::string made_name) {
 int TopologyEditor::body(std::string_view name) const {
   if (name == "ground") return -1;
   if (!world_.model_.has_body(name)) return -2;
-  const Body body = world_.model_.body(name);
+  const BodyId body = world_.model_.body(name);
   return world_.alive(body) ? body.index : -2;
 }
 
-std::string TopologyEditor::body_name(int body) const { return body < 0 ? "ground" : world_.model_[Body{body}].name; }
+std::string TopologyEditor::body_name(int body) const { return body < 0 ? "ground" : world_.model_[BodyId{body}].name; }
 std::string TopologyEditor::mechanism_of(int body) const { return world_.names_.mechanism(root_of(tree(), body)); }
 
 Values TopologyEditor::coordinates(int joint) const {
@@ -125,46 +125,54 @@ int TopologyEditor::joint(std::string_view name) const {
   return broke ? -1 : found;
 }
 
+void TopologyEditor::touch(int joint) { touched_[event_].emplace(joint, joint_name(joint)); }
+
 void TopologyEditor::break_off(int joint) {
+  touch(joint);
   const int b = tree().carrier(joint);
   const bool was_root = tree().parent(b) < 0;
-  carry_out(Break{{b}}, Nature::workless);
-  const std::string& body = world_.model_[Body{b}].name;
+  carry_out(Break{{joint}}, Nature::workless);
+  const std::string& body = world_.model_[BodyId{b}].name;
   world_.names_.name_joint(joint, world_.names_.free_joint(body, joint));
   if (!was_root) world_.names_.name_mechanism(b, body);
 }
 
 void TopologyEditor::unlock(int joint, unsigned dofs) {
+  touch(joint);
   const JointParameters* p = tree().parameters(tree().carrier(joint));
   const bool resumes = p != nullptr && p->drive != nullptr && p->drive->moves();
-  carry_out(Unlock{{tree().carrier(joint)}, dofs & ~world_.held(joint)}, resumes ? Nature::outside : Nature::workless);
+  carry_out(Unlock{{joint}, dofs & ~world_.held(joint)}, resumes ? Nature::outside : Nature::workless);
 }
 void TopologyEditor::lock(int joint, unsigned dofs) {
-  carry_out(Lock{{tree().carrier(joint)}, dofs}, Nature::impact);
+  touch(joint);
+  carry_out(Lock{{joint}, dofs}, Nature::impact);
   std::erase_if(world_.active_limits_, [&](const ActiveLimit& h) { return h.joint == joint && (dofs >> h.dof & 1u) != 0; });
 }
 
 void TopologyEditor::apply_restitution(int joint, int dof, double restitution) {
-  carry_out(Impact{{tree().carrier(joint)}, dof, restitution}, Nature::impact);
+  carry_out(Impact{{joint}, dof, restitution}, Nature::impact);
 }
 void TopologyEditor::engage_limit(int joint, int dof, int sign) {
-  carry_out(Lock{{tree().carrier(joint)}, 1u << dof}, Nature::impact);
+  carry_out(Lock{{joint}, 1u << dof}, Nature::impact);
   world_.active_limits_.push_back({joint, dof, sign});
 }
 void TopologyEditor::release_limit(int joint, int dof) {
-  carry_out(Unlock{{tree().carrier(joint)}, 1u << dof}, Nature::workless);
+  carry_out(Unlock{{joint}, 1u << dof}, Nature::workless);
   std::erase_if(world_.active_limits_, [&](const ActiveLimit& h) { return h.joint == joint && h.dof == dof; });
 }
 
 void TopologyEditor::loosen(int joint, const JointPlan& plan) {
-  carry_out(ChangeJoint{{tree().carrier(joint)}, plan.joint, plan.q}, Nature::workless);
+  touch(joint);
+  carry_out(ChangeJoint{{joint}, plan.joint, plan.q}, Nature::workless);
 }
 void TopologyEditor::become(int joint, const JointPlan& plan) {
-  carry_out(ChangeJoint{{tree().carrier(joint)}, plan.joint, plan.q}, Nature::impact);
+  touch(joint);
+  carry_out(ChangeJoint{{joint}, plan.joint, plan.q}, Nature::impact);
 }
 
 void TopologyEditor::reroot(int body) {
   const int root = root_of(tree(), body);
+  touch(tree().joint_of(root));
   carry_out(Reroot{{body}}, Nature::workless);
   world_.names_.move_mechanism(root, body);
 }
@@ -174,7 +182,7 @@ void TopologyEditor::push(int body, const Vec3& force, const Vec3& torque, const
 }
 
 void TopologyEditor::set(int joint, const JointParameters& parameters) {
-  carry_out(SetParameters{{tree().carrier(joint)}, parameters}, Nature::outside);
+  carry_out(SetParameters{{joint}, parameters}, Nature::outside);
 }
 
 JointParameters TopologyEditor::begun(int joint, JointParameters parameters) const {
@@ -230,21 +238,22 @@ ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, con
   const int old_root = root_of(tree(), carrier);
   const Pose present = inverse(pose(to)) * pose(body);
   ChangeJoint change;
-  change.body = {carrier};
   change.direction = carrier == body ? ChangeJoint::Direction::declared : ChangeJoint::Direction::reversed;
-  change.joint.kind = spec.kind, change.joint.axis = spec.axis, change.joint.axis2 = spec.axis2, change.joint.pitch = spec.pitch;
-  change.joint.at = at ? *at : Pose{present.position, Quat{}};
-  change.joint.child_at = inverse(present) * change.joint.at;
+  change.to.kind = spec.kind, change.to.axis = spec.axis, change.to.axis2 = spec.axis2, change.to.pitch = spec.pitch;
+  change.to.at = at ? *at : Pose{present.position, Quat{}};
+  change.to.child_at = inverse(present) * change.to.at;
   change.q = joint_zero(spec.kind);
 
+  touch(tree().joint_of(old_root));  // the free joint becomes the one that is made
   carry_out(Join{{carrier}, {other}}, Nature::workless);
   if (other < 0)
     world_.names_.move_mechanism(old_root, carrier);
   else
     world_.names_.name_mechanism(old_root, {});
-  world_.names_.name_joint(tree().joint_of(carrier), made_name_);
+  change.joint = tree().inboard_joint({carrier});
+  world_.names_.name_joint(change.joint.index, made_name_);
   carry_out(change, Nature::impact);
-  const int made = tree().joint_of(carrier);
+  const int made = change.joint.index;
   const JointParameters parameters = begun(made, spec.parameters);
   const ActionResult follows = can_follow(made, parameters);
   if (follows.outcome != ActionResult::Outcome::done) return follows;

@@ -29,7 +29,7 @@ class TopologyEditor {
 
   /// What follows belongs to this event; a joint that is made gets that name.
   void begin(Event& event, std::string made_name);
-  /// Writes what the joints of the current event transmitted into its certificate.
+  /// Writes what the joints of the event transmitted into its certificate, and which of them it made and changed.
   void certify(Event& event);
 
   const World& world() const { return world_; }
@@ -93,6 +93,8 @@ class TopologyEditor {
   void remember_momenta();
   void book_impulses(const Impulse* applied);
   void evaluate() { world_.evaluate(); }
+  /// The current event makes or changes that joint: to be called before it does.
+  void touch(int joint);
 
   double work_of_motions();
 
@@ -102,6 +104,7 @@ class TopologyEditor {
   std::string made_name_;
   std::vector<Force<double>> before_;                            // Pb by body, user's frames
   std::map<const Event*, std::vector<Force<double>>> impulses_;  // by joint number, declared child's frame
+  std::map<const Event*, std::map<int, std::string>> touched_;   // by joint number its name before the event
 };
 
 }  // namespace momentree

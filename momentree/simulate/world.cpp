@@ -125,25 +125,26 @@ const std::vector<BodyAcceleration>& World::accelerations() const {
   locate_bodies(tree_, state_, workspace_);
   accelerate(tree_, state_, workspace_);
   accelerations_.assign(static_cast<std::size_t>(model_.size()), {});
-  for (const int b : tree_.order()) accelerations_[static_cast<std::size_t>(b)] = body_acceleration(tree_, state_, workspace_, b);
+  for (const int b : tree_.order())
+    accelerations_[static_cast<std::size_t>(b)] = body_acceleration(tree_, state_, workspace_, {b});
   accelerations_of_ = state_.stamp();
   return accelerations_;
 }
 
-int World::carrier(Body number) const {
+int World::carrier(JointId number) const {
   MT_REQUIRE(number.index >= 0 && number.index < tree_.bodies() && tree_.carrier(number.index) >= 0,
              "the joint is in this world");
   return tree_.carrier(number.index);
 }
 
-JointForces World::joint_forces(Body number) const {
+JointForces World::joint_forces(JointId number) const {
   const int b = carrier(number);
   accelerate(tree_, state_, workspace_);
-  const Force<double> whole = momentree::reaction(tree_, state_, workspace_, b),
-                      pure = pure_reaction(tree_, state_, workspace_, b);
+  const Force<double> whole = momentree::reaction(tree_, state_, workspace_, number),
+                      pure = pure_reaction(tree_, state_, workspace_, number);
   Values effort;
   double along[6];
-  joint_effort(tree_, state_, workspace_, b, along);
+  joint_effort(tree_, state_, workspace_, number, along);
   for (int i = 0; i < info(tree_.joint(b).kind).nv; ++i) effort.push_back(along[i]);
   return {{workspace_.a.get() + tree_.first_p(b), static_cast<std::size_t>(info(tree_.joint(b).kind).nv)},
           {whole.l, whole.h},
@@ -151,14 +152,14 @@ JointForces World::joint_forces(Body number) const {
           effort};
 }
 
-Wrench World::reaction(Body number) const {
-  const int b = carrier(number);
+Wrench World::reaction(JointId number) const {
+  static_cast<void>(carrier(number));  // or stops: the joint is not in this world
   accelerate(tree_, state_, workspace_);
-  const Force<double> whole = momentree::reaction(tree_, state_, workspace_, b);
+  const Force<double> whole = momentree::reaction(tree_, state_, workspace_, number);
   return {whole.l, whole.h};
 }
 
-std::optional<std::pair<double, double>> World::single_dof(Body number) const {
+std::optional<std::pair<double, double>> World::single_dof(JointId number) const {
   const int b = carrier(number);
   evaluate();
   const KindInfo& kind = info(tree_.joint(b).kind);
@@ -167,13 +168,13 @@ std::optional<std::pair<double, double>> World::single_dof(Body number) const {
                    workspace_.v[static_cast<std::size_t>(tree_.first_p(b))]};
 }
 
-JointView World::joint(Body number) const {
+JointView World::joint(JointId number) const {
   const int b = carrier(number);
   evaluate();
   const Joint& j = tree_.joint(b);
   const KindInfo& kind = info(j.kind);
   const bool reversed = tree_.reversed(b);
-  const Body inner{b}, outer{tree_.parent(b)};
+  const BodyId inner{b}, outer{tree_.parent(b)};
   static constexpr double none[6] = {};
   const bool driven = tree_.link(b).driven != 0;
   const auto nq = static_cast<std::size_t>(kind.nq), nv = static_cast<std::size_t>(kind.nv);

@@ -24,7 +24,7 @@ namespace momentree {
 struct JointView {
   std::string_view name;
   Kind kind = Kind::weld;
-  Body child, parent;     ///< as declared; parent.index −1: the ground
+  BodyId child, parent;   ///< as declared; parent.index −1: the ground
   bool reversed = false;  ///< its child carries its parent now, seen from the root
   unsigned locked = 0;    ///< a bit per freedom that is locked
   unsigned resting = 0;   ///< a bit per freedom that rests on a stop
@@ -50,9 +50,9 @@ struct JointForces {
 
 struct Mechanism {
   std::string_view name;
-  Body root;
+  BodyId root;
   bool grounded = true;
-  std::vector<Body> bodies;  ///< root first, in evaluation order
+  std::vector<BodyId> bodies;  ///< root first, in evaluation order
 };
 
 /// A joint's freedom that rests on a stop (sign +1: the upper one).
@@ -86,7 +86,7 @@ struct Forest {
 
 /// What a state document says of one joint: empty lists keep the start value. Where p is given it is used, and v is not.
 struct JointStart {
-  Body joint;  ///< its number
+  JointId joint;
   Values q, v, p;
 };
 
@@ -110,14 +110,14 @@ class World {
   const CheckedVector<BodyMotion>& motions() const;  ///< by body number
   /// The joint of that number: at the start that of the body's, and the same joint for as long as it is there, whatever carries
   /// it then. Every world has a joint for each of its bodies.
-  JointView joint(Body number) const;
+  JointView joint(JointId joint) const;
   /// These cost another half of an evaluation, once for each state of which they are asked for, and nothing where they are not.
   /// By body number: time derivatives of `linear` and `angular` of its motion; zeros for a body that was removed.
   const std::vector<BodyAcceleration>& accelerations() const;
-  JointForces joint_forces(Body number) const;  ///< of the joint of that number
-  Wrench reaction(Body number) const;           ///< of the same, the reaction alone
+  JointForces joint_forces(JointId joint) const;
+  Wrench reaction(JointId joint) const;  ///< the reaction alone
   /// Coordinate and velocity of a joint with one freedom; nothing for others.
-  std::optional<std::pair<double, double>> single_dof(Body number) const;
+  std::optional<std::pair<double, double>> single_dof(JointId joint) const;
   /// Number of the present joint of that name, −1 if there is none.
   int find_joint(std::string_view name) const { return names_.find_joint(name); }
   int find_joint(std::string_view name, std::atomic<int>& number) const { return names_.find_joint(name, number); }
@@ -128,11 +128,11 @@ class World {
   std::vector<Mechanism> mechanisms() const;
   std::vector<std::string> mechanism_names() const;
   /// Name of the joint of that number: as declared; once the joint broke, that of the body that came off.
-  std::string_view joint_name(Body number) const { return names_.joint(number.index); }
-  std::string_view mechanism_name(Body root) const { return names_.mechanism(root.index); }
+  std::string_view joint_name(JointId joint) const { return names_.joint(joint.index); }
+  std::string_view mechanism_name(BodyId root) const { return names_.mechanism(root.index); }
 
   /// False for a body that was removed: any other use of its handle, or of its joint's, stops the program.
-  bool alive(Body body) const { return body.index >= 0 && body.index < tree_.bodies() && tree_.alive(body.index); }
+  bool alive(BodyId body) const { return body.index >= 0 && body.index < tree_.bodies() && tree_.alive(body.index); }
 
   /// Going back is exact to the last bit, across any number of changes.
   WorldSnapshot snapshot() const;
@@ -156,9 +156,9 @@ class World {
   void put_together(const Forest& forest);
   void put_values(double time, const Forest& forest, std::span<const JointStart> joints, State& state) const;
   void evaluate() const;
-  int carrier(Body number) const;
-  Body add(BodySpec spec);
-  void remove(Body body);
+  int carrier(JointId joint) const;
+  BodyId add(BodySpec spec);
+  void remove(BodyId body);
   void make_room();
   void drive(int joint, JointFunction function);
   void load(int body, BodyFunction function);

@@ -32,7 +32,7 @@ Released apply(const Remove& change, Tree& tree, State& state, Workspace<double>
   return {};
 }
 
-Body apply(const Add& change, Tree& tree, State& state, const Workspace<double>& workspace) {
+BodyId apply(const Add& change, Tree& tree, State& state, const Workspace<double>& workspace) {
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   MT_REQUIRE(change.spec != nullptr, "a body to add");
   const BodySpec& spec = *change.spec;

@@ -4,18 +4,20 @@
 
 namespace momentree {
 
-bool can_break(const Tree& tree, Body body) noexcept {
-  if (!tree.alive(body.index)) return false;
-  if (tree.parent(body.index) >= 0 || tree.joint(body.index).kind != Kind::free) return true;
+bool can_break(const Tree& tree, JointId joint) noexcept {
+  if (joint.index < 0 || joint.index >= tree.bodies()) return false;
+  const int b = tree.carrier(joint.index);
+  if (b < 0) return false;
+  if (tree.parent(b) >= 0 || tree.joint(b).kind != Kind::free) return true;
   // A root that floats is held all the same by locks, springs, dampers and rotors.
-  const JointParameters* p = tree.parameters(body.index);
-  return tree.joint(body.index).locked != 0 || (p != nullptr && p->any());
+  const JointParameters* p = tree.parameters(b);
+  return tree.joint(b).locked != 0 || (p != nullptr && p->any());
 }
 
 Released apply(const Break& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
-  const int b = change.body.index;
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
-  MT_REQUIRE(can_break(tree, change.body), "the body is in the tree, and held by a joint: can_break()");
+  MT_REQUIRE(can_break(tree, change.joint), "the joint is in the tree, and holds a body: can_break()");
+  const int b = tree.carrier(change.joint.index);
 
   const Force<double> Pb = articulated_momentum(tree, state, workspace, b);
   const Pose pose = user_pose(tree, locate_body(tree, state, workspace, b), b);

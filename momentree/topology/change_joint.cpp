@@ -52,31 +52,31 @@ void new_joint_momenta(const Tree& tree, int b, const double* q, const Force<dou
 }
 
 Released apply(const ChangeJoint& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
-  const int b = change.body.index;
+  const int b = tree.carrier(change.joint.index);
   return apply(change, to_user_frame(tree.frame(b), articulated_momentum(tree, state, workspace, b)), tree, state, workspace);
 }
 
 Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, State& state,
                Workspace<double>& workspace) noexcept {
-  const int b = change.body.index;
+  const int b = tree.carrier(change.joint.index);
   MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
   MT_REQUIRE(is_finite(Pb.l) && is_finite(Pb.h), "a finite momentum");
   const KindInfo& old = info(tree.joint(b).kind);
-  const KindInfo& now = info(change.joint.kind);
-  require_joint(change.joint, change.q);
+  const KindInfo& now = info(change.to.kind);
+  require_joint(change.to, change.q);
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
   using Direction = ChangeJoint::Direction;
   const bool reversed = change.direction == Direction::keep ? tree.reversed(b) : change.direction == Direction::reversed;
   // The same kind with the same parameters keeps its springs and rotors; else they leave with the joint.
-  const bool keeps = change.joint.kind == tree.joint(b).kind && change.joint.parameters == tree.joint(b).parameters &&
-                     reversed == tree.reversed(b);
+  const bool keeps =
+      change.to.kind == tree.joint(b).kind && change.to.parameters == tree.joint(b).parameters && reversed == tree.reversed(b);
   double u[6] = {};
   Released released;
   if (evaluated_on(tree, state, workspace)) {
     for (int i = 0; i < old.nv; ++i) u[i] = workspace.v[static_cast<std::size_t>(first_p + i)];
     if (!keeps) released.energy = joint_energy(tree, state, workspace, b);
   }
-  tree.set_joint(b, change.joint, reversed);
+  tree.set_joint(b, change.to, reversed);
   double p[6] = {};
   new_joint_momenta(tree, b, change.q.begin(), Pb, p);
   for (int i = 0; i < now.nv && keeps; ++i)
@@ -93,7 +93,7 @@ unsigned all_dofs(const Tree& tree, int b) { return (1u << info(tree.joint(b).ki
 }  // namespace
 
 Released apply(const Lock& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
-  const int b = change.body.index;
+  const int b = tree.carrier(change.joint.index);
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   Joint joint = tree.joint(b);
   const unsigned newly = change.dofs & all_dofs(tree, b) & ~joint.locked;
@@ -116,7 +116,7 @@ Released apply(const Lock& change, Tree& tree, State& state, Workspace<double>& 
 }
 
 Released apply(const Unlock& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
-  const int b = change.body.index;
+  const int b = tree.carrier(change.joint.index);
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   const Force<double> Pb = articulated_momentum(tree, state, workspace, b);
   double all[6] = {}, p[6] = {};
@@ -152,7 +152,7 @@ Released apply(const Impulse& change, Tree& tree, State& state, Workspace<double
 }
 
 Released apply(const SetParameters& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
-  const int b = change.body.index;
+  const int b = tree.carrier(change.joint.index);
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   const KindInfo& kind = info(tree.joint(b).kind);
   {

@@ -31,7 +31,7 @@ struct Scene {
   }
   static Model make(double mass) {
     Model model;
-    const auto add = [&](const char* name, Body parent, const JointSpec& joint) {
+    const auto add = [&](const char* name, BodyId parent, const JointSpec& joint) {
       return model.add(
           {.name = name, .mass = mass, .com = {0.1, 0, 0}, .inertia = diagonal(0.1), .parent = parent, .joint = joint});
     };
@@ -70,22 +70,23 @@ Joint placed(const Pose& at) {
 TEST_CASE("changes of a body that is not there") {
   for (const int b : {-1, 4, 77, -1000}) {
     CAPTURE(b);
-    const Body body{b};
+    const BodyId body{b};
+    const JointId joint{b};
     const Misuse all[] = {
-        of_change("Break", "held by a joint", Break{body}),
-        of_change("ChangeJoint", no_body, ChangeJoint{body, pin(z_axis), {0}}),
-        of_change("Lock", no_body, Lock{body}),
-        of_change("Unlock", no_body, Unlock{body}),
+        of_change("Break", "held by a joint", Break{joint}),
+        of_change("ChangeJoint", no_body, ChangeJoint{joint, pin(z_axis), {0}}),
+        of_change("Lock", no_body, Lock{joint}),
+        of_change("Unlock", no_body, Unlock{joint}),
         of_change("Reroot", "its mechanism floats", Reroot{body}),
         of_change("Join", "its mechanism floats", Join{body, {0}}),
         of_change("Attach", "its mechanism floats", Attach{body, {0}, pin(z_axis), {0}}),
         of_change("Impulse", no_body, Impulse{body, {1, 0, 0}}),
-        of_change("Impact", no_body, Impact{body, 0}),
-        of_change("SetParameters", no_body, SetParameters{body, {}}),
+        of_change("Impact", no_body, Impact{joint, 0}),
+        of_change("SetParameters", no_body, SetParameters{joint, {}}),
         of_change("Remove", "the root of a mechanism that floats", Remove{body}),
     };
     for (const Misuse& misuse : all) check_stopped(misuse);
-    CHECK_FALSE(can_break(Scene().tree, body));
+    CHECK_FALSE(can_break(Scene().tree, joint));
     CHECK_FALSE(floats(Scene().tree, b));
     if (b != -1) check_stopped(of_change("Join to no body", "the ground or in the tree", Join{{2}, body}));
     check_stopped(of_scene("root_of", no_body, [b](Scene& s) { static_cast<void>(root_of(s.tree, b)); }));
@@ -198,24 +199,24 @@ TEST_CASE("the tree, the state or the work of something else") {
                [](Scene& s) {
                  const State::Edit edit = s.state.edit();
                  forward_dynamics(s.tree, s.state, s.workspace);
-                 apply(Break{{1}}, s.tree, s.state, s.workspace);
+                 apply(Break{s.tree.inboard_joint({1})}, s.tree, s.state, s.workspace);
                }),
       of_scene("a reaction while the state is edited", "the state's Edit has ended",
                [](Scene& s) {
                  const State::Edit edit = s.state.edit();
                  accelerate(s.tree, s.state, s.workspace);
-                 static_cast<void>(reaction(s.tree, s.state, s.workspace, 1));
+                 static_cast<void>(reaction(s.tree, s.state, s.workspace, s.tree.inboard_joint({1})));
                }),
       of_scene("a change of a tree of the same shape", stale,
                [](Scene& s) {
                  Scene other(2);
-                 apply(Break{{1}}, other.tree, s.state, s.workspace);
+                 apply(Break{other.tree.inboard_joint({1})}, other.tree, s.state, s.workspace);
                }),
       of_scene("a change of a copy after the tree changed", stale,
                [](Scene& s) {
                  Tree copy = s.tree;
                  copy.detach(3);
-                 apply(Break{{1}}, copy, s.state, s.workspace);
+                 apply(Break{copy.inboard_joint({1})}, copy, s.state, s.workspace);
                }),
       of_scene("a momentum read on another tree", stale,
                [](Scene& s) { static_cast<void>(articulated_momentum(Scene(2).tree, s.state, s.workspace, 1)); }),
@@ -226,7 +227,7 @@ TEST_CASE("the tree, the state or the work of something else") {
       of_scene("a reaction on another tree", "the work has the accelerations of this state and this tree",
                [](Scene& s) {
                  accelerate(s.tree, s.state, s.workspace);
-                 static_cast<void>(reaction(Scene(2).tree, s.state, s.workspace, 1));
+                 static_cast<void>(reaction(Scene(2).tree, s.state, s.workspace, s.tree.inboard_joint({1})));
                }),
       of_scene("a momentum of no body", no_body,
                [](Scene& s) { static_cast<void>(articulated_momentum(s.tree, s.state, s.workspace, 9)); }),
@@ -237,24 +238,24 @@ TEST_CASE("the tree, the state or the work of something else") {
       of_scene("reaction of no body", no_body,
                [](Scene& s) {
                  accelerate(s.tree, s.state, s.workspace);
-                 static_cast<void>(reaction(s.tree, s.state, s.workspace, 4));
+                 static_cast<void>(reaction(s.tree, s.state, s.workspace, s.tree.inboard_joint({4})));
                }),
       of_scene("pure_reaction of no body", no_body,
                [](Scene& s) {
                  accelerate(s.tree, s.state, s.workspace);
-                 static_cast<void>(pure_reaction(s.tree, s.state, s.workspace, -1));
+                 static_cast<void>(pure_reaction(s.tree, s.state, s.workspace, s.tree.inboard_joint({-1})));
                }),
       of_scene("joint_effort of no body", no_body,
                [](Scene& s) {
                  accelerate(s.tree, s.state, s.workspace);
                  double effort[6];
-                 joint_effort(s.tree, s.state, s.workspace, 4, effort);
+                 joint_effort(s.tree, s.state, s.workspace, s.tree.inboard_joint({4}), effort);
                }),
       of_scene("body_acceleration of no body", no_body,
                [](Scene& s) {
                  locate_bodies(s.tree, s.state, s.workspace);
                  accelerate(s.tree, s.state, s.workspace);
-                 static_cast<void>(body_acceleration(s.tree, s.state, s.workspace, 5));
+                 static_cast<void>(body_acceleration(s.tree, s.state, s.workspace, BodyId{5}));
                }),
       of_scene("joint_spring of a joint without one", "the joint has a spring",
                [](Scene& s) {

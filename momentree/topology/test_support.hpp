@@ -7,10 +7,10 @@ namespace momentree::test {
 
 /// A body that breaks off with probability `breaks`, or becomes the root of what floats; nothing where neither can be.
 inline void change_at_random(Tree& tree, State& state, Workspace<double>& workspace, Random& random, double breaks) {
-  const Body b{random.below(tree.bodies())};
+  const BodyId b{random.below(tree.bodies())};
   forward_dynamics(tree, state, workspace);
-  if (random.chance(breaks) && can_break(tree, b))
-    apply(Break{b}, tree, state, workspace);
+  if (random.chance(breaks) && can_break(tree, tree.inboard_joint(b)))
+    apply(Break{tree.inboard_joint(b)}, tree, state, workspace);
   else if (floats(tree, b.index) && tree.parent(b.index) >= 0)
     apply(Reroot{b}, tree, state, workspace);
 }

@@ -7,7 +7,7 @@
 
 #include <momentree/math/signal.hpp>
 #include <momentree/math/vec.hpp>
-#include <momentree/tree/body.hpp>
+#include <momentree/tree/ids.hpp>
 
 namespace momentree {
 
@@ -24,7 +24,7 @@ struct Drag {
 /// A force at a point of a body, a torque on the body, and drag at that point. It belongs to the body, whatever the body is
 /// joined to, and leaves the world with it.
 struct BodyForce {
-  Body body;
+  BodyId body;
   Vec3 point{};                    ///< where force and drag act, in the body's frame (m)
   std::array<Signal, 3> force{};   ///< N
   std::array<Signal, 3> torque{};  ///< N m

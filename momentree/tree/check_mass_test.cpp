@@ -15,7 +15,7 @@ std::string verdict(double mass, const Sym3& inertia) {
   return problem.what.empty() ? "sound" : problem.warning ? "odd" : "impossible";
 }
 
-BodySpec part(Body parent, const Sym3& inertia, double mass = 1, const Vec3& com = {}) {
+BodySpec part(BodyId parent, const Sym3& inertia, double mass = 1, const Vec3& com = {}) {
   return {.name = "b", .mass = mass, .com = com, .inertia = inertia, .parent = parent, .joint = JointSpec{}};
 }
 
@@ -49,7 +49,7 @@ TEST_CASE("an odd body in a sound group is a warning, in an odd group an error")
   std::vector<BodySpec> bodies{part(ground, diagonal(5)), part({0}, odd)};
   auto problems = check_masses(bodies);
   REQUIRE(problems.size() == 1);
-  CHECK(problems[0].body == Body{1});
+  CHECK(problems[0].body == BodyId{1});
   CHECK(problems[0].problem.warning);
 
   bodies[0].inertia = diagonal(0.1);

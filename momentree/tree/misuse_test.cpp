@@ -18,7 +18,7 @@ constexpr double no_number = std::numeric_limits<double>::quiet_NaN(), inf = std
 // A base on the ground and an arm of two pins; a float beside it.
 Model arm(double mass = 1) {
   Model model;
-  Body last = ground;
+  BodyId last = ground;
   for (const char* name : {"base", "upper", "lower"})
     last = model.add({.name = name,
                       .mass = mass,
@@ -45,9 +45,9 @@ const char* const no_body = "the tree has a body of that number, and it was not 
 
 TEST_CASE("a model") {
   Model model = arm();
-  check_fine("the last body", [&] { static_cast<void>(model[Body{3}]); });
+  check_fine("the last body", [&] { static_cast<void>(model[BodyId{3}]); });
   for (const int b : {-1, 4, 77, std::numeric_limits<int>::max(), std::numeric_limits<int>::min()}) {
-    check_stopped("model[no body]", "a body of this model", [&] { static_cast<void>(model[Body{b}]); });
+    check_stopped("model[no body]", "a body of this model", [&] { static_cast<void>(model[BodyId{b}]); });
     check_stopped("mechanism_name(no body)", "a body of this model", [&] { static_cast<void>(model.mechanism_name({b})); });
   }
   check_stopped("keep(-1)", "a number of bodies", [&] { model.keep(-1); });

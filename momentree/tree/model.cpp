@@ -54,7 +54,7 @@ std::vector<std::string> names(const auto& by_name) {
   return all;
 }
 
-Body look_up(const auto& by_name, std::string_view name, const char* what) {
+BodyId look_up(const auto& by_name, std::string_view name, const char* what) {
   const auto found = by_name.find(name);
   if (found == by_name.end())
     throw_error({"there is no " + std::string(what) + " '" + std::string(name) + "'", "", did_you_mean(name, names(by_name))});
@@ -63,13 +63,13 @@ Body look_up(const auto& by_name, std::string_view name, const char* what) {
 
 }  // namespace
 
-Body Model::add(BodySpec spec) {
+BodyId Model::add(BodySpec spec) {
   const MassProblem problem = check_mass(spec.mass, spec.inertia);
   if (!problem.what.empty() && !problem.warning) throw_error({problem.what, spec.name, problem.hint});
   return add_unjudged(std::move(spec));
 }
 
-Body Model::add_unjudged(BodySpec spec) {
+BodyId Model::add_unjudged(BodySpec spec) {
   for (const BodyProblem& problem : check_body(spec)) throw_error({problem.field + ": " + problem.what, spec.name, problem.hint});
   if (spec.parent.index < -1 || spec.parent.index >= size())
     throw_error(
@@ -124,10 +124,10 @@ void Model::keep(int count) {
   }
 }
 
-Body Model::body(std::string_view name) const { return look_up(*by_body_, name, "body"); }
-Body Model::joint(std::string_view name) const { return look_up(*by_joint_, name, "joint"); }
+BodyId Model::body(std::string_view name) const { return look_up(*by_body_, name, "body"); }
+JointId Model::joint(std::string_view name) const { return inboard_joint(look_up(*by_joint_, name, "joint")); }
 
-std::string Model::mechanism_name(Body root) const {
+std::string Model::mechanism_name(BodyId root) const {
   const std::string& name = (*this)[root].name;
   std::string mechanism = prefix(name);
   const auto first = by_mechanism_->find(mechanism);

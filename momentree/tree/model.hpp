@@ -1,5 +1,6 @@
 #pragma once
 // What the user said: named bodies, joints, placements. Checked as it is built; never used inside a step.
+#include <concepts>
 #include <functional>
 #include <span>
 #include <string>
@@ -12,8 +13,8 @@
 #include <momentree/base/error.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/math/vec.hpp>
-#include <momentree/tree/body.hpp>
 #include <momentree/tree/body_force.hpp>
+#include <momentree/tree/ids.hpp>
 
 namespace momentree {
 
@@ -24,7 +25,7 @@ struct BodySpec {
   double mass = 0;   ///< kg
   Vec3 com{};        ///< centre of mass, body axes
   Sym3 inertia{};    ///< about the centre of mass, body axes: diagonal(…) or {xx, yy, zz, xy, xz, yz}
-  Body parent = ground;
+  BodyId parent = ground;
   Pose at{};
   JointSpec joint{};  ///< Revolute{…}, Ball{…}, …; default: a weld
   Values q{};         ///< start coordinates in the order of the kind; empty: zero (identity); a prescribed motion says its own
@@ -52,10 +53,10 @@ class Model {
 
   /// Adds a body; the parent must have been added before.
   /// Throws Error: no or duplicate name, unknown parent, mass or inertia impossible, zero axis, wrong number of coordinates.
-  Body add(BodySpec spec);
+  BodyId add(BodySpec spec);
   /// The same for a body whose inertia is judged with what it is rigidly joined to, by check_masses(): real robots have odd
   /// single links in sound groups.
-  Body add_unjudged(BodySpec spec);
+  BodyId add_unjudged(BodySpec spec);
 
   /// Adds a force on a body of this model: as many as one likes.
   /// Throws Error: no such body, a number that is not finite, a negative drag.
@@ -73,21 +74,30 @@ class Model {
   void set_gravity(Vec3 gravity);
   int size() const { return static_cast<int>(bodies_->size()); }
   /// As added, but with unit axes, full q and v (never empty), a joint name, and unit quaternions.
-  const BodySpec& operator[](Body body) const {
+  const BodySpec& operator[](BodyId body) const {
     MT_REQUIRE(body.index >= 0 && body.index < size(), "a body of this model, as add() returned it");
     return (*bodies_)[static_cast<std::size_t>(body.index)];
   }
   const std::vector<BodySpec>& bodies() const { return *bodies_; }
 
-  /// The body or joint of that name; throws Error with a suggestion. A joint is given by its child body.
-  Body body(std::string_view name) const;
-  Body joint(std::string_view name) const;
+  /// The inboard joint of a body, the child of a joint.
+  JointId inboard_joint(BodyId body) const { return {body.index}; }
+  BodyId child(JointId joint) const { return {joint.index}; }
+  /// The child of that joint.
+  template <std::same_as<JointId> Joint>  // so that {number} means a body
+  const BodySpec& operator[](Joint joint) const {
+    return (*this)[child(joint)];
+  }
+
+  /// The body or joint of that name; throws Error with a suggestion.
+  BodyId body(std::string_view name) const;
+  JointId joint(std::string_view name) const;
   bool has_body(std::string_view name) const { return by_body_->find(name) != by_body_->end(); }
   bool has_joint(std::string_view name) const { return by_joint_->find(name) != by_joint_->end(); }
 
   /// Name of the mechanism rooted at `root` at the start: what stands before the first '/' of its name; all of it where there is
   /// none, or where an earlier root has that name already.
-  std::string mechanism_name(Body root) const;
+  std::string mechanism_name(BodyId root) const;
 
  private:
   using Numbers = std::unordered_map<std::string, int, NameHash, std::equal_to<>>;
@@ -115,7 +125,7 @@ MassProblem check_mass(double mass, const Sym3& inertia);
 /// Judges the inertia of every body together with those it is rigidly joined to (by welds, at the start): a problem is a warning
 /// where the group as a whole is sound. Parents stand before their children. By body; empty if nothing is odd.
 struct GroupMassProblem {
-  Body body;
+  BodyId body;
   MassProblem problem;
 };
 std::vector<GroupMassProblem> check_masses(std::span<const BodySpec> bodies);
@@ -129,7 +139,7 @@ std::vector<JointProblem> check_joint(const JointSpec& joint);
 
 /// Joints at which the joint-space mass is singular at the start: what is wrong, by joint. Empty if none.
 struct SingularJoint {
-  Body body;
+  BodyId body;
   std::string what, hint;
 };
 std::vector<SingularJoint> singular_joints(const Model& model);

@@ -11,7 +11,7 @@ using namespace momentree;
 namespace {
 
 /// A limb, its joints by letter: r a pin, m one with a rotor, w a weld, p a slide. Every body has a placement of its own.
-Body limb(Model& model, Body last, const char* joints) {
+BodyId limb(Model& model, BodyId last, const char* joints) {
   for (; *joints != '\0'; ++joints) {
     const double k = model.size() + 1;
     JointSpec joint = Revolute{.axis = {0.1 * k, 1, 0}};
@@ -23,7 +23,7 @@ Body limb(Model& model, Body last, const char* joints) {
   }
   return last;
 }
-Body trunk(Model& model) { return model.add({.name = "trunk", .mass = 1, .inertia = diagonal(1), .joint = Free{}}); }
+BodyId trunk(Model& model) { return model.add({.name = "trunk", .mass = 1, .inertia = diagonal(1), .joint = Free{}}); }
 
 /// The twins of a tree by the numbers of the bodies that branches begin with, "first-other …".
 std::string pairs(const Tree& tree) {
@@ -65,7 +65,7 @@ void check_pieces(const Tree& tree) {
 
 TEST_CASE("limbs that are built alike are twins, whatever hangs between them; others are not") {
   Model model;
-  const Body base = trunk(model);                    // 0
+  const BodyId base = trunk(model);                  // 0
   limb(model, base, "rrrr");                         // 1 … 4
   limb(model, base, "rrr");                          // 5 … 7: shorter
   limb(model, base, "rrwr");                         // 8 … 11: a weld in it
@@ -86,12 +86,12 @@ TEST_CASE("limbs that are built alike are twins, whatever hangs between them; ot
 
 TEST_CASE("what forks differently is no twin; within twins nobody looks for others") {
   Model model;
-  const Body base = trunk(model);  // 0
-  for (int k = 0; k < 2; ++k) {    // 1 … 7, 8 … 14: a hand of two fingers
-    const Body hand = limb(model, base, "r");
+  const BodyId base = trunk(model);  // 0
+  for (int k = 0; k < 2; ++k) {      // 1 … 7, 8 … 14: a hand of two fingers
+    const BodyId hand = limb(model, base, "r");
     limb(model, hand, "rrr"), limb(model, hand, "rrr");
   }
-  const Body elsewhere = limb(model, base, "r");  // 15 … 21: of as many bodies
+  const BodyId elsewhere = limb(model, base, "r");  // 15 … 21: of as many bodies
   limb(model, elsewhere, "rrrr"), limb(model, elsewhere, "rr");
   const Tree tree(model);
   CHECK(pairs(tree) == "1-8");
@@ -101,7 +101,7 @@ TEST_CASE("what forks differently is no twin; within twins nobody looks for othe
 TEST_CASE("mechanisms are twins of one another, but for those in a plane, which have a faster way") {
   Model model;
   const auto plane = [&model] {
-    Body last = ground;
+    BodyId last = ground;
     for (int i = 0; i < 3; ++i)
       last = model.add({.name = "plane" + std::to_string(model.size()),
                         .mass = 1,
@@ -120,7 +120,7 @@ TEST_CASE("mechanisms are twins of one another, but for those in a plane, which 
 
 TEST_CASE("twins part when one of them changes, and meet again when it is restored") {
   Model model;
-  const Body base = trunk(model);
+  const BodyId base = trunk(model);
   limb(model, base, "rrrr"), limb(model, base, "rrrr"), limb(model, base, "rrrr");  // 1, 5, 9
   Tree tree(model);
   const Topology before = tree.topology();

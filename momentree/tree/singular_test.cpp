@@ -10,7 +10,7 @@ namespace {
 
 Model chain(int links, const Vec3& along, const JointSpec& joint, double bend = 0) {
   Model model;
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 0; k < links; ++k) {
     last = model.add({.name = std::to_string(k),
                       .mass = 0.01,
@@ -36,7 +36,7 @@ TEST_CASE("freedoms that share one mass are singular, however they lie") {
   for (const Vec3& axis : {Vec3{0, 0, 1}, Vec3{1, 2, 3}, Vec3{1, -1, 0}}) {
     for (int between = 0; between < 3; ++between) {
       Model model;
-      Body last = model.add({.name = "first", .joint = Revolute{.axis = axis}});
+      BodyId last = model.add({.name = "first", .joint = Revolute{.axis = axis}});
       for (int k = 0; k < between; ++k)
         last = model.add({.name = "weld" + std::to_string(k), .parent = last, .at = Pose(0.1 * axis)});
       model.add({.name = "second",
@@ -55,7 +55,7 @@ TEST_CASE("a point on the axis of its joint is singular, also across a weld") {
   for (const Vec3& axis : {Vec3{0, 0, 1}, Vec3{1, 2, 3}, Vec3{0.3, -0.1, 0.7}}) {
     Model model;
     model.add({.name = "bead", .mass = 1, .com = 0.7 * axis, .joint = Revolute{.axis = axis}});
-    const Body wire = model.add({.name = "wire", .joint = Revolute{.axis = axis}});
+    const BodyId wire = model.add({.name = "wire", .joint = Revolute{.axis = axis}});
     model.add({.name = "far bead", .mass = 1, .com = 0.2 * axis, .parent = wire, .at = Pose(0.5 * axis)});
     CHECK(singular_joints(model).size() == 2);
   }

@@ -139,6 +139,10 @@ class Tree {
     MT_REQUIRE(at(joint) < carrier_.size(), "the tree has a joint of that number");
     return carrier_[at(joint)];
   }
+  /// The same for handles.
+  BodyId carrier(JointId joint) const { return {carrier(joint.index)}; }
+  /// The joint that a body carries.
+  JointId inboard_joint(BodyId body) const { return {joint_of(body.index)}; }
   bool reversed(int b) const { return reversed_[index(b)] != 0; }
   Variant variant(int b) const { return class_[index(b)].variant; }
   const KernelFrame& frame(int b) const { return links_.frame(index(b)); }

@@ -10,15 +10,15 @@
 using namespace momentree;
 
 namespace {
-Body link(Model& model, const char* name, Body parent, JointSpec joint = Revolute{}) {
+BodyId link(Model& model, const char* name, BodyId parent, JointSpec joint = Revolute{}) {
   return model.add({.name = name, .mass = 1, .inertia = diagonal(1), .parent = parent, .at = {0.5, 0, 0}, .joint = joint});
 }
 }  // namespace
 
 TEST_CASE("stretches of one kind are one segment, with forks and tips among them") {
   Model model;
-  const Body a = link(model, "a", ground), b = link(model, "b", a), c = link(model, "c", b);
-  const Body d = link(model, "d", c, Ball{}), e = link(model, "e", c);
+  const BodyId a = link(model, "a", ground), b = link(model, "b", a), c = link(model, "c", b);
+  const BodyId d = link(model, "d", c, Ball{}), e = link(model, "e", c);
   link(model, "f", d), link(model, "g", e), link(model, "h", ground);
   const Tree tree(model);
   // a b c | d | f e g | h, which is a mechanism in a plane
@@ -51,7 +51,7 @@ TEST_CASE("stretches of one kind are one segment, with forks and tips among them
 
 TEST_CASE("equal links are stored once; a changed tree has its own, and its copies have theirs") {
   Model model;
-  Body last = link(model, "0", ground);
+  BodyId last = link(model, "0", ground);
   for (int k = 1; k < 20; ++k) last = link(model, std::to_string(k).c_str(), last);
   const Tree tree(model);
   for (int b = 2; b < 19; ++b) {
@@ -77,7 +77,7 @@ TEST_CASE("equal links are stored once; a changed tree has its own, and its copi
 
 TEST_CASE("every body comes after its parent in the order, for bushy trees and after breaks") {
   Model model;
-  std::vector<Body> bodies{ground};
+  std::vector<BodyId> bodies{ground};
   for (int k = 0; k < 60; ++k) {
     const std::string name = "m/" + std::to_string(k);
     bodies.push_back(link(model, name.c_str(), bodies[static_cast<std::size_t>((k * 7) % (k + 1))]));
@@ -106,7 +106,7 @@ TEST_CASE("every body comes after its parent in the order, for bushy trees and a
 
 TEST_CASE("chains of pins are aligned: no link needs a turn about its parent's z") {
   Model model;
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 0; k < 20; ++k)
     last = model.add({.name = "c/" + std::to_string(k),
                       .mass = 1,
@@ -126,7 +126,7 @@ TEST_CASE("chains of pins are aligned: no link needs a turn about its parent's z
 TEST_CASE("what is welded has its carrier's frame, and frames look through it to the next joint") {
   Model model;
   const Pose askew{{0.1, 0.2, 0.3}, normalized(Quat{1, 0.1, -0.2, 0.3})};
-  const auto add = [&](Body parent, const JointSpec& joint) {
+  const auto add = [&](BodyId parent, const JointSpec& joint) {
     return model.add({.name = "b/" + std::to_string(model.size()),
                       .mass = 1,
                       .com = {0.1, 0, 0.2},
@@ -136,11 +136,11 @@ TEST_CASE("what is welded has its carrier's frame, and frames look through it to
                       .joint = joint,
                       .child_at = inverse(askew) * Pose(0, 0, 0.1)});
   };
-  const Body base = add(ground, Weld{}), pin = add(base, Revolute{.axis = {1, 0.2, 0}}), bracket = add(pin, Weld{}),
-             plate = add(bracket, Weld{}), elbow = add(plate, Revolute{.axis = {0, 1, 0.3}});
+  const BodyId base = add(ground, Weld{}), pin = add(base, Revolute{.axis = {1, 0.2, 0}}), bracket = add(pin, Weld{}),
+               plate = add(bracket, Weld{}), elbow = add(plate, Revolute{.axis = {0, 1, 0.3}});
   add(plate, Ball{});
   Tree tree(model);
-  const auto place = [&](Body body) { return tree.frame(body.index); };
+  const auto place = [&](BodyId body) { return tree.frame(body.index); };
   const Pose step = askew * inverse(model[bracket].child_at);  // of one welded body in the next
   const auto same = [&](const KernelFrame& inner, const KernelFrame& outer) {
     const Vec3 r = step * inner.r, z = rotation_matrix(step.rotation) * Vec3{inner.R.xz, inner.R.yz, inner.R.zz};
@@ -182,7 +182,7 @@ TEST_CASE("state: numbers of a body make room for others without moving the stor
 
 TEST_CASE("joints that move no mass are found, and named") {
   Model model;
-  const Body a = link(model, "a", ground);
+  const BodyId a = link(model, "a", ground);
   CHECK(singular_joints(model).empty());
   model.add({.name = "point", .mass = 1, .parent = a, .joint = Revolute{}, .joint_name = "pin"});
   REQUIRE(singular_joints(model).size() == 1);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -96,6 +97,7 @@ class Checker {
     check_status();
     check_again();
     check_certificates();
+    check_topology();
     check_restarts();
     check_documents();
     check_conversion();
@@ -117,7 +119,7 @@ class Checker {
     for (const Event& event : whole_.certificates) {
       const auto trigger = triggers.find(event.name);
       ++counts["trigger: " + (trigger != triggers.end() ? trigger->second : event.name.substr(0, event.name.find(' ')))];
-      for (const std::string& action : event.actions)
+      for (const std::string& action : event.action_texts())
         ++counts["action: " + action.substr(0, action.find(' ')) +
                  (action.find(" skipped: ") != std::string::npos ? " skipped" : "")];
       if (event.time == last) ++counts["several events at one instant"];
@@ -150,6 +152,7 @@ class Checker {
 
   std::vector<Vec3> applied_impulses(const Event& happened) const;
   void check_certificates();
+  void check_topology();
   void check_restart(const Trace& first, const std::string& law);
   void check_early_refusal(const std::string& refusal, const std::string& at);
   void check_restarts();
@@ -167,7 +170,7 @@ class Checker {
 // several where a wildcard matches what another action names, too.
 std::vector<Vec3> Checker::applied_impulses(const Event& happened) const {
   std::vector<Vec3> all;
-  std::vector<std::string> done = happened.actions;
+  std::vector<std::string> done = happened.action_texts();
   for (std::string& text : done) text.erase(std::min(text.find(" skipped: "), text.size()));
   std::sort(done.begin(), done.end());
   for (const io::ScenarioEvent& event : scenario_.events) {
@@ -221,6 +224,24 @@ void Checker::check_certificates() {
     }
     last = &e;
   }
+}
+
+// What the events recorded of the topology, one after the other, leads from the start to the end of the run.
+void Checker::check_topology() {
+  std::map<std::string, std::string> joints = whole_.joints_before;
+  std::vector<std::string> mechanisms = whole_.mechanisms_before;
+  for (const Event& event : whole_.certificates) {
+    for (const std::string& name : event.topology.gone)
+      found_.require(joints.erase(name) == 1, "joints that go were there", event.name + ": " + name);
+    for (const JointRecord& joint : event.topology.joints) joints[joint.name] = joint_text(joint);
+    for (const TopologyRecord::Moved& moved : event.topology.moved)
+      for (const auto& [first, count] : moved.bodies)
+        for (int b = first; b < first + count; ++b) mechanisms[static_cast<std::size_t>(b)] = moved.mechanism;
+  }
+  found_.require(mechanisms == whole_.mechanisms_after, "the events' records lead to the mechanisms at the end");
+  found_.require(joints.size() == whole_.joints_after.size(), "the events' records lead to the joints at the end: names");
+  for (const auto& [name, text] : whole_.joints_after)
+    found_.require(joints[name] == text, "the events' records lead to the joints at the end", difference(joints[name], text));
 }
 
 // What is refused before a run goes on is what it would be refused for later, maybe after its end: all events are tried. Nothing

@@ -6,7 +6,9 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/io/joint_json.hpp>
 #include <momentree/io/results.hpp>
+#include <momentree/simulate/topology_record.hpp>
 
 namespace momentree::fuzz {
 
@@ -40,6 +42,28 @@ std::string row_text(const Simulation& simulation) {
   return text;
 }
 
+std::string joint_text(const JointRecord& joint) {
+  std::string text;
+  io::JsonWriter json(text);
+  json.begin_object();
+  io::write_joint_frame(json, joint);
+  io::write_locked(json, joint.locked, info(joint.kind).nv);
+  json.end_object();
+  return text;
+}
+
+namespace {
+
+void describe(const World& world, std::map<std::string, std::string>& joints, std::vector<std::string>& mechanisms) {
+  for (const JointId joint : present_joints(world))
+    joints.emplace(world.joint_name(joint), joint_text(joint_record(world, joint)));
+  mechanisms.resize(static_cast<std::size_t>(world.tree().bodies()));
+  for (const Mechanism& mechanism : world.mechanisms())
+    for (const BodyId body : mechanism.bodies) mechanisms[static_cast<std::size_t>(body.index)] = mechanism.name;
+}
+
+}  // namespace
+
 std::string difference(const std::string& one, const std::string& other) {
   const auto apart = std::mismatch(one.begin(), one.end(), other.begin(), other.end());
   if (apart.first == one.end() && apart.second == other.end()) return "";
@@ -69,10 +93,12 @@ Trace traced_run(const io::Scenario& scenario, const RunPlan& plan) {
     trace.rows.push_back(row_text(simulation));
     return true;
   });
+  describe(simulation.world(), trace.joints_before, trace.mechanisms_before);
   simulation.watch([&](double) { return ++trace.steps < plan.most_steps; });
   trace.status = simulation.run_until(plan.until);
   trace.cut = trace.status == Status::interrupted;
   if (trace.status != Status::ok) trace.message = simulation.message();
+  describe(simulation.world(), trace.joints_after, trace.mechanisms_after);
   trace.certificates = simulation.events();
   for (const Event& event : trace.certificates) trace.events.push_back(event_text(event));
   const StepMemory memory = is_adaptive(scenario.integration.method) ? simulation.step_memory() : StepMemory{};

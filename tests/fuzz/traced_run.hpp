@@ -1,6 +1,7 @@
 #pragma once
 // A run of a scenario, with all that can be compared of it.
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,6 +26,8 @@ struct Trace {
   std::vector<std::string> rows;    ///< time, coordinates, momenta and energies at each row
   std::vector<double> times;        ///< of the rows
   std::vector<Event> certificates;
+  std::map<std::string, std::string> joints_before, joints_after;  ///< how its joints were at the start and at the end, by name
+  std::vector<std::string> mechanisms_before, mechanisms_after;    ///< by body the mechanism that it belonged to
   EnergyBalance energy;
   double time = 0, step_work = 0;
   long steps = 0;
@@ -35,6 +38,8 @@ Trace traced_run(const io::Scenario& scenario, const RunPlan& plan);
 
 /// One event as text, without what differs from run to run.
 std::string event_text(Event event);
+/// One joint as text.
+std::string joint_text(const JointRecord& joint);
 /// What a world is at an instant, with every bit.
 std::string row_text(const Simulation& simulation);
 /// What two texts differ in, for messages: the first place, with what is around it.

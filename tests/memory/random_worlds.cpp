@@ -25,7 +25,7 @@ Pose place_of_pin(Prng& random) {
   return {{a, -d * std::sin(alpha), d * std::cos(alpha)}, from_axis_angle(x_axis, alpha)};
 }
 
-BodySpec any_body(Prng& random, int number, Body parent) {
+BodySpec any_body(Prng& random, int number, BodyId parent) {
   BodySpec body{.name = std::to_string(number), .mass = random.uniform(0.5, 2)};
   body.com = random.vector(0.2);
   body.inertia = diagonal(0.1, 0.08, 0.07);
@@ -63,7 +63,7 @@ Model with_limbs(Prng& random) {
   Model model;
   const int trunk = random.integer(0, 3);
   for (int k = 0; k < trunk; ++k) {
-    BodySpec body = any_body(random, k, k == 0 ? ground : Body{k - 1});
+    BodySpec body = any_body(random, k, k == 0 ? ground : BodyId{k - 1});
     body.joint = k == 0 && random.chance(0.6) ? JointSpec(Free{}) : JointSpec(Revolute{.damping = 1});
     model.add(body);
   }
@@ -72,8 +72,8 @@ Model with_limbs(Prng& random) {
   for (int k = 0; k < limbs; ++k) {
     const int first = model.size(), hangs = random.integer(0, 2);
     for (const Piece& piece : sorts[random.integer(0, 1)]) {
-      const Body on_trunk = trunk == 0 ? ground : Body{hangs % trunk};
-      BodySpec body = any_body(random, model.size(), piece.parent < 0 ? on_trunk : Body{first + piece.parent});
+      const BodyId on_trunk = trunk == 0 ? ground : BodyId{hangs % trunk};
+      BodySpec body = any_body(random, model.size(), piece.parent < 0 ? on_trunk : BodyId{first + piece.parent});
       body.joint = joint_of_limb(random, piece.joint);
       if (info(body.joint.kind).nv == 1 && body.joint.parameters.drive == nullptr) body.v = random.uniform(-2, 2);
       model.add(body);
@@ -88,7 +88,7 @@ Model in_planes(Prng& random) {
     const bool flat = random.chance(0.6);
     const int first = model.size(), bodies = random.integer(1, 10);
     for (int k = 0; k < bodies; ++k) {
-      BodySpec body = any_body(random, model.size(), k == 0 ? ground : Body{first + random.integer(k < 4 ? 0 : k - 4, k - 1)});
+      BodySpec body = any_body(random, model.size(), k == 0 ? ground : BodyId{first + random.integer(k < 4 ? 0 : k - 4, k - 1)});
       if (flat && k > 0) body.at = {random.vector(0.4), from_axis_angle(z_axis, random.uniform(-1, 1))};
       body.joint = flat ? JointSpec(Revolute{.damping = 1}) : joint_of_limb(random, random.integer(0, 9));
       model.add(body);

@@ -62,12 +62,12 @@ Outcome run(std::uint64_t seed, const std::string& method) {
   for (int k = 1; k <= 5; ++k) {
     outcome.bits.add(static_cast<double>(sim.run_until(2e-3 * k)));
     add(sim.world(), outcome.bits);
-    const Body body{random.integer(0, model.size() - 1)};
+    const BodyId body{random.integer(0, model.size() - 1)};
     const Action actions[] = {random_action(random, model[body].name)};
     if (sim.attempt(actions) == Status::refused) ++outcome.refused;
   }
-  const Body parent = sim.world().alive({0}) ? Body{0} : ground;
-  const Body added =
+  const BodyId parent = sim.world().alive({0}) ? BodyId{0} : ground;
+  const BodyId added =
       sim.add({.name = "added", .mass = 1, .inertia = diagonal(0.1), .parent = parent, .at = {0.1, 0, 0}, .joint = Ball{}});
   outcome.bits.add(static_cast<double>(sim.run_until(0.012)));
   add(sim.world(), outcome.bits);

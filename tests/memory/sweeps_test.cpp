@@ -97,10 +97,10 @@ TEST_CASE("double: stages, motions, accelerations, wrenches, places") {
       found.add(workspace.a.get(), tree.nv());
       for (const int b : tree.order()) {
         double effort[6] = {};
-        joint_effort(tree, world.state, workspace, b, effort);
+        joint_effort(tree, world.state, workspace, tree.inboard_joint({b}), effort);
         found.add(effort, 6);
         found.add(transmitted_wrench(tree, workspace, b)), found.add(felt_acceleration(tree, q, workspace, b));
-        const BodyAcceleration a = body_acceleration(tree, world.state, workspace, b);
+        const BodyAcceleration a = body_acceleration(tree, world.state, workspace, BodyId{b});
         found.add(a.linear), found.add(a.angular);
         const BodyMotion motion = user_motion(tree, workspace.bodies[static_cast<std::size_t>(b)], b);
         found.add(motion.pose.position), found.add(motion.linear), found.add(motion.angular);

@@ -63,7 +63,7 @@ double equations_of_motion(const System& system, const Tree& tree, const State& 
   for (std::size_t k = 0; k < n; ++k) {
     const Link& link = system.links[k];
     const Frame<Real> frame = frame_of(user_pose(tree, workspace.bodies[k], static_cast<int>(k)));
-    const BodyAcceleration a = body_acceleration(tree, state, workspace, static_cast<int>(k));
+    const BodyAcceleration a = body_acceleration(tree, state, workspace, BodyId{static_cast<int>(k)});
     const Sym3& j = link.inertia;
     const M3<Real> inertia =
         frame.rotation * M3<Real>{{j.xx, j.xy, j.xz, j.xy, j.yy, j.yz, j.xz, j.yz, j.zz}} * transposed(frame.rotation);
@@ -77,7 +77,7 @@ double equations_of_motion(const System& system, const Tree& tree, const State& 
     s.torque_summands = length(inertia * angular) + length(cross(w, inertia * w));
     // The body moves relative to another, which may be far wilder.
     if (const int outer = tree.parent(static_cast<int>(k)); outer >= 0) {
-      const BodyAcceleration by = body_acceleration(tree, state, workspace, outer);
+      const BodyAcceleration by = body_acceleration(tree, state, workspace, BodyId{outer});
       const Vec3 way = workspace.bodies[k].r - workspace.bodies[static_cast<std::size_t>(outer)].r;
       s.force_summands += m * (length(real(by.linear)) + length(real(by.angular)) * length(real(way)));
       s.torque_summands += length(real(by.angular)) * (j.xx + j.yy + j.zz);
@@ -94,7 +94,7 @@ double equations_of_motion(const System& system, const Tree& tree, const State& 
     coms.push_back(frame.position + arm);
   }
   for (int b = 0; b < tree.bodies(); ++b) {
-    const Force<double> W = reaction(tree, state, workspace, b);
+    const Force<double> W = reaction(tree, state, workspace, tree.inboard_joint({b}));
     const int child = declared_child(tree, b), parent = declared_parent(tree, b);
     const Frame<Real>& at = frames[static_cast<std::size_t>(child)];
     const V3<Real> f = at.rotation * real(W.l), t = at.rotation * real(W.h);
@@ -133,7 +133,8 @@ double work_of_reactions(const Tree& tree, const State& state, Workspace<double>
     const Alone one = joint_alone(tree, state, workspace, b);
     const auto E = joint_columns(one.system, one.q, 0);
     const std::vector<Real> force = joint_forces(one.system, one.q, one.v);
-    const Force<double> W = reaction(tree, state, workspace, b), pure = pure_reaction(tree, state, workspace, b);
+    const Force<double> W = reaction(tree, state, workspace, tree.inboard_joint({b})),
+                        pure = pure_reaction(tree, state, workspace, tree.inboard_joint({b}));
     for (std::size_t i = 0; i < E.size(); ++i) {
       const auto& e = E[i];
       const int k = tree.first_p(b) + static_cast<int>(i);
@@ -192,7 +193,7 @@ std::vector<Measure> measure_accelerations(const System& system, const Tree& tre
     enter("dv/dt", distance({workspace.a.get(), workspace.a.get() + nv}, exact.v), norm(exact.v), std::max(bound, by_summands));
   Real linear = 0, angular = 0, force = 0, torque = 0, fast = 0, whirl = 0, most = 0, context = 0, weight = 0;
   for (int b = 0; b < tree.bodies(); ++b) {
-    const BodyAcceleration a = body_acceleration(tree, state, workspace, b);
+    const BodyAcceleration a = body_acceleration(tree, state, workspace, BodyId{b});
     const Accelerations::Body& e = exact.bodies[static_cast<std::size_t>(b)];
     linear = std::max(linear, length(real(a.linear) - e.linear));
     angular = std::max(angular, length(real(a.angular) - e.angular));
@@ -202,7 +203,7 @@ std::vector<Measure> measure_accelerations(const System& system, const Tree& tre
     weight = std::max(weight, system.links[static_cast<std::size_t>(b)].mass * length(system.gravity - e.linear));
     if (!declared(system, tree, b)) continue;
     const Accelerations::Body& child = exact.bodies[static_cast<std::size_t>(declared_child(tree, b))];
-    const Force<double> W = reaction(tree, state, workspace, b);
+    const Force<double> W = reaction(tree, state, workspace, tree.inboard_joint({b}));
     force = std::max(force, length(real(W.l) - child.force));
     torque = std::max(torque, length(real(W.h) - child.torque));
     most = std::max(most, length(child.force));

@@ -37,7 +37,7 @@ TEST_CASE("(47) locked freedoms: what is left accelerates as the oracle says, an
       if (nv == 0 || random.chance(0.5)) continue;
       const unsigned dofs = some_dofs(random, nv);
       m.evaluate();
-      apply(Lock{{b}, dofs}, m.tree, m.state, m.workspace);
+      apply(Lock{m.tree.inboard_joint({b}), dofs}, m.tree, m.state, m.workspace);
       ++locks;
       partial += dofs != (1u << nv) - 1;
     }
@@ -65,11 +65,11 @@ TEST_CASE("after any changes every body's equations of motion close, and a joint
       m.evaluate();
       switch (what) {
         case 0:
-          if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.workspace);
+          if (can_break(m.tree, m.tree.inboard_joint({b}))) apply(Break{m.tree.inboard_joint({b})}, m.tree, m.state, m.workspace);
           break;
         case 1: {
           const int nv = info(m.tree.joint(b).kind).nv;
-          if (nv > 0) apply(Lock{{b}, some_dofs(random, nv)}, m.tree, m.state, m.workspace);
+          if (nv > 0) apply(Lock{m.tree.inboard_joint({b}), some_dofs(random, nv)}, m.tree, m.state, m.workspace);
           break;
         }
         case 2: apply(random_change(random, m, b), m.tree, m.state, m.workspace); break;

@@ -82,10 +82,10 @@ TEST_CASE("stepping and breaking allocate nothing, with all kinds of joints, unt
     for (int left = tree.bodies(); left > 0; --left) {
       const int first = draw.integer(0, tree.bodies() - 1);
       for (int k = 0; k < tree.bodies(); ++k) {
-        const Body body{(first + k) % tree.bodies()};
-        if (!can_break(tree, body)) continue;
+        const BodyId body{(first + k) % tree.bodies()};
+        if (!can_break(tree, tree.inboard_joint(body))) continue;
         evaluate(state);
-        sum += apply(Break{body}, tree, state, workspace).energy;
+        sum += apply(Break{tree.inboard_joint(body)}, tree, state, workspace).energy;
         ++breaks;
         break;
       }
@@ -95,7 +95,8 @@ TEST_CASE("stepping and breaking allocate nothing, with all kinds of joints, unt
       }
       sum += totals(tree, state, workspace).kinetic;
       accelerate(tree, state, workspace);
-      sum += norm(reaction(tree, state, workspace, first).l) + norm(body_acceleration(tree, state, workspace, first).linear);
+      sum += norm(reaction(tree, state, workspace, tree.inboard_joint({first})).l) +
+             norm(body_acceleration(tree, state, workspace, BodyId{first}).linear);
     }
     const long during = allocations - before;
     CHECK(during == 0);
@@ -116,22 +117,23 @@ TEST_CASE("no change allocates, in a copy either") {
   const long before = allocations;
   int changes = 0;
   for (int k = 0; k < 400; ++k) {
-    const Body body{draw.integer(0, tree.bodies() - 1)};
-    const Body to{draw.integer(0, tree.bodies() - 1)};
+    const BodyId body{draw.integer(0, tree.bodies() - 1)};
+    const BodyId to{draw.integer(0, tree.bodies() - 1)};
     forward_dynamics(tree, state, workspace);
     switch (draw.integer(0, 5)) {
       case 0:
-        if (can_break(tree, body)) apply(Break{body}, tree, state, workspace), ++changes;
+        if (can_break(tree, tree.inboard_joint(body))) apply(Break{tree.inboard_joint(body)}, tree, state, workspace), ++changes;
         break;
       case 1:
-        if (tree.parent(body.index) >= 0) apply(Lock{body}, tree, state, workspace), ++changes;
+        if (tree.parent(body.index) >= 0) apply(Lock{tree.inboard_joint(body)}, tree, state, workspace), ++changes;
         break;
-      case 2: apply(Unlock{body}, tree, state, workspace), ++changes; break;
+      case 2: apply(Unlock{tree.inboard_joint(body)}, tree, state, workspace), ++changes; break;
       case 3:
         if (floats(tree, body.index)) apply(Reroot{body}, tree, state, workspace), ++changes;
         break;
       case 4:
-        if (tree.parent(body.index) >= 0) apply(SetParameters{body, parameters}, tree, state, workspace), ++changes;
+        if (tree.parent(body.index) >= 0)
+          apply(SetParameters{tree.inboard_joint(body), parameters}, tree, state, workspace), ++changes;
         break;
       default:
         if (floats(tree, body.index) && root_of(tree, body.index) != root_of(tree, to.index))
@@ -165,18 +167,18 @@ TEST_CASE("steps with drives, motions, functions and strengths allocate nothing"
   Model model = oracle::random_tree(4, {.min_bodies = 20, .max_bodies = 20, .drives = true}).model;
   JointStrength strength{.force = 1e9, .torque = 1e9};
   Revolute driven{.damping = 0.1, .drive = motion_drive(Signal::sine(0.2, 1)), .strength = strength};
-  const Body moved = model.add(
+  const BodyId moved = model.add(
       {.name = "a mechanism with a long name/moved", .mass = 1, .inertia = diagonal(0.1), .parent = {3}, .joint = driven});
-  const Body asked = model.add({.name = "a mechanism with a long name/asked",
-                                .mass = 1,
-                                .inertia = diagonal(0.1),
-                                .parent = moved,
-                                .joint = Revolute{.axis = x_axis}});
+  const BodyId asked = model.add({.name = "a mechanism with a long name/asked",
+                                  .mass = 1,
+                                  .inertia = diagonal(0.1),
+                                  .parent = moved,
+                                  .joint = Revolute{.axis = x_axis}});
   for (const char* method : {"rk4", "dopri5"}) {
     CAPTURE(method);
     Simulation sim(model, {.method = method, .step = 1e-4});
     sim.drive("a mechanism with a long name/asked", [=](const EvaluationContext& m) {
-      return m.motion(moved).linear.x - m.v(asked)[0] + (m.q({0}).empty() ? 0.1 : 0.2);
+      return m.motion(moved).linear.x - m.v({asked.index})[0] + (m.q({0}).empty() ? 0.1 : 0.2);
     });
     REQUIRE(sim.run_until(0.01) == Status::ok);
     const long before = allocations;
@@ -189,7 +191,7 @@ TEST_CASE("steps with drives, motions, functions and strengths allocate nothing"
 
 TEST_CASE("steps between stops and towards conditions allocate nothing") {
   Model model;
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 0; k < 6; ++k)
     last = model.add({.name = "a mechanism with a long name/link " + std::to_string(k),
                       .mass = 1,
@@ -199,7 +201,7 @@ TEST_CASE("steps between stops and towards conditions allocate nothing") {
                       .at = {k == 0 ? 0.0 : 0.4, 0, 0},
                       .joint = Revolute{.axis = {0, 1, 0}, .limits = {.lower = -3, .upper = 3}}});
   Simulation sim(model, {.step = 1e-4});
-  const std::string joint = model[Body{2}].joint_name, body = model[Body{5}].name;
+  const std::string joint = model[BodyId{2}].joint_name, body = model[BodyId{5}].name;
   for (const Condition& c :
        {reaction_force(joint).exceeds(1e6), reaction_torque(joint).exceeds(1e6), reaction(joint, "fx").exceeds(1e6),
         position_of(joint).exceeds(2), speed_of(joint).exceeds(100), distance_between(body, "ground").below(0.01),

@@ -86,10 +86,10 @@ void change_something(Prng& random, Machine& m) {
   const int nv = info(m.tree.joint(b).kind).nv;
   switch (random.integer(0, 5)) {
     case 0:
-      if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.workspace);
+      if (can_break(m.tree, m.tree.inboard_joint({b}))) apply(Break{m.tree.inboard_joint({b})}, m.tree, m.state, m.workspace);
       break;
     case 1:
-      if (nv > 0) apply(Lock{{b}, some_dofs(random, nv)}, m.tree, m.state, m.workspace);
+      if (nv > 0) apply(Lock{m.tree.inboard_joint({b}), some_dofs(random, nv)}, m.tree, m.state, m.workspace);
       break;
     case 2: apply(random_change(random, m, b), m.tree, m.state, m.workspace); break;
     case 3:

@@ -34,7 +34,7 @@ Momentum momentum_of(const BodySpec& body, const BodyMotion& m) {
 Action random_action(Prng& random, const World& world) {
   const Model& model = world.model();
   const int n = model.size();
-  const auto body = [&] { return model[Body{random.integer(0, n - 1)}].name; };
+  const auto body = [&] { return model[BodyId{random.integer(0, n - 1)}].name; };
   const auto joint = [&] { return std::string(world.joint_name({random.integer(0, n - 1)})); };
   const Kind kinds[] = {Kind::revolute, Kind::prismatic, Kind::helical, Kind::cylindrical, Kind::universal,
                         Kind::ball,     Kind::planar,    Kind::free,    Kind::weld};

@@ -29,12 +29,13 @@ TEST_CASE("(28) every change leaves the velocities that a projection in maximal 
         const int nv = info(m.tree.joint(b).kind).nv;
         switch (what) {
           case 0:
-            if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.workspace);
+            if (can_break(m.tree, m.tree.inboard_joint({b})))
+              apply(Break{m.tree.inboard_joint({b})}, m.tree, m.state, m.workspace);
             break;
           case 1:
-            if (nv > 0) apply(Lock{{b}, some_dofs(random, nv)}, m.tree, m.state, m.workspace);
+            if (nv > 0) apply(Lock{m.tree.inboard_joint({b}), some_dofs(random, nv)}, m.tree, m.state, m.workspace);
             break;
-          case 2: apply(Unlock{{b}, ~0u}, m.tree, m.state, m.workspace); break;
+          case 2: apply(Unlock{m.tree.inboard_joint({b}), ~0u}, m.tree, m.state, m.workspace); break;
           case 3:
           case 4: apply(random_change(random, m, b), m.tree, m.state, m.workspace); break;
           case 5:
@@ -83,7 +84,7 @@ TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body; nor
       accelerate(at.tree, at.state, at.workspace);
       Column A(6 * at.size());
       for (int k = 0; k < at.size(); ++k) {
-        const BodyAcceleration a = body_acceleration(at.tree, at.state, at.workspace, k);
+        const BodyAcceleration a = body_acceleration(at.tree, at.state, at.workspace, BodyId{k});
         A.segment(6 * k, 6) << a.linear.x, a.linear.y, a.linear.z, a.angular.x, a.angular.y, a.angular.z;
       }
       return A;
@@ -91,7 +92,7 @@ TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body; nor
     const auto wrenches = [](const Machine& at) {
       Column W = Column::Zero(6 * at.size());
       for (int k = 0; k < at.size(); ++k) {
-        const Force<double> f = reaction(at.tree, at.state, at.workspace, k);
+        const Force<double> f = reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({k}));
         if (!at.tree.detached(k) && at.tree.parent(k) >= 0)
           W.segment(6 * at.tree.joint_of(k), 6) << f.l.x, f.l.y, f.l.z, f.h.x, f.h.y, f.h.z;
       }
@@ -100,7 +101,7 @@ TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body; nor
     for (int k = 0; k < m.size(); ++k) {  // some joints are locked
       const int nv = info(m.tree.joint(k).kind).nv;
       if (nv == 0 || m.tree.parent(k) < 0 || random.chance(0.8)) continue;
-      apply(Lock{{k}, some_dofs(random, nv)}, m.tree, m.state, m.workspace);
+      apply(Lock{m.tree.inboard_joint({k}), some_dofs(random, nv)}, m.tree, m.state, m.workspace);
       m.evaluate();
     }
     const Column V = m.velocities(), A = accelerations(m), W = wrenches(m);
@@ -135,7 +136,8 @@ TEST_CASE("a capture does not depend on which partner is re-rooted") {
     const int a = random.integer(0, one.size() - 1);
     const int b = random.integer(0, one.size() - 1);
     for (Machine* m : {&one, &other}) {
-      if (can_break(m->tree, {cut})) apply(Break{{cut}}, m->tree, m->state, m->workspace);
+      if (can_break(m->tree, m->tree.inboard_joint({cut})))
+        apply(Break{m->tree.inboard_joint({cut})}, m->tree, m->state, m->workspace);
       m->evaluate();
     }
     if (root_of(one.tree, a) == root_of(one.tree, b)) continue;
@@ -144,8 +146,8 @@ TEST_CASE("a capture does not depend on which partner is re-rooted") {
       apply(Join{{child}, {parent}}, m.tree, m.state, m.workspace);
       m.evaluate();
       ChangeJoint rigid;
-      rigid.body = {child};
-      rigid.joint.at = inverse(m.pose(parent)) * m.pose(child);
+      rigid.joint = m.tree.inboard_joint({child});
+      rigid.to.at = inverse(m.pose(parent)) * m.pose(child);
       apply(rigid, m.tree, m.state, m.workspace);
       m.evaluate();
     };
@@ -173,7 +175,8 @@ TEST_CASE("an attached joint is the same with its declared child on either side:
     const int cut = random.integer(0, one.size() - 1);
     const int parent = random.integer(0, one.size() - 1);
     const int child = random.integer(0, one.size() - 1);
-    if (can_break(one.tree, {cut})) apply(Break{{cut}}, one.tree, one.state, one.workspace);
+    if (can_break(one.tree, one.tree.inboard_joint({cut})))
+      apply(Break{one.tree.inboard_joint({cut})}, one.tree, one.state, one.workspace);
     one.evaluate();
     if (root_of(one.tree, parent) == root_of(one.tree, child)) continue;
     ++attached;
@@ -217,7 +220,8 @@ TEST_CASE("Attach is Join and ChangeJoint at once; the projection agrees, for th
     Machine one(random_tree(seed, options).model);
     for (int k = 0; k < 2; ++k) {
       const int cut = random.integer(0, one.size() - 1);
-      if (can_break(one.tree, {cut})) apply(Break{{cut}}, one.tree, one.state, one.workspace);
+      if (can_break(one.tree, one.tree.inboard_joint({cut})))
+        apply(Break{one.tree.inboard_joint({cut})}, one.tree, one.state, one.workspace);
       one.evaluate();
     }
     const int b = random.integer(0, one.size() - 1);
@@ -236,7 +240,8 @@ TEST_CASE("Attach is Join and ChangeJoint at once; the projection agrees, for th
     apply(Join{{b}, {to}}, other.tree, other.state, other.workspace);
     other.evaluate();
     const auto direction = attach.reversed ? ChangeJoint::Direction::reversed : ChangeJoint::Direction::declared;
-    apply(ChangeJoint{{b}, attach.joint, attach.q, direction}, other.tree, other.state, other.workspace);
+    apply(ChangeJoint{other.tree.inboard_joint({b}), attach.joint, attach.q, direction}, other.tree, other.state,
+          other.workspace);
     other.evaluate();
     const Column V = one.velocities();
     CHECK((other.velocities() - V).cwiseAbs().maxCoeff() / std::max<long double>(1, V.cwiseAbs().maxCoeff()) < o.bound);
@@ -281,12 +286,13 @@ TEST_CASE("a hundred thousand changes of one free world: momenta drift by round-
     forward_dynamics(m.tree, m.state, m.workspace);
     switch (random.integer(0, 4)) {
       case 0:
-        if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.workspace);
+        if (can_break(m.tree, m.tree.inboard_joint({b}))) apply(Break{m.tree.inboard_joint({b})}, m.tree, m.state, m.workspace);
         break;
       case 1:
-        if (nv > 0 && m.tree.parent(b) >= 0) apply(Lock{{b}, some_dofs(random, nv)}, m.tree, m.state, m.workspace);
+        if (nv > 0 && m.tree.parent(b) >= 0)
+          apply(Lock{m.tree.inboard_joint({b}), some_dofs(random, nv)}, m.tree, m.state, m.workspace);
         break;
-      case 2: apply(Unlock{{b}}, m.tree, m.state, m.workspace); break;
+      case 2: apply(Unlock{m.tree.inboard_joint({b})}, m.tree, m.state, m.workspace); break;
       case 3:
         if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
         break;

@@ -34,7 +34,7 @@ void check_same_bits(const Model& a, const Model& b) {
   };
   CHECK(norm(a.gravity() - b.gravity()) == 0);
   for (int i = 0; i < a.size(); ++i) {
-    const BodySpec &x = a[Body{i}], &y = b[Body{i}];
+    const BodySpec &x = a[BodyId{i}], &y = b[BodyId{i}];
     CAPTURE(x.name);
     CHECK(x.name == y.name);
     CHECK(x.joint_name == y.joint_name);

@@ -56,10 +56,10 @@ Accelerations accelerations(const Model& model) {
     const auto k = static_cast<std::size_t>(number);
     const BodyAcceleration& a = world.accelerations()[k];
     const BodyMotion& m = world.motions()[k];
-    const Vec3 arm = rotation_matrix(m.pose.rotation) * model[Body{number}].com;
+    const Vec3 arm = rotation_matrix(m.pose.rotation) * model[BodyId{number}].com;
     const Vec3 com = a.linear + cross(a.angular, arm) + cross(m.angular, cross(m.angular, arm));
-    const bool massless = model[Body{number}].mass == 0;  // its frame may be moved, and it has no centre
-    all.of[bare(model[Body{number}].name)] = {massless ? Vec3{} : com, a.angular};
+    const bool massless = model[BodyId{number}].mass == 0;  // its frame may be moved, and it has no centre
+    all.of[bare(model[BodyId{number}].name)] = {massless ? Vec3{} : com, a.angular};
     all.largest = std::max({all.largest, norm(com), norm(a.angular)});
   }
   return all;

@@ -15,7 +15,7 @@ namespace {
 /// A chain on pins, a ball and a universal joint, one of them with a rotor, in gravity; damping c on every freedom.
 Model chain(double c) {
   Model model;
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 0; k < 5; ++k) {
     BodySpec link{.name = std::to_string(k),
                   .mass = 1,
@@ -126,7 +126,7 @@ TEST_CASE("order 3 in everything that moves") {
 TEST_CASE("a joint damped without bound is as good as locked, whatever it does to its neighbours") {
   const auto model = [](double c) {
     Model m;
-    Body last = ground;
+    BodyId last = ground;
     for (int k = 0; k < 3; ++k)
       last = m.add({.name = std::to_string(k),
                     .mass = 1,

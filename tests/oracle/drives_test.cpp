@@ -136,11 +136,11 @@ TEST_CASE(
       }
       switch (what) {
         case 0:
-          if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.workspace);
+          if (can_break(m.tree, m.tree.inboard_joint({b}))) apply(Break{m.tree.inboard_joint({b})}, m.tree, m.state, m.workspace);
           break;
         case 1:
           steady = false;
-          if (info(m.tree.joint(b).kind).nv > 0) apply(Lock{{b}}, m.tree, m.state, m.workspace);
+          if (info(m.tree.joint(b).kind).nv > 0) apply(Lock{m.tree.inboard_joint({b})}, m.tree, m.state, m.workspace);
           break;
         case 2: {
           const int to = random.integer(0, m.size() - 1);
@@ -149,7 +149,7 @@ TEST_CASE(
           break;
         }
         case 3:  // the motion is taken away
-          if (m.tree.link(b).driven != 0) apply(SetParameters{{b}, {}}, m.tree, m.state, m.workspace);
+          if (m.tree.link(b).driven != 0) apply(SetParameters{m.tree.inboard_joint({b}), {}}, m.tree, m.state, m.workspace);
           break;
         default:
           if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.workspace);

@@ -137,7 +137,7 @@ TEST_CASE("expressions are what the kernels compute, on trees of all kinds and v
 
 TEST_CASE("a prescribed motion has the rate that p holds, in expressions too") {
   Model model;
-  const Body arm =
+  const BodyId arm =
       model.add({.name = "arm", .mass = 2, .com = {0.3, 0, 0}, .inertia = diagonal(0.1), .joint = Revolute{.axis = y_axis}});
   Revolute driven{.axis = x_axis};
   driven.drive = motion_drive(Signal::sine(0.5, 2));
@@ -239,8 +239,8 @@ TEST_CASE("what is no plain expression is named") {
   Revolute pin{.damping = 0.1, .stiffness = 2};
   pin.friction = {.coulomb = 0.2, .speed = 0.01};
   Ball ball{.stiffness = 1};
-  const Body a = model.add({.name = "a", .mass = 1, .inertia = diagonal(0.1), .joint = pin});
-  const Body b = model.add({.name = "b", .mass = 1, .inertia = diagonal(0.1), .parent = a, .at = {1, 0, 0}, .joint = ball});
+  const BodyId a = model.add({.name = "a", .mass = 1, .inertia = diagonal(0.1), .joint = pin});
+  const BodyId b = model.add({.name = "b", .mass = 1, .inertia = diagonal(0.1), .parent = a, .at = {1, 0, 0}, .joint = ball});
   const std::vector<OtherForce> found = other_forces(Tree(model));
   REQUIRE(found.size() == 2);
   CHECK((found[0].body == a.index && found[0].what == "dry friction" && !found[0].on_body));

@@ -54,7 +54,7 @@ TEST_CASE("an impact is the projection, overshot by the restitution; of all kind
     INFO("seed ", seed, " body ", stop.body, " freedom ", stop.dof);
     const double e = seed % 5 == 0 ? 0.0 : random.uniform(0, 1);
     Machine locked = copy(m);
-    apply(Lock{{stop.body}, 1u << stop.dof}, locked.tree, locked.state, locked.workspace);
+    apply(Lock{locked.tree.inboard_joint({stop.body}), 1u << stop.dof}, locked.tree, locked.state, locked.workspace);
     locked.evaluate();
 
     const Column before = m.velocities();
@@ -63,7 +63,7 @@ TEST_CASE("an impact is the projection, overshot by the restitution; of all kind
     const double u = rate(m, stop);
     const std::uint64_t revision = m.tree.revision();
     const double p = m.state.p()[static_cast<std::size_t>(m.tree.first_p(stop.body) + stop.dof)];
-    const double impulse = apply(Impact{{stop.body}, stop.dof, e}, m.tree, m.state, m.workspace);
+    const double impulse = apply(Impact{m.tree.inboard_joint({stop.body}), stop.dof, e}, m.tree, m.state, m.workspace);
     CHECK(m.workspace.evaluated != m.state.stamp());
     CHECK(m.tree.revision() == revision);
     CHECK(impulse * u <= 0);
@@ -91,7 +91,7 @@ TEST_CASE("with rotors, springs and locked neighbours: restitution, and its shar
     options.max_bodies = 12;
     Machine m(random_tree(seed, options).model);
     const int b = m.some_body(random);
-    if (info(m.tree.joint(b).kind).nv > 0) apply(Lock{{b}, 1}, m.tree, m.state, m.workspace);
+    if (info(m.tree.joint(b).kind).nv > 0) apply(Lock{m.tree.inboard_joint({b}), 1}, m.tree, m.state, m.workspace);
     m.evaluate();
     const Stop stop = some_stop(random, m);
     if (stop.body < 0 || (m.tree.joint(stop.body).locked >> stop.dof & 1u) != 0) continue;
@@ -100,8 +100,8 @@ TEST_CASE("with rotors, springs and locked neighbours: restitution, and its shar
     const double e = random.uniform(0, 1), u = rate(m, stop), before = kinetic(m);
     Machine plastic = copy(m);
     const double bound = std::max(1e-10, 10 * 2.2e-16 * condition(m.masses(), m.constraints()));
-    apply(Impact{{stop.body}, stop.dof, 0}, plastic.tree, plastic.state, plastic.workspace);
-    apply(Impact{{stop.body}, stop.dof, e}, m.tree, m.state, m.workspace);
+    apply(Impact{plastic.tree.inboard_joint({stop.body}), stop.dof, 0}, plastic.tree, plastic.state, plastic.workspace);
+    apply(Impact{m.tree.inboard_joint({stop.body}), stop.dof, e}, m.tree, m.state, m.workspace);
     m.evaluate(), plastic.evaluate();
     CHECK(std::fabs(rate(m, stop) + e * u) < bound * std::max(1.0, std::fabs(u)));
     CHECK(std::fabs(rate(plastic, stop)) < bound * std::max(1.0, std::fabs(u)));

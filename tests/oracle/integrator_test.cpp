@@ -19,7 +19,7 @@ constexpr double degree = std::numbers::pi / 180;
 /// A chain on a pin, a universal joint and a ball, with friction, a spring and an effort; all masses and lengths times `scale`.
 Model chain(double scale = 1) {
   Model model;
-  Body last = ground;
+  BodyId last = ground;
   const Kind kinds[] = {Kind::revolute, Kind::universal, Kind::ball, Kind::revolute};
   for (int k = 0; k < 4; ++k) {
     const double l = scale, m = l * l * l, j = m * l * l;
@@ -306,7 +306,7 @@ TEST_CASE("adaptive methods against closed forms: the pendulum over 200 s, the t
 
 TEST_CASE("the midpoint rule keeps the energy of holonomic chains; its error does not grow") {
   Model model({.gravity = {0, -9.81, 0}});
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 0; k < 2; ++k)
     last = model.add({.name = std::to_string(k),
                       .mass = 1,

@@ -31,7 +31,7 @@ Model double_pendulum(const nlohmann::json& data) {
 
 void compare(const World& world, const nlohmann::json& sample, double bound) {
   for (const auto& [name, pose] : sample["world_pose"].items()) {
-    const Body body = world.model().body(name);
+    const BodyId body = world.model().body(name);
     const BodyMotion& m = world.motions()[static_cast<std::size_t>(body.index)];
     const Vec3 arm = rotation_matrix(m.pose.rotation) * world.model()[body].com;
     check_near(m.pose.position + arm, vec3_of(pose["com"]), bound, name + " com");
@@ -69,7 +69,7 @@ TEST_CASE("locks of two rods: the closed form") {
     const double th1 = c["th1_deg"].get<double>() * degree, th2 = c["th2_deg"].get<double>() * degree;
     const double w1 = c["w1"], w2 = c["w2"];
     Model model({.gravity = {}});
-    const auto rod = [&](const char* name, Body parent, double at, double q, double v) {
+    const auto rod = [&](const char* name, BodyId parent, double at, double q, double v) {
       return model.add({.name = name,
                         .mass = 1,
                         .com = {0.5, 0, 0},
@@ -80,7 +80,7 @@ TEST_CASE("locks of two rods: the closed form") {
                         .q = q,
                         .v = v});
     };
-    const Body inner = rod("inner", ground, 0, th1, w1);
+    const BodyId inner = rod("inner", ground, 0, th1, w1);
     rod("outer", inner, 1, th2 - th1, w2 - w1);
     Simulation elbow(model), base(model);
     const Event at_elbow = elbow.apply(lock("outer")), at_base = base.apply(lock("inner"));

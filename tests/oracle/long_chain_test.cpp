@@ -25,7 +25,7 @@ struct Outcome {
 /// Pins about z one metre apart, all turning about the ground as one rod.
 void evaluate_chain(Outcome& out) {
   Model model({.gravity = {0, 0, 0}});
-  Body last = ground;
+  BodyId last = ground;
   JointSpec pin;
   pin.kind = Kind::revolute;
   for (int k = 0; k < links; ++k)
@@ -45,7 +45,7 @@ void evaluate_chain(Outcome& out) {
   out.first = workspace.v[0];
   out.last = state.p().back();
   out.before = totals(tree, state, workspace);
-  apply(Break{{links / 2}}, tree, state, workspace);
+  apply(Break{tree.inboard_joint({links / 2})}, tree, state, workspace);
   forward_dynamics(tree, state, workspace);
   out.after = totals(tree, state, workspace);
   for (int b = tree.first_root(); b >= 0; b = tree.next_sibling(b)) ++out.parts;

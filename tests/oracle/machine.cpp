@@ -124,8 +124,8 @@ ChangeJoint random_change(Prng& random, const Machine& m, int b, ChangeJoint::Di
   const bool reversed = direction == Direction::keep ? m.tree.reversed(b) : direction == Direction::reversed;
   const int child = reversed ? m.tree.parent(b) : b, parent = reversed ? b : m.tree.parent(b);
   ChangeJoint change;
-  change.body = {b}, change.direction = direction;
-  random_placed_joint(random, relative_pose(m, child, parent), change.joint, change.q);
+  change.joint = m.tree.inboard_joint({b}), change.direction = direction;
+  random_placed_joint(random, relative_pose(m, child, parent), change.to, change.q);
   return change;
 }
 
@@ -158,7 +158,7 @@ int Machine::add(Prng& random, bool parameters, bool at_rest) {
   spec.joint = random_joint(random, all_kinds()[static_cast<std::size_t>(kind)].kind, {.parameters = parameters});
   spec.q = random_coordinates(random, spec.joint.kind);
   if (!at_rest) spec.v = random_velocities(random, spec.joint.kind);
-  const Body body = model.add(spec);
+  const BodyId body = model.add(spec);
   apply(Add{&model[body]}, tree, state, workspace);
   workspace = Workspace<double>(tree);
   return body.index;
@@ -177,12 +177,12 @@ void act(Prng& random, Machine& m) {
   const int living = static_cast<int>(m.tree.order().size());
   switch (random.integer(0, 9)) {
     case 0:
-      if (can_break(m.tree, {b})) apply(Break{{b}}, m.tree, m.state, m.workspace);
+      if (can_break(m.tree, m.tree.inboard_joint({b}))) apply(Break{m.tree.inboard_joint({b})}, m.tree, m.state, m.workspace);
       break;
     case 1:
-      if (nv > 0) apply(Lock{{b}, some_dofs(random, nv)}, m.tree, m.state, m.workspace);
+      if (nv > 0) apply(Lock{m.tree.inboard_joint({b}), some_dofs(random, nv)}, m.tree, m.state, m.workspace);
       break;
-    case 2: apply(Unlock{{b}}, m.tree, m.state, m.workspace); break;
+    case 2: apply(Unlock{m.tree.inboard_joint({b})}, m.tree, m.state, m.workspace); break;
     case 3: apply(random_change(random, m, b), m.tree, m.state, m.workspace); break;
     case 4:
       if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
@@ -190,7 +190,8 @@ void act(Prng& random, Machine& m) {
     case 5: {
       JointParameters parameters;
       parameters.damping = random.uniform(0, 0.1), parameters.armature = random.uniform(0, 0.1);
-      if (m.tree.parent(b) >= 0 && nv > 0) apply(SetParameters{{b}, parameters}, m.tree, m.state, m.workspace);
+      if (m.tree.parent(b) >= 0 && nv > 0)
+        apply(SetParameters{m.tree.inboard_joint({b}), parameters}, m.tree, m.state, m.workspace);
       break;
     }
     case 6:

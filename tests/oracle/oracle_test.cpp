@@ -62,7 +62,7 @@ TEST_CASE("oracle: a pendulum") {
 TEST_CASE("oracle: a double pendulum of point masses in absolute angles") {
   Model model({.gravity = {0, -9.81, 0}});
   const double a = 0.4, b = 1.1, w1 = 0.8, w2 = -1.7;  // absolute angles from +x and their rates; lengths and masses 1
-  const Body first = model.add({.name = "1", .mass = 1, .com = {1, 0, 0}, .joint = joint(Kind::revolute), .q = a, .v = w1});
+  const BodyId first = model.add({.name = "1", .mass = 1, .com = {1, 0, 0}, .joint = joint(Kind::revolute), .q = a, .v = w1});
   model.add({.name = "2",
              .mass = 1,
              .com = {1, 0, 0},

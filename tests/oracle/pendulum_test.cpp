@@ -59,7 +59,8 @@ TEST_CASE("periods of the pendulum from 1 to 179 degrees") {
 TEST_CASE("the double pendulum of point masses") {
   const auto data = reference("closed_forms.json")["double_pendulum_point"];
   Model model({.gravity = {0, -9.81, 0}});
-  const Body upper = model.add({.name = "1", .mass = 1, .com = {0, -1, 0}, .joint = joint_of(Kind::revolute), .q = 90 * degree});
+  const BodyId upper =
+      model.add({.name = "1", .mass = 1, .com = {0, -1, 0}, .joint = joint_of(Kind::revolute), .q = 90 * degree});
   model.add({.name = "2", .mass = 1, .com = {0, -1, 0}, .parent = upper, .at = {0, -1, 0}, .joint = joint_of(Kind::revolute)});
   Simulation run(model, {.step = 1e-4});
   for (const auto& row : data["values"]) {

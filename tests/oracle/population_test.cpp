@@ -25,7 +25,7 @@ void run(Machine& m, int steps) {
 
 void break_some(Prng& random, Machine& m) {
   const int cut = m.some_body(random);
-  if (can_break(m.tree, {cut})) apply(Break{{cut}}, m.tree, m.state, m.workspace);
+  if (can_break(m.tree, m.tree.inboard_joint({cut}))) apply(Break{m.tree.inboard_joint({cut})}, m.tree, m.state, m.workspace);
   m.evaluate();
 }
 
@@ -163,7 +163,7 @@ TEST_CASE("ten thousand bodies come and go: what moves keeps its storage") {
   const double* storage = nullptr;
   for (int k = 0; k < 10000; ++k) {
     forward_dynamics(m.tree, m.state, m.workspace);
-    const Body body = apply(Add{&shot}, m.tree, m.state, m.workspace);
+    const BodyId body = apply(Add{&shot}, m.tree, m.state, m.workspace);
     CHECK(body.index == bodies + k);
     if (k == 0) storage = m.state.q().data();
     m.workspace = Workspace<double>(m.tree);

@@ -212,7 +212,7 @@ RandomTree random_tree(std::uint64_t seed, const RandomTreeOptions& options) {
     body.mass = random.log_uniform(1e-2, 1e2);
     body.com = random.vector(0.3);
     body.inertia = random_inertia(random, body.mass);
-    body.parent = parent < 0 ? ground : Body{first + parent};
+    body.parent = parent < 0 ? ground : BodyId{first + parent};
     body.at = random_pose(random, 0.5);
     if (random.chance(0.5)) body.child_at = random_pose(random, 0.2);
     body.joint = random_joint(random, kind, options);

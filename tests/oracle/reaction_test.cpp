@@ -25,7 +25,7 @@ struct Instant {
     locate_bodies(tree, state, workspace);
     accelerate(tree, state, workspace);
   }
-  Force<double> reaction(int b) const { return momentree::reaction(tree, state, workspace, b); }
+  Force<double> reaction(int b) const { return momentree::reaction(tree, state, workspace, tree.inboard_joint({b})); }
   Vec3 force(int b) const {
     return rotation_matrix(user_pose(tree, workspace.bodies[static_cast<std::size_t>(b)], b).rotation) * reaction(b).l;
   }
@@ -91,7 +91,7 @@ TEST_CASE("(32) a hanging chain that a force pulls sideways at its tip rests in 
   const int n = data["params"]["N"];
   const double m = data["params"]["m"], L = data["params"]["L"], H = data["params"]["H"], g = data["params"]["g"];
   Model model({.gravity = {0, -g, 0}});
-  Body last = ground;
+  BodyId last = ground;
   double turned = 0;
   for (int k = 0; k < n; ++k) {
     const double angle = data["phi"][static_cast<std::size_t>(k)];

@@ -12,12 +12,12 @@ inline void rearrange(Prng& random, Tree& tree, State& state, Workspace<double>&
     const int b = random.integer(0, tree.bodies() - 1);
     const int what = random.integer(0, 2);
     forward_dynamics(tree, state, workspace);
-    if (what == 0 && can_break(tree, {b}))
-      apply(Break{{b}}, tree, state, workspace);
+    if (what == 0 && can_break(tree, tree.inboard_joint({b})))
+      apply(Break{tree.inboard_joint({b})}, tree, state, workspace);
     else if (what == 1 && floats(tree, b))
       apply(Reroot{{b}}, tree, state, workspace);
     else
-      apply(Lock{{b}, 1u << random.integer(0, 2)}, tree, state, workspace);
+      apply(Lock{tree.inboard_joint({b}), 1u << random.integer(0, 2)}, tree, state, workspace);
   }
 }
 

@@ -24,7 +24,7 @@ double speed(const Simulation& run) { return run.world().joint({0}).v[0]; }
 /// A chain whose joints have friction and position control: mild or strong.
 Model chain(double coulomb, double sliding, double kd) {
   Model model;
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 0; k < 4; ++k) {
     Revolute joint{.axis = k == 2 ? x_axis : y_axis};
     if (k < 2) joint.friction = {.coulomb = coulomb, .speed = sliding};

@@ -122,27 +122,27 @@ TEST_CASE("a floating robot without momentum turns as its arm does") {
   const auto data = reference("closed_forms.json")["free_floating_robot_zero_momentum"];
   Model model({.gravity = {0, 0, 0}});
   // Planar motion about z: the hinge 1 m from the centre of the base, the arm's centre 0.8 m beyond it.
-  const Body base = model.add({.name = "base", .mass = 50, .inertia = diagonal(10), .joint = joint_of(Kind::free)});
-  const Body arm = model.add({.name = "arm",
-                              .mass = 10,
-                              .com = {0.8, 0, 0},
-                              .inertia = diagonal(2),
-                              .parent = base,
-                              .at = {1, 0, 0},
-                              .joint = joint_of(Kind::revolute)});
+  const BodyId base = model.add({.name = "base", .mass = 50, .inertia = diagonal(10), .joint = joint_of(Kind::free)});
+  const BodyId arm = model.add({.name = "arm",
+                                .mass = 10,
+                                .com = {0.8, 0, 0},
+                                .inertia = diagonal(2),
+                                .parent = base,
+                                .at = {1, 0, 0},
+                                .joint = joint_of(Kind::revolute)});
   Simulation run(model, {.step = 1e-3});
-  const JointStart starts[] = {{base, {}, {}, {0, 0, 0, 0, 0, 0}}, {arm, {}, {}, {2.0}}};
+  const JointStart starts[] = {{{base.index}, {}, {}, {0, 0, 0, 0, 0, 0}}, {{arm.index}, {}, {}, {2.0}}};
   run.restore(0, {}, starts);
   for (const auto& row : data["values"]) {
     const double goal = row["dq"];
     for (;;) {
-      const JointView hinge = run.world().joint(arm);
+      const JointView hinge = run.world().joint({arm.index});
       const double ahead = (goal - hinge.q[0]) / hinge.v[0];
       REQUIRE(hinge.v[0] > 0);
       if (ahead < 1e-12) break;
       REQUIRE(run.step(std::min(ahead, 1e-3)) == Status::ok);
     }
-    const JointView hinge = run.world().joint(arm);
+    const JointView hinge = run.world().joint({arm.index});
     CAPTURE(goal);
     check_near(hinge.q[0], goal, 1e-11, "hinge");
     const BodyMotion& m = run.world().motions()[0];

@@ -28,7 +28,7 @@ struct Evaluated {
 inline Model at_state(const Model& model, const std::vector<Values>& q, const std::vector<Values>& v) {
   Model moved({.gravity = model.gravity()});
   for (int b = 0; b < model.size(); ++b) {
-    BodySpec spec = model[Body{b}];
+    BodySpec spec = model[BodyId{b}];
     const auto i = static_cast<std::size_t>(b);
     const bool driven = spec.joint.parameters.drive && spec.joint.parameters.drive->moves();
     if (!driven) spec.q = q[i], spec.v = v[i];

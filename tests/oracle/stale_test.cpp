@@ -30,43 +30,43 @@ const char* const unaccelerated = "the work has the accelerations of this state 
 }  // namespace
 
 TEST_CASE("a change reads only a work of this very state") {
-  const Body joint{3};
+  const BodyId joint{3};
   check_fine("the work of this state", [&] {
     Scene s;
-    apply(Break{joint}, s.tree, s.state, s.workspace);
+    apply(Break{s.tree.inboard_joint(joint)}, s.tree, s.state, s.workspace);
   });
   check_stopped("a work never evaluated", stale, [&] {
     Scene s;
     Workspace<double> fresh(s.tree);
-    apply(Break{joint}, s.tree, s.state, fresh);
+    apply(Break{s.tree.inboard_joint(joint)}, s.tree, s.state, fresh);
   });
   check_stopped("the state was edited since", stale, [&] {
     Scene s;
     s.state.edit().p[0] += 1e-3;
-    apply(Break{joint}, s.tree, s.state, s.workspace);
+    apply(Break{s.tree.inboard_joint(joint)}, s.tree, s.state, s.workspace);
   });
   check_stopped("the work holds the last stage of a step", stale, [&] {
     Scene s;
     Evaluator evaluate(s.tree, s.workspace);
     EnergyLedger ledger;
     static_cast<void>(make_integrator("rk4", s.tree)->step(evaluate, s.state, ledger, 1e-3));
-    apply(Break{joint}, s.tree, s.state, s.workspace);
+    apply(Break{s.tree.inboard_joint(joint)}, s.tree, s.state, s.workspace);
   });
   check_stopped("the work is of another state with equal numbers", stale, [&] {
     Scene s;
     State copy = s.state;
-    apply(Break{joint}, s.tree, copy, s.workspace);
+    apply(Break{s.tree.inboard_joint(joint)}, s.tree, copy, s.workspace);
   });
   check_stopped("a second change without an evaluation between", stale, [&] {
     Scene s;
-    apply(Break{joint}, s.tree, s.state, s.workspace);
-    apply(Break{{2}}, s.tree, s.state, s.workspace);
+    apply(Break{s.tree.inboard_joint(joint)}, s.tree, s.state, s.workspace);
+    apply(Break{s.tree.inboard_joint({2})}, s.tree, s.state, s.workspace);
   });
   check_stopped("a joint that broke already", "held by a joint", [&] {
     Scene s;
-    apply(Break{joint}, s.tree, s.state, s.workspace);
+    apply(Break{s.tree.inboard_joint(joint)}, s.tree, s.state, s.workspace);
     forward_dynamics(s.tree, s.state, s.workspace);
-    apply(Break{joint}, s.tree, s.state, s.workspace);
+    apply(Break{s.tree.inboard_joint(joint)}, s.tree, s.state, s.workspace);
   });
   check_stopped("a state of another topology", "the state is one of this tree as it is now", [&] {
     Scene s;
@@ -81,32 +81,32 @@ TEST_CASE("a change reads only a work of this very state") {
   });
   check_stopped("a reaction read before accelerations were asked for", unaccelerated, [&] {
     Scene s;
-    static_cast<void>(reaction(s.tree, s.state, s.workspace, 2));
+    static_cast<void>(reaction(s.tree, s.state, s.workspace, s.tree.inboard_joint({2})));
   });
   check_stopped("a reaction read after the state was edited", unaccelerated, [&] {
     Scene s;
     accelerate(s.tree, s.state, s.workspace);
     static_cast<void>(s.state.edit());
     forward_dynamics(s.tree, s.state, s.workspace);
-    static_cast<void>(reaction(s.tree, s.state, s.workspace, 2));
+    static_cast<void>(reaction(s.tree, s.state, s.workspace, s.tree.inboard_joint({2})));
   });
   check_stopped("the acceleration of a body that is not located", "the bodies are located at this state", [&] {
     Scene s;
     accelerate(s.tree, s.state, s.workspace);
-    static_cast<void>(body_acceleration(s.tree, s.state, s.workspace, 2));
+    static_cast<void>(body_acceleration(s.tree, s.state, s.workspace, BodyId{2}));
   });
 }
 
 TEST_CASE("what was removed is gone; what was added needs room") {
   const auto remove = [](Scene& s) {
-    apply(Break{{3}}, s.tree, s.state, s.workspace);
+    apply(Break{s.tree.inboard_joint({3})}, s.tree, s.state, s.workspace);
     apply(Remove{{3}}, s.tree, s.state, s.workspace);
     forward_dynamics(s.tree, s.state, s.workspace);
   };
   check_fine("another body", [&] {
     Scene s;
     remove(s);
-    apply(Break{{2}}, s.tree, s.state, s.workspace);
+    apply(Break{s.tree.inboard_joint({2})}, s.tree, s.state, s.workspace);
   });
   check_stopped("its joint is asked for", "it was not removed", [&] {
     Scene s;
@@ -116,13 +116,13 @@ TEST_CASE("what was removed is gone; what was added needs room") {
   check_stopped("it is broken off again", "held by a joint", [&] {
     Scene s;
     remove(s);
-    apply(Break{{3}}, s.tree, s.state, s.workspace);
+    apply(Break{s.tree.inboard_joint({3})}, s.tree, s.state, s.workspace);
   });
   check_stopped("it is joined to", "the ground or in the tree", [&] {
     Scene s;
-    apply(Break{{2}}, s.tree, s.state, s.workspace);
+    apply(Break{s.tree.inboard_joint({2})}, s.tree, s.state, s.workspace);
     forward_dynamics(s.tree, s.state, s.workspace);
-    apply(Break{{4}}, s.tree, s.state, s.workspace);
+    apply(Break{s.tree.inboard_joint({4})}, s.tree, s.state, s.workspace);
     apply(Remove{{4}}, s.tree, s.state, s.workspace);
     forward_dynamics(s.tree, s.state, s.workspace);
     apply(Join{{2}, {4}}, s.tree, s.state, s.workspace);

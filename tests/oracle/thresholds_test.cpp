@@ -15,7 +15,7 @@ namespace {
 // A chain that swings from level, its links tied to one another ever more weakly.
 std::vector<Event> breaks(const Integration& integration) {
   Model model;
-  Body last = ground;
+  BodyId last = ground;
   for (int k = 1; k <= 8; ++k)
     last = model.add({.name = "c/" + std::to_string(k),
                       .mass = 0.5,
@@ -100,11 +100,11 @@ TEST_CASE("ten joints break at one instant, one by the other, the most overloade
   const int order[count] = {4, 7, 1, 9, 0, 3, 8, 6, 2, 5};                     // in which they fail
   const auto run_of = [&](bool backwards) {
     Model model({.gravity = {}});
-    const Body carriage = model.add({.name = "carriage",
-                                     .mass = own,
-                                     .inertia = diagonal(0.1),
-                                     .joint = Prismatic{.axis = x_axis, .stiffness = stiffness},
-                                     .v = speed});
+    const BodyId carriage = model.add({.name = "carriage",
+                                       .mass = own,
+                                       .inertia = diagonal(0.1),
+                                       .joint = Prismatic{.axis = x_axis, .stiffness = stiffness},
+                                       .v = speed});
     double strength[count];
     for (int place = 0; place < count; ++place) strength[order[place]] = stiffness * reach / all * mass * (1 + 0.002 * place);
     for (int k = 0; k < count; ++k)

@@ -49,8 +49,8 @@ void follow(const std::string& file, double step) {
     CAPTURE(run.time());
     ++samples;
     for (const auto& [name, joint] : row["trees"][0].items()) {
-      const Body body = model.body(name);
-      const JointView view = run.world().joint(body);
+      const BodyId body = model.body(name);
+      const JointView view = run.world().joint({body.index});
       const bool quaternion = view.kind == Kind::ball;
       if (quaternion) CHECK(apart(Quat{view.q[0], view.q[1], view.q[2], view.q[3]}, quat_of(joint["q"])) <= 1e-8);
       for (std::size_t i = 0; i < view.q.size() && !quaternion; ++i) near(view.q[i], joint["q"][i], name + " q");

@@ -8,8 +8,8 @@ System system_of(const World& world) {
   System system;
   system.gravity = {{world.model().gravity().x, world.model().gravity().y, world.model().gravity().z}};
   for (int k = 0; k < world.model().size(); ++k) {
-    const BodySpec& body = world.model()[Body{k}];
-    const JointView joint = world.joint(Body{k});
+    const BodySpec& body = world.model()[BodyId{k}];
+    const JointView joint = world.joint({k});
     Link link{joint.parent.index, {}, joint.at, joint.child_at, body.mass, body.com, body.inertia};
     link.joint.kind = joint.kind;
     link.joint.axis = joint.axis;

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 std::unordered_map<std::string, std::vector<int>> by_mechanism(const Model& model) {
   std::unordered_map<std::string, std::vector<int>> all;
   for (int b = 0; b < model.size(); ++b) {
-    const std::string& name = model[Body{b}].name;
+    const std::string& name = model[BodyId{b}].name;
     all[name.substr(0, name.find('/'))].push_back(b);
   }
   return all;
@@ -220,7 +220,7 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {
   Value::Array mechanisms, forces;
   const auto bodies = by_mechanism(model);
   for (int b = 0; b < model.size(); ++b) {
-    const std::string& name = model[Body{b}].name;
+    const std::string& name = model[BodyId{b}].name;
     const std::string mechanism = name.substr(0, name.find('/'));
     if (bodies.at(mechanism).front() != b) continue;
     mechanisms.push_back(value(describe_mechanism(mechanism, model, bodies.at(mechanism), shapes, {}, "", left_out)));

@@ -65,11 +65,11 @@ class Writer {
   Writer(const Scenario& scenario, const std::string& folder)
       : scenario_(scenario), model_(scenario.model), folder_(folder), shift_(static_cast<std::size_t>(model_.size())) {}
 
-  Converted write(Body root, const std::string& mechanism) {
+  Converted write(BodyId root, const std::string& mechanism) {
     root_ = root;
     find_members();
     refuse_kinds();
-    for (const int b : members_) note_names(model_[Body{b}]);
+    for (const int b : members_) note_names(model_[BodyId{b}]);
     for (const int b : members_) add(b);
     note_world();
     say_all();
@@ -84,7 +84,7 @@ class Writer {
   void find_members() {
     std::vector<char> in(static_cast<std::size_t>(model_.size()), 0);
     for (int b = 0; b < model_.size(); ++b) {
-      const Body parent = model_[Body{b}].parent;
+      const BodyId parent = model_[BodyId{b}].parent;
       in[static_cast<std::size_t>(b)] = b == root_.index || (parent != ground && in[static_cast<std::size_t>(parent.index)]);
       if (in[static_cast<std::size_t>(b)]) members_.push_back(b);
     }
@@ -93,7 +93,7 @@ class Writer {
   void refuse_kinds() {
     std::string names;
     for (const int b : members_) {
-      const BodySpec& spec = model_[Body{b}];
+      const BodySpec& spec = model_[BodyId{b}];
       if (parts_of(spec.joint).empty())
         names += (names.empty() ? "" : ", ") + in_quotes(spec.joint_name) + " is " + info(spec.joint.kind).name;
     }
@@ -135,7 +135,7 @@ class Writer {
   }
 
   void add(int b) {
-    const BodySpec& spec = model_[Body{b}];
+    const BodySpec& spec = model_[BodyId{b}];
     const auto k = static_cast<std::size_t>(b);
     std::vector<Part> parts = parts_of(spec.joint);
     const bool root = spec.parent == ground;
@@ -328,7 +328,7 @@ class Writer {
   const Model& model_;
   std::string folder_;
   std::vector<Pose> shift_;  ///< by body: its link's frame in its own
-  Body root_{};
+  BodyId root_{};
   std::vector<int> members_;
   std::unordered_set<std::string> link_names_, joint_names_;
   std::vector<WrittenLink> links_;
@@ -344,9 +344,9 @@ class Writer {
 Converted to_urdf(const Scenario& scenario, const std::string& mechanism, const std::string& folder) {
   std::vector<std::string> names;
   std::string all;
-  Body chosen;
+  BodyId chosen;
   for (int b = 0; b < scenario.model.size(); ++b) {
-    if (scenario.model[Body{b}].parent != ground) continue;
+    if (scenario.model[BodyId{b}].parent != ground) continue;
     names.push_back(scenario.model.mechanism_name({b}));
     if (names.size() <= 10) all += (all.empty() ? "" : ", ") + in_quotes(names.back());
     if (names.back() == mechanism || mechanism.empty()) chosen = {b};

@@ -120,15 +120,15 @@ Value::Table describe_mechanism(const std::string& name, const Model& model, std
   Value::Table table;
   add(table, "name", text(name));
   std::int64_t roots = 0;
-  for (const int b : bodies) roots += model[Body{b}].parent == ground;
+  for (const int b : bodies) roots += model[BodyId{b}].parent == ground;
   if (roots > 1) add(table, "roots", value(roots));
-  const BodySpec& first = model[Body{bodies.front()}];
+  const BodySpec& first = model[BodyId{bodies.front()}];
   const bool held = roots == 1 && plain_root(first) && (state.empty() || !first.v.any());
   if (held) hold(table, first, true);
   if (!state.empty()) add(table, "state", text(state));
   Value::Array list_of_bodies;
   for (const int b : bodies) {
-    const BodySpec& spec = model[Body{b}];
+    const BodySpec& spec = model[BodyId{b}];
     Value::Table body;
     add(body, "name", text(bare(spec.name)));
     add(body, "mass", number(spec.mass));

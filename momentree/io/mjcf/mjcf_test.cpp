@@ -36,7 +36,7 @@ TEST_CASE("MJCF: a body with several joints gets massless carriers, a joint with
   CHECK(model[{2}].name == "m/a");
   CHECK(model[{2}].joint_name == "m/a");
   CHECK(model[{3}].name == "m/body1");
-  CHECK(model[{3}].parent == Body{2});
+  CHECK(model[{3}].parent == BodyId{2});
 }
 
 TEST_CASE("MJCF: its own gravity and title, several roots, limits when they are asked for") {

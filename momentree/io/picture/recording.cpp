@@ -137,7 +137,8 @@ std::vector<std::string> texts(const JsonDocument& document, const JsonNode& lis
   return all;
 }
 
-void read_events(const std::filesystem::path& file, Recording& run) {
+void read_events(const std::filesystem::path& file, const std::vector<std::string>& mechanism_of, Recording& run) {
+  TopologyHistory history(run, mechanism_of);
   if (!is_there(file)) return;
   LineReader in(file);
   for (std::string line; in.next(line);) {
@@ -154,17 +155,14 @@ void read_events(const std::filesystem::path& file, Recording& run) {
     event.time = document.number(member(document, json, "time"), "`time`");
     event.name = text_or_none(json, "event");
     event.actions = texts(document, member(document, json, "actions"));
-    if (const JsonNode* mechanisms = json.find("mechanisms")) {
-      event.before = texts(document, member(document, *mechanisms, "before"));
-      event.after = texts(document, member(document, *mechanisms, "after"));
-    }
+    history.add(document, event);
     run.events.push_back(std::move(event));
   }
 }
 
 }  // namespace
 
-Recording read_story(const std::filesystem::path& directory, const std::vector<std::string>& bodies, double last) {
+Recording read_story(const std::filesystem::path& directory, const std::vector<std::string>& bodies) {
   Recording run;
   Numbers numbers;
   std::vector<std::string> mechanism_of;
@@ -182,15 +180,7 @@ Recording read_story(const std::filesystem::path& directory, const std::vector<s
   else if (final_state)
     read_joints(*final_state, member(*final_state, final_state->root, "joints"), numbers, run), guess_extents(run);
   if (run.title.empty()) run.title = std::filesystem::absolute(directory).lexically_normal().filename().string();
-  read_events(directory / "events.jsonl", run);
-  find_phases(run, mechanism_of);
-  if (!final_state) return run;
-  // Of a run whose tables were cut, by a full disk, it is the state at a time that they do not reach.
-  const JsonNode* const time = final_state->root.find("time");
-  if (time && final_state->number(*time, "`time`") > last + 1e-9 * std::max(1.0, std::abs(last))) return run;
-  std::vector<std::string> at_end = mechanism_of;
-  read_mechanisms(*final_state, member(*final_state, final_state->root, "mechanisms"), numbers, at_end);
-  correct_last_phase(run, at_end);
+  read_events(directory / "events.jsonl", mechanism_of, run);
   return run;
 }
 
@@ -200,7 +190,7 @@ Recording read_recording(const std::filesystem::path& directory, double every) {
   const BodyTable table(directory / "bodies.csv");
   std::vector<std::string> names;
   for (const PoseColumns& column : table.bodies()) names.push_back(column.name);
-  Recording run = read_story(directory, names, table.times().back());
+  Recording run = read_story(directory, names);
   const std::vector<std::size_t> rows = choose_rows(table, every);
   run.every = every;
   run.frames = table.read(rows);

@@ -27,11 +27,12 @@ struct RecordedFrame {
   std::vector<Pose> poses;  ///< by body
 };
 
-/// A joint that an event made: bodies by number, −1 the ground.
-struct RecordedLink {
-  std::string joint;
+/// A joint that an event made or changed, as it is from then on: bodies by number, −1 the ground.
+struct RecordedJoint {
+  std::string name, kind;
   int parent = -1, child = -1;
-  bool rigid = false;
+  Vec3 at{}, child_at{};
+  bool locked = false;  ///< all of its freedoms
 };
 
 /// Who belongs together from `from` on.
@@ -39,20 +40,19 @@ struct Phase {
   double from = 0;
   std::vector<int> mechanism;  ///< by body: a number in Recording::mechanisms
   std::vector<char> joined;    ///< by body: its inboard joint is that of the start, and holds
-  // What the event that began it did to joints, by name.
-  std::vector<std::string> gone, locked, unlocked;
-  std::vector<RecordedLink> made;
-  std::vector<std::pair<std::string, std::string>> changed;  ///< joints with their new kinds
+  // What the event that began it did to joints.
+  std::vector<std::string> gone;      ///< names of those that do not exist any more
+  std::vector<RecordedJoint> joints;  ///< those that it made or changed: they replace what had their names
 };
 
 struct RecordedEvent {
   double time = 0;
   std::string name;
   std::vector<std::string> actions;
-  std::vector<std::string> before, after;  ///< names of mechanisms; empty where the file does not say them
-  std::vector<int> broken;                 ///< bodies whose inboard joint it broke
-  std::vector<int> about;                  ///< bodies whose joints it changed in any way, and those that it joined or hit
-  RecordedFrame frame;                     ///< where the bodies were: the row next to its time; empty if there is none
+  int hits = 0;             ///< impacts on joint limits
+  std::vector<int> broken;  ///< bodies whose inboard joint it broke
+  std::vector<int> about;   ///< bodies whose joints it changed in any way, and those that it joined or hit
+  RecordedFrame frame;      ///< where the bodies were: the row next to its time; empty if there is none
 };
 
 struct Recording {
@@ -69,8 +69,8 @@ struct Recording {
 };
 
 /// All but the frames: reads `model.json`, `events.jsonl` and `final.json` of a result directory where they exist. `bodies`: the
-/// names of bodies.csv, in its order; `last`: the time of its last row. Throws Error that names the file and the line.
-Recording read_story(const std::filesystem::path& directory, const std::vector<std::string>& bodies, double last);
+/// names of bodies.csv, in its order. Throws Error that names the file and the line.
+Recording read_story(const std::filesystem::path& directory, const std::vector<std::string>& bodies);
 
 /// Reads `bodies.csv` and, where they exist, `model.json`, `events.jsonl` and `final.json` of a result directory.
 /// One frame every `every` seconds; 0: every 0.2 s, or a round number that gives 4 to 60 frames where that does not.

@@ -56,6 +56,19 @@ std::string model_of_two(const std::string& title) {
          joints_of_two + "}";
 }
 
+/// A line of events.jsonl; `topology`: its members.
+std::string event(double time, const std::string& changes, const std::string& topology = "") {
+  return R"({"time":)" + std::to_string(time) + R"(,"event":"#1","actions":[],"changes":[)" + changes + "]" +
+         (topology.empty() ? "" : R"(,"topology":{)" + topology + "}") + "}\n";
+}
+std::string joint(const std::string& name, const std::string& kind, const std::string& parent, const std::string& child) {
+  return '"' + name + R"(":{"kind":")" + kind + R"(","parent":)" + (parent.empty() ? "null" : '"' + parent + '"') +
+         R"(,"child":")" + child +
+         R"(","at":{"xyz":[1,2,3],"quat":[1,0,0,0]},"child_at":{"xyz":[0,0,0],"quat":[1,0,0,0]},"locked":false})";
+}
+const std::string break_of_pin =
+    R"("gone":["a/pin"],"joints":{)" + joint("a/2", "free", "", "a/2") + R"(},"moved":{"a/2":[[1,1]]})";
+
 /// The message of the Error that reading the directory throws; empty if it throws none.
 std::string complaint(const Directory& directory) {
   try {
@@ -77,11 +90,10 @@ TEST_CASE("a break gives the part that comes off a mechanism of its own, from th
     table += row(0.1 * k, 1 + 0.1 * k) + (k == 5 ? row(0.5, 7) : "");  // two rows at the event: before and after
   directory.write("bodies.csv", table);
   directory.write("model.json", model_of_two("Two"));
-  directory.write("events.jsonl",
-                  R"({"time":0.5,"event":"#1","actions":["break a/pin"],"mechanisms":{"before":["a"],"after":["a","a/2"]}})"
-                  "\n"
-                  R"({"time":0.8,"event":"#2","actions":["break a/pin skipped: it is gone"]})"
-                  "\n");
+  directory.write(
+      "events.jsonl",
+      R"({"time":0.5,"event":"#1","actions":["break a/pin"],"changes":[{"kind":"break","joint":"a/pin"}],"topology":{)" +
+          break_of_pin + "}}\n" + event(0.8, R"({"kind":"break","joint":"a/pin","skipped":"it is gone"})"));
   const Recording run = read_recording(directory.path(), 0.1);
   REQUIRE(run.frames.size() == 11);
   CHECK(run.frames[5].poses[1].position.x == 7);  // the row after the event
@@ -98,52 +110,53 @@ TEST_CASE("a break gives the part that comes off a mechanism of its own, from th
   CHECK(!mentions(svg, "script"));
 }
 
-TEST_CASE("a mechanism whose root joint breaks keeps its name") {
+TEST_CASE("a mechanism whose root joint breaks keeps its name, also where the joint has the name of its body") {
   Directory directory;
   directory.write("bodies.csv", header_of_two + row(0, 1) + row(1, 2));
   directory.write("model.json", model_of_two("Two"));
-  directory.write("events.jsonl", R"({"time":0.5,"event":"#1","actions":["break a/1"]})"
-                                  "\n");
+  directory.write("events.jsonl", event(0.5, R"({"kind":"break","joint":"a/1"})",
+                                        R"("gone":[],"joints":{)" + joint("a/1", "free", "", "a/1") + R"(},"moved":{})"));
   const Recording run = read_recording(directory.path());
   CHECK(run.mechanisms == std::vector<std::string>{"a"});
   CHECK(run.events[0].broken == std::vector<int>{0});
+  CHECK(run.events[0].about == std::vector<int>{0});
 }
 
-TEST_CASE("what is joined is one mechanism from then on, until the joint breaks") {
+TEST_CASE("bodies are joined, part again, and joints change as the events say") {
   Directory directory;
   directory.write("bodies.csv", header_of_two + row(0, 1) + row(1, 2));
   directory.write("model.json", model_of_two("Two"));
   directory.write(
       "events.jsonl",
-      R"({"time":0.1,"event":"#1","actions":["break a/pin"],"mechanisms":{"before":["a"],"after":["a","a/2"]}})"
-      "\n"
-      R"({"time":0.2,"event":"grasp","actions":["lock a/1","weld a/1 to a/2"],"mechanisms":{"before":["a","a/2"],"after":["a"]}})"
-      "\n"
-      R"({"time":0.3,"event":"#3","actions":["break grasp"],"mechanisms":{"before":["a"],"after":["a","a/2"]}})"
-      "\n"
-      R"({"time":0.4,"event":"#4","actions":["attach a/2 to ground"],"mechanisms":{"before":["a","a/2"],"after":["a","a/2"]}})"
-      "\n");
+      event(0.1, R"({"kind":"break","joint":"a/pin"})", break_of_pin) +
+          event(0.2, R"({"kind":"weld","joint":"grasp","body":"a/1","to":"a/2"},{"kind":"hit","joint":"a/1"})",
+                R"("gone":["a/2"],"joints":{)" + joint("grasp", "weld", "a/2", "a/1") + R"(},"moved":{"a":[[1,1]]})") +
+          event(0.3, R"({"kind":"break","joint":"grasp"})",
+                R"("gone":["grasp"],"joints":{)" + joint("a/2", "free", "", "a/2") + R"(},"moved":{"a/2":[[1,1]]})") +
+          event(0.4, R"({"kind":"attach","joint":"held","body":"a/2","to":"ground"})",
+                R"("gone":["a/2"],"joints":{)" + joint("held", "ball", "", "a/2") + R"(},"moved":{})"));
   const Recording run = read_recording(directory.path());
   CHECK(run.mechanisms == std::vector<std::string>{"a", "a/2"});
   CHECK(run.phase_at(0.15).mechanism == std::vector<int>{0, 1});
   CHECK(run.phase_at(0.25).mechanism == std::vector<int>{0, 0});
   CHECK(run.phase_at(0.35).mechanism == std::vector<int>{0, 1});
   CHECK(run.phase_at(0.45).mechanism == std::vector<int>{0, 1});
+  CHECK(run.phase_at(0.45).joined == std::vector<char>{1, 0});
+  CHECK(run.events[1].hits == 1);
   CHECK(run.events[2].broken.empty());
+  REQUIRE(run.phase_at(0.45).joints.size() == 1);
+  CHECK(run.phase_at(0.45).joints[0].kind == "ball");
+  CHECK(run.phase_at(0.45).joints[0].at == Vec3{1, 2, 3});
 }
 
-TEST_CASE("the final state has the last word on who belongs together") {
-  Directory directory;
-  directory.write("bodies.csv", header_of_two + row(0, 1) + row(1, 2));
-  directory.write("model.json", model_of_two("Two"));
-  directory.write("events.jsonl", R"({"time":0.5,"event":"#1","actions":["something new"]})"
-                                  "\n");
-  directory.write("final.json",
-                  R"({"mechanisms":[{"name":"a","bodies":["a/1"]},{"name":"other","bodies":["a/2"]}],"joints":{}})");
-  const Recording run = read_recording(directory.path());
-  CHECK(run.phases.front().mechanism == std::vector<int>{0, 0});
-  CHECK(run.phases.back().mechanism == std::vector<int>{0, 1});
-  CHECK(run.mechanisms.back() == "other");
+TEST_CASE("bodies that do not exist cannot move to another mechanism") {
+  for (const char* range : {"[1,2]", "[-1,1]", "[0]", "[0,1e9]"}) {
+    Directory directory;
+    directory.write("bodies.csv", header_of_two + row(0, 1) + row(1, 2));
+    directory.write("model.json", model_of_two("Two"));
+    directory.write("events.jsonl", event(0.5, "", R"("gone":[],"joints":{},"moved":{"a":[)" + std::string(range) + "]}"));
+    CHECK(mentions(complaint(directory), "events.jsonl:1"));
+  }
 }
 
 TEST_CASE("poses alone are enough for a picture") {

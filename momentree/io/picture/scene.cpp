@@ -186,7 +186,7 @@ Scene build_scene(const Recording& run, const View& view) {
   }
   for (const RecordedEvent& event : run.events) {
     if (event.name == "stop") {  // joints bounce on their stops many times: they are counted, not listed
-      for (const std::string& action : event.actions) scene.hits += action.starts_with("hit ");
+      scene.hits += event.hits;
       continue;
     }
     SceneEvent shown{event.time, {}, {}};

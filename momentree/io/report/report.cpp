@@ -78,29 +78,24 @@ void write_phases(JsonWriter& json, const Recording& run) {
   json.key("phases").begin_array();
   const Phase* last = nullptr;
   for (const Phase& phase : run.phases) {
-    const bool quiet = phase.gone.empty() && phase.made.empty() && phase.locked.empty() && phase.unlocked.empty() &&
-                       phase.changed.empty() && last != nullptr && last->mechanism == phase.mechanism;
+    const bool quiet = phase.gone.empty() && phase.joints.empty() && last != nullptr && last->mechanism == phase.mechanism;
     if (quiet) continue;
     last = &phase;
     json.begin_object().member("from", phase.from);
     write_mechanisms(json, phase.mechanism);
     write_some(json, "gone", phase.gone);
-    write_some(json, "locked", phase.locked);
-    write_some(json, "unlocked", phase.unlocked);
-    if (!phase.made.empty()) {
-      json.key("made").begin_array();
-      for (const RecordedLink& link : phase.made)
+    if (!phase.joints.empty()) {
+      json.key("joints").begin_array();
+      for (const RecordedJoint& joint : phase.joints)
         json.begin_object()
-            .member("joint", link.joint)
-            .member("rigid", link.rigid)
-            .member("parent", link.parent)
-            .member("child", link.child)
+            .member("joint", joint.name)
+            .member("kind", joint.kind)
+            .member("parent", joint.parent)
+            .member("child", joint.child)
+            .member("at", joint.at)
+            .member("childAt", joint.child_at)
+            .member("locked", joint.locked)
             .end_object();
-      json.end_array();
-    }
-    if (!phase.changed.empty()) {
-      json.key("changed").begin_array();
-      for (const auto& [joint, kind] : phase.changed) json.begin_array().value(joint).value(kind).end_array();
       json.end_array();
     }
     json.end_object();
@@ -179,7 +174,7 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   if (rows.empty()) throw_error({"its first row has no finite poses", (directory / "bodies.csv").string(), ""});
   poses.resize(rows.size() * width);
 
-  const Recording run = read_story(directory, names, bodies.times()[count - 1]);
+  const Recording run = read_story(directory, names);
   std::string text;
   JsonWriter json(text);
   json.begin_object().member("format", 1).member("pose", options.pose);

@@ -27,7 +27,7 @@ void write_result(const std::string& out) {
   simulation.at(0.2).then(weld("arm/link", "pendulum"));
   RunOrigin origin;
   origin.name = "arm";
-  Recorder recorder(simulation, origin, model_json(model, hostile),
+  Recorder recorder(simulation, origin, model_json(simulation.world(), hostile),
                     {.directory = out, .joints = joints_of(simulation, simulation.dry_run(), {})});
   simulation.observe(0, [&](const World& world) { return recorder.observe(world); });
   REQUIRE(simulation.run_until(0.3) == Status::ok);
@@ -71,13 +71,15 @@ TEST_CASE("a report's data: the documents as they are, tables of the size that i
 
   const std::vector<JsonNode>& phases = at("phases").items;
   REQUIRE(phases.size() == 5);
-  CHECK(texts(*phases[1].find("locked")) == std::vector<std::string>{"arm/wrist"});
-  CHECK(texts(phases[2].find("changed")->items[0]) == std::vector<std::string>{"arm/wrist", "ball"});
+  CHECK(phases[1].find("joints")->items[0].find("joint")->text == "arm/wrist");
+  CHECK(phases[1].find("joints")->items[0].find("locked")->number == 1);
+  CHECK(phases[2].find("joints")->items[0].find("kind")->text == "ball");
+  CHECK(phases[2].find("joints")->items[0].find("locked")->number == 0);
   CHECK(texts(*phases[3].find("gone")) == std::vector<std::string>{"arm/shoulder"});
-  const JsonNode& made = phases[4].find("made")->items[0];
+  const JsonNode& made = phases[4].find("joints")->items[0];
   CHECK(made.find("child")->number == 1);
   CHECK(made.find("parent")->number == 3);
-  CHECK(made.find("rigid")->number == 1);
+  CHECK(made.find("kind")->text == "weld");
   // Counts and mechanisms: the arm, then the base alone and what came off it, then that with the pendulum.
   const auto mechanisms = [](const JsonNode& phase) {
     std::vector<double> numbers;

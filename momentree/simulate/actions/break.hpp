@@ -17,8 +17,7 @@ struct Break : ActionBase {
   ActionResult apply(TopologyEditor& editor) const override {
     const int joint = editor.joint(name);
     if (joint < 0) return ActionResult::skipped("the joint is not there any more");
-    if (!can_break(editor.tree(), {editor.tree().carrier(joint)}))
-      return ActionResult::skipped("nothing is held by it: it is free");
+    if (!can_break(editor.tree(), {joint})) return ActionResult::skipped("nothing is held by it: it is free");
     editor.break_off(joint);
     return ActionResult::done();
   }

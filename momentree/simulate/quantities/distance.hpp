@@ -35,7 +35,7 @@ struct Distance : Quantity {
   };
   static std::optional<End> end(const World& world, const std::string& name, const Vec3& point) {
     if (name == "ground") return End{point, {}};
-    const Body body = world.model().body(name);
+    const BodyId body = world.model().body(name);
     if (!world.alive(body)) return std::nullopt;
     const BodyMotion& motion = world.motions()[static_cast<std::size_t>(body.index)];
     return End{motion.pose * point, velocity_of(motion, point)};

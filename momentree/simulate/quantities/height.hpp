@@ -14,12 +14,12 @@ struct Height : Quantity {
   void fields(QuantityFields& fields) override { fields.point(0, 1, name, point); }
   std::vector<std::string> bodies() const override { return {name}; }
   std::optional<double> value(const World& world, std::span<const Event>) const override {
-    const Body body = world.model().body(name);
+    const BodyId body = world.model().body(name);
     if (!world.alive(body)) return std::nullopt;
     return dot(up(world), world.motions()[static_cast<std::size_t>(body.index)].pose * point);
   }
   std::optional<double> rate(const World& world) const override {
-    const Body body = world.model().body(name);
+    const BodyId body = world.model().body(name);
     if (!world.alive(body)) return std::nullopt;
     return dot(up(world), velocity_of(world.motions()[static_cast<std::size_t>(body.index)], point));
   }

@@ -20,7 +20,7 @@ struct KineticEnergy : Quantity {
       if (world.tree().parent(b) < 0) inside = world.mechanism_name({b}) == name;
       if (!inside) continue;
       found = true;
-      const BodySpec& spec = world.model()[Body{b}];
+      const BodySpec& spec = world.model()[BodyId{b}];
       const BodyMotion& m = world.motions()[static_cast<std::size_t>(b)];
       const Mat3 R = rotation_matrix(m.pose.rotation);
       const Vec3 v = m.linear + cross(m.angular, R * spec.com), w = transpose_times(R, m.angular);

@@ -16,7 +16,6 @@ import type {
   Vec3,
   WorldQuantity,
 } from "../recording";
-import { lastNotAfter } from "../viewer/frames";
 import { coordinatesOf, jointUnit, worldUnit } from "./units";
 import { column, doubles, floats } from "./tables";
 
@@ -39,15 +38,12 @@ interface ModelFile {
   >;
 }
 
-/** What changed at a phase: joints that went, came, were locked or unlocked; mechanisms by body as counts of equal numbers. */
+/** A phase: joints that do not exist any more, those that were made or changed; mechanisms by body as counts of equal numbers. */
 interface PhaseData {
   from: number;
   mechanism: [count: number, mechanism: number][];
   gone?: string[];
-  made?: { joint: string; rigid: boolean; parent: number; child: number }[];
-  locked?: string[];
-  unlocked?: string[];
-  changed?: [joint: string, kind: JointKind][];
+  joints?: Link[];
 }
 
 interface EventFile extends Omit<RunEvent, "name" | "durationNs" | "bodies"> {
@@ -120,36 +116,14 @@ export const linkOf = (joint: Joint): Link => ({
   childAt: joint.childAt.xyz,
 });
 
-/** A joint that an event made, at its child's origin: where it is told of no better place. */
-function madeLink(
-  made: { joint: string; rigid: boolean; parent: number; child: number },
-  from: number,
-  placed: (body: number, time: number) => Vec3,
-): Link {
-  const { joint, parent, child } = made;
-  const at: Vec3 = parent < 0 ? placed(child, from) : [0, 0, 0];
-  return { joint, parent, child, kind: made.rigid ? "weld" : "ball", at, childAt: [0, 0, 0] };
-}
-
-function phasesOf(data: readonly PhaseData[], model: Model, placed: (body: number, time: number) => Vec3): Phase[] {
+function phasesOf(data: readonly PhaseData[], model: Model): Phase[] {
   let links = model.joints.map(linkOf);
   return data.map((phase) => {
     const mechanism = new Int32Array(model.bodies.length);
     let body = 0;
     for (const [count, number] of phase.mechanism) mechanism.fill(number, body, (body += count));
-    const gone = new Set(phase.gone ?? []);
-    const locked = new Map<string, boolean>();
-    for (const joint of phase.locked ?? []) locked.set(joint, true);
-    for (const joint of phase.unlocked ?? []) locked.set(joint, false);
-    const kinds = new Map(phase.changed ?? []);
-    const kept = gone.size > 0 ? links.filter((link) => !gone.has(link.joint)) : links;
-    const same = locked.size === 0 && kinds.size === 0 && kept === links && !phase.made;
-    if (!same)
-      links = [...kept, ...(phase.made ?? []).map((link) => madeLink(link, phase.from, placed))].map((link) => ({
-        ...link,
-        locked: locked.get(link.joint) ?? link.locked ?? false,
-        kind: kinds.get(link.joint) ?? link.kind,
-      }));
+    const replaced = new Set([...(phase.gone ?? []), ...(phase.joints ?? []).map((link) => link.joint)]);
+    if (replaced.size > 0) links = [...links.filter((link) => !replaced.has(link.joint)), ...(phase.joints ?? [])];
     return { from: phase.from, mechanism, links };
   });
 }
@@ -221,11 +195,6 @@ export function recordingOf(data: ReportData): Recording {
           }));
 
   const diverged = data.summary?.status.startsWith("diverged") ?? false;
-  const placed = (body: number, when: number): Vec3 => {
-    const at = lastNotAfter(data.frames, (frame) => time[frame], when) * width + 7 * body;
-    return [poses[at], poses[at + 1], poses[at + 2]];
-  };
-
   return {
     model,
     frames: data.frames,
@@ -239,7 +208,7 @@ export function recordingOf(data: ReportData): Recording {
       durationNs: event.duration_ns,
       bodies: data.about[i] ?? [],
     })),
-    phases: phasesOf(data.phases, model, placed),
+    phases: phasesOf(data.phases, model),
     mechanisms: data.mechanisms,
     joints: [...places.keys()],
     world: (quantity) => columnsOf(energy, energyColumns[quantity], worldUnit(quantity)),
