@@ -2,7 +2,7 @@
 // Constants of a body's inboard link, in the frames that the kernels use, and the transforms across the link in both directions.
 //
 // The kernel frame of a body has its origin at the inboard joint (child side) and its z axis along the joint's axis if the kind
-// has one. It is fixed in the body; `Tree` stores the pose of the user's body frame in it.
+// has one. It is fixed in the body; `Tree` stores its pose in the user's frame of the body (KernelFrame).
 #include <momentree/base/inline.hpp>
 #include <momentree/math/spatial.hpp>
 
