@@ -2,7 +2,7 @@
 
 namespace momentree {
 
-/// Handle of a body, and of its inboard joint: each body has exactly one.
+/// Handle of a body and of its inboard joint: each body has exactly one.
 struct Body {
   int index = -1;
   friend bool operator==(Body, Body) = default;
