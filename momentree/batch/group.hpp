@@ -47,7 +47,7 @@ class Group {
   bool ran_away(int slot) const { return ran_away_[at(slot)] != 0; }
   void set_ran_away(int slot, bool yes) { ran_away_[at(slot)] = yes ? 1 : 0; }
   void set_efforts(int slot, std::span<const ExtraEffort> efforts);
-  /// Sets the next step (s); 0, and 0 for worlds that diverged: the world does not change.
+  /// Sets the next step (s). The world does not change if it is 0, or if the world diverged.
   void set_step(int slot, double h) { h_[at(slot)] = ran_away(slot) ? 0 : h; }
   Block block(int number);
 
