@@ -6,7 +6,6 @@
 //
 // The last stage is the first of the next step: it is evaluated on the new state itself, and the caller's workspace then carries
 // that state's stamp. If an event or a stop changes the state afterwards, the stamp is stale and the caller evaluates again.
-// bears. Where something changes the state afterwards, an event or a stop, the stamp is stale and the caller evaluates anew.
 #include <algorithm>
 #include <cmath>
 

@@ -75,7 +75,6 @@ struct ReversedKernels : GenericKernels<ReversedKernels<K, NQ, NV>, NQ, NV> {
 /// Some or all DoFs without momenta (LinkConstants::locked, a bit per DoF): frozen in place, or driven (LinkConstants::driven).
 /// Their columns of E are dropped, and p holds their prescribed rate: u = p, zero if frozen. Coordinates and the lengths of q and
 /// p stay, so that a lock moves nothing in memory.
-/// of q, p stay, so that a lock moves nothing in memory.
 template <class B, int NV>
 struct LockedKernels : B {
   /// (24)–(26) with E′ = E B: a dropped column gets a one on the diagonal of Mj instead, so that its u equals p; the rate s of a

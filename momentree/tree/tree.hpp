@@ -81,9 +81,8 @@ inline KernelRun pair_of(const KernelRun& s) {
   return {s.pair, s.pair + s.end - s.begin, s.kind, s.variant, s.planar, s.begin, s.branch, s.links};
 }
 
-/// Flags of a body in the order. The order is depth-first, so the first child follows its parent directly: its sums are still in
-/// local variables in the inward pass, and the parent's output in the outward pass. Only other children pass theirs through
-/// memory.
+/// Flags of a body in the order. The order is depth-first, so the first child follows its parent directly: its contribution is
+/// still in local variables in the inward pass, as is its parent's output in the outward pass. Only other children use memory.
 namespace node {
 enum : unsigned char {
   leaf = 1,         ///< it has no child
@@ -102,7 +101,7 @@ class Tree {
   /// Compiles a model. Reserves storage for every later topology: no change allocates.
   explicit Tree(const Model& model);
 
-  /// Number of body numbers so far; removed bodies keep theirs.
+  /// Number of bodies so far, including removed ones, which keep their numbers.
   int bodies() const { return static_cast<int>(parent_.size()); }
   /// False for an unused number and for a removed body: any other query of it stops the program.
   bool alive(int b) const { return at(b) < joint_of_.size() && joint_of_[at(b)] >= 0; }
