@@ -1,11 +1,11 @@
-# Flags in two groups. Those that change what inline code compiles to are PUBLIC on the core library, so that every translation
-# unit of one program, a consumer's too, compiles the shared templates alike (one definition). Warnings are ours alone.
+# Two groups of flags. Those that affect inline code are PUBLIC on the core library, so that all translation units of a program,
+# including a consumer's, compile the shared templates in the same way (one-definition rule). Warnings apply only to this project.
 
 include(CheckCXXCompilerFlag)
 
 function(momentree_shared_flags target)
   target_compile_features(${target} PUBLIC cxx_std_20)
-  # No errno from sqrt: else the compiler keeps a call behind every square root.
+  # sqrt must not set errno; otherwise the compiler adds a library call to every square root.
   target_compile_options(${target} PUBLIC -fno-math-errno)
   if(MOMENTREE_NATIVE)
     check_cxx_compiler_flag(-march=native MOMENTREE_HAS_MARCH_NATIVE)
@@ -26,8 +26,8 @@ endfunction()
 
 function(momentree_flags target)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
-  # -Wrestrict of g++ 12 sees overlaps in std::string's operator+ that are not there. clang warns that packs wider than the CPU's
-  # registers go through memory when they are passed, even where everything is inlined.
+  # -Wrestrict of g++ 12 reports false overlaps in std::string's operator+. clang warns that packs wider than the CPU's registers
+  # are passed through memory, even if everything is inlined.
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
     $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> $<$<CXX_COMPILER_ID:Clang>:-Wno-psabi>)
   if(MOMENTREE_WERROR)
@@ -35,21 +35,21 @@ function(momentree_flags target)
   endif()
 endfunction()
 
-# Headers that nearly every source file of the target reads, read once.
+# Precompiles the headers that nearly every source file of the target includes.
 function(momentree_precompile target)
   target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <cstdint> <functional> <memory> <optional> <span> <string>
     <string_view> <unordered_map> <utility> <vector> ${ARGN})
-  # With precompiled headers g++ 12 no longer recognises the standard library's own lines, and warns about them.
+  # With precompiled headers g++ 12 no longer recognises system headers and warns about the standard library.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow$<SEMICOLON>-Wno-stringop-overread$<SEMICOLON>-Wno-array-bounds>)
 endfunction()
 
-# For readers, writers and the command line, which wait for files: what counts is how long they take to compile.
+# For readers, writers and the command line, which are limited by file access: optimises for compile time.
 function(momentree_fast_build target)
   momentree_precompile(${target} <momentree/simulate/simulation.hpp> ${ARGN})
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O2>)
 endfunction()
 
-# -O3 in CMake's Release; the assertions of the standard library in Debug.
+# CMake's Release has -O3; Debug enables the assertions of the standard library.
 add_compile_definitions($<$<CONFIG:Debug>:_GLIBCXX_ASSERTIONS>)
 
 find_program(CCACHE_PROGRAM ccache)

@@ -1,20 +1,20 @@
-# Flags that make mistakes with memory harder to exploit, as distributions set them. PRIVATE: nothing is forced on consumers.
+# Flags that make memory errors harder to exploit, as used by distributions. PRIVATE: nothing is imposed on consumers.
 #   momentree_harden(TARGET [CHECKED])
-# CHECKED: containers check their bounds, too; for what reads files, where that costs nothing that anybody feels.
-# tests/hardening reads from the program that they came through.
+# CHECKED: containers also check their bounds; for code that reads files, where the cost is not noticeable.
+# tests/hardening checks the built program for their effect.
 include(CheckLinkerFlag)
 include(CheckPIESupported)
 check_pie_supported(LANGUAGES CXX)
 
 option(MOMENTREE_HARDENING "Stack protector, checked library calls, read-only relocations and the like" ON)
-if(MOMENTREE_SANITIZE)  # which has checks of its own
+if(MOMENTREE_SANITIZE)  # sanitizers have their own checks
   set(MOMENTREE_HARDENING OFF)
 endif()
 
 set(momentree_hardening_options)
 set(momentree_hardening_link_options)
-# The sweeps go without the first two, which take 3 % of a humanoid's evaluation: they neither call the C library nor have arrays
-# that a length from outside could run over.
+# The kernels are built without the first two, which cost 3 % of a humanoid's evaluation: they neither call the C library nor
+# have arrays that an external length could overrun.
 set(momentree_kernel_hardening_options)
 if(MOMENTREE_HARDENING)
   foreach(flag IN ITEMS stack-protector-strong stack-clash-protection cf-protection)
@@ -30,7 +30,7 @@ if(MOMENTREE_HARDENING)
   if(MOMENTREE_HAS_stack_clash_protection)
     list(APPEND momentree_kernel_hardening_options -fno-stack-clash-protection)
   endif()
-  # It needs an optimiser. Where a distribution has set it already, this is the one that counts.
+  # Needs optimisation. Overrides a value that a distribution may have set already.
   list(APPEND momentree_hardening_options -U_FORTIFY_SOURCE $<$<CONFIG:Release,RelWithDebInfo,MinSizeRel>:-D_FORTIFY_SOURCE=3>)
   list(APPEND momentree_kernel_hardening_options -U_FORTIFY_SOURCE)
   foreach(flag IN ITEMS relro now noexecstack)
@@ -48,6 +48,6 @@ function(momentree_harden target)
   target_compile_options(${target} PRIVATE ${momentree_hardening_options})
   target_link_options(${target} PRIVATE ${momentree_hardening_link_options})
   if("CHECKED" IN_LIST ARGN)
-    target_compile_definitions(${target} PRIVATE $<$<NOT:$<CONFIG:Debug>>:_GLIBCXX_ASSERTIONS>)  # Debug has it anyway
+    target_compile_definitions(${target} PRIVATE $<$<NOT:$<CONFIG:Debug>>:_GLIBCXX_ASSERTIONS>)  # Debug enables them anyway
   endif()
 endfunction()

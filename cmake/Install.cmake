@@ -1,4 +1,5 @@
-# cmake --install: headers, libraries, the program with its completion and manual page, and what find_package(momentree) reads.
+# cmake --install: headers, libraries, the program with its shell completion and manual page, and the files that
+# find_package(momentree) reads.
 include(CMakePackageConfigHelpers)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/momentree")

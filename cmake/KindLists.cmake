@@ -1,4 +1,4 @@
-# Turns a drop-in folder into two generated headers: a list (an X macro over its files, alphabetical) and an umbrella that
+# Generates two headers from a drop-in folder: a list (an X macro over its files, alphabetical) and an umbrella header that
 # includes them all. A new kind is one new file; its type is the CamelCase of the file's name (rk4.hpp → Rk4).
 
 function(momentree_kind_list folder macro list_header umbrella_header)

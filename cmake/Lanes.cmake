@@ -1,5 +1,6 @@
-# The instruction sets that batches are compiled for: momentree_lanes, and momentree_lane_flags_SET for each.
-# All of them where the program is to run elsewhere (which is used is found at run time); the widest alone where it is not; the narrowest alone where valgrind runs it.
+# The instruction sets for which batches are compiled: momentree_lanes, and momentree_lane_flags_SET for each.
+# all: every set, for programs that run on other machines (the set is selected at run time); native: only this machine's widest;
+# baseline: only the narrowest, for valgrind.
 set(momentree_lanes baseline)
 set(momentree_lane_flags_avx2 -O3 -mavx2 -mfma)
 set(momentree_lane_flags_avx512 ${momentree_lane_flags_avx2} -mavx512f -mavx512dq -mavx512vl)

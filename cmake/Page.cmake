@@ -1,6 +1,6 @@
-# The built pages of web/ as bytes of the program: neither Node nor a browser is needed to build it.
+# Embeds the built pages of web/ in the program as bytes, so that building it needs neither Node nor a browser.
 # momentree_pages(OUTPUT PAGE…): sets OUTPUT to sources that define momentree::cli::PAGE_html() for each web/dist/PAGE.html.
-# As a script: cmake -DNAME=… -DPAGE=… -DSOURCE=… -P Page.cmake writes such a source.
+# As a script, cmake -DNAME=… -DPAGE=… -DSOURCE=… -P Page.cmake writes one such source.
 if(CMAKE_SCRIPT_MODE_FILE)
   file(READ "${PAGE}" bytes HEX)
   string(REGEX REPLACE "(................................................................)" "\\1\"\n\"" bytes "${bytes}")

@@ -1,10 +1,10 @@
-# What the program is made of, as a bill of materials (SPDX 2.3, JSON): momentree.spdx.json, made whenever the program is linked,
-# from what that build used; nothing is fetched. cmake/components.json has what can't be found out.
+# The program's software bill of materials (SPDX 2.3, JSON): momentree.spdx.json, written whenever the program is linked, from
+# what that build used; nothing is downloaded. cmake/components.json has the information that cannot be determined.
 #   momentree_sbom(TARGET NAME=VERSION=HEADER…)   NAME: a component whose headers are compiled into the target
 # As a script: cmake -DOUTPUT=… -DPROGRAM=… -DVERSION=… -DREADELF=… -DHEADERS=… -DROOT=… -P Sbom.cmake
 if(NOT CMAKE_SCRIPT_MODE_FILE)
   function(momentree_sbom target)
-    if(NOT CMAKE_READELF)  # nobody would know of its libraries
+    if(NOT CMAKE_READELF)  # needed to find its libraries
       return()
     endif()
     set(output "${PROJECT_BINARY_DIR}/momentree.spdx.json")
@@ -19,7 +19,7 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
 endif()
 cmake_minimum_required(VERSION 3.25)
 
-# deb_of(FILE): sets purl and version to those of the Debian package that a file is of; leaves them where it came another way.
+# deb_of(FILE): sets purl and version to those of the Debian package that contains a file; unchanged if there is none.
 find_program(DPKG_QUERY dpkg-query)
 macro(deb_of file)
   if(DPKG_QUERY AND EXISTS /etc/os-release)
@@ -39,7 +39,7 @@ macro(deb_of file)
       set(purl "pkg:deb/${system}/${package}@${debian}?arch=${machine}")
       string(REPLACE "+" "%2B" purl "${purl}")
       if(version STREQUAL "")
-        string(REGEX REPLACE "^[0-9]+:|-[^-]*$" "" version "${debian}")  # upstream's
+        string(REGEX REPLACE "^[0-9]+:|-[^-]*$" "" version "${debian}")  # the upstream version
       endif()
       set(supplier "Organization: ${system}")
     endif()
@@ -48,7 +48,7 @@ endmacro()
 
 set(packages "")
 set(relations "")
-# add_package(ID FROM RELATION): of name, version, purl, supplier, license, copyright and home.
+# add_package(ID FROM RELATION): adds a package from the variables name, version, purl, supplier, license, copyright and home.
 macro(add_package id from relation)
   string(APPEND packages ",\n    {\"SPDXID\": \"SPDXRef-${id}\", \"name\": \"${name}\",\n")
   if(NOT version STREQUAL "")
@@ -67,7 +67,7 @@ endmacro()
 file(READ "${ROOT}/cmake/components.json" known)
 file(READ "${ROOT}/web/package-lock.json" lock)
 
-# Our own parts: the program, the pages in it, and the engine in one of these.
+# The project's own parts: the program, the pages in it, and the engine in one of these.
 string(JSON license GET "${known}" own license)
 string(JSON copyright GET "${known}" own copyright)
 string(JSON home GET "${known}" own home)
@@ -81,11 +81,11 @@ add_package(pages momentree CONTAINS)
 set(name "momentree engine")
 add_package(engine pages CONTAINS)
 
-# Theirs.
+# Third-party components.
 set(needed "")
 if(READELF)
   execute_process(COMMAND "${READELF}" -dW "${PROGRAM}" OUTPUT_VARIABLE dynamic COMMAND_ERROR_IS_FATAL ANY)
-  string(REGEX REPLACE "[][]" "|" dynamic "${dynamic}")  # brackets hold a list's elements together
+  string(REGEX REPLACE "[][]" "|" dynamic "${dynamic}")  # brackets would join list elements
   string(REGEX MATCHALL "NEEDED[^|]*[|][^|]*" needed "${dynamic}")
   list(TRANSFORM needed REPLACE ".*[|]" "")
 endif()
@@ -136,7 +136,7 @@ if(needed OR headers)
   message(FATAL_ERROR "the program contains what cmake/components.json does not list: ${needed} ${headers}")
 endif()
 
-# Licences without a name of their own.
+# Licences without an SPDX identifier.
 set(texts "")
 string(JSON count LENGTH "${known}" licenses)
 math(EXPR last "${count} - 1")
@@ -152,14 +152,14 @@ string(SUBSTRING "${texts}" 2 -1 texts)
 string(SHA256 hash "${packages}${relations}${texts}")
 string(SUBSTRING "${hash}" 0 32 hash)
 set(namespace "https://spdx.org/spdxdocs/momentree-${VERSION}-${hash}")
-if(EXISTS "${OUTPUT}")  # what is the same keeps its date
+if(EXISTS "${OUTPUT}")  # unchanged content keeps its date
   file(READ "${OUTPUT}" before)
   string(FIND "${before}" "\"${namespace}\"" same)
   if(NOT same EQUAL -1)
     return()
   endif()
 endif()
-string(TIMESTAMP now "%Y-%m-%dT%H:%M:%SZ" UTC)  # SOURCE_DATE_EPOCH, where that is set
+string(TIMESTAMP now "%Y-%m-%dT%H:%M:%SZ" UTC)  # SOURCE_DATE_EPOCH if that is set
 file(WRITE "${OUTPUT}" "{
   \"spdxVersion\": \"SPDX-2.3\",
   \"dataLicense\": \"CC0-1.0\",

@@ -1,4 +1,4 @@
-# What shells and `man` want of the program, as it prints it: cmake -DPROGRAM=… -DFOLDER=… -P ShellFiles.cmake
+# Shell completions and the manual page, as printed by the program: cmake -DPROGRAM=… -DFOLDER=… -P ShellFiles.cmake
 file(MAKE_DIRECTORY "${FOLDER}")
 function(write_file name)
   execute_process(COMMAND "${PROGRAM}" ${ARGN} OUTPUT_FILE "${FOLDER}/${name}" COMMAND_ERROR_IS_FATAL ANY)

@@ -1,4 +1,4 @@
-# The text of the engine's sine and cosine, which generated kernels carry: one source for both.
+# The source text of the engine's sine and cosine, which is copied into generated kernels: one source for both.
 set(sincos_file "${PROJECT_SOURCE_DIR}/momentree/math/sincos.hpp")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${sincos_file}")
 file(READ "${sincos_file}" sincos_source)

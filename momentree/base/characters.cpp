@@ -34,8 +34,8 @@ struct Range {
   char32_t first, last;
 };
 
-// Unicode's control characters, format characters and other default ignorable code points, without variation selectors, which
-// belong to the character before them; and noncharacters within planes. Sorted.
+// Unicode's control characters, format characters and other default ignorable code points, except variation selectors, which
+// belong to the preceding character; and noncharacters within planes. Sorted.
 constexpr Range invisible[] = {
     {0x0000, 0x001f},    // C0
     {0x007f, 0x009f},    // DEL, C1
@@ -45,7 +45,7 @@ constexpr Range invisible[] = {
     {0x115f, 0x1160},    // Hangul fillers
     {0x17b4, 0x17b5},    // Khmer inherent vowels
     {0x180b, 0x180f},    // Mongolian selectors and separator
-    {0x200b, 0x200f},    // zero-width space, joiners, marks of direction
+    {0x200b, 0x200f},    // zero-width space, joiners, directional marks
     {0x2028, 0x202e},    // line and paragraph separators, embeddings and overrides
     {0x2060, 0x206f},    // word joiner, invisible operators, isolates
     {0x3164, 0x3164},    // Hangul filler
@@ -65,7 +65,7 @@ constexpr char32_t non_joiner = 0x200c, joiner = 0x200d;
 
 std::string_view character_at(std::string_view text, std::size_t i) { return text.substr(i, character_length(text, i)); }
 
-// A joiner shapes what stands on its sides; beside ASCII it can only mislead.
+// A joiner affects the shape of its neighbours; next to ASCII it can only mislead.
 bool joins(std::string_view text, std::size_t i, std::size_t length) {
   const auto foreign = [&](std::size_t k) { return k < text.size() && static_cast<unsigned char>(text[k]) >= 0x80; };
   return i > 0 && foreign(i - 1) && foreign(i + length);
@@ -84,7 +84,7 @@ void append_hexadecimal(std::string& out, char32_t c, int digits) {
 
 bool is_visible(char32_t c) {
   if (c >= 0x20 && c < 0x7f) return true;
-  if ((c & 0xfffe) == 0xfffe) return false;  // the last two of every plane are noncharacters
+  if ((c & 0xfffe) == 0xfffe) return false;  // the last two code points of every plane are noncharacters
   const Range* range = std::upper_bound(std::begin(invisible), std::end(invisible), c,
                                         [](char32_t value, const Range& each) { return value < each.first; });
   return range == std::begin(invisible) || c > (range - 1)->last;

@@ -1,6 +1,6 @@
 #pragma once
-// MT_REQUIRE(condition, "what was expected"): a developer's mistake stops the program, in every build:
-// a stale Work read by a topology change gives a wrong answer silently otherwise. Not for use inside kernels.
+// MT_REQUIRE(condition, "what was expected"): a programming error stops the program, in every build. Otherwise a topology change
+// that reads a stale Workspace, for example, would silently give a wrong answer. Not for use inside kernels.
 
 namespace momentree::detail {
 [[noreturn]] void require_failed(const char* condition, const char* expected, const char* file, int line) noexcept;

@@ -1,12 +1,12 @@
 #pragma once
-// A value whose copies share it until one of them changes.
+// A value that its copies share until one of them changes.
 #include <atomic>
 #include <utility>
 
 namespace momentree {
 
-/// Copies cost nothing; the first change of one that is shared copies the value. Two of them may be used in two threads, as two
-/// values may.
+/// Copies cost nothing; the first change of a shared one copies the value. Two copies may be used in two threads, like two
+/// separate values.
 template <class T>
 class CopyOnWrite {
  public:
@@ -14,7 +14,7 @@ class CopyOnWrite {
   CopyOnWrite(const CopyOnWrite& other) noexcept : shared_(other.shared_) {
     shared_->owners.fetch_add(1, std::memory_order_relaxed);
   }
-  /// What is moved from holds what it was assigned to, or the same value.
+  /// A moved-from object holds the value of the object that it was assigned to, or the same value.
   CopyOnWrite(CopyOnWrite&& other) noexcept : CopyOnWrite(std::as_const(other)) {}
   CopyOnWrite& operator=(CopyOnWrite other) noexcept {
     std::swap(shared_, other.shared_);
@@ -26,7 +26,7 @@ class CopyOnWrite {
 
   const T& operator*() const { return shared_->value; }
   const T* operator->() const { return &shared_->value; }
-  /// The value, this one's own from now on.
+  /// Write access: makes the value this object's own.
   T& own() {
     if (shared_->owners.load(std::memory_order_acquire) != 1) *this = CopyOnWrite(shared_->value);
     return shared_->value;

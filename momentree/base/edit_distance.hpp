@@ -5,10 +5,10 @@
 
 namespace momentree {
 
-/// How many letters apart two words are: inserted, left out, replaced, or swapped with their neighbour.
+/// Number of letters inserted, omitted, replaced, or swapped with their neighbour between two words.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// The word in small letters, without '_', '-' and spaces: "Time-Step" and "time_step" are "timestep".
+/// The word in lower case without '_', '-' and spaces: "Time-Step" and "time_step" both give "timestep".
 std::string plain_word(std::string_view word);
 
 }  // namespace momentree

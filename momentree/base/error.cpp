@@ -8,7 +8,7 @@
 #include <momentree/base/edit_distance.hpp>
 
 #if defined(__wasm__) && !defined(__cpp_exceptions)
-// Throws in the module's host.
+// Throws in the host of the module.
 extern "C" [[noreturn]] __attribute__((import_module("momentree"), import_name("fail"))) void momentree_fail(const char* message,
                                                                                                              std::size_t length);
 #endif
@@ -34,7 +34,7 @@ void throw_error(Error error) {
 #endif
 }
 
-// Damerau–Levenshtein distance (optimal string alignment): a swap of neighbours counts as one slip.
+// Damerau–Levenshtein distance (optimal string alignment): a swap of neighbours counts as one edit.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   const std::size_t width = b.size() + 1;
   std::vector<std::size_t> before(width), last(width), row(width);
@@ -64,7 +64,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
   for (const std::string& candidate : known)
     if (!plain.empty() && candidate.size() <= 200 && candidate != word && plain_word(candidate) == plain) return candidate;
   std::string best;
-  std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;  // of a short word nearly everything is near
+  std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;  // nearly everything is close to a short word
   for (const std::string& candidate : known) {
     if (candidate.size() > 200) continue;
     const std::size_t distance = edit_distance(word, candidate);

@@ -1,5 +1,5 @@
 #pragma once
-// Numbers and vectors that users' code reads by index.
+// Numbers and vectors that user code reads by index.
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace momentree {
 
-/// Numbers that stand somewhere else: a std::span whose [] stops the program where there is no such number.
+/// A view of numbers stored elsewhere: a std::span whose [] stops the program if the index is out of range.
 class Numbers : public std::span<const double> {
  public:
   using std::span<const double>::span;
@@ -21,7 +21,7 @@ class Numbers : public std::span<const double> {
   const double& back() const { return (*this)[size() - 1]; }
 };
 
-/// A std::vector whose [] stops the program where there is no such entry.
+/// A std::vector whose [] stops the program if the index is out of range.
 template <class T>
 class CheckedVector : public std::vector<T> {
  public:

@@ -1,9 +1,9 @@
 #pragma once
-// A value for a scope.
+// Sets a value for the duration of a scope.
 
 namespace momentree::detail {
 
-/// A value that is another one for as long as this lives.
+/// Sets a value during its own lifetime and restores it afterwards.
 template <class T>
 class Restored {
  public:

@@ -1,15 +1,15 @@
 #pragma once
-// Identities for objects whose addresses are reused.
+// Identities of objects whose addresses may be reused.
 #include <cstdint>
 
 namespace momentree::detail {
 
-/// Never 0, and never the same twice in one process; safe to call from several threads. Nothing that is computed depends on its
-/// value, only on whether two of them are equal.
+/// Never 0, and never the same number twice in one process; thread-safe. No result depends on the numbers themselves, only on
+/// whether two of them are equal.
 std::uint64_t unique_number() noexcept;
 
-/// The unique number of a value, which changes with the value: copies have the same one, and a moved-from object has another.
-/// Of a default-constructed object it is 0.
+/// A unique number that is renewed when a value changes: copies share it, and a moved-from object gets another. A
+/// default-constructed object has 0.
 class Version {
  public:
   Version() = default;

@@ -14,7 +14,7 @@ namespace {
 
 using namespace dimension;
 
-// factor · 10^decade: powers of ten are kept apart, so that they are applied once and exactly rounded.
+// factor · 10^decade: powers of ten are kept separate, so that they are applied once and rounded exactly.
 struct Unit {
   const char* name;
   Dimension dimension;
@@ -66,7 +66,7 @@ constexpr Unit units[] = {
     {"kHz", frequency, 1, 3},
 };
 
-// What people write for a unit, and no slip of the finger would explain.
+// Common spellings of units that an edit distance would not find.
 struct Habit {
   const char *written, *meant;
 };
@@ -100,7 +100,7 @@ std::string suggestion(std::string_view name) {
     return "powers are written with ^: " + std::string(name.substr(0, digit)) + "^" + std::string(name.substr(digit));
   std::vector<std::string> known;
   for (const Unit& unit : units) known.emplace_back(unit.name);
-  // Of a name of one or two letters everything is near.
+  // Nearly every unit is close to a name of one or two letters.
   const std::string best = name.size() > 2 ? nearest(name, known) : std::string{};
   return best.empty() ? "units are SI and its multiples: m, cm, mm, kg, g, s, ms, rad, deg, N, J …"
                       : "did you mean '" + best + "'?";
@@ -123,11 +123,11 @@ class Parser {
   std::string_view rest_;
 };
 
-// Reads the same in every locale.
+// Independent of the locale.
 std::from_chars_result read_number(std::string_view text, double& value) {
 #if defined(__cpp_lib_to_chars)
   return std::from_chars(text.data(), text.data() + text.size(), value);
-#else  // in WebAssembly, where there is but one locale; no hexadecimal digits
+#else  // in WebAssembly, which has a single locale; no hexadecimal digits
   const std::string number(text.substr(0, text.find_first_not_of("+-.0123456789eE")));
   char* end = nullptr;
   errno = 0;
@@ -230,7 +230,7 @@ bool Parser::unit_product(Dimension& dimension, double& factor, int& decade, boo
   return false;
 }
 
-// x · 10^n with one rounding wherever 10^|n| is exact.
+// x · 10^n, rounded only once if 10^|n| is exact.
 double scaled(double x, int n) {
   constexpr int exact = 22;
   for (; n > exact; n -= exact) x *= 1e22;
@@ -325,7 +325,7 @@ std::optional<double> parse_quantity(std::string_view text, const Dimension& exp
   if (!parser.unit_product(dimension, factor, decade, any, problem)) return {};
   if (!any) {
     const std::string name = name_of(expected);
-    const std::size_t from = name.find('(') + 1;  // past the end where no unit stands there
+    const std::size_t from = name.find('(') + 1;  // past the end if the name has no unit
     problem = {"'" + given + "' has no unit", "expected " + name + ": write " + given + " without quotes"};
     if (from > 0)
       problem.hint = "write " + given + " without quotes, or \"" + given + " " + name.substr(from, name.find(')') - from) + "\"";

@@ -1,5 +1,5 @@
 #pragma once
-// Numbers with units, as scenarios write them: "0.83 g cm^2", "1e-5 N m s", "30 deg", "9.81 m/s^2".
+// Numbers with units, as in scenario files: "0.83 g cm^2", "1e-5 N m s", "30 deg", "9.81 m/s^2".
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,22 +21,23 @@ struct Dimension {
 namespace dimension {
 inline constexpr Dimension number{}, length{.m = 1}, mass{.kg = 1}, time{.s = 1}, angle{.rad = 1};
 inline constexpr Dimension speed = length / time, angular_speed = angle / time, acceleration = speed / time;
-inline constexpr Dimension frequency = number / time;  // turns or events per second: no radians
+inline constexpr Dimension frequency = number / time;  // revolutions or events per second: no radians
 inline constexpr Dimension inertia = mass * length * length, force = mass * acceleration, torque = force * length;
 }  // namespace dimension
 
-/// "an angle (rad)", "a damping (N m s/rad)" …: the name of a dimension with its SI unit.
+/// The name of a dimension with its SI unit: "an angle (rad)", "a damping (N m s/rad)" …
 std::string name_of(const Dimension& dimension);
-/// How a value of that dimension is written, for hints: `0.5, or "50 cm"`; `1.5` where it has no unit.
+/// An example value of that dimension, for hints: `0.5, or "50 cm"`; `1.5` if it has no unit.
 std::string example_of(const Dimension& dimension);
 
-/// What could not be read: what is wrong and how to mend it.
+/// Why a quantity could not be read, and how to correct it.
 struct QuantityProblem {
   std::string what, hint;
 };
 
-/// A number with units in SI, where it has the dimension `expected`; else nothing, and `problem` says why. Radians may be left
-/// out beside mass ("N m" for "N m/rad"). Decimal units cost no accuracy: "5 cm" is the double nearest to 0.05. Any locale.
+/// Reads a number with units, in SI; empty if it does not have the dimension `expected`, and `problem` then gives the reason.
+/// Radians may be omitted next to mass ("N m" for "N m/rad"). Decimal units cost no accuracy: "5 cm" is the double nearest to
+/// 0.05. Independent of the locale.
 std::optional<double> parse_quantity(std::string_view text, const Dimension& expected, QuantityProblem& problem);
 
 }  // namespace momentree

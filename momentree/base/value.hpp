@@ -1,5 +1,5 @@
 #pragma once
-// A document as a tree of values that know where they stand: what readers of scenarios see, whatever the syntax of the file.
+// A document as a tree of values with their locations: the input of scenario readers, whatever the file's syntax.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -9,8 +9,8 @@
 
 namespace momentree {
 
-/// Where a value stands: line and column from 1 (columns count characters, not bytes) in the file, or, where `option` > 0,
-/// in the option-th override of the command line.
+/// Location of a value: line and column from 1 (columns count characters, not bytes) in the file or, if `option` > 0, in the
+/// option-th override on the command line.
 struct Place {
   int line = 0, column = 0, option = 0;
   friend bool operator==(const Place&, const Place&) = default;
@@ -21,15 +21,15 @@ class Value {
   struct Entry;
   using Array = std::vector<Value>;
   using Table = std::vector<Entry>;  ///< in the order of the file
-  /// A date or a time of day: nothing here takes one. It is not trivial so that the variant may be without a value: libstdc++ 12
-  /// destroys one whose copying ran out of memory as if it had one, where no alternative could leave it without.
+  /// A date or a time of day; no field accepts one. Its copy constructor is not trivial so that the variant can be valueless:
+  /// after an out-of-memory copy, libstdc++ 12 destroys a variant that can never be valueless as if it had a value.
   struct Time {
     Time() = default;
     Time(const Time&) noexcept {}
     Time& operator=(const Time&) noexcept { return *this; }
   };
 
-  /// An empty table, nowhere.
+  /// An empty table without a location.
   Value();
   template <class T>
   Value(T data, Place place_) : place(place_), data_(std::move(data)) {}
@@ -44,9 +44,9 @@ class Value {
   const Table* table() const { return std::get_if<Table>(&data_); }
   Array* array() { return std::get_if<Array>(&data_); }
   Table* table() { return std::get_if<Table>(&data_); }
-  /// An array with at least one entry, all of them tables.
+  /// True for an array with at least one entry, all of them tables.
   bool is_array_of_tables() const;
-  /// The entry of a table; null where there is none, or where this is no table.
+  /// The entry of a table; null if there is none, or if this is not a table.
   const Entry* find(std::string_view key) const;
   Entry* find(std::string_view key) { return const_cast<Entry*>(std::as_const(*this).find(key)); }
   /// For messages: "a number", "a string", "a list" …

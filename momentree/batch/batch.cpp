@@ -41,11 +41,11 @@ struct Batch::Impl {
   const std::uint64_t fingerprint = declared.topology().model;
   Isa isa;
   Precision precision;
-  std::unordered_multimap<std::size_t, std::unique_ptr<Group>> groups;  // by the key of the topology
+  std::unordered_multimap<std::size_t, std::unique_ptr<Group>> groups;  // by the topology's key
   std::vector<Seat> seats;                                              // by world
   std::vector<std::vector<batch::ExtraEffort>> efforts;                 // by world
   std::vector<std::unique_ptr<batch::Stepper>> steppers;                // by thread
-  std::vector<Task> tasks;                                              // of the step at hand
+  std::vector<Task> tasks;                                              // of the current step
   int capacity = 0, lanes = 0;
   batch::Pool pool;
   Out out;
@@ -54,7 +54,7 @@ struct Batch::Impl {
   Impl(const Model& model, const BatchOptions& options)
       : declared(model), isa(batch::best_isa(options.widest)), precision(options.precision), pool(threads_of(options)) {}
 
-  // Scratch for trees of that many bodies.
+  // Ensures scratch memory for trees of that size.
   void make_room(const Tree& tree) {
     if (tree.bodies() <= capacity) return;
     steppers.clear();
@@ -222,7 +222,7 @@ void Batch::put_back(int world) {
   const Out& out = impl_->out;
   MT_REQUIRE(!out.state.being_edited(), edited_state);
   const bool changed = out.tree.revision() != from.group->tree().revision();
-  if (changed) batch::check(out.tree);  // throws Error for what batches do not have
+  if (changed) batch::check(out.tree);  // throws Error for features that batches do not support
   MT_REQUIRE(out.state.topology() == out.tree.revision(), "the edit leaves the state one of the tree");
   if (changed) {
     auto& efforts = impl_->efforts[static_cast<std::size_t>(world)];

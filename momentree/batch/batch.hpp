@@ -1,6 +1,6 @@
 #pragma once
-// Many worlds of one model at once: in the lanes of the CPU's vectors, and on several threads. Each world may change its topology
-// when it likes; worlds of one topology stand side by side, so that lanes stay full.
+// Many worlds of one model at once: in the CPU's SIMD lanes and on several threads. Each world may change its topology at any
+// time; worlds with the same topology are packed together, so that lanes stay full.
 #include <memory>
 #include <span>
 #include <vector>
@@ -11,25 +11,26 @@
 namespace momentree {
 
 struct BatchOptions {
-  /// float32: lanes are twice as many, the motion is as exact as float (seven digits). Changes are made in double either way.
+  /// float32 doubles the number of lanes; the motion is as accurate as float (seven digits). Topology changes are made in double
+  /// in either case.
   Precision precision = Precision::float64;
   int threads = 1;           ///< 0: as many as the machine has
-  Isa widest = Isa::avx512;  ///< the widest instruction set to use, where the CPU and this build have it
+  Isa widest = Isa::avx512;  ///< the widest instruction set to use, if the CPU and this build support it
 };
 
-/// Worlds move by steps of the classical Runge–Kutta method (rk4). A world's numbers are those of a scalar run to round-off, and
-/// to the last bit the same whatever worlds stand beside it and however many threads there are; another width of lanes may round
-/// otherwise, because multiply-adds are contracted.
+/// Worlds are integrated by the classical Runge–Kutta method (rk4). The results of a world equal those of a scalar run to
+/// round-off; they are bit for bit the same whatever other worlds are in the batch and for any number of threads. Another lane
+/// width may round differently, because multiply-adds are contracted.
 ///
-/// Of forces, batches have all that act in joints: dampers, springs, constant efforts and those that change with time, position
-/// control, friction, soft stops, prescribed motions; and efforts of each world's own. They have no forces on bodies, functions,
-/// hard stops and strengths: the constructor and `edit` throw Error for a model that has. Energy is not booked.
+/// Batches support all forces that act in joints: dampers, springs, constant and time-dependent efforts, position control,
+/// friction, soft stops, prescribed motions, and extra efforts per world. They do not support forces on bodies, functions, hard
+/// stops and strengths: the constructor and `edit` throw Error for a model that has any. There is no energy ledger.
 ///
-/// A batch is used by one thread at a time. Its own threads call no functions of the user's.
+/// A batch is used by one thread at a time. Its own threads call no user functions.
 class Batch {
  public:
   /// All worlds in the model's start state, at time 0. Throws Error: fewer than one world, fewer than 0 or more than 1024
-  /// threads, a model with what batches do not have.
+  /// threads, a model with unsupported features.
   Batch(const Model& model, int worlds, const BatchOptions& options = {});
   ~Batch();
   Batch(Batch&&) noexcept;
@@ -39,30 +40,32 @@ class Batch {
   Isa isa() const;
   int lanes() const;
   int threads() const;
-  /// Topologies that worlds have at present.
+  /// Number of different topologies at present.
   int groups() const;
 
-  /// Every world makes a step of h seconds, which is finite and not negative.
+  /// Steps every world by h seconds, finite and not negative.
   void step(double h) noexcept;
-  /// Each world makes its own, by number: so that each gets to its own instants. 0: it stays as it is.
+  /// Steps each world by its own h (s, one entry per world), so that each can reach its own instants. 0: the world does not
+  /// change.
   void step(std::span<const double> h) noexcept;
 
+  /// Time of a world (s).
   double time(int world) const;
-  /// True for a world whose last step diverged: it stays where it was before, until its state is set.
+  /// True for a world whose last step diverged: it keeps its state from before that step until its state is set.
   [[nodiscard]] bool ran_away(int world) const;
-  /// The world's topology. Holds until the next edit.
+  /// The world's topology. Valid until the next edit.
   const Tree& tree(int world) const;
-  /// A copy of its state, for tree(world): for forward_dynamics, energies, poses …
+  /// A copy of the world's state, for tree(world): for forward_dynamics, energies, poses …
   [[nodiscard]] State state(int world) const;
-  /// Coordinates, momenta and time; those of float32 worlds are rounded by the next step. The state is one for tree(world): from
-  /// state() of it or of a world of the same topology, or made from that tree.
+  /// Sets coordinates, momenta and time; the next step of a float32 world rounds them. The state must belong to tree(world): from
+  /// state() of this world or of one with the same topology, or made from that tree.
   void set_state(int world, const State& state);
 
-  /// A further effort, finite, on one freedom of the joint that `body` carries (N m, N), from now on and until it is set again.
-  /// Locked freedoms do not feel it. Goes with the joint, as long as that is of its kind.
+  /// Sets an extra effort, finite, on one DoF of the joint that `body` carries (N m, N), until it is set again. It has no effect
+  /// on a locked DoF. It stays with the joint as long as the joint's kind does not change.
   void set_effort(int world, BodyId body, int dof, double effort);
 
-  /// A topology change of one world, or any other of topology/change.hpp; it then moves among the worlds that have the same.
+  /// Applies one change of topology/change.hpp to one world, which then joins the worlds with the same topology.
   template <class Change>
   auto apply(int world, const Change& change) {
     Out& out = take_out(world);
@@ -70,9 +73,10 @@ class Batch {
     put_back(world);
     return result;
   }
-  /// Any edit of one world: edit(tree, state, work), the work evaluated on the state. Several changes at one instant are one
-  /// edit: forward_dynamics between them. Throws Error, and leaves the world as it was, for what batches do not have; so does
-  /// whatever `edit` throws. It leaves the state one of the tree, and does nothing else with the batch but read it.
+  /// Any edit of one world: edit(tree, state, workspace), with the workspace evaluated on the state. Several changes at one
+  /// instant are one edit, with forward_dynamics in between. Throws Error and leaves the world unchanged if the result has
+  /// unsupported features or if `edit` throws. The edit must leave the state valid for the tree, and may otherwise only read the
+  /// batch.
   template <class Edit>
   void edit(int world, Edit&& edit) {
     Out& out = take_out(world);
@@ -88,7 +92,7 @@ class Batch {
     State state;
     Workspace<double> workspace;
   };
-  // For as long as an edit of the user's has hold of the world that was taken out.
+  // Marks the time during which a user's edit has access to the world taken out.
   class Editing {
    public:
     explicit Editing(Batch& batch);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr Isa all_sets[] = {Isa::baseline, Isa::avx2, Isa::avx512};
 
-// A chain with a branch; springs, dampers, and what acts lane by lane.
+// A chain with a branch, with springs, dampers, and elements that are evaluated lane by lane.
 Model mobile(bool elements = true) {
   Model model({.gravity = {0, 0, -9.81}});
   BodyId last = ground;
@@ -44,7 +44,7 @@ Model mobile(bool elements = true) {
   return model;
 }
 
-// Worlds are told apart by their momenta.
+// Gives each world different momenta.
 void stir(int world, const Tree& tree, State& state) {
   const State::Edit edit = state.edit();
   for (int i = 0; i < tree.nv(); ++i) edit.p[static_cast<std::size_t>(i)] *= 1 + 0.01 * ((world * 7 + i * 3) % 11);
@@ -52,13 +52,13 @@ void stir(int world, const Tree& tree, State& state) {
 
 struct Change {
   int step;
-  double part;  // of the step, before it happens
+  double part;  // of the step, before the change happens
   int body;
-  bool breaks;  // else it locks
+  bool breaks;  // otherwise it locks
 };
 Change change_of(int world) { return {5 + world % 7, 0.1 * (world % 5), 1 + world % 4, world % 3 != 2}; }
 
-// One world by the scalar engine.
+// One world with the scalar engine.
 struct Alone {
   Tree tree;
   State state;
@@ -92,7 +92,7 @@ struct Alone {
 constexpr double h = 1e-3;
 constexpr int steps = 40;
 
-// All worlds of a batch, by number `first` and up, each with its own change at its own instant.
+// Runs all worlds of a batch, numbered from `first`, each with its own change at its own instant.
 void run(Batch& batch, int first) {
   std::vector<double> own(static_cast<std::size_t>(batch.worlds()));
   for (int i = 0; i < batch.worlds(); ++i) {
@@ -189,7 +189,7 @@ TEST_CASE("worlds in float stay near those in double") {
   double worst = 0;
   for (int i = 0; i < 9; ++i) worst = std::fmax(worst, difference(exact.state(i), coarse.state(i)));
   CHECK(worst < 2e-4);
-  CHECK(worst > 1e-9);  // they were float indeed
+  CHECK(worst > 1e-9);  // they were indeed computed in float
 }
 
 TEST_CASE("worlds that came to the same topology share lanes again") {
@@ -240,11 +240,11 @@ TEST_CASE("an effort of a world's own is the effort that its model might have") 
   for (int k = 0; k < 20; ++k) batch.step(h), with.step(h);
   CHECK(difference(batch.state(3), with.state(0)) < 1e-13);
   CHECK(difference(batch.state(3), batch.state(2)) > 1e-4);
-  batch.apply(3, Lock{{1}});  // it moves among other worlds, with its effort
+  batch.apply(3, Lock{{1}});  // it joins other worlds, with its effort
   with.apply(0, Lock{{1}});
   for (int k = 0; k < 20; ++k) batch.step(h), with.step(h);
   CHECK(difference(batch.state(3), with.state(0)) < 1e-13);
-  batch.apply(3, Break{{4}});  // the joint is no more
+  batch.apply(3, Break{{4}});  // removes the joint
   with.apply(0, Break{{4}});
   for (int k = 0; k < 20; ++k) batch.step(h), with.step(h);
   CHECK(difference(batch.state(3), with.state(0)) < 1e-13);

@@ -54,7 +54,7 @@ void simplify(Topology& topology, const Tree& declared) {
 }
 
 std::size_t key_of(const Topology& topology) noexcept {
-  std::uint64_t key = 14695981039346656037ULL;  // FNV-1a, by whole numbers
+  std::uint64_t key = 14695981039346656037ULL;  // FNV-1a over whole numbers
   const auto mix = [&](std::int64_t number) { key = (key ^ static_cast<std::uint64_t>(number)) * 1099511628211ULL; };
   for (const Topology::Place& p : topology.places) mix(p.parent), mix(2 * p.joint + (p.reversed ? 1 : 0));
   for (const Topology::Changed& c : topology.changed) mix(c.joint), mix(static_cast<int>(c.as.kind)), mix(c.as.locked);
@@ -130,7 +130,7 @@ void Group::set_efforts(int slot, std::span<const ExtraEffort> efforts) {
   }
 }
 
-// Lanes behind the last world are copies of it, and stay.
+// Lanes after the last world are copies of it, with a step of 0.
 Block Group::block(int number) {
   const int first = number * lanes_;
   for (int slot = std::max(worlds(), first); slot < first + lanes_; ++slot) copy_slot(worlds() - 1, slot), h_[at(slot)] = 0;

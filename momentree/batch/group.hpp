@@ -1,5 +1,5 @@
 #pragma once
-// The worlds of a batch that have one topology, packed into blocks of lanes.
+// The worlds of a batch with one topology, packed into blocks of lanes.
 #include <span>
 #include <vector>
 
@@ -9,15 +9,15 @@
 
 namespace momentree::batch {
 
-/// Equal topologies have equal keys; others may, too.
+/// Equal topologies have equal keys; different ones may, too.
 std::size_t key_of(const Topology& topology) noexcept;
 bool same(const Topology& a, const Topology& b) noexcept;
-/// Leaves out changes that lead back to the declared joints, which are those of `declared`.
+/// Removes changes that restored declared joints, which are those of `declared`.
 void simplify(Topology& topology, const Tree& declared);
-/// Throws Error where the tree has what batches cannot do.
+/// Throws Error if the tree has features that batches do not support.
 void check(const Tree& tree);
 
-/// An effort that a world has beside those of its model: on one freedom of a joint, by the joint's number (N m, N).
+/// An extra effort of one world: on one DoF of a joint, by the joint's number (N m, N).
 struct ExtraEffort {
   int joint, dof;
   double value;
@@ -33,12 +33,12 @@ class Group {
   const ForcePlan& plan() const { return plan_; }
   int worlds() const { return static_cast<int>(world_.size()); }
   int blocks() const { return (worlds() + lanes_ - 1) / lanes_; }
-  /// The world that stands in a slot; slots are filled from 0 on without gaps.
+  /// The world in a slot; slots are filled from 0 without gaps.
   int world(int slot) const { return world_[at(slot)]; }
 
-  /// Takes a world in; returns its slot.
+  /// Adds a world; returns its slot.
   int add(int world);
-  /// Takes the world of that slot out; the last one moves into its place. Returns the world that moved, −1: none.
+  /// Removes the world in that slot; the last one moves there. Returns the world that moved, −1: none.
   int remove(int slot);
 
   void set_state(int slot, const State& state);
@@ -47,13 +47,13 @@ class Group {
   bool ran_away(int slot) const { return ran_away_[at(slot)] != 0; }
   void set_ran_away(int slot, bool yes) { ran_away_[at(slot)] = yes ? 1 : 0; }
   void set_efforts(int slot, std::span<const ExtraEffort> efforts);
-  /// The step that comes (s): 0 and worlds that ran away stay.
+  /// Sets the next step (s). The world does not change if it is 0, or if the world diverged.
   void set_step(int slot, double h) { h_[at(slot)] = ran_away(slot) ? 0 : h; }
   Block block(int number);
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-  // Number i of `count` per world.
+  // Index of number i of `count` per world.
   std::size_t place(int slot, int count, int i) const { return at((slot / lanes_ * count + i) * lanes_ + slot % lanes_); }
   void copy_slot(int from, int to);
 

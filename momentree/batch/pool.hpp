@@ -1,5 +1,5 @@
 #pragma once
-// Threads that share out numbered tasks.
+// Threads that share numbered tasks.
 #include <functional>
 #include <memory>
 
@@ -7,15 +7,15 @@ namespace momentree::batch {
 
 class Pool {
  public:
-  /// `threads` of them do the work, the caller's among them.
+  /// `threads` threads in total, including the caller's.
   explicit Pool(int threads);
   ~Pool();
   Pool(const Pool&) = delete;
   Pool& operator=(const Pool&) = delete;
 
   int threads() const;
-  /// Calls task(thread, i) for every i below `count`, each once, and returns when all are done. `thread` says which of threads()
-  /// it is. Must not throw.
+  /// Calls task(thread, i) once for every i below `count`, and returns when all are done. `thread` is the number of the executing
+  /// thread, below threads(). Tasks must not throw.
   void run(int count, const std::function<void(int thread, int i)>& task) noexcept;
 
  private:

@@ -33,7 +33,7 @@ ForcePlan::ForcePlan(const Tree& tree) : elements(tree.forced_joints().begin(), 
 
 Stepper::~Stepper() = default;
 
-// Lanes that this build has (MOMENTREE_LANES in CMakeLists.txt): a definition each.
+// Instruction sets of this build (MOMENTREE_LANES in CMakeLists.txt), with one definition each.
 bool available([[maybe_unused]] Isa isa) noexcept {
 #ifdef MOMENTREE_LANES_AVX512
   if (isa == Isa::avx512)

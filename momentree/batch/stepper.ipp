@@ -1,6 +1,6 @@
 #pragma once
-// Steps in lanes; included only by instantiate/*.cpp, one instruction set and precision each. Nothing here may be a function that
-// other source files have too and that does not carry the pack in its name (ADR 9; tools/check_lane_symbols).
+// Steps in lanes; included only by instantiate/*.cpp, each for one instruction set and precision. No function here may also occur
+// in other source files unless its name contains the pack (ADR 9; tools/check_lane_symbols).
 #include <momentree/batch/stepper.hpp>
 #include <momentree/dynamics/forward.ipp>
 #include <momentree/integrate/integrator.hpp>
@@ -46,7 +46,7 @@ void PackStepper<T>::rates(const Tree& tree, const double* q, const double* p, d
   for (int i = 0; i < nv; ++i) workspace_.pdot[i].store(pdot + i * N), workspace_.v[i].store(v + i * N);
 }
 
-// Other forces in one joint, lane by lane.
+// Adds the other forces in one joint, lane by lane.
 template <class T>
 void PackStepper<T>::add_elements(const Tree& tree, int b, const double* t, const T* q) noexcept {
   const int nq = coordinates_of(tree, b), nv = dofs_of(tree, b), at = tree.first_p(b);
@@ -59,7 +59,7 @@ void PackStepper<T>::add_elements(const Tree& tree, int b, const double* t, cons
   }
 }
 
-// Rates with the forces in the joints; t by lane.
+// Rates with the joint forces; t by lane.
 template <class T>
 void PackStepper<T>::evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
                               const T* p) noexcept {
@@ -132,7 +132,7 @@ void PackStepper<T>::step(const Tree& tree, const ForcePlan& plan, const Block& 
   using Mask = typename T::Mask;
   Mask plausible = ~Mask{};
   for (int i = 0; i < nq; ++i) plausible &= within(q_[i] - q0_[i], runaway);
-  T sum(0);  // 0·x is NaN for what is not finite
+  T sum(0);  // 0·x is NaN if x is not finite
   for (int i = 0; i < nv; ++i) sum += 0.0 * p_[i];
   plausible &= within(sum, 0);
   for (int lane = 0; lane < N; ++lane) {

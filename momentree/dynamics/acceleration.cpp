@@ -9,7 +9,7 @@ namespace momentree {
 
 namespace {
 
-// A wrench on body b through its joint, kernel frame: on the declared child, in its user frame.
+// Transforms a wrench on body b through its inboard joint, in b's kernel frame, to the declared child's user frame.
 Force<double> on_declared_child(const Tree& tree, const State& state, const Workspace<double>& workspace, int b,
                                 const Force<double>& W) {
   if (!tree.reversed(b)) return to_user_frame(tree.frame(b), W);
@@ -89,7 +89,8 @@ BodyAcceleration body_acceleration(const Tree& tree, const State& state, const W
   const Kinematics<double>& located = workspace.bodies[static_cast<std::size_t>(b)];
   const Motion<double> rate = felt_acceleration(tree, state.q().data(), workspace, b);
   const KernelFrame& frame = tree.frame(b);
-  // The components of Ω turn with the body: d(Rv)/dt = R (v̇ + ω × v). Then from the kernels' origin to the user's, and gravity.
+  // The components of Ω are in rotating body axes: d(Rv)/dt = R (v̇ + ω × v). Then from the kernel frame's origin to the user
+  // frame's, and plus gravity.
   const Vec3 &v = located.velocity.v, &w = located.velocity.w, to = -transpose_times(frame.R, frame.r);
   const Vec3 linear = rate.v + cross(w, v) + cross(rate.w, to) + cross(w, cross(w, to));
   return {located.R * linear + tree.gravity(), located.R * rate.w};

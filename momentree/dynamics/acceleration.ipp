@@ -1,10 +1,10 @@
 #pragma once
-// Bodies of the second recursion; included only by instantiate/*.cpp, one scalar each. Segments run as those of the first
-// recursion do, with accumulators in locals.
+// Definitions of the second recursion; included only by instantiate/*.cpp, each for one scalar. Kernel runs are processed as in
+// the first recursion, with the accumulators in local variables.
 //
-// The paper takes Ṗb outward and Tr = Ṗb + Ω × Pb − Tb from it (32), two numbers that nearly cancel where what hangs outboard
-// is heavy and fast. Tr itself obeys the same recursion: Tr = Mb Ω̇ + W, where W is Ω × P of the body itself and what its
-// children ask of it, and Ω̇ is less gravity; nothing is lost then.
+// The paper propagates Ṗb outward and computes Tr = Ṗb + Ω × Pb − Tb from it (32), a difference that nearly cancels if the
+// outboard bodies are heavy and fast. Tr itself obeys the same recursion: Tr = Mb Ω̇ + W, with the bias wrench W = Ω × P of the
+// body plus the contributions of its children, and Ω̇ less gravity. No digits are lost that way.
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/revolute_dispatch.hpp>
 #include <momentree/dynamics/sweep_buffers.hpp>
@@ -23,14 +23,14 @@ struct RateSweep {
     return {q + tree.first_q(b), workspace.cos.get() + tree.first_angle(b), workspace.sin.get() + tree.first_angle(b)};
   }
 
-  /// Tip to base. For the way out there wait: the bias in `approaches`, and in `a` Mj⁻¹ (τ − Eᵀ W). Of Tr, what is not M̂ a′
-  /// stays in `demands`: few ask for all wrenches.
+  /// Inward pass. Stores for the outward pass the bias in `inboard_accelerations` and Mj⁻¹ (τ − Eᵀ W) in `a`. Of Tr = M̂ a′ + Ŵ
+  /// it stores Ŵ in `reduced_bias_wrenches`; Tr itself is computed on request only.
   template <class K>
   void inboard(const KernelRun& run) const {
     const auto order = tree.order();
     const auto node_flags = tree.node_flags();
     const Force<T>* const loads = tree.loaded_bodies().empty() ? nullptr : workspace.loads.get();
-    Force<T> W;  // what the children ask, and soon the body itself
+    Force<T> W;  // the children's contributions, then also the body's own
     buffers.resume_inward(run, W);
     for (int i = run.end - 1; i >= run.begin; --i) {
       const int b = order[static_cast<std::size_t>(i)];
@@ -57,7 +57,7 @@ struct RateSweep {
       const Motion<T> bias = K::template acceleration_bias<T>(link, joint, velocity, workspace.v.get() + at);
       K::add_reduced_bias(record, bias, W);
       if constexpr (requires { typename K::Steps; })
-        K::joint_acceleration(record, bias, udot);  // of (47) what need not wait for the way out
+        K::joint_acceleration(record, bias, udot);  // the part of (47) that does not depend on the outward pass
       else
         put(bias, workspace.inboard_accelerations[body]);
       if constexpr (requires { typename K::Steps; })  // (45)
@@ -73,7 +73,8 @@ struct RateSweep {
     buffers.suspend_inward(run, W);
   }
 
-  /// Base to tip. The ground accelerates against gravity: so every body has its weight, and none needs to know where down is.
+  /// Outward pass. The ground accelerates against gravity; this gives every body its weight, so that gravity is not needed in
+  /// body axes.
   template <class K>
   void outboard(const KernelRun& run, const Motion<T>& base) const {
     const auto order = tree.order();

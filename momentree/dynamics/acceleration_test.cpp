@@ -1,5 +1,5 @@
-// The second recursion on small machines whose numbers a pencil finds. (Random trees of all kinds against an independent oracle:
-// tests/oracle.)
+// The second recursion on small machines with results that can be derived by hand. (Random trees of all kinds against an
+// independent oracle: tests/oracle.)
 #include <momentree/dynamics/acceleration.hpp>
 
 #include <cmath>
@@ -34,7 +34,7 @@ void check_near(const Vec3& a, const Vec3& b, double bound = 1e-12) {
 }  // namespace
 
 TEST_CASE("(30) (32) (47) a rod on a pin: acceleration, and what the pin carries") {
-  // Of length 2l, on a pin about y at its end, turned by q from +x downwards.
+  // Of length 2l, on a revolute joint about y at its end, rotated by q from +x downwards.
   const double m = 1.5, l = 0.4, q = 0.7, w = 2.3, g = 9.81, rotor = 0.2, damping = 0.3, effort = 1.1, I = m * l * l / 3;
   Model model({.gravity = {0, 0, -g}});
   model.add({.name = "rod",
@@ -48,7 +48,7 @@ TEST_CASE("(30) (32) (47) a rod on a pin: acceleration, and what the pin carries
   const double tau = effort - damping * w;
   const double a = (tau + m * g * l * std::cos(q)) / (I + m * l * l + rotor);
   CHECK(at.a(0) == doctest::Approx(a).epsilon(1e-14));
-  // Rod axes: x along it, z across and up; gravity is g (sin q, 0, −cos q) there.
+  // Rod axes: x along it, z perpendicular and upward; gravity is g (sin q, 0, −cos q) there.
   const Force<double> W = reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({0}));
   check_near(W.l, {-m * l * w * w - m * g * std::sin(q), 0, -m * l * a + m * g * std::cos(q)});
   check_near(W.h, {0, tau - rotor * a, 0});
@@ -95,7 +95,7 @@ TEST_CASE("(45) (51) what hangs outboard pulls at every joint inboard of it: a c
 }
 
 TEST_CASE("(39) (44) a bead that slides outward on a turning rod") {
-  // The rod turns about z at the rate w; the bead slides along x at r with the speed s.
+  // The rod rotates about z at the rate w; the bead moves along x at the distance r with the speed s.
   const double w = 3, r = 0.5, s = 0.8, m = 0.2, J = 0.7;
   Model model({.gravity = {}});
   const BodyId rod = model.add({.name = "rod", .mass = 1, .inertia = diagonal(0.4, 0.4, J), .joint = Revolute{}, .v = w});
@@ -113,7 +113,7 @@ TEST_CASE("(39) (44) a bead that slides outward on a turning rod") {
 }
 
 TEST_CASE("what a drive transmits is taken from the reaction as it acts: along the joint's own freedoms") {
-  // Each joint holds its body against gravity, or not; the body's frame is not the joint's.
+  // Some joints hold their body against gravity, some do not; the body's frame is not the joint's.
   const Vec3 to{0.3, -0.2, 0.1};
   const double m = 2, g = 10;
   Model model({.gravity = {0, 0, -g}});
@@ -144,7 +144,7 @@ TEST_CASE("what a drive transmits is taken from the reaction as it acts: along t
   check_near(drive(1).h, {0, 0, 7});
   check_near(drive(2).l, {0, 0, 3});
   check_near(drive(2).h, {0, 0, 7});
-  // Torques t with n1·t = 7, n2·t = 3 and none across: n1 is the first axis as the second turn has left it.
+  // Torques t with n1·t = 7, n2·t = 3 and no component normal to both: n1 is the first axis after the second rotation.
   const Vec3 n2 = model[{3}].joint.axis2;
   const Vec3 n1 = transpose_times(rotation_matrix(from_axis_angle(n2, 0.2)), x_axis), t = drive(3).h;
   check_near(drive(3).l, {});
@@ -162,6 +162,6 @@ TEST_CASE("accelerations carry the stamp of their state") {
   CHECK(at.workspace.accelerated != at.state.stamp());
   accelerate(at.tree, at.state, at.workspace);
   CHECK(at.workspace.accelerated == at.state.stamp());
-  evaluate_rates(at.tree, at.state.q().data(), at.state.p().data(), at.workspace);  // a stage, of no state
+  evaluate_rates(at.tree, at.state.q().data(), at.state.p().data(), at.workspace);  // a stage, which belongs to no state
   CHECK(at.workspace.accelerated != at.state.stamp());
 }

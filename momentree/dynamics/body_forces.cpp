@@ -14,7 +14,7 @@ Vec3 value(const std::array<Signal, 3>& signals, double t) noexcept {
   return {signals[0].value(t), signals[1].value(t), signals[2].value(t)};
 }
 
-// Attitudes and velocities of the loaded bodies and of all that carry them.
+// Orientations and velocities of the loaded bodies and of all bodies inboard of them.
 void move_loaded_bodies(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept {
   for (const int b : tree.loaded_bodies()) {
     const int outer = tree.parent(b);
@@ -31,7 +31,7 @@ void move_loaded_bodies(const Tree& tree, const double* q, Workspace<double>& wo
   }
 }
 
-// One force: its wrench about the origin of the kernel frame, and its power.
+// Wrench of one force about the origin of the kernel frame; adds its power.
 Force<double> wrench_of(const BodyForce& force, const KernelFrame& frame, const Kinematics<double>& body, double t,
                         Power& power) noexcept {
   const auto to_kernel = [&](const Vec3& a) { return transpose_times(force.body_axes ? frame.R : body.R, a); };
@@ -48,7 +48,7 @@ Force<double> wrench_of(const BodyForce& force, const KernelFrame& frame, const 
   return W;
 }
 
-// A moment that is asked for a body locates all of them, those that are loaded as they are already.
+// The first query for a body through the context locates all bodies; the loaded ones get the values that they already have.
 void call_functions(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
   const EvaluationContext context(tree, t, q, workspace);
   for (const Topology::Loaded& load : tree.body_functions()) {
@@ -70,7 +70,7 @@ void add_body_forces(const Tree& tree, double t, const double* q, Workspace<doub
   const auto loaded = tree.loaded_bodies();
   if (loaded.empty()) return;
   move_loaded_bodies(tree, q, workspace);
-  Force<double>* const gathered = workspace.reduced_bias_wrenches.get();  // Tb; stale anyway until the next accelerations
+  Force<double>* const gathered = workspace.reduced_bias_wrenches.get();  // Tb; the array is stale until the next `accelerate`
   for (const int b : loaded) workspace.loads[static_cast<std::size_t>(b)] = {};
   for (const BodyForce& force : tree.body_forces()) {
     const int b = force.body.index;
@@ -85,7 +85,7 @@ void add_body_forces(const Tree& tree, double t, const double* q, Workspace<doub
     const JointState<double> joint = joint_state(tree, q, workspace, b);
     dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
       using K = typename decltype(tag)::type;
-      // (20) with u = 0 and Pb = 0 is Eᵀ Tb, and nothing for what is locked.
+      // (20) with u = 0 and Pb = 0 is Eᵀ Tb, and zero for locked DoFs.
       constexpr double at_rest[6] = {};
       double rate[6] = {};
       K::template momentum_rate<double>(tree.link(b), joint, at_rest, {}, gathered[b], rate);
@@ -101,7 +101,7 @@ void add_body_forces(const Tree& tree, double t, const double* q, Workspace<doub
 void clear_other_loads(const Tree& tree, Workspace<double>& workspace) noexcept {
   const auto loaded = tree.loaded_bodies();
   if (loaded.empty()) return;
-  std::size_t k = 0;  // both lists are inboard before outboard, in the same order
+  std::size_t k = 0;  // both lists are in the same order, inboard before outboard
   for (const int b : tree.order())
     if (k < loaded.size() && loaded[k] == b)
       ++k;

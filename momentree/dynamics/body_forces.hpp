@@ -1,17 +1,17 @@
 #pragma once
-// Forces on bodies (BodyForce) in the two recursions. They need velocities, which are known after the forward recursion only, so
-// they come in by an inward sweep of their own: Tb = T + Σ Xᵀ Tb of the children, ṗ += Eᵀ Tb, along the paths from the loaded
-// bodies to their roots and nowhere else.
+// Forces on bodies (BodyForce) in both recursions. They may depend on velocities, which are known only after the forward
+// recursion. So they are added by a separate inward pass, Tb = T + Σ Xᵀ Tb_child, ṗ += Eᵀ Tb, restricted to the paths from the
+// loaded bodies to their roots.
 #include <momentree/dynamics/workspace.hpp>
 
 namespace momentree {
 
-/// Adds to pdot what forces on bodies do at time t, and their power to work.power: what drag takes is dissipated, what force and
-/// torque give is work. Keeps T of each loaded body in work.loads. After evaluate_rates or evaluate_motions at q, and after
-/// add_joint_forces. Neither allocates nor throws; nothing to do where there are none.
+/// Adds the effect of forces on bodies at time t (s) to pdot, and their power to workspace.power: that of drag is dissipated,
+/// that of force and torque is work. Stores T of each loaded body in workspace.loads. Call after evaluate_rates or
+/// evaluate_motions at q, and after add_joint_forces. Neither allocates nor throws; does nothing if there are no forces.
 void add_body_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept;
 
-/// Of bodies on which no force acts, in a tree where some do: zeros in work.loads, as the second recursion wants.
+/// Zeroes workspace.loads of the bodies without forces, in a tree with forces, as the second recursion needs.
 void clear_other_loads(const Tree& tree, Workspace<double>& workspace) noexcept;
 
 }  // namespace momentree

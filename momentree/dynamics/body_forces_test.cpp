@@ -37,7 +37,7 @@ TEST_CASE("(20) a force at a point turns and pushes a body; it stands in world a
     Model model({.gravity = {}});
     const double half = std::sqrt(0.5);
     BodySpec spec = ball("m/a");
-    spec.q = {0, 0, 0, half, 0, 0, half};  // a quarter turn about z
+    spec.q = {0, 0, 0, half, 0, 0, half};  // a rotation by 90° about z
     const BodyId a = model.add(spec);
     model.add_force(
         {.body = a, .point = {0.5, 0, 0}, .force = {0.0, 3.0, 0.0}, .torque = {0.0, 0.0, 1.0}, .body_axes = body_axes});
@@ -45,13 +45,13 @@ TEST_CASE("(20) a force at a point turns and pushes a body; it stands in world a
     const State state = start_state(model, tree);
     Workspace<double> workspace(tree);
     forward_dynamics(tree, state, workspace);
-    // World y is the body's x after the turn.
+    // World y is the body's x after the rotation.
     CHECK(workspace.pdot[0] == doctest::Approx(body_axes ? 0 : 3));
     CHECK(workspace.pdot[1] == doctest::Approx(body_axes ? 3 : 0));
     CHECK(workspace.pdot[5] == doctest::Approx(body_axes ? 2.5 : 1));
     accelerate(tree, state, workspace);
     CHECK(workspace.a[5] == doctest::Approx((body_axes ? 2.5 : 1) / 0.3));
-    CHECK(norm(reaction(tree, state, workspace, tree.inboard_joint({0})).l) < 1e-14);  // nothing holds it
+    CHECK(norm(reaction(tree, state, workspace, tree.inboard_joint({0})).l) < 1e-14);  // unconstrained
     CHECK(norm(reaction(tree, state, workspace, tree.inboard_joint({0})).h) < 1e-14);
   }
 }
@@ -217,7 +217,7 @@ TEST_CASE("bodies that prescribed motions carry: the drive's effort holds the fo
   Simulation sim(model);
   REQUIRE(sim.run_until(0.4) == Status::ok);
   const JointForces forces = sim.world().joint_forces({a.index});
-  const double b = 5 - 0.3 * sim.world().motions()[1].linear.x;  // on the free slider, which passes nothing on
+  const double b = 5 - 0.3 * sim.world().motions()[1].linear.x;  // on the free slider, which transmits no force
   CHECK(sim.world().accelerations()[1].linear.x == doctest::Approx(b));
   CHECK(forces.effort[0] == doctest::Approx(2 * forces.a[0] + 4));
   CHECK(std::fabs(sim.energy().error) < 1e-7);

@@ -4,8 +4,8 @@
 
 namespace momentree {
 
-/// Operations of one evaluation of q̇ and ṗ of this tree, counted on the kernels themselves, in the order of those that run many
-/// worlds at once; joint forces apart. Which values the coordinates have makes no difference. Allocates.
+/// Operations of one evaluation of q̇ and ṗ of this tree, without joint forces, counted by running the kernels themselves, in the
+/// order that is used for many worlds at once. The result does not depend on the coordinates. Allocates.
 Operations count_operations(const Tree& tree);
 
 }  // namespace momentree

@@ -1,5 +1,5 @@
-// Budgets: what an evaluation costs by the kernels themselves. The figures are what the kernels do now, exactly: whoever changes
-// one sees here what it costs, or saves.
+// Operation budgets: the cost of an evaluation by the kernels themselves. The figures are exact, so that any change of a kernel
+// shows its cost or saving here.
 #include <momentree/dynamics/count.hpp>
 
 #include <cmath>
@@ -39,7 +39,7 @@ Pose general_place(std::mt19937& random) {
   return at;
 }
 
-/// Pins in general position.
+/// Revolute joints in general position.
 Model general_chain(int bodies, const Vec3& gravity) {
   std::mt19937 random(static_cast<unsigned>(bodies));
   Model model({.gravity = gravity});
@@ -48,11 +48,11 @@ Model general_chain(int bodies, const Vec3& gravity) {
   return model;
 }
 
-/// Twist about x and lengths of a link (Denavit and Hartenberg).
+/// Twist about x (rad) and lengths (m) of a link (Denavit and Hartenberg).
 Pose link_place(double alpha, double a, double d) {
   return {{a, -d * std::sin(alpha), d * std::cos(alpha)}, from_axis_angle(x_axis, alpha)};
 }
-/// Two pins that keep it from a plane, and `links` of one shape.
+/// Two revolute joints that prevent a plane mechanism, and `links` links of one shape.
 Model shaped_chain(int links, const Pose& at, const Vec3& gravity) {
   Model model({.gravity = gravity});
   BodyId last = model.add(body(0, ground, {}, Revolute{}));
@@ -76,7 +76,7 @@ long step_operations() {
   return Counted::operations().total();
 }
 
-/// A body of the kind, and of the variant, more.
+/// Operations of one more body with this kind and variant.
 long of_a_link(Kind kind, Variant variant, const Vec3& gravity) {
   const bool turned = variant == Variant::reversed || variant == Variant::reversed_locked;
   const bool locked = variant == Variant::locked || variant == Variant::reversed_locked;
@@ -116,7 +116,7 @@ TEST_CASE("Table 1: pins in general position take no more than 316 n - 177 opera
   for (int n = 2; n <= 50; ++n) {
     CAPTURE(n);
     const Tree still = compile(general_chain(n, nothing)), falling = compile(general_chain(n, down));
-    // Where neighbouring axes are nearly parallel, their common normal is far off, and the link is not the cheapest.
+    // If neighbouring axes are nearly parallel, their common normal is far away, and the link does not have the cheapest shape.
     long tilted = 0;
     for (int b = 1; b < n; ++b) tilted += still.link(b).shape == PlacementShape::tilted;
     const Operations operations = count_operations(still);
@@ -148,8 +148,8 @@ TEST_CASE("budgets by the shape of a link") {
   struct Budget {
     PlacementShape shape;
     long still, falling;
-    Pose at;     ///< of a link of that shape behind another
-    bool chain;  ///< false: only behind a fork, or by chance
+    Pose at;     ///< placement of a link of that shape after another one
+    bool chain;  ///< false: occurs only after a branching body, or by chance
   };
   const double right = std::acos(0.0);
   const Budget budgets[] = {
@@ -217,7 +217,7 @@ TEST_CASE("budgets by the kind of a joint: as it is, with a rotor, locked, again
     CHECK(of_a_link(b.kind, Variant::locked, down) == b.locked);
     CHECK(of_a_link(b.kind, Variant::reversed, down) == b.reversed);
     CHECK(of_a_link(b.kind, Variant::reversed_locked, down) == b.reversed_locked);
-    if (b.kind == Kind::revolute) continue;  // only its steps leave gravity out
+    if (b.kind == Kind::revolute) continue;  // only its steps omit gravity
     CHECK(of_a_link(b.kind, Variant::plain, nothing) == b.plain);
     CHECK(of_a_link(b.kind, Variant::reversed, nothing) == b.reversed);
   }
@@ -236,7 +236,7 @@ TEST_CASE("mechanisms add up; another branch costs what it has, and the sum at t
     }
     CHECK(operations(both) == operations(general_chain(7, gravity)) + operations(other));
 
-    // A trunk with branches alike, in general position.
+    // A trunk with isomorphic branches, in general position.
     const auto star = [&](int branches, int links) {
       Model model({.gravity = gravity});
       const BodyId trunk = model.add(body(0, ground, {}, Revolute{}));
@@ -249,11 +249,12 @@ TEST_CASE("mechanisms add up; another branch costs what it has, and the sum at t
     };
     const bool has_gravity = gravity.z != 0;
     const long link = has_gravity ? 350 : 316,
-               turned = has_gravity ? 481 : 435;  // the first link of a branch but the first is a general one
-    // Of all that the branches ask a root wants two numbers, and two of the first moment where something falls; but they are
-    // summed up with the rest where neither the first child nor the last is.
+               turned = has_gravity ? 481 : 435;  // the first link of every branch but the first is a general one
+    // The root uses only two numbers of the branches' sum, and with gravity two of the first moment; but children other than the
+    // first and the last still add up whole contributions.
     const auto sum = [&](int branches) { return branches > 2 ? 30 : has_gravity ? 4 : 2; };
-    const long tip = has_gravity ? 46 : 43;  // nothing to add the own to, nor to take from p; and mass alone does not turn
+    const long tip = has_gravity ? 46 : 43;  // nothing is added to its own mass, or subtracted from p; and the mass alone is
+                                             // invariant under rotation
     CHECK(star(1, 4) - star(1, 3) == link);
     for (int branches = 2; branches < 5; ++branches)
       CHECK(star(branches, 4) - star(branches - 1, 4) == 3 * link + turned + sum(branches) - tip);

@@ -1,5 +1,5 @@
 #pragma once
-// The world at an instant, for functions of the user's that drive joints or act on bodies.
+// The world at one instant, for user functions that drive joints or act on bodies.
 #include <span>
 
 #include <momentree/dynamics/motion.hpp>
@@ -7,9 +7,9 @@
 
 namespace momentree {
 
-/// What such a function may ask for. It is called at every stage of a step, whose coordinates are not those of any state that is
-/// kept: use none of it after the call, and in the call nothing else that the world has. What asks the world or its simulation
-/// there stops the program. Bodies are located the first time that one is asked for; nothing allocates.
+/// The part of the world that a user function may read. The function is called at every stage of a step, with coordinates that
+/// belong to no stored state: do not keep the context after the call, and read nothing else of the world during it. A call to the
+/// world or its simulation from the function stops the program. Bodies are located at the first query; nothing allocates.
 class EvaluationContext {
  public:
   EvaluationContext(const Tree& tree, double time, const double* q, Workspace<double>& workspace) noexcept
@@ -21,12 +21,12 @@ class EvaluationContext {
   EvaluationContext& operator=(const EvaluationContext&) = delete;
 
   double time() const { return time_; }
-  /// Coordinates and velocities of the joint of that number, in its declared direction; empty where it left the world.
+  /// Coordinates (rad, m) and velocities (rad/s, m/s) of a joint, in its declared direction; empty if it has left the world.
   Numbers q(JointId joint) const noexcept;
   Numbers v(JointId joint) const noexcept;
-  /// True where a function drives the joint of that number: false once it broke or became another.
+  /// True if a function drives the joint; false once it broke or was replaced.
   bool has_function(JointId joint) const noexcept;
-  /// Frame of a body; the world's origin at rest for the ground and for a body that left the world.
+  /// Motion of a body's user frame; for the ground and for a removed body the world's frame at rest.
   BodyMotion motion(BodyId body) const noexcept;
 
  private:

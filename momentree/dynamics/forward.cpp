@@ -25,7 +25,7 @@ void add_springs(const Tree& tree, const double* q, double* force) noexcept {
   }
 }
 
-// All but springs, dampers and constant efforts.
+// All force elements except springs, dampers and constant efforts.
 void add_elements(const EvaluationContext& context, const forces::Site& site, const JointFunction* function,
                   bool resisting = true) noexcept {
   const JointParameters& p = site.parameters;
@@ -42,7 +42,7 @@ void add_elements(const EvaluationContext& context, const forces::Site& site, co
     if (site.on(i)) forces::add_effort(site, i, effort[i]);
 }
 
-// `resisting` false: without what resistance.hpp has; driven freedoms keep all of it.
+// `resisting` false: without the resisting forces of resistance.hpp, except on driven DoFs.
 Power add_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, double* force,
                  bool resisting = true) noexcept {
   Power power;
@@ -68,7 +68,7 @@ Power add_forces(const Tree& tree, double t, const double* q, Workspace<double>&
   return power;
 }
 
-// Where motions are prescribed: accelerations at once, for the power of what drives them.
+// With prescribed motion the accelerations are computed in the same evaluation, for the power of the drives.
 void add_forces_and_motions(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
   std::fill_n(workspace.a.get(), tree.nv(), 0.0);
   workspace.power = add_forces(tree, t, q, workspace, workspace.a.get());

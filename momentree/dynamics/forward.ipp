@@ -1,8 +1,8 @@
 #pragma once
-// Bodies of the two recursions; included only by instantiate/*.cpp, one scalar each.
+// Definitions of the two recursions; included only by instantiate/*.cpp, each for one scalar.
 //
-// The sweeps run along the order with their sums in locals: behind a body stands its first child, so that only where other
-// children meet do sums pass through memory. Stretches of joints that share their kernels are one loop.
+// The passes run along the tree's order with their sums in local variables. The first child of a body follows it directly, so
+// sums pass through memory only for later children. Kernel runs, consecutive bodies with the same kernels, are one loop.
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/in_plane.ipp>
 #include <momentree/dynamics/pair_sweep.hpp>
@@ -19,14 +19,14 @@ struct Sweep {
   const T* q;
   const T* p;
   Workspace<T>& workspace;
-  bool has_gravity;  // else nobody adds up first moments
+  bool has_gravity;  // if false, first moments are not summed
   SweepBuffers<Inboard<T>, Outboard<T>> buffers{tree, workspace.child_sums.get(), workspace.parent_states.get()};
 
   MOMENTREE_INLINE JointState<T> joint_state(int b) const {
     return {q + tree.first_q(b), workspace.cos.get() + tree.first_angle(b), workspace.sin.get() + tree.first_angle(b)};
   }
 
-  /// Backward recursion over a stretch of the order. `Keep` as below.
+  /// Backward recursion over a kernel run. `Keep` as below.
   template <class K, bool Keep>
   void inboard(const KernelRun& run) const {
     const auto order = tree.order();
@@ -42,7 +42,7 @@ struct Sweep {
       auto& record = records[i - run.begin];
       if ((flags & node::leaf) != 0) a = {};  // Mb = M, Db = 0
       buffers.gather_children(b, flags, a);
-      add_rigid_mass(a.M, link.body);  // (22), (23): children are in `a` already
+      add_rigid_mass(a.M, link.body);  // (22), (23): `a` already contains the children
       a.mc.x += link.body.mc.x, a.mc.y += link.body.mc.y, a.mc.z += link.body.mc.z;
       if constexpr (K::rigid) {
         if constexpr (Keep) record.M = a.M, record.D = a.D;
@@ -51,7 +51,7 @@ struct Sweep {
         K::template reduce<T>(link, joint, p + tree.first_p(b), tree.armature() + tree.first_p(b), a.M, a.D,
                               record);  // (24)–(26)
         const auto over = [&](const auto& transform) MOMENTREE_INLINE_LAMBDA {
-          if ((flags & node::root) != 0) return;  // nobody asks for it
+          if ((flags & node::root) != 0) return;  // the ground needs no output
           transform.inboard(a.M);                 // (16)
           transform.inboard(a.D);
           transform.inboard(a.mc, tree.subtree_mass(b));
@@ -66,8 +66,7 @@ struct Sweep {
     buffers.suspend_inward(run, a);
   }
 
-  /// Forward recursion over a stretch of the order. `Keep`: what changes and accelerations read, Ω and Pb, is kept; stages leave
-  /// it out.
+  /// Forward recursion over a kernel run. `Keep`: also stores Ω and Pb, which changes and accelerations read; stages do not.
   template <class K, bool Keep>
   void outboard(const KernelRun& run, const Outboard<T>& base) const {
     const auto order = tree.order();
@@ -110,7 +109,7 @@ struct Sweep {
     buffers.suspend_outward(run, a);
   }
 
-  // The same for kinds that have whole steps by the shape of a link.
+  // The same for kinds with whole steps by the shape of a link.
 
   template <class K, bool Gravity, bool Keep>
   void inboard_steps(const KernelRun& run) const {
@@ -178,7 +177,7 @@ struct Sweep {
   }
 };
 
-/// Sines and cosines of angle(0), angle(1) …, a few at a time: what was just found is still at hand.
+/// Sines and cosines of angle(0), angle(1) …, in small blocks.
 template <class T, class Angle>
 MOMENTREE_INLINE void sincos_in_blocks(int n, const Angle& angle, T* s, T* c) {
   if constexpr (std::is_same_v<T, double>) {
@@ -194,7 +193,7 @@ MOMENTREE_INLINE void sincos_in_blocks(int n, const Angle& angle, T* s, T* c) {
   }
 }
 
-/// Of the joints' angles, θ0 added; of mechanisms in a plane, at a stage, those of the bodies' angles instead.
+/// Sines and cosines of the joint angles including θ0; for plane mechanisms in a stage, of the bodies' absolute angles instead.
 template <class T, bool Keep>
 MOMENTREE_INLINE void find_sines(const Tree& tree, const T* q, Workspace<T>& workspace) {
   const int* const coordinates = tree.angle_coordinates().data();
@@ -219,7 +218,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
   workspace.evaluated = {};
   workspace.located = {};
   workspace.accelerated = {};
-  constexpr bool in_pairs = has_pair_lanes && std::is_same_v<T, double>;  // branches that are built alike
+  constexpr bool in_pairs = has_pair_lanes && std::is_same_v<T, double>;  // paired branches
   const auto kernel_runs = in_pairs ? tree.paired_runs() : tree.kernel_runs();
   find_sines<T, Keep>(tree, q, workspace);
 
@@ -227,7 +226,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
   const bool has_gravity = g.x != 0 || g.y != 0 || g.z != 0;
   const InPlaneSweep<T> planar{tree, q, p, workspace};
   const Sweep<T> sweep{tree, q, p, workspace, has_gravity};
-  T o(0);  // not constant, and written out: compilers clear structs at a cost that small mechanisms feel
+  T o(0);  // not constexpr, and written out: clearing structs has a cost that shows for small mechanisms
   const Outboard<T> base{{{o, o, o}, {o, o, o}}, {T(g.x), T(g.y), T(g.z)}};
   for (std::size_t i = kernel_runs.size(); i-- > 0;) {
     const KernelRun& s = kernel_runs[i];
@@ -249,7 +248,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
         else
           sweep.template inboard_steps<K, false, Keep>(s);
       } else {
-        sweep.template inboard<K, Keep && K::rigid>(s);  // only rigid kernels keep anything on the way in
+        sweep.template inboard<K, Keep && K::rigid>(s);  // only rigid kernels store anything in the inward pass
       }
     });
   }

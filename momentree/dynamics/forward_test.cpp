@@ -1,5 +1,5 @@
-// The recursions by their own equations, on small trees that show each of them. (Random trees of all kinds against an independent
-// oracle: tests/oracle.)
+// The recursions against their own equations, on small trees that show each of them. (Random trees of all kinds against an
+// independent oracle: tests/oracle.)
 #include <momentree/dynamics/forward.hpp>
 
 #include <array>
@@ -17,7 +17,7 @@ using namespace momentree;
 
 namespace {
 
-// A body of every kind of joint on a trunk, two of them on a fork, one mechanism on a free root.
+// One body per kind of joint on a trunk, two of them branching, and one mechanism on a free root.
 Model all_kinds_model() {
   Model model({.gravity = {0.5, -2, -9}});
   const auto body = [&](const char* name, BodyId parent, JointSpec joint, Values q, Values v) {
@@ -52,7 +52,7 @@ struct Fixture {
   Workspace<double> workspace{tree};
   Fixture() { forward_dynamics(tree, state, workspace); }
 
-  // Pb by its definition: the momenta of all outboard bodies, brought to b's frame through the world.
+  // Pb by definition: the sum of the momenta of all outboard bodies, transformed to b's frame through the world frame.
   Force<double> summed_momentum(int b) {
     locate_bodies(tree, state, workspace);
     const Kinematics<double>& frame = workspace.bodies[static_cast<std::size_t>(b)];
@@ -113,7 +113,7 @@ TEST_CASE("(11) kinetic energy is half of p.v, for a world that rests on fixed g
 }
 
 TEST_CASE("(15) (20) energy is conserved along the rates: gravity does the work that the potential gives") {
-  // d(T + V)/dt by differences along (qdot, pdot), which (20) and the accumulated weight (15) must make zero.
+  // d(T + V)/dt by differences along (qdot, pdot), which must be zero by (20) and the accumulated weight (15).
   Fixture f;
   const auto energy_at = [&](double h) {
     State moved = f.state;
@@ -177,6 +177,6 @@ TEST_CASE("stamps: what was evaluated on one state is not taken for another's") 
   CHECK(f.workspace.evaluated != f.state.stamp());
   forward_dynamics(f.tree, f.state, f.workspace);
   CHECK(f.workspace.evaluated == f.state.stamp());
-  evaluate_rates(f.tree, f.state.q().data(), f.state.p().data(), f.workspace);  // a stage, of no state
+  evaluate_rates(f.tree, f.state.q().data(), f.state.p().data(), f.workspace);  // a stage, which belongs to no state
   CHECK(f.workspace.evaluated != f.state.stamp());
 }

@@ -1,13 +1,13 @@
 #pragma once
-// Mechanisms in a plane: grounded trees of pins, all axes parallel. Three numbers do for a velocity; in the plane's own axes,
-// with absolute angles, nothing has to be turned from body to body. Included only by forward.ipp.
+// Plane mechanisms: grounded trees of revolute joints with parallel axes. A velocity has only three components, and in the
+// plane's axes with absolute angles nothing is rotated from body to body. Included only by forward.ipp.
 #include <momentree/dynamics/sweep_buffers.hpp>
 #include <momentree/dynamics/workspace.hpp>
 #include <momentree/joint/kinds.hpp>
 
 namespace momentree {
 
-/// Gravity in the axes of a plane: those of its root's joint, before it turns.
+/// Gravity in the axes of a plane: those of its root joint before its rotation.
 inline Vec3 gravity_in_plane(UncheckedTree tree, int root) {
   Vec3 g = tree.gravity();
   const LinkConstants& k = tree.link(root);
@@ -16,8 +16,8 @@ inline Vec3 gravity_in_plane(UncheckedTree tree, int root) {
   return g;
 }
 
-/// Angles of joints, in `angle`, become those of bodies. A first child finds its parent's at hand: through memory it would wait
-/// for it.
+/// Turns the joint angles in `angle` into absolute body angles. A first child takes its parent's from a local variable, because
+/// reading it back from memory would stall.
 template <class T>
 void add_up_angles(UncheckedTree tree, const KernelRun& run, T* angle) noexcept {
   T sum(0);
@@ -44,13 +44,12 @@ struct InPlaneSweep {
   SweepBuffers<InPlaneInboard<T>, InPlaneOutboard<T>> buffers{tree, workspace.in_plane_child_sums.get(),
                                                               workspace.in_plane_parent_states.get()};
 
-  /// (22)–(26) and (16); everything about the body's joint, in the plane's axes.
+  /// (22)–(26) and (16), everything about the body's joint, in the plane's axes.
   template <bool Gravity>
   void inboard(const KernelRun& run) const {
     const int* order = tree.order().data();
     const unsigned char* node_flags = tree.node_flags().data();
-    InPlaneRecord<T>* const records =
-        workspace.template records_of<InPlaneKernels>(tree, run);  // closer together than those of pins
+    InPlaneRecord<T>* const records = workspace.template records_of<InPlaneKernels>(tree, run);  // denser than revolute records
     InPlaneInboard<T> a{};
     for (int i = run.end - 1; i >= run.begin; --i) {
       const int b = order[i], outer = tree.parent(b);

@@ -16,7 +16,7 @@ decltype(auto) with_kernels(UncheckedTree tree, int b, F&& f) {
   return dispatch_kernels(tree.kind(b), tree.variant(b), std::forward<F>(f));
 }
 
-// One joint inward, for whatever can cross it: f(crossing) with the crossing as the kind itself has it.
+// Calls f with the transform of b's joint, in the form of its kind.
 template <class F>
 void cross_inboard(UncheckedTree tree, const State& state, const Workspace<double>& workspace, int b, F&& f) {
   with_kernels(tree, b, [&](auto tag) {
@@ -26,7 +26,7 @@ void cross_inboard(UncheckedTree tree, const State& state, const Workspace<doubl
   });
 }
 
-// f(kernels, joint state), with trigonometry from the coordinates alone.
+// Calls f(kernels, joint state), with trigonometry from the coordinates alone.
 template <class F>
 void with_joint(UncheckedTree tree, const double* q, int b, F&& f) {
   with_kernels(tree, b, [&](auto tag) {

@@ -1,5 +1,5 @@
 #pragma once
-// Momenta: of bodies, of what hangs on a joint, conjugate to the joints' velocities (12), (14), (19).
+// Momenta: of bodies, articulated, and conjugate to the joint velocities (12), (14), (19).
 #include <span>
 
 #include <momentree/dynamics/forward.hpp>
@@ -7,37 +7,38 @@
 
 namespace momentree {
 
-/// p from v, both packed (nv), at coordinates q: one outward pass for Ω, one inward for Pb. Set-up only: allocates.
-/// p = Eᵀ Pb + armature·v (19); where a motion is prescribed, the rate v.
+/// Computes p from v, both packed (nv), at coordinates q: one outward pass for Ω, one inward pass for Pb. p = Eᵀ Pb + armature·v
+/// (19); for a prescribed motion p is the rate v. For set-up only: allocates.
 void project_momentum(const Tree& tree, const double* q, const double* v, double* p);
 
-/// Body b is new: adds its momentum to the p of its joint (which is set) and of all joints inboard, so that no velocity changes.
-/// `parent`: velocity of its parent, kernel frame of the parent; v: of the new joint. Reads q, no work; p is the packed array.
+/// For a new body b: sets p of its joint and adds b's momentum to p of all joints inboard, so that no velocity changes. `parent`:
+/// velocity of the parent in the parent's kernel frame; v: of the new joint. Reads q but no workspace; p is the packed array.
 void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>& parent, const double* v, double* p) noexcept;
 
-/// The state of a model's start values q, v, at time 0; joints whose motion is prescribed start where that says. The tree is as
-/// it was compiled from this model.
+/// The state with a model's start values q and v at time 0; joints with prescribed motion start at its values. The tree must be
+/// as compiled from this model.
 [[nodiscard]] State start_state(const Model& model, const Tree& tree);
 
-/// Articulated momentum Pb of body b (14): of b and all outboard bodies, kernel frame of b. The work must be of this state.
+/// Articulated momentum Pb (14), of body b and all outboard bodies, in b's kernel frame. Requires a workspace evaluated on this
+/// state.
 [[nodiscard]] Force<double> articulated_momentum(const Tree& tree, const State& state, const Workspace<double>& workspace,
                                                  int b) noexcept;
 
-/// Pose of body b's kernel frame in the world, O(depth); the work must be of this state.
+/// Pose of body b's kernel frame in the world, O(depth). Requires a workspace evaluated on this state.
 [[nodiscard]] DenseTransform<double> locate_body(const Tree& tree, const State& state, const Workspace<double>& workspace,
                                                  int b) noexcept;
 
-/// (29): W, about the origin and in the axes of body b's kernel frame, leaves (sign −1) or joins (+1) what hangs on the ancestors
-/// of b: their p change by sign·Eᵀ W. p is the packed array to change; O(depth). Reads q and the work's trigonometry alone, which
-/// the caller knows to be of this state (p may be the state's own, under edit).
+/// (29): removes (sign −1) or adds (+1) the momentum W, in the kernel frame of body b, from or to the articulated momenta of b's
+/// ancestors: their p change by sign·Eᵀ W. p is the packed array to change; O(depth). Reads only q and the workspace's
+/// trigonometry, which must be of this state (p may be the state's own, under edit).
 void shed_momentum(const Tree& tree, const State& state, const Workspace<double>& workspace, int b, Force<double> W, double sign,
                    double* p) noexcept;
 
-/// p of b's joint changes by sign·Eᵀ W, but for locked and driven freedoms; p is the packed array, W in the kernel frame of b.
+/// Changes p of b's joint by sign·Eᵀ W, except for locked and driven DoFs; p is the packed array, W in the kernel frame of b.
 void absorb(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double sign, double* p) noexcept;
 /// Writes Eᵀ W of b's joint (nv numbers), W in the kernel frame of b.
 void project(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double* p) noexcept;
-/// Momentum or wrench of body b: from its kernel frame to the user's frame of the body, and back.
+/// Momentum or wrench of body b: from its kernel frame to its user frame, and back.
 Force<double> to_user_frame(const KernelFrame& frame, const Force<double>& P) noexcept;
 Force<double> to_kernel_frame(const KernelFrame& frame, const Force<double>& P) noexcept;
 

@@ -7,12 +7,12 @@ namespace momentree {
 template <class T>
 class Workspace;
 
-/// The backward recursion over two stretches of the order that are of kinds alike (Segment::twin), both at once: what each
-/// branch asks goes to its parent. `second` is that behind the other in the order. `Keep` as in the sweeps of single bodies.
+/// Backward recursion over a pair of kernel runs (KernelRun::pair) at once; adds each branch's contribution to its parent.
+/// `second` is the later of the two in the order. `Keep` as in the passes over single bodies.
 template <bool Keep>
 void pairs_inboard(const Tree& tree, const KernelRun& second, bool has_gravity, const double* p,
                    Workspace<double>& workspace) noexcept;
-/// The forward recursion. `base`: what roots get.
+/// The forward recursion. `base`: the ground's velocity and gravity, the input of roots.
 template <bool Keep>
 void pairs_outboard(const Tree& tree, const KernelRun& first, bool has_gravity, const Outboard<double>& base, const double* p,
                     Workspace<double>& workspace) noexcept;

@@ -1,5 +1,5 @@
 #pragma once
-// The sweeps of forward.ipp over two branches at once: the same steps, on a scalar of two lanes. Included only by
+// The passes of forward.ipp over two paired branches at once: the same steps, on a scalar of two lanes. Included only by
 // instantiate/*.cpp.
 #include <momentree/dynamics/pair_sweep.hpp>
 #include <momentree/dynamics/revolute_dispatch.hpp>
@@ -22,7 +22,7 @@ struct PairSweep {
   SweepBuffers<Inboard<double>, Outboard<double>> outside{tree, workspace.child_sums.get(), workspace.parent_states.get()};
 
   MOMENTREE_INLINE BodySweep<double>& motion_of(int b) const { return workspace.motions[static_cast<std::size_t>(b)]; }
-  /// A body and its twin.
+  /// The two bodies at the same place of the paired branches.
   struct Bodies {
     int one, other;
   };
@@ -36,7 +36,7 @@ struct PairSweep {
     Inboard<BodyPair> a;
     within.resume_inward(first, a);
     for (int i = length() - 1; i >= 0; --i) {
-      const int b = bodies(i).one, c = bodies(i).other;  // no binding: clang 14 does not let lambdas have one
+      const int b = bodies(i).one, c = bodies(i).other;  // no structured binding: clang 14 cannot capture it in lambdas
       const unsigned flags = flags_at(i);
       const PairedLinks& k = links[i];
       const int angle = tree.first_angle(b), there = tree.first_angle(c), at = tree.first_p(b), other = tree.first_p(c);
@@ -73,7 +73,7 @@ struct PairSweep {
     Outboard<BodyPair> a;
     resume_outward(base, a);
     for (int i = 0; i < length(); ++i) {
-      const int b = bodies(i).one, c = bodies(i).other;  // no binding: clang 14 does not let lambdas have one
+      const int b = bodies(i).one, c = bodies(i).other;  // no structured binding: clang 14 cannot capture it in lambdas
       const unsigned flags = flags_at(i);
       const PairedLinks& k = links[i];
       const int angle = tree.first_angle(b), there = tree.first_angle(c), at = tree.first_p(b), other = tree.first_p(c);
@@ -147,7 +147,7 @@ struct PairSweep {
   }
 
  private:
-  /// To the branches' own first bodies nothing comes from within.
+  /// The first bodies of paired branches keep their output in the accumulator: their parent is not part of the pair.
   MOMENTREE_INLINE unsigned flags_at(int i) const {
     const unsigned flags = node_flags[first.begin + i];
     return i == 0 && first.branch ? flags & ~unsigned{node::last_child} : flags;
@@ -161,7 +161,7 @@ struct PairSweep {
     };
     both(value.velocity.v, from.velocity.v), both(value.velocity.w, from.velocity.w), both(value.gravity, from.gravity);
   }
-  /// What each branch asks, to where it would have put it by itself.
+  /// Adds each branch's contribution where the pass over single bodies would have put it.
   MOMENTREE_INLINE void suspend_inward(const Inboard<BodyPair>& sum) const {
     if (!first.branch) return within.suspend_inward(first, sum);
     const auto [b, c] = bodies(0);
@@ -171,7 +171,7 @@ struct PairSweep {
                is_last = (node_flags[second.begin] & node::last_child) != 0;
     Inboard<double>&inlet = outside.child_sums[outer], &one = outside.child_sums[b],
     &other = is_last ? inlet : outside.child_sums[c];
-    part(sum, one, other);  // a first child's waits there
+    part(sum, one, other);  // a first child's stays in child_sums[b]
     if (!is_last) inlet += other;
     if (!is_first) inlet += one;
   }

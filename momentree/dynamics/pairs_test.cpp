@@ -1,5 +1,5 @@
-// Branches that are built alike, two of which are swept at once, against the same bodies one by one: on random mechanisms with
-// limbs on a trunk, before and after changes that part the pairs.
+// Pairs of isomorphic branches, processed two at once, against the same bodies processed one by one: on random mechanisms with
+// limbs on a trunk, before and after changes that separate the pairs.
 #include <doctest/doctest.h>
 
 #include <string>
@@ -16,9 +16,9 @@ namespace {
 
 using namespace test;
 
-/// How the bodies of a limb hang together.
+/// One body of a limb.
 struct Piece {
-  int parent = -1;  // among the limb's bodies; −1: where the limb hangs
+  int parent = -1;  // among the limb's bodies; −1: attached to the trunk
   bool weld = false, rotor = false;
 };
 std::vector<Piece> random_limb(Random& random) {
@@ -32,7 +32,7 @@ std::vector<Piece> random_limb(Random& random) {
   }
   return limb;
 }
-/// Placements and masses are each body's own: those of a limb's twin differ.
+/// Placements and masses are random for each body, so those of paired limbs differ.
 void add_limb(Model& model, const std::vector<Piece>& limb, BodyId at, Random& random) {
   const int first = model.size();
   for (const Piece& piece : limb) {
@@ -47,7 +47,7 @@ void add_limb(Model& model, const std::vector<Piece>& limb, BodyId at, Random& r
     model.add(body);
   }
 }
-/// A trunk with limbs of few sorts, some of them its equals; and mechanisms that are like one another as a whole.
+/// A trunk with limbs of few kinds, some of them isomorphic, or mechanisms that are isomorphic as a whole.
 Model random_model(Random& random, bool gravity) {
   Model model({.gravity = gravity ? random.vector(10) : Vec3{}});
   const std::vector<Piece> sorts[] = {random_limb(random), random_limb(random)};
@@ -65,7 +65,7 @@ Model random_model(Random& random, bool gravity) {
   return model;
 }
 
-/// What came about, so that nothing is taken for tested that was not.
+/// Counts the cases that occurred, so that none passes untested.
 struct Seen {
   int pairs = 0, apart = 0, mechanisms = 0, forks = 0, welds = 0, rotors = 0, mixed = 0, single = 0;
 
@@ -92,7 +92,7 @@ struct Seen {
 std::vector<double> numbers(const Motion<double>& a) { return {a.v.x, a.v.y, a.v.z, a.w.x, a.w.y, a.w.z}; }
 std::vector<double> numbers(const Force<double>& a) { return {a.l.x, a.l.y, a.l.z, a.h.x, a.h.y, a.h.z}; }
 
-/// Whole states of bodies, of a work that is accelerated.
+/// All body quantities of an accelerated workspace.
 std::vector<double> of_bodies(const Tree& tree, const Workspace<double>& workspace) {
   std::vector<double> all;
   const auto add = [&](const std::vector<double>& some) { all.insert(all.end(), some.begin(), some.end()); };
@@ -111,7 +111,7 @@ void compare(const Tree& tree, const State& state, Seen& seen) {
   poison(tree, stage), poison(tree, pairs);
   evaluate_rates(tree, state.q().data(), state.p().data(), stage);
   accelerate(tree, state, pairs);
-  Tree in_pieces;  // which has no twins
+  Tree in_pieces;  // which has no pairs
   in_pieces.copy_with_generic_kernels(tree);
   for (const KernelRun& s : in_pieces.paired_runs()) CHECK((s.pair < 0 || s.kind == Kind::weld));
   Workspace<double> generic(in_pieces);
@@ -127,7 +127,7 @@ void compare(const Tree& tree, const State& state, Seen& seen) {
   CHECK(near(pairs.a.get(), generic.a.get(), nv));
   const std::vector<double> a = of_bodies(tree, pairs), b = of_bodies(tree, generic);
   CHECK(near(a.data(), b.data(), static_cast<int>(a.size())));
-  add_joint_forces(tree, state.time(), state.q().data(), stage);  // as `pairs` has them
+  add_joint_forces(tree, state.time(), state.q().data(), stage);  // as in `pairs`
   CHECK(near(stage.pdot.get(), pairs.pdot.get(), nv));
 }
 

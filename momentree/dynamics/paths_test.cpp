@@ -1,6 +1,6 @@
-// The ways of one evaluation against each other, on random trees: steps by the shape of the link and the sweep of plane
-// mechanisms (stages), steps that keep what others read (motions), the order of operations that is for many worlds at once,
-// steps of pins with a rotor, and the generic pieces.
+// The implementations of one evaluation against each other, on random trees: steps by the shape of the link and the pass over
+// plane mechanisms (stages), steps that store results for others (motions), the order of operations for many worlds, steps of
+// revolute joints with armature, and the generic functions.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -28,10 +28,10 @@ JointSpec random_joint(Random& random) {
   if (draw == 1) return Ball{};
   if (draw == 2) return Weld{};
   if (draw < 6) return Revolute{.axis = {0.3, 0, 1}, .armature = random.between(0.01, 0.1)};
-  return Revolute{.damping = 1};  // no part of evaluate_rates; but joints with parameters can take rotors
+  return Revolute{.damping = 1};  // not part of evaluate_rates, but joints with parameters can take armature
 }
 
-/// One to three mechanisms, grounded ones in a plane among them.
+/// One to three mechanisms, some of them grounded and plane.
 Model random_model(Random& random, bool gravity) {
   Model model({.gravity = gravity ? random.vector(10) : Vec3{}});
   const int mechanisms = 1 + random.below(3);
@@ -55,7 +55,7 @@ Model random_model(Random& random, bool gravity) {
   return model;
 }
 
-/// What the random trees had, so that nothing is taken for tested that never came about.
+/// Counts the cases that occurred, so that none passes untested.
 struct Seen {
   std::array<int, 11> shapes{};
   int flat = 0, forks = 0, reversed = 0, rotors = 0;

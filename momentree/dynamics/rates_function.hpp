@@ -1,21 +1,21 @@
 #pragma once
-// Where code that was generated for one topology comes in; generate/ makes it.
+// Interface to code that was generated for one topology, by generate/.
 #include <functional>
 
 namespace momentree {
 
 class Tree;
 
-/// Code for one topology that finds what evaluate_rates finds: of q (nq numbers) and p (nv), v (nv), q̇ (nq) and ṗ (nv, without
-/// joint forces), packed and in the units of State and Work. Arrays must not overlap.
+/// Code for one topology with the results of evaluate_rates: reads q (nq numbers) and p (nv), writes v (nv), q̇ (nq) and ṗ (nv,
+/// without joint forces), packed and in the units of State and Workspace. The arrays must not overlap.
 using RatesFunction = void (*)(const double* q, const double* p, double* v, double* qdot, double* pdot) noexcept;
 
-/// Gives the code for what the tree is now, or null: the kernels themselves are then run. Asked between steps, after every
-/// change; it may allocate and take its time, and must not throw.
+/// Returns the code for the tree's present topology, or null to run the kernels. Called between steps, after every change; may
+/// allocate and take time, must not throw.
 using RatesProvider = std::function<RatesFunction(const Tree&)>;
 
-/// Whether stages of steps take evaluate_rates: where forces act on bodies, functions act or motions are prescribed they need
-/// more of the kernels than rates, and generated code is of no use.
+/// True if stages of steps use evaluate_rates. With forces on bodies, user functions or prescribed motions they need more results
+/// than the rates, and generated code is not used.
 bool stages_take_rates(const Tree& tree) noexcept;
 
 }  // namespace momentree

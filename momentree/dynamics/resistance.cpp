@@ -11,7 +11,7 @@ namespace momentree {
 
 namespace {
 
-// Every freedom that something can resist: f(site, freedom, its place in arrays packed as p).
+// Calls f(site, dof, its index in arrays packed as p) for every DoF on which something can resist.
 template <class F>
 void each_resisted(const Tree& tree, double t, const double* q, const double* u, F&& f) noexcept {
   Power none;

@@ -1,24 +1,24 @@
 #pragma once
-// What resists motion in joints, apart from everything else: for methods that take it implicitly.
+// The forces that resist motion in joints, separate from all others: for methods that treat them implicitly.
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
 
-/// Of dampers c (N m s/rad, N s/m) per freedom (nv numbers, in the order of p); nothing where a motion is prescribed.
+/// Damping coefficients c (N m s/rad, N s/m) per DoF (nv numbers, in the order of p); zero for a prescribed motion.
 void joint_damping(const Tree& tree, double* damping) noexcept;
 
-/// What else resists, per freedom (nv numbers each): its forces (N m, N) and how fast they grow against the velocity, −∂τ/∂u.
+/// The other resisting forces per DoF (nv numbers each): their values (N m, N) and the sum of their slopes −∂τ/∂u.
 struct Resisting {
   double* dissipating;  ///< dry friction and soft stops
-  double* giving;       ///< position control, which also gives
+  double* giving;       ///< position control, which may also add energy
   double* slope;
 };
-/// At time t, coordinates q and velocities u. Zero where a motion is prescribed or a freedom is locked. Neither allocates nor
-/// throws.
+/// Evaluates them at time t (s), coordinates q and velocities u. Zero for prescribed motions and locked DoFs. Neither allocates
+/// nor throws.
 void resisting_forces(const Tree& tree, double t, const double* q, const double* u, const Resisting& to) noexcept;
 
-/// Where Newton's method should linearise the resisting forces next, after `point` led to velocities u: there; but where a force
-/// that is bounded was pushed from one bound past the other, at the velocity at which it is nothing. Writes `point`.
+/// The next linearisation point of Newton's method for the resisting forces, after `point` led to velocities u: it is u, but for
+/// a bounded force that went from one bound past the other, the velocity at which the force is zero. Writes `point`.
 void move_point(const Tree& tree, double t, const double* q, const double* u, double* point) noexcept;
 
 }  // namespace momentree

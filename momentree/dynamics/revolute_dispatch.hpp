@@ -1,14 +1,14 @@
 #pragma once
-// Which step inboard a pin takes: by the shape of its link, and by what there is to collect and where it goes.
+// Selects the inward step of a revolute body: by the shape of its link, its children and the destination of its output.
 #include <momentree/joint/revolute_steps.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
 
-/// Where a step inboard puts what the parent gets: nowhere, into what the next step goes on with, or elsewhere.
+/// Destination of an inward step's output: none, the accumulator with which the next step continues, or elsewhere in memory.
 enum class Way : unsigned char { root, on, aside };
-/// Calls f(shape, children, way), integral constants, for a step inboard of a body with that flow. A root crosses nothing
-/// on the way in; last children, for whom the parent's x axis was not chosen, go aside.
+/// Calls f(shape, children, way), integral constants, for the inward step of a body with these node flags. A root has nothing to
+/// transform; last children, for which the parent's x axis was not chosen, write elsewhere.
 template <bool Rotor, class F>
 MOMENTREE_INLINE void dispatch_inboard(PlacementShape shape, unsigned flags, F&& f) {
   constexpr std::integral_constant<Children, Children::none> none{};
@@ -24,7 +24,7 @@ MOMENTREE_INLINE void dispatch_inboard(PlacementShape shape, unsigned flags, F&&
       f(s, one, way);
   };
   if ((flags & (node::root | node::last_child)) == 0) {
-    if ((flags & (node::leaf | node::branching)) == 0)  // most of them
+    if ((flags & (node::leaf | node::branching)) == 0)  // most bodies
       dispatch_link<Rotor>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, one, on); });
     else if ((flags & node::leaf) != 0)
       dispatch_link<Rotor>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, none, on); });
@@ -33,7 +33,8 @@ MOMENTREE_INLINE void dispatch_inboard(PlacementShape shape, unsigned flags, F&&
     else
       dispatch_main_shape(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, several, on); });
   } else if ((flags & node::root) == 0) {
-    // Records of late steps are slid as the way out by the link's own shape has it.
+    // With rotate_then_reduce a record refers to the frame before the shift along z: the shape used here must split off that
+    // shift as the link's own does, by which the outward step goes.
     constexpr std::integral_constant<Way, Way::aside> aside{};
     if (shape == PlacementShape::general || shape == PlacementShape::tilted)
       by_children(aside, std::integral_constant<PlacementShape, PlacementShape::general>{});

@@ -1,4 +1,4 @@
-// What was computed from one state and tree is never taken for another's, whenever and wherever they live.
+// Results computed from one state and tree are never taken for those of another, whenever and wherever these live.
 #include <memory>
 #include <optional>
 #include <type_traits>
@@ -34,7 +34,7 @@ State with_momentum(const Tree& tree, double p) {
   return state;
 }
 
-// Whether the end of an edit that has no name leaves something behind to write by.
+// True if a temporary Edit would leave a way to write behind after its end.
 template <class S>
 concept gives_data = requires(S& state) {
   state.edit().p.data();
@@ -109,7 +109,7 @@ TEST_CASE("a copy of a tree is the same tree until one of them changes") {
   CHECK(before.topology() == copy.revision());
   CHECK(state.topology() == tree.revision());
 
-  Tree a = copy, b = copy;  // the same change of each is a change of its own
+  Tree a = copy, b = copy;  // the same change made to each is a separate revision
   State of_a = before, of_b = before;
   forward_dynamics(a, of_a, workspace);
   apply(Lock{a.inboard_joint({1})}, a, of_a, workspace);
@@ -120,7 +120,7 @@ TEST_CASE("a copy of a tree is the same tree until one of them changes") {
   const std::uint64_t was = a.revision();
   const Tree moved = std::move(a);
   CHECK(moved.revision() == was);
-  CHECK(a.revision() != was);  // NOLINT(bugprone-use-after-move): of no tree any more
+  CHECK(a.revision() != was);  // NOLINT(bugprone-use-after-move): belongs to no tree any more
 }
 
 TEST_CASE("copies of states, assignments and swaps") {
@@ -136,7 +136,7 @@ TEST_CASE("copies of states, assignments and swaps") {
 
   State& self = one;
   one = self;
-  CHECK(evaluated_on(tree, one, workspace));  // nothing happened to it
+  CHECK(evaluated_on(tree, one, workspace));  // self-assignment changes nothing
 
   one = two;
   CHECK_FALSE(evaluated_on(tree, one, workspace));
@@ -151,7 +151,7 @@ TEST_CASE("copies of states, assignments and swaps") {
   CHECK(speed(tree, one, workspace) == doctest::Approx(4 / 0.35));
   CHECK(speed(tree, two, workspace) == doctest::Approx(3 / 0.35));
 
-  std::vector<State> many;  // which move as it grows
+  std::vector<State> many;  // moved when it grows
   for (int i = 0; i < 10; ++i) many.push_back(with_momentum(tree, i));
   for (int i = 0; i < 10; ++i) CHECK(speed(tree, many[static_cast<std::size_t>(i)], workspace) == doctest::Approx(i / 0.35));
   many.erase(many.begin());
@@ -206,7 +206,7 @@ TEST_CASE("an edit makes stale what was evaluated before it and while it lived")
   for (double& p : state.edit().p) p = 6;  // the edit lives as long as the loop
   CHECK(speed(tree, state, workspace) == doctest::Approx(6 / 0.35));
 
-  // What the compiler refuses: to take along what can be written to.
+  // Must not compile: keeping write access beyond the Edit.
   using Writable = State::Edit::Writable;
   CHECK_FALSE(std::is_copy_constructible_v<Writable>);
   CHECK_FALSE(std::is_copy_constructible_v<State::Edit>);

@@ -1,5 +1,5 @@
 #pragma once
-// Random links and states, and how far two results are from one another: for tests of the ways of an evaluation.
+// Random links and states, and the difference of two results: for tests of the implementations of an evaluation.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -27,7 +27,7 @@ class Random {
   std::mt19937 engine_;
 };
 
-/// Links as machines have them: twists of 0, 90° and any angle, lengths that are zero or not; some with any placement.
+/// Links as in typical machines: twists of 0, 90° and any angle, zero and nonzero lengths; some with a general placement.
 inline Pose random_place(Random& random) {
   if (random.chance(0.15)) {
     const Vec3 r = random.vector(0.4), e = random.vector(0.8);
@@ -36,11 +36,11 @@ inline Pose random_place(Random& random) {
   const double alphas[] = {0, std::acos(0.0), std::acos(0.0), -std::acos(0.0), 0.05, random.between(-2, 2)};
   const double alpha = alphas[random.below(6)];
   const double a = random.chance(0.3) ? 0 : random.between(-0.4, 0.4), d = random.chance(0.4) ? 0 : random.between(-0.4, 0.4);
-  const double aside = alpha == 0.05 ? 0.3 : 0;  // the common normal is far off
+  const double aside = alpha == 0.05 ? 0.3 : 0;  // the common normal is far away
   return {{a, aside - d * std::sin(alpha), d * std::cos(alpha)}, from_axis_angle(x_axis, alpha)};
 }
 
-/// A state at random: all coordinates but those of joints with a quaternion, and momenta of random velocities.
+/// A random state: all coordinates except those of joints with a quaternion, and the momenta of random velocities.
 inline void put_at_random(const Tree& tree, State& state, Random& random) {
   std::vector<double> q(state.q().begin(), state.q().end()), p(state.p().size()), v(state.p().size());
   for (const int b : tree.order())
@@ -52,7 +52,7 @@ inline void put_at_random(const Tree& tree, State& state, Random& random) {
   std::copy(q.begin(), q.end(), edit.q.begin());
   std::copy(p.begin(), p.end(), edit.p.begin());
 }
-/// Fills with no numbers what the sweeps keep and pass on: what reads before it writes is found out.
+/// Fills the buffers of the passes with NaN, so that anything read before it is written shows up.
 inline void poison(const Tree& tree, Workspace<double>& workspace) {
   const auto bodies = static_cast<std::size_t>(tree.bodies());
   const auto fill = [](auto* first, std::size_t count) { std::memset(static_cast<void*>(first), 0xff, count * sizeof(*first)); };
@@ -63,7 +63,7 @@ inline void poison(const Tree& tree, Workspace<double>& workspace) {
       fill(workspace.pairs.parent_states.get(), bodies);
 }
 
-/// Largest difference, as a share of the largest number; infinite where anything is no number.
+/// Largest difference relative to the largest number; infinite if any number is not finite.
 inline double difference(const double* a, const double* b, int n) {
   double x = 0, largest = 0;
   for (int i = 0; i < n; ++i) {

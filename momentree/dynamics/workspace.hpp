@@ -1,5 +1,5 @@
 #pragma once
-// What the recursions need per body; allocated once, reused by every evaluation.
+// Per-body memory of the recursions; allocated once, reused by every evaluation.
 #include <memory>
 #include <new>
 #include <span>
@@ -14,12 +14,12 @@
 
 namespace momentree {
 
-/// Power at an instant (W): what dampers take, and soft stops (with what they store), what efforts give.
+/// Power at an instant (W): dissipated by dampers and absorbed by soft stops (including what they store), and work of efforts.
 struct Power {
   double dissipated = 0, work = 0;
 };
 
-/// Pose and motion of a body's kernel frame. `R`: body axes to world axes.
+/// Pose and motion of a body's kernel frame. `R`: body axes to world axes; `r`: origin in the world (m); `velocity` in body axes.
 template <class T>
 struct Kinematics {
   Matrix3<T> R;
@@ -27,7 +27,7 @@ struct Kinematics {
   Motion<T> velocity;
 };
 
-/// Memory for numbers that are written before they are read: allocated, not touched.
+/// Memory for numbers that are written before they are read: allocated but not touched.
 struct FreeUntouched {
   std::align_val_t alignment{};
   MOMENTREE_INLINE void operator()(void* memory) const { ::operator delete(memory, alignment); }
@@ -42,7 +42,7 @@ MOMENTREE_INLINE Untouched<T> untouched(std::size_t count) {
   return Untouched<T>(static_cast<T*>(memory), FreeUntouched{alignment});
 }
 
-/// What pairs of branches need that are swept at once, by the first one's body.
+/// Buffers for paired branches, indexed by the first one's body.
 struct PairWorkspace {
   Untouched<ArmatureRecord<BodyPair>> records;
   Untouched<Inboard<BodyPair>> child_sums;
@@ -50,17 +50,17 @@ struct PairWorkspace {
 };
 struct NoPairs {};
 
-/// What a work is of. A moved-from work is of nothing and has room for nothing.
+/// The states whose results a workspace holds. A moved-from workspace holds none and has capacity 0.
 struct WorkspaceStamps {
-  /// Of which state and topology the records, v, qdot, pdot are; nothing after a stage of an integrator.
+  /// State and topology of the records, v, qdot and pdot; none after a stage of an integrator.
   Stamp evaluated;
-  /// Of which the poses and velocities in `bodies` are.
+  /// State and topology of the poses and velocities in `bodies`.
   Stamp located;
-  /// Of which a, `approaches` and `demands` are.
+  /// State and topology of `a`, `inboard_accelerations` and `reduced_bias_wrenches`.
   Stamp accelerated;
-  /// Numbers of bodies that it has room for.
+  /// Largest number of bodies.
   int capacity() const { return capacity_; }
-  /// True while an evaluation calls a function of the user's: the work is between two of its steps then.
+  /// True while an evaluation calls a user function: the workspace is then in the middle of that evaluation.
   bool in_function = false;
 
   WorkspaceStamps() = default;
@@ -80,9 +80,9 @@ struct WorkspaceStamps {
   int capacity_ = 0;
 };
 
-/// Scratch of the sweeps for one tree. Arrays are as long as any later topology needs; pages that no evaluation has written to
-/// cost nothing. One thread at a time uses it. Arrays are plain memory: an index beyond what the tree has is not noticed. A stage
-/// writes 24 numbers per pin beside its record, forward_dynamics the motions of bodies, too.
+/// Working memory of the recursions for one tree, used by one thread at a time. Its arrays are large enough for any later
+/// topology; pages that no evaluation has written cost nothing. Indices are not checked. A stage writes 24 numbers per revolute
+/// joint in addition to its record; forward_dynamics also writes the motions of bodies.
 template <class T>
 class Workspace : public WorkspaceStamps {
  public:
@@ -114,7 +114,7 @@ class Workspace : public WorkspaceStamps {
       pairs = {by_body<ArmatureRecord<BodyPair>>(tree), by_body<Inboard<BodyPair>>(tree), by_body<Outboard<BodyPair>>(tree)};
   }
 
-  /// The record of body b, whose joint has kernels K. The tree: a Tree, or an UncheckedTree.
+  /// The record of body b, whose joint has kernels K. `tree`: a Tree or an UncheckedTree.
   template <class K, class AnyTree>
   typename K::template Record<T>& record(const AnyTree& tree, int b) const {
     using Record = typename K::template Record<T>;
@@ -122,30 +122,30 @@ class Workspace : public WorkspaceStamps {
     return *reinterpret_cast<Record*>(records.get() + tree.record(b));
   }
 
-  /// Those of a stretch of the order, one behind the other.
+  /// The records of a kernel run, contiguous in memory.
   template <class K, class AnyTree>
   typename K::template Record<T>* records_of(const AnyTree& tree, const KernelRun& run) const {
     return &record<K>(tree, tree.order()[static_cast<std::size_t>(run.begin)]);
   }
 
   using Array = Untouched<T>;
-  Array cos, sin;          ///< of the joints' angles, θ0 among them; in a mechanism in a plane, at a stage, of the bodies'
+  Array cos, sin;          ///< of the joint angles including θ0; for a plane mechanism in a stage, of the absolute body angles
   Array v, qdot, pdot, a;  ///< packed as p, q, p, p; a = v̇
   Array impulse;           ///< scratch of impacts, packed as p
-  Array passive;           ///< by body: what acts on its driven joint beside the motion's own effort
+  Array passive;           ///< by body: forces on its driven joint other than the motion's own effort
   Array records;
   Power power;
-  Untouched<Inboard<T>> child_sums;      ///< by body: what its children but the first ask, on the way in
-  Untouched<Outboard<T>> parent_states;  ///< by body: what waits for children but the first, on the way out
-  Untouched<Force<T>> child_wrenches;    ///< the same of the second recursion
+  Untouched<Inboard<T>> child_sums;      ///< by body, inward: sum of its children except the first
+  Untouched<Outboard<T>> parent_states;  ///< by body, outward: its output for children except the first
+  Untouched<Force<T>> child_wrenches;    ///< the same for the second recursion
   Untouched<Motion<T>> parent_accelerations;
-  Untouched<InPlaneInboard<T>> in_plane_child_sums;  ///< and of mechanisms in a plane
+  Untouched<InPlaneInboard<T>> in_plane_child_sums;  ///< and for plane mechanisms
   Untouched<InPlaneOutboard<T>> in_plane_parent_states;
-  Untouched<BodySweep<T>> motions;             ///< of the state of `evaluated`
-  Untouched<Motion<T>> inboard_accelerations;  ///< a′ = Ω̇ − E u̇ of each body, less gravity, as felt in the body; kernel frame
-  Untouched<Force<T>> reduced_bias_wrenches;  ///< W of Tr = M̂ a′ + W, the wrench of the inboard joint on the body; kernel frame
-  Untouched<Force<T>> loads;                  ///< T: what acts on each of the tree's loaded bodies from outside, kernel frame
-  Untouched<int> path;                        ///< scratch of changes that walk from a root to a body
+  Untouched<BodySweep<T>> motions;             ///< of the state in `evaluated`
+  Untouched<Motion<T>> inboard_accelerations;  ///< a′ = Ω̇ − E u̇ of each body, less gravity; in its kernel frame
+  Untouched<Force<T>> reduced_bias_wrenches;  ///< Ŵ of Tr = M̂ a′ + Ŵ, the wrench of the inboard joint on the body; kernel frame
+  Untouched<Force<T>> loads;                  ///< T: external wrench on each of the tree's loaded bodies, kernel frame
+  Untouched<int> path;                        ///< scratch of topology changes that walk from a root to a body
   Untouched<Kinematics<T>> bodies;
   [[no_unique_address]] std::conditional_t<std::is_same_v<T, double>, PairWorkspace, NoPairs> pairs;
 
@@ -160,14 +160,14 @@ class Workspace : public WorkspaceStamps {
   }
 };
 
-/// True where the work holds the evaluation of this state on this tree, as both are now; the accelerations of it.
+/// True if the workspace holds the evaluation (or the accelerations) of this state on this tree, both in their present form.
 inline bool evaluated_on(const Tree& tree, const State& state, const Workspace<double>& workspace) noexcept {
   return workspace.evaluated == state.stamp() && state.topology() == tree.revision();
 }
 inline bool accelerated_on(const Tree& tree, const State& state, const Workspace<double>& workspace) noexcept {
   return workspace.accelerated == state.stamp() && state.topology() == tree.revision();
 }
-/// What is expected where they are false.
+/// The requirements that are reported if these are false.
 inline constexpr const char* edited_state = "the state's Edit has ended: close its scope first";
 inline constexpr const char* foreign_state = "the state is one of this tree as it is now";
 inline const char* stale_workspace(const State& state) {

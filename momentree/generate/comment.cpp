@@ -18,7 +18,7 @@ struct Character {
   std::size_t length = 0;  // 0: not UTF-8
 };
 
-// The character at the beginning of a text that is not empty.
+// The first character of a nonempty text.
 Character first_character(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(text[i])); };
   const unsigned lead = byte(0);

@@ -1,4 +1,4 @@
-// Nothing that a file says becomes code: texts in comments, whatever is in them, and names.
+// No text from a file becomes code: texts in comments, whatever they contain, and names.
 #include <momentree/generate/comment.hpp>
 
 #include <doctest/doctest.h>
@@ -20,7 +20,7 @@ namespace {
 
 const std::string code = "int evil = 1;";
 
-/// Texts that would end a comment, or go on with it, for some compiler in some setting.
+/// Texts that would end or continue a comment, for some compiler with some options.
 std::vector<std::string> hostile() {
   std::vector<std::string> all{"an arm"};
   for (const char* end : {"\r",
@@ -67,7 +67,7 @@ Model pendulum() {
   return model;
 }
 
-/// What a compiler is left with without comments; the standard library's text is not part of it.
+/// The compiler's output after removing comments, without the text of the standard library.
 std::string without_comments(const std::string& compiler, const std::string& flags, std::string source) {
   for (const char* include : {"#include <bit>\n", "#include <cmath>\n", "#include <cstdint>\n"}) {
     const std::size_t place = source.find(include);
@@ -133,7 +133,7 @@ TEST_CASE("compilers find the same code, whatever the comment says") {
       CAPTURE(flags);
       const std::string expected = without_comments(compiler.front(), flags, plain);
       CHECK(expected.find("kernel_rates") != std::string::npos);
-      CHECK(without_comments(compiler.front(), flags, "int evil;\n" + plain) != expected);  // it would be seen
+      CHECK(without_comments(compiler.front(), flags, "int evil;\n" + plain) != expected);  // a difference would be detected
       CHECK(without_comments(compiler.front(), flags, kernel_source(kernel, {"kernel", all})) == expected);
       CHECK(without_comments(compiler.front(), flags, kernel_source(kernel, {"kernel", "arm\\"})) == expected);
     }

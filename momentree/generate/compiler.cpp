@@ -39,7 +39,7 @@ bool runs(const std::string& path) {
   return access(path.c_str(), X_OK) == 0 && stat(path.c_str(), &about) == 0 && S_ISREG(about.st_mode);
 }
 
-// As execvp looks for it; relative entries of PATH are not searched.
+// Searches like execvp, but not in relative entries of PATH.
 std::string path_of(const std::string& program) {
   if (program.find('/') != std::string::npos) return runs(program) ? program : "";
   std::istringstream folders(of_environment("PATH"));
@@ -70,7 +70,7 @@ std::string first_error(const std::string& path) {
   return found.empty() ? first : found;
 }
 
-/// Runs a program to its end, its messages into a file; returns its exit status, or −1 and why.
+/// Runs a program until it ends, with its messages in a file; returns its exit status, or −1 with the reason in `why`.
 int run(const std::vector<std::string>& command, const std::string& messages, std::string& why) {
   std::vector<char*> arguments;
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));  // argv is not const in C
@@ -109,7 +109,7 @@ constexpr const char* contraction =
 
 std::vector<std::string> find_compiler(const std::string& asked) {
   for (const std::string& given : {asked, of_environment("MOMENTREE_CXX"), of_environment("CXX")}) {
-    if (given.find('/') != std::string::npos && runs(given)) return {given};  // spaces are part of a path that is there
+    if (given.find('/') != std::string::npos && runs(given)) return {given};  // spaces are part of an existing path
     std::vector<std::string> command = words(given);
     if (command.empty()) continue;
     command[0] = path_of(command[0]);
@@ -136,7 +136,7 @@ Library compile_library(const std::vector<std::string>& compiler, const std::str
     return library;
   }
   const std::string object = folder.file("kernel.so");
-  for (const char* cpu : {"-march=native", "-mcpu=native", ""}) {  // not every compiler knows each of them
+  for (const char* cpu : {"-march=native", "-mcpu=native", ""}) {  // not every compiler accepts each of these
     std::vector<std::string> command = compiler;
     for (const char* flag : {"-std=c++20", "-O3", cpu, "-fno-math-errno", contraction, "-fPIC", "-shared", "-w", "-o"})
       if (*flag != '\0') command.emplace_back(flag);

@@ -1,15 +1,15 @@
 #pragma once
-// A C++ compiler as a child process, and what it made as part of this one. POSIX.
+// A C++ compiler as a child process, and the libraries that it makes, loaded into this process. POSIX.
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace momentree {
 
-/// The compiler and its arguments: of `asked`, or else of MOMENTREE_CXX, CXX, or c++, g++, clang++, whichever is there first.
-/// Text that is the path of a program names it, spaces and all; other text is split at its spaces, and nothing in it is a quote
-/// or a shell's. The program comes as a path; empty where there is none. What is asked for and is not there is no reason to take
-/// another.
+/// The compiler and its arguments: from `asked`, or else MOMENTREE_CXX, CXX, or the first existing of c++, g++, clang++. Text
+/// that is the path of a program is taken as a whole, including spaces; other text is split at spaces, without any quoting or
+/// shell syntax. The program is returned as a path; empty if there is none. If a compiler is requested but missing, no other one
+/// is used instead.
 std::vector<std::string> find_compiler(const std::string& asked);
 
 /// A loaded shared object; closed with its last copy.
@@ -17,7 +17,7 @@ class Library {
  public:
   Library() = default;
   explicit operator bool() const { return handle_ != nullptr; }
-  /// The address of a symbol of C, or null.
+  /// The address of a C symbol, or null.
   void* symbol(const char* name) const;
 
  private:
@@ -25,8 +25,8 @@ class Library {
   std::shared_ptr<void> handle_;
 };
 
-/// Compiles the text of a C++20 file for this CPU, in a PrivateFolder, and loads it; the compiler is not empty. Where that fails
-/// the result is empty and `why` says so. Leaves nothing behind on the disk.
+/// Compiles a C++20 source text for this CPU, in a PrivateFolder, and loads it; `compiler` must not be empty. If it fails the
+/// result is empty and `why` gives the reason. Leaves no files behind.
 Library compile_library(const std::vector<std::string>& compiler, const std::string& source, std::string& why);
 
 }  // namespace momentree

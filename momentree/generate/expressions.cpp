@@ -38,7 +38,7 @@ int Expressions::make(Operation operation, int a, int b, double value) {
 }
 
 int Expressions::constant(double value) {
-  return make(Operation::constant, 0, 0, value == 0 ? 0.0 : value);  // −0 is 0
+  return make(Operation::constant, 0, 0, value == 0 ? 0.0 : value);  // −0 becomes 0
 }
 
 int Expressions::input(Operation array, int index) {
@@ -120,7 +120,7 @@ int Expressions::quotient(int a, int b) {
   return make(Operation::quotient, a, b);
 }
 
-// By node: whether a result is made of it. Operands stand before what is made of them.
+// For each node, whether a result depends on it. Operands come before the nodes that use them.
 std::vector<bool> Expressions::needed(std::span<const int> results) const {
   std::vector<bool> needed(nodes_.size(), false);
   for (const int r : results) {

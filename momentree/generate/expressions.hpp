@@ -1,5 +1,5 @@
 #pragma once
-// Expressions as a graph in which nothing stands twice: what a kernel computes, when it runs on symbols instead of numbers.
+// Expressions as a graph without duplicates: the computation of a kernel that runs on symbols instead of numbers.
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -9,13 +9,14 @@
 
 namespace momentree {
 
-/// What a node of the graph is. `q`, `p`: the number `a` of that array; `sine`, `cosine`: of the angle `a`; the others are
-/// operations on the nodes a and b.
+/// Kind of a graph node. `q`, `p`: number `a` of that array; `sine`, `cosine`: of the angle `a`; the others are operations on
+/// nodes a and b.
 enum class Operation : unsigned char { constant, q, p, sine, cosine, negative, sum, difference, product, quotient };
 
-/// Nodes in the order in which they were first asked for: every operand stands before what is made of it. Constants are folded,
-/// zeros and ones left out, signs moved outward, equal expressions one node. Every rule is exact in real numbers, and none adds a
-/// rounding: results are those of the kernels up to how products and sums of constants, and multiply-adds, are rounded.
+/// Nodes in the order in which they were first created: every operand comes before the nodes that use it. Constants are folded,
+/// zeros and ones omitted, signs moved outward, and equal expressions are one node. Every rule is exact in real numbers and none
+/// adds a rounding: results equal those of the kernels up to the rounding of products and sums of constants, and of
+/// multiply-adds.
 class Expressions {
  public:
   struct Node {
@@ -24,7 +25,7 @@ class Expressions {
     double value = 0;  ///< of a constant
     friend bool operator==(const Node&, const Node&) = default;
   };
-  static constexpr int zero = 0;  ///< the node that is the constant 0
+  static constexpr int zero = 0;  ///< the node of the constant 0
 
   Expressions();
 
@@ -40,10 +41,10 @@ class Expressions {
   int quotient(int a, int b);
 
   const std::vector<Node>& nodes() const { return nodes_; }
-  /// There was no memory for a node: all from then on are the constant 0. Kernels, which don't throw, can't say so.
+  /// True if memory for a node ran out: all later nodes are the constant 0. Kernels do not throw and so cannot report it.
   bool exhausted() const { return exhausted_; }
   bool has(int node) const { return node >= 0 && static_cast<std::size_t>(node) < nodes_.size(); }
-  /// Operations that the results take, in the accounting of `count_operations`: changes of sign are free.
+  /// Number of operations for the results, counted as in `count_operations`: changes of sign are free.
   Operations operations(std::span<const int> results) const;
 
  private:
@@ -63,9 +64,9 @@ class Expressions {
   bool exhausted_ = false;
 };
 
-/// True where an operation has two operands.
+/// True if an operation has two operands.
 inline bool binary(Operation operation) { return operation >= Operation::sum; }
-/// True where it has an operand at all.
+/// True if an operation has exactly one operand.
 inline bool unary(Operation operation) { return operation >= Operation::sine && operation <= Operation::negative; }
 
 }  // namespace momentree

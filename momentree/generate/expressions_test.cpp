@@ -59,7 +59,7 @@ TEST_CASE("equal expressions are one node; only what results need is counted") {
   CHECK(e.input(Operation::q, 0) == e.x);
   CHECK(e.input(Operation::q, 1) != e.x);
   const int s = e.sine(e.x), c = e.cosine(e.x);
-  e.quotient(e.x, e.y);  // nobody asks for it
+  e.quotient(e.x, e.y);  // not used by any result
   const int square = e.product(s, s), result = e.difference(e.sum(square, square), e.product(c, e.y));
   const int results[] = {result, e.negative(result)};
   const Operations o = e.operations(results);

@@ -37,7 +37,7 @@ KernelExpressions expressions_of(const Tree& tree) {
   return kernel;
 }
 
-// A spring whose force is −stiffness·(q − rest): that of every kind whose velocities are the rates of its coordinates.
+// True for kinds whose spring force is −stiffness·(q − rest): those whose velocities are the rates of their coordinates.
 bool plain(Kind kind) { return info(kind).nq == info(kind).nv; }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// What an evaluation of rates computes for one topology, as expressions.
+// One evaluation of the rates for one topology, as expressions.
 #include <string>
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace momentree {
 
-/// Nodes of the results, packed as in Work: v as p, qdot as q, pdot as p.
+/// Nodes of the results, packed as in Workspace: v as p, qdot as q, pdot as p.
 struct KernelExpressions {
   Expressions expressions;
   std::vector<int> v, qdot, pdot;
@@ -18,25 +18,24 @@ struct KernelExpressions {
   Operations operations() const { return expressions.operations(results()); }
 };
 
-/// Which of the two orders of reducing a pin (25) and turning about it (16) the kernels take; see RevoluteSteps::late. `fewest`:
-/// the one that leaves fewer operations when all is folded, which differs from model to model.
+/// The order of reduction (25) and rotation (16) about a revolute joint's axis in the kernels; see
+/// RevoluteSteps::rotate_then_reduce. `fewest`: the order with fewer operations after folding, which differs from model to model.
 enum class RevoluteOrder { fewest, reduce_first, turn_first };
 
-/// Runs evaluate_rates on symbols: the recursions with gravity, rotors and freedoms that are locked or driven, without joint
-/// forces. Allocates; takes time and memory in proportion to the bodies.
+/// Runs evaluate_rates on symbols: the recursions with gravity, armatures and locked or driven DoFs, without joint forces.
+/// Allocates; time and memory are proportional to the number of bodies.
 KernelExpressions kernel_expressions(const Tree& tree, RevoluteOrder order = RevoluteOrder::fewest);
 
-/// Adds the forces in joints that are plain expressions to pdot: dampers, springs, constant efforts. What else acts is what
-/// `other_forces` lists.
+/// Adds the joint forces that are plain expressions to pdot: dampers, springs, constant efforts. `other_forces` lists all others.
 void add_plain_forces(const Tree& tree, KernelExpressions& kernel);
 
-/// Something that moves the mechanism and is no plain expression of q and v.
+/// A force that is not a plain expression of q and v.
 struct OtherForce {
   int body = -1;     ///< the body whose inboard joint has it, or on which it acts
   std::string what;  ///< "dry friction", "a drive that changes with time", …
   bool on_body = false;
 };
-/// All that `add_plain_forces` leaves out, bodies in the tree's order; empty: nothing.
+/// All forces that `add_plain_forces` omits, by body in the tree's order; empty if there are none.
 std::vector<OtherForce> other_forces(const Tree& tree);
 
 }  // namespace momentree

@@ -13,7 +13,7 @@ namespace momentree {
 
 struct KernelCache::Impl {
   struct Code {
-    Library library;  // keeps the function where it is
+    Library library;  // keeps the function loaded
     RatesFunction function = nullptr;
   };
   explicit Impl(KernelCacheOptions how) : options(std::move(how)), compiler(find_compiler(options.compiler)) {
@@ -31,7 +31,7 @@ struct KernelCache::Impl {
   Code make(const Tree& tree) {
     if (statistics.compiled + statistics.failed >= options.most_topologies)
       return leave("more than " + std::to_string(options.most_topologies) + " topologies are not compiled");
-    // No freedom of a mechanism takes as few as ten: what is far too large is not even written down.
+    // Every DoF takes more than ten operations: models that are far too large are not even written as expressions.
     const bool huge = tree.nv() > options.most_operations / 10;
     const KernelExpressions kernel = huge ? KernelExpressions() : kernel_expressions(tree);
     if (const long operations = kernel.operations().total(); huge || operations > options.most_operations)

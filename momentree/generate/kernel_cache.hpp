@@ -1,5 +1,5 @@
 #pragma once
-// Kernels that are compiled while a simulation runs, one for each topology that it comes to (paper, section 2).
+// Kernels compiled while a simulation runs, one for each topology that it reaches (paper, section 2).
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,42 +10,43 @@
 namespace momentree {
 
 struct KernelCacheOptions {
-  /// The C++ compiler, with arguments if it needs some: a name in PATH or a path. Empty: what the environment says in
-  /// MOMENTREE_CXX, else in CXX, else the first of c++, g++, clang++ in PATH.
+  /// The C++ compiler, with arguments if it needs any: a name in PATH or a path. Empty: the environment variable MOMENTREE_CXX,
+  /// else CXX, else the first of c++, g++, clang++ in PATH.
   std::string compiler;
-  /// Evaluations of more operations than that run the kernels themselves, which are then as fast; and a compiler would take long.
+  /// Evaluations with more operations run the kernels themselves, which are then as fast; and compiling would take long.
   long most_operations = 8000;
-  /// So many topologies are compiled and no more: a world that is another one after every event would wait for nothing else.
+  /// Largest number of topologies to compile: a world with a new topology after every event would spend its time compiling.
   long most_topologies = 100;
 };
 
-/// What became of the topologies that a cache was asked for.
+/// Statistics of the topologies requested from a cache.
 struct KernelCacheStatistics {
   long compiled = 0;     ///< topologies
-  long found_again = 0;  ///< times that one came back
-  long left = 0;  ///< topologies that run the kernels themselves: too large, too many; and asks where stages_take_rates is false
-  long failed = 0;     ///< …, because the compiler failed
-  double seconds = 0;  ///< for writing, compiling and loading
+  long found_again = 0;  ///< requests for a topology compiled before
+  long left = 0;  ///< topologies too large or too many for code, and requests with stages_take_rates false: they run the kernels
+                  ///< themselves
+  long failed = 0;     ///< topologies for which the compiler failed, likewise
+  double seconds = 0;  ///< time to write, compile and load (s)
 };
 
-/// Code for every topology that it is asked for: written, compiled, loaded, and kept while the cache or a provider lives. What
-/// counts is what the kernels read: forest, kinds, constants, gravity, rotors and locks, not dampers or springs. POSIX alone; the
-/// compiler runs as a child process without a shell, in a directory of its own under TMPDIR that no other user can write to, and
-/// which is gone when the code is loaded. Compiling happens at once, in the call: the same run gives the same bits every time.
-/// Copies share what they have; safe to use from several threads.
+/// Code for every requested topology: written, compiled, loaded, and kept while the cache or a provider exists. Topologies are
+/// distinguished by what the kernels read: forest, kinds, constants, gravity, armatures and locks, but not dampers or springs.
+/// POSIX only; the compiler runs as a child process without a shell, in a separate directory under TMPDIR that no other user can
+/// write to and that is removed once the code is loaded. Compilation is synchronous, inside the call, so the same run gives the
+/// same bits every time. Copies share their contents; thread-safe.
 class KernelCache {
  public:
   explicit KernelCache(KernelCacheOptions options = {});
 
   /// For Simulation::use_generated.
   RatesProvider provider() const;
-  /// The code for what the tree is now, or null; see KernelCacheStatistics::left and message().
+  /// The code for the tree's present topology, or null; see KernelCacheStatistics::left and message().
   RatesFunction find(const Tree& tree) const;
 
   KernelCacheStatistics statistics() const;
-  /// Why topologies have no code although they should; empty: they have. The first reason stays.
+  /// The first reason for which a topology has no code although it should; empty if there was none.
   std::string message() const;
-  /// The compiler with its arguments, as it is run; empty: none was found.
+  /// The compiler with its arguments, as it is run; empty if none was found.
   std::vector<std::string> compiler() const;
 
  private:

@@ -1,5 +1,5 @@
-// Generated code in a simulation whose topology changes: the same motion to round-off, code found again where a topology returns,
-// and the kernels themselves where there is no code.
+// Generated code in a simulation with a changing topology: the same motion to round-off, code reused when a topology returns, and
+// the kernels themselves if there is no code.
 #include <momentree/generate/kernel_cache.hpp>
 
 #include <doctest/doctest.h>
@@ -20,7 +20,7 @@ namespace {
 
 const char* const arm_joints[] = {"shoulder", "upper", "elbow", "hand"};
 
-// Four pins about different axes, the last on a slider's place: short enough that round-off stays round-off.
+// Four revolute joints about different axes: short enough that round-off does not grow.
 Model arm(double damping = 0.05) {
   Model model;
   BodyId parent = ground;
@@ -71,7 +71,7 @@ TEST_CASE("locks, unlocks, a break: the same motion, three topologies compiled, 
   for (const double until : {0.05, 0.15, 0.25, 0.45, 0.6}) {
     REQUIRE(plain.run_until(until) == Status::ok);
     REQUIRE(generated.run_until(until) == Status::ok);
-    // 600 steps of rounding in another order; nothing here is chaotic, and speeds are a few m/s.
+    // 600 steps with rounding in another order; the motion is not chaotic, and speeds are a few m/s.
     check_same(plain, generated, 1e-12);
   }
   const KernelCacheStatistics s = kernels.statistics();
@@ -121,7 +121,7 @@ TEST_CASE("stages of steps run what the provider gives, until the tree changes")
   calls = 0;
   REQUIRE(sim.run_until(0.01) == Status::ok);
   CHECK(asked == 1);
-  CHECK(calls == 30);  // three stages of ten steps; the first evaluation of a step keeps more than rates
+  CHECK(calls == 30);  // three stages of ten steps; the first evaluation of a step stores more than rates
   sim.apply(lock("elbow"));
   REQUIRE(sim.run_until(0.02) == Status::ok);
   CHECK(asked == 2);
@@ -173,7 +173,7 @@ TEST_CASE("too large, or too many: left to the kernels") {
   CHECK((small.find(Tree(arm())) == nullptr));
   CHECK(small.statistics().left == 1);
   CHECK(small.message().find("100 operations") != std::string::npos);
-  const KernelCache tiny({.compiler = MOMENTREE_COMPILER, .most_operations = 30});  // not even written down
+  const KernelCache tiny({.compiler = MOMENTREE_COMPILER, .most_operations = 30});  // not even written as expressions
   CHECK((tiny.find(Tree(arm())) == nullptr));
   CHECK(tiny.message().find("30 operations") != std::string::npos);
   const KernelCache few({.compiler = MOMENTREE_COMPILER, .most_topologies = 1});
@@ -188,7 +188,7 @@ TEST_CASE("too large, or too many: left to the kernels") {
 TEST_CASE("what the recursion reads tells topologies apart, and nothing else") {
   const std::string one = fingerprint(Tree(arm()));
   CHECK(fingerprint(Tree(arm())) == one);
-  CHECK(fingerprint(Tree(arm(0.7))) == one);  // dampers are outside of it
+  CHECK(fingerprint(Tree(arm(0.7))) == one);  // dampers are not part of it
   Model heavy, light = arm();
   for (BodySpec body : light.bodies()) {
     if (heavy.size() == 3) body.mass = std::nextafter(body.mass, 10);
@@ -211,9 +211,9 @@ TEST_CASE("the compiler: what is asked for, else the environment, else PATH") {
   setenv("MOMENTREE_CXX", "", 1);
   CHECK(find_compiler("") == std::vector<std::string>{"/bin/false"});
   setenv("CXX", "no-such-compiler", 1);
-  CHECK(find_compiler("").empty());  // what was named and is not there is no reason to take another
+  CHECK(find_compiler("").empty());  // if the named compiler is missing, no other one is used
   CHECK(find_compiler("/bin").empty());
-  // No shell reads it.
+  // No shell interprets it.
   CHECK(find_compiler("/bin/true $(id) 'a b' ;x") == std::vector<std::string>{"/bin/true", "$(id)", "'a", "b'", ";x"});
   for (int i = 0; i < 2; ++i) before[i].empty() ? unsetenv(names[i]) : setenv(names[i], before[i].c_str(), 1);
 }

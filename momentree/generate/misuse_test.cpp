@@ -1,4 +1,4 @@
-// What the generator is given and can't be.
+// Invalid input of the generator.
 #include <doctest/doctest.h>
 
 #include <momentree/generate/compiler.hpp>

@@ -13,7 +13,7 @@ namespace momentree {
 
 namespace {
 
-// Without symbolic links; empty where there is no such folder.
+// The path without symbolic links; empty if there is no such folder.
 std::string resolved(const std::string& path) {
   char* const found = realpath(path.c_str(), nullptr);
   std::string result = found == nullptr ? "" : found;
@@ -61,7 +61,7 @@ PrivateFolder::PrivateFolder() {
 
 PrivateFolder::~PrivateFolder() {
   if (path_.empty()) return;
-  char path[4096];  // it is also removed where memory has run out
+  char path[4096];  // no allocation: the folder is also removed when memory has run out
   for (const char* name : names)
     if (std::snprintf(path, sizeof path, "%s/%s", path_.c_str(), name) < static_cast<int>(sizeof path)) unlink(path);
   rmdir(path_.c_str());

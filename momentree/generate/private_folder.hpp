@@ -3,8 +3,8 @@
 
 namespace momentree {
 
-/// A new folder under TMPDIR (or /tmp) that no other user can enter or exchange for another; gone at the end with the files that
-/// were asked for.
+/// A new folder under TMPDIR (or /tmp) that no other user can enter or replace; removed at the end together with the files in
+/// `names`.
 class PrivateFolder {
  public:
   PrivateFolder();
@@ -13,7 +13,7 @@ class PrivateFolder {
   ~PrivateFolder();
 
   bool made() const { return !path_.empty(); }
-  /// Why it was not made, and how to mend that.
+  /// Why it could not be made, and how to correct that.
   const std::string& problem() const { return problem_; }
   /// The absolute path of a file in it.
   std::string file(const std::string& name) const { return path_ + '/' + name; }
@@ -24,9 +24,8 @@ class PrivateFolder {
   std::string path_, problem_;
 };
 
-/// The innermost of a folder and those above it, all without symbolic links, in which another user than this one and root can
-/// rename or remove what belongs to this one; empty if there is no such folder. Folders like /tmp, where only the owner can (the
-/// sticky bit), are fine.
+/// The innermost of a folder and its parents, all without symbolic links, in which a user other than this one and root can rename
+/// or remove this user's files; empty if there is none. Folders like /tmp, in which only the owner can (sticky bit), are safe.
 std::string open_to_others(std::string folder);
 
 }  // namespace momentree

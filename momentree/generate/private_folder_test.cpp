@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of this test, TMPDIR while it lives.
+/// A temporary folder of this test; it is TMPDIR during its lifetime.
 class Place {
  public:
   Place() {

@@ -17,14 +17,14 @@ using Node = Expressions::Node;
 std::string number(double value) {
   if (std::isnan(value)) return "NAN";
   if (std::isinf(value)) return value > 0 ? "HUGE_VAL" : "-HUGE_VAL";
-  char text[40];  // as short as reads back to the same bits, in no language's own notation
+  char text[40];  // the shortest form that reads back to the same bits, independent of the locale
   std::string s(text, std::to_chars(text, text + sizeof text, value).ptr);
   if (s.find_first_of(".e") == std::string::npos) s += ".0";
   return s;
 }
 
-/// The statements of a kernel, in the order in which its recursions asked for them: what is made of few things is near to them,
-/// so that little has to be kept at a time.
+/// The statements of a kernel, in the order in which its recursions created them: related expressions are close together, so that
+/// few values are live at a time.
 class Writer {
  public:
   Writer(const KernelExpressions& kernel, std::string& text) : nodes_(kernel.expressions.nodes()), text_(text) {
@@ -62,7 +62,7 @@ class Writer {
   static std::string element(const char* array, int i) { return array + ("[" + std::to_string(i) + "]"); }
 
   void need_operands(const Node& node, bool needed) {
-    if (!needed || trigonometric(node.operation)) return;  // angles are written apart
+    if (!needed || trigonometric(node.operation)) return;  // angles are written separately
     if (unary(node.operation) || binary(node.operation)) needed_[at(node.a)] = true;
     if (binary(node.operation)) needed_[at(node.b)] = true;
   }
@@ -80,7 +80,7 @@ class Writer {
     }
   }
 
-  // All at once, as the kernels have it: many angles vectorise.
+  // All sines and cosines at once, as in the kernels: many angles vectorise.
   void write_angles() {
     std::vector<int> all;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -95,7 +95,7 @@ class Writer {
       text_ += "  " + element("angle", static_cast<int>(i)) + " = " + angle(all[i], static_cast<int>(i)) + ";\n";
     text_ += "  sincos(" + n + ", angle, s, c);\n";
   }
-  // A sum of coordinates and offsets, or of these and an angle with a number below `known`.
+  // An angle as a sum of coordinates and offsets, or of these and an angle with a number below `known`.
   std::string angle(int i, int known) const {
     const Node& node = nodes_[at(i)];
     if (angle_of_[at(i)] >= 0 && angle_of_[at(i)] < known) return element("angle", angle_of_[at(i)]);
@@ -104,7 +104,7 @@ class Writer {
     return "(" + angle(node.a, known) + symbol(node.operation) + angle(node.b, known) + ")";
   }
 
-  // v, q̇ and ṗ are stored as soon as they are there; what is several of them at once, in one statement.
+  // v, q̇ and ṗ are stored as soon as they are known; several with the same value in one statement.
   void collect(const char* array, const std::vector<int>& nodes) {
     for (std::size_t i = 0; i < nodes.size(); ++i) results_[at(nodes[i])] += element(array, static_cast<int>(i)) + " = ";
   }
@@ -113,10 +113,10 @@ class Writer {
   std::string& text_;
   std::vector<bool> needed_;
   std::vector<int> angle_of_;         // by node: its number among the angles, −1: none
-  std::vector<std::string> results_;  // by node: what it is assigned to, "v[0] = qdot[0] = "
+  std::vector<std::string> results_;  // by node: the results that it is assigned to, "v[0] = qdot[0] = "
 };
 
-// The engine's sincos, without what belongs to a header.
+// The engine's sincos, without the parts that belong to a header.
 std::string sincos_source() {
   const std::string_view text = momentree_sincos_text;
   std::string all;

@@ -1,5 +1,5 @@
 #pragma once
-// A scalar that is an expression: the kernels run on it as they run on double, and what they would compute is written down.
+// A scalar that is an expression: the kernels run on it as on double, and their computation is recorded.
 #include <type_traits>
 
 #include <momentree/base/check.hpp>
@@ -8,7 +8,7 @@
 
 namespace momentree {
 
-/// `Late`: of the two orders in which pins are reduced and turned, that of one world at a time (RevoluteSteps::late).
+/// `Late`: use the order of reduction and rotation of a single world (RevoluteSteps::rotate_then_reduce).
 template <bool Late>
 class Symbolic {
  public:
@@ -19,12 +19,12 @@ class Symbolic {
     s.node_ = node;
     return s;
   }
-  /// Its node. Memory that was never written holds none: where the number falls outside the graph, the program stops.
+  /// The node. The program stops for memory that was never written, if its value is not a node of the graph.
   int node() const {
     MT_REQUIRE(graph() != nullptr && graph()->has(node_), "a number is written before it is read");
     return node_;
   }
-  /// Where this thread's expressions are written; null: nowhere, and no operation is allowed.
+  /// The graph in which this thread's expressions are recorded; null: none, and no operation is allowed.
   static Expressions*& graph() {
     thread_local Expressions* current = nullptr;
     return current;
@@ -42,7 +42,7 @@ class Symbolic {
   }
 
  private:
-  int node_;  // 0, the constant 0, where a kernel asks for T{}
+  int node_;  // 0, the constant 0, for T{} in a kernel
 };
 
 template <>

@@ -1,11 +1,11 @@
 #pragma once
-// Explicit Runge–Kutta methods with embedded error estimates and a step of their own choice. A tableau is one file in kinds/.
+// Explicit Runge–Kutta methods with embedded error estimates and step size control. Each tableau is one file in kinds/.
 //
-// Error is measured in coordinates and velocities. What the estimate says of momenta, Δp, becomes velocities by one solve,
-// Δu = H⁻¹ Δp: an evaluation in a work of its own, linear in Δp, so that nothing cancels.
+// The error is measured in coordinates and velocities. The estimated error of momenta, Δp, is converted to velocities by one
+// solve, Δu = H⁻¹ Δp: an evaluation in a separate workspace, linear in Δp, so that nothing cancels.
 //
-// The last stage is the first of the next step: it is evaluated on the new state itself, whose stamp the caller's work then
-// bears. Where something changes the state afterwards, an event or a stop, the stamp is stale and the caller evaluates anew.
+// The last stage is the first of the next step: it is evaluated on the new state itself, and the caller's workspace then carries
+// that state's stamp. If an event or a stop changes the state afterwards, the stamp is stale and the caller evaluates again.
 #include <algorithm>
 #include <cmath>
 
@@ -15,14 +15,14 @@
 namespace momentree {
 
 /// A tableau has `stages` (the last one at the new state), `order`, `lower` (order of the estimate), a[i][j] and c[i] for i <
-/// stages − 1, b[j] for j < stages − 1, `estimates` and error[e][j] for j < stages; and, where it has dense output, `dense`, the
-/// weights of all stages at a fraction of the step. Dense output may need stages of its own, evaluated only where it is asked
-/// for: dense_stages of them with dense_c[i] and dense_a[i][j].
+/// stages − 1, b[j] for j < stages − 1, `estimates` and error[e][j] for j < stages; and, if it has dense output, `dense`, the
+/// weights of all stages at a fraction of the step. Dense output may need additional stages, which are evaluated on request only:
+/// dense_stages of them with dense_c[i] and dense_a[i][j].
 template <class Tableau>
 class Embedded : public Integrator {
  public:
   static constexpr bool chooses_steps = true;
-  static constexpr double damper_limit = HUGE_VAL, spring_limit = HUGE_VAL;  // it shortens its steps
+  static constexpr double damper_limit = HUGE_VAL, spring_limit = HUGE_VAL;  // it shortens its steps instead
   Embedded(const Tree& tree, const StepControl& control)
       : Integrator(tree, control),
         nq_max_(7L * tree.bodies()),
@@ -54,12 +54,13 @@ class Embedded : public Integrator {
     begin(evaluate, state, most);
     const double start = state.time();
     constexpr double longest_growth = 5, longest_cut = 0.2, safety = 0.9;
-    double h = most <= control_.max_step * (1 + sliver) ? most : control_.max_step;  // as next_step: no sliver is left
+    double h = most <= control_.max_step * (1 + sliver) ? most : control_.max_step;  // as in next_step: avoids a sliver
     bool rejected = false;
     const EnergyLedger before = ledger;
     for (;;) {
-      h = h < most ? (start + h) - start : h;  // what the clock advances
-      // A step that is asked for is taken, be it the rounding between two instants; shorter ones of its own would lead nowhere.
+      h = h < most ? (start + h) - start : h;  // the increment of the clock after rounding
+      // A requested step is taken even if it is no more than the rounding between two instants; shorter steps of the method's own
+      // choice would not advance the time.
       if (rejected && !(h > shortest * std::max(std::fabs(start), control_.step))) break;
       stages(evaluate, state.time(), h);
       double error = HUGE_VAL;
@@ -70,11 +71,11 @@ class Embedded : public Integrator {
         keep(Tableau::stages - 1, evaluate.workspace());
         error = estimate(evaluate, ledger.work, h);
       }
-      const double wanted = safety * std::pow(error, -1.0 / (Tableau::lower + 1));  // NaN where the error is
+      const double wanted = safety * std::pow(error, -1.0 / (Tableau::lower + 1));  // NaN if the error is NaN
       const double factor = wanted >= longest_cut ? std::min(wanted, longest_growth) : longest_cut;
       if (error <= 1) {
         const double next = h * (rejected ? std::min(factor, 1.0) : factor);
-        // A step that was short only because it had to end somewhere says nothing against a longer one.
+        // A step that was short only because of its end time is no reason against a longer one.
         const bool cut = h < 0.99 * proposal_ && !rejected && factor >= 1;
         proposal_ = std::min(cut ? std::max(next, proposal_) : next, control_.max_step);
         return h;
@@ -111,7 +112,7 @@ class Embedded : public Integrator {
   }
 
  private:
-  static constexpr double shortest = 1e-14;  // no step shorter than that part of the time, or of the first step
+  static constexpr double shortest = 1e-14;  // shortest step, relative to the time or to the first step
   static constexpr int dense_stages() {
     if constexpr (requires { Tableau::dense_stages; })
       return Tableau::dense_stages;
@@ -151,7 +152,7 @@ class Embedded : public Integrator {
     }
   }
 
-  // All stages but the last, and the result in q_, p_.
+  // Evaluates all stages but the last; the result is in q_, p_.
   void stages(Evaluator& evaluate, double t, double h) noexcept {
     constexpr int inner = Tableau::stages - 1;
     for (int s = 1; s <= inner; ++s) {
@@ -179,8 +180,7 @@ class Embedded : public Integrator {
     extended_ = false;
   }
 
-  // The stages that dense output needs beyond those of the step; in a work of their own, for the caller's may be of the new
-  // state.
+  // Evaluates the additional stages of dense output, in a separate workspace, because the caller's may hold the new state.
   void extend([[maybe_unused]] Evaluator& evaluate) noexcept {
     if constexpr (dense_stages() > 0) {
       if (extended_) return;
@@ -198,9 +198,9 @@ class Embedded : public Integrator {
     }
   }
 
-  // Largest error of a coordinate or velocity in parts of what is allowed; the work is of the new state.
-  // Where motions are prescribed, also of the work done: what only follows says nothing of the steps that its drive's power
-  // takes.
+  // Largest error of a coordinate or velocity relative to its tolerance; the evaluator's workspace must hold the new state. With
+  // prescribed motions also the error of the work done: the error of coordinates that merely follow a curve does not limit the
+  // steps that the drive's power needs.
   double estimate(Evaluator& evaluate, double work, double h) noexcept {
     const double* u1 = evaluate.workspace().v.get();
     double found[2] = {};
@@ -208,7 +208,7 @@ class Embedded : public Integrator {
       const double* weights = Tableau::error[e];
       const auto measure = [&](double off, double before, double after) {
         const double part = std::fabs(off) / (control_.atol + control_.rtol * std::max(std::fabs(before), std::fabs(after)));
-        if (!(part <= found[e])) found[e] = part;  // NaN stays
+        if (!(part <= found[e])) found[e] = part;  // NaN is kept
       };
       for (int i = 0; i < nq_; ++i) {
         double off = 0;
@@ -238,13 +238,13 @@ class Embedded : public Integrator {
 
   long nq_max_, nv_max_;
   int nq_ = 0, nv_ = 0;
-  std::unique_ptr<double[]> q0_, p0_, u0_;  // where the step began
+  std::unique_ptr<double[]> q0_, p0_, u0_;  // start of the step
   std::unique_ptr<double[]> q_, p_;         // stage, then result
   std::unique_ptr<double[]> kq_, kp_;       // rates of the stages
   Power power_[Tableau::stages]{};
   Workspace<double> solver_;
-  double start_ = 0, last_ = 0;  // the step that kq_, kp_ are of: when, and how long (s)
-  bool extended_ = false;        // with the stages of dense output
+  double start_ = 0, last_ = 0;  // start and length (s) of the step to which kq_, kp_ belong
+  bool extended_ = false;        // including the stages of dense output
 };
 
 }  // namespace momentree

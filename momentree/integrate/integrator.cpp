@@ -138,7 +138,7 @@ bool Integrator::sound(const Tree& tree, const double* q0, const double* q, cons
 bool plausible(const Tree& tree, const double* q0, const double* q, const double* p) noexcept {
   bool fine = true;
   for (int i = 0; i < tree.nq(); ++i) fine &= std::fabs(q[i] - q0[i]) <= runaway;  // false for NaN
-  double sum = 0;                                                                  // 0·x is NaN for what is not finite
+  double sum = 0;                                                                  // 0·x is NaN if x is not finite
   for (int i = 0; i < tree.nv(); ++i) sum += 0.0 * p[i];
   return fine && sum == 0;
 }

@@ -17,7 +17,7 @@ struct Limits {
   double damper, spring;
 };
 
-// Of the product of a rate (1/s) and the step, above which a method is unstable.
+// Stability limits of a method: the product of a rate (1/s) and the step.
 Limits limits_of(std::string_view method) {
 #define MOMENTREE_METHOD(name, Type) \
   if (method == #name) return {Type::damper_limit, Type::spring_limit};
@@ -26,7 +26,7 @@ Limits limits_of(std::string_view method) {
   return {HUGE_VAL, HUGE_VAL};
 }
 
-// Dampers and springs of a freedom.
+// Dampers and springs of a DoF.
 struct Dof {
   int body, place;
   double damping, kd, stiffness, kp;
@@ -99,14 +99,14 @@ std::optional<StiffJoint> too_stiff(const Tree& tree, std::span<const double> q,
   std::optional<StiffJoint> worst;
   double worst_excess = 1;
   for (const Dof& f : dofs) {
-    // A column of H⁻¹: its diagonal is at most the fastest rate that a unit of damping in this freedom makes.
+    // A column of H⁻¹: its diagonal entry is at most the fastest rate caused by a unit of damping in this DoF.
     p[static_cast<std::size_t>(f.place)] = 1;
     evaluate_rates<double>(tree, q.data(), p.data(), workspace);
     p[static_cast<std::size_t>(f.place)] = 0;
     const double mobility = workspace.v[static_cast<std::size_t>(f.place)];
     if (!(mobility > 0) || !std::isfinite(mobility)) continue;
     const double damping = f.damping + f.kd, stiffness = f.stiffness + f.kp;
-    // "damped" adds γ h c to the inertia that everything else meets.
+    // "damped" adds γ h c to the inertia in this DoF.
     const auto swing = [&](bool damped) {
       return std::sqrt(stiffness / (1 / mobility + (damped ? Damped::implicit_share * step * damping : 0)));
     };

@@ -1,5 +1,5 @@
 #pragma once
-// Joints that are too stiff for fixed steps: dampers and servos that die away, springs that swing, faster than a method can
+// Joints that are too stiff for fixed steps: dampers and servos that decay, or springs that oscillate, faster than a method can
 // follow.
 #include <optional>
 #include <span>
@@ -10,16 +10,16 @@
 
 namespace momentree {
 
-/// One freedom whose damper or spring makes steps of some length unstable.
+/// A DoF whose damper or spring makes steps of some length unstable.
 struct StiffJoint {
-  int joint = -1;             ///< by its number
-  bool damper = false;        ///< else a spring
-  bool servo = false;         ///< that of position control: kd or kp
-  bool turns = false;         ///< N m s/rad and kg m², not N s/m and kg
+  int joint = -1;             ///< the joint's number
+  bool damper = false;        ///< true: damper; false: spring
+  bool servo = false;         ///< the damper or spring of position control: kd or kp
+  bool turns = false;         ///< units N m s/rad and kg m²; otherwise N s/m and kg
   double coefficient = 0;     ///< damping or stiffness
-  double inertia = 0;         ///< that an effort in this freedom meets, all other joints being free
-  double longest_step = 0;    ///< above it steps are unstable (s)
-  bool damped_helps = false;  ///< the method "damped" is stable at the step that was asked about
+  double inertia = 0;         ///< inertia against an effort in this DoF, with all other joints free
+  double longest_step = 0;    ///< longest stable step (s)
+  bool damped_helps = false;  ///< the method "damped" is stable at the given step
 
   /// "the servo of joint 'arm/wrist' (kd = 80 N m s/rad on 0.0002 kg m^2) is too stiff for steps of 0.001 s".
   std::string what(std::string_view joint_name, double step) const;
@@ -27,9 +27,9 @@ struct StiffJoint {
   std::string cure() const;
 };
 
-/// The joint for which steps of that length by that method are the furthest from stable, by the inertia at coordinates q; nothing
-/// where none is unstable for certain: linear dampers, springs and position control alone are looked at, each by itself, and for
-/// methods of fixed step. Of very large worlds only those with the largest coefficients are. Set-up only: allocates.
+/// The joint for which steps of that length (s) by that method are furthest from stable, with the inertia at coordinates q; empty
+/// if none is certainly unstable. Checks only linear dampers, springs and position control, each by itself, and only for
+/// fixed-step methods. In very large worlds it checks only those with the largest coefficients. Set-up only: allocates.
 std::optional<StiffJoint> too_stiff(const Tree& tree, std::span<const double> q, std::string_view method, double step);
 
 }  // namespace momentree

@@ -1,4 +1,4 @@
-// What is said to be too stiff is unstable, and below the step that is named it is not.
+// Joints reported as too stiff are unstable; below the reported step they are not.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -90,7 +90,7 @@ TEST_CASE("a spring that swings too fast for steps makes them unstable") {
     const auto stiff = judged(model, method, 1e-2);
     REQUIRE(stiff);
     CHECK_FALSE(stiff->damper);
-    CHECK_FALSE(stiff->damped_helps);  // springs stay explicit
+    CHECK_FALSE(stiff->damped_helps);  // springs are still explicit
     CHECK(stiff->coefficient == 4000);
     CHECK(largest_speed(model, method, 1.05 * stiff->longest_step) > 1);
     CHECK(largest_speed(model, method, 0.5 * stiff->longest_step) < 0.02);

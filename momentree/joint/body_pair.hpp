@@ -1,31 +1,31 @@
 #pragma once
-// Two branches of one mechanism that are built alike, as the legs of a robot are, in the two lanes of one scalar.
+// Two isomorphic branches of one mechanism, such as the legs of a robot, in the two lanes of one scalar.
 #include <momentree/joint/link_constants.hpp>
 #include <momentree/math/pack.hpp>
 
 namespace momentree {
 
-/// Whether this is compiled for processors with lanes for two doubles. Where not, nobody looks for twins.
+/// True if the target has SIMD lanes for two doubles. Otherwise paired branches are not searched for.
 #if defined(__SSE2__) || defined(__aarch64__) || defined(__wasm_simd128__)
 inline constexpr bool has_pair_lanes = true;
 #else
 inline constexpr bool has_pair_lanes = false;
 #endif
 
-/// The same number of two bodies. Its lanes are no worlds, so it is of another type than those packs.
+/// The same quantity of two bodies. Its lanes are bodies, not worlds, so its type differs from that of the packs of worlds.
 using BodyPair = Pack<double, 2, static_cast<Isa>(0xff)>;
 MOMENTREE_INLINE BodyPair pairs(double first, double second) { return BodyPair(BodyPair::Vector{first, second}); }
 MOMENTREE_INLINE Vector3<BodyPair> pairs(const Vec3& first, const Vec3& second) {
   return {pairs(first.x, second.x), pairs(first.y, second.y), pairs(first.z, second.z)};
 }
 
-/// A shape that has all that both links have.
+/// The most specific shape that covers both links.
 constexpr PlacementShape common_shape(PlacementShape a, PlacementShape b) {
   if (a == b) return a;
   return a < PlacementShape::screw || b < PlacementShape::screw ? PlacementShape::general : PlacementShape::screw;
 }
 
-/// The constants of two links, as steps read them.
+/// The constants of two links, one per lane, as read by the steps.
 struct PairedLinks {
   struct Body {
     BodyPair m;
@@ -54,7 +54,8 @@ struct PairedLinks {
         shape(common_shape(k.shape, l.shape)) {}
 };
 
-// What stands in the two lanes, to the two bodies; number by number, as it was written, or it would be waited for.
+// Splits the two lanes between the two bodies. Components are stored one by one, because a wider load of data that was just
+// written stalls.
 
 MOMENTREE_INLINE void part(const BodyPair& from, double& one, double& other) { one = from[0], other = from[1]; }
 MOMENTREE_INLINE void part(const Vector3<BodyPair>& from, Vec3& one, Vec3& other) {

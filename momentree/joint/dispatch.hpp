@@ -1,5 +1,5 @@
 #pragma once
-// From a kind known at run time to its type: one switch, made from the list of files in kinds/.
+// Maps a kind known at run time to its type, by one switch generated from the list of files in kinds/.
 #include <type_traits>
 
 #include <momentree/joint/kinds.hpp>  // generated: includes every file of kinds/
@@ -7,7 +7,7 @@
 
 namespace momentree {
 
-/// Calls f(std::type_identity<Revolute>{}) for Kind::revolute, and so on.
+/// Calls f(std::type_identity<Revolute>{}) for Kind::revolute, and so on; returns its result.
 template <class F>
 MOMENTREE_INLINE decltype(auto) dispatch(Kind kind, F&& f) {
   switch (kind) {
@@ -38,8 +38,9 @@ struct ArmatureKernelsOf<K> {
 };
 }  // namespace detail
 
-/// The kernels of a kind in a variant: with a rotor on the joint reduction leaves fewer zeros, with locks none that were known;
-/// where structured kernels do not hold, the generic pieces do. Kinds that turn about z are native against their direction.
+/// The kernels of a kind in a variant. An armature leaves fewer zeros in the reduced mass; locks leave none that are known in
+/// advance, so these variants use the generic functions if the kind's specialised ones do not apply. Kinds that rotate about z
+/// need no reversed variant.
 template <class K, Variant V>
 struct KernelsFor {
   using Generic = typename detail::GenericKernelsOf<K>::type;
@@ -55,7 +56,7 @@ struct KernelsFor {
 template <class K, Variant V>
 using KernelsOf = typename KernelsFor<K, V>::type;
 
-/// Calls f(std::type_identity<Kernels>{}) for a joint's kind in a variant.
+/// Calls f(std::type_identity<Kernels>{}) for the kernels of a joint's kind in a variant; returns its result.
 template <class F>
 MOMENTREE_INLINE decltype(auto) dispatch_kernels(Kind kind, Variant variant, F&& f) {
   return dispatch(kind, [&](auto tag) -> decltype(auto) {
@@ -75,12 +76,12 @@ MOMENTREE_INLINE decltype(auto) dispatch_kernels(Kind kind, Variant variant, F&&
   });
 }
 
-/// What relinking needs of a kind, without a switch.
+/// Properties of a kind that relinking needs, in a table instead of a switch.
 struct KindShape {
   int nq = 0, nv = 0, angles = 0;
   int angle[2] = {0, 0};
   bool turns_about_z = false;
-  std::size_t record[5] = {};  ///< scalars of the record, by variant
+  std::size_t record[5] = {};  ///< size of the record in scalars, by variant
 };
 const KindShape& shape(Kind kind);
 

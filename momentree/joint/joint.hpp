@@ -1,5 +1,5 @@
 #pragma once
-// What a joint is for its user: a kind, its geometry and its parameters. The kinds themselves are in kinds/, one file each.
+// User-level description of a joint: its kind, geometry and parameters. The kinds themselves are in kinds/, one file each.
 #include <limits>
 #include <memory>
 #include <string>
@@ -21,30 +21,31 @@ enum class Kind : unsigned char {
 #undef MOMENTREE_KIND
 };
 
-/// What is known of a kind at run time, for readers and writers of files.
+/// Properties of a kind at run time, for readers and writers of files.
 struct KindInfo {
   Kind kind;
-  const char* name;         ///< as in scenario files: "revolute"
-  int nq, nv;               ///< coordinates and freedoms
-  bool axis, axis2, pitch;  ///< which geometry it takes
+  const char* name;         ///< the kind's name in scenario files: "revolute"
+  int nq, nv;               ///< numbers of coordinates and of DoFs
+  bool axis, axis2, pitch;  ///< the geometry parameters that the kind takes
   const char* q_units;      ///< one letter per coordinate: r = rad, m = metre, n = number (quaternion component)
-  const char* v_units;      ///< one letter per freedom: r = rad/s (N m for its momentum's force), m = m/s (N)
+  const char* v_units;      ///< one letter per DoF: r = rad/s (its generalised force in N m), m = m/s (N)
 };
+/// The properties of a kind, which must be one of the enumerators.
 const KindInfo& info(Kind kind);
-/// Every kind, in order of the enum.
+/// All kinds, in the order of the enum.
 const std::vector<KindInfo>& all_kinds();
-/// The kind of that name, or null.
+/// The kind of that name; null if there is none.
 const KindInfo* find_kind(std::string_view name);
 
-/// Stops of a joint: coordinates that its freedoms do not pass, or, soft ones, that they are pushed back from. One number applies
-/// to every freedom, a list has one per freedom in the order of v; infinite or absent: no stop. Only for kinds whose velocities
-/// are the rates of their coordinates.
+/// Stops of a joint: limits of its coordinates that are either hard, or soft (a spring and damper push the joint back). A single
+/// number applies to every DoF, a list has one entry per DoF in the order of v; infinite or absent: no stop. Only for kinds whose
+/// velocities are the rates of their coordinates.
 struct JointLimits {
   Values lower{}, upper{};   ///< rad, m
-  Values restitution{};      ///< 0 (plastic, also where absent) … 1: what is left of the speed, turned about
-  double rest_speed = 1e-3;  ///< below it (rad/s, m/s) the joint comes to rest on the stop, until something pulls it off
-  /// Soft stops instead, where a stiffness is given: passed by x at the speed u, a stop pushes back with stiffness·x + damping·u
-  /// (N m/rad, N m s/rad; N/m, N s/m), and never pulls. No restitution then.
+  Values restitution{};      ///< fraction of the approach speed after the rebound: 0 (plastic, the default) … 1
+  double rest_speed = 1e-3;  ///< below this speed (rad/s, m/s) the joint comes to rest on the stop, until a force pulls it off
+  /// Soft stops, if a stiffness is given: at penetration x and speed u a stop pushes back with stiffness·x + damping·u (N m/rad,
+  /// N m s/rad; N/m, N s/m) and never pulls. Soft stops have no restitution.
   Values stiffness{}, damping{};
   bool any() const { return !lower.empty() || !upper.empty(); }
   bool soft() const { return any() && !stiffness.empty(); }
@@ -55,65 +56,67 @@ struct JointLimits {
   friend bool operator==(const JointLimits&, const JointLimits&) = default;
 };
 
-/// Dry friction, smoothed so that it has a derivative: torque or force −coulomb·tanh(u / speed).
+/// Dry friction, smoothed so that it is differentiable: torque or force −coulomb·tanh(u / speed).
 struct JointFriction {
   Values coulomb{};  ///< N m, N
-  Values speed{};    ///< rad/s, m/s: three times it is sliding with 99.5 % of `coulomb`
+  Values speed{};    ///< rad/s, m/s: at three times this speed friction has reached 99.5 % of `coulomb`
   bool any() const { return coulomb.any(); }
   bool given() const { return !coulomb.empty() || !speed.empty(); }
   friend bool operator==(const JointFriction&, const JointFriction&) = default;
 };
 
-/// What drives a joint, beside its constant effort: in lists of signals one entry per freedom in the order of v. Either efforts,
-/// with or without position control, or a motion.
+/// Drives of a joint, in addition to its constant effort: either efforts, with or without position control, or a prescribed
+/// motion. Lists of signals have one entry per DoF in the order of v.
 struct JointDrive {
-  /// Torque or force that changes with time; any kind. One entry alone only for joints with one freedom.
+  /// Torque or force as a function of time (N m, N); any kind. A single entry is allowed only for joints with one DoF.
   std::vector<Signal> effort{};
-  /// Position control: kp·(target − q) + kd·(target_speed − u), no more than max_effort either way. Only for kinds whose
-  /// velocities are the rates of their coordinates. One entry alone applies to every freedom.
+  /// Position control: kp·(target − q) + kd·(target_speed − u), limited to ±max_effort. Only for kinds whose velocities are the
+  /// rates of their coordinates. A single entry applies to every DoF.
   struct Pd {
     Values kp{}, kd{};
-    std::vector<Signal> target{};        ///< empty: the joint's zero
-    std::vector<Signal> target_speed{};  ///< empty: the rate of the target
-    Values max_effort{};                 ///< empty: unbounded
+    std::vector<Signal> target{};        ///< rad, m; empty: the joint's zero
+    std::vector<Signal> target_speed{};  ///< rad/s, m/s; empty: the rate of the target
+    Values max_effort{};                 ///< N m, N; empty: unbounded
     bool any() const { return !kp.empty() || !kd.empty(); }
     friend bool operator==(const Pd&, const Pd&) = default;
   } pd{};
-  /// Prescribed motion of a joint with one freedom (one entry): its position at every instant. It has no momentum of its own
-  /// then, and takes the effort that it needs.
+  /// Prescribed motion of a joint with one DoF (one entry): its position (rad, m) as a function of time. The DoF then has no
+  /// momentum of its own, and the drive supplies whatever effort the motion needs.
   std::vector<Curve> motion{};
   bool moves() const { return !motion.empty(); }
   friend bool operator==(const JointDrive&, const JointDrive&) = default;
 };
 
-/// Drives by themselves: `.drive = motion_drive(Signal::sine(0.5, 2))`.
+/// Drives with a single element: `.drive = motion_drive(Signal::sine(0.5, 2))`.
 std::shared_ptr<const JointDrive> effort_drive(std::vector<Signal> effort);
 std::shared_ptr<const JointDrive> pd_drive(JointDrive::Pd pd);
 std::shared_ptr<const JointDrive> motion_drive(const Signal& position);
 
-/// Gives a motion that begins where its joint stands (Signal::ramp_from_here) its offset, for a joint at `position` at time t.
+/// Sets the offset of a prescribed motion that starts at the current position (Signal::ramp_from_here), for a joint at `position`
+/// (rad, m) at time t (s). Other drives are unchanged.
 void begin_motion(std::shared_ptr<const JointDrive>& drive, double position, double t);
 
-/// What a joint bears: it breaks by itself at that reaction (norms at the joint, N and N m); infinite: any.
+/// Strength of a joint: it breaks when the norm of its reaction force (N) or torque (N m), taken at the joint, reaches the limit;
+/// infinite: never.
 struct JointStrength {
   double force = std::numeric_limits<double>::infinity(), torque = std::numeric_limits<double>::infinity();
   bool any() const { return force < std::numeric_limits<double>::infinity() || torque < std::numeric_limits<double>::infinity(); }
   friend bool operator==(const JointStrength&, const JointStrength&) = default;
 };
 
-/// Parameters of a joint. One number applies to every freedom, a list has one per freedom in the order of v
-/// (`effort` as a single number only for kinds with one freedom). SI units. They belong to the joint, not to the child body.
+/// Parameters of a joint, in SI units. They belong to the joint, not to the child body. A single number applies to every DoF, a
+/// list has one entry per DoF in the order of v (`effort` may be a single number only for kinds with one DoF).
 struct JointParameters {
-  Values damping{};    ///< torque or force −damping·v
-  Values stiffness{};  ///< spring about `rest`
-  Values rest{};       ///< coordinates (order of q) at which the spring is at rest; empty: the joint's zero
-  Values armature{};   ///< rotor inertia reflected to the joint, added to the joint-space mass
-  Values effort{};     ///< constant driving force or torque
+  Values damping{};    ///< torque or force −damping·v (N m s/rad, N s/m)
+  Values stiffness{};  ///< spring about `rest` (N m/rad, N/m)
+  Values rest{};       ///< coordinates (in the order of q) at which the spring is relaxed; empty: the joint's zero
+  Values armature{};   ///< rotor inertia reflected to the joint (kg m², kg), added to the joint-space mass
+  Values effort{};     ///< constant driving force or torque (N m, N)
   JointLimits limits{};
   JointFriction friction{};
   JointStrength strength{};
-  std::shared_ptr<const JointDrive> drive{};  ///< null: none but `effort`; shared, so that copies do not allocate
-  bool any() const;                           ///< false where all of it is nothing
+  std::shared_ptr<const JointDrive> drive{};  ///< null: no drive other than `effort`; shared, so that copies do not allocate
+  bool any() const;                           ///< false if no parameter has an effect
   friend bool operator==(const JointParameters& a, const JointParameters& b) {
     const bool same_drive = a.drive == b.drive || (a.drive && b.drive && *a.drive == *b.drive);
     return same_drive && a.damping == b.damping && a.stiffness == b.stiffness && a.rest == b.rest && a.armature == b.armature &&
@@ -125,8 +128,8 @@ struct JointParameters {
 struct JointSpec {
   Kind kind = Kind::weld;
   Vec3 axis{0, 0, 1};  ///< in the joint's frame; normalised by the model
-  Vec3 axis2{};        ///< universal: the second axis, turned by the first rotation
-  double pitch = 0;    ///< helical: displacement per turn (m)
+  Vec3 axis2{};        ///< universal: the second axis, carried along by the first rotation
+  double pitch = 0;    ///< helical: displacement per revolution (m)
   JointParameters parameters;
 
   JointSpec() = default;

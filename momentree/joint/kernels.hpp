@@ -1,6 +1,34 @@
 #pragma once
-// The generic function library (paper, section 4.1): works for any kind from its pose and joint matrix E. A kind overrides a
-// piece where its structure saves work; the law suite (laws_test.cpp) holds every override to these.
+// Kernels of any joint kind, from its pose and its joint matrix E (paper, section 4.1). A kind overrides a function where its
+// structure saves operations; the law suite (laws_test.cpp) checks every override against these.
+//
+// Glossary: names in the kernels, the paper's symbols and its equations. Spatial vectors have the linear part first, in the axes
+// of the body's kernel frame (link_constants.hpp), about its origin. A hat marks a quantity that is reduced about the joint, b an
+// articulated one (of the body and all bodies outboard).
+//
+//   in the code                    symbol              quantity                                              equation
+//   -----------------------------  ------------------  ----------------------------------------------------  ----------
+//   body (RigidMass)               M                   mass matrix of the rigid body                         (4)
+//   M, D (arguments of `reduce`)   Mb, Db              articulated mass M + Σ Xᵀ M̂ X, remainder Σ Xᵀ D̂       (22), (23)
+//   w.M, w.D; Inboard::M, D        M̂, D̂                reduced mass, reduced remainder momentum              (25), (26)
+//   E, columns; columns_rate       E; Ė                joint matrix, one column per DoF; its rate            (6)
+//   ME; e                          Mb E                                                                      (24)
+//   Mj, w.Mj; w.inverse_mass       Mj; 1/Mj            joint-space mass Eᵀ Mb E + armature                   (24)
+//   w.G, g; gl, gh                 G = Mb E Mj⁻¹       its linear and angular parts                          (24), (25)
+//   w.u0                           Mj⁻¹ (p − Eᵀ Db)    joint velocity u if the parent is at rest             (27)
+//   joint_transform, x             X, Xᵀ               outboard: velocities X Ω; inboard: Xᵀ P, Xᵀ M X       (16), (17)
+//   in                             X Ω_parent          parent's velocity in the body's frame                 (17)
+//   velocity                       Ω = (v; ω)          spatial velocity of the body                          (17)
+//   u, workspace.v                 u                   joint velocities                                      (27)
+//   articulated, Pb                Pb                  articulated momentum, Mb Ω + Db = M̂ X Ω_parent + D̂    (14), (21)
+//   p, momentum                    p = Eᵀ Pb + …       canonical momenta of the joint (armature · u added)   (19)
+//   mc, gravity                    Tb                  first moment of the subtree; weight Tb                (15)
+//   wrench                         Tb − Ω × Pb                                                               (9), (20)
+//   pdot, rate                     ṗ                   rate of the canonical momenta                         (20)
+//   bias                           Ω × E u + Ė u       acceleration that no u̇ causes                         (39)
+//   W                              W; Ŵ                bias wrench; reduced by `reduce_wrench`               (45), (51)
+//   tau, udot, workspace.a         τ, u̇                joint force, joint acceleration                       (51), (47)
+//   a, approach                    a′ = X Ω̇_p + bias   acceleration of the body without E u̇                  (39)
 #include <array>
 #include <type_traits>
 
@@ -11,8 +39,8 @@
 
 namespace momentree {
 
-/// Coordinates and trigonometry of one joint at one state. c, s: of each angle of the kind; where the kind turns about z, θ0 is
-/// added to the angle, and its `pose` then includes that part of the placement.
+/// Coordinates and trigonometry of one joint in one state. c, s: cosine and sine of each angle of the kind. For kinds that rotate
+/// about z, θ0 is included in the angle, and `pose` then includes that part of the placement.
 template <class T>
 struct JointState {
   const T* q;
@@ -24,7 +52,7 @@ struct JointState {
 template <class T, int N>
 using Columns = std::array<Motion<T>, static_cast<std::size_t>(N)>;
 
-/// What the sweeps keep of a body for the way out, and for further right sides.
+/// Quantities of a body that the inward pass stores for the outward pass, and for further right-hand sides.
 template <class T, int N>
 struct GenericRecord {
   SpatialMass<T> M;                                     ///< reduced mass (25)
@@ -32,7 +60,7 @@ struct GenericRecord {
   std::array<Force<T>, static_cast<std::size_t>(N)> G;  ///< Mb E Mj⁻¹
   std::array<T, static_cast<std::size_t>(N)> u0;        ///< Mj⁻¹ (p − Eᵀ Db)
   JointMass<T, N> Mj;                                   ///< factors of the joint-space mass (24)
-  Vector3<T> mc;                                        ///< first moment of the subtree
+  Vector3<T> mc;                                        ///< first moment of the subtree (kg m)
   DenseTransform<T> x;
 };
 
@@ -48,7 +76,7 @@ MOMENTREE_INLINE JointMass<T, N> joint_space_mass(const Columns<T, N>& E,
   return Mj;
 }
 
-/// (25): M̂ = Mb − G (Mb E)ᵀ, one freedom at a time; only the symmetric halves are formed.
+/// (25): M̂ = Mb − G (Mb E)ᵀ, for one DoF at a time; only one triangle of A and J is formed.
 template <class T>
 MOMENTREE_INLINE void subtract_outer(SpatialMass<T>& M, const Force<T>& g, const Force<T>& e) {
   M.A.xx -= g.l.x * e.l.x, M.A.yy -= g.l.y * e.l.y, M.A.zz -= g.l.z * e.l.z;
@@ -60,7 +88,8 @@ MOMENTREE_INLINE void subtract_outer(SpatialMass<T>& M, const Force<T>& g, const
   M.J.xy -= g.h.x * e.h.y, M.J.xz -= g.h.x * e.h.z, M.J.yz -= g.h.y * e.h.z;
 }
 
-/// (24)–(26) for any kind: in, Mb and Db of the body (22)(23); out, M̂ and D̂. The record gets G, u0, Mj.
+/// (24)–(26) for any kind. In: Mb and Db of the body (22), (23). Out: M̂ and D̂ in their place. Writes G, u0 and Mj to the
+/// record.
 template <class T, int N, class Record>
 MOMENTREE_INLINE void reduce_generic(const Columns<T, N>& E, const T* p, const double* armature, SpatialMass<T>& M, Force<T>& D,
                                      Record& w) {
@@ -95,8 +124,8 @@ MOMENTREE_INLINE void reduce_generic(const Columns<T, N>& E, const T* p, const d
   w.D = D;
 }
 
-/// (51) for any kind: in, the wrench W that outboard motion asks of the body, without Mb Ω̇, and the joint's force τ; out, W + G
-/// (τ − Eᵀ W), what it asks of the parent, and Mj⁻¹ (τ − Eᵀ W), u̇ but for what the parent's acceleration adds.
+/// (51) for any kind. In: bias wrench W (without Mb Ω̇) and joint force τ. Out: reduced bias wrench Ŵ = W + G (τ − Eᵀ W) in `W`,
+/// and Mj⁻¹ (τ − Eᵀ W) in `udot`, which is u̇ except for the part caused by the parent's acceleration.
 template <class T, int N, class Record>
 MOMENTREE_INLINE void reduce_wrench_generic(const Columns<T, N>& E, const Record& w, const T* tau, Force<T>& W, T* udot) {
   if constexpr (N > 0) {
@@ -107,7 +136,7 @@ MOMENTREE_INLINE void reduce_wrench_generic(const Columns<T, N>& E, const Record
   }
 }
 
-/// Where the pose of a kind is all that is known: R, r of the joint, after its placement. (16), (17).
+/// The joint transform of a kind from its pose (R, r of the joint), including its placement. (16), (17).
 template <class K, class T>
 MOMENTREE_INLINE DenseTransform<T> dense_transform(const LinkConstants& k, const JointState<T>& j) {
   Matrix3<T> R;
@@ -117,10 +146,12 @@ MOMENTREE_INLINE DenseTransform<T> dense_transform(const LinkConstants& k, const
   return {R0 * R, Vector3<T>{T(k.r.x), T(k.r.y), T(k.r.z)} + R0 * r};
 }
 
-/// How a joint is used, which decides its kernels: with a rotor, with freedoms locked, against its declared direction.
+/// How a joint is used, which selects its kernels: as declared, with armature, with locked DoFs, with parent and child exchanged,
+/// or exchanged and locked.
 enum class Variant : unsigned char { plain, armature, locked, reversed, reversed_locked };
 
-/// The defaults of a kind with N freedoms that turns and moves in any way. Derive, give `pose`, `columns`, `columns_rate`.
+/// Defaults for a kind with NQ coordinates and NV DoFs that moves in any way. A derived class provides `pose`, `columns` and, if
+/// E changes, `columns_rate`.
 template <class K, int NQ, int NV>
 struct GenericKernels {
   template <class T>
@@ -128,14 +159,14 @@ struct GenericKernels {
   template <class T>
   using Column = Columns<T, NV>;
 
-  /// True where the joint turns about z, so that x may be chosen freely and θ0 is added to the angle.
+  /// True if the joint rotates about z, so that the x axis may be chosen freely and θ0 is added to the joint angle.
   static constexpr bool turns_about_z = false;
-  /// True where the body is as one with its parent: the frames coincide, and there is nothing to cross.
+  /// True if the body is rigidly attached to its parent: the frames coincide and X = I.
   static constexpr bool rigid = false;
-  /// Axes of the kernels' frame in the joint's frame, and what the kind keeps in Link::geometry.
+  /// Axes of the kernel frame in the joint's frame; stores constants of the kind in LinkConstants::geometry.
   static Mat3 frame(const JointSpec&, double*) { return identity3<double>(); }
 
-  /// Both sweeps cross the joint by its dense pose; the way out finds it in the record.
+  /// Both passes use the dense transform; the outward pass reads it from the record.
   template <bool Aligned, class T>
   MOMENTREE_INLINE static DenseTransform<T> joint_transform(const LinkConstants& k, const JointState<T>& j, auto& w) {
     return w.x = dense_transform<K, T>(k, j);
@@ -172,7 +203,7 @@ struct GenericKernels {
     }
     return out;
   }
-  /// (20) corrected: ṗ = Eᵀ (Tb − Ω × Pb) + Ėᵀ Pb; joint forces are added where there are any.
+  /// (20), corrected: ṗ = Eᵀ (Tb − Ω × Pb) + Ėᵀ Pb; `wrench` is Tb − Ω × Pb. Joint forces are added by the caller.
   template <class T>
   MOMENTREE_INLINE static void momentum_rate(const LinkConstants& k, const JointState<T>& j, const T* u, const Force<T>& Pb,
                                              const Force<T>& wrench, T* pdot) {
@@ -184,9 +215,9 @@ struct GenericKernels {
     }
   }
 
-  // The second recursion.
+  // Second recursion.
 
-  /// What Ω̇ has beyond X Ω̇_parent + E u̇: Ω × E u, because X turns, and Ė u.
+  /// (39): the part of Ω̇ other than X Ω̇_parent + E u̇: Ω × E u, because X changes, and Ė u.
   template <class T>
   MOMENTREE_INLINE static Motion<T> acceleration_bias(const LinkConstants& k, const JointState<T>& j, const Motion<T>& velocity,
                                                       const T* u) {
@@ -200,29 +231,29 @@ struct GenericKernels {
     }
     return bias;
   }
-  /// (51); `tau` may be `udot` itself.
+  /// (51); `tau` may alias `udot`.
   template <class T>
   MOMENTREE_INLINE static void reduce_wrench(const LinkConstants& k, const JointState<T>& j, const auto& w, const T* tau,
                                              Force<T>& W, T* udot) {
     reduce_wrench_generic<T, NV>(K::template columns<T>(k, j), w, tau, W, udot);
   }
-  /// (47): the parent's part, u̇ − Gᵀ a′ with a′ = X Ω̇_parent + bias.
+  /// (47): subtracts the parent's part, u̇ − Gᵀ a′ with a′ = X Ω̇_parent + bias.
   template <class R, class T>
   MOMENTREE_INLINE static void joint_acceleration(const R& w, const Motion<T>& in, T* udot) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(NV); ++i) udot[i] = udot[i] - dot(in, w.G[i]);
   }
-  /// F + M̂ a.
+  /// F += M̂ a.
   template <class R, class T>
   MOMENTREE_INLINE static void add_reduced(const R& w, const Motion<T>& a, Force<T>& F) {
     F += w.M * a;
   }
-  /// The same for the bias, which may have zeros.
+  /// The same for the bias, whose structural zeros may be exploited.
   template <class R, class T>
   MOMENTREE_INLINE static void add_reduced_bias(const R& w, const Motion<T>& bias, Force<T>& F) {
     K::add_reduced(w, bias, F);
   }
-  /// The wrench by which a drive, a spring, a damper acts on the child, W with Eᵀ W = force: a pure torque for a freedom that
-  /// turns, a force through the origin for one that slides. Here the columns of E are of length one and across each other.
+  /// The wrench W on the child by which a drive, spring or damper acts, Eᵀ W = force: a pure torque for a rotational DoF, a force
+  /// through the origin for a translational one. This default requires orthonormal columns of E.
   static Force<double> drive_wrench(const LinkConstants& k, const JointState<double>& j, const double* force) {
     const Column<double> E = K::template columns<double>(k, j);
     Force<double> W{};
@@ -233,18 +264,18 @@ struct GenericKernels {
     return W;
   }
 
-  /// q̇ = N(q) u; here u are the coordinates' own rates.
+  /// q̇ = N(q) u; by default u are the rates of the coordinates.
   template <class T>
   MOMENTREE_INLINE static void coordinate_rate(const T*, const T* u, T* qdot) {
     for (int i = 0; i < NQ; ++i) qdot[i] = u[i];
   }
-  /// Back onto the manifold after a step (unit quaternions).
+  /// Projects the coordinates back onto their manifold after a step (unit quaternions).
   static void normalise(double*) {}
-  /// Coordinates of no motion.
+  /// Coordinates of zero displacement.
   static void zero(double* q) {
     for (int i = 0; i < NQ; ++i) q[i] = 0;
   }
-  /// Spring: generalised force per unit stiffness of each freedom, and energy, for coordinates q about rest q0.
+  /// Spring about q0: writes the generalised force −stiffness·(q − q0) of each DoF (N m, N) and returns the energy (J).
   static double spring(const double* q, const double* q0, const double* stiffness, double* force) {
     double energy = 0;
     for (int i = 0; i < NV; ++i) {

@@ -1,5 +1,5 @@
-// The laws that every joint kind obeys: alone, with a rotor, against its declared direction, with freedoms locked. A new kind is
-// under them by being a file in kinds/.
+// Laws that every kind of joint obeys: as declared, with armature, reversed, with locked DoFs. A new file in kinds/ is covered
+// automatically.
 #include <array>
 #include <cmath>
 #include <string>
@@ -14,7 +14,7 @@ using namespace momentree;
 
 namespace {
 
-// A joint at one state: coordinates, trigonometry, rates.
+// A joint in one state: coordinates, trigonometry, rates.
 template <class K>
 struct Sample {
   static constexpr int nq = K::info.nq, nv = K::info.nv;
@@ -46,7 +46,7 @@ struct Sample {
   JointState<double> joint() const { return {q.data(), c.data(), s.data()}; }
 };
 
-// Calls law(tag of the kind, tag of its kernels, rotor, aligned) for every kind.
+// Calls law(tag of the kind, tag of its kernels, armature, aligned) for every kind.
 template <class Law>
 void for_every_kind(Law law) {
   for (const KindInfo& kind : all_kinds())
@@ -62,7 +62,7 @@ void for_every_kind(Law law) {
     });
 }
 
-// Kernels that have whole steps, instead of pieces: those of pins.
+// True for kernels with whole steps instead of separate functions: those of revolute joints.
 template <class L>
 constexpr bool has_steps = requires {
   typename L::Steps;
@@ -75,7 +75,7 @@ void for_every_generic_kind(Law law) {
   });
 }
 
-// The record of a body whose Mb and Db are these.
+// The record of a body with the given Mb and Db.
 template <class K, class L>
 void reduce_body(const Sample<K>& at, const SpatialMass<double>& Mb, const Force<double>& Db, auto& record) {
   Inboard<double> in{Mb, Db, {}};
@@ -105,7 +105,7 @@ TEST_CASE("(6) E is the derivative of the pose, and Edot that of E") {
     using L = typename decltype(kernels)::type;
     for (int trial = 0; trial < 20; ++trial) {
       const Sample<K> at(draw, false, false);
-      // Along the joint's own motion: q̇ = N(q) u.
+      // Along the joint's motion: q̇ = N(q) u.
       std::array<double, 8> qdot{};
       L::template coordinate_rate<double>(at.q.data(), at.u.data(), qdot.data());
       const double h = 1e-5;
@@ -181,7 +181,7 @@ TEST_CASE("(16) (17) (18) the crossing of a kind is that of its pose, in both di
         const Motion<double> e{draw.vector(), draw.vector()};
         Motion<double> x = e;
         dense.outboard(x);
-        CHECK(dot(e, M1 * e) == doctest::Approx(dot(x, M * x)).epsilon(1e-11));  // X^T M X
+        CHECK(dot(e, M1 * e) == doctest::Approx(dot(x, M * x)).epsilon(1e-11));  // Xᵀ M X
       }
     };
     if (L::turns_about_z && aligned) {
@@ -220,8 +220,8 @@ TEST_CASE("(24) (25) (26) (27) (21) (20) override equals generic") {
       CHECK(distance(u1, u2) < 1e-11);
       const Force<double> P1 = L::articulated_momentum(own, at.p.data(), in);
       const Motion<double> out = L::template spatial_velocity<double>(at.link, at.joint(), in, u1.data());
-      CHECK(distance(flat(P1), flat(Mb * out + Db)) < 1e-11);  // (21) as it is defined
-      for (int i = 0; i < N; ++i) {                            // (19): p = E^T Pb + rotor
+      CHECK(distance(flat(P1), flat(Mb * out + Db)) < 1e-11);  // (21) by definition
+      for (int i = 0; i < N; ++i) {                            // (19): p = Eᵀ Pb + armature · u
         const auto k = static_cast<std::size_t>(i);
         CHECK(at.p[k] == doctest::Approx(dot(E[k], P1) + at.armature[k] * u1[k]).epsilon(1e-11));
       }
@@ -329,7 +329,7 @@ TEST_CASE("(24) (27) (20) locked freedoms have no velocity and no rate; the othe
 }
 
 namespace {
-// The laws of the second recursion at one joint, whose freedoms `locked` rest.
+// The laws of the second recursion at one joint whose DoFs in `locked` are at rest.
 template <class K, class L>
 void acceleration_laws(Draw& draw, const Sample<K>& at) {
   constexpr int N = K::info.nv;
@@ -362,7 +362,7 @@ void acceleration_laws(Draw& draw, const Sample<K>& at) {
   L::add_reduced(record, bias, full);
   CHECK(distance(flat(sparse), flat(full)) < 1e-12);
 
-  // (47), (51): the kernels' u̇ and Tr are those of Tr = Mb Ω̇ + W with Eᵀ Tr = τ − rotor u̇
+  // (47), (51): the kernels' u̇ and Tr satisfy Tr = Mb Ω̇ + W with Eᵀ Tr = τ − armature · u̇
   const Force<double> W{draw.vector(), draw.vector()};
   const Motion<double> in{draw.vector(), draw.vector()};
   Force<double> Tr = W;
@@ -380,7 +380,7 @@ void acceleration_laws(Draw& draw, const Sample<K>& at) {
       CHECK(force[i] == doctest::Approx(tau[i] - rotor[i] * udot[i]).epsilon(1e-9));
     }
   }
-  // What the drive does is all of that, and nothing on its freedoms is left.
+  // The drive accounts for all of it: nothing is left along the DoFs.
   const Force<double> rest = Tr - L::drive_wrench(at.link, at.joint(), force.data());
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (!locked(i)) CHECK(std::fabs(dot(columns[i], rest)) < 1e-12 * (1 + norm(Tr.l) + norm(Tr.h)));

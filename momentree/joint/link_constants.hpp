@@ -1,54 +1,54 @@
 #pragma once
-// The constants of a body's inboard link, in the frames that the kernels use, and the two ways across it.
+// Constants of a body's inboard link, in the frames that the kernels use, and the transforms across the link in both directions.
 //
-// The kernels' frame of a body stands at its joint, child side, with z along the joint's axis where the kind has one. The frame
-// is fixed in the body; `Tree` keeps where the user's frame of the body stands in it.
+// The kernel frame of a body has its origin at the inboard joint (child side) and its z axis along the joint's axis if the kind
+// has one. It is fixed in the body; `Tree` stores its pose in the user's frame of the body (KernelFrame).
 #include <momentree/base/inline.hpp>
 #include <momentree/math/spatial.hpp>
 
 namespace momentree {
 
-/// How much of a general placement a link has: kernels leave the rest out. Found when a topology is compiled.
+/// The terms that a link's placement has; kernels omit the others. Found when a topology is compiled.
 enum class PlacementShape : unsigned char {
-  general,        ///< any turn, any offset
-  tilted,         ///< β = 0: the parent's x axis lies across both joints' axes
-  screw,          ///< and the offset is r.x along that x axis and d along the joint's own (Denavit–Hartenberg)
+  general,        ///< any rotation, any offset
+  tilted,         ///< β = 0: the parent's x axis is perpendicular to both joint axes
+  screw,          ///< in addition, the offset is r.x along that x axis and d along the joint's own axis (Denavit–Hartenberg)
   screw_a,        ///< d = 0
-  screw_d,        ///< r.x = 0: the axes meet
+  screw_d,        ///< r.x = 0: the axes intersect
   right,          ///< α = 90°, both offsets
-  right_a,        ///< …
-  right_d,        ///< …
+  right_a,        ///< α = 90°, d = 0
+  right_d,        ///< α = 90°, r.x = 0
   right_meeting,  ///< α = 90°, no offset
   parallel,       ///< α = 0, both offsets
-  parallel_a,     ///< …: a link in a plane
+  parallel_a,     ///< α = 0, d = 0: a link in a plane
 };
 
-/// Placement of the joint in the parent's frame: R = Rz(β) Rx(α) Rz(θ0), origin at r; mass properties in the body's own frame.
-/// Rotations about one axis at a time cost half of a general one, and β = 0 where the parent's x axis could be chosen for it.
-/// Nothing in it tells one body from another that is made and placed the same: a tree keeps equal links once.
+/// Placement of the joint in the parent's frame: R = Rz(β) Rx(α) Rz(θ0), origin at r (m); mass properties in the body's kernel
+/// frame. Rotations about one axis at a time cost half of a general one, and β = 0 if the parent's x axis could be chosen for
+/// this link. Links that are made and placed alike have equal constants, and a tree stores equal links once.
 struct LinkConstants {
   double cos_a = 1, sin_a = 0;
   double cs_a = 0, ss_a = 0;  ///< cos α sin α, sin² α
   Vec3 r{};
-  double d = 0;  ///< where the shape says so: r = r.x along the parent's x, and then d along the joint's axis
+  double d = 0;  ///< if the shape has it: r = r.x along the parent's x, plus d along the joint's axis
   double cos_b = 1, sin_b = 0;
   RigidMass body{};
   PlacementShape shape{};
-  unsigned char locked = 0;  ///< a bit per freedom without a momentum of its own: frozen or driven
-  unsigned char driven = 0;  ///< a bit per freedom of these whose rate is prescribed: p holds it
+  unsigned char locked = 0;  ///< a bit per DoF without a momentum of its own: frozen or driven
+  unsigned char driven = 0;  ///< a bit per DoF among these whose rate is prescribed: p holds the rate
   double cos_0 = 1, sin_0 = 0;
   double angle_0 = 0;           ///< θ0
   double geometry[2] = {0, 0};  ///< helical: metres per radian; universal: x and z components of the first axis
 };
-/// True where the link needs no turn about the parent's z.
+/// True if the link needs no rotation about the parent's z axis (β = 0).
 inline bool aligned(const LinkConstants& link) { return link.sin_b == 0 && link.cos_b == 1; }
 /// Rz(β) Rx(α) Rz(θ0).
 Mat3 placement_rotation(const LinkConstants& link);
 /// Rz(β) Rx(α): for kinds that add θ0 to their own angle.
 Mat3 tilt_rotation(const LinkConstants& link);
 
-/// What one child contributes to its parent: reduced mass and remainder momentum (25)(26), first moment of the subtree for
-/// gravity.
+/// Contribution of one child to its parent: reduced mass and remainder momentum (25), (26), and the first moment of the subtree
+/// (kg m) for gravity.
 template <class T>
 struct Inboard {
   SpatialMass<T> M;
@@ -61,12 +61,13 @@ MOMENTREE_INLINE void operator+=(Inboard<T>& a, const Inboard<T>& b) {
   a.D += b.D;
   a.mc += b.mc;
 }
-/// Without gravity the steps across pins leave first moments out. An inlet that others are added to needs them all the same.
+/// Without gravity the revolute steps do not write first moments; a sum to which other contributions are added must still start
+/// from zero.
 template <bool Gravity, class T>
 MOMENTREE_INLINE void begin_moments(Inboard<T>& sum) {
   if constexpr (!Gravity) sum.mc.x = T(0), sum.mc.y = T(0), sum.mc.z = T(0);
 }
-/// What a child needs of its parent: velocity, and gravity in the parent's axes.
+/// Input of a child from its parent: velocity, and gravity in the parent's axes (m/s²).
 template <class T>
 struct Outboard {
   Motion<T> velocity;
@@ -80,7 +81,7 @@ struct BodySweep {
   Force<T> articulated;  ///< Pb (14)
 };
 
-/// What one child contributes to its parent in a plane, in its axes.
+/// Contribution of one child to its parent in a plane mechanism, in the plane's axes.
 template <class T>
 struct InPlaneInboard {
   T axx, axy, ayy, bx, by, J;  ///< l = A v + b ω, h = b·v + J ω
@@ -98,7 +99,7 @@ template <class T>
 struct InPlaneOutboard {
   T vx, vy, w;
 };
-/// What the sweeps keep of a body in a plane; it has the place of a pin's record.
+/// Quantities of a body in a plane mechanism that the inward pass stores; kept in the memory of a revolute record.
 template <class T>
 struct InPlaneRecord {
   T axx, axy, ayy, lx, ly, gx, gy, u0, rx, ry, mx, my;
@@ -108,7 +109,7 @@ struct InPlaneKernels {
   using Record = InPlaneRecord<T>;
 };
 
-/// Across the placement after the child's joint: turn about x by α, about z by β unless the frames are aligned, shift by r.
+/// Across the placement, after the child's joint: rotation about x by α, about z by β unless the frames are aligned, shift by r.
 template <bool Aligned, class T>
 MOMENTREE_INLINE void placement_inboard(const LinkConstants& k, Force<T>& P) {
   turn_x(P.l, k.cos_a, k.sin_a);
@@ -131,7 +132,7 @@ MOMENTREE_INLINE void placement_inboard(const LinkConstants& k, SpatialMass<T>& 
   if constexpr (!Aligned) turn_z(M, k.cos_b, k.sin_b);
   shift(M, k.r);
 }
-/// The way back for a direction: components in the parent's axes to components before the joint's own motion.
+/// The inverse for a direction: components in the parent's axes to components before the joint's own motion.
 template <bool Aligned, class T>
 MOMENTREE_INLINE void placement_outboard(const LinkConstants& k, Vector3<T>& a) {
   if constexpr (!Aligned) turn_z(a, k.cos_b, -k.sin_b);
@@ -158,8 +159,8 @@ MOMENTREE_INLINE void turn_x(Matrix3<T>& R, const C& c, const C& s) {
   turn(R.yz, R.zz, c, s);
 }
 
-/// Crossing a joint that turns about z and slides along z (revolute, prismatic, helical, cylindrical): c, s of the angle with θ0,
-/// d the displacement. (16), (17).
+/// Transform of a joint that rotates about z and translates along z (revolute, prismatic, helical, cylindrical): c, s of the
+/// angle including θ0, d the displacement (m). (16), (17).
 template <class T, bool Aligned>
 struct ScrewTransform {
   const LinkConstants& link;
@@ -172,7 +173,7 @@ struct ScrewTransform {
     P.h.y = P.h.y + d * P.l.x;
     placement_inboard<Aligned>(link, P);
   }
-  /// A first moment, of what has that mass.
+  /// A first moment of a subtree with that mass.
   MOMENTREE_INLINE void inboard(Vector3<T>& mc, double mass) const {
     turn_z(mc, c, s);
     mc.z = mc.z + d * T(mass);
@@ -183,7 +184,7 @@ struct ScrewTransform {
     shift(M, Vector3<T>{T(0), T(0), d});
     placement_inboard<Aligned>(link, M);
   }
-  /// A frame that stands at (R, r) in the child's: to the parent's.
+  /// A frame with the pose (R, r) in the child's frame: its pose in the parent's.
   MOMENTREE_INLINE void place(Matrix3<T>& R, Vector3<T>& r) const {
     turn_z(R, c, s);
     turn_z(r, c, s);
@@ -209,7 +210,7 @@ struct ScrewTransform {
   }
 };
 
-/// Crossing any joint, from its pose: R child axes to parent axes, r the child's origin, both with the placement.
+/// Transform of any joint from its pose: R child axes to parent axes, r the child's origin, both including the placement.
 template <class T>
 struct DenseTransform {
   Matrix3<T> R;

@@ -9,7 +9,7 @@ namespace momentree {
 
 namespace {
 
-// Kernels work in axes C of their own; `act` gets the kernels' type, C, a link without placement and the joint's state.
+// The kernels use axes C of their own. Calls act(kernels, C, a link without placement, the joint's state).
 template <class Act>
 decltype(auto) with_kernels(const JointSpec& joint, const double* q, Act act) {
   return dispatch(joint.kind, [&](auto tag) {

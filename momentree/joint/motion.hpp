@@ -1,6 +1,6 @@
 #pragma once
-// A joint by itself, in its own frame: where it puts the child, which way it lets it move, and back from a pose to coordinates.
-// For changes of joints and for reading files; the sweeps have their kernels.
+// The motion of a single joint in its own frame: pose of the child, directions of motion, and the coordinates for a given pose.
+// For joint changes and file readers; the recursions use the kernels instead.
 #include <optional>
 #include <vector>
 
@@ -9,31 +9,31 @@
 
 namespace momentree {
 
-/// Pose of the joint's frame after its motion in its frame before, at coordinates q (nq numbers).
+/// Pose of the joint's child-side frame in its parent-side frame, at coordinates q (nq numbers).
 Pose joint_motion(const JointSpec& joint, const double* q);
 
-/// Columns of E, (6): a spatial velocity per freedom, in the joint's frame after its motion.
+/// Columns of E, (6): a spatial velocity per DoF, in the joint's child-side frame.
 std::vector<Motion<double>> joint_dofs(const JointSpec& joint, const double* q);
 
-/// Coordinates at which the joint has that motion; nothing where it can't. Of angles that differ by turns the one nearest to
-/// `hint` is taken.
+/// Coordinates at which the joint has that motion; empty if the joint cannot represent it. Of angles that differ by full turns,
+/// the one nearest to `hint` is returned.
 std::optional<Values> joint_coordinates(const JointSpec& joint, const Pose& motion, double hint);
 
-/// Coordinates of no motion.
+/// Coordinates of zero displacement.
 Values joint_zero(Kind kind);
 
 namespace coordinates {
 
-/// How far a pose may be from what a joint can represent (rad; m per m).
+/// Largest deviation of a pose from the motions that a joint can represent (rad; m per m).
 inline constexpr double tolerance = 1e-12;
 
 bool negligible(const Vec3& displacement);
 bool negligible(const Quat& rotation);
-/// The angle nearest to `hint` by which `rotation` turns about the unit vector `axis`; false where it turns about another.
+/// The angle nearest to `hint` by which `rotation` turns about the unit vector `axis`; false if it turns about another axis.
 bool about_axis(const Vec3& axis, const Quat& rotation, double hint, double& angle);
-/// The length of `displacement` along the unit vector `axis`; false where it goes elsewhere.
+/// The length of `displacement` along the unit vector `axis`; false if it has another direction.
 bool along_axis(const Vec3& axis, const Vec3& displacement, double& length);
-/// The angle, turned by full turns to the one nearest to `hint`, and `hint` itself where only rounding is between them.
+/// The angle shifted by full turns to the one nearest to `hint`; `hint` itself if they differ by rounding only.
 double unwrapped(double angle, double hint);
 
 }  // namespace coordinates

@@ -74,13 +74,13 @@ TEST_CASE("turns are kept: the angle nearest to the hint") {
   const auto screwed = joint_coordinates(screw, joint_motion(screw, &turns), turns);
   REQUIRE(screwed);
   CHECK((*screwed)[0] == doctest::Approx(turns).epsilon(1e-14));
-  CHECK_FALSE(joint_coordinates(screw, joint_motion(screw, &turns), 0));  // three turns further along
+  CHECK_FALSE(joint_coordinates(screw, joint_motion(screw, &turns), 0));  // displaced by three turns more
 }
 
 TEST_CASE("freedoms are the motion's derivative") {
   for (const KindInfo& kind : all_kinds()) {
     CAPTURE(kind.name);
-    if (kind.nq != kind.nv) continue;  // quaternions: laws_test
+    if (kind.nq != kind.nv) continue;  // kinds with quaternions: laws_test
     const JointSpec joint = example(kind.kind);
     const Values q = example_coordinates(kind);
     const auto E = joint_dofs(joint, q.begin());

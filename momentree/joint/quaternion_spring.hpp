@@ -1,7 +1,6 @@
 #pragma once
-// The rotational spring of ball and free joints: energy ½ Σ kᵢ φᵢ², φ = log(q0⁻¹ q) in child axes.
-// With one stiffness the torque is −k φ. With several it is −J_r(φ)⁻ᵀ K φ, the gradient of that energy: −K φ alone would not
-// conserve it.
+// Rotational spring of ball and free joints: energy ½ Σ kᵢ φᵢ², φ = log(q0⁻¹ q) in child axes. With equal stiffnesses the torque
+// is −k φ. In general it is −J_r(φ)⁻ᵀ K φ, the gradient of that energy: −K φ alone would not conserve it.
 #include <momentree/math/vec.hpp>
 
 namespace momentree {

@@ -1,7 +1,7 @@
 #pragma once
-// A reduced mass across a pin (16), piece by piece in the order of a step: what stands in the plane of the turn about z (the
-// upper left blocks of A, B and J), what couples it with z (a pair of A, a pair of B), A.zz; then the turn about x and the shift
-// along it. Few numbers are at hand at a time that way, and each is written once.
+// Transform of a reduced mass across a revolute joint (16), block by block in the order of a step: the blocks in the plane of the
+// rotation about z (upper left of A, B and J), their coupling with z (two entries of A, two of B), A.zz; then the rotation about
+// x and the shift along it. This keeps few values live at a time, and each is written once.
 #include <type_traits>
 #include <utility>
 
@@ -9,11 +9,11 @@
 
 namespace momentree::detail {
 
-/// Of what the constants of a link are: numbers, or a pack where its lanes are bodies.
+/// Type of a link's constants: double, or a pack if its lanes are bodies.
 template <class L>
 using ConstantOf = std::remove_cvref_t<decltype(std::declval<const L&>().d)>;
 
-/// Mb E, or G = Mb E / Mj: the third column of the right half, without what stands at Mj.
+/// Mb E, or G = Mb E / Mj: the third column of the right half, without the entry that is Mj.
 template <class T>
 struct RevoluteColumn {
   T lx, ly, lz, hx, hy;
@@ -30,7 +30,7 @@ template <class T>
 struct PlaneVector {
   T x, y;
 };
-/// M̂ with M̂ E = 0, by what a turn about z mixes.
+/// M̂ with M̂ E = 0, grouped by the blocks that a rotation about z mixes.
 template <class T>
 struct ReducedMass {
   PlaneSymmetric<T> A;
@@ -41,7 +41,7 @@ struct ReducedMass {
   T Azz;
 };
 
-// (16), the turn about z by (c, s) and the slide along it by d: B ← B − A r̃, J ← J + r̃ B_new + (r̃ B_old)ᵀ with r = d e_z.
+// (16), the rotation about z by (c, s) and the shift along it by d: B ← B − A r̃, J ← J + r̃ B_new + (r̃ B_old)ᵀ with r = d e_z.
 
 template <bool Slides, class T, class C>
 MOMENTREE_INLINE void cross_z(RevoluteColumn<T>& e, const T& c, const T& s, const C& d) {
@@ -55,7 +55,7 @@ MOMENTREE_INLINE void cross_z(Force<T>& D, const T& c, const T& s, const C& d) {
   turn_z(D.h, c, s);
   if constexpr (Slides) D.h.x = D.h.x - d * D.l.y, D.h.y = D.h.y + d * D.l.x;
 }
-/// B with A before the slide; returns B before the slide.
+/// B with A before the shift; returns B before the shift.
 template <bool Slides, class T, class C>
 MOMENTREE_INLINE PlaneMatrix<T> cross_z(PlaneMatrix<T>& B, const PlaneSymmetric<T>& A, const Turn<T>& by, const C& d) {
   if constexpr (!Slides) {
@@ -81,9 +81,9 @@ MOMENTREE_INLINE void cross_z(PlaneSymmetric<T>& J, const PlaneMatrix<T>& B, con
   }
 }
 
-// (16), the turn about x by α and the shift by a along x, of what is reduced.
+// (16), the rotation about x by α and the shift by a along x, of a reduced mass.
 
-/// A about x, by the shape's turn.
+/// Rotation of A about x, by the twist of the shape.
 enum class Twist { any, right, none };
 template <Twist W, class L, class T>
 MOMENTREE_INLINE Symmetric3<T> turn_x(const L& k, const PlaneSymmetric<T>& A, const PlaneVector<T>& Az, const T& Azz) {
@@ -104,7 +104,7 @@ MOMENTREE_INLINE Matrix3<T> turn_x(const L& k, const PlaneMatrix<T>& B, const Pl
   const T a = c * B.yy - s * Bz.y, b = s * B.yy + c * Bz.y;  // rows y, z of the y column
   return {B.xx, c * B.xy, s * B.xy, c * B.yx - s * Bz.x, c * a, s * a, s * B.yx + c * Bz.x, c * b, s * b};
 }
-/// The same where nothing is zero.
+/// The same for a B without zeros.
 template <Twist W, class L, class T>
 MOMENTREE_INLINE Matrix3<T> turn_x(const L& k, const PlaneMatrix<T>& B, const PlaneVector<T>& Bz, const Vector3<T>& z) {
   if constexpr (W == Twist::right) return {B.xx, -z.x, B.xy, -Bz.x, z.z, -Bz.y, B.yx, -z.y, B.yy};
@@ -123,7 +123,7 @@ MOMENTREE_INLINE Symmetric3<T> turn_x(const L& k, const PlaneSymmetric<T>& J) {
   return {J.xx, (1 - k.ss_a) * J.yy, k.ss_a * J.yy, k.cos_a * J.xy, k.sin_a * J.xy, k.cs_a * J.yy};
 }
 
-/// (16), the shift by a along x; A stands in M already.
+/// (16), the shift by a along x; M.A is already rotated.
 template <Twist W, class T, class C>
 MOMENTREE_INLINE void shift_x(SpatialMass<T>& M, const C& a) {
   const Symmetric3<T>& A = M.A;
@@ -138,7 +138,7 @@ MOMENTREE_INLINE void shift_x(SpatialMass<T>& M, const C& a) {
     M.B.xy = M.B.xy - a * A.xz, M.B.yy = M.B.yy - a * A.yz, M.B.zy = M.B.zy - a * A.zz;
     M.J.yy = M.J.yy - a * (zy + M.B.zy);
     M.J.xy = M.J.xy - a * M.B.zx;
-    if constexpr (W == Twist::none) {  // those of z
+    if constexpr (W == Twist::none) {  // those of z are zero
       M.B.xz = a * A.xy, M.B.yz = a * A.yy, M.B.zz = a * A.yz;
       M.J.zz = a * M.B.yz, M.J.xz = a * M.B.yx, M.J.yz = a * (yy - M.B.zz);
     } else {

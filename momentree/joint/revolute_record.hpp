@@ -1,11 +1,11 @@
 #pragma once
-// What the sweeps keep of a pin for the way out, and for further right sides.
+// Quantities of a revolute body that the inward pass stores for the outward pass, and for further right-hand sides.
 #include <momentree/joint/body_pair.hpp>
 #include <momentree/joint/link_constants.hpp>
 
 namespace momentree {
 
-/// What reduction about z leaves: M̂ E = 0, so B has no z column and J no z row; D̂·E = p; G·E = 1.
+/// After reduction about z: M̂ E = 0, so B has no z column and J no z row; D̂·E = p; G·E = 1.
 template <class T>
 struct RevoluteRecord {
   Symmetric3<T> A;
@@ -17,8 +17,9 @@ struct RevoluteRecord {
   T u0, inverse_mass;
   Vector3<T> mc;
 };
-/// With a rotor these are no zeros: M̂ E = rotor · G, D̂·E, G·E. It may be of any size, as `damped` makes dampers rotors; so u is
-/// not found from u + ω_z, nor D̂·E from p and what the rotor has.
+/// With armature these are not zero: M̂ E = armature · G, D̂·E, G·E. The armature may be arbitrarily large, since `damped` turns
+/// dampers into armature; so u is not computed from u + ω_z, nor D̂·E from p less the rotor's momentum, where digits would
+/// cancel.
 template <class T>
 struct ArmatureRecord : RevoluteRecord<T> {
   T rotor, hz, ghz;

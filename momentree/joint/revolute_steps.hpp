@@ -1,16 +1,17 @@
 #pragma once
-// Steps of the two sweeps across a pin: (22)–(26) and (16) inboard, (17), (27), (21), (20) outboard, as one piece each. What
-// reduction about z leaves has zeros, but with a rotor on the joint, and so has the placement of most links.
+// Steps of both passes across a revolute joint: (22)–(26) and (16) inboard, (17), (27), (21), (20) outboard, each fused into one
+// function. They exploit the zeros that reduction about z leaves (without armature) and those of the placement of most links.
 #include <momentree/joint/revolute_blocks.hpp>
 #include <momentree/joint/revolute_record.hpp>
 
 namespace momentree {
 
-/// Whether a scalar stands for one world that is evaluated by itself, whose processor waits for every division.
+/// True if a scalar represents a single world, whose evaluation is limited by the latency of the divisions.
 template <class T>
 inline constexpr bool one_world_at_a_time = std::is_same_v<T, double> || std::is_same_v<T, BodyPair>;
 
-/// What a body has to collect from its children: at a fork, beside what the first asks, the sum of the others.
+/// Contributions of its children that a body collects: none (leaf), one, or at a branching body the first child's and the sum of
+/// the others'.
 enum class Children : unsigned char { none, one, several };
 
 template <bool Rotor>
@@ -19,13 +20,13 @@ struct RevoluteStepsOf {
   template <class T>
   using Record = std::conditional_t<Rotor, ArmatureRecord<T>, RevoluteRecord<T>>;
 
-  /// Whether the mass is turned about z before it is reduced, while 1 / Mj is in flight: more operations, but for one world at a
-  /// time less waiting. E, and what is about z, are the same on both sides of the turn. Records are then those of the parent's
-  /// side: not where they are kept for others.
+  /// True if the mass is rotated about z before it is reduced, while the division 1 / Mj is in flight: more operations, but a
+  /// shorter dependency chain for a single world. E, and everything about z, is the same on both sides of the rotation. The
+  /// records then refer to the parent's side of the joint, so this order is not used if other passes read them (Keep).
   template <class T, bool Keep>
   static constexpr bool rotate_then_reduce = one_world_at_a_time<T> && !Keep;
 
-  /// What of a link's placement a shape has.
+  /// The terms that a shape has.
   template <PlacementShape S>
   struct Has {
     static constexpr bool turn_b = S == PlacementShape::general;
@@ -38,9 +39,9 @@ struct RevoluteStepsOf {
                               S == PlacementShape::right_d || S == PlacementShape::parallel;
   };
 
-  /// In: what the children reduced, in the body's frame, the first and the others. Out: what the parent gets, in its frame;
-  /// `Root`: nobody asks for it. `out` may be `in`. `mass`: of the body and all outboard of it. `armature`: the rotor's inertia,
-  /// where there is one.
+  /// Inward step of one body. In: the contributions of its children, in the body's frame, `in` of the first and `others` the sum
+  /// of the rest. Out: its own contribution, in the parent's frame; `out` may alias `in`. `Root`: the parent is the ground, so no
+  /// output is produced. `mass`: of the subtree (kg). `armature`: of the joint (kg m²), if it has any.
   template <PlacementShape S, bool Gravity, bool Keep, Children N, bool Root, class L, class T>
   MOMENTREE_INLINE static void inboard(const L& k, const detail::ConstantOf<L>& mass,
                                        [[maybe_unused]] const detail::ConstantOf<L>& armature, const T& cosine, const T& sine,
@@ -58,7 +59,7 @@ struct RevoluteStepsOf {
                                 alone<N>(in.M.B.zz, others.M.B.zz), with<N>(in.M.J.xz, others.M.J.xz, b.J.xz),
                                 with<N>(in.M.J.yz, others.M.J.yz, b.J.yz)};
     if constexpr (rotates_first) detail::cross_z<slides>(e, c, s, k.d);
-    constexpr bool tip = N == Children::none;  // of what is known to be zero nothing is made
+    constexpr bool tip = N == Children::none;  // known zeros are not computed
     const detail::RevoluteColumn<T> g{inverse * e.lx, inverse * e.ly, tip ? T(0) : inverse * e.lz, inverse * e.hx,
                                       inverse * e.hy};
     w.gl.x = g.lx, w.gl.y = g.ly, w.gl.z = g.lz, w.ghx = g.hx, w.ghy = g.hy;
@@ -66,7 +67,7 @@ struct RevoluteStepsOf {
     if constexpr (Rotor) w.rotor = T(armature), w.ghz = inverse * Jzz;
     T u = p;
     if constexpr (!tip) u = p - alone<N>(in.D.h.z, others.D.h.z);
-    if constexpr (!rotates_first) w.u0 = inverse * u;  // one number less to keep: compilers see to other orders of things badly
+    if constexpr (!rotates_first) w.u0 = inverse * u;  // frees a register here; compilers do not find this order
 
     detail::ReducedMass<T> m;
     reduce_mass<slides, rotates_first, crosses_z, N>(k, c, s, e, g, in.M, others.M, m, w);
@@ -96,7 +97,7 @@ struct RevoluteStepsOf {
       if constexpr (Gravity) turn_z(mc, c, s);
     };
     if constexpr (rotates_first && tip)
-      mc.x = e.ly, mc.y = -e.lx;  // as they stand there, turned
+      mc.x = e.ly, mc.y = -e.lx;  // already rotated there
     else if constexpr (rotates_first)
       turn();
     if constexpr (tip)  // (26)
@@ -113,13 +114,13 @@ struct RevoluteStepsOf {
     if constexpr (Gravity) out.mc.x = mc.x, out.mc.y = mc.y, out.mc.z = mc.z;
   }
 
-  /// In: the parent's velocity, and gravity in its axes; out: those of the body, but behind a tip, where nobody asks. Gives u and
-  /// ṗ of the joint; if kept, Ω and Pb.
+  /// Outward step of one body. In: the parent's velocity and gravity in its axes. Out: those of the body, except for a leaf,
+  /// which needs no output. Writes u and ṗ of the joint and, with Keep, Ω and Pb.
   template <PlacementShape S, bool Gravity, bool Keep, class L, class T>
   MOMENTREE_INLINE static void outboard(const L& k, const T& c, const T& s, const Record<T>& w, const T& p, bool tip,
                                         Outboard<T>& out, T& u, T& pdot, BodySweep<T>* kept) {
     Vector3<T>&v = out.velocity.v, &o = out.velocity.w, &g = out.gravity;
-    // (17): the way into the joint's frame
+    // (17): into the joint's frame
     if constexpr (Has<S>::any_offset) shift_outboard(out.velocity, k.r);
     if constexpr (Has<S>::a) v.y = v.y + k.r.x * o.z, v.z = v.z - k.r.x * o.y;
     const auto each = [&](auto turned) MOMENTREE_INLINE_LAMBDA {
@@ -136,19 +137,19 @@ struct RevoluteStepsOf {
       each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { turn_z(x, c, -s); });
     };
     if constexpr (!rotate_then_reduce<T, Keep>) cross_joint();
-    // (27): u + ω_z at once, which is all that the next joint asks for
+    // (27): u + ω_z directly, which is all that the outboard joint needs
     const T along = (w.gl.x * v.x + w.ghx * o.x) + (w.gl.y * v.y + w.ghy * o.y) + w.gl.z * v.z;
     T turning;
     if constexpr (Rotor)
       u = w.u0 - (along + w.ghz * o.z), turning = u + o.z;
     else
       turning = w.u0 - along, u = turning - o.z;
-    // (21), the four components that turning about z asks for
+    // (21), only the four components that (20) needs for a rotation about z
     T lx = (w.A.xx * v.x + w.Bxx * o.x) + (w.A.xy * v.y + w.Bxy * o.y) + (w.A.xz * v.z + w.l.x);
     T ly = (w.A.xy * v.x + w.Byx * o.x) + (w.A.yy * v.y + w.Byy * o.y) + (w.A.yz * v.z + w.l.y);
     T hx = (w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y) + (w.Bzx * v.z + w.hx);
     T hy = (w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y) + (w.Bzy * v.z + w.hy);
-    T turned(0);  // M̂ E ω_z = turned G
+    T turned(0);  // M̂ E ω_z = turned · G
     if constexpr (Rotor) {
       turned = w.rotor * o.z;
       lx = lx + turned * w.gl.x, ly = ly + turned * w.gl.y;
@@ -170,7 +171,7 @@ struct RevoluteStepsOf {
       if (!tip) cross_joint();
   }
 
-  /// The same on the ground, which does not move: u = u0, Pb = D̂, Ω = u e_z.
+  /// The same for a body on the ground, which does not move: u = u0, Pb = D̂, Ω = u e_z.
   template <bool Gravity, bool Keep, class L, class T>
   MOMENTREE_INLINE static void outboard_root(const L& k, const T& c, const T& s, const Record<T>& w, const T& p, Outboard<T>& out,
                                              T& u, T& pdot, BodySweep<T>* kept) {
@@ -194,9 +195,9 @@ struct RevoluteStepsOf {
     }
   }
 
-  // The second recursion.
+  // Second recursion.
 
-  /// (45): a wrench, to the parent.
+  /// (45): a wrench, to the parent's frame.
   template <PlacementShape S, class T>
   MOMENTREE_INLINE static void cross_inboard(const LinkConstants& k, const T& c, const T& s, Force<T>& W) {
     turn_z(W.l, c, s);
@@ -217,8 +218,8 @@ struct RevoluteStepsOf {
     else if constexpr (Has<S>::a)
       W.h.y = W.h.y - k.r.x * W.l.z, W.h.z = W.h.z + k.r.x * W.l.y;
   }
-  /// (39), (47): Ω̇ of the parent in, of the body out, less gravity; u̇, which comes in as Mj⁻¹ (τ − Eᵀ W) − Gᵀ bias. `approach`
-  /// gets a′. `velocity` is Ω.
+  /// (39), (47). In: Ω̇ of the parent; `udot` = Mj⁻¹ (τ − Eᵀ W) − Gᵀ bias; `velocity` = Ω of the body. Out: Ω̇ of the body in
+  /// `a`, u̇ in `udot`, a′ in `approach`. Accelerations are less gravity.
   template <PlacementShape S, class T>
   MOMENTREE_INLINE static void rate_outboard(const LinkConstants& k, const T& c, const T& s, const Record<T>& w,
                                              const Motion<T>& velocity, const T& u, T& udot, Motion<T>& a, Motion<T>& approach) {
@@ -243,7 +244,8 @@ struct RevoluteStepsOf {
       turn_z(v, c, -s);
       turn_z(o, c, -s);
     };
-    // u̇ + ω̇_z at once, which is all that the next joint asks for; with G of the parent's side, so that it need not wait.
+    // u̇ + ω̇_z directly, which is all that the outboard joint needs; G is transformed to the parent's side to shorten the
+    // dependency chain.
     detail::RevoluteColumn<T> g{w.gl.x, w.gl.y, w.gl.z, w.ghx, w.ghy};
     if constexpr (rotates_first)
       detail::cross_z<slides>(g, c, s, k.d);
@@ -263,7 +265,7 @@ struct RevoluteStepsOf {
   }
 
  private:
-  // A stage asks of a body on the ground, which does not move, for its velocity and its first moment.
+  // For a body on the ground, which does not move, a stage needs only the velocity and the first moment.
   template <bool Gravity, Children N, class L, class T>
   MOMENTREE_INLINE static void inboard_root(const L& k, const T& c, const T& s, const T& inverse, const T& p,
                                             const Inboard<T>& in, const Inboard<T>& others, Record<T>& w) {
@@ -277,7 +279,7 @@ struct RevoluteStepsOf {
     }
   }
 
-  // (22), (23): what the children ask, and the body's own; at a tip this alone.
+  // (22), (23): the children's contributions plus the body's own; for a leaf the latter alone.
   template <Children N, class T, class C>
   MOMENTREE_INLINE static T with(const T& first, const T& others, const C& own) {
     if constexpr (N == Children::none)
@@ -295,8 +297,8 @@ struct RevoluteStepsOf {
       return first + others;
   }
 
-  // (25), M̂ = Mb − G (Mb E)ᵀ, and (16) as far as the parent's side of the joint, before it or, late, behind it. Piece by piece,
-  // so that few numbers are at hand; the record gets what steps outboard read.
+  // (25), M̂ = Mb − G (Mb E)ᵀ, and the part of (16) up to the parent's side of the joint, after the reduction or (`Late`) before
+  // it. Block by block, so that few values are live at a time; writes the entries that the outward step reads to the record.
   template <bool Slides, bool Late, bool CrossesZ, Children N, class L, class T>
   MOMENTREE_INLINE static void reduce_mass(const L& k, const T& c, const T& s, const detail::RevoluteColumn<T>& e,
                                            const detail::RevoluteColumn<T>& g, const SpatialMass<T>& in,
@@ -315,13 +317,13 @@ struct RevoluteStepsOf {
       reduce();
       if constexpr (!Late && CrossesZ) cross(by);
     };
-    detail::PlaneSymmetric<T> A;  // turned, but not slid, as is B; with the reduction or without it, as the order is
+    detail::PlaneSymmetric<T> A;  // rotated but not shifted, like B; reduced or not, depending on the order
     detail::PlaneMatrix<T> B, slid;
     detail::PlaneVector<T> Az;
     m.A = {with<N>(in.A.xx, others.A.xx, b.m), alone<N>(in.A.xy, others.A.xy), with<N>(in.A.yy, others.A.yy, b.m)};
     in_order(
         [&](const auto& turned) MOMENTREE_INLINE_LAMBDA {
-          if constexpr (!(Late && tip)) turn_block(m.A.xx, m.A.xy, m.A.yy, turned);  // m 1 stays what it is
+          if constexpr (!(Late && tip)) turn_block(m.A.xx, m.A.xy, m.A.yy, turned);  // m times the identity is invariant
           A = m.A;
         },
         [&]() MOMENTREE_INLINE_LAMBDA {
@@ -332,7 +334,7 @@ struct RevoluteStepsOf {
            alone<N>(in.B.yy, others.B.yy)};
     in_order(
         [&](const auto& turned) MOMENTREE_INLINE_LAMBDA {
-          if constexpr (Late && tip) {  // as does m c about z
+          if constexpr (Late && tip) {  // so is m c_z
             B = m.B;
             if constexpr (Slides) m.B.xy += d * A.xx, m.B.yx -= d * A.yy;
           } else {
@@ -377,7 +379,7 @@ struct RevoluteStepsOf {
     if constexpr (!tip) m.Azz -= e.lz * g.lz;
   }
 
-  // (16) from the parent's side of the joint to the parent. With a rotor there are M̂ E and its last number, too.
+  // (16) from the parent's side of the joint to the parent's frame. With armature, M̂ E and its last entry are not zero.
   template <PlacementShape S, class L, class T, class Column, class Last>
   MOMENTREE_INLINE static void mass_inboard(const L& k, const detail::ReducedMass<T>& m, const Column& z, const Last& zz,
                                             SpatialMass<T>& out) {
@@ -397,7 +399,7 @@ struct RevoluteStepsOf {
       shift(M, k.r);
     else if constexpr (Has<S>::a)
       detail::shift_x<Rotor ? Twist::any : twist>(M, k.r.x);
-    // One by one: compilers take whole structs of lanes apart into bytes.
+    // One by one: compilers split copies of whole structs of packs into bytes.
     out.A.xx = M.A.xx, out.A.yy = M.A.yy, out.A.zz = M.A.zz, out.A.xy = M.A.xy, out.A.xz = M.A.xz, out.A.yz = M.A.yz;
     out.B.xx = M.B.xx, out.B.xy = M.B.xy, out.B.xz = M.B.xz, out.B.yx = M.B.yx, out.B.yy = M.B.yy, out.B.yz = M.B.yz;
     out.B.zx = M.B.zx, out.B.zy = M.B.zy, out.B.zz = M.B.zz;
@@ -452,7 +454,7 @@ MOMENTREE_INLINE void dispatch_shape(PlacementShape shape, F&& f) {
   __builtin_unreachable();
 }
 
-/// Of five shapes one that has all that the link's own has: for steps that are less frequent.
+/// Calls f with one of five shapes that covers the link's own: for less frequent steps.
 template <class F>
 MOMENTREE_INLINE void dispatch_main_shape(PlacementShape shape, F&& f) {
   if (shape == PlacementShape::general)
@@ -466,7 +468,8 @@ MOMENTREE_INLINE void dispatch_main_shape(PlacementShape shape, F&& f) {
   else
     f(std::integral_constant<PlacementShape, PlacementShape::parallel>{});
 }
-/// The shape of a link, for steps of pins without rotor; for those with one, of which there are fewer, one of three.
+/// Calls f with the link's shape for revolute joints without armature; with armature, which is less frequent, with one of three
+/// shapes.
 template <bool Rotor, class F>
 MOMENTREE_INLINE void dispatch_link(PlacementShape shape, F&& f) {
   if constexpr (!Rotor)

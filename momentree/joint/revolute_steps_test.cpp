@@ -1,4 +1,4 @@
-// Whole steps across a pin, by the shape of its link, against the pieces that every kind has.
+// Whole steps across a revolute joint, by the shape of its link, against the generic functions.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -13,7 +13,7 @@ using namespace momentree;
 
 namespace {
 
-// A link of a shape, as `Tree` makes it: a along the parent's x, d along the joint's own axis.
+// A link of a given shape, as `Tree` makes it: a along the parent's x, d along the joint's own axis.
 LinkConstants link_of_shape(PlacementShape shape, Draw& draw) {
   LinkConstants k = random_link(draw, shape != PlacementShape::general);
   const double turns[] = {0, std::acos(0.0)};
@@ -35,8 +35,8 @@ LinkConstants link_of_shape(PlacementShape shape, Draw& draw) {
   return k;
 }
 
-// One step inboard and one outboard against the same by the generic pieces; `of`: the link's own shape, where steps inboard
-// are those of one that has more.
+// One inward and one outward step against the generic functions; `of`: the link's own shape, if the inward step is that of a more
+// general one.
 template <class Steps, PlacementShape S, bool Gravity, bool Keep, Children N, bool Root>
 void step_laws(Draw& draw, PlacementShape of = S) {
   using L = GenericRevolute;
@@ -45,7 +45,7 @@ void step_laws(Draw& draw, PlacementShape of = S) {
   const double mass = 2 + draw(), q = 3 * draw(), p = draw(), c = std::cos(q), s = std::sin(q),
                armature = !Steps::rotor ? 0
                           : draw() < 0  ? 1.5 + draw()
-                                        : 1e9;  // as `damped` may take
+                                        : 1e9;  // as with `damped`
   const JointState<double> joint{&q, &c, &s};
   const auto some = [&] { return Inboard<double>{random_mass(draw), {draw.vector(), draw.vector()}, draw.vector()}; };
   Inboard<double> in = some(), others = some(), expected{};
@@ -62,7 +62,7 @@ void step_laws(Draw& draw, PlacementShape of = S) {
   typename Steps::template Record<double> w{};
   Inboard<double> aside = in;
   Steps::template inboard<S, Gravity, Keep, N, Root>(k, mass, armature, c, s, p, in, others, w, aside);
-  Steps::template inboard<S, Gravity, Keep, N, Root>(k, mass, armature, c, s, p, in, others, w, in);  // in its own place
+  Steps::template inboard<S, Gravity, Keep, N, Root>(k, mass, armature, c, s, p, in, others, w, in);  // output aliases input
   CHECK(distance(flat(in.M), flat(aside.M)) == 0);
   CHECK(distance(flat(in.D), flat(aside.D)) == 0);
   if (!Root) {
@@ -96,11 +96,11 @@ void step_laws(Draw& draw, PlacementShape of = S) {
     CHECK(distance(flat(kept.articulated), flat(Pb)) < 1e-11);
   }
 
-  // The second recursion: (45), and (39) with (47).
+  // Second recursion: (45), and (39) with (47).
   Force<double> W{draw.vector(), draw.vector()}, W_expected = W;
   Steps::template cross_inboard<S>(k, c, s, W), x.inboard(W_expected);
   CHECK(distance(flat(W), flat(W_expected)) < 1e-13);
-  if (!Keep) return;  // its records are none of these
+  if (!Keep) return;  // its records refer to the other side of the joint
   const Motion<double> velocity{draw.vector(), draw.vector()};
   Motion<double> a{draw.vector(), draw.vector()}, a_expected = a, approach{};
   const Motion<double> bias = L::acceleration_bias<double>(k, joint, velocity, &u);
@@ -144,13 +144,13 @@ TEST_CASE_TEMPLATE(
       step_laws<Steps, own, true, true, Children::one, false>(draw, S);
       step_laws<Steps, own, true, true, Children::none, false>(draw, S);
       step_laws<Steps, own, false, true, Children::one, false>(draw, S);
-      // Forks, and children that are not first, go by steps of fewer shapes.
+      // Branching bodies and later children use steps of fewer shapes.
       step_laws<Steps, fork, true, false, Children::several, false>(draw, S);
       step_laws<Steps, fork, false, true, Children::several, false>(draw, S);
       step_laws<Steps, aside, true, false, Children::none, false>(draw, S);
       step_laws<Steps, aside, true, true, Children::one, false>(draw, S);
       step_laws<Steps, aside, true, false, Children::several, false>(draw, S);
-      if constexpr (S == PlacementShape::parallel || S == PlacementShape::parallel_a) {  // roots go by these
+      if constexpr (S == PlacementShape::parallel || S == PlacementShape::parallel_a) {  // used for roots
         step_laws<Steps, S, true, false, Children::one, true>(draw);
         step_laws<Steps, S, true, false, Children::none, true>(draw);
         step_laws<Steps, S, true, true, Children::one, true>(draw);

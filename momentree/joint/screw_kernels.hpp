@@ -1,11 +1,11 @@
 #pragma once
-// Shared by the kinds that turn about z and slide along z: revolute, prismatic, helical, cylindrical. Their frames are chosen so
-// that z is the joint's axis; the placement's last turn θ0 is added to the angle, so that one rotation does for both.
+// Shared by the kinds that rotate about z and translate along z: revolute, prismatic, helical, cylindrical. Their kernel frame
+// has z along the joint's axis; the placement's last rotation θ0 is added to the joint angle, so that one rotation does both.
 #include <momentree/joint/kernels.hpp>
 
 namespace momentree {
 
-/// The generic record without the dense pose: a screw is crossed again from (c, s, d) at no cost.
+/// The generic record without the dense transform, which (c, s, d) of the screw replaces at no cost.
 template <class T, int N>
 struct ScrewRecord {
   SpatialMass<T> M;
@@ -21,7 +21,7 @@ struct Screw {
   T c, s, d;
 };
 
-/// A right-handed frame whose z axis is `axis` (of length one): the shortest rotation from z, exact where axis is ±x, ±y, ±z.
+/// A right-handed frame whose z axis is the unit vector `axis`: the shortest rotation from z, exact if axis is ±x, ±y, ±z.
 inline Mat3 frame_with_z(const Vec3& axis) {
   const double sign = axis.z < 0 ? -1.0 : 1.0;
   const double a = -1.0 / (sign + axis.z), b = axis.x * axis.y * a;
@@ -29,7 +29,7 @@ inline Mat3 frame_with_z(const Vec3& axis) {
       1 + sign * axis.x * axis.x * a, b, axis.x, sign * b, sign + axis.y * axis.y * a, axis.y, -sign * axis.x, -axis.y, axis.z};
 }
 
-/// K gives `screw(link, joint state)`, with θ0 in c and s, and `columns`.
+/// K provides `screw(link, joint state)`, with θ0 included in c and s, and `columns`.
 template <class K, int NQ, int NV>
 struct ScrewKernels : GenericKernels<K, NQ, NV> {
   template <class T>
@@ -67,7 +67,7 @@ struct ScrewKernels : GenericKernels<K, NQ, NV> {
     const Screw<T> t = twist(k, j, u);
     return {{t.s * a.v.y + t.d * a.w.y, -(t.s * a.v.x) - t.d * a.w.x, T(0)}, {t.s * a.w.y, -(t.s * a.w.x), T(0)}};
   }
-  /// How the kind crosses itself; a kind whose reduced mass has zeros gives its own.
+  /// The kind's joint transform; a kind whose reduced mass has zeros provides its own.
   template <class T, bool Aligned>
   struct Transform : ScrewTransform<T, Aligned> {};
 };

@@ -1,5 +1,5 @@
 #pragma once
-// Numbers at random for the laws of joints, and how far apart two things are.
+// Random numbers for the joint laws, and distances between results.
 #include <array>
 #include <cmath>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace momentree {
 
-// One draw per statement: compilers order arguments differently.
+// One draw per statement: compilers evaluate arguments in different orders.
 struct Draw {
   unsigned long long state = 88172645463325252ULL;
   double operator()() {  // (−1, 1)
@@ -37,7 +37,7 @@ inline LinkConstants random_link(Draw& draw, bool aligned) {
   return k;
 }
 
-inline SpatialMass<double> random_mass(Draw& draw) {  // of three bodies: a full articulated mass
+inline SpatialMass<double> random_mass(Draw& draw) {  // of a body reduced along one direction: a full articulated mass
   SpatialMass<double> M{};
   for (int i = 0; i < 3; ++i) {
     RigidMass body;
@@ -52,7 +52,7 @@ inline SpatialMass<double> random_mass(Draw& draw) {  // of three bodies: a full
                   -body.m * c.x * c.z,
                   -body.m * c.y * c.z};
     add_rigid_mass(M, body);
-    // An articulated mass is not that of a rigid body: reduce along an arbitrary direction.
+    // An articulated mass is not that of a rigid body: reduce it along an arbitrary direction.
     const Motion<double> e{draw.vector(), draw.vector()};
     const Force<double> Me = M * e;
     subtract_outer(M, (0.5 / dot(e, Me)) * Me, Me);

@@ -1,12 +1,13 @@
 #pragma once
-// Kernels of joints that are not used as declared: re-rooted against their direction, or with freedoms locked. Both wrap any
-// kind.
+// Kernels of joints that are not used as declared: with parent and child exchanged by re-rooting, or with locked DoFs. Both wrap
+// any kind.
 #include <momentree/joint/kernels.hpp>
 
 namespace momentree {
 
-/// Parent and child exchanged: pose and E of the inverse motion, with the same q, u. X_rev = X⁻¹, E_rev = −X⁻¹ E,
-/// Ė_rev = −X⁻¹ (cm(E u) E + Ė). Kinds that turn about z need none: they are native in a frame turned over (Tree::make_frame).
+/// Parent and child exchanged: pose and E of the inverse motion, with the same q, u. X_rev = X⁻¹, E_rev = −X⁻¹ E, Ė_rev = −X⁻¹
+/// (cm(E u) E + Ė), cm being the cross product of velocities. Kinds that rotate about z do not need it: their kernel frame is
+/// flipped instead (Tree::make_frame).
 template <class K, int NQ, int NV>
 struct ReversedKernels : GenericKernels<ReversedKernels<K, NQ, NV>, NQ, NV> {
   static constexpr auto angles = K::angles;
@@ -45,7 +46,7 @@ struct ReversedKernels : GenericKernels<ReversedKernels<K, NQ, NV>, NQ, NV> {
     return K::spring(q, q0, stiffness, force);
   }
   static Mat3 frame(const JointSpec& joint, double* geometry) { return K::frame(joint, geometry); }
-  /// The drive acts on the declared child as ever, and on what carries the joint against that.
+  /// The drive acts on the declared child as before, and on the body that now carries the joint with the opposite wrench.
   static Force<double> drive_wrench(const LinkConstants& k, const JointState<double>& j, const double* force) {
     const Force<double> W = K::drive_wrench(k, j, force);
     Mat3 R;
@@ -71,13 +72,13 @@ struct ReversedKernels : GenericKernels<ReversedKernels<K, NQ, NV>, NQ, NV> {
   }
 };
 
-/// Some or all freedoms without momenta (Link::locked, a bit per freedom): frozen where they are, or driven (Link::driven). Their
-/// columns of E are dropped, and p holds their prescribed rate: u = p, nothing where they are frozen. Coordinates and the lengths
-/// of q, p stay, so that a lock moves nothing in memory.
+/// Some or all DoFs without momenta (LinkConstants::locked, a bit per DoF): frozen in place, or driven (LinkConstants::driven).
+/// Their columns of E are dropped, and p holds their prescribed rate: u = p, zero if frozen. Coordinates and the lengths of q and
+/// p stay, so that a lock moves nothing in memory.
 template <class B, int NV>
 struct LockedKernels : B {
-  /// (24)–(26) with E′ = E B: a dropped column gets a one on the diagonal of Mj instead, which leaves its u what p says; the rate
-  /// of a driven one gives momentum: Db + Mb E s.
+  /// (24)–(26) with E′ = E B: a dropped column gets a one on the diagonal of Mj instead, so that its u equals p; the rate s of a
+  /// driven DoF contributes momentum: Db + Mb E s.
   template <class T>
   MOMENTREE_INLINE static void reduce(const LinkConstants& k, const JointState<T>& j, const T* p, const double* armature,
                                       SpatialMass<T>& M, Force<T>& D, auto& w) {
@@ -97,7 +98,7 @@ struct LockedKernels : B {
     }
     reduce_generic<T, NV>(E, p, own, M, D, w);
   }
-  /// (20): what is locked keeps p = 0; the rate of what is driven has its own, which is known outside.
+  /// (20): zero for locked DoFs, which keep p = 0; the acceleration of driven DoFs is set by the caller.
   template <class T>
   MOMENTREE_INLINE static void momentum_rate(const LinkConstants& k, const JointState<T>& j, const T* u, const Force<T>& Pb,
                                              const Force<T>& wrench, T* pdot) {
@@ -105,7 +106,7 @@ struct LockedKernels : B {
     for (int i = 0; i < NV; ++i)
       if ((k.locked >> i & 1) != 0) pdot[i] = T(0);
   }
-  /// (51) with E′ = E B: what is locked has no force along it, and u̇ = 0; for what is driven τ holds u̇, which M̂ resists.
+  /// (51) with E′ = E B: a frozen DoF transmits no joint force and has u̇ = 0; for a driven DoF τ holds u̇, which M̂ resists.
   template <class T>
   MOMENTREE_INLINE static void reduce_wrench(const LinkConstants& k, const JointState<T>& j, const auto& w, const T* tau,
                                              Force<T>& W, T* udot) {
@@ -118,7 +119,7 @@ struct LockedKernels : B {
     reduce_wrench_generic<T, NV>(E, w, tau, W, udot);
     if (k.driven != 0) {
       B::add_reduced(w, given, W);
-      B::joint_acceleration(w, given, udot);  // of the free ones: the columns of G of the others are zero
+      B::joint_acceleration(w, given, udot);  // of the free DoFs: the columns of G of the others are zero
     }
   }
 };

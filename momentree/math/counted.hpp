@@ -1,13 +1,13 @@
 #pragma once
-// A scalar that counts: the kernels run on it as they run on double, so that their operations are known, and are held to budgets.
+// A counting scalar: the kernels run on it as on double, so that their operation counts are known and can be held to budgets.
 #include <cmath>
 
 namespace momentree {
 
-/// Operations of the usual accounting: a change of sign is free, so is a product or a sum of constants of the model.
+/// Operations by the usual accounting: a change of sign is free, and so is a product or sum of constants of the model.
 struct Operations {
   long additions = 0, multiplications = 0, divisions = 0;
-  long sincos = 0;  ///< pairs of sine and cosine
+  long sincos = 0;  ///< pairs of a sine and a cosine
   long total() const { return additions + multiplications + divisions; }
 };
 
@@ -16,7 +16,7 @@ class Counted {
   Counted() = default;
   Counted(double value) : value_(value) {}  // NOLINT(google-explicit-constructor): constants of the model
   double value() const { return value_; }
-  /// What this thread did with such scalars since it was last set to {}.
+  /// Operations of this thread on such scalars since this was last set to {}.
   static Operations& operations() {
     thread_local Operations all;
     return all;

@@ -1,13 +1,13 @@
 #pragma once
-// Joint-space mass (24), at most 6 x 6, symmetric positive definite: LDLᵀ in place, no pivoting, no branches. Unrolled: loops
-// this short take longer than what is in them.
+// Joint-space mass (24), at most 6 x 6, symmetric positive definite: LDLᵀ in place, without pivoting or branches. Unrolled,
+// because the overhead of such short loops exceeds their work.
 #include <array>
 
 #include <momentree/base/inline.hpp>
 
 namespace momentree {
 
-/// Symmetric N x N matrix, later its factors: the strict lower triangle holds L, `inverse` holds 1/D.
+/// Symmetric N x N matrix, row-major; after `factorise` its factors: the strict lower triangle holds L, `inverse` holds 1/D.
 template <class T, int N>
 struct JointMass {
   std::array<T, N * N> m{};
@@ -16,7 +16,8 @@ struct JointMass {
   constexpr T& operator()(int i, int j) { return m[static_cast<std::size_t>(i * N + j)]; }
   constexpr const T& operator()(int i, int j) const { return m[static_cast<std::size_t>(i * N + j)]; }
 
-  /// Factorises; reads the lower triangle. A pivot that is not positive shows in `inverse` as not positive or not finite.
+  /// Factorises in place; reads the lower triangle. A pivot that is not positive gives an entry of `inverse` that is not positive
+  /// or not finite.
   MOMENTREE_INLINE constexpr void factorise() {
 #pragma GCC unroll 6
     for (int j = 0; j < N; ++j) {
@@ -39,7 +40,7 @@ struct JointMass {
       }
     }
   }
-  /// x ← M⁻¹ x
+  /// x ← M⁻¹ x, with the factors
   template <class Vector>
   MOMENTREE_INLINE constexpr void solve(Vector& x) const {
 #pragma GCC unroll 6

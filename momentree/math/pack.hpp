@@ -1,6 +1,6 @@
 #pragma once
-// A scalar of several lanes: the kernels run on it as they run on double, on as many worlds at once. Every operation does the
-// same in every lane and none asks for values: what stands in a lane never depends on its neighbours.
+// A scalar with several lanes: the kernels run on it as on double, for as many worlds at once. Every operation does the same in
+// every lane and never branches on values, so a lane does not depend on its neighbours.
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -12,10 +12,10 @@
 
 namespace momentree {
 
-/// Instruction sets that kernels of packs are compiled for, each in a source file of its own. It is part of a pack's type, so
-/// that no function of one set is linked into code of another.
+/// Instruction sets for which kernels of packs are compiled, each in its own source file. The set is part of a pack's type, so
+/// that no function for one set is linked into code for another.
 enum class Isa : unsigned char {
-  baseline,  ///< what the whole library is compiled for: SSE2 on x86-64, NEON on ARM
+  baseline,  ///< that of the whole library: SSE2 on x86-64, NEON on ARM
   avx2,      ///< AVX2 and FMA
   avx512     ///< AVX-512F, DQ, VL
 };
@@ -38,7 +38,7 @@ class Pack {
   MOMENTREE_INLINE const Vector& vector() const { return v_; }
   MOMENTREE_INLINE S operator[](int lane) const { return v_[lane]; }
   MOMENTREE_INLINE void set(int lane, double value) { v_[lane] = static_cast<S>(value); }
-  /// N numbers that stand one behind the other, rounded to S.
+  /// N consecutive numbers, rounded to S.
   MOMENTREE_INLINE static Pack load(const double* from) {
     Pack a;
     if constexpr (std::is_same_v<S, double>)
@@ -80,11 +80,11 @@ class Pack {
     return a = a * b;
   }
 
-  /// a where the mask is set (all bits of a lane), b where it is not.
+  /// a in the lanes in which the mask is set (all bits), b in the others.
   MOMENTREE_INLINE friend Pack select(const Mask& mask, const Pack& a, const Pack& b) {
     return Pack((Vector)((mask & (Mask)a.v_) | (~mask & (Mask)b.v_)));
   }
-  /// |a| ≤ limit; false where a is not a number.
+  /// |a| ≤ limit in each lane; false for NaN.
   MOMENTREE_INLINE friend Mask within(const Pack& a, double limit) {
     const Vector size = (Vector)((Mask)a.v_ & (Mask{} + static_cast<Bits>(static_cast<std::make_unsigned_t<Bits>>(-1) >> 1)));
     return (Mask)(size <= Vector{} + static_cast<S>(limit));
@@ -94,7 +94,7 @@ class Pack {
   Vector v_;
 };
 
-/// Largest |x| (rad) for which the polynomials of a pack reduce accurately.
+/// Largest |x| (rad) for which the polynomials of a pack are accurate.
 template <class S>
 inline constexpr double pack_sincos_range = std::is_same_v<S, double> ? sincos_range : 8192;
 
@@ -126,7 +126,7 @@ MOMENTREE_INLINE void sincos(const Pack<double, N, I>& angle, Pack<double, N, I>
   const V sine = r + (r * z * ps + e * u);
   const V cosine = u + (z2 * pc + (((1.0 - u) - h) - r * e));
   const M odd = -(n & 1);
-  const M change = odd & ((M)sine ^ (M)cosine);  // places
+  const M change = odd & ((M)sine ^ (M)cosine);  // where sine and cosine are exchanged
   s = P((V)((M)sine ^ change ^ ((n & 2) << 62)));
   c = P((V)((M)cosine ^ change ^ (((n + 1) & 2) << 62)));
 }
@@ -150,12 +150,13 @@ MOMENTREE_INLINE void sincos(const Pack<float, N, I>& angle, Pack<float, N, I>& 
   const V sine = r + r * z * ps;
   const V cosine = (1.0F - 0.5F * z) + z * z * pc;
   const M odd = -(n & 1);
-  const M change = odd & ((M)sine ^ (M)cosine);  // places
+  const M change = odd & ((M)sine ^ (M)cosine);  // where sine and cosine are exchanged
   s = P((V)((M)sine ^ change ^ ((n & 2) << 30)));
   c = P((V)((M)cosine ^ change ^ (((n + 1) & 2) << 30)));
 }
 
-/// n angles in every lane. Lanes whose angle is wide get theirs from libm, and no others: a lane knows nothing of its neighbours.
+/// n angles in every lane. Lanes with an angle beyond the range, and only these, use libm: a lane does not depend on its
+/// neighbours.
 template <class S, int N, Isa I>
 void sincos(int n, const Pack<S, N, I>* x, Pack<S, N, I>* s, Pack<S, N, I>* c) {
   using P = Pack<S, N, I>;
@@ -173,8 +174,8 @@ void sincos(int n, const Pack<S, N, I>* x, Pack<S, N, I>* s, Pack<S, N, I>* c) {
         s[i].set(lane, std::sin(static_cast<double>(x[i][lane]))), c[i].set(lane, std::cos(static_cast<double>(x[i][lane])));
 }
 
-/// angle(0), angle(1) … of one world, four at a time: they get there in registers, as numbers just written would be waited for.
-/// `s` and `c` have room for three more than n. Wide angles get theirs from libm.
+/// angle(0), angle(1) … (n of them) of one world, four at a time. They are combined in registers, because loading numbers that
+/// were just written stalls. `s` and `c` must have room for n + 3 numbers. Angles beyond the range use libm.
 template <class Angle>
 MOMENTREE_INLINE void sincos_by_fours(int n, const Angle& angle, double* s, double* c) {
   using Four = Pack<double, 4>;

@@ -9,7 +9,8 @@ using namespace momentree;
 
 namespace {
 
-// Wider packs than this build's registers are tried by the kernels that are compiled for them: batch/, tests/oracle/lanes_test.
+// Packs wider than this build's registers are tested with the kernels that are compiled for them: batch/,
+// tests/oracle/lanes_test.
 #if defined(__AVX2__)
 using Doubles = Pack<double, 4>;
 using Floats = Pack<float, 8>;

@@ -1,10 +1,10 @@
 #pragma once
-// What a mass away from a point adds to the inertia about it.
+// Inertia of a point mass.
 #include <momentree/math/vec.hpp>
 
 namespace momentree {
 
-/// m (|d|² 1 − d dᵀ) of a mass m (kg) at d (m), about the origin.
+/// m (|d|² 1 − d dᵀ) of a mass m (kg) at d (m), about the origin (kg m²).
 inline Sym3 point_inertia(double m, const Vec3& d) {
   return {m * (d.y * d.y + d.z * d.z),
           m * (d.x * d.x + d.z * d.z),

@@ -13,15 +13,15 @@ namespace {
 
 constexpr double full_turn = 2 * std::numbers::pi;
 
-// The entry that ends the interval in which t lies: 0 before the first entry, size() from the last one on.
+// The entry at the end of the interval that contains t: 0 before the first entry, size() from the last one on.
 std::size_t after(std::span<const Signal::Knot> knots, double t) {
   return static_cast<std::size_t>(
       std::upper_bound(knots.begin(), knots.end(), t, [](double x, const Signal::Knot& k) { return x < k.time; }) -
       knots.begin());
 }
 
-// Slopes of the spline whose second derivative is continuous: a tridiagonal system. At the ends the slope is zero (rest), or the
-// second derivative (free).
+// Slopes of the spline with a continuous second derivative: a tridiagonal system. At the ends the slope (rest) or the second
+// derivative (free) is zero.
 std::vector<double> spline_slopes(std::span<const Signal::Knot> knots, Signal::Ends ends) {
   const std::size_t n = knots.size();
   std::vector<double> slope(n, 0.0), factor(n, 0.0);
@@ -140,7 +140,7 @@ Curve::Point Curve::at(double t) const noexcept {
   const auto beyond = [t](const Signal::Knot& end, double rate) { return Point{end.value + rate * (t - end.time), rate, 0}; };
   if (i == 0) return beyond(knots.front(), slopes_->front());
   if (i == knots.size()) return beyond(knots.back(), slopes_->back());
-  // Hermite's cubic: x from 0 to 1 between the entries.
+  // Cubic Hermite polynomial: x from 0 to 1 between the entries.
   const Signal::Knot &a = knots[i - 1], &b = knots[i];
   const double h = b.time - a.time, x = (t - a.time) / h, rise = b.value - a.value;
   const double s0 = h * (*slopes_)[i - 1], s1 = h * (*slopes_)[i];

@@ -72,7 +72,7 @@ TEST_CASE("ramps, and tables with free ends") {
   CHECK_THROWS_AS(Signal::ramp(NAN, 0), Error);
   CHECK_THROWS_AS(Signal::table({{0, 1}}, Signal::Ends::free), Error);
 
-  // Two entries: a straight line for ever.
+  // Two entries: a straight line.
   const Curve line(Signal::table({{1, 2}, {2, 5}}, Signal::Ends::free));
   for (const double t : {-3.0, 1.0, 1.3, 2.0, 7.0}) {
     CHECK(line.at(t).value == doctest::Approx(2 + 3 * (t - 1)));

@@ -1,12 +1,12 @@
 #pragma once
-// Sine and cosine without branches: many angles at once vectorise, and every CPU gives the same bits (libm does not).
+// Sine and cosine without branches: vectorises over many angles, and every CPU gives the same bits (unlike libm).
 #include <bit>
 #include <cmath>
 #include <cstdint>
 
 namespace momentree {
 
-/// Largest |x| (rad) for which `sincos` reduces accurately; beyond it those who take many angles call libm.
+/// Largest |x| (rad) for which `sincos` is accurate; callers with many angles use libm beyond it.
 inline constexpr double sincos_range = 1e6;
 
 /// Error below 1 ulp for |x| <= sincos_range. Cody-Waite reduction in three parts (33 + 33 + 53 bits of pi/2, as in fdlibm),
@@ -23,7 +23,7 @@ inline void sincos(double x, double& s, double& c) {
   const double r = r1 + low;
   const double e = (r1 - r) + low;  // r + e is the reduced angle
   const double z = r * r, z2 = z * z;
-  // Pairs of terms at once (Estrin): as many operations as one by one (Horner), and half the waiting.
+  // Terms in pairs (Estrin): as many operations as Horner's scheme with half the latency.
   const double ps = (-1.66666666666666324348e-01 + z * 8.33333333332248946124e-03) +
                     z2 * ((-1.98412698298579493134e-04 + z * 2.75573137070700676789e-06) +
                           z2 * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10));
@@ -47,7 +47,7 @@ void sincos(const T& x, T& s, T& c) {
   c = cos(x);
 }
 
-/// n angles, separate results.
+/// n angles; the results are stored separately.
 template <class T>
 void sincos(int n, const T* x, T* s, T* c) {
   for (int i = 0; i < n; ++i) sincos(x[i], s[i], c[i]);

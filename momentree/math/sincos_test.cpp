@@ -34,7 +34,7 @@ TEST_CASE("sincos is right to an ulp over its range, also near multiples of pi/2
     check(u * 1e-6);
   }
   CHECK(worst < 1.0);
-  for (int k = -1000; k <= 1000; ++k) {  // the result that is nearly zero is right in its absolute error
+  for (int k = -1000; k <= 1000; ++k) {  // a result near zero is accurate to an absolute error
     const double x = k * 1.5707963267948966;
     double s = 0, c = 0;
     sincos(x, s, c);
@@ -60,7 +60,7 @@ TEST_CASE("many angles by fours are these angles one by one, wide ones and what 
       }
       double sine = std::sin(x[i]), cosine = std::cos(x[i]);
       if (std::fabs(x[i]) <= sincos_range) sincos(x[i], sine, cosine);
-      CHECK(std::fabs(s[i] - sine) <= 1.2e-16);  // compilers contract multiply-adds here and there
+      CHECK(std::fabs(s[i] - sine) <= 1.2e-16);  // compilers contract multiply-adds in some places
       CHECK(std::fabs(c[i] - cosine) <= 1.2e-16);
     }
     for (std::size_t i = static_cast<std::size_t>(n + 3); i < s.size(); ++i) CHECK((s[i] == 7.0 && c[i] == 7.0));

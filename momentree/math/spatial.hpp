@@ -1,12 +1,12 @@
 #pragma once
-// Spatial algebra of the paper, linear part first, everything about the origin O of the frame at hand, in its axes.
-// A link's placement is split into rotations about one axis at a time, because these cost half of a general rotation.
+// Spatial algebra of the paper, linear part first, everything about the origin O of the current frame, in its axes. A link's
+// placement is split into rotations about one axis at a time, because each costs half of a general rotation.
 #include <momentree/base/inline.hpp>
 #include <momentree/math/vec.hpp>
 
 namespace momentree {
 
-/// Spatial velocity Ω = (v; ω), v the velocity of the body-fixed point at O.
+/// Spatial velocity Ω = (v; ω): v (m/s) of the body-fixed point at O, ω (rad/s).
 template <class T>
 struct Motion {
   Vector3<T> v, w;
@@ -17,7 +17,7 @@ struct Force {
   Vector3<T> l, h;
 };
 
-/// `value`, to memory, one number by one: a copy of the whole goes by wider pieces, which wait for numbers just written.
+/// Stores `value` number by number: a copy of the whole uses wider loads, which stall on numbers that were just written.
 template <class T>
 MOMENTREE_INLINE constexpr void put(const Motion<T>& value, Motion<T>& to) {
   to.v.x = value.v.x, to.v.y = value.v.y, to.v.z = value.v.z;
@@ -54,12 +54,12 @@ MOMENTREE_INLINE constexpr T dot(const Motion<T>& a, const Force<T>& b) {
   return dot(a.v, b.l) + dot(a.w, b.h);
 }
 
-/// (9): Ω × P = (ω × l; v × l + ω × h), the cross product that acts on momenta and wrenches.
+/// (9): Ω × P = (ω × l; v × l + ω × h), the cross product for momenta and wrenches.
 template <class T>
 MOMENTREE_INLINE constexpr Force<T> cross(const Motion<T>& a, const Force<T>& b) {
   return {cross(a.w, b.l), cross(a.v, b.l) + cross(a.w, b.h)};
 }
-/// −(Ω ×)ᵀ applied to a velocity: the cross product that acts on velocities.
+/// −(Ω ×)ᵀ applied to a velocity: the cross product for velocities.
 template <class T>
 MOMENTREE_INLINE constexpr Motion<T> cross(const Motion<T>& a, const Motion<T>& b) {
   return {cross(a.w, b.v) + cross(a.v, b.w), cross(a.w, b.w)};
@@ -86,7 +86,7 @@ MOMENTREE_INLINE constexpr SpatialMass<T>& operator+=(SpatialMass<T>& a, const S
   return a;
 }
 
-/// A rigid body in the frame at hand: mass, first moment m·c, inertia about O.
+/// A rigid body in the current frame: mass m (kg), first moment m·c (kg m), inertia about O (kg m²).
 struct RigidMass {
   double m = 0;
   Vec3 mc{};
@@ -102,7 +102,7 @@ MOMENTREE_INLINE constexpr void add_rigid_mass(SpatialMass<T>& M, const Body& b)
   M.J.xx += b.J.xx, M.J.yy += b.J.yy, M.J.zz += b.J.zz;
   M.J.xy += b.J.xy, M.J.xz += b.J.xz, M.J.yz += b.J.yz;
 }
-/// (4) by itself.
+/// The mass matrix (4) itself.
 template <class T>
 MOMENTREE_INLINE constexpr SpatialMass<T> rigid_mass(const RigidMass& b) {
   const T o(0), m(b.m), x(b.mc.x), y(b.mc.y), z(b.mc.z);
@@ -114,16 +114,16 @@ MOMENTREE_INLINE constexpr Force<T> momentum(const RigidMass& b, const Motion<T>
   return {b.m * a.v + cross(a.w, b.mc), cross(b.mc, a.v) + b.J * a.w};
 }
 
-/// Ω × M Ω (9) of a rigid body: what turning its momentum takes.
+/// Ω × M Ω (9) of a rigid body: the wrench that changes the direction of its momentum.
 template <class T>
 MOMENTREE_INLINE constexpr Force<T> turning_wrench(const RigidMass& b, const Motion<T>& a) {
   const Vector3<T> s = cross(a.w, a.v);
   return {b.m * s + dot(a.w, b.mc) * a.w - dot(a.w, a.w) * b.mc, cross(b.mc, s) + cross(a.w, b.J * a.w)};
 }
 
-// ---- rotations about one axis: components in child axes to components in parent axes, c and s of the child's angle
+// ---- rotations about one axis: components in child axes to components in parent axes; c and s of the child's angle
 
-/// (x, y) turned by the angle of (c, s): the two components that a rotation about the third axis mixes.
+/// Rotates (x, y) by the angle of (c, s): the two components that a rotation about the third axis mixes.
 template <class T, class C>
 MOMENTREE_INLINE constexpr void turn(T& x, T& y, const C& c, const C& s) {
   const T t = c * x - s * y;
@@ -138,19 +138,20 @@ template <class T, class C>
 MOMENTREE_INLINE constexpr void turn_x(Vector3<T>& a, const C& c, const C& s) {
   turn(a.y, a.z, c, s);
 }
-/// What a turn does to products of two components: c·s, s², and cosine and sine of the double angle.
+/// The effect of a rotation on products of two components: c·s, s², and cosine and sine of the double angle.
 template <class C>
 struct Turn {
   C cs, ss, c2, s2;
   MOMENTREE_INLINE constexpr Turn(const C& c, const C& s) : Turn(c * s, s * s, 0) {}
-  /// From c·s and s², where these are known.
+  /// From c·s and s², if these are known.
   MOMENTREE_INLINE static constexpr Turn of_products(const C& cs, const C& ss) { return {cs, ss, 0}; }
 
  private:
   MOMENTREE_INLINE constexpr Turn(const C& product, const C& square, int)
       : cs(product), ss(square), c2(C(1) - (square + square)), s2(product + product) {}
 };
-/// The 2x2 block (xx, xy; xy, yy) of a symmetric matrix turned in its plane: the trace stays, the double angle rotates the rest.
+/// Rotates the 2x2 block (xx, xy; xy, yy) of a symmetric matrix in its plane: the trace is invariant, the rest rotates by the
+/// double angle.
 template <class T, class C>
 MOMENTREE_INLINE constexpr void turn_block(T& xx, T& xy, T& yy, const Turn<C>& by) {
   const T d = xx - yy;
@@ -159,7 +160,7 @@ MOMENTREE_INLINE constexpr void turn_block(T& xx, T& xy, T& yy, const Turn<C>& b
   xx = xx - t;
   yy = yy + t;
 }
-/// The same for a general block (xx, xy; yx, yy): trace and skew part stay.
+/// The same for a general block (xx, xy; yx, yy): trace and skew part are invariant.
 template <class T, class C>
 MOMENTREE_INLINE constexpr void turn_block(T& xx, T& xy, T& yx, T& yy, const Turn<C>& by) {
   const T d = xx - yy, e = xy + yx;
@@ -201,8 +202,8 @@ MOMENTREE_INLINE constexpr void rotate(SpatialMass<T>& M, const Matrix3<T>& R) {
   M.J = rotate(R, M.J);
 }
 
-/// (16) for a mass matrix, the translation: from the child's origin, which stands at r (in the axes at hand), to the parent's.
-/// B ← B − A r̃, J ← J + r̃B_new + (r̃B_old)ᵀ.
+/// (16) for a mass matrix, the translation: from the child's origin, located at r (in the current axes), to the parent's. B ← B −
+/// A r̃, J ← J + r̃ B_new + (r̃ B_old)ᵀ.
 template <class T, class S>
 MOMENTREE_INLINE constexpr void shift(SpatialMass<T>& M, const Vector3<S>& r) {
   const Matrix3<T> b = M.B;  // before

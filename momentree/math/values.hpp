@@ -1,5 +1,5 @@
 #pragma once
-// A short list of numbers held in place: one per freedom (at most 6) or one per coordinate (at most 7).
+// A short list of numbers stored in place: one per DoF (at most 6) or one per coordinate (at most 7).
 #include <array>
 #include <initializer_list>
 
@@ -32,7 +32,7 @@ class Values {
       if (v != 0) return true;
     return false;
   }
-  /// The value of a freedom: one number is that of every freedom; `none` where there is none.
+  /// The value of a DoF: a single number applies to every DoF; `none` if there is no value.
   double of(int dof, double none = 0) const {
     return count_ == 1 ? at_[0] : dof < count_ ? at_[static_cast<std::size_t>(dof)] : none;
   }

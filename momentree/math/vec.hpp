@@ -54,7 +54,7 @@ T norm(const Vector3<T>& a) {
 }
 inline Vec3 normalized(const Vec3& a) { return (1.0 / norm(a)) * a; }
 
-/// Row-major 3x3 matrix; as a rotation it takes child axes to parent axes.
+/// Row-major 3x3 matrix; as a rotation it maps child axes to parent axes.
 template <class T>
 struct Matrix3 {
   T xx{}, xy{}, xz{}, yx{}, yy{}, yz{}, zx{}, zy{}, zz{};
@@ -86,7 +86,7 @@ constexpr auto operator*(const Matrix3<T>& a, const Matrix3<S>& b) -> Matrix3<de
       a.zx * b.xx + a.zy * b.yx + a.zz * b.zx, a.zx * b.xy + a.zy * b.yy + a.zz * b.zy, a.zx * b.xz + a.zy * b.yz + a.zz * b.zz};
 }
 
-/// Symmetric 3x3 matrix: the order in which a user gives an inertia.
+/// Symmetric 3x3 matrix, in the order in which users give an inertia.
 template <class T>
 struct Symmetric3 {
   T xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
@@ -111,7 +111,7 @@ constexpr auto rotate(const Matrix3<T>& R, const Symmetric3<S>& m) -> Symmetric3
           a.xx * R.zx + a.xy * R.zy + a.xz * R.zz, a.yx * R.zx + a.yy * R.zy + a.yz * R.zz};
 }
 
-/// Unit quaternion (w, x, y, z): takes child axes to parent axes.
+/// Unit quaternion (w, x, y, z): maps child axes to parent axes.
 template <class T>
 struct Quaternion {
   T w{1}, x{}, y{}, z{};
@@ -127,7 +127,7 @@ template <class T>
 constexpr Quaternion<T> conjugate(const Quaternion<T>& a) {
   return {a.w, -a.x, -a.y, -a.z};
 }
-/// Rotation matrix of a quaternion of any length but zero: inside a step it is not exactly of length one.
+/// Rotation matrix of a quaternion of any nonzero length: inside a step its length is not exactly one.
 template <class T>
 constexpr Matrix3<T> rotation_matrix(const Quaternion<T>& q) {
   const T s = T(2) / (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
@@ -144,17 +144,18 @@ constexpr Quaternion<T> quaternion_rate(const Quaternion<T>& q, const Vector3<T>
           h * (q.w * w.y + q.z * w.x - q.x * w.z), h * (q.w * w.z + q.x * w.y - q.y * w.x)};
 }
 Quat normalized(const Quat& q);
-/// The quaternion of a rotation matrix, w >= 0; the largest component is taken by root, so that no attitude is singular.
+/// The quaternion of a rotation matrix, w >= 0; the largest component is computed by a square root, so that no orientation is
+/// singular.
 Quat quaternion_of(const Mat3& R);
-/// Rotation by |phi| about phi.
+/// Rotation by |phi| (rad) about phi.
 Quat exp_rotation(const Vec3& phi);
-/// Rotation vector of q, of length at most pi.
+/// Rotation vector of q (rad), of length at most pi.
 Vec3 log_rotation(const Quat& q);
-/// Fixed x, y, z axes (roll, pitch, yaw), as in URDF.
+/// Roll, pitch, yaw (rad) about fixed x, y, z axes, as in URDF.
 Quat from_rpy(double roll, double pitch, double yaw);
 Quat from_axis_angle(const Vec3& axis, double angle);
 
-/// Placement of one frame in another: `position` of its origin, `rotation` of its axes.
+/// Placement of one frame in another: `position` of its origin (m), `rotation` of its axes.
 struct Pose {
   Vec3 position{};
   Quat rotation{};
@@ -163,7 +164,7 @@ struct Pose {
   constexpr Pose(const Vec3& position_) : position(position_) {}  // NOLINT(google-explicit-constructor): .at = {x, y, z}
   constexpr Pose(const Vec3& position_, const Quat& rotation_) : position(position_), rotation(rotation_) {}
 };
-/// a after b: the frame that b places in a's frame, placed where a stands.
+/// Composition: the pose, in the frame in which a is given, of a frame that b places in a's frame.
 Pose operator*(const Pose& a, const Pose& b);
 Pose inverse(const Pose& a);
 Vec3 operator*(const Pose& a, const Vec3& point);

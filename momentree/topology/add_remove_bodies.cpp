@@ -1,4 +1,4 @@
-// Bodies that leave and bodies that come.
+// Removing and adding bodies.
 #include <algorithm>
 
 #include <momentree/dynamics/momentum.hpp>
@@ -18,7 +18,7 @@ Released apply(const Remove& change, Tree& tree, State& state, Workspace<double>
   {
     const State::Edit edit = state.edit();
     double *q = edit.q.data(), *p = edit.p.data();
-    for (int j = 0; j < tree.bodies(); ++j) {  // what stays moves up, in the order of joints
+    for (int j = 0; j < tree.bodies(); ++j) {  // compacts q and p, in the order of joints
       const int x = tree.carrier(j);
       if (x < 0 || workspace.path[static_cast<std::size_t>(x)] != 0) continue;
       const KindInfo& kind = info(tree.kind(x));
@@ -53,7 +53,8 @@ BodyId apply(const Add& change, Tree& tree, State& state, const Workspace<double
   const double none[6] = {};
   state.replace(nq, 0, {spec.q.begin(), static_cast<std::size_t>(kind.nq)}, nv, 0, {none, static_cast<std::size_t>(kind.nv)},
                 tree);
-  if (outer >= 0) {  // the first child of a body may turn its kernel frame about the joint, and slide it along the axis
+  if (outer >= 0) {  // as its parent's first child, b may have rotated the parent's kernel frame about its joint and shifted it
+                     // along the axis
     const KernelFrame& frame = tree.frame(outer);
     motion = {transpose_times(frame.R, motion.v + cross(motion.w, frame.r)), transpose_times(frame.R, motion.w)};
   }

@@ -9,7 +9,7 @@ bool can_break(const Tree& tree, JointId joint) noexcept {
   const int b = tree.carrier(joint.index);
   if (b < 0) return false;
   if (tree.parent(b) >= 0 || tree.joint(b).kind != Kind::free) return true;
-  // A root that floats is held all the same by locks, springs, dampers and rotors.
+  // A floating root is still held by locks, springs, dampers and armatures.
   const JointParameters* p = tree.parameters(b);
   return tree.joint(b).locked != 0 || (p != nullptr && p->any());
 }
@@ -30,7 +30,7 @@ Released apply(const Break& change, Tree& tree, State& state, Workspace<double>&
     shed_momentum(tree, state, workspace, b, Pb, -1, edit.p.data());
   }
 
-  tree.detach(b);  // user frame and kernel frame of b are one now
+  tree.detach(b);  // now the user frame of b is its kernel frame
   const Force<double> P = to_user_frame(frame, Pb);
   const double q[7] = {pose.position.x, pose.position.y, pose.position.z, pose.rotation.w,
                        pose.rotation.x, pose.rotation.y, pose.rotation.z};

@@ -13,7 +13,7 @@ namespace {
 
 double armature_of(const Tree& tree, int b, int i) { return tree.armature()[tree.first_p(b) + i]; }
 
-// A joint that is driven now is where its motion has it; its place in p holds the rate.
+// Sets a driven joint to its motion's position; its place in p holds the rate.
 void follow_motion(const Tree& tree, int b, double t, double* q, double* p) {
   if (tree.link(b).driven == 0) return;
   const Curve::Point s = tree.motion(b).at(t);
@@ -67,7 +67,7 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
   using Direction = ChangeJoint::Direction;
   const bool reversed = change.direction == Direction::keep ? tree.reversed(b) : change.direction == Direction::reversed;
-  // The same kind with the same parameters keeps its springs and rotors; else they leave with the joint.
+  // The same kind with the same parameters keeps its spring and armature; otherwise these leave with the joint.
   const bool keeps =
       change.to.kind == tree.joint(b).kind && change.to.parameters == tree.joint(b).parameters && reversed == tree.reversed(b);
   double u[6] = {};
@@ -100,7 +100,7 @@ Released apply(const Lock& change, Tree& tree, State& state, Workspace<double>& 
   joint.locked |= newly;
   const int first_p = tree.first_p(b), nv = info(joint.kind).nv;
   double p[6] = {};
-  Released released;  // the rotor of a freedom that is locked stops with it
+  Released released;  // the armature of a locked DoF stops with it
   for (int i = 0; i < nv; ++i) {
     const double u = workspace.v[static_cast<std::size_t>(first_p + i)];
     if ((newly >> i & 1u) != 0) released.energy += 0.5 * armature_of(tree, b, i) * u * u;

@@ -8,8 +8,8 @@ namespace momentree {
 
 namespace {
 
-// The mechanism of b, re-rooted there, hangs on `to` by `joint` at `coordinates(relative pose)`; ancestors of `to` absorb its
-// momentum. All that is read is of the state before: the two mechanisms know nothing of each other.
+// Re-roots the mechanism of b at b and attaches it to `to` by `joint` at `coordinates(relative pose)`; the ancestors of `to`
+// absorb its momentum. Everything is read from the state before, since the two mechanisms do not interact there.
 template <class Coordinates>
 void attach(int b, int to, const Joint& joint, bool reversed, Coordinates coordinates, Tree& tree, State& state,
             Workspace<double>& workspace) noexcept {
@@ -25,7 +25,7 @@ void attach(int b, int to, const Joint& joint, bool reversed, Coordinates coordi
     const State::Edit edit = state.edit();
     double* p = edit.p.data();
     Pb = turn_over_momenta(tree, state, workspace, b, p);
-    if (to >= 0) {  // into the kernel frame of `to`, whose own joint is the first to absorb it
+    if (to >= 0) {  // to the kernel frame of `to`, whose own joint absorbs it first
       const Mat3 R = rotation_matrix(relative.rotation);
       Force<double> W{R * Pb.l, R * Pb.h};
       shift(W, relative.position);

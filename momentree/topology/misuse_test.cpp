@@ -1,4 +1,4 @@
-// Evaluations and changes that can't be: each stops the program before anything has happened.
+// Invalid evaluations and changes: each stops the program before anything has happened.
 #include <cmath>
 #include <limits>
 
@@ -20,7 +20,7 @@ namespace {
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 const char* const no_body = "the tree has a body of that number, and it was not removed";
 
-// Two pins on the ground; a body that floats, with another on a ball; all of it evaluated.
+// Two revolute joints on the ground; a floating body with another one on a ball joint; all evaluated.
 struct Scene {
   Model model;
   Tree tree;
@@ -41,7 +41,7 @@ struct Scene {
   }
 };
 
-// A misuse of a scene of its own.
+// A misuse of a separate scene.
 template <class Act>
 Misuse of_scene(const char* how, const char* expected, Act act) {
   return {how, expected, [act] {

@@ -19,7 +19,8 @@ bool floats(const Tree& tree, int b) noexcept {
                             p->drive != nullptr));
 }
 
-// tot = Pb of the root; along the path, tot ← X⁻ᵀ tot, and the joint turned over keeps what is on its other side: p ← p − Eᵀ tot.
+// total = Pb of the root; along the path, total ← X⁻ᵀ total, and each reversed joint keeps the momentum of its other side: p ← p
+// − Eᵀ total.
 Force<double> turn_over_momenta(const Tree& tree, const State& state, Workspace<double>& workspace, int b, double* p) noexcept {
   int length = 0, root = b;
   for (; tree.parent(root) >= 0; root = tree.parent(root)) workspace.path[static_cast<std::size_t>(length++)] = root;

@@ -1,5 +1,5 @@
 #pragma once
-// The whole state of a world of mechanisms as a value: to go back to, and to branch from.
+// The whole state of a world of mechanisms as a value: to return to, and to branch from.
 #include <vector>
 
 #include <momentree/tree/state.hpp>
@@ -7,8 +7,8 @@
 
 namespace momentree {
 
-/// Topology, time, coordinates, momenta. A world restored from it goes on with the very bits that it would have had: across any
-/// number of changes, also in another tree compiled from the same model.
+/// Topology, time, coordinates, momenta. A world restored from it continues bit for bit as the original would: across any number
+/// of changes, also in another tree compiled from the same model.
 struct Snapshot {
   Topology topology;
   double time = 0;
@@ -17,8 +17,8 @@ struct Snapshot {
 
 [[nodiscard]] Snapshot take_snapshot(const Tree& tree, const State& state);
 
-/// The tree was compiled from the same model as that which the snapshot was taken of. Work that was evaluated before is stale
-/// afterwards, even where nothing had changed.
+/// The tree must be compiled from the same model as the one of the snapshot. Workspaces evaluated before become stale, even if
+/// nothing had changed.
 void restore(const Snapshot& snapshot, Tree& tree, State& state);
 
 }  // namespace momentree

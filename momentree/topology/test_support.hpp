@@ -5,7 +5,8 @@
 
 namespace momentree::test {
 
-/// A body that breaks off with probability `breaks`, or becomes the root of what floats; nothing where neither can be.
+/// Breaks off a random body with probability `breaks`, or makes it the root of its floating mechanism; does nothing if neither is
+/// possible.
 inline void change_at_random(Tree& tree, State& state, Workspace<double>& workspace, Random& random, double breaks) {
   const BodyId b{random.below(tree.bodies())};
   forward_dynamics(tree, state, workspace);

@@ -6,7 +6,7 @@ namespace momentree {
 
 namespace {
 
-// Tables and sines are finite as they are made.
+// Tables and sines are checked for finite numbers when they are made.
 bool finite(const std::array<Signal, 3>& signals) {
   for (const Signal& s : signals)
     if (!std::isfinite(s.offset())) return false;

@@ -1,4 +1,4 @@
-// What can be wrong with one body and its joint.
+// Checks of one body and its joint.
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -17,7 +17,7 @@ bool finite(const Values& values) {
   return std::all_of(values.begin(), values.end(), [](double a) { return finite(a); });
 }
 
-// An axis may have any length, but one of nearly none has no direction that was meant.
+// An axis may have any length, but a nearly zero vector has no intended direction.
 bool too_short(const Vec3& axis) { return std::max({std::fabs(axis.x), std::fabs(axis.y), std::fabs(axis.z)}) < 1e-9; }
 
 bool parallel(const Vec3& a, const Vec3& b) {
@@ -39,7 +39,7 @@ QuaternionCheck check_quaternion(double w, double x, double y, double z) {
   return {};
 }
 
-// The quaternion among coordinates, where the kind has one and there are as many as it takes.
+// The quaternion among the coordinates, if the kind has one and the number of coordinates is right.
 QuaternionCheck check_quaternion(const Values& q, const KindInfo& kind) {
   for (int i = 0; i + 3 < q.size(); ++i)
     if (kind.q_units[i] == 'n') return check_quaternion(q[i], q[i + 1], q[i + 2], q[i + 3]);
@@ -70,7 +70,7 @@ class Checks {
       return add(field, "must be finite");
     if (const QuaternionCheck bad = check_quaternion(r.w, r.x, r.y, r.z); bad.what) add(field, bad.what, bad.hint);
   }
-  // One value for every freedom, or one per freedom.
+  // One value for every DoF, or one per DoF.
   void per_dof(const char* field, const Values& values, const KindInfo& kind, bool negative_allowed) {
     if (!finite(values)) return add(field, "must be finite");
     if (values.size() > 1 && values.size() != kind.nv)
@@ -121,7 +121,7 @@ class Checks {
                    "a small part of the speeds at which it slides, for example 1e-3");
   }
 
-  // Only for kinds with coordinates that something can be aimed at.
+  // Only for kinds whose coordinates can have a target.
   bool has_rates(const char* field, const char* what, const KindInfo& kind) {
     const bool has = kind.nq == kind.nv && kind.nv > 0;
     if (!has)
@@ -181,7 +181,7 @@ class Checks {
     if (!(s.force > 0) || !(s.torque > 0)) add("strength", "must be positive", "leave it out where the joint bears anything");
   }
 
-  // A member of a table: one value for every freedom, or one per freedom; never negative.
+  // A member of a table: one value for every DoF, or one per DoF; never negative.
   void counted_values(const char* field, const char* member, const Values& values, const KindInfo& kind, bool infinite = false) {
     if (values.size() > 1 && values.size() != kind.nv)
       add(field,
@@ -226,7 +226,7 @@ std::vector<BodyProblem> check_body(const BodySpec& spec) {
   const KindInfo& kind = info(spec.joint.kind);
   const auto check_name = [&](const char* field, const std::string& name) {
     if (name.size() > 500) checks.add(field, "is longer than 500 characters");
-    // Columns of CSV, targets of events, terminals: none of them should have to quote a name.
+    // Names must not need quoting in CSV columns, targets of events or terminals.
     if (name.find_first_of(",\"*") != std::string::npos)
       checks.add(field, "must not contain a comma, a quotation mark or an asterisk");
     if (first_invisible(name) != std::string::npos)

@@ -9,7 +9,7 @@ using namespace momentree;
 
 namespace {
 
-// The first problem, as "field: what", or nothing.
+// The first problem as "field: what", or an empty string.
 std::string problem(const JointSpec& joint) {
   const std::vector<JointProblem> found = check_joint(joint);
   return found.empty() ? "" : found[0].field + ": " + found[0].what;

@@ -1,4 +1,4 @@
-// Can these be the mass and the inertia of something? Judged per body, and per group of bodies that are rigidly joined.
+// Checks whether mass and inertia are physically possible, per body and per group of rigidly joined bodies.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,9 +10,9 @@ namespace momentree {
 
 namespace {
 
-constexpr double round_off = 1e-9, cad_rounding = 2e-2;  // of the largest principal moment
+constexpr double round_off = 1e-9, cad_rounding = 2e-2;  // relative to the largest principal moment
 
-// Principal moments in ascending order, by Jacobi rotations: exact enough for any scale and for repeated values.
+// Principal moments in ascending order, by Jacobi rotations: accurate for any scale and for repeated values.
 std::array<double, 3> principal_moments(const Sym3& inertia) {
   double a[3][3] = {
       {inertia.xx, inertia.xy, inertia.xz}, {inertia.xy, inertia.yy, inertia.yz}, {inertia.xz, inertia.yz, inertia.zz}};
@@ -42,7 +42,7 @@ double largest(const Sym3& i) {
   return std::max({std::fabs(i.xx), std::fabs(i.yy), std::fabs(i.zz), std::fabs(i.xy), std::fabs(i.xz), std::fabs(i.yz)});
 }
 
-// Bodies rigidly joined, in the frame of the first of them.
+// Rigidly joined bodies, in the frame of the first of them.
 struct Group {
   double mass = 0;
   Vec3 moment{};
@@ -50,7 +50,7 @@ struct Group {
   int bodies = 0;
 };
 
-// The rest is check_body()'s to judge.
+// Other faults are reported by check_body().
 bool usable(const BodySpec& b) {
   return std::isfinite(b.mass) && b.mass >= 0 && std::isfinite(largest(b.inertia)) && std::isfinite(dot(b.com, b.com)) &&
          std::isfinite(norm(b.at.position));
@@ -92,10 +92,10 @@ std::vector<GroupMassProblem> check_masses(std::span<const BodySpec> bodies) {
     MassProblem problem = check_mass(bodies[b].mass, bodies[b].inertia);
     if (!problem.what.empty()) problems.push_back({{b}, std::move(problem)});
   }
-  if (problems.empty()) return problems;  // sums of what is possible are possible
+  if (problems.empty()) return problems;  // a sum of possible inertias is possible
 
-  std::vector<int> first(n);      // of the body's group
-  std::vector<Pose> in_group(n);  // placement in the frame of that first body
+  std::vector<int> first(n);      // first body of the body's group
+  std::vector<Pose> in_group(n);  // placement in the frame of that body
   std::vector<Group> groups(n);
   for (int b = 0; b < n; ++b) {
     const BodySpec& body = bodies[b];

@@ -57,10 +57,10 @@ TEST_CASE("an odd body in a sound group is a warning, in an odd group an error")
   REQUIRE(problems.size() == 1);
   CHECK(!problems[0].problem.warning);
 
-  // The distance between the parts counts: two masses 4 m apart along z make up for it …
+  // The distance between the parts counts: two masses 4 m apart along z compensate for it …
   bodies[1].at = {0, 0, 4};
   CHECK(check_masses(bodies).at(0).problem.warning);
-  // … but not along x, which adds to the largest moment too.
+  // … but not along x, which increases the largest moment as well.
   bodies[1].at = {0.01, 0, 0};
   CHECK(!check_masses(bodies).at(0).problem.warning);
 

@@ -1,4 +1,4 @@
-// What a model is to its trees.
+// The form of a model that its trees share.
 #include <momentree/tree/declared.hpp>
 
 #include <bit>
@@ -11,7 +11,7 @@ namespace momentree {
 
 namespace {
 
-// Numbers to their bits: values are the same only where nothing computed from them could differ.
+// Numbers as their bits: values are equal only if nothing computed from them could differ.
 template <std::size_t N>
 class Words {
  public:
@@ -49,7 +49,7 @@ auto words(const LinkConstants& k, const KernelFrame& frame) {
       .all();
 }
 
-// Parameters that are equal have these equal; few that are not do.
+// Equal parameters have equal words; different ones rarely do.
 auto words(const JointParameters& p) {
   Words<14> some;
   for (const Values* v : {&p.damping, &p.stiffness, &p.rest, &p.armature, &p.effort, &p.limits.lower})
@@ -57,7 +57,7 @@ auto words(const JointParameters& p) {
   return some(p.limits.upper.of(0) + 0.0)(p.friction.coulomb.of(0) + 0.0).all();
 }
 
-// FNV-1a, by whole words.
+// FNV-1a over whole words.
 struct Fingerprint {
   std::uint64_t value = 14695981039346656037u;
   void add(std::uint64_t word) { value = (value ^ word) * 1099511628211u; }
@@ -76,7 +76,7 @@ std::uint64_t fingerprint_of(const Declared& d) {
   return all.value;
 }
 
-// Gives back what was reserved for many more.
+// Releases excess capacity.
 template <class T>
 bool shrink(std::vector<T>& list) {
   if (2 * list.size() >= list.capacity()) return false;
@@ -84,7 +84,7 @@ bool shrink(std::vector<T>& list) {
   return true;
 }
 
-// Number of a value in a list that has it once.
+// Index of a value in a list of distinct values; appends it if it is new.
 template <class T, class Same>
 int number_in(std::vector<T>& list, Distinct& numbers, const T& value, const Same& same) {
   return numbers.number(

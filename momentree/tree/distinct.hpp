@@ -1,16 +1,17 @@
 #pragma once
-// Equal values once.
+// Lists of distinct values.
 #include <cstdint>
 #include <vector>
 
 namespace momentree {
 
-/// Finds the number of a value in a list that gets each value once. The list is the caller's.
+/// Finds the index of a value in a list of distinct values. The list itself belongs to the caller.
 class Distinct {
  public:
   Distinct() : table_(16) {}
 
-  /// `words`: equal for equal values. same(i) says whether value i of the list is this one; add() appends it, where none is.
+  /// Returns the index of a value. `words`: equal for equal values. same(i): true if entry i of the list equals the value; add()
+  /// appends the value and is called if no entry does.
   template <class Words, class Same, class Add>
   int number(const Words& words, const Same& same, const Add& add) {
     if (2 * std::size_t{count_} >= table_.size()) grow();
@@ -48,7 +49,7 @@ class Distinct {
     }
   }
 
-  std::vector<Entry> table_;  // open addressing; its size is a power of two
+  std::vector<Entry> table_;  // open addressing; the size is a power of two
   std::uint32_t count_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// The edits that changes of topology are made of. Each puts right what it moved: offsets behind a joint of another size, a block
-// of the order, the frames that look to a joint, the masses inboard.
+// Elementary edits from which topology changes are composed. Each updates everything it affects: offsets after a joint of another
+// size, a block of the order, frames that depend on a joint, subtree masses inboard.
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/unit.hpp>
 #include <momentree/tree/tree.hpp>
@@ -13,7 +13,7 @@ void Tree::unlink(int b) {
   *head = next_sibling_[at(b)];
 }
 
-// Siblings and roots stand in ascending order: the order of evaluation is that of the topology, not of its history.
+// Siblings and roots are in ascending order, so that the order of evaluation depends on the topology, not on its history.
 void Tree::hang(int b, int parent) {
   int* head = parent < 0 ? &first_root_ : &first_child_[at(parent)];
   while (*head >= 0 && *head < b) head = &next_sibling_[at(*head)];
@@ -22,7 +22,7 @@ void Tree::hang(int b, int parent) {
   parent_[at(b)] = parent;
 }
 
-// What hangs on b stood at [begin, end) of the order: it moves to where b hangs now.
+// Moves the subtree of b, at [begin, end) of the order so far, to b's new place.
 void Tree::move_tree(int b, int begin, int end) {
   move_block(begin, end, end_of(b));
   build_runs();
@@ -35,7 +35,7 @@ void Tree::require_valid(const Joint& joint) const {
   MT_REQUIRE(joint.function < static_cast<int>(functions_.size()), "a joint's function is one that the tree has");
 }
 
-// Returns whether the lists of joints are to be renewed.
+// Returns whether the lists of special joints must be renewed.
 bool Tree::replace_joint(int b, const Joint& joint, bool reversed) {
   MT_REQUIRE(!reversed || parent_[at(b)] >= 0, "the ground is no joint's child");
   require_valid(joint);
@@ -60,8 +60,8 @@ void Tree::detach(int b) {
   revision_.renew();
 }
 
-// From b up to the root, each body's parent is hung below it: joints keep their numbers and what is packed for them, carriers
-// move one body inboard. Returns the old root.
+// From b up to the root, attaches each body's parent below it: joints keep their numbers and packed data, while the body that
+// carries each joint changes to the next one inboard. Returns the old root.
 int Tree::reverse_path(int b) {
   int root = b;
   while (parent_[at(root)] >= 0) root = parent_[at(root)];
@@ -102,8 +102,8 @@ void Tree::attach(int b, int parent, const Joint& joint, bool reversed) {
     hang(b, parent);
   }
   if (replace_joint(b, joint, reversed) || root != b) list_special_joints();
-  // Frames stand at the joints carried: renewed from the old root to b; then every link that touches them.
-  // What is welded follows the body that carries it now.
+  // Kernel frames are located at the carried joints: renew them from the old root to b, then all links that depend on them.
+  // Welded bodies follow their new carrier.
   for (int a = root; a != b; a = parent_[at(a)]) pack(a);
   for (int a = root; a != b; a = parent_[at(a)])
     if (!is_welded(a)) make_frames(a);
@@ -149,7 +149,7 @@ void Tree::set_function(int b, std::shared_ptr<const JointFunction> function) {
   Joint joint = this->joint(b);
   if (function == nullptr) {
     joint.function = -1;
-  } else if (joint.function >= 0) {  // a topology that was kept has a list of its own
+  } else if (joint.function >= 0) {  // a stored topology has its own list
     functions_[at(joint.function)] = std::move(function);
   } else {
     joint.function = static_cast<int>(functions_.size());
@@ -199,7 +199,7 @@ int Tree::add(const BodySpec& spec) {
   pack(b);
   list_special_joints();
   update_frames(b);
-  put_locks(b);  // it has a link only now
+  put_locks(b);  // it had no link before
   build_runs();
   weigh_path(b);
   revision_.renew();
@@ -208,7 +208,7 @@ int Tree::add(const BodySpec& spec) {
 
 Tree::OwnJoint& Tree::own_joint(int joint) {
   int& number = joint_at_[at(joint)];
-  if (number >= 0) {  // a place of its own, once and for all: reserved at the start
+  if (number >= 0) {  // allocates the joint's own entry, once; the capacity is reserved at the start
     OwnJoint own;
     if (number != no_joint) own.joint = declared_->joints[at(number)];
     number = ~static_cast<int>(own_joints_.size());
@@ -217,7 +217,7 @@ Tree::OwnJoint& Tree::own_joint(int joint) {
   return own_joints_[at(~number)];
 }
 
-// Returns their number.
+// Returns the index of the parameters.
 int Tree::give_parameters(int joint, const JointParameters& parameters) {
   OwnJoint& own = own_joint(joint);
   if (own.parameters < 0) {

@@ -1,4 +1,4 @@
-// Where the kernels' frames stand in the bodies, and the links between them: functions of the topology, not of its history.
+// Placement of the kernel frames in the bodies, and the links between them: functions of the topology, not of its history.
 #include <cmath>
 
 #include <momentree/joint/dispatch.hpp>
@@ -19,7 +19,7 @@ Mat3 turned_z(const Mat3& R, double c, double s) {
           R.zx * c + R.zy * s, R.zy * c - R.zx * s, R.zz};
 }
 
-// Rounding of 90° and the like: what is meant to be 0 or ±1 is made so, far below the round-off of what follows.
+// Removes rounding of 90° and the like: values meant to be 0 or ±1 become exact, far below the round-off of later computations.
 double snapped(double x) {
   if (std::fabs(x) < 1e-15) return 0;
   if (std::fabs(std::fabs(x) - 1) < 1e-15) return x < 0 ? -1 : 1;
@@ -32,7 +32,7 @@ void unit_pair(double& c, double& s) {
   s = snapped(s / n);
 }
 
-// R = Rz(β) Rx(α) Rz(θ0), stable where α is small: β is found from the tilt, θ0 from what then remains.
+// R = Rz(β) Rx(α) Rz(θ0), stable for small α: β is found from the tilt, θ0 from the remaining rotation.
 void factorise(const Mat3& R, LinkConstants& k) {
   const double x = std::fabs(R.xz) < 1e-15 ? 0 : R.xz;
   const double tilt = std::sqrt(x * x + R.yz * R.yz);
@@ -54,9 +54,9 @@ void factorise(const Mat3& R, LinkConstants& k) {
   k.angle_0 = std::atan2(k.sin_0, k.cos_0);
 }
 
-// A joint as body b carries it: the side that is fixed in b, the side fixed in its parent, and the joint's axes C on both.
-// Against its declared direction the sides change places; a kind that turns about z is then native in axes turned over (z, and
-// with it the sense of its angle and displacement, reversed), others have kernels for it.
+// A joint as carried by body b: the side fixed in b, the side fixed in b's parent, and the joint's axes C on both. For a reversed
+// joint the sides are exchanged; a kind that rotates about z then uses flipped axes (z, and with it the sense of its angle and
+// displacement, is reversed), other kinds have reversed kernels.
 struct Carried {
   Pose own, outer;
   Mat3 C;
@@ -68,7 +68,7 @@ Carried carried(const Joint& joint, bool reversed, double* geometry) {
   return {joint.at, joint.child_at, {C.xx, -C.xy, -C.xz, C.yx, -C.yy, -C.yz, C.zx, -C.zy, -C.zz}};
 }
 
-// Where the user's frame of a body stands in that of its parent, to which it is welded.
+// Pose of a welded body's user frame in its parent's user frame.
 KernelFrame welded_at(const Joint& joint, bool reversed) {
   const Pose &own = reversed ? joint.at : joint.child_at, &outer = reversed ? joint.child_at : joint.at;
   const Mat3 R = rotation_matrix(outer.rotation) * transpose(rotation_matrix(own.rotation));
@@ -76,15 +76,16 @@ KernelFrame welded_at(const Joint& joint, bool reversed) {
 }
 KernelFrame operator*(const KernelFrame& a, const KernelFrame& b) { return {a.R * b.R, a.r + a.R * b.r}; }
 
-// Where on the own axis, z, the common normal with the next one stands, which goes along d through r: there the link between them
-// has but two lengths. Where that is far off, for axes that are nearly parallel, the frame stays where the joint is.
+// Coordinate, along the own axis z, of the foot of the common normal with the next axis, which passes through r in the direction
+// d: with the frame there, the link to the next joint has only two lengths. If the foot is far away, because the axes are nearly
+// parallel, the frame stays at the joint.
 double foot(const Vec3& d, const Vec3& r) {
   const double across = d.x * d.x + d.y * d.y;
   const double z = across < 1e-18 ? r.z : r.z - d.z * (r.x * d.x + r.y * d.y) / across;
   return z * z <= 9 * dot(r, r) ? z : 0;
 }
 
-// Lengths that are zero but for rounding, and what the link lacks of a general one.
+// Zeroes lengths that are zero up to rounding, and finds the shape of the link.
 void find_shape(LinkConstants& k, bool turns, double scale) {
   const double smallest = 8e-16 * scale;
   const auto zero = [smallest](double x) { return std::fabs(x) <= smallest; };
@@ -101,7 +102,7 @@ void find_shape(LinkConstants& k, bool turns, double scale) {
   k.d = zero(d) ? 0 : d;
   k.r.y = -k.d * k.sin_a, k.r.z = k.d * k.cos_a;
   const bool has_a = k.r.x != 0, has_d = k.d != 0;
-  // Both, for the cosine of 1e-8 is 1.
+  // Test both, because the cosine of 1e-8 is 1.
   if (k.sin_a == 1 && k.cos_a == 0)
     k.shape = has_a   ? (has_d ? PlacementShape::right : PlacementShape::right_a)
               : has_d ? PlacementShape::right_d
@@ -117,7 +118,7 @@ void find_shape(LinkConstants& k, bool turns, double scale) {
 void Tree::make_frame(int b) {
   LinkConstants& link = links_.own(at(b));
   if (is_welded(b)) {
-    // That of the body that it is welded to, so that nothing has to cross the weld.
+    // The frame of the body that carries it, so that the weld needs no transform.
     const KernelFrame outer = parent_[at(b)] < 0 ? KernelFrame{} : frame(parent_[at(b)]),
                       place = welded_at(joint(b), reversed(b));
     links_.own_frame(at(b)) = {transpose(place.R) * outer.R, transpose_times(place.R, outer.r - place.r)};
@@ -133,8 +134,8 @@ void Tree::make_frame(int b) {
   const Mat3 side = rotation_matrix(mine.own.rotation);
   double slide = 0;
   if (turns_about_z(joint(b).kind)) {
-    // x is free: choose it so that the first child's axis needs no turn about z (β = 0), or, if it is parallel, lies along x.
-    // A child that is welded has no axis: the first that hangs on it is looked at.
+    // x is free: choose it so that the first child's link needs no rotation about z (β = 0) or, if the axes are parallel, so that
+    // it points to the child's axis. A welded child has no axis: use the first joint on it instead.
     int c = first_child_[at(b)];
     KernelFrame carrier;
     for (; c >= 0 && is_welded(c); c = first_child_[at(c)]) carrier = carrier * welded_at(joint(c), reversed(c));
@@ -160,7 +161,7 @@ void Tree::make_frame(int b) {
   set_mass_properties(b, link);
 }
 
-// The mass properties of b, in its kernel frame.
+// Sets the mass properties of b in its kernel frame.
 void Tree::set_mass_properties(int b, LinkConstants& link) const {
   const KernelFrame& own = frame(b);
   const MassProperties& m = mass(b);
@@ -174,17 +175,17 @@ void Tree::set_mass_properties(int b, LinkConstants& link) const {
 }
 
 void Tree::make_link(int b) {
-  if (is_welded(b)) return;  // there is nothing between the frames
+  if (is_welded(b)) return;  // the frames coincide
   double geometry[2];
   const Carried mine = carried(joint(b), reversed(b), geometry);
   const KernelFrame own = frame(b);
   const KernelFrame outer = parent_[at(b)] < 0 ? KernelFrame{} : frame(parent_[at(b)]);
   LinkConstants& k = links_.own(at(b));
-  // The joint's axes C are what the kernel frame has beyond the joint's side: with the choice of x.
+  // C, the joint's axes: the rotation of the kernel frame relative to the joint's side, including the choice of x.
   const Mat3 C = transpose(rotation_matrix(mine.own.rotation)) * own.R;
   const Mat3 axes = rotation_matrix(mine.outer.rotation) * C;
   factorise(transpose(outer.R) * axes, k);
-  // The frame stands `slide` along the joint's axis from its place.
+  // The frame is shifted by `slide` along the joint's axis.
   const Vec3 off = own.r - mine.own.position, at_joint = mine.outer.position;
   const double slide = dot(off, Vec3{own.R.xz, own.R.yz, own.R.zz});
   k.r = transpose_times(outer.R, at_joint + slide * Vec3{axes.xz, axes.yz, axes.zz} - outer.r);
@@ -194,7 +195,7 @@ void Tree::make_link(int b) {
     for (int i = 0; i < shape(joint(b).kind).angles; ++i) angle_offset_[at(offsets_[at(b)].angle + i)] = k.angle_0;
 }
 
-// What the order is cut into segments by, of the link.
+// The properties of the link that separate kernel runs and set node flags.
 void Tree::classify(int b) {
   const LinkConstants& k = links_[at(b)];
   class_[at(b)].parallel = k.cos_a == 1 && k.sin_a == 0;
@@ -202,14 +203,14 @@ void Tree::classify(int b) {
 }
 
 bool Tree::joint_as_declared(int b) const { return joint_of_[at(b)] == b && reversed_[at(b)] == 0 && joint_at_[at(b)] >= 0; }
-// Whether what the frame of b follows from is as the model has it; that of the parent is known.
+// True if everything that determines the frame of b is as declared; the answer for the parent is already stored.
 bool Tree::frame_as_declared(int b) const {
   if (at(b) >= declared_bodies() || !joint_as_declared(b)) return false;
   if (joint(b).kind == Kind::weld) {
     const int outer = parent_[at(b)];
     return outer == declared_->bodies[at(b)].parent && (outer < 0 || class_[at(outer)].as_declared);
   }
-  for (int x = b;;) {  // as far as the frame may look
+  for (int x = b;;) {  // all joints on which the frame can depend
     const int c = first_child_[at(x)];
     if (c != declared_->bodies[at(x)].first_child || (c >= 0 && !joint_as_declared(c))) return false;
     if (c < 0 || joint(c).kind != Kind::weld) return true;
@@ -217,7 +218,7 @@ bool Tree::frame_as_declared(int b) const {
   }
 }
 
-// f of b and of all bodies that are welded to it, each after the one that it is welded to.
+// Calls f for b and all bodies welded to it, each after the body that it is welded to.
 template <class F>
 void Tree::for_rigid(int b, const F& f) const {
   f(b);
@@ -236,11 +237,11 @@ void Tree::for_rigid(int b, const F& f) const {
   }
 }
 
-// Of b and all that is welded to it.
+// Renews the frames of b and all bodies welded to it.
 void Tree::make_frames(int b) {
   for_rigid(b, [this](int x) { make_frame(x); });
 }
-// Those of all joints on b and on what is welded to it, but for one.
+// Renews the links of all joints on b and on bodies welded to it, except one.
 void Tree::make_outboard_links(int b, int but) {
   for_rigid(b, [this, but](int x) {
     for (int c = first_child_[at(x)]; c >= 0; c = next_sibling_[at(c)])
@@ -248,14 +249,14 @@ void Tree::make_outboard_links(int b, int but) {
   });
 }
 
-// The body that b is welded to, if it is: on a joint that moves, or on the ground.
+// The body that carries b: b itself, or the innermost body to which it is welded.
 int Tree::carrier_of(int b) const {
   while (is_welded(b) && parent_[at(b)] >= 0) b = parent_[at(b)];
   return b;
 }
 
-// The joint of b changed: so may its frame, and that of its parent, whose x looks to the joint of its first child; and every link
-// that touches them.
+// Updates frames and links after a change of b's joint: b's frame may change, that of its parent, whose x depends on the joint of
+// its first child, and every link that uses either.
 void Tree::update_frames(int b) {
   const int outer = parent_[at(b)];
   if (is_welded(b) && outer >= 0) {
@@ -269,7 +270,7 @@ void Tree::update_frames(int b) {
   make_outboard_links(b);
 }
 
-// Another child of b is the first, or its joint is another. Returns false where nothing looks to it.
+// Updates after another child became b's first, or that child's joint changed. Returns false if no frame depends on it.
 bool Tree::renew_child_changed(int b) {
   const int carrier = carrier_of(b);
   if (is_welded(carrier) || !turns_about_z(kind(carrier))) return false;
@@ -279,7 +280,7 @@ bool Tree::renew_child_changed(int b) {
   return true;
 }
 
-// A link that was just made becomes one of the model's.
+// Replaces a link that was just made by one in the model's shared list.
 void Tree::collect(int b, LinkCollector& collector) {
   links_.give_back(at(b), at(collector.take(b, first_child_[at(b)], links_[at(b)], frame(b))));
 }

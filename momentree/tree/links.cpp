@@ -4,7 +4,7 @@
 
 namespace momentree {
 
-// Pointers to own links that stood at `from` follow them.
+// Updates pointers to own links after these moved away from `from`.
 void LinkTable::move(const LinkConstants* from, std::size_t count) {
   if (count == 0 || from == own_.data()) return;
   const std::less<> before;

@@ -1,5 +1,5 @@
 #pragma once
-// The links of a tree: those of the model's own topology are shared by all its trees, what changes made is the tree's own.
+// The links of a tree: those of the model's topology are shared by all its trees, those that changes made belong to the tree.
 #include <functional>
 #include <memory>
 #include <vector>
@@ -9,19 +9,19 @@
 
 namespace momentree {
 
-/// Where the kernels' frame of a body stands in the user's frame of that body.
+/// Pose of a body's kernel frame in its user frame. `R`: kernel axes to user axes; `r`: the kernel frame's origin (m).
 struct KernelFrame {
   Mat3 R = identity3<double>();
   Vec3 r{};
 };
 
-/// Links and frames, equal pairs once: a rope of a million bodies has three.
+/// Distinct pairs of link and frame: a rope of a million bodies has three.
 struct SharedLinks {
   std::vector<LinkConstants> links;
   std::vector<KernelFrame> frames;
 };
 
-/// Link and frame by body. No more than a pointer for each body, until a change makes a link of its own for it.
+/// Link and frame by body: a single pointer per body, until a change gives the body its own link.
 class LinkTable {
  public:
   LinkTable() = default;
@@ -39,20 +39,20 @@ class LinkTable {
                         : shared_->frames[static_cast<std::size_t>(link - shared_->links.data())];
   }
 
-  /// The body's own link and frame, at first those that it shared. Does not allocate.
+  /// The body's own link, initially a copy of the shared one. Does not allocate.
   LinkConstants& own(std::size_t body);
   KernelFrame& own_frame(std::size_t body) {
     const LinkConstants& link = own(body);
     return own_frames_[static_cast<std::size_t>(&link - own_.data())];
   }
 
-  /// Room for that many bodies, all with links of their own. Where the number grows, links move.
+  /// Reserves space for that many bodies, each with its own link. Links move if the number grows.
   void resize(std::size_t bodies);
-  /// From here on these are shared: nobody has a link of its own, and each is to be given one by `share`.
+  /// Sets the shared list. Afterwards no body has a link; assign each one with `share`.
   void clear(std::shared_ptr<const SharedLinks> shared);
   void share(std::size_t body, std::size_t number) { at_[body] = shared_->links.data() + number; }
   void leave(std::size_t body) { at_[body] = nullptr; }
-  /// The same for a body whose own link was the last to be made: its place is free again.
+  /// Like `share`, for a body whose own link was made last; its storage is freed.
   void give_back(std::size_t body, std::size_t number);
 
  private:

@@ -1,4 +1,4 @@
-// What models, trees and states are given and can't be: a message, or an error, and never a look past the end of something.
+// Invalid arguments to models, trees and states: a message or an error, never an access out of bounds.
 #include <cmath>
 #include <limits>
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 
-// A base on the ground and an arm of two pins; a float beside it.
+// A base on the ground with an arm of two revolute joints, and a floating body.
 Model arm(double mass = 1) {
   Model model;
   BodyId last = ground;

@@ -9,7 +9,7 @@ namespace momentree {
 
 namespace {
 
-// Only for what check_body() has found to be near a unit quaternion.
+// Only for quaternions that check_body() found to be nearly of unit length.
 void normalise_quaternion(Values& q, const char* units) {
   for (int i = 0; i < q.size(); ++i)
     if (units[i] == 'n') {
@@ -19,7 +19,7 @@ void normalise_quaternion(Values& q, const char* units) {
     }
 }
 
-// Zero displacements and no rotation.
+// Zero displacements and the identity rotation.
 Values zero_coordinates(const KindInfo& kind) {
   Values q;
   bool scalar_part = true;
@@ -50,7 +50,7 @@ std::vector<std::string> names(const auto& by_name) {
   std::vector<std::string> all;
   all.reserve(by_name.size());
   for (const auto& [name, index] : by_name) all.push_back(name);
-  std::sort(all.begin(), all.end());  // the suggestion must not depend on the order of a hash table
+  std::sort(all.begin(), all.end());  // so that the suggestion does not depend on the order of a hash table
   return all;
 }
 

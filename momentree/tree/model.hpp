@@ -1,5 +1,5 @@
 #pragma once
-// What the user said: named bodies, joints, placements. Checked as it is built; never used inside a step.
+// The model as the user declares it: named bodies, joints, placements. Checked as it is built; never used inside a step.
 #include <concepts>
 #include <functional>
 #include <span>
@@ -18,62 +18,62 @@
 
 namespace momentree {
 
-/// A body with its inboard joint, SI units. Frames: the joint's frame stands at `at` in the parent's frame, and at `child_at` in
-/// the body's own frame (identity: the body's frame is the joint's frame after its motion).
+/// A body with its inboard joint, SI units. The joint's frame is located at `at` in the parent's frame (parent side) and at
+/// `child_at` in the body's own frame (child side; identity: the body's frame is the joint's child-side frame).
 struct BodySpec {
   std::string name;  ///< "mechanism/body"
   double mass = 0;   ///< kg
-  Vec3 com{};        ///< centre of mass, body axes
-  Sym3 inertia{};    ///< about the centre of mass, body axes: diagonal(…) or {xx, yy, zz, xy, xz, yz}
+  Vec3 com{};        ///< centre of mass (m), body axes
+  Sym3 inertia{};    ///< about the centre of mass (kg m²), body axes: diagonal(…) or {xx, yy, zz, xy, xz, yz}
   BodyId parent = ground;
   Pose at{};
   JointSpec joint{};  ///< Revolute{…}, Ball{…}, …; default: a weld
-  Values q{};         ///< start coordinates in the order of the kind; empty: zero (identity); a prescribed motion says its own
-  Values v{};         ///< start velocities; empty: zero; a prescribed motion says its own
+  Values q{};         ///< start coordinates in the order of the kind; empty: zero (identity); overridden by a prescribed motion
+  Values v{};         ///< start velocities; empty: zero; overridden by a prescribed motion
   Pose child_at{};
   std::string joint_name{};  ///< "mechanism/joint"; empty: the body's name
 };
 
-/// Names are looked up without being copied.
+/// Hash that allows look-up of names without copying them.
 struct NameHash {
   using is_transparent = void;
   std::size_t operator()(std::string_view name) const { return std::hash<std::string_view>{}(name); }
 };
 
-/// The mechanisms of one world. Copies share their bodies until one of them changes. `add` throws Error for what is wrong with
-/// one body; `validate` finds what only the whole shows (a joint-space mass that would be singular).
+/// The mechanisms of one world. Copies share their bodies until one of them changes. `add` throws Error for faults of a single
+/// body; faults of the whole model (a singular joint-space mass) are found by `singular_joints`.
 class Model {
  public:
   struct Options {
     Vec3 gravity{0, 0, -9.81};
   };
   Model() = default;
-  /// Throws Error for a gravity that is not finite.
+  /// Throws Error for a gravity (m/s², world axes) that is not finite.
   explicit Model(Options options) { set_gravity(options.gravity); }
 
-  /// Adds a body; the parent must have been added before.
-  /// Throws Error: no or duplicate name, unknown parent, mass or inertia impossible, zero axis, wrong number of coordinates.
+  /// Adds a body; its parent must have been added before. Throws Error: no or duplicate name, unknown parent, impossible mass or
+  /// inertia, zero axis, wrong number of coordinates.
   BodyId add(BodySpec spec);
-  /// The same for a body whose inertia is judged with what it is rigidly joined to, by check_masses(): real robots have odd
-  /// single links in sound groups.
+  /// The same without checking the inertia by itself: check_masses() checks it together with the bodies that are rigidly joined
+  /// to it. Real robots have odd links in sound groups.
   BodyId add_unjudged(BodySpec spec);
 
-  /// Adds a force on a body of this model: as many as one likes.
-  /// Throws Error: no such body, a number that is not finite, a negative drag.
+  /// Adds a force on a body of this model; a body may have several. Throws Error: no such body, a number that is not finite, a
+  /// negative drag.
   void add_force(BodyForce force);
   const std::vector<BodyForce>& forces() const { return forces_; }
 
-  /// Makes room for so many bodies in all.
+  /// Reserves space for that many bodies in total.
   void reserve(int count);
 
-  /// Forgets the bodies that were added after the first `count`, and forces on them; none of those may hang on them.
+  /// Removes all bodies but the first `count` (≥ 0), with the forces on them.
   void keep(int count);
 
   Vec3 gravity() const { return gravity_; }
   /// Throws Error for numbers that are not finite.
   void set_gravity(Vec3 gravity);
   int size() const { return static_cast<int>(bodies_->size()); }
-  /// As added, but with unit axes, full q and v (never empty), a joint name, and unit quaternions.
+  /// The body as added, but with unit axes, full q and v (never empty), a joint name, and unit quaternions.
   const BodySpec& operator[](BodyId body) const {
     MT_REQUIRE(body.index >= 0 && body.index < size(), "a body of this model, as add() returned it");
     return (*bodies_)[static_cast<std::size_t>(body.index)];
@@ -95,8 +95,8 @@ class Model {
   bool has_body(std::string_view name) const { return by_body_->find(name) != by_body_->end(); }
   bool has_joint(std::string_view name) const { return by_joint_->find(name) != by_joint_->end(); }
 
-  /// Name of the mechanism rooted at `root` at the start: what stands before the first '/' of its name; all of it where there is
-  /// none, or where an earlier root has that name already.
+  /// Name of the mechanism whose root at the start is `root`: the part of the root's name before the first '/'. It is the whole
+  /// name if there is no '/', or if an earlier root has that part already.
   std::string mechanism_name(BodyId root) const;
 
  private:
@@ -105,39 +105,39 @@ class Model {
   Vec3 gravity_{0, 0, -9.81};
   CopyOnWrite<std::vector<BodySpec>> bodies_;
   std::vector<BodyForce> forces_;
-  CopyOnWrite<Numbers> by_body_, by_joint_, by_mechanism_;  // the last: first root with that name
+  CopyOnWrite<Numbers> by_body_, by_joint_, by_mechanism_;  // the last: the first root with that name
 };
 
-/// What is wrong with a body by itself, its inertia apart. `field` names the scenario key at fault: of the body or of its joint.
+/// A fault of a single body other than its inertia. `field` is the scenario key at fault, of the body or of its joint.
 struct BodyProblem {
   std::string field, what, hint;
 };
 std::vector<BodyProblem> check_body(const BodySpec& spec);
 
-/// What is wrong with a mass and an inertia about the centre of mass: empty if nothing. `warning` is set where it is only odd
-/// (beyond the triangle inequality by less than a rounding of CAD values).
+/// The fault of a mass (kg) and an inertia about the centre of mass (kg m²); `what` is empty if there is none. `warning`: merely
+/// odd, that is, beyond the triangle inequality by no more than the rounding of CAD values.
 struct MassProblem {
   std::string what, hint;
   bool warning = false;
 };
 MassProblem check_mass(double mass, const Sym3& inertia);
 
-/// Judges the inertia of every body together with those it is rigidly joined to (by welds, at the start): a problem is a warning
-/// where the group as a whole is sound. Parents stand before their children. By body; empty if nothing is odd.
+/// Checks the inertia of every body together with the bodies rigidly joined to it (by welds, at the start): a fault is a warning
+/// if the group as a whole is sound. Parents must come before their children. One entry per faulty body.
 struct GroupMassProblem {
   BodyId body;
   MassProblem problem;
 };
 std::vector<GroupMassProblem> check_masses(std::span<const BodySpec> bodies);
 
-/// What is wrong with a joint by itself (zero axis, parallel axes, negative or too many parameters): empty if nothing.
-/// `field` names the scenario key at fault.
+/// The faults of a single joint (zero axis, parallel axes, negative or too many parameters); empty if there are none. `field` is
+/// the scenario key at fault.
 struct JointProblem {
   std::string field, what, hint;
 };
 std::vector<JointProblem> check_joint(const JointSpec& joint);
 
-/// Joints at which the joint-space mass is singular at the start: what is wrong, by joint. Empty if none.
+/// A joint at which the joint-space mass is singular at the start. Empty list if there are none.
 struct SingularJoint {
   BodyId body;
   std::string what, hint;

@@ -17,7 +17,7 @@ BodySpec link(std::string name, BodyId parent = ground) {
   return {.name = std::move(name), .mass = 1, .inertia = diagonal(1), .parent = parent, .joint = Revolute{.axis = {0, 0, 2}}};
 }
 
-// The message of what add() throws; "accepted" if it throws nothing.
+// The message of the Error that add() throws; "accepted" if it does not throw.
 std::string refusal(BodySpec spec, Model model = Model{}) {
   try {
     model.add(std::move(spec));
@@ -88,7 +88,8 @@ TEST_CASE("a model refuses what is wrong with one body, and names it") {
     return refusal(spec);
   };
   CHECK(changed([](BodySpec&) {}) == "accepted");
-  CHECK(changed([](BodySpec& s) { s.mass = 0, s.inertia = {}; }) == "accepted");  // singular or not shows in the whole
+  CHECK(changed([](BodySpec& s) { s.mass = 0, s.inertia = {}; }) == "accepted");  // whether it is singular depends on the whole
+                                                                                  // model
   CHECK(contains(changed([](BodySpec& s) { s.name = ""; }), "needs a name"));
   CHECK(contains(changed([](BodySpec& s) { s.name = "a,b"; }), "comma"));
   CHECK(contains(changed([](BodySpec& s) { s.mass = -1; }), "b: error: mass: must not be negative"));

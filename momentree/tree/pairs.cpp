@@ -1,4 +1,5 @@
-// Branches of one body, or mechanisms, that are built alike: the sweeps take them two at once, in the lanes of one scalar.
+// Finds isomorphic branches of one body, or isomorphic mechanisms: the passes process them in pairs, in the two lanes of one
+// scalar.
 #include <algorithm>
 #include <array>
 
@@ -7,10 +8,10 @@
 namespace momentree {
 
 namespace {
-constexpr int few = 3;  // bodies: of shorter branches two are swept as fast one by one
+constexpr int few = 3;  // bodies: shorter branches gain nothing from being paired
 }
 
-/// Whether the `count` bodies from `place` on, a body and all outboard of it, hang together as those from `other` on do.
+/// True if the `count` bodies from `place` on, a body and all outboard of it, are isomorphic to those from `other` on.
 bool Tree::are_isomorphic(int place, int other, int count) const {
   bool any_pin = false;
   for (int i = 0; i < count; ++i) {
@@ -26,8 +27,8 @@ bool Tree::are_isomorphic(int place, int other, int count) const {
   return any_pin;
 }
 
-/// Pairs a body and its next siblings: each with the nearest before it that is like it, of the last few that have no twin.
-/// `end`: where all that is outboard of them ends in the order.
+/// Pairs a body and its next siblings: each with the nearest earlier isomorphic one, among the last few that are not paired yet.
+/// `end`: end of their subtrees in the order.
 void Tree::pair_siblings(int first, int end) {
   struct Branch {
     int place, size;
@@ -36,7 +37,7 @@ void Tree::pair_siblings(int first, int end) {
   std::size_t count = 0;
   for (int b = first; b >= 0; b = next_sibling_[at(b)]) {
     const int place = place_[at(b)], next = next_sibling_[at(b)], size = (next < 0 ? end : place_[at(next)]) - place;
-    if (size < few || (parent_[at(b)] < 0 && in_a_plane(place))) continue;  // those in a plane have a faster way
+    if (size < few || (parent_[at(b)] < 0 && in_a_plane(place))) continue;  // the pass over plane mechanisms is faster
     std::size_t i = count;
     while (i > 0 && !(waiting[i - 1].size == size && are_isomorphic(waiting[i - 1].place, place, size))) --i;
     if (i == 0) {
@@ -55,7 +56,7 @@ void Tree::pair_siblings(int first, int end) {
   }
 }
 
-/// From order, flows and segments. `forks`: whether there are any.
+/// Uses the order, node flags and kernel runs. `forks`: whether any body is branching.
 void Tree::find_pairs(bool forks) {
   const int count = static_cast<int>(order_.size());
   has_pairs_ = false;
@@ -64,14 +65,14 @@ void Tree::find_pairs(bool forks) {
   if (has_pairs_)
     cut_runs();
   else
-    paired_runs_.clear(), paired_links_.clear(), end_.clear(), pair_.clear();  // copies are as long as they need to be
+    paired_runs_.clear(), paired_links_.clear(), end_.clear(), pair_.clear();  // so that copies stay short
 }
 
-/// At every fork, but for those of mechanisms in a plane and of branches with a twin.
+/// At every branching body, except in plane mechanisms and in branches that are already paired.
 void Tree::pair_branches() {
   const int count = static_cast<int>(order_.size());
   end_.resize(at(count));
-  int end = 0;  // of what is outboard of the body at hand
+  int end = 0;  // end of the current body's subtree
   for (int place = 0; place < count; ++place) {
     const int b = order_[at(place)], next = next_sibling_[at(b)];
     const unsigned flags = node_flags_[at(place)];
@@ -90,17 +91,17 @@ void Tree::pair_branches() {
   }
 }
 
-/// Where branches with twins begin and end; and the constants of both.
+/// Cuts the kernel runs where paired branches begin and end, and collects the constants of both.
 void Tree::cut_runs() {
   paired_runs_.clear(), paired_links_.clear();
-  int begin = 0, end = 0, pair = 0, links = 0;  // of the branch at hand; its twin's place; the first of its constants
+  int begin = 0, end = 0, pair = 0, links = 0;  // of the current branch; place of its partner; index of its first constants
   for (const KernelRun& whole : runs_) {
     KernelRun piece = whole;
     for (int place = whole.begin; place < whole.end; ++place) {
       const bool branch = place >= end && pair_[at(place)] >= 0;
       if (branch) {
         begin = place, end = end_[at(place)], pair = pair_[at(place)];
-        int& of_first = pair_[at(std::min(place, pair))];  // from here on not its twin, but where its constants are
+        int& of_first = pair_[at(std::min(place, pair))];  // from here on the index of its constants instead of its partner
         if (place < pair) of_first = static_cast<int>(paired_links_.size());
         links = of_first;
       }

@@ -1,4 +1,4 @@
-// Which branches are taken for twins: those that hang on one body, or on the ground, and are built alike.
+// Which branches are paired: isomorphic ones on the same body or on the ground.
 #include <string>
 
 #include <doctest/doctest.h>
@@ -10,7 +10,7 @@ using namespace momentree;
 
 namespace {
 
-/// A limb, its joints by letter: r a pin, m one with a rotor, w a weld, p a slide. Every body has a placement of its own.
+/// Adds a limb, with one letter per joint: r revolute, m revolute with armature, w weld, p prismatic. All placements differ.
 BodyId limb(Model& model, BodyId last, const char* joints) {
   for (; *joints != '\0'; ++joints) {
     const double k = model.size() + 1;
@@ -25,7 +25,7 @@ BodyId limb(Model& model, BodyId last, const char* joints) {
 }
 BodyId trunk(Model& model) { return model.add({.name = "trunk", .mass = 1, .inertia = diagonal(1), .joint = Free{}}); }
 
-/// The twins of a tree by the numbers of the bodies that branches begin with, "first-other …".
+/// The pairs of a tree by the numbers of the bodies with which the branches begin, "first-other …".
 std::string pairs(const Tree& tree) {
   std::string all;
   for (const KernelRun& s : tree.paired_runs())
@@ -35,7 +35,8 @@ std::string pairs(const Tree& tree) {
   return all;
 }
 
-/// Generic in the order, whole, in pairs of one length and kind; the constants those of both links.
+/// Checks that the pieces cover the order in sequence, that pairs agree in length and kind, and that the constants are those of
+/// both links.
 void check_pieces(const Tree& tree) {
   int place = 0;
   for (const KernelRun& s : tree.paired_runs()) {
@@ -68,17 +69,17 @@ TEST_CASE("limbs that are built alike are twins, whatever hangs between them; ot
   const BodyId base = trunk(model);                  // 0
   limb(model, base, "rrrr");                         // 1 … 4
   limb(model, base, "rrr");                          // 5 … 7: shorter
-  limb(model, base, "rrwr");                         // 8 … 11: a weld in it
-  limb(model, base, "rrrr");                         // 12 … 15, the twin of 1
-  limb(model, base, "rrpr");                         // 16 … 19: a slide has no steps for two
+  limb(model, base, "rrwr");                         // with a weld
+  limb(model, base, "rrrr");                         // 12 … 15, paired with 1
+  limb(model, base, "rrpr");                         // 16 … 19: prismatic joints have no paired steps
   limb(model, base, "rrpr");                         // 20 … 23
-  limb(model, base, "rrwr");                         // 24 … 27, of 8
+  limb(model, base, "rrwr");                         // 24 … 27, paired with 8
   limb(model, base, "rrrr");                         // 28 … 31: a third
   limb(model, base, "rr"), limb(model, base, "rr");  // too short to gain
-  limb(model, limb(model, base, "rrr"), "r");        // 36 … 39, of 28
-  limb(model, base, "rmmr");                         // 40 … 43: rotors in it
+  limb(model, limb(model, base, "rrr"), "r");        // 36 … 39, paired with 28
+  limb(model, base, "rmmr");                         // 40 … 43: with armature
   limb(model, base, "rrrr");                         // 44 … 47
-  limb(model, base, "rmmr");                         // 48 … 51, of 40
+  limb(model, base, "rmmr");                         // 48 … 51, paired with 40
   const Tree tree(model);
   CHECK(pairs(tree) == "1-12 8-24 28-36 40-48");
   check_pieces(tree);
@@ -91,7 +92,7 @@ TEST_CASE("what forks differently is no twin; within twins nobody looks for othe
     const BodyId hand = limb(model, base, "r");
     limb(model, hand, "rrr"), limb(model, hand, "rrr");
   }
-  const BodyId elsewhere = limb(model, base, "r");  // 15 … 21: of as many bodies
+  const BodyId elsewhere = limb(model, base, "r");  // 15 … 21: the same number of bodies
   limb(model, elsewhere, "rrrr"), limb(model, elsewhere, "rr");
   const Tree tree(model);
   CHECK(pairs(tree) == "1-8");
@@ -125,7 +126,7 @@ TEST_CASE("twins part when one of them changes, and meet again when it is restor
   Tree tree(model);
   const Topology before = tree.topology();
   CHECK(pairs(tree) == "1-5");
-  tree.detach(3);  // from within 1
+  tree.detach(3);  // within branch 1
   CHECK(pairs(tree) == "5-9");
   check_pieces(tree);
   Joint locked = tree.joint(6);

@@ -1,5 +1,5 @@
-// What follows from parents, joints and directions: offsets, lists, order, segments, masses of subtrees. Everything at once when
-// a model is compiled or a topology restored; after an edit, what it moved. Both ways give the same tables.
+// Everything that follows from parents, joints and directions: offsets, lists, order, kernel runs, subtree masses. All at once
+// when a model is compiled or a topology restored; after an edit, only the affected part. Both give the same tables.
 #include <algorithm>
 
 #include <momentree/base/check.hpp>
@@ -21,13 +21,13 @@ enum Special : unsigned char {
 };
 
 Variant variant_of(unsigned locked, bool rotor, bool reversed, bool turns_about_z) {
-  const bool turned = reversed && !turns_about_z;  // others are native against their direction
+  const bool turned = reversed && !turns_about_z;  // other kinds are reversed by flipping their frame
   if (locked != 0) return turned ? Variant::reversed_locked : Variant::locked;
   if (turned) return Variant::reversed;
   return rotor ? Variant::armature : Variant::plain;
 }
 
-// What stands from `first` on moves by `by` places, in a list that has room.
+// Moves the entries from `first` on by `by` places, in a list with sufficient capacity.
 template <class T>
 void shift_tail(std::vector<T>& all, int first, int by) {
   const std::size_t count = all.size(), now = count + static_cast<std::size_t>(by);
@@ -46,7 +46,7 @@ void Tree::link_all(LinkCollector* collector) {
   first_root_ = -1;
   for (int& child : first_child_) child = -1;
   int living = 0;
-  for (int b = bodies() - 1; b >= 0; --b) {  // backwards: lists in ascending order
+  for (int b = bodies() - 1; b >= 0; --b) {  // backwards, so that the lists are in ascending order
     next_sibling_[at(b)] = -1;
     if (!alive(b)) continue;
     ++living;
@@ -67,7 +67,7 @@ void Tree::link_all(LinkCollector* collector) {
     if (class_[at(b)].as_declared) links_.share(at(b), at(declared_->bodies[at(b)].link));
   }
   pack_all();
-  for (int b : order_) {  // a link looks to the frame inboard
+  for (int b : order_) {  // a link depends on the inboard frame
     const int outer = parent_[at(b)];
     const bool frame_known = class_[at(b)].as_declared;
     if (frame_known && outer == declared_->bodies[at(b)].parent && (outer < 0 || class_[at(outer)].as_declared)) {
@@ -97,7 +97,7 @@ void Tree::pack_all() {
   list_special_joints();
 }
 
-// The next coordinates, freedoms and angles are those of b's joint. Does not allocate: there is room for any joints.
+// Assigns the next coordinates, DoFs and angles to b's joint. Does not allocate: capacity is reserved for any joints.
 void Tree::assign_offsets(int b) {
   const KindShape& kind = shape(joint(b).kind);
   offsets_[at(b)].q = nq_, offsets_[at(b)].p = nv_, offsets_[at(b)].angle = angles_;
@@ -127,7 +127,7 @@ void Tree::put_locks(int b) {
   link.locked = now.locked, link.driven = now.driven;
 }
 
-// What stands at the offsets of b's joint.
+// Writes the packed data at the offsets of b's joint.
 void Tree::pack(int b) {
   const Joint& joint = this->joint(b);
   const KindShape& kind = shape(joint.kind);
@@ -140,7 +140,7 @@ void Tree::pack(int b) {
   }
   for (int i = 0; i < kind.nv; ++i) {
     const auto p = at(offsets_[at(b)].p + i);
-    const bool moves = (joint.locked >> i & 1u) == 0;  // a locked freedom's forces do nothing
+    const bool moves = (joint.locked >> i & 1u) == 0;  // forces on a locked DoF have no effect
     armature_[p] = given.armature[at(i)];
     damping_[p] = moves ? given.damping[at(i)] : 0.0;
     effort_[p] = moves ? given.effort[at(i)] : 0.0;
@@ -170,8 +170,8 @@ void Tree::copy_with_generic_kernels(const Tree& other) {
   build_runs();
 }
 
-// The joint of b was of another kind before: what is packed behind it moves. Returns whether the lists of joints are to be
-// renewed.
+// Updates the packed data after b's joint changed from kind `before`: data behind it moves. Returns whether the lists of special
+// joints must be renewed.
 bool Tree::repack(int b, Kind before) {
   const KindShape& old = shape(before);
   const KindShape& now = shape(joint(b).kind);
@@ -210,8 +210,8 @@ void Tree::list_special_joints() {
   has_functions_ = (all & function_driven) != 0;
 }
 
-// Writes the tree of `root` into the order, from `place` on; returns where it ends. Without a stack: a chain of a million bodies
-// is as deep as it is long.
+// Writes the tree of `root` into the order, from `place` on; returns its end. Iterative, because a chain of a million bodies is a
+// million levels deep.
 int Tree::number_depth_first(int root, int place) {
   for (int b = root;;) {
     order_[at(place)] = b;
@@ -226,20 +226,20 @@ int Tree::number_depth_first(int root, int place) {
   }
 }
 
-// Where the bodies outboard of b end in the order.
+// End of b's subtree in the order.
 int Tree::end_of(int b) const {
   while (b >= 0 && next_sibling_[at(b)] < 0) b = parent_[at(b)];
   return b < 0 ? static_cast<int>(order_.size()) : place_[at(next_sibling_[at(b)])];
 }
 
-// Bodies [begin, end) of the order move to `to`, a place outside of them.
+// Moves bodies [begin, end) of the order to `to`, a place outside of that range.
 void Tree::move_block(int begin, int end, int to) {
   const auto o = order_.begin();
   if (to < begin) std::rotate(o + to, o + begin, o + end);
   if (to > end) std::rotate(o + begin, o + end, o + to);
 }
 
-// Places, flows, records and segments, from the order.
+// Finds places, node flags, records and kernel runs from the order.
 void Tree::build_runs() {
   runs_.clear();
   const int count = static_cast<int>(order_.size());
@@ -286,7 +286,7 @@ void Tree::build_runs() {
   list_loaded_bodies();
 }
 
-// Allocates the first time, and where bodies were added.
+// Allocates only the first time and after bodies were added.
 void Tree::list_loaded_bodies() {
   loaded_.clear();
   if (body_forces().empty() && body_functions_.empty()) return;
@@ -302,7 +302,7 @@ void Tree::list_loaded_bodies() {
     if (loaded_mark_[at(b)] != 0) loaded_.push_back(b);
 }
 
-// The mechanism whose root has that place.
+// True if the mechanism whose root has that place is plane.
 bool Tree::in_a_plane(int place) const {
   const int count = static_cast<int>(order_.size());
   for (int i = place; i < count; ++i) {
@@ -314,7 +314,7 @@ bool Tree::in_a_plane(int place) const {
   return true;
 }
 
-// Mass of b and all outboard bodies, from that of its children.
+// Mass of b and all outboard bodies, from the subtree masses of its children.
 void Tree::update_subtree_mass(int b) {
   double sum = links_[at(b)].body.m;
   for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)]) sum += subtree_mass_[at(c)];

@@ -1,12 +1,12 @@
 #pragma once
-// Lists whose storage is reserved for every later topology: no change allocates, and what is not used is never touched.
+// Lists whose storage is reserved for every later topology: no change allocates, and unused memory is never touched.
 #include <algorithm>
 #include <cstddef>
 #include <vector>
 
 namespace momentree {
 
-/// A vector whose copies keep its capacity: a copied tree changes without allocating, too.
+/// A vector whose copies keep its capacity, so that a copied tree also changes without allocating.
 template <class T>
 struct Reserved : std::vector<T> {
   Reserved() = default;
@@ -21,7 +21,7 @@ struct Reserved : std::vector<T> {
   ~Reserved() = default;
 };
 
-/// Room for `count`; grows by halves, so that additions are cheap.
+/// Reserves space for `count`; grows by at least half, so that repeated additions are cheap.
 template <class T>
 void reserve(std::vector<T>& list, std::size_t count) {
   if (list.capacity() < count) list.reserve(std::max(count, list.capacity() + list.capacity() / 2));

@@ -1,5 +1,5 @@
-// A joint whose freedoms move no mass has a singular joint-space mass (24): looked for before anything runs, and after changes
-// that may leave a joint so.
+// A joint whose DoFs move no mass has a singular joint-space mass (24): checked before a simulation runs, and after changes that
+// may cause it.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -12,13 +12,13 @@ namespace momentree {
 
 namespace {
 
-// How much a motion E could move, axes apart.
+// An upper bound of the mass that a motion E can move, regardless of the axes' orientation.
 double bound(const SpatialMass<double>& M, const Motion<double>& E) {
   return dot(E.v, E.v) * (M.A.xx + M.A.yy + M.A.zz) + dot(E.w, E.w) * (M.J.xx + M.J.yy + M.J.zz);
 }
 
-// What a joint finds close to it: its own body and, across their joints, those that follow, before their freedoms take their
-// share. A long chain is a million times heavier across its joints than along them, and not singular for that.
+// The mass close to a joint: its own body and, across their joints, its children before their DoFs reduce them. The mass across
+// the joints of a long chain is a million times the mass along them, without being singular.
 double mass_nearby(const Tree& tree, const std::vector<SpatialMass<double>>& carried, int b, const Motion<double>& E) {
   SpatialMass<double> own{};
   add_rigid_mass(own, tree.link(b).body);
@@ -45,7 +45,7 @@ std::vector<SingularJoint> singular_joints(const Model& model) {
 std::vector<SingularJoint> singular_joints(const Tree& tree, std::span<const double> coordinates) {
   std::vector<SingularJoint> found;
   std::vector<SpatialMass<double>> mass(static_cast<std::size_t>(tree.bodies()));
-  std::vector<SpatialMass<double>> carried(mass.size());  // the same in the parent's frame, before the joint's freedoms reduce it
+  std::vector<SpatialMass<double>> carried(mass.size());  // the same in the parent's frame, before the joint's DoFs reduce it
   const auto order = tree.order();
   for (std::size_t k = order.size(); k-- > 0;) {
     const int b = order[k];
@@ -62,9 +62,9 @@ std::vector<SingularJoint> singular_joints(const Tree& tree, std::span<const dou
     dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
       using K = typename decltype(tag)::type;
       const auto E = K::template columns<double>(tree.link(b), joint);
-      // Judged one freedom after the other, each against the mass that it could move at all.
+      // Checks one DoF after the other, each against the mass that it could move at most.
       for (std::size_t i = 0; i < E.size(); ++i) {
-        if ((tree.link(b).locked >> i & 1u) != 0) continue;  // stands, or moves whatever it moves
+        if ((tree.link(b).locked >> i & 1u) != 0) continue;  // frozen or driven
         const Force<double> e = M * E[i];
         const double armature = tree.armature()[tree.first_p(b) + static_cast<int>(i)];
         const double moved = dot(E[i], e) + armature;
@@ -78,8 +78,8 @@ std::vector<SingularJoint> singular_joints(const Tree& tree, std::span<const dou
         }
         if (armature == 0) subtract_outer(M, (1 / moved) * e, e);
       }
-      // An armature keeps the freedom's mass; that no more than this is reduced makes the judgement of others milder, never
-      // wrong.
+      // An armature keeps the DoF's mass, so the mass is not reduced for it; this makes the check of other joints more lenient,
+      // never wrong.
       const auto crossing = dense_transform<K, double>(tree.link(b), joint);
       crossing.inboard(M);
       carried[static_cast<std::size_t>(b)] = full;

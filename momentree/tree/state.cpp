@@ -29,9 +29,9 @@ void State::require_no_edit() const { MT_REQUIRE(!being_edited(), "the state's E
 State& State::operator=(const State& other) {
   require_no_edit();
   if (this == &other) return *this;
-  changed();  // first: memory may run out half-way
+  changed();  // first, because the copy may run out of memory
   time_ = other.time_;
-  q_.reserve(other.q_.capacity());  // a copy can change its topology without allocating, too
+  q_.reserve(other.q_.capacity());  // so that a copy can change its topology without allocating, too
   p_.reserve(other.p_.capacity());
   q_ = other.q_;
   p_ = other.p_;
@@ -39,7 +39,7 @@ State& State::operator=(const State& other) {
   return *this;
 }
 
-// They change places, with their stamps.
+// Exchanges both states, with their stamps.
 State& State::operator=(State&& other) noexcept {
   require_no_edit();
   other.require_no_edit();
@@ -71,7 +71,7 @@ void replace_range(std::vector<double>& all, int first, int count, std::span<con
   const auto tail = all.begin() + first + count;
   if (growth > 0) {
     const auto old_size = static_cast<std::ptrdiff_t>(all.size());
-    all.resize(all.size() + static_cast<std::size_t>(growth));  // within the reserved capacity: iterators stay
+    all.resize(all.size() + static_cast<std::size_t>(growth));  // within the reserved capacity: iterators stay valid
     std::move_backward(tail, all.begin() + old_size, all.end());
   } else if (growth < 0) {
     std::move(tail, all.end(), tail + growth);
@@ -80,7 +80,7 @@ void replace_range(std::vector<double>& all, int first, int count, std::span<con
   std::copy(with.begin(), with.end(), all.begin() + first);
 }
 
-// Whether there are `count` numbers from `first` on, in whose place `more` make `sum`.
+// True if there are `count` numbers from `first` on whose replacement by `more` numbers gives a total of `sum`.
 bool fits(const std::vector<double>& all, int first, int count, std::size_t more, int sum) {
   const auto size = static_cast<int>(all.size());
   return first >= 0 && count >= 0 && first <= size && count <= size - first && size - count + static_cast<int>(more) == sum;

@@ -1,5 +1,5 @@
 #pragma once
-// What moves: time, coordinates, canonical momenta, packed in the order of body numbers.
+// The state of motion: time, coordinates, canonical momenta, packed in the order of joint numbers.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace momentree {
 
-/// Identifies what a computation was made from: one state, between two changes of it, on one topology of one tree. No two states
-/// of a process ever have the same stamp, whenever and wherever they live; a default stamp is that of no state.
+/// Identifies the input of a computation: one state, between two changes of it, on one topology of one tree. No two states of a
+/// process ever have the same stamp, whenever and wherever they live; a default stamp belongs to no state.
 struct Stamp {
   std::uint64_t state = 0, serial = 0, topology = 0;
   friend bool operator==(const Stamp&, const Stamp&) = default;
@@ -19,10 +19,10 @@ struct Stamp {
 class State {
  public:
   State();
-  /// The joints' zero, at rest, at time 0. Capacity for every later topology is reserved. The start values of a model:
+  /// All joints at zero and at rest, at time 0. Reserves capacity for every later topology. For the start values of a model see
   /// `start_state` (dynamics/momentum.hpp).
   explicit State(const Tree& tree);
-  /// A copy is a state of its own: what was evaluated on the original is not taken for the copy's. A moved state keeps its stamp.
+  /// A copy is a separate state: evaluations of the original are not valid for it. A moved state keeps its stamp.
   State(const State& other);
   State(State&& other) noexcept;
   State& operator=(const State& other);
@@ -32,32 +32,32 @@ class State {
   double time() const { return time_; }
   Numbers q() const { return q_; }
   Numbers p() const { return p_; }
-  /// Tree::revision() of the tree that it is a state of.
+  /// Tree::revision() of the tree to which the state belongs.
   std::uint64_t topology() const { return topology_; }
-  /// While the state is being edited it is another one each time: nobody knows what is written in between.
+  /// While the state is being edited each call returns a new stamp, because anything may have been written in between.
   Stamp stamp() const {
     if (edits_ != 0) ++serial_;
     return {number_, serial_, topology_};
   }
-  /// True while an Edit of it is alive: it is evaluated anew each time then, and can't be changed, assigned to or moved
+  /// True while an Edit of the state is alive: it is then evaluated anew each time, and must not be changed, assigned to or moved
   /// otherwise.
   bool being_edited() const { return edits_ != 0; }
 
   class Edit;
-  /// To change the state: `state.edit().p[0] = 1`, or for several changes
+  /// Write access: `state.edit().p[0] = 1`, or for several changes
   ///
   ///     {
   ///       const State::Edit edit = state.edit();
   ///       edit.time = 0, edit.q[0] = 0.1, edit.p[0] = 1;
   ///     }  // the edit ends here
   ///
-  /// What was evaluated on the state before is stale, and so is, once the edit ends, what was evaluated while it lived.
+  /// Earlier evaluations of the state become stale, and when the edit ends, so do those made during it.
   [[nodiscard]] Edit edit();
 
-  /// Makes room for another topology of the tree: replaces `nq`, `nv` numbers of a body by new ones. Does not allocate unless
-  /// bodies were added to the tree that the state was made for.
+  /// Adapts the state to another topology of the tree: replaces `nq` and `nv` numbers of a body by new ones. Does not allocate
+  /// unless bodies were added to the tree for which the state was made.
   void replace(int first_q, int nq, std::span<const double> q, int first_p, int nv, std::span<const double> p, const Tree& tree);
-  /// Becomes another state altogether, of that tree. Does not allocate where the reserve, that of the tree, is enough.
+  /// Sets the whole state, of that tree. Does not allocate if the reserved capacity, that of the tree, suffices.
   void assign(double time, std::span<const double> q, std::span<const double> p, const Tree& tree);
 
  private:
@@ -71,12 +71,12 @@ class State {
   int edits_ = 0;
 };
 
-/// Write access to a state for as long as it lives. Keep no pointer, reference or iterator into the state beyond that.
+/// Write access to a state during the Edit's lifetime. Keep no pointer, reference or iterator into the state beyond it.
 class [[nodiscard]] State::Edit {
   State& state_;
 
  public:
-  /// They can't be copied out of the Edit, so that nothing is written after its end.
+  /// Cannot be copied out of the Edit, so that nothing is written after its end.
   class Writable {
    public:
     double& operator[](std::size_t i) const {
@@ -84,7 +84,7 @@ class [[nodiscard]] State::Edit {
       return all_[i];
     }
     std::size_t size() const { return all_.size(); }
-    // Only of an Edit that has a name: the one of `state.edit().q.data()` has ended before anything is written.
+    // Only of a named Edit: the temporary in `state.edit().q.data()` ends before anything is written.
     double* data() const& { return all_.data(); }
     auto begin() const& { return all_.begin(); }
     auto end() const& { return all_.end(); }
@@ -109,7 +109,7 @@ class [[nodiscard]] State::Edit {
     state_.changed();
   }
   ~Edit() {
-    state_.changed();  // whatever was computed while it lived
+    state_.changed();  // evaluations made during the edit are stale
     --state_.edits_;
   }
   Edit(const Edit&) = delete;

@@ -7,7 +7,7 @@
 
 namespace momentree {
 
-// Room for that many bodies, in any topology.
+// Reserves space for that many bodies, in any topology.
 void Tree::resize(int bodies) {
   const std::size_t n = at(bodies);
   for (auto* list : {&parent_, &first_child_, &next_sibling_, &place_, &joint_of_, &carrier_, &joint_at_}) list->resize(n, -1);
@@ -63,7 +63,7 @@ Topology Tree::topology() const {
   return t;
 }
 
-// What a topology that somebody wrote down, or took from another tree, must not be.
+// Checks a topology that was read from elsewhere or taken from another tree.
 void Tree::require_valid(const Topology& topology) const {
   const int declared = static_cast<int>(declared_bodies()), all = static_cast<int>(topology.places.size());
   MT_REQUIRE(topology.model == (declared_ ? declared_->fingerprint : 0) && at(all) == at(declared) + topology.added.size(),

@@ -21,7 +21,7 @@ TEST_CASE("stretches of one kind are one segment, with forks and tips among them
   const BodyId d = link(model, "d", c, Ball{}), e = link(model, "e", c);
   link(model, "f", d), link(model, "g", e), link(model, "h", ground);
   const Tree tree(model);
-  // a b c | d | f e g | h, which is a mechanism in a plane
+  // a b c | d | f e g | h, which is a plane mechanism
   REQUIRE(tree.kernel_runs().size() == 4);
   CHECK(tree.kernel_runs()[0].end == 3);
   CHECK(tree.kernel_runs()[1].kind == Kind::ball);
@@ -116,9 +116,9 @@ TEST_CASE("chains of pins are aligned: no link needs a turn about its parent's z
                       .joint = Revolute{.axis = {1, 0.1 * k, -0.5}}});
   const Tree tree(model);
   CHECK(tree.kernel_runs().size() == 1);
-  for (int b = 1; b < 20; ++b) {  // the first body hangs on the ground, whose axes are given
+  for (int b = 1; b < 20; ++b) {  // the first body is on the ground, whose axes are given
     CHECK((tree.node_flags()[static_cast<std::size_t>(b)] & node::aligned) != 0);
-    // Two lengths do for a link: along the parent's x, and along the joint's axis. The last one's frame stands at its joint.
+    // A link has two lengths: along the parent's x, and along the joint's axis. The last one's frame is at its joint.
     CHECK(tree.link(b).shape == PlacementShape::screw);
   }
 }
@@ -141,7 +141,7 @@ TEST_CASE("what is welded has its carrier's frame, and frames look through it to
   add(plate, Ball{});
   Tree tree(model);
   const auto place = [&](BodyId body) { return tree.frame(body.index); };
-  const Pose step = askew * inverse(model[bracket].child_at);  // of one welded body in the next
+  const Pose step = askew * inverse(model[bracket].child_at);  // pose of one welded body in the next
   const auto same = [&](const KernelFrame& inner, const KernelFrame& outer) {
     const Vec3 r = step * inner.r, z = rotation_matrix(step.rotation) * Vec3{inner.R.xz, inner.R.yz, inner.R.zz};
     return norm(r - outer.r) < 1e-15 && norm(z - Vec3{outer.R.xz, outer.R.yz, outer.R.zz}) < 1e-15;
@@ -151,7 +151,7 @@ TEST_CASE("what is welded has its carrier's frame, and frames look through it to
   CHECK(same(place(base), KernelFrame{}));
   CHECK(aligned(tree.link(elbow.index)));
   CHECK(tree.link(elbow.index).shape == PlacementShape::screw);
-  tree.detach(plate.index);  // and whatever was looked at is gone
+  tree.detach(plate.index);  // removes the joint on which the frames depended
   CHECK_FALSE(same(place(plate), place(bracket)));
   CHECK(same(place(bracket), place(pin)));
 }
@@ -194,6 +194,7 @@ TEST_CASE("joints that move no mass are found, and named") {
   rotor.add({.name = "point", .mass = 1, .joint = Revolute{.armature = 0.1}});
   CHECK(singular_joints(rotor).empty());
   Model pendulum;
-  pendulum.add({.name = "bob", .mass = 1, .com = {0, 0, -1}, .joint = Ball{}});  // a point turns about itself
+  pendulum.add({.name = "bob", .mass = 1, .com = {0, 0, -1}, .joint = Ball{}});  // a point mass has no inertia about the line to
+                                                                                 // it
   CHECK(singular_joints(pendulum).size() == 1);
 }

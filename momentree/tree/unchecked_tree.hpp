@@ -1,6 +1,6 @@
 #pragma once
-// A tree as the recursions read it: by numbers that come from its own order, without checking that there are such bodies, which
-// would take a tenth of an evaluation.
+// A tree as the recursions read it: by numbers from its own order, without checking that such bodies exist; the checks would take
+// a tenth of an evaluation.
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {

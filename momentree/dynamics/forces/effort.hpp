@@ -1,5 +1,5 @@
 #pragma once
-// Efforts that change with time.
+// Time-dependent efforts.
 #include <momentree/dynamics/forces/site.hpp>
 
 namespace momentree::forces {

@@ -1,11 +1,11 @@
 #pragma once
-// Prescribed motion: the freedom follows a curve s(t), whatever effort that takes. It has no momentum of its own; in its place p
-// holds ṡ, ṗ is s̈, and the equation integrates itself. After every step both are put where the curve says.
+// Prescribed motion: the DoF follows a curve s(t) with whatever effort that needs. It has no momentum of its own; in its place p
+// holds ṡ and ṗ holds s̈, which the integration method integrates like any other. After every step q and ṡ are set to the curve.
 #include <momentree/dynamics/workspace.hpp>
 
 namespace momentree {
 
-/// Coordinates and rates of driven freedoms as their motions have them at time t (s), in packed arrays.
+/// Sets coordinates and rates of driven DoFs to the values of their motions at time t (s), in packed arrays.
 inline void follow_motions(const Tree& tree, double t, double* q, double* p) noexcept {
   for (const int b : tree.driven_joints()) {
     const Curve::Point s = tree.motion(b).at(t);
@@ -14,12 +14,12 @@ inline void follow_motions(const Tree& tree, double t, double* q, double* p) noe
   }
 }
 
-/// s̈ in the place of each driven freedom in an array packed as p.
+/// Writes s̈ to the place of each driven DoF in an array packed as p.
 inline void put_accelerations(const Tree& tree, double t, double* to) noexcept {
   for (const int b : tree.driven_joints()) to[tree.first_p(b)] = tree.motion(b).at(t).acceleration;
 }
 
-/// Nothing there, for what asks about freedoms that have momenta.
+/// Zeroes the places of driven DoFs, for code that considers only DoFs with momenta.
 inline void clear_driven(const Tree& tree, double* p) noexcept {
   for (const int b : tree.driven_joints()) p[tree.first_p(b)] = 0;
 }

@@ -1,12 +1,12 @@
 #pragma once
-// Position control: proportional and derivative, bounded.
+// Position control: proportional-derivative, with bounded effort.
 #include <cmath>
 
 #include <momentree/dynamics/forces/effort.hpp>
 
 namespace momentree::forces {
 
-/// What it asks for, bounded or not, at the velocity u.
+/// The unbounded effort at velocity u (N m, N).
 inline double asked(const JointDrive::Pd& pd, int dof, double t, double q, double u) noexcept {
   const Signal *target = signal_of(pd.target, dof), *speed = signal_of(pd.target_speed, dof);
   const double position = target != nullptr ? target->value(t) : 0;

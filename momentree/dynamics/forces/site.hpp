@@ -1,5 +1,5 @@
 #pragma once
-// Where a force element acts: one joint at one instant.
+// The joint and instant at which a force element acts.
 #include <momentree/dynamics/workspace.hpp>
 
 namespace momentree::forces {
@@ -7,16 +7,16 @@ namespace momentree::forces {
 struct Site {
   const JointParameters& parameters;
   int nv;
-  unsigned acts;  ///< a bit per freedom that is not locked
+  unsigned acts;  ///< a bit per DoF that is not locked
   double t;       ///< s
   const double *q, *u;
-  double* force;  ///< to be added to: N m, N
-  Power* power;   ///< W; the caller's
+  double* force;  ///< added to by the elements: N m, N
+  Power* power;   ///< W; owned by the caller
 
   bool on(int dof) const { return (acts >> dof & 1u) != 0; }
 };
 
-/// A force that resists motion: what it is at a velocity (N m, N), and how fast it grows against that, −∂force/∂u.
+/// A force that resists motion: its value at a velocity (N m, N) and its slope −∂force/∂u.
 struct Resistance {
   double force = 0, slope = 0;
 };
@@ -28,7 +28,7 @@ inline Site site_of(const Tree& tree, double t, const double* q, const double* v
           q + tree.first_q(b),      v + tree.first_p(b),   force + tree.first_p(b), &power};
 }
 
-/// The signal of a freedom; nothing where the list is empty.
+/// The signal of a DoF; null if the list is empty.
 inline const Signal* signal_of(const std::vector<Signal>& list, int dof) {
   if (list.empty()) return nullptr;
   return &list[list.size() == 1 ? 0 : static_cast<std::size_t>(dof)];

@@ -1,15 +1,15 @@
 #pragma once
-// Stops that give way: max(0, k x + c ẋ) against what has passed one by x. The spring's energy is in the potential; what else the
-// stop takes is the damper's: also what it lets go of in a spring that is still compressed, because it never pulls. There the
-// power has a bend that no motion shows: so a step counts all that the stop takes, and at its end what is stored less (see
-// `stored`).
+// Soft stops: force max(0, k x + c ẋ) against a penetration x. The spring's energy is potential energy; everything else that the
+// stop absorbs is dissipated, including the energy of a spring that is still compressed when the force drops to zero (it never
+// pulls). The power has a kink there that does not show in the motion. So a step integrates all power absorbed by the stop and
+// subtracts the stored energy at its end (see `stored`).
 #include <algorithm>
 
 #include <momentree/dynamics/forces/site.hpp>
 
 namespace momentree::forces {
 
-/// How far a freedom has passed a stop: positive beyond the upper one, negative beyond the lower one.
+/// Penetration of a stop by a DoF (rad, m): positive beyond the upper one, negative beyond the lower one.
 inline double passed(const JointLimits& limits, int dof, double q) noexcept {
   return q - std::clamp(q, limits.lower_of(dof), limits.upper_of(dof));
 }
@@ -40,7 +40,7 @@ inline double soft_stop_energy(const JointParameters& parameters, int nv, const 
   return energy;
 }
 
-/// Energy in all soft stops at packed coordinates q (J).
+/// Energy stored in all soft stops at packed coordinates q (J).
 inline double stored(const Tree& tree, const double* q) noexcept {
   double energy = 0;
   for (const int b : tree.forced_joints()) {

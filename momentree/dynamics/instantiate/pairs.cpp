@@ -4,7 +4,7 @@ namespace momentree {
 
 namespace {
 
-/// Calls f(tag of the kernels, std::bool_constant<falls>).
+/// Calls f(tag of the kernels, std::bool_constant<has gravity>).
 template <class F>
 void dispatch_revolutes(const KernelRun& pins, bool has_gravity, F&& f) {
   const auto with = [&](auto gravity) {

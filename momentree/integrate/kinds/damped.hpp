@@ -1,13 +1,13 @@
 #pragma once
-// For joints so strongly damped that an explicit method would have to follow how fast they come to rest: dampers, friction, soft
-// stops and position control are taken implicitly, everything else explicitly. The implicit-explicit Runge–Kutta method (4,4,3)
-// of Ascher, Ruuth and Spiteri (1997): order 3, fixed steps, four evaluations each; its implicit part is L-stable, and the new
-// state is its last stage.
+// For joints so strongly damped that an explicit method would have to resolve their fast decay: dampers, friction, soft stops and
+// position control are integrated implicitly, everything else explicitly. The implicit-explicit Runge–Kutta method (4,4,3) of
+// Ascher, Ruuth and Spiteri (1997): order 3, fixed steps, four evaluations each; its implicit part is L-stable, and the new state
+// is its last stage.
 //
-// A stage finds velocities u by (H + γ h C) u = p*, where p* is all that is known of its momenta, and p = p* − γ h C u. H + γ h C
-// is the mass with larger rotors: γ h C stands beside the armature in the first recursion, so that a stage costs an evaluation.
-// The rest of that evaluation is right as well: a rotor is no part of Pb, and the rates (20) are those of the velocities u.
-// Forces that are not linear in u are linearised, f(w) − C (u − w), and −C u is what stands beside the armature.
+// A stage solves (H + γ h C) u = p* for the velocities u, with p* the known part of its momenta, and p = p* − γ h C u. H + γ h C
+// is the mass matrix with larger armatures: γ h C is added to the armature in the first recursion, so that a stage costs one
+// evaluation. The rest of that evaluation is correct as well: the armature is not part of Pb, and the rates (20) are those of the
+// velocities u. Forces that are not linear in u are linearised, f(w) − C (u − w), and −C u is the part treated as armature.
 #include <cmath>
 #include <optional>
 
@@ -19,7 +19,7 @@ namespace momentree {
 class Damped final : public Integrator {
  public:
   static constexpr bool chooses_steps = false;
-  // Dampers it takes at any step; springs as its explicit part does.
+  // Dampers at any step; springs as in its explicit part.
   static constexpr double damper_limit = HUGE_VAL, spring_limit = 1.57;
   static constexpr double implicit_share = 0.5;  ///< γ
   Damped(const Tree& tree, const StepControl& control);
@@ -28,7 +28,7 @@ class Damped final : public Integrator {
  private:
   static constexpr int stages = 5;
   static constexpr double gamma = implicit_share;
-  static constexpr int most_linearised = 20;  // times in a stage; one to three are usual
+  static constexpr int most_linearised = 20;  // per stage; one to three are usual
   static constexpr double c[stages] = {0, 1.0 / 2, 2.0 / 3, 1.0 / 2, 1};
   static constexpr double explicit_part[stages][stages] = {
       {}, {1.0 / 2}, {11.0 / 18, 1.0 / 18}, {5.0 / 6, -5.0 / 6, 1.0 / 2}, {1.0 / 4, 7.0 / 4, 3.0 / 4, -7.0 / 4}};
@@ -44,13 +44,13 @@ class Damped final : public Integrator {
   double spent(const Array& force, int nv, double h) const noexcept;
 
   long nq_max_, nv_max_;
-  Array q_, p_;                                       // stage, then result
-  Array known_;                                       // p*
-  Array qdot_, pdot_, resist_, velocity_;             // of the stages: q̇, ṗ without and of what is taken implicitly, u
-  Array dissipating_, giving_;                        // of the stages: what friction and soft stops, and position control do
+  Array q_, p_;                            // stage, then result
+  Array known_;                            // p*
+  Array qdot_, pdot_, resist_, velocity_;  // of the stages: q̇, ṗ without the implicit forces, the implicit forces, u
+  Array dissipating_, giving_;             // of the stages: forces of friction and soft stops, and of position control
   Array damping_, slope_, point_, force_, at_point_;  // the resisting forces and their slopes at the velocities `point_`
-  Tree massive_;                                      // the same tree, whose rotors carry γ h C
-  double* rotors_ = nullptr;                          // its own
+  Tree massive_;                                      // the same tree with γ h C added to the armatures
+  double* rotors_ = nullptr;                          // its armatures
   std::optional<std::uint64_t> revision_;
 };
 
@@ -68,8 +68,8 @@ inline void Damped::follow(const Tree& tree) {
   revision_ = tree.revision();
 }
 
-// A stage at q_, from known_: what resists is linearised, and again where that turns out to be somewhere else (Newton). What is
-// left of the error goes to the explicit part, so that the sum is exact.
+// A stage at q_, from known_: linearises the resisting forces, and again if the solution is elsewhere (Newton). The remaining
+// error goes to the explicit part, so that the sum is exact.
 inline void Damped::evaluate_stage(Evaluator& evaluate, int stage, double t, double h) noexcept {
   const Tree& tree = evaluate.tree();
   const Workspace<double>& workspace = evaluate.workspace();
@@ -98,7 +98,7 @@ inline void Damped::evaluate_stage(Evaluator& evaluate, int stage, double t, dou
   }
 }
 
-// True where the forces at the velocities found are those that the line has there, to what rounding leaves of it.
+// True if the forces at the velocities found equal their linearisation there, up to rounding.
 inline bool Damped::met(int nv, const double* u, const double* dissipating, const double* giving) const noexcept {
   for (std::size_t i = 0; i < static_cast<std::size_t>(nv); ++i) {
     const double force = dissipating[i] + giving[i], line = at_point_[i] - slope_[i] * (u[i] - point_[i]);
@@ -117,11 +117,11 @@ inline bool Damped::step(Evaluator& evaluate, State& state, EnergyLedger& ledger
   const double *q = state.q().data(), *p = state.p().data();
   joint_damping(tree, damping_.get());
 
-  double done = 0, lost = 0;  // work, and what is dissipated, of what is taken explicitly
+  double done = 0, lost = 0;  // work, and dissipation, of the explicit forces
   for (int s = 0; s < stages; ++s) {
     const double t = state.time() + c[s] * h;
     double *u = rate(velocity_, s), *pdot = rate(pdot_, s);
-    if (s == 0) {  // the state's own evaluation, with all that resists
+    if (s == 0) {  // the state's own evaluation, including all resisting forces
       resisting_forces(tree, t, q, workspace.v.get(), {rate(dissipating_, 0), rate(giving_, 0), slope_.get()});
       for (std::size_t i = 0; i < static_cast<std::size_t>(nv); ++i)
         pdot[i] = workspace.pdot[i] + damping_[i] * workspace.v[i] - dissipating_[i] - giving_[i];
@@ -145,7 +145,7 @@ inline bool Damped::step(Evaluator& evaluate, State& state, EnergyLedger& ledger
     const double share = h * explicit_part[stages - 1][s];
     lost += share * workspace.power.dissipated;
     const bool driven = s > 0 && !tree.driven_joints().empty();
-    if (driven) evaluate(t, q_.get(), p_.get());  // what a motion takes depends on accelerations by the true mass
+    if (driven) evaluate(t, q_.get(), p_.get());  // a motion's effort depends on accelerations with the true mass
     done += share * workspace.power.work;
     for (int i = 0; i < nv && s == 0; ++i)
       lost -= share * (damping_[static_cast<std::size_t>(i)] * u[i] - rate(dissipating_, 0)[i]) * u[i];
@@ -167,9 +167,9 @@ inline bool Damped::step(Evaluator& evaluate, State& state, EnergyLedger& ledger
   return true;
 }
 
-// What the dampers took: ∫ c u² dt. Of u are known its ends and, from the impulse I of the damper, its mean I/(h c). Where it
-// changes by less than that, the parabola through them is integrated. Where a joint comes to rest within the step it is I that
-// tells: ∫ u dI, u falling in proportion.
+// Energy taken by the dampers: ∫ c u² dt. Known of u are the end values and, from the impulse I of the damper, the mean I/(h c).
+// If u changes by less than the mean, the parabola through them is integrated. If a joint comes to rest within the step, the
+// impulse is used instead: ∫ u dI, with u falling in proportion.
 inline double Damped::taken(int nv, double h, const double* u_after) const noexcept {
   double sum = 0;
   for (int i = 0; i < nv; ++i) {
@@ -186,7 +186,7 @@ inline double Damped::taken(int nv, double h, const double* u_after) const noexc
   return sum;
 }
 
-// What forces of the stages did, ∫ f u dt: as their power, and where a joint all but comes to rest within the step, by their
+// Energy of the stages' forces, ∫ f u dt: from their power or, if a joint nearly comes to rest within the step, from their
 // impulse.
 inline double Damped::spent(const Array& force, int nv, double h) const noexcept {
   double sum = 0;

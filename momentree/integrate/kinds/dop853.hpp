@@ -1,5 +1,5 @@
 #pragma once
-// Dormand–Prince 8(5,3): twelve evaluations a step, two for the error; for reference solutions. Dense output of order 7.
+// Dormand–Prince 8(5,3): twelve evaluations per step, two error estimates; for reference solutions. Dense output of order 7.
 // Coefficients as published by Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, II.5 and II.6.
 #include <array>
 #include <cmath>
@@ -61,13 +61,13 @@ struct DormandPrince853 {
        0.8192320648511571246570742613e-1, -0.2235530786388629525884427845e-1},
       {b[0] - 0.244094488188976377952755905512, 0, 0, 0, 0, b[5], b[6], b[7], b[8] - 0.733846688281611857341361741547, b[9],
        b[10], b[11] - 0.220588235294117647058823529412e-1}};
-  /// From the estimates of order 5 and 3 one that behaves as of order 7.
+  /// Combines the estimates of order 5 and 3 to one that behaves like order 7.
   static double combine(const double* found) {
     const double five = found[0] * found[0], sum = five + 0.01 * found[1] * found[1];
     return sum > 0 ? five / std::sqrt(sum) : sum;
   }
 
-  /// Dense output of order 7, from three more stages (II.6).
+  /// Dense output of order 7, with three additional stages (II.6).
   static constexpr int dense_stages = 3;
   static constexpr double dense_c[3] = {0.1, 0.2, 7.0 / 9};
   static constexpr double dense_a[3][15] = {
@@ -80,7 +80,8 @@ struct DormandPrince853 {
       {-4.28896301583791923408573538692e-1, 0, 0, 0, 0, -4.69762141536116384314449447206, 7.68342119606259904184240953878,
        4.06898981839711007970213554331, 3.56727187455281109270669543021e-1, 0, 0, 0, -1.39902416515901462129418009734e-3,
        2.9475147891527723389556272149, -9.15095847217987001081870187138}};
-  /// Weights of the stages at a fraction x of the step: Hermite's cubic between the ends, and what vanishes there with its slope.
+  /// Weights of the stages at a fraction x of the step: cubic Hermite polynomial between the ends, plus terms that vanish there
+  /// with their slope.
   static std::array<double, 16> dense(double x) {
     constexpr double bumps[4][16] = {
         {-0.84289382761090128651353491142e+01, 0, 0, 0, 0, 0.56671495351937776962531783590, -0.30689499459498916912797304727e+01,

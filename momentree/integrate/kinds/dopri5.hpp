@@ -1,5 +1,5 @@
 #pragma once
-// Dormand–Prince 5(4) (1980): six evaluations a step, one for the error; dense output of order 4 (Hairer, Nørsett, Wanner,
+// Dormand–Prince 5(4) (1980): six evaluations per step, one error estimate; dense output of order 4 (Hairer, Nørsett, Wanner,
 // Solving Ordinary Differential Equations I, II.5 and II.6).
 #include <array>
 
@@ -20,8 +20,8 @@ struct DormandPrince5 {
   static constexpr double error[1][7] = {{71.0 / 57600, 0, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40}};
   static double combine(const double* found) { return found[0]; }
 
-  /// Weights of the stages at a fraction x of the step: Hermite's cubic between the ends, and a quartic that vanishes there with
-  /// its slope.
+  /// Weights of the stages at a fraction x of the step: cubic Hermite polynomial between the ends, plus a quartic that vanishes
+  /// there with its slope.
   static std::array<double, 7> dense(double x) {
     constexpr double quartic[7] = {-12715105075.0 / 11282082432,  0,
                                    87487479700.0 / 32700410799,   -10690763975.0 / 1880347072,

@@ -1,6 +1,6 @@
 #pragma once
-// The implicit midpoint rule, order 2: z1 = z0 + h f((z0 + z1)/2), by fixed-point iteration on the midpoint. Symplectic in
-// joints whose velocities are rates of coordinates (holonomic ones); not in balls and free joints, whose momenta go with body
+// The implicit midpoint rule, order 2: z1 = z0 + h f((z0 + z1)/2), by fixed-point iteration on the midpoint. Symplectic for
+// joints whose velocities are rates of coordinates (holonomic ones); not for ball and free joints, whose momenta refer to body
 // axes.
 #include <cmath>
 
@@ -32,8 +32,9 @@ inline bool Midpoint::step(Evaluator& evaluate, State& state, EnergyLedger& ledg
   const double *q = state.q().data(), *p = state.p().data();
   std::copy_n(q, nq, q_.get());
   double change = HUGE_VAL;
-  // Where the midpoint moves by less than `converged`, its velocities are known to that over h/2; one more round carries that on
-  // to the momenta. Round-off in long chains is more than that: what no longer gets better is good where it is small.
+  // If the midpoint moves by less than `converged`, its velocities are known to that over h/2; one more iteration carries this
+  // accuracy over to the momenta. Round-off in long chains is larger than that, so an iteration that no longer improves is
+  // accepted if the change is small.
   for (int i = 0, settled = 0; settled < 2; ++i) {
     if (i == most_iterations) return false;
     if (i > 0) evaluate(state.time() + h / 2, q_.get(), p_.get());

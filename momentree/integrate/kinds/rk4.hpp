@@ -19,7 +19,8 @@ inline void advance(int n, const double* start, const double* rate, double weigh
 class Rk4 final : public Integrator {
  public:
   static constexpr bool chooses_steps = false;
-  // Steps times the rate of a damper, or of a spring, above which it is unstable (the furthest that its region reaches).
+  // Stability limits of step times the rate of a damper, or the frequency of a spring (the furthest extent of the stability
+  // region).
   static constexpr double damper_limit = 2.785, spring_limit = 2.97;
   Rk4(const Tree& tree, const StepControl& control);
   bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept override;

@@ -1,6 +1,6 @@
 #pragma once
 // Ball (spherical): a unit quaternion; u = ω relative to the parent, in child axes. E = (0; I), constant.
-// p is a quasi-momentum: (20) holds unchanged, Ω × Pb contains the structure constants.
+// p is a quasi-momentum: (20) holds unchanged, because Ω × Pb contains the structure constants.
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/kernels.hpp>
 #include <momentree/joint/motion.hpp>
@@ -40,7 +40,7 @@ struct BallKernels : GenericKernels<BallKernels, 4, 3> {
   }
 };
 
-/// Turns freely about a point: q = unit quaternion (w, x, y, z), v = relative angular velocity in child-side axes.
+/// Rotates freely about a point: q = unit quaternion (w, x, y, z), v = relative angular velocity in child-side axes.
 struct Ball {
   static constexpr Kind kind = Kind::ball;
   static constexpr KindInfo info{Kind::ball, "ball", 4, 3, false, false, false, "nnnn", "rrr"};

@@ -22,7 +22,7 @@ struct CylindricalKernels : ScrewKernels<CylindricalKernels, 2, 2> {
   }
 };
 
-/// Turns about `axis` and moves along it, independently: q = (angle, displacement).
+/// Rotates about `axis` and translates along it, independently: q = (angle, displacement).
 struct Cylindrical {
   static constexpr Kind kind = Kind::cylindrical;
   static constexpr KindInfo info{Kind::cylindrical, "cylindrical", 2, 2, true, false, false, "rm", "rm"};

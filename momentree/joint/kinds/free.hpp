@@ -1,7 +1,7 @@
 #pragma once
-// Free (six freedoms): position in parent-side axes and a unit quaternion; u = (v; ω) relative to the parent, in child axes. E =
-// I. p = Pb, the whole articulated momentum. Nothing passes inboard but p: M̂ = 0 exactly, which the generic subtraction would
-// leave at round-off, coupling bodies that must be uncoupled.
+// Free (six DoFs): position in parent-side axes and a unit quaternion; u = (v; ω) relative to the parent, in child axes. E = I. p
+// = Pb, the whole articulated momentum. Only p passes inboard: M̂ = 0 exactly. The generic subtraction would leave round-off
+// there and couple bodies that are uncoupled.
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/kernels.hpp>
 #include <momentree/joint/motion.hpp>
@@ -38,7 +38,7 @@ struct SixDofs : GenericKernels<K, 7, 6> {
   static void zero(double* q) {
     for (int i = 0; i < 7; ++i) q[i] = i == 3 ? 1 : 0;
   }
-  /// Translational springs along the parent-side axes, ½ Σ kᵢ (rᵢ − r0ᵢ)²; rotational as for a ball.
+  /// Translational springs along the parent-side axes, ½ Σ kᵢ (rᵢ − r0ᵢ)²; rotational springs as for a ball joint.
   static double spring(const double* q, const double* q0, const double* stiffness, double* force) {
     const Vec3 x{q[0] - q0[0], q[1] - q0[1], q[2] - q0[2]};
     const Vec3 f{-stiffness[0] * x.x, -stiffness[1] * x.y, -stiffness[2] * x.z};
@@ -99,7 +99,7 @@ struct FreeKernels : SixDofs<FreeKernels> {
                                                      const T* u) {
     return {{in.v.x + u[0], in.v.y + u[1], in.v.z + u[2]}, {in.w.x + u[3], in.w.y + u[4], in.w.z + u[5]}};
   }
-  /// (51): nothing reaches the parent but τ.
+  /// (51): only τ reaches the parent.
   template <class T>
   MOMENTREE_INLINE static void reduce_wrench(const LinkConstants&, const JointState<T>&, const Record<T>& w, const T* tau,
                                              Force<T>& W, T* udot) {
@@ -119,7 +119,7 @@ struct FreeKernels : SixDofs<FreeKernels> {
   MOMENTREE_INLINE static void add_reduced(const Record<T>&, const Motion<T>&, Force<T>&) {}
 };
 
-/// No constraint: q = position of the child-side origin in the parent-side frame and unit quaternion (w, x, y, z); v = linear
+/// No constraint: q = position of the child-side origin in the parent-side frame and a unit quaternion (w, x, y, z); v = linear
 /// velocity of that origin and angular velocity relative to the parent, both in child-side axes.
 struct Free {
   static constexpr Kind kind = Kind::free;

@@ -1,5 +1,6 @@
 #pragma once
-// Helical (screw): an angle about z, with a displacement of `pitch` per turn. E = (h e_z; e_z), constant, h metres per radian.
+// Helical (screw): an angle about z, with a displacement of `pitch` per revolution. E = (h e_z; e_z), constant, h in metres per
+// radian.
 #include <numbers>
 
 #include <momentree/joint/joint.hpp>
@@ -26,13 +27,13 @@ struct HelicalKernels : ScrewKernels<HelicalKernels, 1, 1> {
     return coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]) &&
            coordinates::negligible(motion.position - (joint.pitch / (2 * std::numbers::pi) * q[0]) * joint.axis);
   }
-  /// A torque about the axis: what moves along it is the thread's doing.
+  /// A pure torque about the axis; the thread produces the force along it.
   static Force<double> drive_wrench(const LinkConstants&, const JointState<double>&, const double* force) {
     return {{}, {0, 0, force[0]}};
   }
 };
 
-/// A screw: turns about `axis` and moves along it by `pitch` metres per turn.
+/// A screw: rotates about `axis` and translates along it by `pitch` metres per revolution.
 struct Helical {
   static constexpr Kind kind = Kind::helical;
   static constexpr KindInfo info{Kind::helical, "helical", 1, 1, true, false, true, "r", "r"};

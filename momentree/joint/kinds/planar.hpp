@@ -31,7 +31,7 @@ struct PlanarKernels : GenericKernels<PlanarKernels, 3, 3> {
   }
 };
 
-/// Moves in the x-y plane of the joint's frame and turns about its z.
+/// Translates in the x-y plane of the joint's frame and rotates about its z axis.
 struct Planar {
   static constexpr Kind kind = Kind::planar;
   static constexpr KindInfo info{Kind::planar, "planar", 3, 3, false, false, false, "mmr", "mmr"};

@@ -6,7 +6,7 @@
 
 namespace momentree {
 
-/// What any slide needs. With the generic pieces it serves slides that are locked or have a rotor.
+/// Common to all prismatic joints. With the generic functions it serves those that are locked or have armature.
 template <class K>
 struct PrismaticKernelsBase : ScrewKernels<K, 1, 1> {
   static constexpr std::array<int, 0> angles{};
@@ -24,7 +24,7 @@ struct PrismaticKernelsBase : ScrewKernels<K, 1, 1> {
 };
 struct GenericPrismatic : PrismaticKernelsBase<GenericPrismatic> {};
 
-/// What reduction about z leaves: M̂ E = 0, so A has no z row and B none; D̂·E = p; G·E = 1.
+/// After reduction about z: M̂ E = 0, so A has no z row and B no z row; D̂·E = p; G·E = 1.
 template <class T>
 struct PrismaticRecord {
   T Axx, Axy, Ayy, Bxx, Bxy, Bxz, Byx, Byy, Byz;
@@ -37,7 +37,8 @@ struct PrismaticRecord {
   Vector3<T> mc;
 };
 
-/// Across a slide (16), (17), what was reduced: turn by θ0, by the placement, and one shift, of the placement and the slide.
+/// Transform of reduced quantities across a prismatic joint (16), (17): rotation by θ0, rotation by the placement, and a single
+/// shift that combines the placement's offset and the joint's displacement.
 template <class T, bool Aligned>
 struct PrismaticTransform {
   const LinkConstants& link;
@@ -62,7 +63,7 @@ struct PrismaticTransform {
     turn_inboard(mc);
     mc += mass * r;
   }
-  /// A mass of which reduction has left A.xx, A.xy, A.yy, the upper rows of B, and J.
+  /// A reduced mass, of which only A.xx, A.xy, A.yy, the upper rows of B, and J are nonzero.
   MOMENTREE_INLINE void inboard(SpatialMass<T>& M) const {
     const Turn<double> by(link.cos_0, link.sin_0);
     turn_block(M.A.xx, M.A.xy, M.A.yy, by);
@@ -97,7 +98,7 @@ struct PrismaticTransform {
   }
 };
 
-/// Without a rotor the reduced mass has a row of zeros.
+/// Without armature, one row of the reduced mass is zero.
 struct PrismaticKernels : PrismaticKernelsBase<PrismaticKernels> {
   template <class T>
   using Record = PrismaticRecord<T>;
@@ -116,7 +117,7 @@ struct PrismaticKernels : PrismaticKernelsBase<PrismaticKernels> {
   template <class T>
   MOMENTREE_INLINE static void reduce(const LinkConstants&, const JointState<T>&, const T* p, const double*, SpatialMass<T>& M,
                                       Force<T>& D, Record<T>& w) {
-    const T ex = M.A.xz, ey = M.A.yz, hx = M.B.zx, hy = M.B.zy, hz = M.B.zz;  // Mb E, but for Mj
+    const T ex = M.A.xz, ey = M.A.yz, hx = M.B.zx, hy = M.B.zy, hz = M.B.zz;  // Mb E without the entry that is Mj
     const T inverse = 1.0 / M.A.zz, r = p[0] - D.l.z, o(0);
     const T gx = inverse * ex, gy = inverse * ey, kx = inverse * hx, ky = inverse * hy, kz = inverse * hz;
     M.A = {M.A.xx - gx * ex, M.A.yy - gy * ey, o, M.A.xy - gx * ey, o, o};
@@ -155,13 +156,13 @@ struct PrismaticKernels : PrismaticKernelsBase<PrismaticKernels> {
                                              const Force<T>& wrench, T* pdot) {
     pdot[0] = wrench.l.z;
   }
-  /// Ω × E u.
+  /// (39): Ω × E u.
   template <class T>
   MOMENTREE_INLINE static Motion<T> acceleration_bias(const LinkConstants&, const JointState<T>&, const Motion<T>& a,
                                                       const T* u) {
     return {{u[0] * a.w.y, -(u[0] * a.w.x), T(0)}, {T(0), T(0), T(0)}};
   }
-  /// (51): what goes along the axis becomes τ, as that of D̂ becomes p.
+  /// (51): the component along the axis becomes τ, just as that of D̂ becomes p.
   template <class T>
   MOMENTREE_INLINE static void reduce_wrench(const LinkConstants&, const JointState<T>&, const Record<T>& w, const T* tau,
                                              Force<T>& W, T* udot) {
@@ -202,7 +203,7 @@ struct PrismaticKernels : PrismaticKernelsBase<PrismaticKernels> {
   }
 };
 
-/// A slider: moves along `axis`.
+/// Prismatic joint: translates along `axis`.
 struct Prismatic {
   static constexpr Kind kind = Kind::prismatic;
   static constexpr KindInfo info{Kind::prismatic, "prismatic", 1, 1, true, false, false, "m", "m"};

@@ -1,5 +1,5 @@
 #pragma once
-// Revolute (pin): one angle about z. E = (0; e_z), constant. The kind of the paper's tables, so the one with most structure.
+// Revolute (hinge): one angle about z. E = (0; e_z), constant. The kind of the paper's tables, and the most specialised one.
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/revolute_steps.hpp>
@@ -7,7 +7,8 @@
 
 namespace momentree {
 
-/// What any pin needs. With the generic pieces it serves pins that are locked, and is what their own steps are held to.
+/// Common to all revolute joints. With the generic functions it serves those that are locked, and is the reference for the
+/// specialised steps.
 template <class K>
 struct RevoluteKernelsBase : ScrewKernels<K, 1, 1> {
   static constexpr std::array<int, 1> angles{0};
@@ -30,10 +31,11 @@ struct RevoluteKernelsBase : ScrewKernels<K, 1, 1> {
 };
 struct GenericRevolute : RevoluteKernelsBase<GenericRevolute> {};
 
-/// Without a rotor (armature), or with one: then the reduced mass has no zeros.
+/// Without armature, or with it: then the reduced mass has no structural zeros.
 template <bool Rotor>
 struct RevoluteKernelsWith : RevoluteKernelsBase<RevoluteKernelsWith<Rotor>> {
-  /// Whole steps of the two sweeps, by the shape of the link, instead of the pieces that other kinds have: (24)–(27), (21), (20).
+  /// Whole steps of both passes by the shape of the link, in place of the separate functions of other kinds: (24)–(27), (21),
+  /// (20).
   using Steps = RevoluteStepsOf<Rotor>;
   template <class T>
   using Record = typename Steps::template Record<T>;
@@ -44,7 +46,7 @@ struct RevoluteKernelsWith : RevoluteKernelsBase<RevoluteKernelsWith<Rotor>> {
                                                      const T* u) {
     return {in.v, {in.w.x, in.w.y, in.w.z + u[0]}};
   }
-  /// (51): the last component becomes τ, as that of D̂ becomes p, less what the rotor takes.
+  /// (51): the last component becomes τ, just as that of D̂ becomes p; with armature, less the part that accelerates the rotor.
   template <class T>
   MOMENTREE_INLINE static void reduce_wrench(const LinkConstants&, const JointState<T>&, const Record<T>& w, const T* tau,
                                              Force<T>& W, T* udot) {
@@ -89,7 +91,7 @@ struct RevoluteKernelsWith : RevoluteKernelsBase<RevoluteKernelsWith<Rotor>> {
   }
 
  private:
-  /// Gᵀ a but for its last term.
+  /// Gᵀ a without its last term.
   template <class T>
   MOMENTREE_INLINE static T along(const Record<T>& w, const Motion<T>& a) {
     return (w.gl.x * a.v.x + w.ghx * a.w.x) + (w.gl.y * a.v.y + w.ghy * a.w.y) + w.gl.z * a.v.z;
@@ -98,7 +100,7 @@ struct RevoluteKernelsWith : RevoluteKernelsBase<RevoluteKernelsWith<Rotor>> {
 using RevoluteKernels = RevoluteKernelsWith<false>;
 using ArmatureKernels = RevoluteKernelsWith<true>;
 
-/// A pin: turns about `axis` through the joint's origin.
+/// Revolute joint: rotates about `axis` through the joint's origin.
 struct Revolute {
   static constexpr Kind kind = Kind::revolute;
   static constexpr KindInfo info{Kind::revolute, "revolute", 1, 1, true, false, false, "r", "r"};

@@ -9,7 +9,7 @@ namespace momentree {
 
 struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
   static constexpr std::array<int, 2> angles{0, 1};
-  /// z = n2, x = the part of n1 across it.
+  /// z = n2, x = the component of n1 perpendicular to it, normalised.
   static Mat3 frame(const JointSpec& joint, double* geometry) {
     const Vec3 z = joint.axis2, y = normalized(cross(z, joint.axis)), x = cross(y, z);
     geometry[0] = dot(joint.axis, x);
@@ -37,7 +37,7 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
     const Vector3<T> o{T(0), T(0), T(0)};
     return {{{o, {-(u[1] * (j.s[1] * k.geometry[0])), -(u[1] * (j.c[1] * k.geometry[0])), T(0)}}, {o, o}}};
   }
-  /// The first turn carries axis2 to where the motion has it; what then remains is the second.
+  /// The first rotation takes axis2 to its direction after the motion; the remaining rotation is the second.
   static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
     const Vec3 from = joint.axis2, to = rotation_matrix(motion.rotation) * joint.axis2;
     const double along = dot(joint.axis, from);
@@ -46,7 +46,7 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
     const Quat rest = conjugate(from_axis_angle(joint.axis, q[0])) * motion.rotation;
     return coordinates::negligible(motion.position) && coordinates::about_axis(joint.axis2, rest, 0, q[1]);
   }
-  /// A torque in the plane of the axes that are free: along the one axis, if only one is.
+  /// A torque in the plane of the axes that are not locked: along the remaining axis if only one is.
   static Force<double> drive_wrench(const LinkConstants& k, const JointState<double>& j, const double* force) {
     const Columns<double, 2> E = columns<double>(k, j);
     const double c = k.locked == 0 ? k.geometry[1] : 0, across = 1 - c * c;
@@ -54,7 +54,7 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
   }
 };
 
-/// Two axes that meet: turns about `axis`, then about `axis2`, which the first turn carries along.
+/// Two intersecting axes: rotates about `axis`, then about `axis2`, which the first rotation carries along.
 struct Universal {
   static constexpr Kind kind = Kind::universal;
   static constexpr KindInfo info{Kind::universal, "universal", 2, 2, true, true, false, "rr", "rr"};

@@ -1,6 +1,6 @@
 #pragma once
-// Weld: no freedom. E has no columns, M̂ = Mb, D̂ = Db. The kernels' frame of what is welded is that of the body that carries it
-// (Tree::make_frame): its mass is added there, and that is all.
+// Weld: no DoF. E has no columns, M̂ = Mb, D̂ = Db. The kernel frame of a welded body is that of its carrier (Tree::make_frame),
+// so its mass is simply added there.
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
@@ -47,7 +47,7 @@ struct WeldKernels : ScrewKernels<WeldKernels, 0, 0> {
   MOMENTREE_INLINE static void add_reduced_bias(const Record<T>&, const Motion<T>&, Force<T>&) {}
 };
 
-/// Rigid: the child stays where it is placed.
+/// Rigid: the child stays at its placement.
 struct Weld {
   static constexpr Kind kind = Kind::weld;
   static constexpr KindInfo info{Kind::weld, "weld", 0, 0, false, false, false, "", ""};
