@@ -76,7 +76,7 @@ struct Impulse {
   Vec3 force{}, torque{}, point{};
 };
 
-/// Impact on one DoF (in the order of v) of the joint that `body` carries, as against a stop: u⁺ = −restitution u⁻, by an impulse
+/// Impact on one DoF (in the order of v) of a joint, as against a stop: u⁺ = −restitution u⁻, by an impulse
 /// along that DoF alone. The kinetic energy lost is 1 − restitution² times that of a plastic impact. Costs one evaluation.
 struct Impact {
   JointId joint;
@@ -84,7 +84,7 @@ struct Impact {
   double restitution = 0;  ///< 0 (plastic) to 1
 };
 
-/// Sets new parameters of the joint that `body` carries; velocities are kept, so an armature changes p. If they prescribe a
+/// Sets new parameters of a joint; velocities are kept, so an armature changes p. If they prescribe a
 /// motion, the joint takes its position and rate from now on, with the impulse that this needs (all other momenta are kept). If
 /// they end a prescribed motion, the joint keeps its velocity, and p = Eᵀ Pb + armature·v.
 struct SetParameters {
