@@ -194,16 +194,14 @@ void Batch::set_state(int world, const State& state) {
   seat.group->set_ran_away(seat.slot, false);
 }
 
-void Batch::set_effort(int world, BodyId body, int dof, double effort) {
+void Batch::set_effort(int world, JointId joint, int dof, double effort) {
   const Impl::Seat& seat = changing().seat(world);
   const Tree& tree = seat.group->tree();
-  MT_REQUIRE(tree.alive(body.index) && dof >= 0 && dof < info(tree.joint(body.index).kind).nv,
-             "the body's joint has this freedom");
+  MT_REQUIRE(dof >= 0 && dof < info(tree.joint(tree.carrier(joint).index).kind).nv, "the joint has this degree of freedom");
   MT_REQUIRE(std::isfinite(effort), "a finite effort");
   auto& efforts = impl_->efforts[static_cast<std::size_t>(world)];
-  const int joint = tree.joint_of(body.index);
-  std::erase_if(efforts, [&](const batch::ExtraEffort& e) { return e.joint == joint && e.dof == dof; });
-  if (effort != 0) efforts.push_back({joint, dof, effort});
+  std::erase_if(efforts, [&](const batch::ExtraEffort& e) { return e.joint == joint.index && e.dof == dof; });
+  if (effort != 0) efforts.push_back({joint.index, dof, effort});
   seat.group->set_efforts(seat.slot, efforts);
 }
 

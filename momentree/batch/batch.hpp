@@ -61,9 +61,9 @@ class Batch {
   /// state() of this world or of one with the same topology, or made from that tree.
   void set_state(int world, const State& state);
 
-  /// Sets an extra effort, finite, on one DoF of the joint that `body` carries (N m, N), until it is set again. It has no effect
+  /// Sets an extra effort, finite, on one DoF of a joint (N m, N), until it is set again. It has no effect
   /// on a locked DoF. It stays with the joint as long as the joint's kind does not change.
-  void set_effort(int world, BodyId body, int dof, double effort);
+  void set_effort(int world, JointId joint, int dof, double effort);
 
   /// Applies one change of topology/change.hpp to one world, which then joins the worlds with the same topology.
   template <class Change>

@@ -117,11 +117,11 @@ TEST_CASE("worlds, steps and efforts that are none") {
        [&] {
          batch.step(std::vector<double>{0, no_number, 0});
        }},
-      {"an effort on no body", "the body's joint has this freedom", [&] { batch.set_effort(0, {9}, 0, 1); }},
-      {"an effort on the ground", "the body's joint has this freedom", [&] { batch.set_effort(0, ground, 0, 1); }},
-      {"an effort on no freedom", "the body's joint has this freedom", [&] { batch.set_effort(0, {0}, 1, 1); }},
+      {"an effort on no joint", "the joint is in the tree", [&] { batch.set_effort(0, {9}, 0, 1); }},
+      {"an effort on a joint of no number", "the joint is in the tree", [&] { batch.set_effort(0, {}, 0, 1); }},
+      {"an effort on no degree of freedom", "the joint has this degree of freedom", [&] { batch.set_effort(0, {0}, 1, 1); }},
       {"an effort that is no number", "a finite effort", [&] { batch.set_effort(0, {0}, 0, no_number); }},
-      {"a change of no body", "the tree has a body of that number", [&] { batch.apply(0, Lock{{9}}); }},
+      {"a change of no joint", "the joint is in the tree", [&] { batch.apply(0, Lock{{9}}); }},
       {"a moved-from batch", "was not moved from",
        [&] {
          const Batch moved = std::move(batch);

@@ -50,13 +50,13 @@ Force<double> transmitted_wrench(const Tree& tree, const Workspace<double>& work
 }
 
 Force<double> reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint) noexcept {
-  const int b = tree.carrier(joint.index);
+  const int b = tree.carrier(joint).index;
   MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
   return on_declared_child(tree, state, workspace, b, transmitted_wrench(tree, workspace, b));
 }
 
 Force<double> pure_reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint) noexcept {
-  const int b = tree.carrier(joint.index);
+  const int b = tree.carrier(joint).index;
   MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
   const Force<double> Tr = transmitted_wrench(tree, workspace, b);
   const JointState<double> at = joint_state(tree, state, workspace, b);
@@ -73,7 +73,7 @@ Force<double> pure_reaction(const Tree& tree, const State& state, const Workspac
 
 void joint_effort(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint,
                   double* effort) noexcept {
-  const int b = tree.carrier(joint.index);
+  const int b = tree.carrier(joint).index;
   MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
   project(tree, b, joint_state(tree, state, workspace, b), transmitted_wrench(tree, workspace, b), effort);
   const int at = tree.first_p(b);

@@ -16,8 +16,8 @@ bool can_break(const Tree& tree, JointId joint) noexcept {
 
 Released apply(const Break& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
-  MT_REQUIRE(can_break(tree, change.joint), "the joint is in the tree, and holds a body: can_break()");
-  const int b = tree.carrier(change.joint.index);
+  MT_REQUIRE(can_break(tree, change.joint), "the joint is in the tree, and holds a body: see can_break()");
+  const int b = tree.carrier(change.joint).index;
 
   const Force<double> Pb = articulated_momentum(tree, state, workspace, b);
   const Pose pose = user_pose(tree, locate_body(tree, state, workspace, b), b);

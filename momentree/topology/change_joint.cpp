@@ -52,13 +52,13 @@ void new_joint_momenta(const Tree& tree, int b, const double* q, const Force<dou
 }
 
 Released apply(const ChangeJoint& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
-  const int b = tree.carrier(change.joint.index);
+  const int b = tree.carrier(change.joint).index;
   return apply(change, to_user_frame(tree.frame(b), articulated_momentum(tree, state, workspace, b)), tree, state, workspace);
 }
 
 Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, State& state,
                Workspace<double>& workspace) noexcept {
-  const int b = tree.carrier(change.joint.index);
+  const int b = tree.carrier(change.joint).index;
   MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
   MT_REQUIRE(is_finite(Pb.l) && is_finite(Pb.h), "a finite momentum");
   const KindInfo& old = info(tree.joint(b).kind);
@@ -93,7 +93,7 @@ unsigned all_dofs(const Tree& tree, int b) { return (1u << info(tree.joint(b).ki
 }  // namespace
 
 Released apply(const Lock& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
-  const int b = tree.carrier(change.joint.index);
+  const int b = tree.carrier(change.joint).index;
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   Joint joint = tree.joint(b);
   const unsigned newly = change.dofs & all_dofs(tree, b) & ~joint.locked;
@@ -116,7 +116,7 @@ Released apply(const Lock& change, Tree& tree, State& state, Workspace<double>& 
 }
 
 Released apply(const Unlock& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
-  const int b = tree.carrier(change.joint.index);
+  const int b = tree.carrier(change.joint).index;
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   const Force<double> Pb = articulated_momentum(tree, state, workspace, b);
   double all[6] = {}, p[6] = {};
@@ -152,7 +152,7 @@ Released apply(const Impulse& change, Tree& tree, State& state, Workspace<double
 }
 
 Released apply(const SetParameters& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
-  const int b = tree.carrier(change.joint.index);
+  const int b = tree.carrier(change.joint).index;
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   const KindInfo& kind = info(tree.joint(b).kind);
   {

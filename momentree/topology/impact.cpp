@@ -8,7 +8,7 @@ namespace momentree {
 // The row of the constraint is the unit vector e of the DoF: y = M⁻¹ e, λ = −(1 + restitution) u / y, p += λ e. Velocities are
 // linear in p, so one evaluation with p = e gives y.
 double apply(const Impact& change, const Tree& tree, State& state, Workspace<double>& workspace) noexcept {
-  const int b = tree.carrier(change.joint.index);
+  const int b = tree.carrier(change.joint).index;
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   MT_REQUIRE(change.dof >= 0 && change.dof < info(tree.joint(b).kind).nv && (tree.joint(b).locked >> change.dof & 1u) == 0,
              "the joint has that freedom, and it is not locked");

@@ -19,6 +19,7 @@ namespace {
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 const char* const no_body = "the tree has a body of that number, and it was not removed";
+const char* const no_joint = "the joint is in the tree";
 
 // Two revolute joints on the ground; a floating body with another one on a ball joint; all evaluated.
 struct Scene {
@@ -73,16 +74,16 @@ TEST_CASE("changes of a body that is not there") {
     const BodyId body{b};
     const JointId joint{b};
     const Misuse all[] = {
-        of_change("Break", "held by a joint", Break{joint}),
-        of_change("ChangeJoint", no_body, ChangeJoint{joint, pin(z_axis), {0}}),
-        of_change("Lock", no_body, Lock{joint}),
-        of_change("Unlock", no_body, Unlock{joint}),
+        of_change("Break", "holds a body", Break{joint}),
+        of_change("ChangeJoint", no_joint, ChangeJoint{joint, pin(z_axis), {0}}),
+        of_change("Lock", no_joint, Lock{joint}),
+        of_change("Unlock", no_joint, Unlock{joint}),
         of_change("Reroot", "its mechanism floats", Reroot{body}),
         of_change("Join", "its mechanism floats", Join{body, {0}}),
         of_change("Attach", "its mechanism floats", Attach{body, {0}, pin(z_axis), {0}}),
         of_change("Impulse", no_body, Impulse{body, {1, 0, 0}}),
-        of_change("Impact", no_body, Impact{joint, 0}),
-        of_change("SetParameters", no_body, SetParameters{joint, {}}),
+        of_change("Impact", no_joint, Impact{joint, 0}),
+        of_change("SetParameters", no_joint, SetParameters{joint, {}}),
         of_change("Remove", "the root of a mechanism that floats", Remove{body}),
     };
     for (const Misuse& misuse : all) check_stopped(misuse);
@@ -119,7 +120,7 @@ TEST_CASE("changes with what no joint, impulse or body has") {
       of_change("Reroot of what is held", "its mechanism floats", Reroot{{1}}),
       of_change("Remove of what is held", "the root of a mechanism that floats", Remove{{1}}),
       of_change("Remove of a part", "the root of a mechanism that floats", Remove{{3}}),
-      of_change("Break of what is free", "held by a joint", Break{{2}}),
+      of_change("Break of what is free", "holds a body", Break{{2}}),
       of_change("Impulse that is no number", "a finite impulse", Impulse{{1}, {no_number, 0, 0}}),
       of_change("Impulse without end", "a finite impulse", Impulse{{1}, {}, {0, inf, 0}}),
       of_change("Impulse at no point", "a finite impulse", Impulse{{1}, {1, 0, 0}, {}, {0, 0, no_number}}),
@@ -235,21 +236,21 @@ TEST_CASE("the tree, the state or the work of something else") {
                [](Scene& s) { static_cast<void>(locate_body(s.tree, s.state, s.workspace, 9)); }),
       of_scene("joint_energy of no body", no_body,
                [](Scene& s) { static_cast<void>(joint_energy(s.tree, s.state, s.workspace, -3)); }),
-      of_scene("reaction of no body", no_body,
+      of_scene("reaction of no joint", no_joint,
                [](Scene& s) {
                  accelerate(s.tree, s.state, s.workspace);
-                 static_cast<void>(reaction(s.tree, s.state, s.workspace, s.tree.inboard_joint({4})));
+                 static_cast<void>(reaction(s.tree, s.state, s.workspace, {4}));
                }),
-      of_scene("pure_reaction of no body", no_body,
+      of_scene("pure_reaction of no joint", no_joint,
                [](Scene& s) {
                  accelerate(s.tree, s.state, s.workspace);
-                 static_cast<void>(pure_reaction(s.tree, s.state, s.workspace, s.tree.inboard_joint({-1})));
+                 static_cast<void>(pure_reaction(s.tree, s.state, s.workspace, {-1}));
                }),
-      of_scene("joint_effort of no body", no_body,
+      of_scene("joint_effort of no joint", no_joint,
                [](Scene& s) {
                  accelerate(s.tree, s.state, s.workspace);
                  double effort[6];
-                 joint_effort(s.tree, s.state, s.workspace, s.tree.inboard_joint({4}), effort);
+                 joint_effort(s.tree, s.state, s.workspace, {4}, effort);
                }),
       of_scene("body_acceleration of no body", no_body,
                [](Scene& s) {

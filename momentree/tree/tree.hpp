@@ -140,8 +140,11 @@ class Tree {
     MT_REQUIRE(at(joint) < carrier_.size(), "the tree has a joint of that number");
     return carrier_[at(joint)];
   }
-  /// The same for handles.
-  BodyId carrier(JointId joint) const { return {carrier(joint.index)}; }
+  /// The same for handles; stops the program for a joint that is not in the tree.
+  BodyId carrier(JointId joint) const {
+    MT_REQUIRE(at(joint.index) < carrier_.size() && carrier_[at(joint.index)] >= 0, "the joint is in the tree");
+    return {carrier_[at(joint.index)]};
+  }
   /// The joint that a body carries.
   JointId inboard_joint(BodyId body) const { return {joint_of(body.index)}; }
   bool reversed(int b) const { return reversed_[index(b)] != 0; }
