@@ -68,11 +68,12 @@ namespace {
 
 bool has_single_dof(Kind kind) { return info(kind).nq == 1 && info(kind).nv == 1; }
 
-// What was so at the start, and is not now, may be so again: a run that goes on schedules what the whole run did.
+// A quantity that was valid at the start but is not now may become valid again: a continued run schedules all events of the whole
+// run.
 void check_quantity(const World& world, const EventQueue& queue, const Quantity& what) {
   const Model& model = world.model();
   for (const std::string& name : what.mechanisms()) {
-    if (model.has_body(name)) continue;  // a part that comes off is called as its root body
+    if (model.has_body(name)) continue;  // a part that breaks off has the name of its root body
     std::vector<std::string> known = world.mechanism_names();
     for (int b = 0; b < model.size(); ++b)
       if (model[{b}].parent == ground) known.push_back(model.mechanism_name({b}));

@@ -1,4 +1,4 @@
-// What the functions that a simulation calls may do with it, what stops the program, and what becomes of what they throw.
+// What a simulation's callbacks may do with it, what terminates the program, and how their exceptions propagate.
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -82,7 +82,7 @@ const std::vector<Callback> functions = {
      }},
 };
 
-// What changes a simulation.
+// Functions that change a simulation.
 struct Change {
   const char* name;
   Act act;
@@ -248,7 +248,7 @@ TEST_CASE("functions that drive a joint or act on a body read the moment, not th
     stops("energy", [](Simulation& sim, const World&) { static_cast<void>(sim.energy()); });
     check_stopped(std::string("snapshot in ") + callback.name, "between two steps",
                   [&] { run(callback, [](Simulation& sim, const World&) { static_cast<void>(sim.snapshot()); }); });
-    // Also where nothing steps: an evaluation calls them, too.
+    // Also without a step: an evaluation calls them, too.
     check_stopped(std::string("apply, evaluated from outside, in ") + callback.name, "no callback of a simulation changes it",
                   [&] {
                     Simulation sim(model());
@@ -303,7 +303,7 @@ TEST_CASE("exceptions of observers, watchers and measured quantities end the run
       CHECK(sim.time() < 0.05);
       const double then = sim.time();
       CHECK(std::fabs(sim.energy().error) < 1e-9);
-      CHECK(sim.run_until(0.05) == Status::ok);  // nothing is left behind of the run that ended so
+      CHECK(sim.run_until(0.05) == Status::ok);  // the interrupted run leaves nothing behind
       CHECK(sim.time() > then);
       CHECK(sim.time() == 0.05);
       CHECK(sim.events().size() == 1);

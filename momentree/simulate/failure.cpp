@@ -16,7 +16,7 @@ std::string joint_text(const World& world, int carrier) {
   return "joint '" + std::string(world.joint_name({world.tree().joint_of(carrier)})) + "'";
 }
 
-// The body that carries the joint with the largest velocity, and that velocity.
+// The child body of the joint with the largest velocity, and that velocity.
 std::pair<int, double> fastest_joint(const World& world) {
   int fastest = -1;
   double most = 0;
@@ -68,10 +68,10 @@ std::optional<std::string> ProgressMonitor::look(const World& world, const Integ
   const double gone = world.time() - time_, steps = steps_between_looks, left = (until - world.time()) / gone * steps;
   const std::size_t happened = events.size() - std::min(events.size(), events_);
   begin(world.time(), events.size());
-  // A fixed step is what was asked for, unless no machine could do it. Adaptive methods take steps in which next to nothing moves
-  // where their tolerances are below the noise of rounding.
+  // A fixed step is the user's choice, unless the run could not finish on any machine. Adaptive methods make tiny steps without
+  // progress if their tolerances are below rounding errors.
   const double moved = fastest_joint(world).second * gone / steps;
-  // A run without end is for its observers to judge.
+  // A run to infinity is judged by its observers.
   const bool lost = std::isfinite(until) && (method.adaptive() ? left > 1e9 && moved < 1e-5 : left > 2e11);
   const bool busy = happened > static_cast<std::size_t>(steps) / 4 && (std::isfinite(until) ? left > 1e9 : gone / steps < 1e-9);
   if (gone > 0 && !lost && !busy) return std::nullopt;

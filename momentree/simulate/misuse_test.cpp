@@ -1,5 +1,5 @@
-// What simulations and worlds are given and can't be. Values are errors that say what is wrong; handles of nothing, and whatever
-// a simulation can't do where it stands, stop the program with what was expected.
+// Invalid arguments of simulations and worlds. Invalid values are errors that say what is wrong; invalid handles, and calls that
+// a simulation cannot serve in its present state, terminate the program with a message of what was expected.
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -19,7 +19,7 @@ namespace {
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity(),
                  denormal = std::numeric_limits<double>::denorm_min();
 
-// A pendulum of two links, and a body that floats with another on a ball.
+// A pendulum of two links, and a floating body that carries another on a ball joint.
 Model model(double mass = 1) {
   Model all;
   const auto add = [&](const char* name, BodyId parent, const JointSpec& joint) {
@@ -30,7 +30,7 @@ Model model(double mass = 1) {
   return all;
 }
 
-// The message of the error that is thrown; empty: none is.
+// The message of the error that is thrown; empty: none.
 std::string error_of(const std::function<void()>& act) {
   try {
     act();
@@ -97,12 +97,12 @@ TEST_CASE("a run without end is one that an observer or a watcher ends") {
 TEST_CASE("a clock that can't resolve the steps says so") {
   Simulation sim(model(), {.step = 1e-3});
   std::vector<JointStart> none;
-  sim.restore(1e14, {}, none);  // where seconds are resolved to 0.016
+  sim.restore(1e14, {}, none);  // where the clock's resolution is 0.016 s
   CHECK(sim.run_until(1e14 + 1) == Status::stalled);
   CHECK(sim.message().find("too short to move the clock") != std::string::npos);
   check_error("is shorter than the clock can resolve", [&] { static_cast<void>(sim.every(1e-3, 1e14)); });
   check_error("is shorter than the clock can resolve", [&] { sim.observe(1e-3, [](const World&) { return true; }); });
-  sim.restore(0, {}, none);  // from a state that it can go on from
+  sim.restore(0, {}, none);  // from a state from which it can continue
   CHECK(sim.run_until(0.01) == Status::ok);
   CHECK(sim.message().empty());
 }
@@ -117,7 +117,7 @@ TEST_CASE("how to integrate") {
     check_error("rtol, atol and max_step must be positive", with({.atol = x}));
     if (x != inf) check_error("rtol, atol and max_step must be positive", with({.max_step = x}));
   }
-  // Finer than the clock: located as finely as that can tell.
+  // Finer than the clock: located as precisely as the clock allows.
   Simulation sim(model(), {.event_tolerance = denormal});
   static_cast<void>(sim.when(speed_of("m/upper").exceeds(0.1)).then(break_joint("m/lower")));
   CHECK(sim.run_until(0.2) == Status::ok);
@@ -152,7 +152,7 @@ TEST_CASE("conditions that would never come true, or always are") {
   check_error("needs a function", [] { static_cast<void>(measured({})); });
   check_error("a reaction has no component 'fw'", [] { static_cast<void>(reaction("m/upper", "fw")); });
 
-  static_cast<void>(sim.when(kinetic_energy_of("s/panel").exceeds(1)));  // that it would be called if it came off
+  static_cast<void>(sim.when(kinetic_energy_of("s/panel").exceeds(1)));  // the mechanism's name if the body breaks off
   static_cast<void>(sim.at(0.1).then(change_joint("s/panel", JointSpec(Revolute{}))));
   static_cast<void>(sim.when(speed_of("s/panel").exceeds(1)));  // by then
   CHECK(sim.run_until(0.2) == Status::ok);
@@ -299,7 +299,7 @@ TEST_CASE("handles outlive a move of their simulation and another gravity") {
   CHECK(again->events()[0].name == "cut");
   CHECK(again->events()[0].action_texts() == std::vector<std::string>{"break m/lower"});
   CHECK(again->world().model().gravity() == Vec3{0, 0, -1});
-  const Event pushed = again->apply(impulse("m/upper", {1, 0, 0}));  // a value: later events do not move it
+  const Event pushed = again->apply(impulse("m/upper", {1, 0, 0}));  // a value: later events do not change it
   for (int i = 0; i < 100; ++i) again->apply(impulse("m/upper", {1, 0, 0}));
   CHECK(pushed.action_texts() == std::vector<std::string>{"impulse m/upper"});
 }

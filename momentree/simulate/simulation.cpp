@@ -71,7 +71,7 @@ Simulation::Scheduled Simulation::after(std::string event, double delay) {
   std::vector<std::string> names;
   for (const EventQueue::Entry& e : scheduling().queue.entries) names.push_back(e.event.name);
   for (const Strength& s : strengths(impl_->world)) names.push_back(event_name(impl_->world, s));
-  // A joint whose strength an event will give, or one that broke before this run began.
+  // A joint that an event will give a strength, or that broke before this run began.
   const std::string_view prefix = "strength of ";
   const bool of_joint =
       event.starts_with(prefix) && impl_->world.model().has_joint(std::string_view(event).substr(prefix.size()));
@@ -132,7 +132,7 @@ Simulation::Scheduled& Simulation::Scheduled::ranked(std::size_t rank) {
 
 Event Simulation::apply(std::span<const Action> actions, std::string name) {
   for (const Action& action : actions) changing().check_names(action->joints(), action->bodies());
-  const std::size_t place = changing().events.size();  // what its stops do about it comes after it
+  const std::size_t place = changing().events.size();  // events of its stops follow it
   if (!impl_->act(actions, name)) throw_error({impl_->message, "", ""});
   return impl_->events[place];
 }
@@ -154,7 +154,7 @@ std::optional<Error> Simulation::unknown_name(const Action& action) const {
 void Simulation::set_gravity(Vec3 gravity) {
   Impl& impl = changing();
   const double before = impl.world.totals().potential;
-  impl.world.set_gravity(gravity);  // or throws
+  impl.world.set_gravity(gravity);  // may throw
   impl.evaluate_state();
   impl.balance.work += impl.world.totals().potential - before;
   impl.history.clear();
@@ -186,7 +186,7 @@ void Simulation::undo(std::size_t number, bool again) {
   SimulationSnapshot before = past->before;
   if (!again)
     for (const std::size_t k : past->places)
-      if (k < before.armed.size()) before.armed[k].done = true;  // a joint's strength stays what it is
+      if (k < before.armed.size()) before.armed[k].done = true;  // a joint's strength stays active
   impl_->go_back(before);
 }
 
@@ -257,7 +257,7 @@ void Simulation::drive_all(std::vector<JointDriver> drivers) {
 }
 
 void Simulation::force(std::string_view body, BodyFunction wrench) {
-  const BodyId b = changing().world.model().body(body);  // or throws
+  const BodyId b = changing().world.model().body(body);  // may throw
   if (!impl_->world.alive(b)) throw_error({"the body '" + std::string(body) + "' is not in this world any more", "", ""});
   impl_->world.load(b.index, std::move(wrench));
   impl_->evaluate_state();

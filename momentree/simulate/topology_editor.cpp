@@ -92,8 +92,8 @@ void TopologyEditor::carry_out(const Change& change, Nature nature) {
   }
 }
 
-// What prescribed motions did in the impact that just was, to be no slower and no faster for it: impulse along the freedom times
-// its speed. Pb of before it is in before_.
+// Work done by prescribed motions in the last impact to keep their velocity: impulse along the DoF times its velocity. Pb before
+// the impact is in before_.
 double TopologyEditor::work_of_motions() {
   double work = 0;
   for (const int b : tree().driven_joints()) {
@@ -107,14 +107,14 @@ double TopologyEditor::work_of_motions() {
   return work;
 }
 
-// The free joint of a part that came off takes the name of its body, which is often that of the joint that broke. Actions mean
-// the joint that broke: nothing that they do to it may act on the part in flight.
+// The free joint of a part that broke off is named after its body, and often the joint that broke has the same name. Actions mean
+// the joint that broke: none of them may act on the free part instead.
 int TopologyEditor::joint(std::string_view name) const {
   const int found = world_.names_.find_joint(name);
   if (found < 0 || loosened.contains(found)) return found;
   const int b = tree().carrier(found);
   const Joint& now = tree().joint(b);
-  // A root that was set free at its own frame is the same: neither a state document nor any motion tells them apart.
+  // A root that was freed at its own frame is unchanged: neither a state document nor the motion can tell the difference.
   const auto moved = [](const Pose& pose) {
     const Quat& r = pose.rotation;
     return !(pose.position == Vec3{}) || r.w != 1 || r.x != 0 || r.y != 0 || r.z != 0;
@@ -244,7 +244,7 @@ ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, con
   change.to.child_at = inverse(present) * change.to.at;
   change.q = joint_zero(spec.kind);
 
-  touch(tree().joint_of(old_root));  // the free joint becomes the one that is made
+  touch(tree().joint_of(old_root));  // the free joint becomes the new joint
   carry_out(Join{{carrier}, {other}}, Nature::workless);
   if (other < 0)
     world_.names_.move_mechanism(old_root, carrier);

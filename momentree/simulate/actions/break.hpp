@@ -1,5 +1,5 @@
 #pragma once
-// Removes a joint: the child's subtree becomes a mechanism of its own (paper, section 4.1).
+// Removes a joint: the child's subtree becomes a separate mechanism (paper, section 4.1).
 #include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {

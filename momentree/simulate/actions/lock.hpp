@@ -1,12 +1,12 @@
 #pragma once
-// Freezes a joint, or some of its freedoms, where it is: a plastic impact that drops their momenta.
+// Locks a joint, or some of its DoFs, where it is: a plastic impact that removes their momenta.
 #include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
 
 struct Lock : ActionBase {
   std::string name;
-  std::vector<int> dofs;  ///< in the order of v; empty: all
+  std::vector<int> dofs;  ///< indices in the order of v; empty: all
 
   std::string_view key() const override { return "lock"; }
   std::string target() const override { return name + listed(); }

@@ -1,5 +1,5 @@
 #pragma once
-// Makes a body the root of its free mechanism: no pose, velocity or acceleration changes for it.
+// Makes a body the root of its free mechanism: no pose, velocity or acceleration changes.
 #include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {

@@ -1,12 +1,12 @@
 #pragma once
-// New parameters for a joint: velocities stay.
+// New parameters for a joint; velocities stay.
 #include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
 
 struct Set : ActionBase {
   std::string name;
-  JointParameters parameters;  ///< those that are given replace the joint's own; a drive or an effort the whole drive
+  JointParameters parameters;  ///< those given replace the joint's own; a drive or an effort replaces the whole drive
 
   std::string_view key() const override { return "set"; }
   std::string target() const override { return name; }
