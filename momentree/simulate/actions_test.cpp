@@ -134,16 +134,16 @@ TEST_CASE("loops and nonsense are refused, name both sides, and leave the world 
   };
   says({weld("tug/hand", "tug/hull")}, {"'tug/hand'", "'tug/hull'", "mechanism 'tug'", "close a loop"});
   says({weld("tug/hand", "tug/hand")}, {"itself"});
-  says({weld("tug/hand", "tug/upper")}, {"joined already", "joint 'tug/hand'"});
+  says({weld("tug/hand", "tug/upper")}, {"already joined", "joint 'tug/hand'"});
   says({weld("crane/boom")}, {"mechanism 'crane'", "joint 'crane/base'", "close a loop"});
   says({attach("sat/hull", "tug/hand", Universal{.axis = {0, 0, 1}, .axis2 = {0, 0, 2}})}, {"axis2", "parallel"});
   says({lock("tug/upper"), unlock("tug/upper")}, {"contradicts", "lock tug/upper", "unlock tug/upper"});
   says({break_joint("tug/upper"), lock("tug/upper")}, {"contradicts", "break tug/upper"});
-  says({lock("tug/hand", {3})}, {"no freedom 3", "0 to 2"});
+  says({lock("tug/hand", {3})}, {"no degree of freedom 3", "0 to 2"});
   says({lock("tug/hand"), weld("sat/panel", "tug/hand"), weld("sat/hull", "tug/hull")},
        {"close a loop"});  // after two valid ones
   says({change_joint("tug/hand", Kind::revolute)}, {"axis"});
-  says({reroot("crane/boom")}, {"held to the ground"});
+  says({reroot("crane/boom")}, {"attached to the ground"});
   says({set_parameters("tug/upper", {.damping = -1})}, {"damping"});
   CHECK_THROWS_AS(sim.at(1).then(break_joint("tug/elbow")), Error);
   CHECK_THROWS_AS(sim.at(1).then(weld("tug/hand", "tug/elbow")), Error);
@@ -359,7 +359,7 @@ TEST_CASE("what floats but is locked or held by springs can break, and is bare t
     CHECK(joint.locked == 0);
     CHECK((joint.parameters == nullptr || !joint.parameters->any()));
     CHECK(sim.world().motions()[0].linear.x == doctest::Approx(locked ? 0 : 0.3));
-    CHECK(sim.apply(break_joint("hull")).actions.front().text().find("skipped: nothing is held by it") != std::string::npos);
+    CHECK(sim.apply(break_joint("hull")).actions.front().text().find("skipped: it holds nothing") != std::string::npos);
   }
 }
 
@@ -451,7 +451,7 @@ TEST_CASE("actions on a joint that broke do not act on the part in flight, whose
     sim.apply(break_joint("arm/b"));
     const Event event = sim.apply(action);
     REQUIRE(event.actions.size() == 1);
-    CHECK(event.actions[0].text().find("skipped: the joint is not there any more") != std::string::npos);
+    CHECK(event.actions[0].text().find("skipped: the joint no longer exists") != std::string::npos);
     const Totals before = sim.world().totals();
     REQUIRE(sim.run_until(1) == Status::ok);
     CHECK(norm(sim.world().totals().linear - before.linear) > 0);  // arm/a still holds

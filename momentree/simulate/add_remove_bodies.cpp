@@ -10,7 +10,7 @@ BodyId World::add(BodySpec spec) {
   if (spec.parent != ground && !alive(spec.parent)) throw_error({"the parent is no body of this world", spec.name, ""});
   const std::string joint = spec.joint_name.empty() ? spec.name : spec.joint_name;
   if (names_.find_joint(joint) >= 0)
-    throw_error({"there is a joint '" + joint + "' already", spec.name, "give the new one another name"});
+    throw_error({"there is already a joint '" + joint + "'", spec.name, "give the new one another name"});
   const WorldSnapshot before = snapshot();
   const JointDrive* drive = spec.joint.parameters.drive.get();
   if (drive != nullptr && drive->motion.size() == 1) {
@@ -37,7 +37,7 @@ BodyId World::add(BodySpec spec) {
 }
 
 void World::remove(BodyId body) {
-  if (!alive(body)) throw_error({"the body is not in this world any more", "", ""});
+  if (!alive(body)) throw_error({"the body is no longer in this world", "", ""});
   const int b = body.index;
   Event ledger;
   TopologyEditor editor(*this);

@@ -64,7 +64,7 @@ class Condition {
  public:
   Condition(std::shared_ptr<const Quantity> what_, double threshold_, bool above_)
       : what(std::move(what_)), threshold(threshold_), above(above_) {
-    MT_REQUIRE(what != nullptr, "a condition is one on a quantity");
+    MT_REQUIRE(what != nullptr, "a condition has a quantity");
   }
 
   /// Repeats: armed again once the quantity is back past the threshold by `width` (in its unit); negative: by 1 % of the
@@ -113,7 +113,7 @@ class Condition {
 class Measure {
  public:
   explicit Measure(std::shared_ptr<const Quantity> what) : what_(std::move(what)) {
-    MT_REQUIRE(what_ != nullptr, "a measure is one of a quantity");
+    MT_REQUIRE(what_ != nullptr, "a measure has a quantity");
   }
   [[nodiscard]] Condition exceeds(double threshold) const { return {what_, threshold, true}; }
   [[nodiscard]] Condition below(double threshold) const { return {what_, threshold, false}; }

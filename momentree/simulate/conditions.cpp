@@ -90,7 +90,7 @@ Measure kinetic_energy_of(std::string mechanism) {
 }
 
 Measure measured(std::function<double(const World&)> function) {
-  if (!function) throw_error({"a quantity that is measured needs a function", "", ""});
+  if (!function) throw_error({"measured() needs a function", "", ""});
   auto quantity = std::make_shared<Function>();
   quantity->function = std::move(function);
   return Measure(std::move(quantity));

@@ -33,12 +33,12 @@ std::string what_ran_away(const World& world, const Integrator& method, double h
     for (const int b : tree.order()) {
       const int place = away->coordinate - tree.first_q(b);
       if (place < 0 || place >= info(tree.kind(b)).nq) continue;
-      if (!std::isfinite(away->moved)) return joint_text(world, b) + " left the range of numbers" + within;
+      if (!std::isfinite(away->moved)) return joint_text(world, b) + " overflowed" + within;
       return joint_text(world, b) + " would move by " + text(away->moved) + " rad or m" + within;
     }
   }
   const auto [fastest, speed] = fastest_joint(world);
-  const std::string what = method.adaptive() ? "no step is short enough" : "a step of " + text(h) + " s could not be solved for";
+  const std::string what = method.adaptive() ? "no step is short enough" : "a step of " + text(h) + " s could not be solved";
   if (fastest < 0 || speed == 0) return what;
   return what + "; " + joint_text(world, fastest) + " is the fastest, at " + text(speed) + " rad/s or m/s";
 }
@@ -76,13 +76,11 @@ std::optional<std::string> ProgressMonitor::look(const World& world, const Integ
   const bool busy = happened > static_cast<std::size_t>(steps) / 4 && (std::isfinite(until) ? left > 1e9 : gone / steps < 1e-9);
   if (gone > 0 && !lost && !busy) return std::nullopt;
   const std::string what = no_progress_at(world.time()) + "the last " + std::to_string(steps_between_looks) +
-                           " steps took it no more than " + text(gone) + " s further; ";
+                           " steps advanced the clock by no more than " + text(gone) + "s;  ";
   if (happened > static_cast<std::size_t>(steps) / 4)
-    return what + "events follow one another without end, the last of them " + last_events(events) +
-           "; do they bring about each other?";
+    return what + "events follow each other endlessly, the last of them " + last_events(events) + "; do they trigger each other?";
   if (method.adaptive())
-    return what +
-           "the tolerances ask for more digits than the motion can be computed to: use larger rtol and atol, or a fixed step";
+    return what + "the tolerances are below the rounding errors of the motion: use larger rtol and atol, or a fixed step";
   return what + "the step of " + text(integration.step) + " s is too short for a run of " + text(until) + " s";
 }
 

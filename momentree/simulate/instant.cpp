@@ -45,9 +45,9 @@ std::optional<std::pair<std::size_t, ActionResult>> contradiction(std::span<cons
       const Item &one = items[all[k].item], &other = items[all[i].item];
       const bool same = (**one.what).key() == (**other.what).key() && (**one.what).key() != "change";
       if (same || (all[k].dofs & all[i].dofs) == 0) continue;
-      return std::pair{all[i].item,
-                       ActionResult::refused("contradicts " + in_event(due[one.event], *one.what) + " at the same instant",
-                                             "a joint can become one thing at a time: give them different instants")};
+      return std::pair{all[i].item, ActionResult::refused(
+                                        "contradicts " + in_event(due[one.event], *one.what) + " at the same instant",
+                                        "a joint can take only one such change at a time: give the actions different instants")};
     }
   }
   return std::nullopt;
@@ -86,7 +86,7 @@ void share_totals(const Totals& start, const std::vector<Step>& steps, std::vect
 }
 
 ActionResult no_free_mass() {
-  return ActionResult::refused("what would then move by itself has not the mass or inertia to move freely",
+  return ActionResult::refused("a part would then lack the mass or inertia to move freely",
                                "give it a mass and an inertia about every axis");
 }
 
@@ -102,7 +102,7 @@ ActionResult check_energy(const Totals& before, const Totals& after, ActionPhase
   const bool gained = !driven && phase < ActionPhase::impulse && after.kinetic - brought > before.kinetic * (1 + 1e-3) + 1e-30;
   if (finite && !gained) return ActionResult::done();
   if (phase >= ActionPhase::impulse)
-    return ActionResult::refused("it would make the motion too fast for numbers", "is the value what you meant?");
+    return ActionResult::refused("it would make velocities overflow", "is the value as intended?");
   return no_free_mass();
 }
 
@@ -165,7 +165,7 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
     refuse(items[most_actions_at_once], ActionResult::refused("more than " + std::to_string(most_actions_at_once) +
                                                                   " actions at one instant, the first of them " +
                                                                   in_event(due[items[0].event], *items[0].what),
-                                                              "is that a wildcard that matches too much?"));
+                                                              "does a wildcard match too much?"));
     return report;
   }
   if (const auto found = contradiction(due, items)) {
@@ -201,8 +201,9 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
       if (sound.outcome != ActionResult::Outcome::done) result = sound;
       if (sound.outcome != ActionResult::Outcome::done && prepares)  // the body is not held between the removal of the old joint
                                                                      // and the new one
-        result = ActionResult::refused("it can't be one impact with others: the child alone has not the inertia to move freely",
-                                       "give its change an instant of its own");
+        result =
+            ActionResult::refused("it can't share an impact with other actions: the child alone lacks the inertia to move freely",
+                                  "give this change its own instant");
     }
     if (result.outcome == ActionResult::Outcome::refused) {
       refuse(item, std::move(result));

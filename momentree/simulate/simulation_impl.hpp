@@ -159,13 +159,13 @@ struct Simulation::Impl {
     const int number = world.find_joint(joint);
     if (number < 0) {
       world.model().joint(joint);  // throws if it never existed
-      throw_error({"the joint '" + std::string(joint) + "' is not there any more", "", ""});
+      throw_error({"the joint '" + std::string(joint) + "' no longer exists", "", ""});
     }
     const JointView view = world.joint({number});
-    if (view.v.empty()) throw_error({"the joint '" + std::string(joint) + "' has no freedom to drive", "", ""});
+    if (view.v.empty()) throw_error({"the joint '" + std::string(joint) + "' has no degree of freedom to drive", "", ""});
     const JointDrive* drive = view.parameters != nullptr ? view.parameters->drive.get() : nullptr;
     if (function && drive != nullptr && drive->moves())
-      throw_error({"the motion of joint '" + std::string(joint) + "' is prescribed", "", "take its drive away first"});
+      throw_error({"the motion of joint '" + std::string(joint) + "' is prescribed", "", "remove its drive first"});
     return number;
   }
 
@@ -220,7 +220,7 @@ struct Simulation::Impl {
       if (places.empty()) return true;
       if (count > detail::most_events_at_once) {
         message = "more than " + std::to_string(detail::most_events_at_once) + " events at t = " + detail::text(world.time()) +
-                  " s, the last of them " + last_events(events) + "; does one bring about the other, at no delay?";
+                  " s, the last of them " + last_events(events) + "; do they trigger each other without a delay?";
         return false;
       }
       std::vector<DueEvent> due;

@@ -298,8 +298,8 @@ TEST_CASE("limits that can't be are errors") {
   };
   CHECK(message(Revolute{.limits = {.lower = 1, .upper = -1}}).find("'lower' must be less") != std::string::npos);
   CHECK(message(Revolute{.limits = {.lower = -1, .upper = 1}}, 2.0).find("beyond its limits") != std::string::npos);
-  CHECK(message(Revolute{.limits = {.lower = -1, .restitution = 1.5}}).find("make energy") != std::string::npos);
-  CHECK(message(Cylindrical{.limits = {.lower = {-1, 2, 3}}}).find("2 freedoms") != std::string::npos);
+  CHECK(message(Revolute{.limits = {.lower = -1, .restitution = 1.5}}).find("create energy") != std::string::npos);
+  CHECK(message(Cylindrical{.limits = {.lower = {-1, 2, 3}}}).find("2 degrees of freedom") != std::string::npos);
   JointSpec ball = Ball{};
   ball.parameters.limits.upper = 1;
   CHECK(message(ball).find("limited") != std::string::npos);

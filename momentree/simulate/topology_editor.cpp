@@ -201,8 +201,8 @@ ActionResult TopologyEditor::can_follow(int joint, const JointParameters& parame
     return std::string(buffer);
   };
   return ActionResult::refused(
-      "joint '" + joint_name(joint) + "' stands at " + text(is) + ", but its motion is at " + text(at) + " now",
-      "a joint does not jump: let the motion pass there at this instant, or drive it there by 'pd' first");
+      "joint '" + joint_name(joint) + "' is at " + text(is) + ", but its motion is at " + text(at) + " now",
+      "a joint can't jump: let the motion pass its position at this instant, or drive it there by 'pd' first");
 }
 
 bool TopologyEditor::drifts(int body) const {
@@ -215,7 +215,7 @@ ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, con
   if (to >= 0 && root_of(tree(), to) == root) {
     const bool below = tree().parent(body) == to, above = tree().parent(to) == body;
     if (below || above)
-      return ActionResult::refused("'" + body_name(body) + "' and '" + body_name(to) + "' are joined already, by joint '" +
+      return ActionResult::refused("'" + body_name(body) + "' and '" + body_name(to) + "' are already joined by joint '" +
                                        joint_name(tree().joint_of(below ? body : to)) + "'",
                                    "lock that joint, or change its kind");
     return ActionResult::refused("'" + body_name(body) + "' and '" + body_name(to) + "' both belong to mechanism '" +
@@ -225,14 +225,14 @@ ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, con
   const auto held_by = [this](int b) { return joint_name(tree().joint_of(root_of(tree(), b))); };
   const bool floats_here = drifts(body), floats_there = to >= 0 && drifts(to);
   if (!floats_here && !floats_there) {
-    const std::string one = "mechanism '" + mechanism_of(body) + "' is held to the ground by joint '" + held_by(body) + "'";
+    const std::string one = "mechanism '" + mechanism_of(body) + "' is attached to the ground by joint '" + held_by(body) + "'";
     if (to < 0)
       return ActionResult::refused(one + ": a second joint to the ground would close a loop", "break one of them first");
     return ActionResult::refused(one + ", and '" + mechanism_of(to) + "' by joint '" + held_by(to) + "': that would close a loop",
                                  "break one of them first");
   }
   if (joint(made_name_) >= 0)
-    return ActionResult::refused("there is a joint '" + made_name_ + "' already", "give the event another name");
+    return ActionResult::refused("there is already a joint '" + made_name_ + "'", "give the event another name");
 
   const int carrier = floats_here ? body : to, other = floats_here ? to : body;
   const int old_root = root_of(tree(), carrier);

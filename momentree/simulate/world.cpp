@@ -30,7 +30,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   active_limits_ = forest.active_limits;
   put_together(forest);
   for (const ActiveLimit& h : active_limits_)
-    MT_REQUIRE(h.dof >= 0 && h.dof < info(tree_.joint(carrier({h.joint})).kind).nv, "a freedom that the joint has");
+    MT_REQUIRE(h.dof >= 0 && h.dof < info(tree_.joint(carrier({h.joint})).kind).nv, "a degree of freedom of the joint");
   for (auto& [joint, f] : functions) {
     const int b = tree_.carrier(joint);
     if (b >= 0 && !tree_.joint(b).created_by_event && tree_.joint(b).kind == model_[{joint}].joint.kind)
@@ -70,7 +70,8 @@ void World::put_values(double time, const Forest& forest, std::span<const JointS
   for (const JointStart& j : joints) {
     const KindInfo& kind = info(tree_.joint(carrier(j.joint)).kind);
     const auto fits = [](const Values& values, int count) { return values.empty() || values.size() == count; };
-    MT_REQUIRE(fits(j.q, kind.nq) && fits(j.v, kind.nv) && fits(j.p, kind.nv), "as many numbers as the joint has, or none");
+    MT_REQUIRE(fits(j.q, kind.nq) && fits(j.v, kind.nv) && fits(j.p, kind.nv),
+               "as many numbers as the joint has coordinates or velocities, or none");
     put(j.q, first_q(j.joint.index), edit.q);
     put(j.v, first_p(j.joint.index), v);
   }

@@ -93,7 +93,7 @@ struct JointStart {
 /// Evaluates its state lazily, when a result is requested: a world may be used by one thread at a time, even for reading.
 class World {
  public:
-  /// Compiles the model. Throws Error if a joint-space inertia is singular.
+  /// Compiles the model. Throws Error if a joint-space mass is singular.
   explicit World(const Model& model);
 
   const Model& model() const { return model_; }

@@ -51,7 +51,7 @@ double angle_hint(const KindInfo& kind, const Values& q) {
 
 ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
   const int number = editor.joint(name);
-  if (number < 0) return ActionResult::skipped("the joint is not there any more");
+  if (number < 0) return ActionResult::skipped("the joint no longer exists");
   const Joint old = editor.declared(number);
   const Values q = editor.coordinates(number);
   const KindInfo &before = info(old.kind), &now = info(to.spec.kind);
@@ -60,7 +60,7 @@ ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
   const bool placed = to.axis_given || to.axis2_given;
   const auto lacks = [&](const char* what) {
     return ActionResult::refused(
-        "a " + std::string(before.name) + " joint has no " + what + " that the " + now.name + " could take over",
+        "a " + std::string(before.name) + " joint has no " + what + " for the " + now.name + " to take over",
         std::string("give ") + what + ", in the child's axes");
   };
   if (now.axis && !to.axis_given && !before.axis) return lacks("axis");
@@ -80,10 +80,10 @@ ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
   }
   plan.joint.at = old.at, plan.joint.child_at = old.child_at;
   if (old.kind == spec.kind && (!now.pitch || old.pitch == spec.pitch)) {
-    if (editor.locked(number) == 0) return ActionResult::skipped("it is that already");
+    if (editor.locked(number) == 0) return ActionResult::skipped("it is already that joint");
     const JointParameters* own = editor.tree().parameters(editor.tree().carrier(number));
     if (own != nullptr && own->drive != nullptr && own->drive->moves())
-      return ActionResult::refused("its motion is prescribed, and suspended by a lock", "unlock it instead");
+      return ActionResult::refused("its prescribed motion is suspended by a lock", "unlock it instead");
     plan.joint.parameters = old.parameters, plan.joint.function = old.function;
     plan.q = q;
   } else if (const auto kept = joint_coordinates(spec, motion, angle_hint(before, q))) {

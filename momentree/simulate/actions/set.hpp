@@ -18,7 +18,7 @@ struct Set : ActionBase {
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::parameters; }
   ActionResult apply(TopologyEditor& editor) const override {
     const int joint = editor.joint(name);
-    if (joint < 0) return ActionResult::skipped("the joint is not there any more");
+    if (joint < 0) return ActionResult::skipped("the joint no longer exists");
     JointParameters all;
     if (const JointParameters* own = editor.tree().parameters(editor.tree().carrier(joint))) all = *own;
     const auto take = [](Values& to, const Values& from) {
@@ -41,7 +41,7 @@ struct Set : ActionBase {
     for (const JointProblem& problem : check_joint(spec))
       return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
     if (all.drive != nullptr && all.drive->moves() && editor.declared(joint).function >= 0)
-      return ActionResult::refused("a function drives the joint: its motion can't be prescribed", "take the function away first");
+      return ActionResult::refused("a function drives the joint, so its motion can't be prescribed", "remove the function first");
     if ((editor.declared(joint).locked & 1u) == 0) {
       all = editor.begun(joint, std::move(all));
       ActionResult follows = editor.can_follow(joint, all);
