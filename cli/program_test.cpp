@@ -149,7 +149,7 @@ TEST_CASE("a run that starts from a changed world ends where the whole run ends,
   io::write_text_file(here.path("u.toml"), replaced(again, "format = 1", "format = 1\nstate = \"half/final.json\""));
   const Outcome check = here.call("check u.toml");
   CHECK(check.code == 0);
-  CHECK(check.says("u.toml:29:8: warning: lock: does nothing: it is locked already"));
+  CHECK(check.says("u.toml:29:8: warning: lock: does nothing: it is already locked"));
 }
 
 TEST_CASE("a run that diverges is kept, and says which joint and when") {

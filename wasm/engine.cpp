@@ -43,7 +43,7 @@ const KindInfo* kind_of(MtWorld& world, const char* kind, size_t length) {
 
 // A world without what is outside it: no run can begin with a file that is not there.
 std::string refusal_of(const io::Scenario& scenario) {
-  return scenario.state_files.empty() ? "" : "state: files are not read here; leave the state document out";
+  return scenario.state_files.empty() ? "" : "state: files can't be read here; leave the state document out";
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ EXPORT(mt_text_length) size_t mt_text_length(const MtWorld* world) { return worl
 
 EXPORT(mt_model) void mt_model(MtWorld* world) {
   const io::Scenario& scenario = *world->scenario;
-  world->text = io::model_json(scenario.model, scenario.title, scenario.shapes);
+  world->text = io::model_json(World(scenario.model), scenario.title, scenario.shapes);
 }
 EXPORT(mt_topology) void mt_topology(MtWorld* world) { world->text = wasm::topology_json(world->simulation->world()); }
 EXPORT(mt_revision) int mt_revision(const MtWorld* world) { return world->revision; }
@@ -206,7 +206,7 @@ EXPORT(mt_snapshot) int mt_snapshot(MtWorld* world) {
 EXPORT(mt_restore) int mt_restore(MtWorld* world, int snapshot) {
   const auto found = world->store->kept.find(snapshot);
   if (found == world->store->kept.end()) {
-    world->text = "there is no snapshot of that number";
+    world->text = "there is no snapshot with that number";
     return mt_refused;
   }
   Simulation& simulation = *world->simulation;

@@ -1,4 +1,4 @@
-// What the reader of scenarios finds where there are no files: no text is a model, and no model can be read.
+// What the reader of scenarios finds where there are no files: model files can't be read here, and no model can be read.
 #include <momentree/base/check.hpp>
 #include <momentree/io/model/model_file.hpp>
 #include <momentree/io/scenario_parts.hpp>
@@ -7,18 +7,18 @@ namespace momentree::io {
 
 bool is_model(std::string_view, std::string_view) { return false; }
 
-std::optional<Unreadable> why_unreadable(const std::string&, const char*) { return Unreadable{"files are not read here", ""}; }
+std::optional<Unreadable> why_unreadable(const std::string&, const char*) { return Unreadable{"files can't be read here", ""}; }
 
 Enclosure::Enclosure(const std::string&) {}
 bool Enclosure::holds(const std::filesystem::path&) const { return true; }
 
 bool read_whole_file(const std::string&, const char*, std::uintmax_t, std::string&, Unreadable& why) {
-  why = {"files are not read here", ""};
+  why = {"files can't be read here", ""};
   return false;
 }
 
 std::unique_ptr<Import> read_model_text(std::string, std::string, std::string) {
-  MT_REQUIRE(false, "no text is a model");
+  MT_REQUIRE(false, "model files can't be read here");
   return nullptr;
 }
 
@@ -31,8 +31,8 @@ Place XmlElement::attribute_place(std::size_t, bool) const { return {}; }
 
 void read_model(const Value& file, const std::string& mechanism, const ModelChoice&, JointTables&, std::size_t,
                 Reading& reading) {
-  reading.out.error(file.place, "model: model files are not read here",
-                    "`momentree convert` writes a model as a mechanism of the scenario");
+  reading.out.error(file.place, "model: model files can't be read here",
+                    "convert the model to a mechanism of the scenario with `momentree convert`");
   reading.opaque.insert(mechanism);
 }
 

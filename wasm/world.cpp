@@ -40,14 +40,14 @@ std::optional<std::string> MtWorld::joint_name(int joint) {
   const World& world = simulation->world();
   if (joint >= 0 && joint < world.model().size() && world.tree().carrier(joint) >= 0)
     return std::string(world.joint_name({joint}));
-  text = "there is no joint of number " + std::to_string(joint) + " any more";
+  text = "joint number " + std::to_string(joint) + " no longer exists";
   return std::nullopt;
 }
 
 std::optional<std::string> MtWorld::body_name(int body, bool ground_too) {
   if (ground_too && body == -1) return "ground";
   if (simulation->world().alive({body})) return simulation->world().model()[{body}].name;
-  text = "there is no body of number " + std::to_string(body) + " any more";
+  text = "body number " + std::to_string(body) + " no longer exists";
   return std::nullopt;
 }
 

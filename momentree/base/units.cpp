@@ -192,7 +192,7 @@ bool Parser::unit_product(Dimension& dimension, double& factor, int& decade, boo
     if (rest_.empty()) break;
     if (rest_.front() == '*' || rest_.front() == '/') {
       if (rest_.front() == '/' && side < 0) {
-        problem = {"more than one '/' in a unit", "one '/': all that follows it divides, as in \"kg/m s^2\""};
+        problem = {"more than one '/' in a unit", "use one '/': everything after it divides, as in \"kg/m s^2\""};
         return false;
       }
       if (expects_unit || (rest_.front() == '*' && !any)) break;
@@ -221,7 +221,7 @@ bool Parser::unit_product(Dimension& dimension, double& factor, int& decade, boo
     any = true;
     expects_unit = false;
     if (std::abs(decade) > 200 || std::abs(dimension.m) + std::abs(dimension.kg) + std::abs(dimension.s) > 90) {
-      problem = {"the unit is beyond reason", ""};
+      problem = {"the unit's powers are too large", ""};
       return false;
     }
   }
@@ -319,7 +319,7 @@ std::optional<double> parse_quantity(std::string_view text, const Dimension& exp
   if (!parser.number(value, problem)) {
     if (problem.hint.empty()) problem.hint = "expected " + name_of(expected) + ", for example " + example_of(expected);
     if (expected == angle && text.find("pi") != std::string_view::npos)
-      problem.hint = "a value is no formula: write degrees, as in \"90 deg\", or the number itself";
+      problem.hint = "a value can't be a formula: write degrees, as in \"90 deg\", or the number itself";
     return {};
   }
   if (!parser.unit_product(dimension, factor, decade, any, problem)) return {};

@@ -22,7 +22,7 @@ int threads_of(const BatchOptions& options) {
   constexpr int most = 1024;
   if (options.threads < 0 || options.threads > most)
     throw_error({"a batch can't have " + std::to_string(options.threads) + " threads", "",
-                 "0: as many as the machine has; else 1 to " + std::to_string(most)});
+                 "0 for as many as the machine has, otherwise 1 to " + std::to_string(most)});
   const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
   return std::clamp(threads, 1, most);
 }
@@ -65,7 +65,7 @@ struct Batch::Impl {
 
   Group& group_of(const Tree& tree) {
     Topology topology = tree.topology();
-    MT_REQUIRE(topology.model == fingerprint, "the edit leaves the tree one of the batch's model");
+    MT_REQUIRE(topology.model == fingerprint, "after the edit, the tree still belongs to the batch's model");
     batch::simplify(topology, declared);
     const std::size_t key = batch::key_of(topology);
     const auto [begin, end] = groups.equal_range(key);
@@ -115,7 +115,7 @@ Batch::Batch(const Model& model, int worlds, const BatchOptions& options) : impl
 }
 
 namespace {
-constexpr const char* only_reads = "an edit of a batch does nothing else with the batch but read it";
+constexpr const char* only_reads = "an edit of a batch only reads the batch";
 }
 
 Batch::~Batch() {
@@ -133,7 +133,7 @@ Batch& Batch::operator=(Batch&& other) noexcept {
 }
 
 Batch::Impl& Batch::impl() const {
-  MT_REQUIRE(impl_ != nullptr, "the batch was not moved from");
+  MT_REQUIRE(impl_ != nullptr, "the batch has not been moved from");
   return *impl_;
 }
 Batch::Impl& Batch::changing() const {
@@ -188,7 +188,7 @@ State Batch::state(int world) const {
 
 void Batch::set_state(int world, const State& state) {
   const Impl::Seat& seat = changing().seat(world);
-  MT_REQUIRE(state.topology() == seat.group->tree().revision(), "the state is one for tree(world)");
+  MT_REQUIRE(state.topology() == seat.group->tree().revision(), "the state belongs to tree(world)");
   MT_REQUIRE(!state.being_edited(), edited_state);
   seat.group->set_state(seat.slot, state);
   seat.group->set_ran_away(seat.slot, false);
@@ -221,7 +221,7 @@ void Batch::put_back(int world) {
   MT_REQUIRE(!out.state.being_edited(), edited_state);
   const bool changed = out.tree.revision() != from.group->tree().revision();
   if (changed) batch::check(out.tree);  // throws Error for features that batches do not support
-  MT_REQUIRE(out.state.topology() == out.tree.revision(), "the edit leaves the state one of the tree");
+  MT_REQUIRE(out.state.topology() == out.tree.revision(), "after the edit, the state still belongs to the tree");
   if (changed) {
     auto& efforts = impl_->efforts[static_cast<std::size_t>(world)];
     const Tree& before = from.group->tree();

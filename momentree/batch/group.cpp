@@ -65,13 +65,13 @@ std::size_t key_of(const Topology& topology) noexcept {
 
 void check(const Tree& tree) {
   if (!tree.body_forces().empty() || !tree.body_functions().empty())
-    refuse("batches have no forces on bodies", "use efforts in joints, or a Simulation for each world");
-  if (tree.has_functions()) refuse("batches have no drives that are functions", "set efforts between steps: Batch::set_effort");
+    refuse("batches do not support forces on bodies", "use efforts in joints, or a Simulation for each world");
+  if (tree.has_functions()) refuse("batches do not support functions as drives", "set efforts between steps: Batch::set_effort");
   if (!tree.strength_joints().empty())
-    refuse("batches do not watch the strengths of joints", "leave them out and apply Break, or use a Simulation for each world");
+    refuse("batches do not support joint strengths", "leave them out and apply Break, or use a Simulation for each world");
   for (const int b : tree.order())
     if (tree.parameters(b) != nullptr && tree.parameters(b)->limits.hard())
-      refuse("batches have no hard stops", "give the limits a stiffness, or use a Simulation for each world");
+      refuse("batches do not support hard stops", "give the limits a stiffness, or use a Simulation for each world");
 }
 
 Group::Group(Topology topology, const Tree& tree, int lanes)

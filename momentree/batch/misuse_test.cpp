@@ -79,7 +79,7 @@ TEST_CASE("a state of one world is one of all worlds of its topology, and of no 
   batch.set_state(1, state);
   CHECK(batch.state(1).p()[0] == 5);
   batch.set_state(2, start_state(chain(), batch.tree(2)));
-  const char* const foreign = "the state is one for tree(world)";
+  const char* const foreign = "the state belongs to tree(world)";
   check_stopped("a state of another topology", foreign, [&] { batch.set_state(3, batch.state(0)); });
   check_stopped("a state of another batch", foreign, [&] { batch.set_state(0, Batch(chain(), 1).state(0)); });
   check_stopped("a default state", foreign, [&] { batch.set_state(0, State()); });
@@ -122,7 +122,7 @@ TEST_CASE("worlds, steps and efforts that are none") {
       {"an effort on no degree of freedom", "the joint has this degree of freedom", [&] { batch.set_effort(0, {0}, 1, 1); }},
       {"an effort that is no number", "a finite effort", [&] { batch.set_effort(0, {0}, 0, no_number); }},
       {"a change of no joint", "the joint is in the tree", [&] { batch.apply(0, Lock{{9}}); }},
-      {"a moved-from batch", "was not moved from",
+      {"a moved-from batch", "has not been moved from",
        [&] {
          const Batch moved = std::move(batch);
          batch.step(1e-3);
@@ -137,7 +137,7 @@ TEST_CASE("worlds, steps and efforts that are none") {
 
 TEST_CASE("edits") {
   Batch batch(chain(), 3);
-  const char* const only = "an edit of a batch does nothing else with the batch but read it";
+  const char* const only = "an edit of a batch only reads the batch";
   const auto in_edit = [&](auto act) {
     return [&batch, act] {
       batch.edit(0, [&](Tree& tree, State& state, Workspace<double>& workspace) { act(batch, tree, state, workspace); });
@@ -156,9 +156,9 @@ TEST_CASE("edits") {
       {"set_effort", only, in_edit([](Batch& b, Tree&, State&, Workspace<double>&) { b.set_effort(1, {0}, 0, 1); })},
       {"move", only, in_edit([](Batch& b, Tree&, State&, Workspace<double>&) { const Batch other = std::move(b); })},
       {"replace", only, in_edit([](Batch& b, Tree&, State&, Workspace<double>&) { b = Batch(chain(), 1); })},
-      {"a tree changed, its state not", "the edit leaves the state one of the tree",
+      {"a tree changed, its state not", "after the edit, the state still belongs to the tree",
        in_edit([](Batch&, Tree& tree, State&, Workspace<double>&) { tree.detach(1); })},
-      {"a tree of another model", "the edit leaves the tree one of the batch's model",
+      {"a tree of another model", "after the edit, the tree still belongs to the batch's model",
        in_edit([](Batch&, Tree& tree, State& state, Workspace<double>&) {
          tree = Tree(chain(2));
          state = State(tree);

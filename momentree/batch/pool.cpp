@@ -51,14 +51,14 @@ struct Pool::Shared {
 };
 
 Pool::Pool(int threads) : shared_(std::make_unique<Shared>()) {
-  MT_REQUIRE(threads >= 1, "the caller's thread at least");
+  MT_REQUIRE(threads >= 1, "at least the calling thread");
   shared_->helpers.reserve(static_cast<std::size_t>(threads));
   try {
     for (int i = 1; i < threads; ++i) shared_->helpers.emplace_back([shared = shared_.get(), i] { shared->help(i); });
   } catch (const std::system_error& error) {
     const std::string had = std::to_string(this->threads());
     shared_->end();
-    throw_error({"the machine gives no more than " + had + " of " + std::to_string(threads) + " threads: " + error.what(), "",
+    throw_error({"the machine provides only " + had + " of " + std::to_string(threads) + " threads: " + error.what(), "",
                  "ask for fewer"});
   }
 }

@@ -14,7 +14,7 @@ Force<double> on_declared_child(const Tree& tree, const State& state, const Work
                                 const Force<double>& W) {
   if (!tree.reversed(b)) return to_user_frame(tree.frame(b), W);
   const int child = tree.parent(b);
-  MT_REQUIRE(child >= 0, "the ground is no joint's child");
+  MT_REQUIRE(child >= 0, "the ground is not a joint's child");
   Force<double> back{-W.l, -W.h};
   joint_transform_of(tree, state, workspace, b).inboard(back);
   return to_user_frame(tree.frame(child), back);

@@ -200,7 +200,7 @@ TEST_CASE("a function of the world acts on a body as the same force told in numb
   asked.remove({1});
   CHECK(error_of([&] {
           asked.force("m/b", [](const EvaluationContext&) { return Wrench{}; });
-        }).find("is not in this world any more") != std::string::npos);
+        }).find("is no longer in this world") != std::string::npos);
   CHECK(error_of([&] { asked.force("m/c", {}); }).find("there is no body 'm/c'") != std::string::npos);
 }
 

@@ -214,7 +214,7 @@ MOMENTREE_INLINE void find_sines(const Tree& tree, const T* q, Workspace<T>& wor
 
 template <class T, bool Keep>
 void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept {
-  MT_REQUIRE(workspace.capacity() >= tree.bodies(), "the work has room for the tree's bodies: make it for this tree");
+  MT_REQUIRE(workspace.capacity() >= tree.bodies(), "the workspace has room for the tree's bodies: construct it for this tree");
   workspace.evaluated = {};
   workspace.located = {};
   workspace.accelerated = {};

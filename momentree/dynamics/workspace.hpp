@@ -67,7 +67,7 @@ struct WorkspaceStamps {
   explicit WorkspaceStamps(int bodies) : capacity_(bodies) {}
   WorkspaceStamps(WorkspaceStamps&& other) noexcept { *this = std::move(other); }
   WorkspaceStamps& operator=(WorkspaceStamps&& other) noexcept {
-    MT_REQUIRE(!in_function && !other.in_function, "a function that an evaluation calls leaves the work where it is");
+    MT_REQUIRE(!in_function && !other.in_function, "a function called by an evaluation does not move the workspace");
     evaluated = std::exchange(other.evaluated, {});
     located = std::exchange(other.located, {});
     accelerated = std::exchange(other.accelerated, {});
@@ -169,17 +169,18 @@ inline bool accelerated_on(const Tree& tree, const State& state, const Workspace
 }
 /// The requirements that are reported if these are false.
 inline constexpr const char* edited_state = "the state's Edit has ended: close its scope first";
-inline constexpr const char* foreign_state = "the state is one of this tree as it is now";
+inline constexpr const char* foreign_state = "the state belongs to this tree as it is now";
 inline const char* stale_workspace(const State& state) {
-  return state.being_edited() ? edited_state
-                              : "the work was evaluated on this state and this tree as they are now: call forward_dynamics first";
+  return state.being_edited()
+             ? edited_state
+             : "the workspace was evaluated with this state and this tree as they are now: call forward_dynamics first";
 }
 inline const char* stale_accelerations(const State& state) {
   return state.being_edited()
              ? edited_state
-             : "the work has the accelerations of this state and this tree as they are now: call accelerate first";
+             : "the workspace holds the accelerations of this state and this tree as they are now: call accelerate first";
 }
 inline constexpr const char* inside_function =
-    "a function that an evaluation calls reads the Moment that it is given, nothing else";
+    "a function called by an evaluation reads only the EvaluationContext that it is given";
 
 }  // namespace momentree

@@ -26,15 +26,17 @@ TEST_CASE("welds that would close a loop are refused") {
   check({
       {first + "weld = { body = \"m/b\", to = \"m/b\" }\n", "s.toml:44:8: error: weld: body 'm/b' can't be joined to itself"},
       {first + "weld = { body = \"m/b\", to = \"m/a\" }\n",
-       "s.toml:44:8: error: weld: 'm/b' and 'm/a' are joined already, by joint 'm/j'; lock that joint, or change its kind"},
+       "s.toml:44:8: error: weld: 'm/b' and 'm/a' are already joined by joint 'm/j'; lock that joint, or change its kind"},
       {first + "weld = { body = \"m/b\", to = \"p/z\" }\n",
-       "s.toml:44:8: error: weld: mechanism 'm' is held to the ground by joint 'm/a', and 'p' by joint 'p/z': that would close a "
+       "s.toml:44:8: error: weld: mechanism 'm' is attached to the ground by joint 'm/a', and 'p' by joint 'p/z': that would "
+       "close a "
        "loop; break one of them first"},
       {first + "weld = { body = \"m/b\" }\n",
-       "s.toml:44:8: error: weld: mechanism 'm' is held to the ground by joint 'm/a': a second joint to the ground would close a "
+       "s.toml:44:8: error: weld: mechanism 'm' is attached to the ground by joint 'm/a': a second joint to the ground would "
+       "close a "
        "loop; break one of them first"},
       {first + "weld = { body = \"f/x\", to = \"m/b\" }\n" + then + "weld = { body = \"f/x\", to = \"m/b\" }\n",
-       "s.toml:47:8: error: weld: 'f/x' and 'm/b' are joined already, by joint 'm/b+f/x'; lock that joint, or change its kind"},
+       "s.toml:47:8: error: weld: 'f/x' and 'm/b' are already joined by joint 'm/b+f/x'; lock that joint, or change its kind"},
       {first + "weld = { body = \"f/x\", to = \"m/b\" }\n" + then + "weld = { body = \"f/y\", to = \"m/b\" }\n",
        "s.toml:47:8: error: weld: 'f/y' and 'm/b' both belong to mechanism 'm': that would close a loop; loops are not "
        "supported: break a joint between them first"},
@@ -50,19 +52,19 @@ TEST_CASE("what would do nothing is refused, with what made it so") {
        "s.toml:47:8: error: lock: joint 'm/a' is broken by then, by break m/a (event '#1', line 44); to hold the part that came "
        "off where it is, weld its body to the ground"},
       {first + "lock = [\"m/j\", { joint = \"m/j\", freedoms = [0, 1] }]\n",
-       "s.toml:44:16: error: lock: does nothing: it is locked already, after lock m/j (event '#1', line 44)"},
+       "s.toml:44:16: error: lock: does nothing: it is already locked, after lock m/j (event '#1', line 44)"},
       {first + "unlock = \"f/h\"\n", "s.toml:44:10: error: unlock: does nothing: it is not locked"},
       {first + "change = { joint = \"m/j\", kind = \"ball\" }\n",
-       "s.toml:44:10: error: change: does nothing: it is that already"},
+       "s.toml:44:10: error: change: does nothing: it is already that joint"},
       {first + "free = \"m/j\"\n" + then + "free = \"m/j\"\n",
-       "s.toml:47:8: error: free: does nothing: it is that already, after free m/j (event '#1', line 44)"},
+       "s.toml:47:8: error: free: does nothing: it is already that joint, after free m/j (event '#1', line 44)"},
       {first + "break = \"grasp\"\n[[event]]\nname = \"grasp\"\nat = 2\nweld = { body = \"f/x\" }\n",
        "s.toml:44:9: error: break: joint 'grasp' is not there yet: it is made later, on line 48"},
   });
 }
 
 TEST_CASE("contradictory actions at one instant name both") {
-  const std::string hint = "; a joint can become one thing at a time: give them different instants";
+  const std::string hint = "; a joint can take only one such change at a time: give the actions different instants";
   check({
       {first + "lock = \"m/j\"\nbreak = \"m/j\"\n",
        "s.toml:45:9: error: break: contradicts lock m/j (event '#1') at the same instant, on line 44" + hint},
@@ -76,7 +78,8 @@ TEST_CASE("contradictory actions at one instant name both") {
 TEST_CASE("impossible joints are refused") {
   check({
       {first + "attach = { body = \"f/x\", to = \"m/b\", kind = \"universal\", axis = [0, 0, 1], axis2 = [0, 0, -2] }\n",
-       "s.toml:44:84: error: axis2: is parallel to 'axis': that would be one freedom twice; for example perpendicular to it"},
+       "s.toml:44:84: error: axis2: is parallel to 'axis': that would be the same degree of freedom twice; for example "
+       "perpendicular to it"},
       {first + "attach = { body = \"f/x\", to = \"m/b\" }\n",
        "s.toml:44:10: error: attach has no 'kind'; one of: ball cylindrical free helical planar prismatic revolute universal "
        "weld"},
@@ -85,11 +88,12 @@ TEST_CASE("impossible joints are refused") {
       {first + "attach = { body = \"f/x\", kind = \"ball\", limits = { lower = 0 } }\n",
        "s.toml:44:50: error: limits: a ball joint has no coordinates that could be limited"},
       {first + "change = { joint = \"m/j\", kind = \"revolute\" }\n",
-       "s.toml:44:10: error: change: a ball joint has no axis that the revolute could take over; give axis, in the child's axes"},
+       "s.toml:44:10: error: change: a ball joint has no axis for the revolute to take over; give axis, in the child's axes"},
       {first + "change = { joint = \"m/j\", kind = \"revolute\", axis = [0, 0, 0] }\n",
        "s.toml:44:53: error: axis: an axis of length zero has no direction; for example [0, 0, 1]"},
       {first + "change = { joint = \"m/a\", kind = \"universal\", axis2 = [0, 0, 1] }\n",
-       "s.toml:44:10: error: change: axis2: is parallel to 'axis': that would be one freedom twice; for example perpendicular to "
+       "s.toml:44:10: error: change: axis2: is parallel to 'axis': that would be the same degree of freedom twice; for example "
+       "perpendicular to "
        "it"},
       {first + "change = { joint = \"m/j\", kind = \"weld\", axis = [0, 0, 1] }\n",
        "s.toml:44:49: error: a weld joint has no 'axis'; joints that have one: cylindrical helical prismatic revolute universal"},
@@ -130,7 +134,7 @@ TEST_CASE("wrong types, units and freedoms are refused") {
        "s.toml:44:8: error: lock has no 'joint'; a name, or for example { joint = \"arm/elbow\", freedoms = [0] }\n"
        "s.toml:44:10: error: unknown key 'joints' in lock; did you mean 'joint'?"},
       {first + "lock = { joint = \"m/j\", freedoms = [0, 3] }\n",
-       "s.toml:44:8: error: lock: joint 'm/j' has no freedom 3; a ball joint has freedoms 0 to 2"},
+       "s.toml:44:8: error: lock: joint 'm/j' has no freedom 3; a ball joint has degrees of freedom 0 to 2"},
       {first + "lock = { joint = \"m/j\", freedoms = [9] }\n",
        "s.toml:44:37: error: freedoms: expected a number from 0 to 5, not 9" + count},
       {first + "lock = { joint = \"m/j\", freedoms = [1, 1] }\n", "s.toml:44:40: error: freedoms: 1 stands there twice"},

@@ -23,7 +23,8 @@ TEST_CASE("impossible joints are refused") {
        "s.toml:8:1: error: [mechanism.body.joint] has no 'axis2'; the second axis, turned by the first rotation, for example [0, "
        "1, 0]"},
       {one_body + "[mechanism.body.joint]\nkind = \"universal\"\naxis2 = [0, 0, -2]\n",
-       "s.toml:10:9: error: axis2: is parallel to 'axis': that would be one freedom twice; for example perpendicular to it"},
+       "s.toml:10:9: error: axis2: is parallel to 'axis': that would be the same degree of freedom twice; for example "
+       "perpendicular to it"},
       {one_body + "[mechanism.body.joint]\nkind = \"ball\"\naxis = [0, 0, 1]\n",
        "s.toml:10:8: error: a ball joint has no 'axis'; joints that have one: cylindrical helical prismatic revolute universal"},
       {one_body + "[mechanism.body.joint]\nkind = \"helical\"\n",
@@ -38,9 +39,9 @@ TEST_CASE("impossible joints are refused") {
       {pinned + "q = [1, 2]\n",
        "s.toml:10:5: error: q: expected 1 number, found a list of 2; one per freedom or coordinate, in the order of the kind"},
       {one_body + "[mechanism.body.joint]\nkind = \"ball\"\nq = [0, 0, 0, 0]\n",
-       "s.toml:10:5: error: q: a quaternion of zeros is no rotation; no rotation is [1, 0, 0, 0]"},
+       "s.toml:10:5: error: q: a quaternion of zeros is not a rotation; the identity is [1, 0, 0, 0]"},
       {one_body + "[mechanism.body.joint]\nkind = \"ball\"\nq = [1, 1, 0, 0]\n",
-       "s.toml:10:5: error: q: the quaternion is not of length 1; scale it: w² + x² + y² + z² = 1"},
+       "s.toml:10:5: error: q: the length of the quaternion is not 1; scale it: w² + x² + y² + z² = 1"},
       {one_body + "[mechanism.body.joint]\nkind = \"ball\"\nangle = 1\n",
        "s.toml:10:9: error: a ball joint has no 'angle'; write its coordinates as q = […]"},
       {one_body + "[mechanism.body.joint]\nkind = \"prismatic\"\nangle = 1\n",
@@ -49,9 +50,9 @@ TEST_CASE("impossible joints are refused") {
       {pinned + "angle = 1\nposition = 1\n",
        "s.toml:11:12: error: 'position' gives the start a second time; 'q' or 'angle' is there too"},
       {pinned + "at = { quat = [0, 0, 0, 0] }\n",
-       "s.toml:10:15: error: quat: a quaternion of zeros is no rotation; no rotation is [1, 0, 0, 0]"},
+       "s.toml:10:15: error: quat: a quaternion of zeros is not a rotation; the identity is [1, 0, 0, 0]"},
       {pinned + "at = { quat = [1, 0, 0, 0.1] }\n",
-       "s.toml:10:15: error: quat: the quaternion is not of length 1; scale it: w² + x² + y² + z² = 1"},
+       "s.toml:10:15: error: quat: the length of the quaternion is not 1; scale it: w² + x² + y² + z² = 1"},
       {pinned + "at = { quat = [1, 0, 0, 0], rpy = [0, 0, 0] }\n", "s.toml:10:15: error: at: takes 'rpy' or 'quat', not both"},
       {one_body + "[mechanism.body.joint]\nkind = \"ball\"\ndrive = { effort = 1 }\n",
        "s.toml:10:20: error: effort: a ball joint has 3 freedoms: one number could mean any; give a list, one effort per "
@@ -122,10 +123,12 @@ TEST_CASE("mechanisms that are no trees are refused") {
 TEST_CASE("freedoms that move no mass are refused") {
   check({
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = 1\n[mechanism.body.joint]\nkind = \"revolute\"\n",
-       "s.toml:5:8: error: joint 'm/a': the joint-space mass is singular: freedom 1 of 1 of this revolute joint moves no mass; "
+       "s.toml:5:8: error: joint 'm/a': the joint-space mass is singular: degree of freedom 1 of 1 of this revolute joint moves "
+       "no mass; "
        "give the bodies outboard of it a mass or an inertia about its axis, or give the joint an armature"},
       {head + "root = \"free\"\n[[mechanism.body]]\nname = \"a\"\nmass = 1\n",
-       "s.toml:6:8: error: joint 'm/a': the joint-space mass is singular: freedom 4 of 6 of this free joint moves no mass; give "
+       "s.toml:6:8: error: joint 'm/a': the joint-space mass is singular: degree of freedom 4 of 6 of this free joint moves no "
+       "mass; give "
        "the bodies outboard of it a mass or an inertia about its axis, or give the joint an armature"},
   });
 }
@@ -143,7 +146,7 @@ TEST_CASE("impossible limits are refused") {
        "kind"},
       {pinned + "limits = { lower = nan }\n", "s.toml:10:20: error: lower: must be finite"},
       {pinned + "limits = { upper = 1, restitution = 1.5 }\n",
-       "s.toml:10:10: error: limits: a restitution of more than 1 would make energy; 0 is plastic, 1 elastic"},
+       "s.toml:10:10: error: limits: a restitution above 1 would create energy; 0 is plastic, 1 elastic"},
       {pinned + "limits = { upper = 1, rest_speed = 0 }\n", "s.toml:10:10: error: limits: 'rest_speed' must be positive"},
       {pinned + "angle = 2\nlimits = { upper = 1 }\n", "s.toml:10:9: error: q: starts beyond its limits"},
       {pinned + "limits = 3\n",

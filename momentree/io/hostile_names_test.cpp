@@ -81,7 +81,7 @@ TEST_CASE("Model::add refuses the same names as the reader") {
   for (const char* name : {"a\x1b", "a\xFF", "a\xE2\x80\xAE"})
     CHECK(test::error_of([&] {
             model.add({.name = name, .mass = 1, .inertia = diagonal(1)});
-          }).ends_with("error: name: must be UTF-8 without control characters and other characters that are not seen"));
+          }).ends_with("error: name: must be UTF-8 without control characters and other invisible characters"));
 }
 
 TEST_CASE("names that only a state document has are held to the same rule") {

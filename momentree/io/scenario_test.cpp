@@ -305,12 +305,12 @@ TEST_CASE("what a state gives is checked as a joint's own start is") {
   };
   const std::string ball = one_body.substr(head.size()) + "[mechanism.body.joint]\nkind = \"ball\"\n";
   CHECK(start("{ joints = { a = [1, 1, 0, 0] } }", ball) ==
-        "s.toml:4:26: error: a: the quaternion is not of length 1; scale it: w² + x² + y² + z² = 1");
+        "s.toml:4:26: error: a: the length of the quaternion is not 1; scale it: w² + x² + y² + z² = 1");
   CHECK(start("{ joints = { a = { v = [1, 2] } } }", ball) ==
         "s.toml:4:32: error: v: expected 3 numbers, found a list of 2; one per freedom or coordinate, in the order of the kind");
   const std::string links = chain.substr(head.size()) + "inertia = 1\n";
   CHECK(start("{ joints = { 1 = [0, 0, 0, 0, 0, 0, 0] } }\nroot = \"free\"", links) ==
-        "s.toml:4:26: error: 1: a quaternion of zeros is no rotation; no rotation is [1, 0, 0, 0]");
+        "s.toml:4:26: error: 1: a quaternion of zeros is not a rotation; the identity is [1, 0, 0, 0]");
   CHECK(said(read_scenario_text(chain + "inertia = 1\nangle = 1e308\nangle_growth = true\n", "s.toml")) ==
         "s.toml:9:9: error: q: must be finite");
 }

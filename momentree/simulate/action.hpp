@@ -1,5 +1,5 @@
 #pragma once
-// What an event does. Each action stands in its own file in actions/: its parameters, preconditions and effect.
+// The actions of events. Each action is in its own file in actions/: its parameters, preconditions and effect.
 #include <concepts>
 #include <memory>
 #include <optional>
@@ -16,11 +16,11 @@ namespace momentree {
 
 class TopologyEditor;
 
-/// The order of what happens at one instant: first what changes no velocity, then all impacts together, impulses, parameters.
+/// The order of actions at one instant: first those that change no velocity, then all impacts together, impulses, parameters.
 enum class ActionPhase { release, impact, impulse, parameters };
 
-/// What became of an action. `skipped`: it had nothing to do, which is reported; `refused`: it is impossible, and nothing of its
-/// instant happens.
+/// Outcome of an action. `skipped`: there was nothing to do, and the event reports why; `refused`: the action is impossible, and
+/// nothing of its instant is carried out.
 struct ActionResult {
   enum class Outcome { done, skipped, refused };
   Outcome outcome = Outcome::done;
@@ -33,55 +33,56 @@ struct ActionResult {
   }
 };
 
-/// A joint that an action makes, as its user describes it.
+/// A joint that an action makes, as the user describes it.
 struct JointDescription {
   JointSpec spec;
   bool axis_given = false, axis2_given = false;
 };
 
-/// Visitor through which file readers fill in the fields of an action, under their names in files.
+/// Visitor with which file readers fill in the fields of an action under their names in files.
 class ActionFields {
  public:
   virtual ~ActionFields() = default;
   virtual void joint(const char* key, std::string& name) = 0;
-  /// `ground_too`: "ground" is one of the names.
+  /// `ground_too`: the name may be "ground".
   virtual void body(const char* key, std::string& name, bool ground_too) = 0;
-  /// Numbers of freedoms of the joint `of`, in the order of v; none: all.
+  /// Indices of the DoFs of the joint `of`, in the order of v; empty: all of them.
   virtual void dofs(const char* key, const std::string& of, std::vector<int>& numbers) = 0;
   virtual void vector(const char* key, Vec3& value, const Dimension& dimension) = 0;
   virtual void placement(const char* key, std::optional<Pose>& value) = 0;
-  /// kind, axis, axis2, pitch and the parameters of a joint.
+  /// Kind, axis, axis2, pitch and parameters of a joint.
   virtual void description(JointDescription& joint) = 0;
-  /// Parameters for the joint `of`: those that are given.
+  /// Parameters for the joint `of`; absent ones are left empty.
   virtual void parameters(const std::string& of, JointParameters& parameters) = 0;
 };
 
-/// One action. Derive in a file of its own in actions/.
+/// Base class of actions. Derive each action in its own file in actions/.
 class ActionBase {
  public:
   virtual ~ActionBase() = default;
-  /// As in scenario files: "break".
+  /// Its key in scenario files: "break".
   virtual std::string_view key() const = 0;
-  /// What it acts on, for logs: "chain/41", "satellite/hull to tug/gripper".
+  /// The joint or bodies that it acts on, for logs: "chain/41", "satellite/hull to tug/gripper".
   virtual std::string target() const = 0;
-  /// The field that a plain name in place of a table gives; null where there must be a table.
+  /// The field that a plain string in place of a table sets; null if a table is required.
   virtual const char* plain_field() const { return nullptr; }
   virtual void fields(ActionFields& fields) = 0;
-  /// Names that it looks for: joints and bodies ("ground" is none).
+  /// Names of joints and bodies that it refers to ("ground" is not listed).
   virtual std::vector<std::string> joints() const { return {}; }
   virtual std::vector<std::string> bodies() const { return {}; }
-  /// Freedoms of its joint whose fate it decides, a bit each: two actions of one instant must not decide the same.
+  /// DoFs of its joint that it locks, unlocks or replaces, one bit each: two actions of one instant must not share any.
   virtual unsigned reshapes() const { return 0; }
-  /// The name that the joint which it makes has where its event gives none; empty: it makes none.
+  /// Default name of the joint that it makes, used if its event does not name it; empty: it makes no joint.
   virtual std::string makes() const { return {}; }
 
   virtual ActionPhase phase(TopologyEditor& editor) const = 0;
-  /// Before all impacts of an instant: what it lets go of, so that the impacts of several actions are one.
+  /// Called before all impacts of an instant: releases the old constraints, so that the impacts of several actions are solved as
+  /// one.
   virtual ActionResult prepare(TopologyEditor&) const { return ActionResult::done(); }
   virtual ActionResult apply(TopologyEditor& editor) const = 0;
 };
 
-/// An action as a value. Made by the functions below or from a class in actions/.
+/// An action as a value, made by the functions below or from a class in actions/.
 class Action {
  public:
   template <std::derived_from<ActionBase> A>
@@ -99,34 +100,34 @@ class Action {
   std::shared_ptr<const ActionBase> what_;
 };
 
-/// An action of that key, its fields still empty; null if there is none.
+/// An action with that key, its fields still empty; null if no action has that key.
 std::shared_ptr<ActionBase> make_action(std::string_view key);
 /// Keys of all actions.
 std::vector<std::string> action_keys();
 
-/// Removes a joint: the child's subtree becomes a mechanism of its own.
+/// Removes a joint: the child's subtree becomes a separate mechanism.
 Action break_joint(std::string joint);
-/// The joint becomes one with six freedoms, relative to the same parent.
+/// Replaces the joint by a six-DoF joint relative to the same parent.
 Action free_joint(std::string joint);
-/// The joint becomes one of another kind on the axes that it has. Coordinates that the new kind can represent are kept; else the
-/// present pose becomes the offset, and q = 0. A change of kind takes no parameters along.
+/// Changes the kind of a joint; its axes stay. Coordinates that the new kind can represent are kept; otherwise the present pose
+/// becomes the offset, and q = 0. Joint parameters are not carried over to the new kind.
 Action change_joint(std::string joint, Kind kind);
-/// The joint becomes another: axes in the child's axes at that instant, about the child's origin.
+/// Replaces the joint by another: its axes are given in the child's axes at that instant, its origin is the child's origin.
 Action change_joint(std::string joint, JointSpec to);
-/// Freezes a joint where it is (all of its freedoms, or those of these numbers), with the impulse that it takes.
+/// Locks a joint where it is (all of its DoFs, or those with these indices): a plastic impact.
 Action lock(std::string joint, std::vector<int> dofs = {});
-/// Lets it move again.
+/// Releases a lock.
 Action unlock(std::string joint, std::vector<int> dofs = {});
-/// Joins a body to another, or to the ground, rigidly where they are.
+/// Joins a body rigidly to another body or to the ground, in their present poses.
 Action weld(std::string body, std::string to = "ground");
-/// The same with a joint of any kind: its frame at `at` in `to`'s frame (absent: at body's origin, `to`'s axes), the present pose
-/// its zero.
+/// Joins a body to another body by a joint of any kind. Its frame is `at` in `to`'s frame (by default at the body's origin, with
+/// `to`'s axes), and the present pose is its zero.
 Action attach(std::string body, std::string to, JointSpec joint, std::optional<Pose> at = {});
-/// An impulsive wrench on a body: N s at `point` (in the body's frame) and N m s, world axes.
+/// An impulsive wrench on a body: force (N s) at `point` (in the body's frame) and torque (N m s), both in world axes.
 Action impulse(std::string body, Vec3 force, Vec3 torque = {}, Vec3 point = {});
-/// Gives a joint the parameters that are not empty.
+/// Sets those parameters of a joint that are not empty.
 Action set_parameters(std::string joint, JointParameters parameters);
-/// Makes a body the root of its free mechanism: nothing moves otherwise for it.
+/// Makes a body the root of its free mechanism; this does not affect the motion.
 Action reroot(std::string body);
 
 }  // namespace momentree

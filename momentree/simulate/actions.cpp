@@ -1,6 +1,6 @@
 #include <momentree/simulate/action.hpp>
 #include <momentree/simulate/action_list.hpp>  // generated from the files in actions/
-#include <momentree/simulate/all_actions.hpp>  // generated: includes them
+#include <momentree/simulate/all_actions.hpp>  // generated: includes these files
 
 namespace momentree {
 

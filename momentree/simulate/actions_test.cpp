@@ -1,4 +1,4 @@
-// Actions as their users see them: names, order at one instant, who joins whom, what is skipped and what is refused.
+// Actions as users see them: names, order at one instant, which mechanism joins which, what is skipped and what is refused.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -25,7 +25,7 @@ BodySpec part(std::string name, BodyId parent, JointSpec joint, Values q = {}, V
           .v = v};
 }
 
-// A crane on the ground, a free tug with an arm, a free satellite with a panel: everything moves.
+// A crane on the ground, a free tug with an arm, a free satellite with a panel: all of them move.
 Model yard(Vec3 gravity = {}) {
   Model model({.gravity = gravity});
   const BodyId base = model.add(part("crane/base", ground, Revolute{}, 0.3, 0.7));
@@ -84,9 +84,9 @@ TEST_CASE("a capture, a lock and a release: names, mechanisms, who joins whom") 
   CHECK(world.joint({joint}).kind == Kind::weld);
   CHECK(world.joint({joint}).child == world.model().body("sat/panel"));
   CHECK(world.joint({joint}).parent == world.model().body("tug/hand"));
-  CHECK(world.find_joint("sat/hull") == -1);  // the free root joint is gone
+  CHECK(world.find_joint("sat/hull") == -1);  // the free root joint no longer exists
   const JointView hinge = world.joint(world.model().joint("sat/panel"));
-  CHECK(hinge.reversed);  // re-rooted, but seen as declared
+  CHECK(hinge.reversed);  // re-rooted, but presented as declared
   CHECK(hinge.child == world.model().body("sat/panel"));
   CHECK(hinge.parent == world.model().body("sat/hull"));
   CHECK(hinge.q[0] == 0.2);
@@ -96,8 +96,8 @@ TEST_CASE("a capture, a lock and a release: names, mechanisms, who joins whom") 
   CHECK(world.joint(world.model().joint("tug/upper")).v[0] == 0);
 
   sim.apply(break_joint("grasp"), "let go");
-  CHECK(world.mechanism_names() == std::vector<std::string>{"crane", "tug", "sat/panel"});  // named after its root body now
-  // Its free joint would have the panel's name, but the hinge has that already.
+  CHECK(world.mechanism_names() == std::vector<std::string>{"crane", "tug", "sat/panel"});  // now named after its root body
+  // Its free joint would have the panel's name, but the hinge already has that name.
   CHECK(world.find_joint("sat/panel~free") >= 0);
   CHECK(world.find_joint("sat/panel") == world.model().joint("sat/panel").index);
 }
@@ -113,7 +113,7 @@ TEST_CASE("the grounded partner's root is kept, whichever is named first; the jo
     CHECK(sim.world().model()[hook.child].name == (crane_first ? "crane/boom" : "sat/panel"));
     CHECK(sim.world().model()[hook.parent].name == (crane_first ? "sat/panel" : "crane/boom"));
     CHECK(hook.q[0] == 1);  // the present pose is its zero
-    // Its frame stands at the body's origin in `to`'s axes.
+    // Its frame is at the body's origin, with `to`'s axes.
     CHECK(norm(log_rotation(hook.at.rotation)) < 1e-15);
     const std::vector<BodyMotion>& m = sim.world().motions();
     CHECK(norm(m[static_cast<std::size_t>(hook.parent.index)].pose * hook.at.position -
@@ -134,20 +134,20 @@ TEST_CASE("loops and nonsense are refused, name both sides, and leave the world 
   };
   says({weld("tug/hand", "tug/hull")}, {"'tug/hand'", "'tug/hull'", "mechanism 'tug'", "close a loop"});
   says({weld("tug/hand", "tug/hand")}, {"itself"});
-  says({weld("tug/hand", "tug/upper")}, {"joined already", "joint 'tug/hand'"});
+  says({weld("tug/hand", "tug/upper")}, {"already joined", "joint 'tug/hand'"});
   says({weld("crane/boom")}, {"mechanism 'crane'", "joint 'crane/base'", "close a loop"});
   says({attach("sat/hull", "tug/hand", Universal{.axis = {0, 0, 1}, .axis2 = {0, 0, 2}})}, {"axis2", "parallel"});
   says({lock("tug/upper"), unlock("tug/upper")}, {"contradicts", "lock tug/upper", "unlock tug/upper"});
   says({break_joint("tug/upper"), lock("tug/upper")}, {"contradicts", "break tug/upper"});
-  says({lock("tug/hand", {3})}, {"no freedom 3", "0 to 2"});
+  says({lock("tug/hand", {3})}, {"no degree of freedom 3", "0 to 2"});
   says({lock("tug/hand"), weld("sat/panel", "tug/hand"), weld("sat/hull", "tug/hull")},
-       {"close a loop"});  // after two that were fine
+       {"close a loop"});  // after two valid ones
   says({change_joint("tug/hand", Kind::revolute)}, {"axis"});
-  says({reroot("crane/boom")}, {"held to the ground"});
+  says({reroot("crane/boom")}, {"attached to the ground"});
   says({set_parameters("tug/upper", {.damping = -1})}, {"damping"});
   CHECK_THROWS_AS(sim.at(1).then(break_joint("tug/elbow")), Error);
   CHECK_THROWS_AS(sim.at(1).then(weld("tug/hand", "tug/elbow")), Error);
-  // Locks of different freedoms do not contradict each other.
+  // Locks of different DoFs do not contradict each other.
   CHECK(refused(sim, {lock("tug/hand", {0}), lock("tug/hand", {1})}) == "");
   CHECK(sim.world().joint(sim.world().model().joint("tug/hand")).locked == 3);
   CHECK(refused(sim, {lock("tug/hand", {2}), unlock("tug/hand", {1})}) == "");
@@ -167,7 +167,7 @@ TEST_CASE(
   REQUIRE(sim.events().size() == 3);
   CHECK(sim.events()[1].actions[0].text().find("break tug/hand skipped: ") == 0);
   CHECK(sim.events()[2].actions[0].text().find("lock tug/hand skipped: ") ==
-        0);  // the part's free joint has its name, but is another
+        0);  // the part's free joint has its name, but is another joint
 }
 
 TEST_CASE("at one instant: releases, then one impact, then impulses, then parameters, whatever the order of scheduling") {
@@ -212,7 +212,7 @@ TEST_CASE("what a joint that changes at this instant holds to the ground stays h
   sim.apply(weld("sat/hull"), "held");
   CHECK(refused(sim, {turn, weld("crane/boom", "sat/panel")}).find("close a loop") != std::string::npos);
   CHECK(refused(sim, {weld("crane/boom", "sat/panel"), turn}).find("close a loop") != std::string::npos);
-  CHECK(refused(sim, {turn, weld("crane/boom", "tug/hand")}) == "");  // the tug hangs on the crane, not the other way round
+  CHECK(refused(sim, {turn, weld("crane/boom", "tug/hand")}) == "");  // the crane carries the tug, not the other way round
   CHECK(sim.world().mechanism_names() == std::vector<std::string>{"crane", "sat"});
 }
 
@@ -283,7 +283,7 @@ TEST_CASE("snapshots, branches and undo are exact to the bit, across any number 
   CHECK(sim.time() == 0.05);
   CHECK(sim.events().empty());
   CHECK(sim.world().mechanism_names() == std::vector<std::string>{"crane", "tug", "sat"});
-  CHECK(sim.run_until(0.25) == Status::ok);  // steps land on what is asked for: the same bits need the same steps
+  CHECK(sim.run_until(0.25) == Status::ok);  // steps land on the requested times: identical bits require identical steps
   CHECK(sim.run_until(0.4) == Status::ok);
   CHECK(bits(sim.world()) == end);
   CHECK(sim.energy().error == balance.error);
@@ -296,7 +296,7 @@ TEST_CASE("snapshots, branches and undo are exact to the bit, across any number 
   CHECK(sim.run_until(0.4) == Status::ok);
   CHECK(bits(sim.world()) == end);
 
-  sim.undo(1);  // another branch: the lock never was
+  sim.undo(1);  // another branch: the lock never happened
   CHECK(sim.run_until(0.4) == Status::ok);
   CHECK(sim.events().size() == 2);
   CHECK(sim.world().joint(sim.world().model().joint("tug/upper")).locked == 0);
@@ -359,7 +359,7 @@ TEST_CASE("what floats but is locked or held by springs can break, and is bare t
     CHECK(joint.locked == 0);
     CHECK((joint.parameters == nullptr || !joint.parameters->any()));
     CHECK(sim.world().motions()[0].linear.x == doctest::Approx(locked ? 0 : 0.3));
-    CHECK(sim.apply(break_joint("hull")).actions.front().text().find("skipped: nothing is held by it") != std::string::npos);
+    CHECK(sim.apply(break_joint("hull")).actions.front().text().find("skipped: it holds nothing") != std::string::npos);
   }
 }
 
@@ -451,17 +451,17 @@ TEST_CASE("actions on a joint that broke do not act on the part in flight, whose
     sim.apply(break_joint("arm/b"));
     const Event event = sim.apply(action);
     REQUIRE(event.actions.size() == 1);
-    CHECK(event.actions[0].text().find("skipped: the joint is not there any more") != std::string::npos);
+    CHECK(event.actions[0].text().find("skipped: the joint no longer exists") != std::string::npos);
     const Totals before = sim.world().totals();
     REQUIRE(sim.run_until(1) == Status::ok);
-    CHECK(norm(sim.world().totals().linear - before.linear) > 0);  // the pin of arm/a goes on to hold
+    CHECK(norm(sim.world().totals().linear - before.linear) > 0);  // arm/a still holds
     CHECK(norm(sim.world().motions()[1].linear) > 0.5);
   }
-  // A joint that is let go for the impact of its change is another matter: it is there.
+  // A joint that is released for the impact of its change is another matter: it exists.
   Simulation turned(arm());
   CHECK(
       turned.apply(change_joint("arm/a", JointSpec(Prismatic{.axis = {0, 0, 1}}))).actions[0].text().starts_with("change arm/a"));
-  // So is one that was set free.
+  // So is one that was freed.
   Simulation sim(arm());
   sim.apply(free_joint("arm/b"));
   CHECK(sim.apply(lock("arm/b")).actions[0].text() == "lock arm/b");

@@ -1,4 +1,4 @@
-// Bodies that come into a world and leave it while it runs.
+// Adding bodies to a running world and removing them.
 #include <cmath>
 
 #include <momentree/dynamics/forward.hpp>
@@ -10,7 +10,7 @@ BodyId World::add(BodySpec spec) {
   if (spec.parent != ground && !alive(spec.parent)) throw_error({"the parent is no body of this world", spec.name, ""});
   const std::string joint = spec.joint_name.empty() ? spec.name : spec.joint_name;
   if (names_.find_joint(joint) >= 0)
-    throw_error({"there is a joint '" + joint + "' already", spec.name, "give the new one another name"});
+    throw_error({"there is already a joint '" + joint + "'", spec.name, "give the new one another name"});
   const WorldSnapshot before = snapshot();
   const JointDrive* drive = spec.joint.parameters.drive.get();
   if (drive != nullptr && drive->motion.size() == 1) {
@@ -24,7 +24,7 @@ BodyId World::add(BodySpec spec) {
   declared_ = Names(model_);
   names_.add(joint, declared_.mechanism(body.index));
   make_room();
-  // A freedom that moves no mass shows in what it would do to the motion.
+  // A DoF that moves no mass is detected by its effect on the motion.
   evaluate();
   const double now = totals().kinetic;
   if (!std::isfinite(now) || now < kinetic * (1 - 1e-3)) {
@@ -37,7 +37,7 @@ BodyId World::add(BodySpec spec) {
 }
 
 void World::remove(BodyId body) {
-  if (!alive(body)) throw_error({"the body is not in this world any more", "", ""});
+  if (!alive(body)) throw_error({"the body is no longer in this world", "", ""});
   const int b = body.index;
   Event ledger;
   TopologyEditor editor(*this);
@@ -45,7 +45,7 @@ void World::remove(BodyId body) {
   const int joint = tree_.joint_of(b);
   if (can_break(tree_, tree_.inboard_joint(body))) {
     editor.break_off(joint);
-  } else {  // a free joint to the ground: only what draws at it or locks it is to be taken away
+  } else {  // a free joint to the ground: only its forces and locks need to be removed
     if (tree_.parameters(b) != nullptr) editor.set(joint, {});
     if (tree_.joint(b).function >= 0) drive(joint, {});
     if (tree_.joint(b).locked != 0) editor.unlock(joint, ~0u);

@@ -1,4 +1,4 @@
-// Bodies that come and go while a world runs.
+// Bodies that are added and removed while a world runs.
 #include <cmath>
 
 #include <doctest/doctest.h>
@@ -42,7 +42,7 @@ TEST_CASE("a body added at rest takes no velocity from any other, and goes along
   CHECK(body.index == 4);
   for (std::size_t b = 0; b < 4; ++b) CHECK(norm(sim.world().motions()[b].linear - before[b].linear) < 1e-12);
   CHECK(sim.energy().error == doctest::Approx(energy).epsilon(1e-9));
-  CHECK(sim.events().back().after.kinetic > sim.events().back().before.kinetic);  // it came with what it needs to go along
+  CHECK(sim.events().back().after.kinetic > sim.events().back().before.kinetic);  // it was added with the energy of its motion
   CHECK(sim.events().back().actions[0].text() == "add load");
   CHECK(sim.run_until(0.3) == Status::ok);
   CHECK(std::fabs(sim.energy().error) < 1e-6);
@@ -82,7 +82,7 @@ TEST_CASE("snapshots and branches know who was there") {
   Simulation branch = sim.branch();
   CHECK(branch.world().alive({0}));
   CHECK_FALSE(branch.world().alive({1}));
-  CHECK_FALSE(branch.world().alive({3}));  // it hung on what was removed
+  CHECK_FALSE(branch.world().alive({3}));  // the removed body carried it
   sim.restore(early);
   CHECK(sim.world().model().size() == 3);
   CHECK(sim.world().alive({1}));

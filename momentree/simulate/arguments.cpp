@@ -68,11 +68,12 @@ namespace {
 
 bool has_single_dof(Kind kind) { return info(kind).nq == 1 && info(kind).nv == 1; }
 
-// What was so at the start, and is not now, may be so again: a run that goes on schedules what the whole run did.
+// A quantity that was valid at the start but is not now may become valid again: a continued run schedules all events of the whole
+// run.
 void check_quantity(const World& world, const EventQueue& queue, const Quantity& what) {
   const Model& model = world.model();
   for (const std::string& name : what.mechanisms()) {
-    if (model.has_body(name)) continue;  // a part that comes off is called as its root body
+    if (model.has_body(name)) continue;  // a part that breaks off has the name of its root body
     std::vector<std::string> known = world.mechanism_names();
     for (int b = 0; b < model.size(); ++b)
       if (model[{b}].parent == ground) known.push_back(model.mechanism_name({b}));
@@ -92,9 +93,9 @@ void check_quantity(const World& world, const EventQueue& queue, const Quantity&
     };
     if (std::any_of(queue.entries.begin(), queue.entries.end(), changes)) continue;
     const KindInfo& kind = info(world.joint({number}).kind);
-    throw_error(
-        {std::string(what.key()) + ": joint '" + name + "' is " + kind.name + " and has " + std::to_string(kind.nv) + " freedoms",
-         "", "for joints with one freedom"});
+    throw_error({std::string(what.key()) + ": joint '" + name + "' is " + kind.name + " and has " + std::to_string(kind.nv) +
+                     " degrees of freedom",
+                 "", "for joints with one degree of freedom"});
   }
 }
 
@@ -106,9 +107,9 @@ void check_condition(const World& world, const EventQueue& queue, const Conditio
   check_quantity(world, queue, what);
   if (!std::isfinite(condition.threshold)) throw_error({"the threshold must be finite", "", ""});
   if (what.never_negative() && !(condition.threshold > 0))
-    throw_error({"a threshold of " + text(condition.threshold) + " for what is never negative must be positive", "", ""});
+    throw_error({"a threshold of " + text(condition.threshold) + " must be positive: the quantity is never negative", "", ""});
   if (!(condition.duration >= 0) || !std::isfinite(condition.duration))
-    throw_error({"a condition can't have to last " + text(condition.duration) + " s", "", ""});
+    throw_error({"the duration of a condition can't be " + text(condition.duration) + " s", "", ""});
   if (!std::isfinite(condition.hysteresis)) throw_error({"the hysteresis must be finite", "", ""});
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a Simulation refuses of what it is given, before anything is done with it.
+// Checks of a Simulation's arguments, before anything is done with them.
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,18 +17,18 @@ namespace detail {
 std::string text(double x);
 }  // namespace detail
 
-/// The same, or throws Error.
+/// Returns its argument, or throws Error.
 const Integration& checked(const Integration& how);
 
-/// What is wrong with a period that is not positive and finite, or that does not move a clock that stands at `clock` (s) on;
-/// nothing where that is fine. `what` it is, for the message.
+/// The error of a period that is not positive and finite, or that is too short to advance a clock at `clock` (s); nothing if the
+/// period is valid. `what` names the period in the message.
 std::optional<Error> wrong_period(double period, double clock, const char* what);
 
-/// Names that can never be: of no joint that is, was or is to be made, of no body.
+/// An error if a name can never exist: neither a joint that exists, existed or will be made, nor a body.
 std::optional<Error> unknown_name(const World& world, const EventQueue& queue, const std::vector<std::string>& joints,
                                   const std::vector<std::string>& bodies);
 
-/// Throws Error for a condition that can never come true, or means nothing.
+/// Throws Error for a condition that can never be met or is meaningless.
 void check_condition(const World& world, const EventQueue& queue, const Condition& condition);
 
 }  // namespace momentree

@@ -1,4 +1,4 @@
-// Changes from outside while a world runs: actions that may be refused, another gravity.
+// Interactive changes while a world runs: actions that may be refused, another gravity.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -73,10 +73,10 @@ TEST_CASE("gravity that is turned off leaves a straight line; its work is booked
   CHECK(simulation.run_until(2) == Status::ok);
   const BodyMotion& end = simulation.world().motions()[0];
   CHECK(end.pose.position.z == doctest::Approx(-0.5 * 9.81 * 0.25 - 9.81 * 0.5 * 1.5));
-  CHECK(end.linear.x == doctest::Approx(2));  // what was scheduled still happened
+  CHECK(end.linear.x == doctest::Approx(2));  // the scheduled action still happened
   CHECK(end.pose.position.x == doctest::Approx(1));
   REQUIRE(simulation.events().size() == 1);
-  // m g z of the height where it was turned off, and the impulse's ½ m v².
+  // m g z for the height at which gravity was turned off, and the impulse's ½ m v².
   CHECK(simulation.energy().work == doctest::Approx(3 * 9.81 * 0.5 * 9.81 * 0.25 + 0.5 * 3 * 4));
   CHECK(std::abs(simulation.energy().error) < 1e-10);
 }
@@ -92,11 +92,11 @@ TEST_CASE("a world whose gravity changed keeps its topology, its functions and i
   CHECK(simulation.world().tree().body_functions().size() == 1);
   const double spin = simulation.world().joint({0}).v[0];
   CHECK(simulation.run_until(0.4) == Status::ok);
-  // The torque alone on the arm, about its pin: m c² + I.
+  // Only the torque on the arm, about its joint axis: m c² + I.
   CHECK(simulation.world().joint({0}).v[0] == doctest::Approx(spin + 0.5 * 0.2 / (2 * 0.25 + 0.2)));
   CHECK(std::abs(simulation.energy().error) < 1e-9);
 
-  Simulation straight(two_links({0, -9.81, 0}));  // the same without the turn
+  Simulation straight(two_links({0, -9.81, 0}));  // the same without the detour
   straight.force("m/arm", [](const EvaluationContext&) { return Wrench{{0, 0, 0}, {0, 0, 0.5}}; });
   straight.apply(break_joint("m/hand"));
   CHECK(straight.run_until(0.2) == Status::ok);

@@ -1,4 +1,4 @@
-// What the functions that a simulation calls may do with it, what stops the program, and what becomes of what they throw.
+// What a simulation's callbacks may do with it, what terminates the program, and how their exceptions propagate.
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -82,7 +82,7 @@ const std::vector<Callback> functions = {
      }},
 };
 
-// What changes a simulation.
+// Functions that change a simulation.
 struct Change {
   const char* name;
   Act act;
@@ -131,7 +131,7 @@ TEST_CASE("no callback changes its simulation") {
   for (const auto* all : {&steady, &within, &functions})
     for (const Callback& callback : *all)
       for (const Change& change : changes)
-        check_stopped(std::string(change.name) + " in " + callback.name, "no callback of a simulation changes it",
+        check_stopped(std::string(change.name) + " in " + callback.name, "callbacks do not change their simulation",
                       [&] { run(callback, change.act); });
 }
 
@@ -139,9 +139,9 @@ TEST_CASE("no callback moves or destroys its simulation") {
   for (const auto* all : {&steady, &within, &functions})
     for (const Callback& callback : *all) {
       for (const Change& move : moves)
-        check_stopped(std::string(move.name) + " in " + callback.name, "no callback of a simulation moves it",
+        check_stopped(std::string(move.name) + " in " + callback.name, "callbacks do not move their simulation",
                       [&] { run(callback, move.act); });
-      check_stopped(std::string("destroy in ") + callback.name, "no callback of a simulation destroys it", [&] {
+      check_stopped(std::string("destroy in ") + callback.name, "callbacks do not destroy their simulation", [&] {
         auto sim = std::make_optional<Simulation>(model());
         callback.install(*sim, [&sim](Simulation&, const World&) { sim.reset(); });
         static_cast<void>(sim->run_until(0.01));
@@ -214,7 +214,7 @@ TEST_CASE("what is called between two steps reads what it is given, and schedule
     stops("after", schedules, [](Simulation& sim, const World&) { static_cast<void>(sim.after("#1")); });
     stops("when", schedules, [](Simulation& sim, const World&) { static_cast<void>(sim.when(speed_of("m/upper").exceeds(1))); });
     stops("keep_history", schedules, [](Simulation& sim, const World&) { sim.keep_history(); });
-    const char* const between = "only those of observe() and watch() find it between two steps";
+    const char* const between = "only those of observe() and watch() are called between two steps";
     stops("snapshot", between, [](Simulation& sim, const World&) { static_cast<void>(sim.snapshot()); });
     stops("branch", between, [](Simulation& sim, const World&) { static_cast<void>(sim.branch()); });
     check_fine(callback.name, [&] {
@@ -233,7 +233,7 @@ TEST_CASE("what is called between two steps reads what it is given, and schedule
 }
 
 TEST_CASE("functions that drive a joint or act on a body read the moment, not the world") {
-  const char* const expected = "a function that an evaluation calls reads the Moment that it is given, nothing else";
+  const char* const expected = "a function called by an evaluation reads only the EvaluationContext that it is given";
   for (const Callback& callback : functions) {
     const auto stops = [&](const char* how, const Act& act) {
       check_stopped(std::string(how) + " in " + callback.name, expected, [&] { run(callback, act); });
@@ -248,8 +248,8 @@ TEST_CASE("functions that drive a joint or act on a body read the moment, not th
     stops("energy", [](Simulation& sim, const World&) { static_cast<void>(sim.energy()); });
     check_stopped(std::string("snapshot in ") + callback.name, "between two steps",
                   [&] { run(callback, [](Simulation& sim, const World&) { static_cast<void>(sim.snapshot()); }); });
-    // Also where nothing steps: an evaluation calls them, too.
-    check_stopped(std::string("apply, evaluated from outside, in ") + callback.name, "no callback of a simulation changes it",
+    // Also without a step: an evaluation calls them, too.
+    check_stopped(std::string("apply, evaluated from outside, in ") + callback.name, "callbacks do not change their simulation",
                   [&] {
                     Simulation sim(model());
                     bool armed = false;
@@ -303,7 +303,7 @@ TEST_CASE("exceptions of observers, watchers and measured quantities end the run
       CHECK(sim.time() < 0.05);
       const double then = sim.time();
       CHECK(std::fabs(sim.energy().error) < 1e-9);
-      CHECK(sim.run_until(0.05) == Status::ok);  // nothing is left behind of the run that ended so
+      CHECK(sim.run_until(0.05) == Status::ok);  // the interrupted run leaves nothing behind
       CHECK(sim.time() > then);
       CHECK(sim.time() == 0.05);
       CHECK(sim.events().size() == 1);

@@ -1,4 +1,4 @@
-// What the joints transmitted at an instantaneous change: the impulse through a joint is the difference of its articulated
+// Impulses that the joints transmitted at an instantaneous change: the impulse through a joint is the change of its articulated
 // momentum, S = Pb⁺ − Pb⁻.
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace momentree {
 
 namespace {
 
-// A wrench in the frame that stands at `pose`, seen from the frame around it.
+// Transforms a wrench from the frame at `pose` to the surrounding frame.
 Force<double> outward(const Pose& pose, const Force<double>& W) {
   const Mat3 R = rotation_matrix(pose.rotation);
   const Vec3 l = R * W.l;
@@ -21,7 +21,7 @@ Force<double> outward(const Pose& pose, const Force<double>& W) {
 
 double size(const Force<double>& W) { return std::max(norm(W.l), norm(W.h)); }
 
-// What is this much smaller than the largest is rounding.
+// Impulses smaller than this fraction of the largest one are rounding errors.
 constexpr double noise = 1e-13;
 
 }  // namespace
@@ -45,7 +45,7 @@ void TopologyEditor::book_impulses(const Impulse* applied) {
   locate_bodies(tree(), world_.state_, world_.workspace_);
   const auto pose_of = [&](int b) { return user_pose(tree(), world_.workspace_.bodies[static_cast<std::size_t>(b)], b); };
   if (applied != nullptr) {
-    // The impulse from outside is in Pb of its body and of all inboard ones, but no joint transmitted it.
+    // The external impulse is contained in Pb of its body and of all inboard bodies, but no joint transmitted it.
     const Vec3 point = pose_of(applied->body.index) * applied->point;
     for (int a = applied->body.index; a >= 0; a = tree().parent(a)) {
       const Pose pose = pose_of(a);
@@ -67,7 +67,7 @@ void TopologyEditor::book_impulses(const Impulse* applied) {
       for (std::size_t i = 0; i < 6; ++i) event_->ground_impulse[i] += w[i];
     }
     Force<double>& sum = sums[static_cast<std::size_t>(tree().joint_of(b))];
-    if (tree().reversed(b)) {  // the declared child gets the opposite, in its own frame
+    if (tree().reversed(b)) {  // the declared child gets the opposite impulse, in its own frame
       const Force<double> W = outward(inverse(outer < 0 ? Pose{} : pose_of(outer)) * pose, S);
       sum.l -= W.l, sum.h -= W.h;
     } else {

@@ -1,6 +1,6 @@
 #include <momentree/simulate/all_quantities.hpp>  // generated: includes the files in quantities/
 #include <momentree/simulate/condition.hpp>
-#include <momentree/simulate/quantity_list.hpp>  // generated from them
+#include <momentree/simulate/quantity_list.hpp>  // generated from these files
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
@@ -9,7 +9,7 @@ std::optional<double> Condition::value(const World& world, std::span<const Event
   const Stamp stamp = world.stamp();
   if (seen_ == stamp) return last_;
   if (what->is_impulsive()) return what->value(world, now);
-  last_ = what->value(world, now);  // may throw: then nothing was seen
+  last_ = what->value(world, now);  // may throw: then nothing is cached
   seen_ = stamp;
   return last_;
 }
@@ -45,7 +45,7 @@ Measure of_joint(std::string joint) {
   return Measure(std::move(quantity));
 }
 
-// A function of the user's; it has no place in files.
+// A user-defined function; it cannot be written to files.
 struct Function : Quantity {
   std::function<double(const World&)> function;
   std::string_view key() const override { return "function"; }
@@ -90,7 +90,7 @@ Measure kinetic_energy_of(std::string mechanism) {
 }
 
 Measure measured(std::function<double(const World&)> function) {
-  if (!function) throw_error({"a quantity that is measured needs a function", "", ""});
+  if (!function) throw_error({"measured() needs a function", "", ""});
   auto quantity = std::make_shared<Function>();
   quantity->function = std::move(function);
   return Measure(std::move(quantity));

@@ -1,4 +1,4 @@
-// Events that wait for a condition: the instant of crossing, whatever the step; order, repetition, duration.
+// Events with conditions: the instant of crossing for any step; order, repetition, duration.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -21,7 +21,7 @@ Model falling(double v = 0) {
   return model;
 }
 
-// Rods of 1 kg and 1 m that hang from one another, at rest.
+// A chain of hanging rods of 1 kg and 1 m, at rest.
 Model hanging(int links) {
   Model model;
   BodyId last = ground;
@@ -54,7 +54,8 @@ TEST_CASE("the instant of a crossing does not depend on the step") {
 }
 
 TEST_CASE("a pendulum breaks where the force in its pin reaches a threshold") {
-  // Point mass on a massless rod of 1 m, released level: the force is 3 m g sin φ, φ the angle fallen; 2 m g at sin φ = 2/3.
+  // Point mass on a massless rod of 1 m, released horizontally: the force is 3 m g sin φ, φ being the angle fallen; 2 m g at sin
+  // φ = 2/3.
   Model model;
   model.add({.name = "bob", .mass = 1, .com = {1, 0, 0}, .inertia = {}, .joint = Revolute{.axis = {0, 1, 0}}});
   for (const double step : {1e-3, 5e-3}) {
@@ -62,7 +63,7 @@ TEST_CASE("a pendulum breaks where the force in its pin reaches a threshold") {
     sim.when(reaction_force("bob").exceeds(2 * g)).then(free_joint("bob"));
     REQUIRE(sim.run_until(0.1) == Status::ok);
     const Status status = sim.run_until(2);
-    CHECK(status == Status::refused);  // a point has no inertia of its own to fly off with
+    CHECK(status == Status::refused);  // a point has no inertia with which to move freely
     CHECK(std::fabs(std::sin(sim.world().joint({0}).q[0]) - 2.0 / 3) < 1e-7);
   }
 }
@@ -90,25 +91,26 @@ TEST_CASE("conditions can be written as comparisons") {
 
 TEST_CASE("already past at the start: at once; the largest load first; a cascade at one instant") {
   Simulation sim(hanging(5), {.step = 1e-3});
-  // The pins carry 5, 4, 3, 2, 1 rods. All but the last are overloaded; the third the most, then, with what is left, the first.
+  // The joints carry 5, 4, 3, 2, 1 rods. All but the last are overloaded; the third is overloaded most, then the first with the
+  // remaining rods.
   const double limits[5] = {4.2, 3.9, 2.0, 1.9, 5};
   for (int k = 1; k <= 5; ++k) {
     const std::string rod = "rod/" + std::to_string(k);
     sim.when(reaction_force(rod).exceeds(limits[k - 1] * g)).then(break_joint(rod)).named("snap " + std::to_string(k));
   }
   REQUIRE(sim.run_until(0.01) == Status::ok);
-  REQUIRE(sim.events().size() == 1);  // rid of three rods no other pin is overloaded, in free fall neither
+  REQUIRE(sim.events().size() == 1);  // without three rods no other joint is overloaded, nor is any in free fall
   CHECK(sim.events()[0].name == "snap 3");
   CHECK(sim.events()[0].time == 0);
 
   Simulation all(hanging(12), {.step = 1e-3});
   for (int k = 12; k >= 1; --k) {
-    // From the bottom to the top, each a little more overloaded than the one above it will be after the break.
+    // From bottom to top, each slightly more overloaded than the one above it will be after the break.
     const std::string rod = "rod/" + std::to_string(k);
     all.when(position_of(rod).exceeds(-1)).then(break_joint(rod));
   }
   REQUIRE(all.run_until(0) == Status::ok);
-  CHECK(all.events().size() == 12);  // each true at once, one after the other, in the order of scheduling
+  CHECK(all.events().size() == 12);  // all are met at once and happen one after the other, in the order of scheduling
   CHECK(all.events()[0].actions[0].text() == "break rod/12");
   CHECK(all.world().mechanisms().size() == 12);
 }
@@ -152,14 +154,15 @@ TEST_CASE("repetition, duration, delays, periods") {
 }
 
 TEST_CASE("what has to last starts anew where it ceases within a step, however briefly") {
-  // A cosine of one second falls below -0.85 for less than a step of 0.2 s: at 0.5, 1.5, … s, by 0.0883 s to both sides.
+  // A cosine with a period of one second falls below -0.85 for less than a step of 0.2 s: at 0.5, 1.5, … s, by 0.0883 s to both
+  // sides.
   constexpr double turn = 2 * 3.14159265358979323846;
   const double gap = std::acos(0.85) / turn;
   for (const double step : {0.2, 0.01}) {
     CAPTURE(step);
     Model model({.gravity = {}});
     model.add({.name = "swing", .mass = 1, .inertia = diagonal(1), .joint = Prismatic{.stiffness = turn * turn}, .q = 1.0});
-    // Tolerances that everything meets: steps are of max_step.
+    // Tolerances that everything meets: all steps have the length max_step.
     Simulation sim(model, {.method = "dop853", .step = step, .rtol = 1e6, .atol = 1e6, .max_step = step});
     const Action nothing = impulse("swing", {});
     const auto over = position_of("swing").exceeds(-0.85);
@@ -194,7 +197,7 @@ TEST_CASE("a trigger far from its threshold costs no evaluation") {
       evaluations[i] = sim.statistics().evaluations[0] + sim.statistics().evaluations[1];
     }
     CHECK(evaluations[0] > 50);
-    // But in the first step after an event, where nothing is known of slopes.
+    // Except in the first step after an event, when slopes are not known.
     CHECK(evaluations[1] - evaluations[0] <= 30);
     CHECK(evaluations[2] - evaluations[0] <= 30);
     MESSAGE(method << ": " << evaluations[0] << ", " << evaluations[1] << ", " << evaluations[2] << " evaluations");
@@ -203,20 +206,20 @@ TEST_CASE("a trigger far from its threshold costs no evaluation") {
 
 TEST_CASE("many conditions on positions take the evaluations of one for each that happens") {
   const auto evaluations = [](int count) {
-    Simulation sim(falling(20), {.step = 0.05});  // a ball that is thrown up: every condition happens once, on the way up
+    Simulation sim(falling(20), {.step = 0.05});  // a ball thrown upwards: every condition fires once, on the way up
     for (int k = 1; k <= count; ++k) sim.when(position_of("ball").exceeds(20.0 * k / count)).then(impulse("ball", {}));
     REQUIRE(sim.run_until(2) == Status::ok);
     REQUIRE(sim.events().size() == static_cast<std::size_t>(count));
     return sim.statistics().evaluations[0] + sim.statistics().evaluations[1];
   };
   const long few = evaluations(20), many = evaluations(400);
-  CHECK(many < 25 * few);  // 400 times as many where each event costs an evaluation for each condition
+  CHECK(many < 25 * few);  // 400 times as many if each event cost an evaluation per condition
 }
 
 TEST_CASE("conditions without rates find the slopes of one step together") {
   const auto evaluations = [](int count) {
     Simulation sim(hanging(3), {.step = 1e-3});
-    sim.every(0.01).then(impulse("rod/3", {0.01, 0, 0}));  // each event: nothing is known of slopes in the step behind it
+    sim.every(0.01).then(impulse("rod/3", {0.01, 0, 0}));  // after each event: slopes are not known in the next step
     for (int k = 0; k < count; ++k) sim.when(reaction_force("rod/1").exceeds(1e4 + k)).then(break_joint("rod/1"));
     REQUIRE(sim.run_until(0.2) == Status::ok);
     return sim.statistics().evaluations[0] + sim.statistics().evaluations[1];

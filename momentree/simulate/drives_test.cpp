@@ -13,7 +13,7 @@ using namespace momentree;
 
 namespace {
 
-// Turns about z with an inertia of 1 kg m², nothing else.
+// A body that rotates about z with an inertia of 1 kg m², nothing else.
 Model rotor(Revolute joint, double q = 0, double v = 0) {
   Model model({.gravity = {}});
   joint.axis = z_axis;
@@ -28,7 +28,7 @@ double scale(const Simulation& sim) {
   return std::max({std::fabs(e.initial), std::fabs(e.final), std::fabs(e.dissipated), std::fabs(e.work), 1e-3});
 }
 
-// A double pendulum, the joint of the second arm as given.
+// A double pendulum with the given joint of the second arm.
 Model arms(const Revolute& second) {
   Model model({.gravity = {0, 0, -9.81}});
   const BodyId one = model.add({.name = "one",
@@ -70,7 +70,8 @@ TEST_CASE("position control is bounded by its largest effort, then a damped osci
   REQUIRE(sim.run_until(2.5) == Status::ok);
   CHECK(sim.world().joint({0}).q[0] == doctest::Approx(0.5 * most * 2.5 * 2.5).epsilon(1e-11));
   CHECK(sim.world().joint_forces({0}).effort[0] == doctest::Approx(most).epsilon(1e-14));
-  // kp (target − t²) − kd 2t = most ends the first phase; then e″ + kd e′ + kp e = 0 as long as that asks for no more than most.
+  // kp (target − t²) − kd 2t = most ends the first phase; then e″ + kd e′ + kp e = 0 while the required effort does not exceed
+  // most.
   const double start = (-kd * most + std::sqrt(kd * kd * most * most + 2 * kp * most * (kp * target - most))) / (kp * most);
   const double e0 = 0.5 * most * start * start - target, v0 = most * start;
   const double delta = kd / 2, omega = std::sqrt(kp - delta * delta);
@@ -110,7 +111,7 @@ TEST_CASE("a soft stop throws a mass back as a damped oscillator does, and never
     model.add({.name = "mass", .mass = 1, .joint = slider, .v = v0});
     Simulation sim(model, {.method = "dopri5", .step = 1e-4, .rtol = 1e-12, .atol = 1e-13, .max_step = 1e-3});
     const double delta = c / 2, omega = std::sqrt(k - delta * delta);
-    // It lets go where k x + c ẋ = 0.
+    // It is released when k x + c ẋ = 0.
     const double lasts = (std::numbers::pi - std::atan2(c * omega, k - c * delta)) / omega;
     const double leaves = v0 * std::exp(-delta * lasts) * (std::cos(omega * lasts) - delta / omega * std::sin(omega * lasts));
     REQUIRE(sim.run_until(0.1 / v0 + 0.5 * lasts) == Status::ok);
@@ -193,11 +194,11 @@ TEST_CASE("a joint's own function is as good as a signal, sees the world, and go
   REQUIRE(told.run_until(0.5) == Status::ok);
   REQUIRE(asked.run_until(0.5) == Status::ok);
   CHECK(calls >= 200);
-  // Where a function may ask for bodies other kernels evaluate the stages, which round otherwise.
+  // If a function may read body motions, other kernels evaluate the stages, and they round differently.
   CHECK(std::fabs(told.world().joint({1}).q[0] - asked.world().joint({1}).q[0]) < 1e-13);
   CHECK(std::fabs(told.energy().work - asked.energy().work) < 1e-13);
 
-  // What a moment says of bodies is what the world says of them.
+  // The evaluation context and the world must agree about body motions.
   BodyMotion seen;
   asked.drive("two", [&](const EvaluationContext& m) {
     seen = m.motion({1});
@@ -210,7 +211,7 @@ TEST_CASE("a joint's own function is as good as a signal, sees the world, and go
   CHECK(norm(seen.angular - is.angular) < 1e-14);
   CHECK(a == 3 * asked.world().joint({0}).v[0]);
 
-  // Snapshots and branches keep it; a joint that broke has none, and going back gives it back.
+  // Snapshots and branches keep the function; a joint that broke has none, and restoring brings it back.
   const SimulationSnapshot before = asked.snapshot();
   Simulation other = asked.branch();
   REQUIRE(other.run_until(0.6) == Status::ok);
@@ -233,7 +234,7 @@ TEST_CASE("new drives, friction, stops and strengths at run time") {
   JointParameters with;
   with.drive = pd_drive({.kd = 2, .target_speed = {Signal(1)}});
   sim.apply(set_parameters("rotor", with));
-  CHECK(sim.world().joint_forces({0}).effort[0] == 2);  // the effort of before is gone
+  CHECK(sim.world().joint_forces({0}).effort[0] == 2);  // the previous effort is removed
   with = {};
   with.effort = 5;
   sim.apply(set_parameters("rotor", with));

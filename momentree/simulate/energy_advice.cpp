@@ -1,4 +1,4 @@
-// The warning for an energy balance that does not close.
+// The warning about an energy balance that does not close.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,7 +10,7 @@ namespace momentree {
 
 namespace {
 
-// Beyond this share of the largest kinetic energy the motion is not the one that was asked for.
+// Beyond this fraction of the largest kinetic energy the computed motion is not trusted.
 constexpr double tolerated = 1e-3;
 constexpr double rounding = 1e-12;
 
@@ -20,20 +20,20 @@ std::string text(const char* pattern, double a) {
   return buffer;
 }
 
-// A share of the kinetic energy: "11 % of", "12 times".
+// A fraction of the kinetic energy: "11 % of", "12 times".
 std::string share_text(double share) { return share < 10 ? text("%.2g %% of", 100 * share) : text("%.0f times", share); }
 
 }  // namespace
 
 std::string EnergyBalance::advice(const Integration& how) const {
   if (!std::isfinite(error) || !std::isfinite(initial) || !std::isfinite(final))
-    return "the energies are beyond all numbers: masses, lengths or speeds are too large to compute with";
-  double turned_over = 0;  // whose rounding is no error of the integration
+    return "the energies overflow: masses, lengths or speeds are too large";
+  double turned_over = 0;  // its rounding is not an integration error
   for (const double part : {initial, final, work, dissipated, lost_in_impacts, released}) turned_over += std::fabs(part);
   if (!(std::fabs(error) > std::max(tolerated * largest_kinetic, rounding * turned_over))) return {};
   std::string what = "the energy balance is off by " + text("%.3g J", error) + ", " +
                      (largest_kinetic > 0 ? share_text(std::fabs(error) / largest_kinetic) + " the largest kinetic energy"
-                                          : std::string("where nothing moves")) +
+                                          : std::string("although nothing moves")) +
                      ": the motion is not computed accurately";
   if (is_adaptive(how.method)) return what + "; use smaller tolerances, such as " + text("rtol = %.0e", how.rtol / 100);
   what += "; use a smaller step, such as " + text("%.3g s", how.step / 4);

@@ -1,5 +1,5 @@
 #pragma once
-// A row of the result: what happened, when, and what it conserved.
+// Events that happened: actions, times and conservation certificates.
 #include <array>
 #include <cmath>
 #include <string>
@@ -11,20 +11,21 @@
 
 namespace momentree {
 
-/// What one action of an event did. Names are those of the moment before the event, `joint` of an action that makes one apart.
+/// The effect of one action of an event. Names are those just before the event, except `joint` of an action that makes one.
 struct ActionRecord {
-  std::string kind;      ///< as in scenario files, "break"; of a joint limit "hit", "rest", "leave"; "add", "remove" of a body
+  std::string kind;      ///< as in scenario files: "break"; for joint limits "hit", "rest" or "leave"; for bodies "add" or
+                         ///< "remove"
   std::string target;    ///< as in logs: "chain/41", "satellite/hull to tug/gripper", "arm/elbow upper"
   std::string joint;     ///< the joint that it acted on or made; empty: none
-  std::string body, to;  ///< the body that it acted on, and what that was joined to ("ground" is possible); empty: none
-  std::string skipped;   ///< why nothing was done; empty: it was done
+  std::string body, to;  ///< the body that it acted on, and the body that was joined to it (may be "ground"); empty: none
+  std::string skipped;   ///< why nothing was done; empty: the action was carried out
 
-  /// "break chain/41", "break chain/41 skipped: the joint is not there any more".
+  /// "break chain/41", "break chain/41 skipped: the joint no longer exists".
   std::string text() const { return kind + " " + target + (skipped.empty() ? "" : " skipped: " + skipped); }
   friend bool operator==(const ActionRecord&, const ActionRecord&) = default;
 };
 
-/// A joint as an event left it, in its declared direction.
+/// A joint after an event, in its declared direction.
 struct JointRecord {
   std::string name;
   Kind kind = Kind::weld;
@@ -32,14 +33,15 @@ struct JointRecord {
   Pose at, child_at;
   Vec3 axis{}, axis2{};
   double pitch = 0;
-  unsigned locked = 0;  ///< a bit per locked freedom
+  unsigned locked = 0;  ///< one bit per locked DoF
 };
 
-/// How an event changed the topology: what a reader needs to follow it without knowing what actions do.
+/// How an event changed the topology: all that a reader needs to follow it without implementing the actions.
 struct TopologyRecord {
-  std::vector<std::string> gone;    ///< names of joints that do not exist any more
-  std::vector<JointRecord> joints;  ///< those that were made or changed: they replace what had their names
-  /// Bodies that belong to another mechanism now, as ranges of body numbers. Of events at one instant the last one has them.
+  std::vector<std::string> gone;    ///< names of joints that no longer exist
+  std::vector<JointRecord> joints;  ///< joints that were made or changed; they replace earlier joints with the same names
+  /// Bodies that now belong to another mechanism, as ranges of body numbers. Of several events at one instant, the last one lists
+  /// them.
   struct Moved {
     std::string mechanism;
     std::vector<std::pair<int, int>> bodies;  ///< first number, count
@@ -48,7 +50,7 @@ struct TopologyRecord {
   bool empty() const { return gone.empty() && joints.empty() && moved.empty(); }
 };
 
-/// An event that happened, with its certificate: what it conserved and what it lost.
+/// An event that happened, with its certificate: the quantities that it conserved and the energy that it lost.
 struct Event {
   double time = 0;
   std::string name;  ///< the event's name, or #1, #2 … by its place
@@ -62,28 +64,30 @@ struct Event {
     return all;
   }
   Totals before, after;
-  double released = 0;  ///< energy of springs and rotors that left with a freedom (J)
-  double lost = 0;      ///< energy that its impacts took: the kinetic energy of the jump of velocities (J)
-  double work = 0;      ///< energy that its impulses and new parameters brought (J)
-  /// Per joint the impulse that the parent exerted on the child through it (N s, N m s): about the child's origin, in the
-  /// child's axes; only where not zero.
+  double released = 0;  ///< energy of springs and armatures removed together with their DoFs (J)
+  double lost = 0;      ///< energy lost in its impacts: the kinetic energy of the velocity jump (J)
+  double work = 0;      ///< energy added by its impulses and new parameters (J)
+  /// By joint name, the impulse that the parent exerted on the child through the joint: force (N s), then torque (N m s) about
+  /// the child's origin, in the child's axes. Zero impulses are omitted.
   std::vector<std::pair<std::string, std::array<double, 6>>> impulse;
-  /// The impulse that the ground exerted on the mechanisms: world axes, about the world's origin.
+  /// The impulse that the ground exerted on the mechanisms: force (N s), then torque (N m s) about the world's origin, in world
+  /// axes.
   std::array<double, 6> ground_impulse{};
-  /// The joint with the largest linear impulse (of equal ones that with the largest angular one), and both (N s, N m s).
+  /// The joint with the largest linear impulse (among equal ones, that with the largest angular impulse), and both (N s, N m s).
   std::string hardest_joint;
   double hardest_linear = 0, hardest_angular = 0;
-  double duration_ns = 0;  ///< the change itself; evaluations before and after it and this certificate apart
+  double duration_ns = 0;  ///< the change itself, without the evaluations before and after it and without this certificate
 };
 
-/// A scheduled event that did not happen so far, and why.
+/// A scheduled event that has not happened so far, and why.
 struct MissedEvent {
   std::string name;
-  /// When it is due, where that is known; infinite where it follows another event or a condition.
+  /// When it is due (s), if that is known; infinite if it follows another event or depends on a condition.
   double time = HUGE_VAL;
   std::string after;  ///< the event that it follows, which did not happen
-  /// Of a condition: the quantity, "distance"; its threshold, exceeded or fallen below; the nearest that it came, and when. NaN
-  /// where there was nothing to look at, as with a joint that was gone. A condition that has to last held no longer than `held`.
+  /// For a condition: the quantity ("distance"), its threshold, exceeded or fallen below, the nearest value, and when it
+  /// occurred. NaN if the quantity never had a value, for example because its joint no longer existed. A condition that has to
+  /// last never held for longer than `held`.
   std::string quantity;
   std::vector<std::string> of;  ///< joints, bodies or mechanisms of the quantity
   double threshold = 0;

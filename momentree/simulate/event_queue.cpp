@@ -36,8 +36,8 @@ bool EventQueue::watching(const World& world) const {
          std::any_of(entries.begin(), entries.end(), [](const Entry& e) { return e.condition && !e.done; });
 }
 
-// Joints come and go, and with them their strengths; of those that stay, what is known of their loads stays. One that broke is
-// gone: what has its number and its strength now was given them since.
+// Joints are made and removed, and their strengths with them; joints that remain keep the history of their loads. A joint that
+// broke no longer exists: the joint that now has its number, and its strength, are new.
 void EventQueue::renew_strengths(const World& world) {
   strengths_of_ = world.tree().revision();
   if (strengths_.empty() && world.tree().strength_joints().empty()) return;
@@ -61,12 +61,12 @@ void EventQueue::renew_strengths(const World& world) {
 
 namespace {
 
-// The highest point of the parabola through three looks, where that is between them.
+// The maximum of the parabola through three evaluations, if it is between them.
 void look_between(Approach& nearest, const EventQueue::Entry& e, double time, double excess) {
   if (e.looked_before < 0 || !(e.excess >= e.excess_before && e.excess >= excess)) return;
   const double before = e.looked - e.looked_before, after = time - e.looked;
   const double rise = (e.excess - e.excess_before) / before, fall = (excess - e.excess) / after;
-  const double curvature = (fall - rise) / (before + after), slope = rise + curvature * before;  // where it was highest
+  const double curvature = (fall - rise) / (before + after), slope = rise + curvature * before;  // where the parabola is highest
   if (!(curvature < 0)) return;
   const double offset = -slope / (2 * curvature);
   nearest.look(e.looked + offset, std::min(e.excess + offset * (slope + curvature * offset), std::max(0.0, e.excess)));
@@ -82,7 +82,8 @@ std::optional<std::size_t> EventQueue::urgent(const World& world, std::span<cons
     Entry& e = at(k);
     if (!e.condition || e.done) continue;
     const Condition& c = *e.condition;
-    // Impulses are of an instant: a run that starts where another one ended has not seen them, and that one has looked at them.
+    // Impulses belong to an instant: a run that continues another one has not seen them, but the other run has already evaluated
+    // them.
     if (c.what->is_impulsive() && now.empty() && e.looked == world.time()) continue;
     const std::optional<double> value = c.value(world, now);
     if (!value) {
@@ -105,7 +106,7 @@ std::optional<std::size_t> EventQueue::urgent(const World& world, std::span<cons
     if (!first) first = k;
     if (c.what->is_load() && c.ratio(*value) > largest) load = k, largest = c.ratio(*value);
   }
-  look_ahead();  // to where those that hold will have held long enough
+  look_ahead();  // to when those that hold will have held for long enough
   return load ? load : first;
 }
 

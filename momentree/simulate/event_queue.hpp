@@ -1,5 +1,5 @@
 #pragma once
-// What is to happen: events with their instants or conditions, and what became of them so far.
+// The event queue: scheduled events with their instants or conditions, and their status.
 #include <cmath>
 #include <optional>
 #include <set>
@@ -14,11 +14,11 @@
 
 namespace momentree {
 
-/// How near a condition came to being true: the largest excess over its threshold at any look, negative where it never was; a
-/// peak between looks by the parabola through three of them.
+/// How near a condition came to firing: the largest excess over its threshold at any evaluation, negative if it never held. A
+/// peak between evaluations is estimated by the parabola through three of them.
 struct Approach {
-  double excess = -HUGE_VAL, time = 0;  ///< −infinity: there was nothing to look at
-  double held = 0;                      ///< the longest that it held without a gap (s)
+  double excess = -HUGE_VAL, time = 0;  ///< −infinity: the quantity never had a value
+  double held = 0;                      ///< the longest time that it held without interruption (s)
 
   void look(double time_now, double excess_now) {
     if (excess_now > excess) excess = excess_now, time = time_now;
@@ -29,54 +29,56 @@ class EventQueue {
  public:
   struct Entry {
     DueEvent event;
-    double time = HUGE_VAL;              ///< when it is due, as far as that is known
-    std::optional<Condition> condition;  ///< or when it comes true
-    std::string after;                   ///< or after the event of that name,
-    double delay = 0;                    ///< by this (s)
-    double period = 0;                   ///< and again every so often (s); 0: once
-    std::size_t rank = 0;                ///< of what is due at one instant the lowest comes first
+    double time = HUGE_VAL;              ///< when it is due (s), if known
+    std::optional<Condition> condition;  ///< or when this condition is met
+    std::string after;                   ///< or after the event with that name,
+    double delay = 0;                    ///< by this delay (s)
+    double period = 0;                   ///< repeated with this period (s); 0: once
+    std::size_t rank = 0;                ///< of the entries due at one instant, the lowest rank comes first
     int fired = 0;
     bool done = false;
-    double since = -1;                                                      ///< since when the condition holds, −1: it does not
-    bool resting = false;                                                   ///< it repeats, and is not armed again yet
-    double excess = 0, excess_before = 0, looked = -1, looked_before = -1;  ///< at the last two looks, and when; −1: none
-    Approach nearest;                                                       ///< since the start or the last restore
+    double since = -1;     ///< time (s) since which the condition holds; −1: it
+                           ///< does not hold
+    bool resting = false;  ///< it repeats, and is not armed again yet
+    double excess = 0, excess_before = 0, looked = -1, looked_before = -1;  ///< at the last two evaluations, and their times; −1:
+                                                                            ///< none
+    Approach nearest;  ///< since the start or the last restore
   };
 
-  /// When an entry would happen, as far as that is known.
+  /// When an entry would happen, if known.
   struct Turn {
     double time;
-    bool follows;  ///< another one, without a delay: an instant of its own, at the same time
+    bool follows;  ///< follows another event without a delay: an instant of its own, at the same time
     std::size_t entry;
   };
 
   std::vector<Entry> entries;      ///< in the order of scheduling
   std::set<std::string> expected;  ///< names of joints that events will make
-  /// Places past `entries` are entries of the strengths of joints, valid until the world next changes.
+  /// Places past `entries` are the entries of joint strengths, valid until the world next changes.
   Entry& at(std::size_t place) { return place < entries.size() ? entries[place] : strengths_[place - entries.size()].entry; }
 
-  /// Adds an entry and finds the next instant; returns its place.
+  /// Adds an entry, updates the next instant and returns the entry's place.
   std::size_t add(Entry entry);
-  /// The next instant at which something may be due.
+  /// The next instant at which something may be due (s).
   double next_time() const { return next_; }
   void look_ahead();
 
-  /// Places of what is due at an instant, or was.
+  /// Places of the entries due at an instant or before it.
   std::vector<std::size_t> due(double time) const;
-  /// The condition that is true now and comes first: the largest ratio of load to threshold, else the first scheduled. Keeps
-  /// account of since when conditions hold.
+  /// The condition that holds now and comes first: the one with the largest ratio of load to threshold, otherwise the first
+  /// scheduled. Updates the times since which conditions hold.
   std::optional<std::size_t> urgent(const World& world, std::span<const Event> now);
-  /// What is to be located in the next step; good until the next call and the next entry.
+  /// The conditions to be located in the next step; valid until the next call and until an entry is added.
   std::span<const Watch> watches(const World& world);
-  /// True where conditions are to be looked at after a step.
+  /// True if conditions are to be evaluated after a step.
   bool watching(const World& world) const;
 
-  /// The world changed at this instant: what conditions look at may have jumped, and no parabola goes through that.
+  /// Call when the world has changed at this instant: quantities may have jumped, so no parabola may be fitted across it.
   void forget_looks();
-  /// An entry happened: it is done, or armed again; what follows it has its instant now.
+  /// An entry happened: it is done or armed again; the times of entries that follow it are now known.
   void happened(std::size_t place, double time);
 
-  /// By entry, what a snapshot keeps of it.
+  /// The state of each entry in a snapshot.
   struct Armed {
     double time = 0;
     int fired = 0;
@@ -87,7 +89,7 @@ class EventQueue {
     friend bool operator==(const Armed&, const Armed&) = default;
   };
   std::vector<Armed> armed() const;
-  /// Entries that the list does not have stay scheduled where they are not past at `now`.
+  /// Entries that are not in the list stay scheduled unless their time is before `now`.
   void restore(std::span<const Armed> armed, double now);
 
  private:
@@ -101,7 +103,7 @@ class EventQueue {
   double next_ = HUGE_VAL;
   std::vector<Watch> watches_;
   std::vector<Borne> strengths_;
-  std::optional<std::uint64_t> strengths_of_;  // of which revision of the tree
+  std::optional<std::uint64_t> strengths_of_;  // revision of the tree for which they were found
 };
 
 }  // namespace momentree

@@ -16,7 +16,7 @@ std::string joint_text(const World& world, int carrier) {
   return "joint '" + std::string(world.joint_name({world.tree().joint_of(carrier)})) + "'";
 }
 
-// The body that carries the joint with the largest velocity, and that velocity.
+// The child body of the joint with the largest velocity, and that velocity.
 std::pair<int, double> fastest_joint(const World& world) {
   int fastest = -1;
   double most = 0;
@@ -33,12 +33,12 @@ std::string what_ran_away(const World& world, const Integrator& method, double h
     for (const int b : tree.order()) {
       const int place = away->coordinate - tree.first_q(b);
       if (place < 0 || place >= info(tree.kind(b)).nq) continue;
-      if (!std::isfinite(away->moved)) return joint_text(world, b) + " left the range of numbers" + within;
+      if (!std::isfinite(away->moved)) return joint_text(world, b) + " overflowed" + within;
       return joint_text(world, b) + " would move by " + text(away->moved) + " rad or m" + within;
     }
   }
   const auto [fastest, speed] = fastest_joint(world);
-  const std::string what = method.adaptive() ? "no step is short enough" : "a step of " + text(h) + " s could not be solved for";
+  const std::string what = method.adaptive() ? "no step is short enough" : "a step of " + text(h) + " s could not be solved";
   if (fastest < 0 || speed == 0) return what;
   return what + "; " + joint_text(world, fastest) + " is the fastest, at " + text(speed) + " rad/s or m/s";
 }
@@ -68,21 +68,19 @@ std::optional<std::string> ProgressMonitor::look(const World& world, const Integ
   const double gone = world.time() - time_, steps = steps_between_looks, left = (until - world.time()) / gone * steps;
   const std::size_t happened = events.size() - std::min(events.size(), events_);
   begin(world.time(), events.size());
-  // A fixed step is what was asked for, unless no machine could do it. Adaptive methods take steps in which next to nothing moves
-  // where their tolerances are below the noise of rounding.
+  // A fixed step is the user's choice, unless the run could not finish on any machine. Adaptive methods make tiny steps without
+  // progress if their tolerances are below rounding errors.
   const double moved = fastest_joint(world).second * gone / steps;
-  // A run without end is for its observers to judge.
+  // A run to infinity is judged by its observers.
   const bool lost = std::isfinite(until) && (method.adaptive() ? left > 1e9 && moved < 1e-5 : left > 2e11);
   const bool busy = happened > static_cast<std::size_t>(steps) / 4 && (std::isfinite(until) ? left > 1e9 : gone / steps < 1e-9);
   if (gone > 0 && !lost && !busy) return std::nullopt;
   const std::string what = no_progress_at(world.time()) + "the last " + std::to_string(steps_between_looks) +
-                           " steps took it no more than " + text(gone) + " s further; ";
+                           " steps advanced the clock by no more than " + text(gone) + "s;  ";
   if (happened > static_cast<std::size_t>(steps) / 4)
-    return what + "events follow one another without end, the last of them " + last_events(events) +
-           "; do they bring about each other?";
+    return what + "events follow each other endlessly, the last of them " + last_events(events) + "; do they trigger each other?";
   if (method.adaptive())
-    return what +
-           "the tolerances ask for more digits than the motion can be computed to: use larger rtol and atol, or a fixed step";
+    return what + "the tolerances are below the rounding errors of the motion: use larger rtol and atol, or a fixed step";
   return what + "the step of " + text(integration.step) + " s is too short for a run of " + text(until) + " s";
 }
 

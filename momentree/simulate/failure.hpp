@@ -1,5 +1,5 @@
 #pragma once
-// What a run says when it can't go on: it diverged, or it gets nowhere.
+// Messages of a run that cannot continue: it diverged or makes no progress.
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -12,21 +12,21 @@
 
 namespace momentree {
 
-/// Which joint ran away in a step of h seconds, and what to do; the world is at its last good state.
+/// Reports which joint diverged in a step of h seconds, and suggests remedies; the world is at its last good state.
 std::string divergence_text(const World& world, const Integrator& method, const Integration& integration, double h);
 
 /// "no progress at t = 0.25 s: "
 std::string no_progress_at(double time);
 
-/// The last two events, "'stop: hit m/a lower' and 'grasp: weld …'".
+/// The last two events: "'stop: hit m/a lower' and 'grasp: weld …'".
 std::string last_events(std::span<const Event> events);
 
-/// Finds out when a run gets nowhere: looks back over many steps at a time.
+/// Detects runs that make no progress, by their advance over many steps.
 class ProgressMonitor {
  public:
   void begin(double time, std::size_t events) { steps_ = 0, time_ = time, events_ = events; }
 
-  /// To be called after each step. Says why, where the run to `until` would not end in a time that anybody waits for.
+  /// Call after each step. Returns a message if the run to `until` would not end in a reasonable time.
   std::optional<std::string> step(const World& world, const Integrator& method, const Integration& integration,
                                   std::span<const Event> events, double until) {
     if (++steps_ < steps_between_looks) return std::nullopt;
@@ -38,7 +38,7 @@ class ProgressMonitor {
   std::optional<std::string> look(const World& world, const Integrator& method, const Integration& integration,
                                   std::span<const Event> events, double until);
 
-  int steps_ = 0;  // since the last look
+  int steps_ = 0;  // since the last check
   double time_ = 0;
   std::size_t events_ = 0;
 };

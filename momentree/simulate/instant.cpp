@@ -28,7 +28,7 @@ std::string refusal(const DueEvent& event, const Action& action, double time, co
   return text;
 }
 
-// Two actions that decide the same freedom of one joint; where there are such, the second one's verdict.
+// Finds two actions that change the same DoF of one joint; returns the second action and its result.
 std::optional<std::pair<std::size_t, ActionResult>> contradiction(std::span<const DueEvent> due, const std::vector<Item>& items) {
   struct Decided {
     std::string joint;
@@ -45,23 +45,24 @@ std::optional<std::pair<std::size_t, ActionResult>> contradiction(std::span<cons
       const Item &one = items[all[k].item], &other = items[all[i].item];
       const bool same = (**one.what).key() == (**other.what).key() && (**one.what).key() != "change";
       if (same || (all[k].dofs & all[i].dofs) == 0) continue;
-      return std::pair{all[i].item,
-                       ActionResult::refused("contradicts " + in_event(due[one.event], *one.what) + " at the same instant",
-                                             "a joint can become one thing at a time: give them different instants")};
+      return std::pair{all[i].item, ActionResult::refused(
+                                        "contradicts " + in_event(due[one.event], *one.what) + " at the same instant",
+                                        "a joint can take only one such change at a time: give the actions different instants")};
     }
   }
   return std::nullopt;
 }
 
-// What one action did to the world's totals.
+// The effect of one action on the world's totals.
 struct Step {
   std::size_t event;
   Totals before, after;
 };
 
-// Gives each event its own before and after: energy and momenta that its own actions changed, whatever other events of the
-// instant did in between. Events follow one another in the order of the list: the first begins where the instant began, each
-// next one where the one before it ended. Where the actions were carried out in that order, these are states that were passed.
+// Gives each event its own `before` and `after`: the energy and momenta that its own actions changed, whatever other events of
+// the instant did in between. Events are chained in the order of the list: the first begins with the totals before the instant,
+// each later one with the totals at the end of the previous one. If the actions were carried out in that order, these are states
+// that actually occurred.
 void share_totals(const Totals& start, const std::vector<Step>& steps, std::vector<Event>& events) {
   Totals now = start;
   bool in_order = true;
@@ -81,11 +82,11 @@ void share_totals(const Totals& start, const std::vector<Step>& steps, std::vect
     }
     events[e].after = now;
   }
-  if (!events.empty() && !steps.empty()) events.back().after = steps.back().after;  // else off by the rounding of the sums
+  if (!events.empty() && !steps.empty()) events.back().after = steps.back().after;  // removes the rounding errors of the sums
 }
 
 ActionResult no_free_mass() {
-  return ActionResult::refused("what would then move by itself has not the mass or inertia to move freely",
+  return ActionResult::refused("a part would then lack the mass or inertia to move freely",
                                "give it a mass and an inertia about every axis");
 }
 
@@ -93,18 +94,20 @@ bool is_finite(const Totals& totals) {
   return std::isfinite(totals.kinetic) && std::isfinite(totals.linear.x + totals.linear.y + totals.linear.z);
 }
 
-// What moved before still moves, and no change that only lets go or holds brings energy (where no joint is driven): else a mass
-// is missing somewhere. `brought`: kinetic energy that new parameters brought, as those of a joint that is made.
+// Bodies that moved before must still move, and a change that only releases or locks must add no energy (unless a joint is
+// driven): otherwise a mass is missing somewhere. `brought`: kinetic energy from new parameters, such as those of a joint that is
+// made.
 ActionResult check_energy(const Totals& before, const Totals& after, ActionPhase phase, bool driven, double brought) {
   const bool finite = is_finite(after);
   const bool gained = !driven && phase < ActionPhase::impulse && after.kinetic - brought > before.kinetic * (1 + 1e-3) + 1e-30;
   if (finite && !gained) return ActionResult::done();
   if (phase >= ActionPhase::impulse)
-    return ActionResult::refused("it would make the motion too fast for numbers", "is the value what you meant?");
+    return ActionResult::refused("it would make velocities overflow", "is the value as intended?");
   return no_free_mass();
 }
 
-// True where a body has not the mass or inertia to move freely by itself: a point, a rod. No other can leave a joint singular.
+// True if some body lacks the mass or inertia to move freely alone, such as a point mass or a rod. Only such bodies can make a
+// joint singular.
 bool has_thin_bodies(const Model& model) {
   return std::any_of(model.bodies().begin(), model.bodies().end(), [](const BodySpec& body) {
     const Sym3& J = body.inertia;
@@ -162,7 +165,7 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
     refuse(items[most_actions_at_once], ActionResult::refused("more than " + std::to_string(most_actions_at_once) +
                                                                   " actions at one instant, the first of them " +
                                                                   in_event(due[items[0].event], *items[0].what),
-                                                              "is that a wildcard that matches too much?"));
+                                                              "does a wildcard match too much?"));
     return report;
   }
   if (const auto found = contradiction(due, items)) {
@@ -170,11 +173,11 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
     return report;
   }
 
-  // Returns false where the instant is refused.
+  // Returns false if the instant is refused.
   const auto carry = [&](const Item& item, bool prepares) {
     Event& event = report.events[item.event];
     const Totals before = world.totals();
-    if (!prepares && begun[item.event] == 0) {  // preparing changes no mechanism
+    if (!prepares && begun[item.event] == 0) {  // preparation changes no mechanism
       begun[item.event] = 1;
       event.mechanisms_before = world.mechanism_names();
     }
@@ -184,7 +187,7 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
     const ActionBase& action = **item.what;
     ActionResult result = prepares ? action.prepare(editor) : action.apply(editor);
     const Totals after = world.totals();
-    // In a rehearsal the coordinates are not those of the instant: a mass may be missing there alone.
+    // In a dry run the coordinates are not those of the instant: a mass may be missing there and not at the instant itself.
     const bool judged = !dry_run || item.phase >= ActionPhase::impulse;
     if (!judged && !is_finite(after)) {
       world.restore(start);
@@ -196,9 +199,11 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
       const bool driven = !world.tree().driven_joints().empty();
       const ActionResult sound = check_energy(before, after, item.phase, driven, editor.brought - brought);
       if (sound.outcome != ActionResult::Outcome::done) result = sound;
-      if (sound.outcome != ActionResult::Outcome::done && prepares)  // between the old joint and the new one nothing holds it
-        result = ActionResult::refused("it can't be one impact with others: the child alone has not the inertia to move freely",
-                                       "give its change an instant of its own");
+      if (sound.outcome != ActionResult::Outcome::done && prepares)  // the body is not held between the removal of the old joint
+                                                                     // and the new one
+        result =
+            ActionResult::refused("it can't share an impact with other actions: the child alone lacks the inertia to move freely",
+                                  "give this change its own instant");
     }
     if (result.outcome == ActionResult::Outcome::refused) {
       refuse(item, std::move(result));
@@ -233,7 +238,7 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
   report.changes = editor.changes;
   share_totals(totals_at_start, steps, report.events);
   for (std::size_t e = 0; e < due.size(); ++e) {
-    if (begun[e] != 0) continue;  // else it has no action
+    if (begun[e] != 0) continue;  // otherwise the event has no action
     report.events[e].mechanisms_before = report.events[e].mechanisms_after = world.mechanism_names();
   }
   for (Event& event : report.events) editor.certify(event);

@@ -1,7 +1,7 @@
 #pragma once
-// Everything that happens at one instant, in its order: 1. what changes no velocity (break, free, unlock, changes whose freedoms
-// contain the old ones), 2. lock, weld, attach and all other changes, together one impact, 3. impulses, 4. parameters; within
-// each in the order of the events and of their actions. All of it, or nothing.
+// Carries out all actions of one instant in this order: 1. actions that change no velocity (break, free, unlock, changes that
+// keep all DoFs of the old joint), 2. lock, weld, attach and all other changes, together as one impact, 3. impulses, 4.
+// parameters. Within each group the order is that of the events and of their actions. Either all of them take effect or none.
 #include <span>
 #include <string>
 #include <vector>
@@ -15,11 +15,11 @@ namespace momentree {
 /// An event that is due.
 struct DueEvent {
   std::string name;
-  bool named = false;  ///< by its user: a joint that it makes then has that name
+  bool named = false;  ///< named by the user: a joint that it makes then has that name
   std::vector<Action> actions;
 };
 
-/// What one action became.
+/// Outcome of one action.
 struct ActionReport {
   std::size_t event = 0, action = 0;  ///< places in the instant's events
   ActionResult result;
@@ -27,22 +27,22 @@ struct ActionReport {
 
 struct InstantReport {
   bool refused = false;               ///< nothing happened; the last of `actions` says why
-  bool lost = false;                  ///< in a rehearsal: the state lost its meaning, so nothing can be tried after it
-  std::string message;                ///< of a refusal: which action, why, and how to mend it
+  bool lost = false;                  ///< in a dry run: the state is no longer meaningful, so that nothing can be tried after it
+  std::string message;                ///< for a refusal: which action, why, and how to correct it
   std::vector<ActionReport> actions;  ///< in the order in which they were carried out
-  std::vector<Event> events;          ///< one for each that was due, with certificates
-  double seconds = 0;                 ///< spent in changes alone
+  std::vector<Event> events;          ///< one for each event that was due, with its certificate
+  double seconds = 0;                 ///< time spent in the changes alone
   long changes = 0;
 };
 
-/// No more actions than this at one instant.
+/// Maximum number of actions at one instant.
 inline constexpr std::size_t most_actions_at_once = 10'000;
 
-/// The name that a joint made by the `action`-th action of an event gets: the event's own where it makes one joint only, else
-/// "<to>+<body>". Empty for actions that make none.
+/// Name of the joint that the `action`-th action of an event makes: the event's own name if the event makes only one joint,
+/// otherwise "<to>+<body>". Empty for actions that make no joint.
 std::string made_joint_name(const DueEvent& event, std::size_t action);
 
-/// `rehearsal`: see TopologyEditor.
+/// `dry_run`: see TopologyEditor.
 InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_run = false);
 
 }  // namespace momentree

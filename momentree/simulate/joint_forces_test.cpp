@@ -9,7 +9,7 @@ using namespace momentree;
 
 namespace {
 
-// A point mass at 2 m from a pin on y, driven and damped.
+// A point mass at 2 m from a revolute joint about y, driven and damped.
 Model pendulum() {
   Model model({.gravity = {0, 0, -9.81}});
   model.add({.name = "bob",
@@ -22,7 +22,7 @@ Model pendulum() {
   return model;
 }
 
-// Three bodies that float, none of them an end of the other's joint alone.
+// Three floating bodies; each joint has further bodies on both sides.
 Model floating() {
   Model model({.gravity = {0, 0, -9.81}});
   const BodyId hull = model.add({.name = "hull",
@@ -65,7 +65,8 @@ TEST_CASE("a pendulum: its acceleration, the pull of the pin, and the drive's sh
     const double a = (drive - 3 * 9.81 * 2 * std::sin(q)) / 12;
     REQUIRE(forces.a.size() == 1);
     CHECK(forces.a[0] == doctest::Approx(a).epsilon(1e-13));
-    // In the bob's axes: along the rod what keeps it on its circle, across it what the drive's torque takes.
+    // In the bob's axes: along the rod the force that keeps it on its circle, across it the force that balances the drive's
+    // torque.
     const Vec3 pull{-drive / 2, 0, 3 * (9.81 * std::cos(q) + 2 * v * v)};
     CHECK(distance(forces.reaction, {pull, {0, drive, 0}}) < 1e-12 * norm(pull));
     CHECK(distance(forces.pure, {pull, {}}) < 1e-12 * norm(pull));

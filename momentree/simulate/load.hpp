@@ -1,5 +1,5 @@
 #pragma once
-// What the quantities that are loads on a joint share.
+// Common base of the quantities that are loads on a joint.
 #include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/world.hpp>
 

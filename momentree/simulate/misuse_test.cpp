@@ -1,5 +1,5 @@
-// What simulations and worlds are given and can't be. Values are errors that say what is wrong; handles of nothing, and whatever
-// a simulation can't do where it stands, stop the program with what was expected.
+// Invalid arguments of simulations and worlds. Invalid values are errors that say what is wrong; invalid handles, and calls that
+// a simulation cannot serve in its present state, terminate the program with a message of what was expected.
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -19,7 +19,7 @@ namespace {
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity(),
                  denormal = std::numeric_limits<double>::denorm_min();
 
-// A pendulum of two links, and a body that floats with another on a ball.
+// A pendulum of two links, and a floating body that carries another on a ball joint.
 Model model(double mass = 1) {
   Model all;
   const auto add = [&](const char* name, BodyId parent, const JointSpec& joint) {
@@ -30,7 +30,7 @@ Model model(double mass = 1) {
   return all;
 }
 
-// The message of the error that is thrown; empty: none is.
+// The message of the error that is thrown; empty: none.
 std::string error_of(const std::function<void()>& act) {
   try {
     act();
@@ -97,12 +97,12 @@ TEST_CASE("a run without end is one that an observer or a watcher ends") {
 TEST_CASE("a clock that can't resolve the steps says so") {
   Simulation sim(model(), {.step = 1e-3});
   std::vector<JointStart> none;
-  sim.restore(1e14, {}, none);  // where seconds are resolved to 0.016
+  sim.restore(1e14, {}, none);  // where the clock's resolution is 0.016 s
   CHECK(sim.run_until(1e14 + 1) == Status::stalled);
   CHECK(sim.message().find("too short to move the clock") != std::string::npos);
   check_error("is shorter than the clock can resolve", [&] { static_cast<void>(sim.every(1e-3, 1e14)); });
   check_error("is shorter than the clock can resolve", [&] { sim.observe(1e-3, [](const World&) { return true; }); });
-  sim.restore(0, {}, none);  // from a state that it can go on from
+  sim.restore(0, {}, none);  // from a state from which it can continue
   CHECK(sim.run_until(0.01) == Status::ok);
   CHECK(sim.message().empty());
 }
@@ -117,7 +117,7 @@ TEST_CASE("how to integrate") {
     check_error("rtol, atol and max_step must be positive", with({.atol = x}));
     if (x != inf) check_error("rtol, atol and max_step must be positive", with({.max_step = x}));
   }
-  // Finer than the clock: located as finely as that can tell.
+  // Finer than the clock: located as precisely as the clock allows.
   Simulation sim(model(), {.event_tolerance = denormal});
   static_cast<void>(sim.when(speed_of("m/upper").exceeds(0.1)).then(break_joint("m/lower")));
   CHECK(sim.run_until(0.2) == Status::ok);
@@ -140,24 +140,24 @@ TEST_CASE("conditions that would never come true, or always are") {
     refuses("never negative", distance_between("m/lower", "s/hull").below(x));
     refuses("never negative", kinetic_energy_of("m").exceeds(x));
   }
-  refuses("to last", speed_of("m/upper").exceeds(1).lasting(-1));
-  refuses("to last", speed_of("m/upper").exceeds(1).lasting(no_number));
-  refuses("to last", speed_of("m/upper").exceeds(1).lasting(inf));
+  refuses("the duration of a condition", speed_of("m/upper").exceeds(1).lasting(-1));
+  refuses("the duration of a condition", speed_of("m/upper").exceeds(1).lasting(no_number));
+  refuses("the duration of a condition", speed_of("m/upper").exceeds(1).lasting(inf));
   refuses("the hysteresis must be finite", speed_of("m/upper").exceeds(1).repeated(no_number));
   refuses("there is no joint 'm/uper'; did you mean 'm/upper'?", speed_of("m/uper").exceeds(1));
   refuses("there is no body 'x'", height_of("x").below(1));
   refuses("there is no mechanism 'mm'; did you mean 'm'?", kinetic_energy_of("mm").exceeds(1));
-  refuses("joint 's/panel' is ball and has 3 freedoms", speed_of("s/panel").exceeds(1));
-  refuses("joint 's/hull' is free and has 6 freedoms", position_of("s/hull").exceeds(1));
+  refuses("joint 's/panel' is ball and has 3 degrees of freedom", speed_of("s/panel").exceeds(1));
+  refuses("joint 's/hull' is free and has 6 degrees of freedom", position_of("s/hull").exceeds(1));
   check_error("needs a function", [] { static_cast<void>(measured({})); });
   check_error("a reaction has no component 'fw'", [] { static_cast<void>(reaction("m/upper", "fw")); });
 
-  static_cast<void>(sim.when(kinetic_energy_of("s/panel").exceeds(1)));  // that it would be called if it came off
+  static_cast<void>(sim.when(kinetic_energy_of("s/panel").exceeds(1)));  // the mechanism's name if the body breaks off
   static_cast<void>(sim.at(0.1).then(change_joint("s/panel", JointSpec(Revolute{}))));
   static_cast<void>(sim.when(speed_of("s/panel").exceeds(1)));  // by then
   CHECK(sim.run_until(0.2) == Status::ok);
-  check_stopped("no quantity", "a measure is one of a quantity", [] { Measure(nullptr); });
-  check_stopped("a condition on nothing", "a condition is one on a quantity", [] { Condition(nullptr, 1, true); });
+  check_stopped("no quantity", "a measure has a quantity", [] { Measure(nullptr); });
+  check_stopped("a condition on nothing", "a condition has a quantity", [] { Condition(nullptr, 1, true); });
   check_stopped("no action", "an action does something", [] { Action(std::shared_ptr<const ActionBase>()); });
 }
 
@@ -181,8 +181,8 @@ TEST_CASE("actions with what no joint, impulse or placement has") {
   }
   refuses("quaternion", attach("s/hull", "m/lower", Revolute{}, Pose{{}, {0, 0, 0, 0}}));
   for (const int i : {-1, 1, 31, 32, 1 << 30}) {
-    refuses("has no freedom", lock("m/upper", {i}));
-    refuses("has no freedom", unlock("m/upper", {i}));
+    refuses("has no degree of freedom", lock("m/upper", {i}));
+    refuses("has no degree of freedom", unlock("m/upper", {i}));
   }
   check_error("gravity must be finite", [&] { sim.set_gravity({0, no_number, 0}); });
   CHECK(sim.world().model().gravity() == Vec3{0, 0, -9.81});
@@ -192,7 +192,7 @@ TEST_CASE("an event that has happened takes no more actions; one without actions
   Simulation sim(model());
   auto past = sim.at(0.1).named("past");
   REQUIRE(sim.run_until(0.2) == Status::ok);
-  check_error("event 'past' has happened already", [&] { past.then(break_joint("m/lower")); });
+  check_error("event 'past' has already happened", [&] { past.then(break_joint("m/lower")); });
   REQUIRE(sim.events().size() == 1);
   const Event& event = sim.events()[0];
   CHECK(event.actions.empty());
@@ -241,33 +241,33 @@ TEST_CASE("a document that is of another world") {
       {"too few velocities", "as many numbers as the joint has", restored(0, {}, {{{3}, {}, {1, 2}, {}}})},
       {"other bodies", "compiled from the same model", restored(0, few, {})},
       {"a loop", "every body is joined to the ground", restored(0, loop, {})},
-      {"a stop of a freedom that it has not", "a freedom that the joint has", restored(0, holds, {})},
+      {"a stop of a freedom that it has not", "a degree of freedom of the joint", restored(0, holds, {})},
   };
   for (const Misuse& misuse : all) check_stopped(misuse);
 }
 
 TEST_CASE("a simulation that is gone, or was another") {
   const Misuse all[] = {
-      {"a moved-from simulation", "was not moved from",
+      {"a moved-from simulation", "has not been moved from",
        [] {
          Simulation sim(model());
          const Simulation moved = std::move(sim);
          static_cast<void>(sim.time());
        }},
-      {"a run of a moved-from simulation", "was not moved from",
+      {"a run of a moved-from simulation", "has not been moved from",
        [] {
          Simulation sim(model());
          const Simulation moved = std::move(sim);
          static_cast<void>(sim.run_until(1));
        }},
-      {"a handle of a simulation that is gone", "is still there",
+      {"a handle of a simulation that is gone", "still exists",
        [] {
          auto sim = std::make_optional<Simulation>(model());
          auto handle = sim->at(1);
          sim.reset();
          handle.then(break_joint("m/upper"));
        }},
-      {"a handle of a simulation that became another", "is still there",
+      {"a handle of a simulation that became another", "still exists",
        [] {
          Simulation sim(model());
          auto handle = sim.at(1);
@@ -276,9 +276,9 @@ TEST_CASE("a simulation that is gone, or was another") {
        }},
       {"a snapshot of another model", "compiled from the same model",
        [] { Simulation(model()).restore(Simulation(model(2)).snapshot()); }},
-      {"resumed with more events than there are", "no more events than are scheduled",
+      {"resumed with more events than there are", "at most as many events as are scheduled",
        [] { Simulation(model()).resume(std::vector<EventQueue::Armed>(3)); }},
-      {"resumed with a step that is no number", "a memory that step_memory() returned",
+      {"resumed with a step that is no number", "a StepMemory returned by step_memory()",
        [] { Simulation(model(), {.method = "dopri5"}).resume({}, {.next_step = no_number}); }},
   };
   for (const Misuse& misuse : all) check_stopped(misuse);
@@ -299,7 +299,7 @@ TEST_CASE("handles outlive a move of their simulation and another gravity") {
   CHECK(again->events()[0].name == "cut");
   CHECK(again->events()[0].action_texts() == std::vector<std::string>{"break m/lower"});
   CHECK(again->world().model().gravity() == Vec3{0, 0, -1});
-  const Event pushed = again->apply(impulse("m/upper", {1, 0, 0}));  // a value: later events do not move it
+  const Event pushed = again->apply(impulse("m/upper", {1, 0, 0}));  // a value: later events do not change it
   for (int i = 0; i < 100; ++i) again->apply(impulse("m/upper", {1, 0, 0}));
   CHECK(pushed.action_texts() == std::vector<std::string>{"impulse m/upper"});
 }

@@ -24,7 +24,7 @@ Model pendulum(const Signal& angle, double armature = 0) {
   return model;
 }
 
-// A hull that floats, with an arm that is moved and a hand on it that swings.
+// A floating hull with a driven arm that carries a swinging hand.
 Model floating(const Signal& angle, double armature = 0.2) {
   Model model({.gravity = {}});
   const BodyId hull = model.add({.name = "hull",
@@ -96,7 +96,7 @@ TEST_CASE("a pendulum that is turned at a constant rate takes the torque of its 
   CHECK(sim.world().joint({0}).q[0] == 3.5);
   CHECK(sim.world().joint({0}).v[0] == 0);
   CHECK(sim.world().joint_forces({0}).effort[0] == doctest::Approx(mass * g * length * std::sin(3.5)).epsilon(1e-14));
-  // All that the drive did is the weight's rise.
+  // All work of the drive lifts the weight.
   CHECK(sim.energy().work == doctest::Approx(mass * g * length * (1 - std::cos(3.5))).epsilon(1e-11));
   CHECK(std::fabs(sim.energy().error) <= 1e-9 * scale(sim));
 }
@@ -154,7 +154,7 @@ TEST_CASE("nothing changes for a driven joint when the mechanism is re-rooted") 
 }
 
 TEST_CASE("locks stop a motion with an impulse, unlocks resume it where it passes, breaks end it") {
-  const Signal swing = Signal::sine(0.6, 1);  // in the same place at 0.1 s and 0.4 s
+  const Signal swing = Signal::sine(0.6, 1);  // at the same position at 0.1 s and 0.4 s
   Simulation sim(floating(swing), exactly());
   const Totals start = sim.world().totals();
   const auto unmoved = [&] {
@@ -296,8 +296,8 @@ TEST_CASE("a driven joint that becomes another keeps its speed, if that can; a c
 }
 
 TEST_CASE("a motion at a constant rate: from the start, from where the joint stands, and on after a lock") {
-  // A bead on a hoop that is turned at a constant rate: sin θ (ω² cos θ − g/r) = θ̈ has the integral
-  // θ̇²/2 − ω² sin²θ/2 − (g/r) cos θ.
+  // A bead on a hoop that rotates at a constant rate: sin θ (ω² cos θ − g/r) = θ̈ has the integral θ̇²/2 − ω² sin²θ/2 − (g/r) cos
+  // θ.
   constexpr double g = 9.81, r = 0.5, omega = 7;
   Model model({.gravity = {0, 0, -g}});
   const BodyId hoop = model.add({.name = "hoop",

@@ -1,5 +1,5 @@
 #pragma once
-// What joints and mechanisms are called, whatever became of the topology that they were given in.
+// Names of joints and mechanisms across changes of the topology.
 #include <atomic>
 #include <functional>
 #include <string>
@@ -12,19 +12,19 @@
 
 namespace momentree {
 
-/// Joints by their number, mechanisms by their root body. The rules: a part that keeps its root keeps the mechanism's name; one
-/// that comes off is named after its root body, and so is the free joint that it hangs on (with "~free" behind it where another
-/// joint has that name); a joint that a weld or an attachment makes gets the name that its event gives it.
+/// Names of joints by joint number, and of mechanisms by root body. The part that keeps the root keeps the mechanism's name. A
+/// part that breaks off is named after its root body, and so is the free joint that carries it (with the suffix "~free" if
+/// another joint has that name). A joint that a weld or an attachment makes has the name that its event gives it.
 class Names {
  public:
   Names() = default;
   explicit Names(const Model& model);
 
   const std::string& joint(int number) const { return joints_[known(number)]; }
-  /// Number of the present joint of that name, −1 if there is none.
+  /// Number of the joint that has that name now; −1 if there is none.
   int find_joint(std::string_view name) const;
-  /// The same for who asks again and again: `number`, −1 at first, remembers what was found, and is right as long as that joint
-  /// is called so.
+  /// The same for repeated look-ups: `number`, −1 at first, caches the result, which is used for as long as that joint has that
+  /// name.
   int find_joint(std::string_view name, std::atomic<int>& number) const {
     const int last = number.load(std::memory_order_relaxed);
     if (last >= 0 && at(last) < joints_.size() && joints_[at(last)] == name) return last;
@@ -34,16 +34,16 @@ class Names {
   }
   const std::string& mechanism(int root) const { return mechanisms_[known(root)]; }
 
-  /// What a free root joint of that body, joint `number`, would be called.
+  /// The name that a free root joint of that body, with joint number `number`, would get.
   std::string free_joint(const std::string& body, int number) const;
 
   void name_joint(int number, std::string name);
   void name_mechanism(int root, std::string name) { mechanisms_[known(root)] = std::move(name); }
   /// The mechanism rooted at `from` is now rooted at `to`.
   void move_mechanism(int from, int to);
-  /// A body, and its joint of the same number, that were added to the world.
+  /// A body that was added to the world, and its joint of the same number.
   void add(std::string joint, std::string mechanism);
-  /// A joint that left the world: its name is free again.
+  /// A joint that left the world: its name may be used again.
   void remove_joint(int number);
 
  private:
@@ -53,7 +53,7 @@ class Names {
     return at(number);
   }
   std::vector<std::string> joints_;
-  std::vector<std::string> mechanisms_;  // of bodies that are roots
+  std::vector<std::string> mechanisms_;  // by root body
   std::unordered_map<std::string, int, NameHash, std::equal_to<>> numbers_;
 };
 

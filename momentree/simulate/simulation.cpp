@@ -6,24 +6,25 @@ namespace momentree {
 
 namespace {
 
-constexpr const char* moved_from = "the simulation was not moved from";
+constexpr const char* moved_from = "the simulation has not been moved from";
 constexpr const char* callback_changes =
-    "no callback of a simulation changes it: schedule it with at(), or return false from observe() or watch() and do it after "
+    "callbacks do not change their simulation: schedule the change with at(), or return false from observe() or watch() and "
+    "change it after "
     "run_until()";
-constexpr const char* callback_schedules = "of all callbacks of a simulation only those of observe() and watch() schedule events";
+constexpr const char* callback_schedules = "of the callbacks, only those of observe() and watch() schedule events";
 
 }  // namespace
 
 Simulation::Simulation(const Model& model, const Integration& integration) : impl_(std::make_shared<Impl>(model, integration)) {}
 Simulation::~Simulation() {
-  if (impl_ != nullptr) MT_REQUIRE(impl_->idle(), "no callback of a simulation destroys it");
+  if (impl_ != nullptr) MT_REQUIRE(impl_->idle(), "callbacks do not destroy their simulation");
 }
 Simulation::Simulation(Simulation&& other) noexcept : impl_(std::move(other.impl_)) {
-  if (impl_ != nullptr) MT_REQUIRE(impl_->idle(), "no callback of a simulation moves it");
+  if (impl_ != nullptr) MT_REQUIRE(impl_->idle(), "callbacks do not move their simulation");
 }
 Simulation& Simulation::operator=(Simulation&& other) noexcept {
   for (const auto* each : {this, &other})
-    if (each->impl_ != nullptr) MT_REQUIRE(each->impl_->idle(), "no callback of a simulation moves it");
+    if (each->impl_ != nullptr) MT_REQUIRE(each->impl_->idle(), "callbacks do not move their simulation");
   impl_.swap(other.impl_);
   if (this != &other) other.impl_.reset();
   return *this;
@@ -42,7 +43,7 @@ Simulation::Impl& Simulation::scheduling() const {
   return *impl_;
 }
 Simulation::Impl& Simulation::steady() const {
-  MT_REQUIRE(impl().steady(), "of all callbacks of a simulation only those of observe() and watch() find it between two steps");
+  MT_REQUIRE(impl().steady(), "of the callbacks, only those of observe() and watch() are called between two steps");
   return *impl_;
 }
 
@@ -71,12 +72,12 @@ Simulation::Scheduled Simulation::after(std::string event, double delay) {
   std::vector<std::string> names;
   for (const EventQueue::Entry& e : scheduling().queue.entries) names.push_back(e.event.name);
   for (const Strength& s : strengths(impl_->world)) names.push_back(event_name(impl_->world, s));
-  // A joint whose strength an event will give, or one that broke before this run began.
+  // A joint that an event will give a strength, or that broke before this run began.
   const std::string_view prefix = "strength of ";
   const bool of_joint =
       event.starts_with(prefix) && impl_->world.model().has_joint(std::string_view(event).substr(prefix.size()));
   if (!of_joint && std::find(names.begin(), names.end(), event) == names.end())
-    throw_error({"there is no event '" + event + "' to come after", "", did_you_mean(event, names)});
+    throw_error({"there is no event '" + event + "' to follow", "", did_you_mean(event, names)});
   if (!(delay >= 0) || !std::isfinite(delay))
     throw_error({"the delay after an event can't be " + detail::text(delay) + " s", "", ""});
   EventQueue::Entry entry;
@@ -97,7 +98,7 @@ Simulation::Scheduled Simulation::every(double period, double from) {
 
 std::shared_ptr<Simulation::Impl> Simulation::Scheduled::impl() const {
   std::shared_ptr<Impl> impl = impl_.lock();
-  MT_REQUIRE(impl != nullptr, "the simulation that the event was scheduled in is still there");
+  MT_REQUIRE(impl != nullptr, "the simulation in which the event was scheduled still exists");
   MT_REQUIRE(impl->steady(), callback_schedules);
   return impl;
 }
@@ -110,7 +111,7 @@ Simulation::Scheduled& Simulation::Scheduled::then(Action action) {
   const std::shared_ptr<Impl> all = impl();
   EventQueue::Entry& entry = all->queue.entries[event_];
   if (entry.done)
-    throw_error({"event '" + entry.event.name + "' has happened already: " + action.text() + " would not happen", "",
+    throw_error({"event '" + entry.event.name + "' has already happened: " + action.text() + " would not happen", "",
                  "schedule another event"});
   all->check_names(action->joints(), action->bodies());
   entry.event.actions.push_back(std::move(action));
@@ -132,7 +133,7 @@ Simulation::Scheduled& Simulation::Scheduled::ranked(std::size_t rank) {
 
 Event Simulation::apply(std::span<const Action> actions, std::string name) {
   for (const Action& action : actions) changing().check_names(action->joints(), action->bodies());
-  const std::size_t place = changing().events.size();  // what its stops do about it comes after it
+  const std::size_t place = changing().events.size();  // events of its stops follow it
   if (!impl_->act(actions, name)) throw_error({impl_->message, "", ""});
   return impl_->events[place];
 }
@@ -154,7 +155,7 @@ std::optional<Error> Simulation::unknown_name(const Action& action) const {
 void Simulation::set_gravity(Vec3 gravity) {
   Impl& impl = changing();
   const double before = impl.world.totals().potential;
-  impl.world.set_gravity(gravity);  // or throws
+  impl.world.set_gravity(gravity);  // may throw
   impl.evaluate_state();
   impl.balance.work += impl.world.totals().potential - before;
   impl.history.clear();
@@ -169,7 +170,7 @@ BodyId Simulation::add(BodySpec spec) {
   return body;
 }
 void Simulation::remove(BodyId body) {
-  if (!changing().world.alive(body)) throw_error({"the body is not in this world any more", "", ""});
+  if (!changing().world.alive(body)) throw_error({"the body is no longer in this world", "", ""});
   impl_->populate("remove", impl_->world.model()[body].name, [&] { impl_->world.remove(body); });
 }
 SimulationSnapshot Simulation::snapshot() const { return steady().snapshot(); }
@@ -186,7 +187,7 @@ void Simulation::undo(std::size_t number, bool again) {
   SimulationSnapshot before = past->before;
   if (!again)
     for (const std::size_t k : past->places)
-      if (k < before.armed.size()) before.armed[k].done = true;  // a joint's strength stays what it is
+      if (k < before.armed.size()) before.armed[k].done = true;  // a joint's strength stays active
   impl_->go_back(before);
 }
 
@@ -205,7 +206,7 @@ Status Simulation::run_until(double time) {
   if (std::isnan(time)) throw_error({"the time to run to is not a number", "", ""});
   if (time == HUGE_VAL && !impl.observer && !impl.watcher)
     throw_error(
-        {"nothing ends a run to an infinite time", "", "give it an observer or a watcher that returns false at some time"});
+        {"nothing ends a run with infinite end time", "", "give it an observer or a watcher that eventually returns false"});
   return impl.run(time);
 }
 Status Simulation::step(double dt) {
@@ -238,9 +239,9 @@ void Simulation::use_generated(RatesProvider provider) {
 void Simulation::drive(std::string_view joint, std::function<double(const EvaluationContext&)> effort) {
   const int number = changing().world.find_joint(joint);
   if (const std::size_t dofs = number < 0 ? 1 : impl_->world.joint({number}).v.size(); dofs > 1)
-    throw_error(
-        {"the joint '" + std::string(joint) + "' has " + std::to_string(dofs) + " freedoms, which one function can't drive", "",
-         "use drive_all()"});
+    throw_error({"the joint '" + std::string(joint) + "' has " + std::to_string(dofs) +
+                     " degrees of freedom, which a single function can't drive",
+                 "", "use drive_all()"});
   JointFunction function;
   if (effort)
     function = [effort = std::move(effort)](const EvaluationContext& m, std::span<double> efforts) { efforts[0] = effort(m); };
@@ -257,8 +258,8 @@ void Simulation::drive_all(std::vector<JointDriver> drivers) {
 }
 
 void Simulation::force(std::string_view body, BodyFunction wrench) {
-  const BodyId b = changing().world.model().body(body);  // or throws
-  if (!impl_->world.alive(b)) throw_error({"the body '" + std::string(body) + "' is not in this world any more", "", ""});
+  const BodyId b = changing().world.model().body(body);  // may throw
+  if (!impl_->world.alive(b)) throw_error({"the body '" + std::string(body) + "' is no longer in this world", "", ""});
   impl_->world.load(b.index, std::move(wrench));
   impl_->evaluate_state();
 }
@@ -271,8 +272,8 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
 
 StepMemory Simulation::step_memory() const { return {impl().method->proposal(), impl_->ledger.work}; }
 void Simulation::resume(std::span<const EventQueue::Armed> armed, const StepMemory& memory) {
-  MT_REQUIRE(armed.size() <= changing().queue.entries.size(), "no more events than are scheduled");
-  MT_REQUIRE(std::isfinite(memory.next_step) && std::isfinite(memory.work), "a memory that step_memory() returned");
+  MT_REQUIRE(armed.size() <= changing().queue.entries.size(), "at most as many events as are scheduled");
+  MT_REQUIRE(std::isfinite(memory.next_step) && std::isfinite(memory.work), "a StepMemory returned by step_memory()");
   if (impl_->method->adaptive() && memory.next_step > 0) {
     impl_->method->set_proposal(memory.next_step);
     impl_->balance.work -= memory.work - impl_->ledger.work;  // it was done before this run

@@ -1,5 +1,5 @@
 #pragma once
-// What a Simulation is inside: how it steps from event to event. Included by simulation.cpp alone.
+// Implementation of Simulation: steps from event to event. Included only by simulation.cpp.
 #include <momentree/simulate/simulation.hpp>
 
 #include <algorithm>
@@ -26,10 +26,10 @@ namespace detail {
 using Clock = std::chrono::steady_clock;
 inline double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// Events times bodies, beyond which a rehearsal would take longer than it is worth.
+// Events times bodies beyond which a dry run would take too long.
 inline constexpr std::size_t most_dry_run = 10'000'000;
 
-// Events of one instant, one after the other, beyond which they are taken to bring about each other without end.
+// Events at one instant, one after the other, beyond which they are assumed to trigger each other endlessly.
 inline constexpr std::size_t most_events_at_once = 10'000;
 
 }  // namespace detail
@@ -45,7 +45,7 @@ struct Simulation::Impl {
     begin();
   }
 
-  /// What is going on, and so what a callback may do: see Simulation.
+  /// The present activity, which determines what a callback may do: see Simulation.
   enum class Doing { nothing, observing, working };
   Doing doing = Doing::nothing;
   using During = detail::Restored<Doing>;
@@ -69,13 +69,13 @@ struct Simulation::Impl {
     observed = false;
     recover();
   }
-  // What ran away may go on from another state, or in another world.
+  // A run that diverged may continue from another state or in another world.
   void recover() {
     diverged = false;
     message.clear();
   }
 
-  // Clock and evaluations since the last call go to the phase, before or after the first change, in which they were spent.
+  // Assigns the time and evaluations since the last call to the phase in which they were spent, before or after the first change.
   void book() {
     const auto p = static_cast<std::size_t>(statistics.changes > 0);
     statistics.evaluations[p] += evaluate.count;
@@ -88,22 +88,22 @@ struct Simulation::Impl {
 
   void evaluate_state() { evaluate(world.state_); }
 
-  // Exactly; a clock that is right already leaves what was evaluated as it is.
+  // Exact; if the clock is already right, evaluated results stay valid.
   void set_time(double time) {
     if (world.time() != time) world.set_time(time);
   }
 
-  // Where a table bends, forces are those of what follows: no stage of the step that ends there may see them. It ends so little
-  // before it that no coordinate knows, and the clock is then put right.
+  // At a bend of a table, forces are those after the bend: no stage of the step that ends there may use them. The step therefore
+  // ends just before it, by so little that no coordinate is affected, and the clock is then corrected.
   static double just_before(double bend) { return bend - 4 * (bend - std::nextafter(bend, -HUGE_VAL)); }
 
   void ask_for_generated() {
     if (!generated || asked_for == world.tree_.revision()) return;
-    evaluate.use(generated(world.tree_));  // may throw: then it is asked again
+    evaluate.use(generated(world.tree_));  // may throw: the provider is then asked again
     asked_for = world.tree_.revision();
   }
 
-  // One step that ends at `end`; a step of almost the full length takes what is left, so that no sliver follows.
+  // One step that ends at `end`; a step of almost the full length takes the remainder, so that no tiny step follows.
   bool step_towards(double end) {
     const double bend = world.next_bend(world.time());
     end = std::min(end, bend);
@@ -114,8 +114,8 @@ struct Simulation::Impl {
     }
     const double usual = method->next_step(left);
     const bool last = usual == left;
-    // What the clock advances, which is rounded, is what the state advances: else they part by up to an ulp of the time per step,
-    // always to the same side.
+    // The state must advance by exactly the rounded advance of the clock: otherwise the two drift apart by up to an ulp of the
+    // time per step, always in the same direction.
     const double h = last ? left : (world.time() + usual) - world.time();
     if (!(h > 0)) {
       message = no_progress_at(world.time()) + "a step of " + detail::text(usual) + " s is too short to move the clock";
@@ -139,8 +139,8 @@ struct Simulation::Impl {
     return true;
   }
 
-  // The same where joints have stops or events conditions: the step may end earlier, and something happen there. `end`: what a
-  // whole step ends at.
+  // The same for joints with stops or events with conditions: the step may end earlier and an event happen there. `end`: the end
+  // of a full step.
   bool step_and_look(double h, double end, Clock::time_point start) {
     const std::optional<double> stepped = stops.step(*method, ledger, h, queue.watches(world));
     if (!stepped) {
@@ -158,14 +158,14 @@ struct Simulation::Impl {
   int to_drive(std::string_view joint, bool function) const {
     const int number = world.find_joint(joint);
     if (number < 0) {
-      world.model().joint(joint);  // throws where there never was one
-      throw_error({"the joint '" + std::string(joint) + "' is not there any more", "", ""});
+      world.model().joint(joint);  // throws if it never existed
+      throw_error({"the joint '" + std::string(joint) + "' no longer exists", "", ""});
     }
     const JointView view = world.joint({number});
-    if (view.v.empty()) throw_error({"the joint '" + std::string(joint) + "' has no freedom to drive", "", ""});
+    if (view.v.empty()) throw_error({"the joint '" + std::string(joint) + "' has no degree of freedom to drive", "", ""});
     const JointDrive* drive = view.parameters != nullptr ? view.parameters->drive.get() : nullptr;
     if (function && drive != nullptr && drive->moves())
-      throw_error({"the motion of joint '" + std::string(joint) + "' is prescribed", "", "take its drive away first"});
+      throw_error({"the motion of joint '" + std::string(joint) + "' is prescribed", "", "remove its drive first"});
     return number;
   }
 
@@ -182,14 +182,14 @@ struct Simulation::Impl {
     if (events.size() != before) queue.forget_looks();
   }
 
-  // Kinetic energy at the beginning of a step, which was evaluated: by p·u/2 it costs next to nothing.
+  // Kinetic energy at the beginning of a step, which has been evaluated: as p·u/2 it costs next to nothing.
   void note_kinetic_energy() {
     double kinetic = 0;
     if (world.tree_.driven_joints().empty()) {
       const auto p = world.state_.p();
       for (std::size_t i = 0; i < p.size(); ++i) kinetic += p[i] * world.workspace_.v[i];
       kinetic *= 0.5;
-    } else {  // what is driven has no momentum
+    } else {  // driven DoFs have no momentum
       kinetic = world.totals().kinetic;
     }
     balance.largest_kinetic = std::max(balance.largest_kinetic, kinetic);
@@ -208,8 +208,8 @@ struct Simulation::Impl {
     diverged = true;
   }
 
-  // Everything that is due now, then one by one what comes true by it. False: something was refused; what came before it at this
-  // instant has happened.
+  // Carries out everything that is due now, then one by one the events that it triggers. False: an action was refused; the events
+  // before it at this instant have happened.
   bool happen() {
     for (std::size_t count = 0;; ++count) {
       std::vector<std::size_t> places = queue.due(world.time());
@@ -220,7 +220,7 @@ struct Simulation::Impl {
       if (places.empty()) return true;
       if (count > detail::most_events_at_once) {
         message = "more than " + std::to_string(detail::most_events_at_once) + " events at t = " + detail::text(world.time()) +
-                  " s, the last of them " + last_events(events) + "; does one bring about the other, at no delay?";
+                  " s, the last of them " + last_events(events) + "; do they trigger each other without a delay?";
         return false;
       }
       std::vector<DueEvent> due;
@@ -234,7 +234,8 @@ struct Simulation::Impl {
     }
   }
 
-  /// Actions from outside, whose names are known, as one event of this instant. False, with a message: refused.
+  /// Carries out actions from outside, whose names have been checked, as one event of this instant. False, with a message:
+  /// refused.
   bool act(std::span<const Action> actions, const std::string& name) {
     const During working(doing, Doing::working);
     DueEvent due{name.empty() ? "#" + std::to_string(queue.entries.size() + events.size() + 1) : name, !name.empty(), {}};
@@ -258,7 +259,7 @@ struct Simulation::Impl {
     const bool stopped = stops.any();
     if (stopped) before = world.snapshot();
     InstantReport report = carry_out(world, due);
-    // A stop that would have had to pull in an impact was let go of before it: once more, without it.
+    // A stop that would have had to pull in an impact was released before it: repeat without it.
     for (bool again = stopped; again && !report.refused;) {
       const WorldSnapshot after = world.snapshot();
       world.restore(before);
@@ -286,7 +287,7 @@ struct Simulation::Impl {
     return true;
   }
 
-  // What bodies bring into the world and take out of it is work; the event's certificate says how much.
+  // The energy that bodies bring into the world and take out of it is work; the event's certificate states it.
   template <class Act>
   void populate(const char* what, const std::string& body, Act act) {
     const During working(doing, Doing::working);
@@ -301,7 +302,7 @@ struct Simulation::Impl {
     event.before = world.totals();
     std::optional<SimulationSnapshot> past;
     if (keeps_history) past = snapshot();
-    act();  // or throws, and nothing happened
+    act();  // throws if nothing happened
     if (past) history.push_back({events.size(), std::move(*past), {}});
     method = new_method();
     evaluate_state();
@@ -320,67 +321,7 @@ struct Simulation::Impl {
     resolve_limits();
   }
 
-  DryRun dry_run() {
-    const During working(doing, Doing::working);
-    DryRun found;
-    const WorldSnapshot start = world.snapshot();
-    std::set<std::pair<std::string, Kind>> joints;
-    const auto look_at_joints = [&, &tree = world.tree_] {
-      for (const int b : tree.order()) joints.emplace(world.names_.joint(tree.joint_of(b)), tree.joint(b).kind);
-    };
-    look_at_joints();
-    // Instants that are known come first, in their order; the others follow one by one, where nothing can be said of troubles.
-    using Turn = EventQueue::Turn;
-    std::vector<Turn> order;
-    bool certain = true;
-    for (std::size_t k = 0; k < queue.entries.size(); ++k) {
-      const EventQueue::Entry& e = queue.entries[k];
-      if (e.done) continue;
-      double time = e.time;
-      for (const EventQueue::Entry& other : queue.entries)
-        if (!e.after.empty() && other.event.name == e.after) time = std::min(time, other.time + e.delay);
-      certain = certain && std::isfinite(time);
-      order.push_back({time, !e.after.empty() && e.delay == 0, k});
-    }
-    std::stable_sort(order.begin(), order.end(), [this](const Turn& a, const Turn& b) {
-      if (a.time != b.time || !std::isfinite(a.time)) return a.time < b.time;
-      return std::pair(a.follows, queue.entries[a.entry].rank) < std::pair(b.follows, queue.entries[b.entry].rank);
-    });
-    std::vector<DueEvent> breaks;  // of joints that can break by themselves, those that events make or make weaker among them
-    const auto add_breaks = [&] {
-      for (const Strength& s : strengths(world)) {
-        std::string name = event_name(world, s);
-        if (std::any_of(breaks.begin(), breaks.end(), [&](const DueEvent& known) { return known.name == name; })) continue;
-        breaks.push_back({std::move(name), false, {break_joint(std::string(world.joint_name({s.joint})))}});
-        order.push_back({HUGE_VAL, false, queue.entries.size() + breaks.size() - 1});
-        certain = false;
-      }
-    };
-    add_breaks();
-    const std::size_t n = queue.entries.size();
-    const auto event_at = [&](std::size_t k) { return k < n ? queue.entries[k].event : breaks[k - n]; };
-    found.complete = order.size() * static_cast<std::size_t>(world.tree_.bodies()) <= detail::most_dry_run;
-    for (std::size_t i = 0; found.complete && i < order.size();) {
-      std::vector<DueEvent> due;
-      const std::size_t begin = i;
-      const double time = order[i].time;
-      do {
-        due.push_back(event_at(order[i].entry));
-      } while (++i < order.size() && order[i].time == time && order[i].follows == order[begin].follows && std::isfinite(time));
-      if (std::isfinite(time)) world.set_time(time);
-      const InstantReport report = carry_out(world, due, true);
-      for (const ActionReport& action : report.actions)
-        if (certain && action.result.outcome != ActionResult::Outcome::done)
-          found.issues.push_back({order[begin + action.event].entry, action.action, action.result,
-                                  action.result.outcome == ActionResult::Outcome::refused ? report.message : ""});
-      found.complete = !report.lost;
-      add_breaks();
-      look_at_joints();
-    }
-    world.restore(start);
-    found.joints.assign(joints.begin(), joints.end());
-    return found;
-  }
+  DryRun dry_run();
 
   SimulationSnapshot snapshot() const {
     SimulationSnapshot all{world.snapshot(), {}, events.size(), balance};
@@ -480,11 +421,11 @@ struct Simulation::Impl {
   RunStatistics statistics;
   EventQueue queue;
   struct Past {
-    std::size_t events;  ///< how many had happened before
+    std::size_t events;  ///< number of events that had happened before
     SimulationSnapshot before;
-    std::vector<std::size_t> places;  ///< of what was due, in the agenda
+    std::vector<std::size_t> places;  ///< places in the queue of the events that were due
   };
-  // What was kept from before the instant of that event; null: nothing was.
+  // The snapshot from before the instant of that event; null: none was kept.
   const Past* before(std::size_t event) const {
     for (const Past& past : history) {
       const bool last = &past == &history.back();
@@ -503,7 +444,7 @@ struct Simulation::Impl {
   std::function<bool(const World&)> observer;
   std::function<bool(double)> watcher;
   RatesProvider generated;
-  std::optional<std::uint64_t> asked_for;  // the revision of the tree that the provider was last asked about
+  std::optional<std::uint64_t> asked_for;  // the revision of the tree for which the provider was last called
   Clock::time_point lap = Clock::now();
 };
 

@@ -141,7 +141,7 @@ TEST_CASE("a run that diverges stops at its last good state and says which joint
   CHECK(sim.message().find("joint 'chain/") != std::string::npos);
   CHECK(sim.message().find("t = ") != std::string::npos);
   CHECK(sim.message().find("smaller step") != std::string::npos);
-  for (double q : sim.world().state().q()) CHECK(std::fabs(q) < 1e9);  // noticed before the numbers mean nothing
+  for (double q : sim.world().state().q()) CHECK(std::fabs(q) < 1e9);  // detected before the numbers become meaningless
   CHECK(std::isfinite(sim.energy().error));
   CHECK(sim.run_until(2000) == Status::diverged);
 }
@@ -208,7 +208,7 @@ TEST_CASE("a coordinate that runs away in the first step is named, with how far 
   CHECK(sim.run_until(1) == Status::diverged);
   CHECK(sim.time() == 0);
   CHECK(sim.message().find("diverged at t = 0 s: the spring of joint 'stiff'") == 0);
-  // A spring of a function's own is not known to be one: what happened is said instead.
+  // A spring within a function cannot be recognised as one: the message reports what happened instead.
   Model driven({.gravity = {}});
   driven.add({.name = "calm", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}, .v = 1.0});
   const BodyId swing = driven.add({.name = "swing", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}, .q = 0.1});
@@ -222,7 +222,7 @@ TEST_CASE("a coordinate that runs away in the first step is named, with how far 
   Simulation beyond(sharp, {.step = 1});
   beyond.drive("sharp", [needle](const EvaluationContext& at) { return -1e308 * at.q({needle.index})[0]; });
   CHECK(beyond.run_until(1) == Status::diverged);
-  CHECK(beyond.message().find("joint 'sharp' left the range of numbers") != std::string::npos);
+  CHECK(beyond.message().find("joint 'sharp' overflowed") != std::string::npos);
 }
 
 TEST_CASE("a run that gets nowhere stops and says why") {
@@ -231,7 +231,7 @@ TEST_CASE("a run that gets nowhere stops and says why") {
   CHECK(tiny.run_until(1) == Status::stalled);
   CHECK(tiny.message().find("no progress at t = ") == 0);
   CHECK(tiny.message().find("the step of 1e-300 s is too short for a run of 1 s") != std::string::npos);
-  CHECK(tiny.run_until(tiny.time()) == Status::ok);  // it may be asked again
+  CHECK(tiny.run_until(tiny.time()) == Status::ok);  // it may be called again
   Simulation late(model, {.step = 1});
   REQUIRE(late.run_until(1e6) == Status::ok);
   Simulation fine(model, {.step = 1e-12});
@@ -239,7 +239,7 @@ TEST_CASE("a run that gets nowhere stops and says why") {
   CHECK(fine.run_until(1e6 + 1) == Status::stalled);
   CHECK(fine.message().find("a step of 1e-12 s is too short to move the clock") != std::string::npos);
 
-  // A light body whose frame is far from its centre of mass: its angular velocity is noise in tight tolerances.
+  // A light body whose frame is far from its centre of mass: with tight tolerances its angular velocity is rounding noise.
   Model light({.gravity = {}});
   light.add({.name = "light",
              .mass = 1,
@@ -252,13 +252,13 @@ TEST_CASE("a run that gets nowhere stops and says why") {
   CHECK(noisy.run_until(5) == Status::stalled);
   CHECK(noisy.message().find("use larger rtol and atol") != std::string::npos);
 
-  // Events that bring each other about, each a little later.
+  // Events that trigger each other, each slightly later.
   Simulation busy(model, {.step = 1e-3});
   busy.at(0).then(impulse("chain/1", {})).named("first");
   busy.after("first", 1e-12).then(impulse("chain/1", {})).named("second");
   busy.after("second", 1e-12).then(impulse("chain/1", {})).named("first");
   CHECK(busy.run_until(1) == Status::stalled);
-  CHECK(busy.message().find("events follow one another without end") != std::string::npos);
+  CHECK(busy.message().find("events follow each other endlessly") != std::string::npos);
   CHECK(busy.message().find("'second: impulse chain/1'") != std::string::npos);
 }
 
@@ -281,7 +281,7 @@ TEST_CASE("events that did not happen: when they are due, what they follow, how 
     Simulation sim(model, {.method = method, .step = 0.02});
     sim.at(5).then(nothing).named("later");
     sim.after("later", 1).then(nothing).named("after it");
-    sim.when(position_of("swing").below(-1.25)).then(nothing).named("far");  // the swing comes to −1, at 0.5 s
+    sim.when(position_of("swing").below(-1.25)).then(nothing).named("far");  // the pendulum reaches −1, at 0.5 s
     sim.when(position_of("swing").below(-0.5).lasting(1)).then(nothing).named("long");
     sim.when(position_of("swing").exceeds(0.5)).then(nothing).named("at once");
     REQUIRE(sim.run_until(0.9) == Status::ok);
@@ -364,7 +364,7 @@ TEST_CASE("axes that are nearly parallel, or nearly at right angles, are not tak
                  .v = 3});
       Simulation sim(model);
       const Event e = sim.apply(lock("arm"));
-      // Kernels say what was transmitted, totals what the bodies have.
+      // Kernels give the transmitted impulses, totals the momenta of the bodies.
       const Vec3 ground_impulse{e.ground_impulse[0], e.ground_impulse[1], e.ground_impulse[2]};
       CHECK(norm(e.after.linear - e.before.linear - ground_impulse) < 1e-14);
     }

@@ -1,5 +1,5 @@
 #pragma once
-// What the quantities of a joint with one freedom share.
+// Common base of the quantities of a joint with one DoF.
 #include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/world.hpp>
 
@@ -7,7 +7,7 @@ namespace momentree::quantities {
 
 struct SingleDof : Quantity {
   std::string joint;
-  bool turns = true;  ///< for its unit; readers of files know
+  bool turns = true;  ///< for its unit, set by file readers
 
   void fields(QuantityFields& fields) override { fields.joint(joint); }
   std::vector<std::string> joints() const override { return {joint}; }
@@ -19,7 +19,7 @@ struct SingleDof : Quantity {
   }
 
  protected:
-  /// Coordinate and velocity, nothing where the joint is gone or of another kind.
+  /// Coordinate and velocity; empty if the joint no longer exists or is of another kind.
   std::optional<std::pair<double, double>> present(const World& world) const {
     const int number = world.find_joint(joint, number_);
     if (number < 0) return std::nullopt;

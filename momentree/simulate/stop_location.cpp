@@ -1,5 +1,5 @@
-// When within a step a stop is hit, or must let go of a joint that rests on it, or a condition comes true or ceases to be: by
-// steps of the method itself, so that the state found is a state of the motion.
+// Locates, within a step, the instant at which a stop is hit or must release its joint, or at which a condition is met or ceases
+// to hold. Trial steps of the integrator itself are used, so that the state found is a state of the motion.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,8 +11,7 @@ namespace momentree {
 
 namespace {
 
-// The highest value between two ends of a step of h seconds with values and rates q0, v0 > 0, q1, v1 < 0, by the cubic through
-// them; and when.
+// The maximum within a step of h seconds, and its time, by the cubic through the end values and rates q0, v0 > 0, q1, v1 < 0.
 struct Peak {
   double time, value;
 };
@@ -22,16 +21,16 @@ Peak peak_between(double h, double q0, double v0, double q1, double v1) {
   return {x * h, q0 + x * (a + x * (b + x * c))};
 }
 
-// Two instants, within something and beyond it, and by how much.
+// Two instants, before and beyond the crossing, and the excess there.
 struct Bracket {
   double inside, within, outside, beyond;
 };
-// Narrows it to a width of `tolerance` by the secant of Illinois, kept off the ends so that both of them move; halved where that
-// is slow, as where rounding makes stairs of the value. `value(s)` is nothing where it can't be had, and this false. `guess`:
-// where to look first.
+// Narrows the bracket to a width of `tolerance` by the Illinois variant of the secant method, kept away from the ends so that
+// both of them move; bisects when convergence is slow, for example when rounding makes the value a step function. `value(s)` may
+// be empty on failure; this function then returns false. `guess`: first point to evaluate.
 template <class Value>
 bool narrow(Bracket& b, double tolerance, std::optional<double> guess, Value value) {
-  double width = b.outside - b.inside;  // three looks ago
+  double width = b.outside - b.inside;  // three evaluations ago
   for (int last = 0, look = 1; b.outside - b.inside > tolerance; guess.reset(), ++look) {
     bool halve = (b.within == 0 && last != 0) || !(b.beyond > b.within);
     if (look % 3 == 0) {
@@ -69,17 +68,17 @@ struct Stops::Trial {
   const State& start;
   EnergyLedger books_at_start;
   bool accelerations;
-  double at = 0;     ///< seconds from the start to where the world is; NaN where it is not one of a step's ends
-  double reach = 0;  ///< how far the method's last step went
+  double at = 0;     ///< seconds from the start to the world's present state; NaN if that is not an end of a step
+  double reach = 0;  ///< length of the method's last step
   bool done = false;
-  // Unless the step was made the world is where it was: also where a condition's function threw.
+  // Restores the world unless the step was accepted: also if a condition's function threw.
   ~Trial() {
     if (done) return;
     world.state_ = start;
     ledger = books_at_start;
   }
 
-  // As far as the method itself goes; nothing where it failed.
+  // As far as the method itself goes; empty if it failed.
   bool first(double most) {
     evaluate(world.state_);
     at = reach = method.advance(evaluate, world.state_, ledger, most);
@@ -92,7 +91,7 @@ struct Stops::Trial {
     evaluate(world.state_);
     return method.step(evaluate, world.state_, ledger, s) && look();
   }
-  // The same by dense output of the last step, where there is one: to look, not to go on from.
+  // The same by dense output of the last step, if the method has it: for evaluation only; the run cannot continue from there.
   bool see(double s) {
     if (!method.dense() || s > reach) return go(s);
     {
@@ -110,7 +109,7 @@ struct Stops::Trial {
   }
 };
 
-// Positive beyond the stop, or where it would have to pull.
+// Positive beyond the stop, or if the stop would have to pull.
 double Stops::excess(const Watched& w) const {
   if (w.watch != nullptr) {
     const std::optional<double> value = w.watch->condition->excess(*world_, {});
@@ -119,7 +118,7 @@ double Stops::excess(const Watched& w) const {
   return w.held ? pull(*w.side) : w.side->sign * coordinate(*w.side) - w.limit;
 }
 
-// Values, and rates where they cost nothing, at the end of the step, where the world stands now.
+// Values, and rates if they cost nothing, at the end of the step, which is the world's present state.
 void Stops::look_at_end(std::size_t first) {
   for (std::size_t i = first; i < watched_.size(); ++i) {
     Watched& w = watched_[i];
@@ -129,7 +128,7 @@ void Stops::look_at_end(std::size_t first) {
   }
 }
 
-// Slopes at both ends of the step by two short steps, at once for all conditions whose quantity gives no rate. False where the
+// Slopes at both ends of the step from two short steps, at once for all conditions whose quantity provides no rate. False if the
 // method failed.
 bool Stops::find_slopes(Trial& trial, double end) {
   if (slopes_of_ == end) return true;
@@ -145,7 +144,7 @@ bool Stops::find_slopes(Trial& trial, double end) {
   return true;
 }
 
-// Where between two ends that are within something may have been beyond; −1: nowhere.
+// A time at which the excess may have been positive although it is negative at both ends; −1: none.
 std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) {
   if (w.held) return -1;
   if (w.side != nullptr) {
@@ -157,8 +156,8 @@ std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) {
   if (w.watch->start_rate && std::isfinite(w.last_rate)) {
     rise = *w.watch->start_rate, fall = w.last_rate;
   } else {
-    // The parabola through the last three looks says whether it may have risen and fallen; seldom, and in the first step after
-    // something happened, slopes say where.
+    // The parabola through the last three values shows whether the excess may have risen and fallen in between. This is rare;
+    // then, and in the first step after an event, slopes locate the peak.
     if (w.watch->ago > 0) {
       const double ahead = (w.last - w.watch->start) / end, behind = (w.watch->start - w.watch->before) / w.watch->ago;
       const double curvature = (ahead - behind) / (end + w.watch->ago),
@@ -176,17 +175,17 @@ std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) {
   return found.value < -0.05 * (found.value - std::min(w.watch->start, w.last)) ? -1 : found.time;
 }
 
-// The first crossing in (0, end], −1 where there is none; nothing where the method failed.
+// The first crossing in (0, end]; −1 if there is none; empty if the method failed.
 std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end) {
   double outside = end, beyond = w.last;
-  if (!(beyond > 0)) {  // out and back within the step?
+  if (!(beyond > 0)) {  // beyond and back within the step?
     const std::optional<double> highest = peak(trial, w, end);
     if (!highest || *highest < 0) return highest;
     if (!trial.go(*highest)) return std::nullopt;
     outside = *highest, beyond = excess(w);
   }
   if (!(beyond > 0)) return -1;
-  // No instants are closer together than the clock can tell.
+  // The bracket cannot be narrower than the resolution of the clock.
   const double tolerance = std::max(tolerance_, 4 * std::numeric_limits<double>::epsilon() * end);
   const double within = w.watch != nullptr ? w.watch->start : w.held ? -beyond : w.q - w.limit;
   Bracket between{0, within, outside, beyond};
@@ -199,14 +198,14 @@ std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end
   }
   if (!narrow(between, tolerance, guess, [&](double s) { return value(trial.go(s)); })) return std::nullopt;
   if (w.side == nullptr || w.held) return between.outside;
-  // Once more by Newton: what hits a stop then stands on it but for rounding, however fast it is.
+  // One Newton step: the joint then is at the stop to within rounding, however fast it moves.
   if (trial.at != between.outside && !trial.go(between.outside)) return std::nullopt;
   const double at = between.outside - excess(w) / speed(*w.side);
   return at > between.inside && at < between.outside ? at : between.outside;
 }
 
-// Puts what hit a stop onto it. Every flight then begins and ends at the same place: were each hit a little deeper than the one
-// before it, bounces would gain the energy of that depth, and the smallest ones would never end.
+// Puts a joint that hit a stop exactly onto it. All flights then begin and end at the same position: if each impact were slightly
+// deeper than the previous one, bounces would gain the corresponding energy, and the smallest ones would never end.
 void Stops::put_on_stop(const Watched& w) {
   const Side& s = *w.side;
   const double limit = s.sign * w.limit;
@@ -222,8 +221,8 @@ std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, doub
   for (const Side& s : sides_) {
     if (locked(s) && !holds(s)) continue;
     const double q = s.sign * coordinate(s), stop = s.sign * s.limit;
-    // What stands on the stop, or beyond it at the start, leaves from there: only its return counts. What touches it at no speed
-    // has not hit it by rounding.
+    // A joint that is at the stop or beyond it at the start moves away from there: only its return counts. If it touches the stop
+    // at zero speed, rounding must not make this an impact.
     const bool touches = q >= stop && speed(s) >= -no_speed * s.rest_speed;
     const double limit = std::max(stop, q) + (touches ? 1e-13 * (1 + std::fabs(s.limit)) : 0.0);
     watched_.push_back({&s, nullptr, limit, q, speed(s), holds(s)});
@@ -241,7 +240,7 @@ std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, doub
     const std::optional<double> found = crossing(trial, watched_[i], end);
     fine = found.has_value();
     if (!fine || !(*found > 0)) continue;
-    end = *found, first = &watched_[i];  // the step ends here for all that follow
+    end = *found, first = &watched_[i];  // the step ends here for all remaining ones
     fine = trial.at == end || trial.go(end);
     if (fine) look_at_end(i + 1);
   }

@@ -11,7 +11,7 @@ namespace momentree {
 
 namespace {
 
-// After so many impacts at one instant without coming to rest the next step goes on from where they led.
+// After this many impacts at one instant without coming to rest, the next step continues from the resulting state.
 constexpr int most_impacts = 1000;
 
 }  // namespace
@@ -52,7 +52,7 @@ bool Stops::locked(const Side& s) const {
 }
 bool Stops::holds(const Side& s) const { return locked(s) && world_->held(s.joint, s.dof) == s.sign; }
 
-// The whole force through the locked freedom, Eᵀ Tr, less what its spring and its drive account for, is the stop's.
+// The stop exerts the total force along the locked DoF, Eᵀ Tr, minus the force of its spring and its drive.
 double Stops::pull(const Side& s) const {
   const Tree& tree = world_->tree_;
   const int b = tree.carrier(s.joint);
@@ -65,8 +65,8 @@ double Stops::pull(const Side& s) const {
   return s.sign * stop - noise;
 }
 
-// The joint's own rest speed; more where the stop is hit so slowly, or the joint pressed so hard against it, that the next flight
-// would be too short or too low to be distinguished from rounding. Bounces end there, whatever the numbers.
+// The joint's own rest speed; larger if the impact is so slow, or the joint pressed so hard against the stop, that the next
+// flight would be too short or too low to be distinguished from rounding. Bouncing therefore always ends.
 double Stops::rest_speed(const Side& s) const {
   const double a = acceleration(s);
   if (!(a > 0)) return s.rest_speed;
@@ -94,7 +94,7 @@ void Stops::act(std::vector<Event>& events, const Side& s, LimitEvent deed, doub
   const std::string side = (nv > 1 ? " [" + std::to_string(s.dof) + "]" : std::string()) + (s.sign > 0 ? " upper" : " lower");
   event.actions = {{verbs[static_cast<int>(deed)], joint + side, joint, {}, {}, {}}};
   editor.certify(event);
-  revision_ = world_->tree_.revision();  // locks move no limit
+  revision_ = world_->tree_.revision();  // locks change no limits
   events.push_back(std::move(event));
 }
 
@@ -124,7 +124,7 @@ bool Stops::release_pulled(const std::vector<Event>& events) {
   return found;
 }
 
-// The most urgent thing that a stop must do now; false where there is none.
+// Handles the most urgent impact, rest or release; false if there is none.
 bool Stops::one_thing(std::vector<Event>& events) {
   (*evaluate_)(world_->state_);
   const auto at_stop = [this](const Side& s) { return s.sign * (coordinate(s) - s.limit) >= 0; };
@@ -137,7 +137,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
     if (speed(s) > rest_speed(s)) hit = &s;
   }
   if (hit != nullptr) {
-    // Joints that rest elsewhere take part in the impact as long as their stops need not pull for it.
+    // Joints that rest on other stops take part in the impact for as long as their stops need not pull.
     const Side side = *hit;
     WorldSnapshot before = world_->snapshot();
     const std::size_t count = events.size();
@@ -154,7 +154,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
         revision_ = world_->tree_.revision();
         return true;
       }
-      before = world_->snapshot();  // what was released stays so: another one may be pulled next
+      before = world_->snapshot();  // released joints stay released: another one may be pulled next
       events.resize(count);
     }
   }
@@ -171,9 +171,10 @@ bool Stops::one_thing(std::vector<Event>& events) {
   }
   for (const Side& s : sides_) {
     if (locked(s) || !at_stop(s) || speed(s) < -1e-3 * s.rest_speed) continue;
-    // Where next to no force acts, rounding may say pulled with the stop and pressed without: it takes off, and comes back if so.
+    // If the force is close to zero, rounding may indicate a pull with the stop and a push without it: the joint then takes off,
+    // and returns if it is pushed.
     const bool pressed = !s.left && acceleration(s) > 0;
-    if (!pressed && speed(s) <= no_speed * s.rest_speed) continue;  // drawn off, or touching at no speed
+    if (!pressed && speed(s) <= no_speed * s.rest_speed) continue;  // pulled off, or touching at zero speed
     const Side side = s;
     act(events, side, pressed ? LimitEvent::rest : LimitEvent::hit, 0);
     return true;

@@ -1,8 +1,8 @@
 #pragma once
-// Hard stops of joints (JointLimits): when they are hit, how they throw back, how a joint rests on one and leaves it again.
+// Hard stops of joints (JointLimits): impact, rebound, and how a joint comes to rest on a stop and leaves it again.
 //
-// A stop pushes and never pulls. Hit faster than its rest speed, the joint's freedom is thrown back with its restitution; slower,
-// it rests: the freedom is locked, until the stop would have to pull to hold it.
+// A stop pushes and never pulls. If a joint hits it faster than its rest speed, the DoF rebounds with its restitution; if it hits
+// more slowly, it rests: the DoF is locked until the stop would have to pull to hold it.
 #include <optional>
 #include <span>
 #include <string>
@@ -15,16 +15,17 @@
 
 namespace momentree {
 
-/// A condition to be located in a step: when it comes true; where it holds and has to last, when it no longer does; where it is
-/// to be armed again, when it is back far enough.
+/// A condition to be located within a step: when it is met; for a condition that holds and has to last, when it ceases to hold;
+/// for a condition to be armed again, when the quantity is back far enough.
 struct Watch {
   const Condition* condition;
   double start;                        ///< its excess now, not positive
-  double before = 0, ago = 0;          ///< its value at the last look, and how long ago that was (s); 0: something happened since
-  double sign = 1, offset = 0;         ///< what counts is sign·(excess + offset)
-  std::optional<double> start_rate{};  ///< its rate now, where its quantity gives one
+  double before = 0, ago = 0;          ///< its value at the last evaluation, and the time since then (s); 0: an event happened
+                                       ///< since
+  double sign = 1, offset = 0;         ///< the located function is sign·(excess + offset)
+  std::optional<double> start_rate{};  ///< its rate now, if its quantity provides one
 
-  /// The same rate where the world stands now.
+  /// That rate in the present state of the world.
   std::optional<double> rate(const World& world) const {
     const std::optional<double> found = condition->rate(world);
     return found ? std::optional(sign * *found) : std::nullopt;
@@ -36,18 +37,18 @@ class Stops {
   /// Instants are located to `tolerance` seconds.
   Stops(World& world, Evaluator& evaluate, double tolerance) : world_(&world), evaluate_(&evaluate), tolerance_(tolerance) {}
 
-  /// False where no joint has limits: nothing else here needs to be called then.
+  /// False if no joint has limits: no other function of this class needs to be called then.
   bool any();
 
-  /// Deals with what touches a stop now: impacts, rests, releases. One event for each impact, rest and release.
+  /// Resolves the present contacts with stops: impacts, rests, releases, one event for each.
   void resolve_limits(std::vector<Event>& events);
 
-  /// One step of at most h seconds, which ends early where a stop is hit or must let go, or one of `watches` happens. Returns the
-  /// seconds stepped, nothing where the method failed (the state is then what it was).
+  /// One step of at most h seconds, which ends early if a stop is hit or must release its joint, or one of `watches` fires.
+  /// Returns the length of the step (s), or nothing if the method failed (the state is then restored).
   std::optional<double> step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches = {});
 
-  /// Among joints resting on stops, those which transmitted impulses that a stop can't (it would have pulled) at `event`: lets go
-  /// of them. False: there is none.
+  /// Releases the joints resting on stops that transmitted impulses at `event` which a stop cannot exert (it would have pulled).
+  /// False: there are none.
   bool release_pulled(const std::vector<Event>& events);
 
  private:
@@ -60,10 +61,10 @@ class Stops {
   struct Watched {
     const Side* side = nullptr;      ///< a stop, or else
     const Watch* watch = nullptr;    ///< a condition
-    double limit = 0, q = 0, v = 0;  ///< where it counts as crossed; at the start
+    double limit = 0, q = 0, v = 0;  ///< the crossing level; position and velocity at the start
     bool held = false;
-    double last = 0, last_rate = 0;  ///< excess at the end of the step, and its rate; NaN: not known
-    double rise = 0, fall = 0;       ///< slopes of a condition without rates, at both ends: find_slopes
+    double last = 0, last_rate = 0;  ///< excess at the end of the step, and its rate; NaN: unknown
+    double rise = 0, fall = 0;       ///< slopes at both ends of a condition without rates: find_slopes
   };
   double excess(const Watched& watched) const;
   void look_at_end(std::size_t first);
@@ -74,9 +75,9 @@ class Stops {
   void find();
   double coordinate(const Side& side) const;
   double speed(const Side& side) const;         // towards the stop
-  double acceleration(const Side& side) const;  // towards the stop; the work is accelerated
+  double acceleration(const Side& side) const;  // towards the stop; the workspace holds accelerations
   double pull(const Side& side) const;          // force with which the stop would have to pull
-  double rest_speed(const Side& side) const;    // what hits the stop no faster rests; the work is accelerated
+  double rest_speed(const Side& side) const;    // slower impacts come to rest; the workspace holds accelerations
   bool holds(const Side& side) const;
   bool locked(const Side& side) const;
   bool one_thing(std::vector<Event>& events);
@@ -90,9 +91,9 @@ class Stops {
   Evaluator* evaluate_;
   double tolerance_;  // s
   std::vector<Side> sides_;
-  // Of one step, kept so that the next one allocates nothing.
+  // Buffers of one step, kept so that the next step allocates nothing.
   std::vector<Watched> watched_;
-  double slopes_of_ = 0;  // the end of the step that slopes were found for
+  double slopes_of_ = 0;  // the end of the step for which the slopes were found
   State start_;
   std::optional<std::uint64_t> revision_;
 };

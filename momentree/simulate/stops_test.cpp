@@ -1,4 +1,4 @@
-// Hard stops: when they are hit, what an impact leaves, how bouncing ends, and that a stop pushes and never pulls.
+// Hard stops: the instants of impacts, the velocities after them, how bouncing ends, and that a stop pushes and never pulls.
 #include <cmath>
 #include <random>
 #include <vector>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double g = 9.81;
 
-// A body that falls along z onto a stop 0.5 m below, thrown back with restitution e.
+// A body that falls along z onto a stop 0.5 m below and rebounds with restitution e.
 Model falling(double e) {
   Model model;
   model.add(
@@ -110,14 +110,15 @@ TEST_CASE("bouncing ends, whatever the load, the mass, the restitution, the rest
                .inertia = diagonal(mass),
                .joint = Prismatic{.limits = {.lower = limit, .restitution = e, .rest_speed = 1e-12}},
                .q = limit + height});
-    const double fall = std::sqrt(2 * height / a), end = fall * (1 + 2 * e / (1 - e));  // where infinitely many bounces end
+    const double fall = std::sqrt(2 * height / a), end = fall * (1 + 2 * e / (1 - e));  // the limit of infinitely many bounces
     Simulation sim(model, {.method = k % 2 == 0 ? "rk4" : "dopri5", .step = fall / 8, .rtol = 1e-9, .atol = 1e-12});
     const Status status = sim.run_until(1.01 * end);
     CAPTURE(sim.message());
     REQUIRE(status == Status::ok);
     const auto rests = of(sim, "rest ball lower");
     REQUIRE(rests.size() == 1);
-    const double slowest = std::max(8e-10 * a, std::sqrt(2e-14 * a * (1 + std::fabs(limit))));  // that rounding leaves visible
+    const double slowest = std::max(8e-10 * a, std::sqrt(2e-14 * a * (1 + std::fabs(limit))));  // the lowest speeds not hidden by
+                                                                                                // rounding
     CHECK(std::fabs(rests[0]->time - end) < 1e-9 + 1e-6 * end + 3 * slowest / a / (1 - e));
     CHECK(sim.world().joint({0}).q[0] == limit);
     CHECK(sim.events().size() < 1000);
@@ -126,8 +127,8 @@ TEST_CASE("bouncing ends, whatever the load, the mass, the restitution, the rest
 }
 
 TEST_CASE("a stop lets go at the instant at which it would have to pull") {
-  // A cart on a spring, and a slider on it along the same track that a stop keeps from falling behind the cart. The stop can push
-  // the slider as long as the cart speeds up forwards: until the spring is slack.
+  // A cart on a spring, and a slider on it along the same track with a stop that keeps it from falling behind the cart. The stop
+  // can push the slider while the cart accelerates forwards: until the spring is unstressed.
   Model model({.gravity = {}});
   const BodyId cart = model.add({.name = "cart",
                                  .mass = 1,
@@ -140,7 +141,7 @@ TEST_CASE("a stop lets go at the instant at which it would have to pull") {
              .inertia = diagonal(1),
              .parent = cart,
              .joint = Prismatic{.axis = {1, 0, 0}, .limits = {.lower = 0, .restitution = 0}},
-             .v = -2.0});  // at once into the cart; it leaves, and meets the slider again on its way back
+             .v = -2.0});  // immediately onto the cart's stop; it leaves, and meets the slider again on its way back
   Simulation sim(model, {.step = 1e-3});
   REQUIRE(sim.run_until(6) == Status::ok);
   const auto leaves = of(sim, "leave slider lower");
@@ -176,7 +177,7 @@ TEST_CASE("a joint that rests under load leaves at once when its drive turns the
 }
 
 TEST_CASE("an impact elsewhere does not pull on a stop") {
-  // A load stands on a lift. A blow from below takes it along; one from above leaves it behind.
+  // A load lies on a lift. A blow from below takes the load along; one from above leaves it behind.
   Model model;
   const BodyId lift =
       model.add({.name = "lift", .mass = 3, .inertia = diagonal(1), .joint = Prismatic{.damping = 1, .effort = 4 * g}});
@@ -200,7 +201,8 @@ TEST_CASE("an impact elsewhere does not pull on a stop") {
 }
 
 TEST_CASE("an impact that pulls joints off several stops ends") {
-  // A chain folds up: its joints come to rest on their stops one after the other, two of them pulled by springs between joints.
+  // A chain folds up: its joints come to rest on their stops one after the other; two of them are pulled by springs between
+  // joints.
   Model model({.gravity = {0, 0, -g}});
   const Vec3 axis = normalized(Vec3{0.187, -0.589, 0.435});
   BodyId parent = ground;
@@ -225,7 +227,7 @@ TEST_CASE("an impact that pulls joints off several stops ends") {
   spring(1, 0, -1.24, 0.905, 1, 0.03);
   spring(3, 2, 1, 0.876, 3, 0.2);
   REQUIRE(sim.run_until(1) == Status::ok);
-  CHECK(of(sim, "rest").size() + of(sim, "hit").size() > 2);  // with steps too long to be accurate: it must end all the same
+  CHECK(of(sim, "rest").size() + of(sim, "hit").size() > 2);  // with steps too long to be accurate: the run must still end
 }
 
 TEST_CASE("stops belong to the joint: a re-rooted mechanism bounces and rests as before") {
@@ -296,8 +298,8 @@ TEST_CASE("limits that can't be are errors") {
   };
   CHECK(message(Revolute{.limits = {.lower = 1, .upper = -1}}).find("'lower' must be less") != std::string::npos);
   CHECK(message(Revolute{.limits = {.lower = -1, .upper = 1}}, 2.0).find("beyond its limits") != std::string::npos);
-  CHECK(message(Revolute{.limits = {.lower = -1, .restitution = 1.5}}).find("make energy") != std::string::npos);
-  CHECK(message(Cylindrical{.limits = {.lower = {-1, 2, 3}}}).find("2 freedoms") != std::string::npos);
+  CHECK(message(Revolute{.limits = {.lower = -1, .restitution = 1.5}}).find("create energy") != std::string::npos);
+  CHECK(message(Cylindrical{.limits = {.lower = {-1, 2, 3}}}).find("2 degrees of freedom") != std::string::npos);
   JointSpec ball = Ball{};
   ball.parameters.limits.upper = 1;
   CHECK(message(ball).find("limited") != std::string::npos);

@@ -8,7 +8,7 @@ namespace momentree {
 
 namespace {
 
-// As the quantities reaction_force and reaction_torque, but of a joint's number: it is watched after every step.
+// Like the quantities reaction_force and reaction_torque, but by joint number: evaluated after every step.
 struct Load : Quantity {
   Strength strength;
   explicit Load(const Strength& s) : strength(s) {}

@@ -9,7 +9,7 @@ using namespace momentree;
 
 namespace {
 
-// A chain that swings from a pin; `strength` of its links, in the order of the chain.
+// A chain that swings from a revolute joint; `strength` of its links, in the order of the chain.
 Model chain(const std::vector<JointStrength>& strengths) {
   Model model({.gravity = {0, 0, -9.81}});
   BodyId parent = ground;
@@ -116,7 +116,7 @@ TEST_CASE("a dry run breaks joints that events make with a strength, and is sure
   hook.strength = {.force = 2};
   sim.at(0.1).then(break_joint("link1"));
   sim.at(0.2).named("hook").then(attach("link1", "ground", hook));
-  sim.at(0.3).then(weld("link1", "link0"));  // closes a loop, unless the hook broke
+  sim.at(0.3).then(weld("link1", "link0"));  // closes a loop unless the hook broke
   const DryRun found = sim.dry_run();
   CHECK(found.issues.empty());
   CHECK(std::count(found.joints.begin(), found.joints.end(), std::pair<std::string, Kind>("link1", Kind::free)) == 1);

@@ -1,5 +1,5 @@
-// What may be used from several threads at once. Its results are those of one thread; a build with ThreadSanitizer (preset tsan)
-// says whether that was luck.
+// Use from several threads at once. The results must be those of one thread; a build with ThreadSanitizer (preset tsan) checks
+// that this is not luck.
 #include <functional>
 #include <thread>
 #include <vector>

@@ -92,8 +92,8 @@ void TopologyEditor::carry_out(const Change& change, Nature nature) {
   }
 }
 
-// What prescribed motions did in the impact that just was, to be no slower and no faster for it: impulse along the freedom times
-// its speed. Pb of before it is in before_.
+// Work done by prescribed motions in the last impact to keep their velocity: impulse along the DoF times its velocity. Pb before
+// the impact is in before_.
 double TopologyEditor::work_of_motions() {
   double work = 0;
   for (const int b : tree().driven_joints()) {
@@ -107,14 +107,14 @@ double TopologyEditor::work_of_motions() {
   return work;
 }
 
-// The free joint of a part that came off takes the name of its body, which is often that of the joint that broke. Actions mean
-// the joint that broke: nothing that they do to it may act on the part in flight.
+// The free joint of a part that broke off is named after its body, and often the joint that broke has the same name. Actions mean
+// the joint that broke: none of them may act on the free part instead.
 int TopologyEditor::joint(std::string_view name) const {
   const int found = world_.names_.find_joint(name);
   if (found < 0 || loosened.contains(found)) return found;
   const int b = tree().carrier(found);
   const Joint& now = tree().joint(b);
-  // A root that was set free at its own frame is the same: neither a state document nor any motion tells them apart.
+  // A root that was freed at its own frame is unchanged: neither a state document nor the motion can tell the difference.
   const auto moved = [](const Pose& pose) {
     const Quat& r = pose.rotation;
     return !(pose.position == Vec3{}) || r.w != 1 || r.x != 0 || r.y != 0 || r.z != 0;
@@ -201,8 +201,8 @@ ActionResult TopologyEditor::can_follow(int joint, const JointParameters& parame
     return std::string(buffer);
   };
   return ActionResult::refused(
-      "joint '" + joint_name(joint) + "' stands at " + text(is) + ", but its motion is at " + text(at) + " now",
-      "a joint does not jump: let the motion pass there at this instant, or drive it there by 'pd' first");
+      "joint '" + joint_name(joint) + "' is at " + text(is) + ", but its motion is at " + text(at) + " now",
+      "a joint can't jump: let the motion pass its position at this instant, or drive it there by 'pd' first");
 }
 
 bool TopologyEditor::drifts(int body) const {
@@ -215,7 +215,7 @@ ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, con
   if (to >= 0 && root_of(tree(), to) == root) {
     const bool below = tree().parent(body) == to, above = tree().parent(to) == body;
     if (below || above)
-      return ActionResult::refused("'" + body_name(body) + "' and '" + body_name(to) + "' are joined already, by joint '" +
+      return ActionResult::refused("'" + body_name(body) + "' and '" + body_name(to) + "' are already joined by joint '" +
                                        joint_name(tree().joint_of(below ? body : to)) + "'",
                                    "lock that joint, or change its kind");
     return ActionResult::refused("'" + body_name(body) + "' and '" + body_name(to) + "' both belong to mechanism '" +
@@ -225,14 +225,14 @@ ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, con
   const auto held_by = [this](int b) { return joint_name(tree().joint_of(root_of(tree(), b))); };
   const bool floats_here = drifts(body), floats_there = to >= 0 && drifts(to);
   if (!floats_here && !floats_there) {
-    const std::string one = "mechanism '" + mechanism_of(body) + "' is held to the ground by joint '" + held_by(body) + "'";
+    const std::string one = "mechanism '" + mechanism_of(body) + "' is attached to the ground by joint '" + held_by(body) + "'";
     if (to < 0)
       return ActionResult::refused(one + ": a second joint to the ground would close a loop", "break one of them first");
     return ActionResult::refused(one + ", and '" + mechanism_of(to) + "' by joint '" + held_by(to) + "': that would close a loop",
                                  "break one of them first");
   }
   if (joint(made_name_) >= 0)
-    return ActionResult::refused("there is a joint '" + made_name_ + "' already", "give the event another name");
+    return ActionResult::refused("there is already a joint '" + made_name_ + "'", "give the event another name");
 
   const int carrier = floats_here ? body : to, other = floats_here ? to : body;
   const int old_root = root_of(tree(), carrier);
@@ -244,7 +244,7 @@ ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, con
   change.to.child_at = inverse(present) * change.to.at;
   change.q = joint_zero(spec.kind);
 
-  touch(tree().joint_of(old_root));  // the free joint becomes the one that is made
+  touch(tree().joint_of(old_root));  // the free joint becomes the new joint
   carry_out(Join{{carrier}, {other}}, Nature::workless);
   if (other < 0)
     world_.names_.move_mechanism(old_root, carrier);

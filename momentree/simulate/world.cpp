@@ -30,7 +30,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   active_limits_ = forest.active_limits;
   put_together(forest);
   for (const ActiveLimit& h : active_limits_)
-    MT_REQUIRE(h.dof >= 0 && h.dof < info(tree_.joint(carrier({h.joint})).kind).nv, "a freedom that the joint has");
+    MT_REQUIRE(h.dof >= 0 && h.dof < info(tree_.joint(carrier({h.joint})).kind).nv, "a degree of freedom of the joint");
   for (auto& [joint, f] : functions) {
     const int b = tree_.carrier(joint);
     if (b >= 0 && !tree_.joint(b).created_by_event && tree_.joint(b).kind == model_[{joint}].joint.kind)
@@ -47,7 +47,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   state_ = std::move(state);
 }
 
-// Start values, those of the model where the document says nothing.
+// Start values: those of the model if the document gives none.
 void World::put_values(double time, const Forest& forest, std::span<const JointStart> joints, State& state) const {
   std::vector<double> v(static_cast<std::size_t>(tree_.nv()));
   const State::Edit edit = state.edit();
@@ -70,27 +70,28 @@ void World::put_values(double time, const Forest& forest, std::span<const JointS
   for (const JointStart& j : joints) {
     const KindInfo& kind = info(tree_.joint(carrier(j.joint)).kind);
     const auto fits = [](const Values& values, int count) { return values.empty() || values.size() == count; };
-    MT_REQUIRE(fits(j.q, kind.nq) && fits(j.v, kind.nv) && fits(j.p, kind.nv), "as many numbers as the joint has, or none");
+    MT_REQUIRE(fits(j.q, kind.nq) && fits(j.v, kind.nv) && fits(j.p, kind.nv),
+               "as many numbers as the joint has coordinates or velocities, or none");
     put(j.q, first_q(j.joint.index), edit.q);
     put(j.v, first_p(j.joint.index), v);
   }
   follow_motions(tree_, time, edit.q.data(), v.data());
   project_momentum(tree_, state.q().data(), v.data(), edit.p.data());
   for (const JointStart& j : joints) put(j.p, first_p(j.joint.index), edit.p);
-  for (const int b : tree_.order())  // a locked freedom has no momentum of its own
+  for (const int b : tree_.order())  // a locked DoF has no momentum of its own
     for (int i = 0; i < info(tree_.joint(b).kind).nv; ++i)
       if ((tree_.joint(b).locked >> i & 1u) != 0) edit.p[static_cast<std::size_t>(tree_.first_p(b) + i)] = 0;
   follow_motions(tree_, time, edit.q.data(), edit.p.data());
 }
 
-// Topology and names of a fresh tree.
+// Topology and names of a newly compiled tree.
 void World::put_together(const Forest& forest) {
   if (forest.places.empty()) return;
   Topology topology = tree_.topology();
   topology.places = forest.places;
   for (const Forest::Changed& c : forest.changed) {
     Joint joint = c.as;
-    const Joint& own = tree_.joint(c.joint);  // nothing has been re-rooted yet: the model's joint of that number
+    const Joint& own = tree_.joint(c.joint);  // nothing has been re-rooted yet: the model's joint with that number
     const JointParameters* declared = tree_.parameters(c.joint);
     joint.parameters = -1;
     if (declared != nullptr && c.parameters == *declared) {
@@ -153,7 +154,7 @@ JointForces World::joint_forces(JointId number) const {
 }
 
 Wrench World::reaction(JointId number) const {
-  static_cast<void>(carrier(number));  // or stops: the joint is not in this world
+  static_cast<void>(carrier(number));  // terminates the program if the joint is not in this world
   accelerate(tree_, state_, workspace_);
   const Force<double> whole = momentree::reaction(tree_, state_, workspace_, number);
   return {whole.l, whole.h};
@@ -239,7 +240,7 @@ void World::load(int body, BodyFunction function) {
   state_.replace(0, 0, {}, 0, 0, {}, tree_);
 }
 
-// The clock is put right, by a rounding or, in a rehearsal, by more; what is driven goes with it.
+// Corrects the clock by a rounding error, or by more in a dry run; driven joints follow.
 void World::set_time(double time) {
   const State::Edit edit = state_.edit();
   edit.time = time;
@@ -247,7 +248,7 @@ void World::set_time(double time) {
 }
 
 void World::set_gravity(Vec3 gravity) {
-  model_.set_gravity(gravity);  // or throws
+  model_.set_gravity(gravity);  // may throw
   tree_.set_gravity(gravity);
   state_.replace(0, 0, {}, 0, 0, {}, tree_);
 }
@@ -265,7 +266,7 @@ unsigned World::held(int joint) const {
   return bits;
 }
 
-// Holds end with their joint, or with its limits.
+// Active limits end when their joint, or its limits, are removed.
 void World::forget_active_limits() {
   std::erase_if(active_limits_, [this](const ActiveLimit& h) {
     const int b = tree_.carrier(h.joint);

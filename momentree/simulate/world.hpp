@@ -1,5 +1,5 @@
 #pragma once
-// One world at one instant: model (names), tree (topology), state, and what the recursions found at this state.
+// One world at one instant: model (names), tree (topology), state, and the results of the recursions for this state.
 #include <optional>
 #include <span>
 #include <string>
@@ -20,31 +20,31 @@
 
 namespace momentree {
 
-/// A joint as its user sees it, in its declared direction. Spans point into the world; valid until it next changes.
+/// A joint as its user sees it, in its declared direction. Spans point into the world and are valid until the world next changes.
 struct JointView {
   std::string_view name;
   Kind kind = Kind::weld;
   BodyId child, parent;   ///< as declared; parent.index −1: the ground
-  bool reversed = false;  ///< its child carries its parent now, seen from the root
-  unsigned locked = 0;    ///< a bit per freedom that is locked
-  unsigned resting = 0;   ///< a bit per freedom that rests on a stop
-  bool driven = false;    ///< its motion is prescribed, and not suspended by a lock
+  bool reversed = false;  ///< its declared child now carries its declared parent, seen from the root
+  unsigned locked = 0;    ///< one bit per locked DoF
+  unsigned resting = 0;   ///< one bit per DoF that rests on a stop
+  bool driven = false;    ///< its motion is prescribed and not suspended by a lock
   Pose at, child_at;
   Vec3 axis, axis2;
   double pitch = 0;
   const JointParameters* parameters = nullptr;
-  Numbers q, v, p, pdot;  ///< nq, nv, nv, nv numbers; p and pdot are zeros where it is driven
+  Numbers q, v, p, pdot;  ///< lengths nq, nv, nv, nv; p and pdot are zero for driven joints
 };
 
-/// What a joint does and carries at an instant.
+/// Acceleration and forces of a joint at an instant.
 struct JointForces {
   Numbers a;  ///< time derivative of v: nv numbers (m/s², rad/s²); points into the world as in JointView
-  /// By which the declared parent holds the declared child: about the origin of the child's frame (not of `at`), in its axes.
-  /// `reaction`: all that goes through the joint, drive, spring and damping included; `pure`: without what acts along the
-  /// joint's freedoms (momentree::pure_reaction), what its bearings and locks carry.
+  /// Wrench (N, N m) that the declared parent exerts on the declared child: about the origin of the child's frame (not of `at`),
+  /// in its axes. `reaction`: the total through the joint, including drive, spring and damping; `pure`: without the effort along
+  /// the joint's DoFs (momentree::pure_reaction), the load on its bearings and locks.
   Wrench reaction, pure;
-  /// What acts along each freedom (nv numbers, N m or N): momentree::joint_effort; for a driven joint the effort that its motion
-  /// takes.
+  /// Effort along each DoF (nv numbers, N m or N): momentree::joint_effort; for a driven joint the effort that its motion
+  /// requires.
   Values effort;
 };
 
@@ -55,45 +55,45 @@ struct Mechanism {
   std::vector<BodyId> bodies;  ///< root first, in evaluation order
 };
 
-/// A joint's freedom that rests on a stop (sign +1: the upper one).
+/// A DoF of a joint that rests on a stop (sign +1: the upper one).
 struct ActiveLimit {
   int joint, dof, sign;
 };
 
-/// All that a world is at an instant: a small value to go back to and to branch from.
+/// The complete state of a world at an instant: a small value for going back and for branching.
 struct WorldSnapshot {
   Snapshot engine;
-  std::vector<std::pair<int, std::string>> joint_names, mechanism_names;  ///< those that are not the model's
+  std::vector<std::pair<int, std::string>> joint_names, mechanism_names;  ///< those that differ from the model's
   std::vector<ActiveLimit> active_limits;
-  std::vector<BodySpec> added;  ///< bodies that came after the start
+  std::vector<BodySpec> added;  ///< bodies that were added after the start
 };
 
-/// Who hangs on whom by which joints, and what that is called, where it is not as the model has it: what a state document says
-/// of the topology.
+/// Topology and names where they differ from the model: which body is carried by which, and by which joint, as in a state
+/// document.
 struct Forest {
-  /// A joint that is not the model's of that number, or has another name.
+  /// A joint that differs from the model's joint of that number, or has another name.
   struct Changed {
     int joint = -1;
     std::string name;
     Joint as;  ///< without parameters
     JointParameters parameters;
   };
-  std::vector<Topology::Place> places;                  ///< by body; empty: as in the model, and so are the names of mechanisms
+  std::vector<Topology::Place> places;                  ///< by body; empty: topology and names of mechanisms are the model's
   std::vector<Changed> changed;                         ///< in the order of numbers
   std::vector<std::pair<int, std::string>> mechanisms;  ///< by root
   std::vector<ActiveLimit> active_limits;
 };
 
-/// What a state document says of one joint: empty lists keep the start value. Where p is given it is used, and v is not.
+/// The state of one joint in a state document: empty lists keep the start value. If p is given, it is used instead of v.
 struct JointStart {
   JointId joint;
   Values q, v, p;
 };
 
-/// Evaluates its state where it is asked for something that needs it: a world is used by one thread at a time, reading included.
+/// Evaluates its state lazily, when a result is requested: a world may be used by one thread at a time, even for reading.
 class World {
  public:
-  /// Compiles the model. Throws Error where a joint-space mass is singular.
+  /// Compiles the model. Throws Error if a joint-space mass is singular.
   explicit World(const Model& model);
 
   const Model& model() const { return model_; }
@@ -106,47 +106,48 @@ class World {
   }
   double time() const { return state().time(); }
 
-  /// These evaluate the state first where that has not been done.
+  /// These functions evaluate the state first if that has not been done.
   const CheckedVector<BodyMotion>& motions() const;  ///< by body number
-  /// The joint of that number: at the start that of the body's, and the same joint for as long as it is there, whatever carries
-  /// it then. Every world has a joint for each of its bodies.
+  /// The joint with that number: initially the joint of the body with the same number. It is the same joint for as long as it
+  /// exists, whichever body it carries. Every world has one joint for each of its bodies.
   JointView joint(JointId joint) const;
-  /// These cost another half of an evaluation, once for each state of which they are asked for, and nothing where they are not.
-  /// By body number: time derivatives of `linear` and `angular` of its motion; zeros for a body that was removed.
+  /// These cost another half of an evaluation, once for each state for which they are called. By body number: time derivatives of
+  /// `linear` and `angular` of the body's motion; zeros for a removed body.
   const std::vector<BodyAcceleration>& accelerations() const;
   JointForces joint_forces(JointId joint) const;
   Wrench reaction(JointId joint) const;  ///< the reaction alone
-  /// Coordinate and velocity of a joint with one freedom; nothing for others.
+  /// Coordinate (rad, m) and velocity (rad/s, m/s) of a joint with one DoF; nothing for other joints.
   std::optional<std::pair<double, double>> single_dof(JointId joint) const;
-  /// Number of the present joint of that name, −1 if there is none.
+  /// Number of the joint that has that name now; −1 if there is none.
   int find_joint(std::string_view name) const { return names_.find_joint(name); }
   int find_joint(std::string_view name, std::atomic<int>& number) const { return names_.find_joint(name, number); }
-  /// Another one whenever anything of the state or the topology has changed.
+  /// Changes whenever anything of the state or the topology changes.
   Stamp stamp() const { return state_.stamp(); }
   Totals totals() const;
   /// Present mechanisms, in the order of their root's body number.
   std::vector<Mechanism> mechanisms() const;
   std::vector<std::string> mechanism_names() const;
-  /// Name of the joint of that number: as declared; once the joint broke, that of the body that came off.
+  /// Name of the joint with that number: as declared; after the joint broke, the name of the body that broke off.
   std::string_view joint_name(JointId joint) const { return names_.joint(joint.index); }
   std::string_view mechanism_name(BodyId root) const { return names_.mechanism(root.index); }
 
-  /// False for a body that was removed: any other use of its handle, or of its joint's, stops the program.
+  /// False for a removed body: any other use of its handle or its joint's handle terminates the program.
   bool alive(BodyId body) const { return body.index >= 0 && body.index < tree_.bodies() && tree_.alive(body.index); }
 
-  /// Going back is exact to the last bit, across any number of changes.
+  /// Restoring is exact to the last bit, across any number of changes.
   WorldSnapshot snapshot() const;
   void restore(const WorldSnapshot& snapshot);
 
-  /// The model at `time`, its joints and bodies put together as `forest` says and start values replaced: what a state document
-  /// restores. Quaternions are taken bit for bit: of length one, but for rounding. Joints that are not the model's start at zero
-  /// where `joints` says nothing of them. The forest must be one: each joint carried once, no body outboard of itself.
+  /// Restores a state document: the model at `time` (s), with its joints and bodies assembled as in `forest` and start values
+  /// replaced. Quaternions are copied bit for bit; they must have unit length to within rounding. Joints that differ from the
+  /// model's start at zero if `joints` does not contain them. The forest must be valid: each joint carries one body, and no body
+  /// is outboard of itself.
   void restore(double time, const Forest& forest, std::span<const JointStart> joints);
 
-  /// The first instant after t at which a table bends, infinite where there is none: steps end there.
+  /// The first instant after t (s) at which a table bends, or infinity: steps end there.
   double next_bend(double t) const { return tree_.next_bend(t); }
 
-  /// Freedoms that rest on stops.
+  /// DoFs that rest on stops.
   std::span<const ActiveLimit> active_limits() const { return active_limits_; }
 
  private:
@@ -169,14 +170,14 @@ class World {
   void forget_active_limits();
 
   Model model_;
-  int first_bodies_ = 0;    // those that the world was made with
-  Names declared_, names_;  // as the model has them, and now
+  int first_bodies_ = 0;    // number of bodies that the world was made with
+  Names declared_, names_;  // as in the model, and now
   std::vector<ActiveLimit> active_limits_;
   Tree tree_;
   State state_;
   mutable Workspace<double> workspace_;
   mutable CheckedVector<BodyMotion> motions_;
-  mutable std::vector<BodyAcceleration> accelerations_;  // none until they are asked for
+  mutable std::vector<BodyAcceleration> accelerations_;  // empty until they are first requested
   mutable Stamp motions_of_, accelerations_of_;
 };
 

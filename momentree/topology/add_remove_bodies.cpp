@@ -10,7 +10,7 @@ Released apply(const Remove& change, Tree& tree, State& state, Workspace<double>
   const int b = change.body.index;
   MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
   MT_REQUIRE(floats(tree, b) && tree.parent(b) < 0, "the body is the root of a mechanism that floats: break it off first");
-  MT_REQUIRE(tree.bodies() <= workspace.capacity(), "the work has room for the tree's bodies: make it anew");
+  MT_REQUIRE(tree.bodies() <= workspace.capacity(), "the workspace has room for the tree's bodies: construct a new one");
   for (int x : tree.order()) {  // inboard before outboard
     const int outer = tree.parent(x);
     workspace.path[static_cast<std::size_t>(x)] = x == b || (outer >= 0 && workspace.path[static_cast<std::size_t>(outer)] != 0);
@@ -38,7 +38,7 @@ BodyId apply(const Add& change, Tree& tree, State& state, const Workspace<double
   const BodySpec& spec = *change.spec;
   const KindInfo& kind = info(spec.joint.kind);
   MT_REQUIRE(spec.q.size() == kind.nq && spec.v.size() == kind.nv, "complete coordinates and velocities");
-  MT_REQUIRE(check_body(spec).empty(), "a body without fault, as check_body() judges it");
+  MT_REQUIRE(check_body(spec).empty(), "a valid body, according to check_body()");
   const int outer = spec.parent.index;
   Motion<double> motion{};
   MT_REQUIRE(outer == ground.index || tree.alive(outer), "the parent is the ground or in the tree");

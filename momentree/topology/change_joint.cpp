@@ -25,7 +25,7 @@ void follow_motion(const Tree& tree, int b, double t, double* q, double* p) {
 void require_joint(const Joint& joint, const Values& q) noexcept {
   const KindInfo& kind = info(joint.kind);
   MT_REQUIRE(q.size() == kind.nq, "as many coordinates as the new joint's kind has");
-  MT_REQUIRE(check_joint(spec_of(joint)).empty(), "a joint without fault, as check_joint() judges it");
+  MT_REQUIRE(check_joint(spec_of(joint)).empty(), "a valid joint, according to check_joint()");
   MT_REQUIRE(!kind.axis || is_direction(joint.axis), "an axis of length 1");
   MT_REQUIRE(!kind.axis2 || is_direction(joint.axis2), "a second axis of length 1");
   MT_REQUIRE(is_placement(joint.at) && is_placement(joint.child_at), "finite placements with quaternions of length 1");
@@ -158,7 +158,7 @@ Released apply(const SetParameters& change, Tree& tree, State& state, Workspace<
   {
     JointSpec spec = spec_of(tree.joint(b));
     spec.parameters = change.parameters;
-    MT_REQUIRE(check_joint(spec).empty(), "parameters that such a joint can have, as check_joint() judges them");
+    MT_REQUIRE(check_joint(spec).empty(), "valid parameters for this joint, according to check_joint()");
   }
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
   double q[7], p[6], all[6] = {};

@@ -11,7 +11,7 @@ double apply(const Impact& change, const Tree& tree, State& state, Workspace<dou
   const int b = tree.carrier(change.joint).index;
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   MT_REQUIRE(change.dof >= 0 && change.dof < info(tree.joint(b).kind).nv && (tree.joint(b).locked >> change.dof & 1u) == 0,
-             "the joint has that freedom, and it is not locked");
+             "the joint has that degree of freedom, and it is not locked");
   MT_REQUIRE(change.restitution >= 0 && change.restitution <= 1, "a restitution from 0 to 1");
   const auto i = static_cast<std::size_t>(tree.first_p(b) + change.dof);
   const double u = workspace.v[i];

@@ -101,7 +101,7 @@ TEST_CASE("changes with what no joint, impulse or body has") {
       of_change("no coordinates", "as many coordinates", ChangeJoint{{1}, pin(z_axis), {}}),
       of_change("coordinates that are no numbers", "finite coordinates", ChangeJoint{{1}, pin(z_axis), {no_number}}),
       of_change("an axis that is longer than 1", "an axis of length 1", ChangeJoint{{1}, pin({0, 0, 2}), {0}}),
-      of_change("no axis", "a joint without fault", ChangeJoint{{1}, pin({0, 0, 0}), {0}}),
+      of_change("no axis", "a valid joint", ChangeJoint{{1}, pin({0, 0, 0}), {0}}),
       of_change("a placement that is no number", "finite placements", ChangeJoint{{1}, placed({{0, inf, 0}, {}}), {0}}),
       of_change("a placement that is no rotation", "finite placements", ChangeJoint{{1}, placed({{}, {2, 0, 0, 0}}), {0}}),
       of_change("a ball's coordinates that are no rotation", "a quaternion of length 1",
@@ -112,7 +112,7 @@ TEST_CASE("changes with what no joint, impulse or body has") {
                               return j;
                             }(),
                             {0, 0, 0, 0}}),
-      of_change("reversed on the ground", "the ground is no joint's child",
+      of_change("reversed on the ground", "the ground is not a joint's child",
                 ChangeJoint{{0}, pin(z_axis), {0}, ChangeJoint::Direction::reversed}),
       of_change("Attach without coordinates", "as many coordinates", Attach{{2}, {0}, pin(z_axis), {}}),
       of_change("Attach to itself", "different mechanisms", Attach{{2}, {3}, pin(z_axis), {0}}),
@@ -124,12 +124,12 @@ TEST_CASE("changes with what no joint, impulse or body has") {
       of_change("Impulse that is no number", "a finite impulse", Impulse{{1}, {no_number, 0, 0}}),
       of_change("Impulse without end", "a finite impulse", Impulse{{1}, {}, {0, inf, 0}}),
       of_change("Impulse at no point", "a finite impulse", Impulse{{1}, {1, 0, 0}, {}, {0, 0, no_number}}),
-      of_change("Impact of a second freedom", "the joint has that freedom", Impact{{1}, 1}),
-      of_change("Impact of freedom -1", "the joint has that freedom", Impact{{1}, -1}),
+      of_change("Impact of a second freedom", "the joint has that degree of freedom", Impact{{1}, 1}),
+      of_change("Impact of freedom -1", "the joint has that degree of freedom", Impact{{1}, -1}),
       of_change("Impact that makes energy", "a restitution from 0 to 1", Impact{{1}, 0, 1.5}),
       of_change("Impact that is no number", "a restitution from 0 to 1", Impact{{1}, 0, no_number}),
-      of_change("SetParameters, negative", "parameters that such a joint can have", SetParameters{{1}, negative}),
-      of_change("SetParameters, too many", "parameters that such a joint can have", SetParameters{{1}, too_many}),
+      of_change("SetParameters, negative", "valid parameters for this joint", SetParameters{{1}, negative}),
+      of_change("SetParameters, too many", "valid parameters for this joint", SetParameters{{1}, too_many}),
       of_change("Add of nothing", "a body to add", Add{nullptr}),
       of_scene("Add of a body that is not complete", "complete coordinates and velocities",
                [](Scene& s) {
@@ -142,7 +142,7 @@ TEST_CASE("changes with what no joint, impulse or body has") {
                  spec.parent = {9};
                  apply(Add{&spec}, s.tree, s.state, s.workspace);
                }),
-      of_scene("Add of a mass that is no number", "a body without fault",
+      of_scene("Add of a mass that is no number", "a valid body",
                [](Scene& s) {
                  BodySpec spec = s.model[{1}];
                  spec.mass = no_number;
@@ -158,8 +158,8 @@ TEST_CASE("changes with what no joint, impulse or body has") {
 }
 
 TEST_CASE("the tree, the state or the work of something else") {
-  const char* const foreign = "the state is one of this tree as it is now";
-  const char* const stale = "the work was evaluated on this state and this tree as they are now";
+  const char* const foreign = "the state belongs to this tree as it is now";
+  const char* const stale = "the workspace was evaluated with this state and this tree as they are now";
   const Misuse all[] = {
       of_scene("forward_dynamics on a tree of the same shape", foreign,
                [](Scene& s) { forward_dynamics(Scene(2).tree, s.state, s.workspace); }),
@@ -184,14 +184,14 @@ TEST_CASE("the tree, the state or the work of something else") {
                  const Tree moved = std::move(s.tree);
                  forward_dynamics(s.tree, s.state, s.workspace);
                }),
-      of_scene("forward_dynamics with a work of a smaller tree", "the work has room for the tree's bodies",
+      of_scene("forward_dynamics with a work of a smaller tree", "the workspace has room for the tree's bodies",
                [](Scene& s) {
                  Model small;
                  small.add({.name = "x", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}});
                  Workspace<double> workspace{Tree(small)};
                  forward_dynamics(s.tree, s.state, workspace);
                }),
-      of_scene("forward_dynamics with a moved-from work", "the work has room for the tree's bodies",
+      of_scene("forward_dynamics with a moved-from work", "the workspace has room for the tree's bodies",
                [](Scene& s) {
                  const Workspace<double> moved = std::move(s.workspace);
                  forward_dynamics(s.tree, s.state, s.workspace);
@@ -225,7 +225,7 @@ TEST_CASE("the tree, the state or the work of something else") {
                [](Scene& s) { static_cast<void>(locate_body(Scene(2).tree, s.state, s.workspace, 1)); }),
       of_scene("a joint's energy on another tree", stale,
                [](Scene& s) { static_cast<void>(joint_energy(Scene(2).tree, s.state, s.workspace, 1)); }),
-      of_scene("a reaction on another tree", "the work has the accelerations of this state and this tree",
+      of_scene("a reaction on another tree", "the workspace holds the accelerations of this state and this tree",
                [](Scene& s) {
                  accelerate(s.tree, s.state, s.workspace);
                  static_cast<void>(reaction(Scene(2).tree, s.state, s.workspace, s.tree.inboard_joint({1})));
@@ -296,7 +296,7 @@ TEST_CASE("methods of integration") {
                        e(s.state);
                        static_cast<void>(m.step(e, s.state, b, 1e-3));
                      })},
-        {"a state that was not evaluated", "the work was evaluated on this state",
+        {"a state that was not evaluated", "the workspace was evaluated with this state",
          with_method(method,
                      [](Scene& s, E& e, B& b, I& m) {
                        s.state.edit().p[0] = 1;

@@ -26,7 +26,7 @@ std::vector<ForceProblem> check_force(const BodyForce& force) {
     if (!std::isfinite(value)) problems.push_back({"drag", std::string("'") + name + "' must be finite", ""});
     if (value < 0)
       problems.push_back(
-          {"drag", std::string("'") + name + "' must not be negative", "drag takes energy away: it acts against the velocity"});
+          {"drag", std::string("'") + name + "' must not be negative", "drag dissipates energy: it opposes the velocity"});
   }
   return problems;
 }

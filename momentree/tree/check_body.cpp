@@ -34,8 +34,8 @@ struct QuaternionCheck {
 };
 QuaternionCheck check_quaternion(double w, double x, double y, double z) {
   const double length = std::hypot(std::hypot(w, x), std::hypot(y, z));
-  if (length == 0) return {"a quaternion of zeros is no rotation", "no rotation is [1, 0, 0, 0]"};
-  if (!(std::fabs(length - 1) <= 1e-6)) return {"the quaternion is not of length 1", "scale it: w² + x² + y² + z² = 1"};
+  if (length == 0) return {"a quaternion of zeros is not a rotation", "the identity is [1, 0, 0, 0]"};
+  if (!(std::fabs(length - 1) <= 1e-6)) return {"the length of the quaternion is not 1", "scale it: w² + x² + y² + z² = 1"};
   return {};
 }
 
@@ -75,8 +75,9 @@ class Checks {
     if (!finite(values)) return add(field, "must be finite");
     if (values.size() > 1 && values.size() != kind.nv)
       add(field,
-          "a " + std::string(kind.name) + " joint has " + counted(kind.nv, "freedom") + ", not " + std::to_string(values.size()),
-          kind.nv ? "give one number, or one per freedom" : "");
+          "a " + std::string(kind.name) + " joint has " + counted(kind.nv, "degree") + " of freedom, not " +
+              std::to_string(values.size()),
+          kind.nv ? "give one number, or one per degree of freedom" : "");
     if (!negative_allowed && std::any_of(values.begin(), values.end(), [](double a) { return a < 0; }))
       add(field, "must not be negative");
   }
@@ -88,9 +89,9 @@ class Checks {
     for (const auto& [side, values] : {std::pair{"lower", &l.lower}, {"upper", &l.upper}}) {
       if (values->size() > 1 && values->size() != kind.nv)
         return add("limits",
-                   "a " + std::string(kind.name) + " joint has " + counted(kind.nv, "freedom") + ", but '" + side + "' has " +
-                       std::to_string(values->size()) + " numbers",
-                   "give one number, or one per freedom; inf where there is no stop");
+                   "a " + std::string(kind.name) + " joint has " + counted(kind.nv, "degree") + " of freedom, but '" + side +
+                       "' has " + std::to_string(values->size()) + " numbers",
+                   "give one number, or one per degree of freedom; inf for no stop");
       if (std::any_of(values->begin(), values->end(), [](double x) { return std::isnan(x); }))
         return add("limits", std::string("'") + side + "' must be a number");
     }
@@ -98,14 +99,14 @@ class Checks {
       if (!(l.lower_of(i) < l.upper_of(i))) return add("limits", "'lower' must be less than 'upper'");
     per_dof("limits", l.restitution, kind, false);
     if (std::any_of(l.restitution.begin(), l.restitution.end(), [](double e) { return e > 1; }))
-      add("limits", "a restitution of more than 1 would make energy", "0 is plastic, 1 elastic");
+      add("limits", "a restitution above 1 would create energy", "0 is plastic, 1 elastic");
     if (!(l.rest_speed > 0) || !std::isfinite(l.rest_speed)) add("limits", "'rest_speed' must be positive");
     counted_values("limits", "stiffness", l.stiffness, kind);
     counted_values("limits", "damping", l.damping, kind);
     if (std::any_of(l.stiffness.begin(), l.stiffness.end(), [](double k) { return k == 0; }))
       add("limits", "a stop without 'stiffness' holds nothing", "leave 'stiffness' out for a hard stop");
     if (!l.damping.empty() && l.stiffness.empty())
-      add("limits", "'damping' is that of a soft stop, which needs a 'stiffness'", "for a hard stop give 'restitution' instead");
+      add("limits", "'damping' belongs to a soft stop, which needs 'stiffness'", "for a hard stop give 'restitution' instead");
     if (!l.restitution.empty() && !l.stiffness.empty())
       add("limits", "a stop is hard, with 'restitution', or soft, with 'stiffness' and 'damping', not both",
           "leave one of them out");
@@ -114,7 +115,7 @@ class Checks {
   void friction(const JointFriction& f, const KindInfo& kind) {
     counted_values("friction", "coulomb", f.coulomb, kind);
     counted_values("friction", "speed", f.speed, kind);
-    if (f.coulomb.empty() && !f.speed.empty()) add("friction", "'speed' alone is no friction", "give 'coulomb' too");
+    if (f.coulomb.empty() && !f.speed.empty()) add("friction", "'speed' alone defines no friction", "give 'coulomb' too");
     for (int i = 0; i < kind.nv; ++i)
       if (f.coulomb.of(i) > 0 && !(f.speed.of(i) > 0))
         return add("friction", "needs a 'speed', over which it builds up",
@@ -126,15 +127,15 @@ class Checks {
     const bool has = kind.nq == kind.nv && kind.nv > 0;
     if (!has)
       add(field, std::string(what) + " needs coordinates whose rates are the velocities, which a " + kind.name + " joint lacks",
-          kind.nv == 0 ? "" : "give efforts, one per freedom");
+          kind.nv == 0 ? "" : "give efforts, one per degree of freedom");
     return has;
   }
   void signals(const char* what, const std::vector<Signal>& list, const KindInfo& kind) {
     if (list.size() > 1 && static_cast<int>(list.size()) != kind.nv)
       add("drive",
-          "a " + std::string(kind.name) + " joint has " + counted(kind.nv, "freedom") + ", but '" + what + "' has " +
+          "a " + std::string(kind.name) + " joint has " + counted(kind.nv, "degree") + " of freedom, but '" + what + "' has " +
               std::to_string(list.size()) + " entries",
-          kind.nv ? "give one, or one per freedom" : "");
+          kind.nv ? "give one, or one per degree of freedom" : "");
     if (std::any_of(list.begin(), list.end(), [](const Signal& s) { return !finite(s.offset()); }))
       add("drive", std::string("'") + what + "' must be finite");
   }
@@ -144,7 +145,7 @@ class Checks {
     if (p.drive == nullptr) return;
     const JointDrive& d = *p.drive;
     if (kind.nv == 0 && (!d.effort.empty() || d.pd.any() || d.moves()))
-      return add("drive", "a " + std::string(kind.name) + " joint has no freedom to drive");
+      return add("drive", "a " + std::string(kind.name) + " joint has no degree of freedom to drive");
     signals("effort", d.effort, kind);
     if (d.effort.size() == 1 && kind.nv > 1) one_effort_for_many(kind);
     if (d.moves()) return motion(p, kind);
@@ -162,11 +163,11 @@ class Checks {
   }
   void motion(const JointParameters& p, const KindInfo& kind) {
     if (kind.nq != 1 || kind.nv != 1)
-      return add(
-          "drive",
-          "a motion is that of a joint with one freedom; a " + std::string(kind.name) + " joint has " + std::to_string(kind.nv),
-          "a chain of joints with one freedom each can be moved, with massless bodies between them");
-    if (p.drive->motion.size() != 1) return add("drive", "one motion for one freedom");
+      return add("drive",
+                 "a motion needs a joint with one degree of freedom; a " + std::string(kind.name) + " joint has " +
+                     std::to_string(kind.nv),
+                 "use a chain of joints with one degree of freedom each, with massless bodies between them");
+    if (p.drive->motion.size() != 1) return add("drive", "give one motion for the one degree of freedom");
     if (!finite(p.drive->motion[0].signal().offset())) add("drive", "'motion' must be finite");
     if (p.effort.any() || !p.drive->effort.empty() || p.drive->pd.any())
       add("drive", "a joint whose motion is prescribed takes the effort that it needs", "leave 'effort' and 'pd' out");
@@ -174,20 +175,21 @@ class Checks {
       add("drive", "a joint whose motion is prescribed can't be stopped by limits", "leave 'limits' out, or drive by 'pd'");
   }
   void one_effort_for_many(const KindInfo& kind) {
-    add("drive", "one effort for " + counted(kind.nv, "freedom") + " could mean anything", "give a list, one effort per freedom");
+    add("drive", "one effort for " + counted(kind.nv, "degree") + " of freedom is ambiguous",
+        "give a list, one effort per degree of freedom");
   }
 
   void strength(const JointStrength& s) {
-    if (!(s.force > 0) || !(s.torque > 0)) add("strength", "must be positive", "leave it out where the joint bears anything");
+    if (!(s.force > 0) || !(s.torque > 0)) add("strength", "must be positive", "leave it out if the joint never breaks");
   }
 
   // A member of a table: one value for every DoF, or one per DoF; never negative.
   void counted_values(const char* field, const char* member, const Values& values, const KindInfo& kind, bool infinite = false) {
     if (values.size() > 1 && values.size() != kind.nv)
       add(field,
-          "a " + std::string(kind.name) + " joint has " + counted(kind.nv, "freedom") + ", but '" + member + "' has " +
+          "a " + std::string(kind.name) + " joint has " + counted(kind.nv, "degree") + " of freedom, but '" + member + "' has " +
               std::to_string(values.size()) + " numbers",
-          kind.nv ? "give one number, or one per freedom" : "");
+          kind.nv ? "give one number, or one per degree of freedom" : "");
     for (double a : values) {
       if (std::isnan(a) || (!infinite && !finite(a))) return add(field, std::string("'") + member + "' must be finite");
       if (a < 0) return add(field, std::string("'") + member + "' must not be negative");
@@ -205,7 +207,8 @@ std::vector<JointProblem> check_joint(const JointSpec& joint) {
   if (kind.axis) checks.axis("axis", joint.axis);
   if (kind.axis2) checks.axis("axis2", joint.axis2);
   if (kind.axis2 && checks.problems.empty() && parallel(joint.axis, joint.axis2))
-    checks.add("axis2", "is parallel to 'axis': that would be one freedom twice", "for example perpendicular to it");
+    checks.add("axis2", "is parallel to 'axis': that would be the same degree of freedom twice",
+               "for example perpendicular to it");
   if (kind.pitch && !finite(joint.pitch)) checks.add("pitch", "must be finite");
   if (kind.pitch && joint.pitch == 0) checks.add("pitch", "a pitch of zero does not move along the axis", "use a revolute joint");
 
@@ -230,7 +233,7 @@ std::vector<BodyProblem> check_body(const BodySpec& spec) {
     if (name.find_first_of(",\"*") != std::string::npos)
       checks.add(field, "must not contain a comma, a quotation mark or an asterisk");
     if (first_invisible(name) != std::string::npos)
-      checks.add(field, "must be UTF-8 without control characters and other characters that are not seen");
+      checks.add(field, "must be UTF-8 without control characters and other invisible characters");
   };
   if (spec.name.empty()) checks.add("name", "a body needs a name", "for example \"arm/1\"");
   check_name("name", spec.name);

@@ -25,26 +25,26 @@ TEST_CASE("what is wrong with drives, friction, soft stops and strengths is said
   CHECK(problem(Weld{.strength = {.torque = 1}}).empty());
 
   CHECK(problem(Revolute{.friction = {2, {}}}) == "friction: needs a 'speed', over which it builds up");
-  CHECK(problem(Revolute{.friction = {{}, 1}}) == "friction: 'speed' alone is no friction");
+  CHECK(problem(Revolute{.friction = {{}, 1}}) == "friction: 'speed' alone defines no friction");
   CHECK(problem(Revolute{.friction = {-2, 1}}) == "friction: 'coulomb' must not be negative");
-  CHECK(problem(Ball{.friction = {{1, 2}, 1}}) == "friction: a ball joint has 3 freedoms, but 'coulomb' has 2 numbers");
+  CHECK(problem(Ball{.friction = {{1, 2}, 1}}) == "friction: a ball joint has 3 degrees of freedom, but 'coulomb' has 2 numbers");
 
   CHECK(
       problem(Revolute{.limits = {.upper = 1, .restitution = 0.5, .stiffness = 1}}).starts_with("limits: a stop is hard, with"));
-  CHECK(problem(Revolute{.limits = {.upper = 1, .damping = 1}}).starts_with("limits: 'damping' is that of a soft stop"));
+  CHECK(problem(Revolute{.limits = {.upper = 1, .damping = 1}}).starts_with("limits: 'damping' belongs to a soft stop"));
   CHECK(problem(Revolute{.limits = {.upper = 1, .stiffness = 0}}).starts_with("limits: a stop without 'stiffness'"));
   CHECK(problem(Revolute{.limits = {.upper = 1, .stiffness = -1}}) == "limits: 'stiffness' must not be negative");
-  CHECK(
-      problem(Revolute{.limits = {.upper = 1, .stiffness = {1, 2}}}).starts_with("limits: a revolute joint has 1 freedom, but"));
+  CHECK(problem(Revolute{.limits = {.upper = 1, .stiffness = {1, 2}}})
+            .starts_with("limits: a revolute joint has 1 degree of freedom, but"));
 
   CHECK(problem(Universal{.axis = y_axis, .axis2 = z_axis, .drive = effort_drive({1})}) ==
-        "drive: one effort for 2 freedoms could mean anything");
+        "drive: one effort for 2 degrees of freedom is ambiguous");
   CHECK(problem(Ball{.drive = pd_drive({.kp = 1})}).starts_with("drive: position control needs coordinates whose rates"));
   CHECK(problem(Revolute{.drive = pd_drive({.target = {1}})}) == "drive: position control needs 'kp' or 'kd'");
   CHECK(problem(Revolute{.drive = pd_drive({.kp = -1})}) == "drive: 'kp' must not be negative");
   CHECK(problem(Revolute{.drive = pd_drive({.kp = 1, .max_effort = NAN})}) == "drive: 'max_effort' must be finite");
   CHECK(problem(Universal{.axis = y_axis, .axis2 = z_axis, .drive = motion})
-            .starts_with("drive: a motion is that of a joint with one freedom"));
+            .starts_with("drive: a motion needs a joint with one degree of freedom"));
   CHECK(
       problem(Revolute{.effort = 1, .drive = motion}).starts_with("drive: a joint whose motion is prescribed takes the effort"));
   CHECK(

@@ -118,7 +118,7 @@ std::vector<GroupMassProblem> check_masses(std::span<const BodySpec> bodies) {
     const MassProblem whole = check_mass(group.mass, group.inertia + point_inertia(-group.mass, com));
     if (!whole.what.empty() && !whole.warning) continue;
     problem.warning = true;
-    problem.hint = "what is rigidly joined to it makes up for that; " + problem.hint;
+    problem.hint = "bodies rigidly joined to it compensate for that; " + problem.hint;
   }
   return problems;
 }

@@ -29,15 +29,15 @@ void Tree::move_tree(int b, int begin, int end) {
 }
 
 void Tree::require_valid(const Joint& joint) const {
-  MT_REQUIRE(joint.locked >> info(joint.kind).nv == 0, "a joint's locked freedoms are freedoms of its kind");
+  MT_REQUIRE(joint.locked >> info(joint.kind).nv == 0, "a joint's locked degrees of freedom are those of its kind");
   MT_REQUIRE(joint.parameters < shared_parameters() + static_cast<int>(own_parameters_.size()),
-             "a joint's parameters are some that the tree has");
-  MT_REQUIRE(joint.function < static_cast<int>(functions_.size()), "a joint's function is one that the tree has");
+             "a joint's parameters exist in the tree");
+  MT_REQUIRE(joint.function < static_cast<int>(functions_.size()), "a joint's function exists in the tree");
 }
 
 // Returns whether the lists of special joints must be renewed.
 bool Tree::replace_joint(int b, const Joint& joint, bool reversed) {
-  MT_REQUIRE(!reversed || parent_[at(b)] >= 0, "the ground is no joint's child");
+  MT_REQUIRE(!reversed || parent_[at(b)] >= 0, "the ground is not a joint's child");
   require_valid(joint);
   Joint& own = own_joint(joint_of_[at(b)]).joint;
   const Kind before = own.kind;

@@ -25,7 +25,7 @@ LinkTable& LinkTable::operator=(const LinkTable& other) {
 LinkConstants& LinkTable::own(std::size_t body) {
   const LinkConstants* const link = at_[body];
   if (link != nullptr && is_own(link)) return own_[static_cast<std::size_t>(link - own_.data())];
-  MT_REQUIRE(own_.size() < own_.capacity(), "there is room for a link of every body's own");
+  MT_REQUIRE(own_.size() < own_.capacity(), "there is room for a separate link of every body");
   const KernelFrame frame = link != nullptr ? this->frame(body) : KernelFrame{};
   own_.push_back(link != nullptr ? *link : LinkConstants{});
   own_frames_.push_back(frame);

@@ -135,10 +135,10 @@ TEST_CASE("an edit of a tree that can't be") {
       {"attach to no body", no_body, [&] { tree.attach(3, 9, pin, false); }},
       {"attach to less than the ground", "a body or the ground", [&] { tree.attach(3, -2, pin, false); }},
       {"set_joint", no_body, [&] { tree.set_joint(4, pin); }},
-      {"set_joint reversed on the ground", "the ground is no joint's child", [&] { tree.set_joint(0, pin, true); }},
-      {"set_joint with a locked freedom that it has not", "freedoms of its kind", [&] { tree.set_joint(1, locked); }},
-      {"set_joint with parameters that there are not", "some that the tree has", [&] { tree.set_joint(1, parameters); }},
-      {"set_joint with a function that there is not", "one that the tree has", [&] { tree.set_joint(1, function); }},
+      {"set_joint reversed on the ground", "the ground is not a joint's child", [&] { tree.set_joint(0, pin, true); }},
+      {"set_joint with a locked freedom that it has not", "those of its kind", [&] { tree.set_joint(1, locked); }},
+      {"set_joint with parameters that there are not", "parameters exist in the tree", [&] { tree.set_joint(1, parameters); }},
+      {"set_joint with a function that there is not", "function exists in the tree", [&] { tree.set_joint(1, function); }},
       {"set_joint of no kind", "one of the kinds of joint", [&] { tree.set_joint(1, kind); }},
       {"set_parameters", no_body, [&] { tree.set_parameters(-1, {}); }},
       {"set_function", no_body, [&] { tree.set_function(7, nullptr); }},
@@ -173,11 +173,11 @@ TEST_CASE("a topology or a snapshot of something else") {
       {"a joint that is not there", "a body carries a joint", with([](Topology& t) { t.places[1].joint = 9; })},
       {"a joint twice", "carried by one body", with([](Topology& t) { t.places[1].joint = 2; })},
       {"a loop", "every body is joined to the ground", with([](Topology& t) { t.places[0].parent = 2; })},
-      {"reversed on the ground", "the ground is no joint's child", with([](Topology& t) { t.places[0].reversed = true; })},
+      {"reversed on the ground", "the ground is not a joint's child", with([](Topology& t) { t.places[0].reversed = true; })},
       {"a changed joint that is not there", "one of the topology's", with([](Topology& t) {
          t.changed.push_back({7, Joint{}});
        })},
-      {"parameters that are not there", "parameters that there are", with([](Topology& t) {
+      {"parameters that are not there", "parameters exist", with([](Topology& t) {
          Joint joint;
          joint.parameters = 3;
          t.changed.push_back({1, joint});
@@ -189,7 +189,7 @@ TEST_CASE("a topology or a snapshot of something else") {
       {"a load on no body", "acts on a body", with([](Topology& t) {
          t.loads.push_back({5, nullptr});
        })},
-      {"a snapshot of another tree", "one of this tree as it is now",
+      {"a snapshot of another tree", "belongs to this tree as it is now",
        [&] {
          const Tree other(arm());
          static_cast<void>(take_snapshot(other, state));

@@ -77,9 +77,9 @@ BodyId Model::add_unjudged(BodySpec spec) {
   complete(spec);
   if (spec.q.size() == 1) begin_motion(spec.joint.parameters.drive, spec.q[0], 0);
   if (by_body_->contains(spec.name))
-    throw_error({"there is a body of that name already", spec.name, "names of bodies are unique in a model"});
+    throw_error({"there is already a body with that name", spec.name, "body names must be unique in a model"});
   if (by_joint_->contains(spec.joint_name))
-    throw_error({"there is a joint '" + spec.joint_name + "' already", spec.name, "names of joints are unique in a model"});
+    throw_error({"there is already a joint '" + spec.joint_name + "'", spec.name, "joint names must be unique in a model"});
 
   const int index = size();
   by_body_.own().emplace(spec.name, index);

@@ -105,12 +105,12 @@ TEST_CASE("a model refuses what is wrong with one body, and names it") {
                  "axis2: is parallel"));
   CHECK(contains(changed([](BodySpec& s) { s.joint = Helical{.axis = {0, 0, 1}, .pitch = 0}; }), "pitch"));
   CHECK(contains(changed([](BodySpec& s) { s.joint.parameters.damping = -1; }), "damping: must not be negative"));
-  CHECK(contains(changed([](BodySpec& s) { s.joint.parameters.damping = {1, 2}; }), "1 freedom, not 2"));
-  CHECK(contains(changed([](BodySpec& s) { s.joint = Ball{.effort = 1.0}; }), "one effort for 3 freedoms"));
+  CHECK(contains(changed([](BodySpec& s) { s.joint.parameters.damping = {1, 2}; }), "1 degree of freedom, not 2"));
+  CHECK(contains(changed([](BodySpec& s) { s.joint = Ball{.effort = 1.0}; }), "one effort for 3 degrees of freedom"));
   CHECK(contains(changed([](BodySpec& s) { s.q = {1, 2}; }), "q: a revolute joint has 1 coordinate, not 2"));
   CHECK(contains(changed([](BodySpec& s) { s.v = {1, 2}; }), "v: a revolute joint has 1 velocity, not 2"));
   CHECK(contains(changed([](BodySpec& s) { s.joint = Ball{}, s.q = {0, 0, 0, 0}; }), "quaternion of zeros"));
-  CHECK(contains(changed([](BodySpec& s) { s.at.rotation = {1.1, 0, 0, 0}; }), "at: the quaternion is not of length 1"));
+  CHECK(contains(changed([](BodySpec& s) { s.at.rotation = {1.1, 0, 0, 0}; }), "at: the length of the quaternion is not 1"));
   CHECK(contains(changed([](BodySpec& s) { s.parent = {0}; }), "not a body of this model"));
   CHECK(contains(changed([](BodySpec& s) { s.parent = {-2}; }), "not a body of this model"));
 }
@@ -123,7 +123,7 @@ TEST_CASE("names of bodies and of joints are unique") {
   CHECK(contains(refusal(link("m/a"), model), "body of that name"));
   BodySpec second = link("m/b");
   second.joint_name = "m/hinge";
-  CHECK(contains(refusal(second, model), "joint 'm/hinge' already"));
+  CHECK(contains(refusal(second, model), "already a joint 'm/hinge'"));
 }
 
 TEST_CASE("an unknown name is answered with the nearest one") {

@@ -280,7 +280,7 @@ void Tree::build_runs() {
     offsets[b].record = static_cast<std::uint32_t>(scalars);
     scalars += record;
   }
-  MT_REQUIRE(scalars <= std::numeric_limits<std::uint32_t>::max(), "fewer than some hundred million bodies");
+  MT_REQUIRE(scalars <= std::numeric_limits<std::uint32_t>::max(), "fewer than a few hundred million bodies");
   record_scalars_ = scalars;
   if (has_pair_lanes) find_pairs((any & node::branching) != 0);
   list_loaded_bodies();

@@ -71,7 +71,7 @@ std::vector<SingularJoint> singular_joints(const Tree& tree, std::span<const dou
         const bool next_to_nothing = moved <= 1e-14 * bound(full, E[i]) && moved <= 1e-10 * mass_nearby(tree, carried, b, E[i]);
         if (!(moved > 0) || next_to_nothing) {
           found.push_back({{b},
-                           "the joint-space mass is singular: freedom " + std::to_string(i + 1) + " of " +
+                           "the joint-space mass is singular: degree of freedom " + std::to_string(i + 1) + " of " +
                                std::to_string(E.size()) + " of this " + info(tree.kind(b)).name + " joint moves no mass",
                            "give the bodies outboard of it a mass or an inertia about its axis, or give the joint an armature"});
           break;

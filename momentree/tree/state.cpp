@@ -91,7 +91,7 @@ void State::replace(int first_q, int nq, std::span<const double> q, int first_p,
                     const Tree& tree) {
   require_no_edit();
   MT_REQUIRE(fits(q_, first_q, nq, q.size(), tree.nq()) && fits(p_, first_p, nv, p.size(), tree.nv()),
-             "as many coordinates and momenta as the tree then has");
+             "as many coordinates and momenta as the tree will have");
   changed();
   replace_range(q_, first_q, nq, q);
   replace_range(p_, first_p, nv, p);

@@ -72,16 +72,16 @@ void Tree::require_valid(const Topology& topology) const {
   for (const Topology::Changed& c : topology.changed) {
     MT_REQUIRE(has(c.joint), "a changed joint is one of the topology's");
     const int parameters = c.as.parameters - shared_parameters(), function = c.as.function;
-    MT_REQUIRE(parameters < static_cast<int>(topology.own.size()), "a changed joint has parameters that there are");
-    MT_REQUIRE(function < static_cast<int>(topology.functions.size()), "a changed joint has a function that there is");
-    MT_REQUIRE(c.as.locked >> info(c.as.kind).nv == 0, "a joint's locked freedoms are freedoms of its kind");
+    MT_REQUIRE(parameters < static_cast<int>(topology.own.size()), "a changed joint's parameters exist");
+    MT_REQUIRE(function < static_cast<int>(topology.functions.size()), "a changed joint's function exists");
+    MT_REQUIRE(c.as.locked >> info(c.as.kind).nv == 0, "a joint's locked degrees of freedom are those of its kind");
   }
   for (const Topology::Place& place : topology.places) {
     if (place.joint < 0) continue;
     MT_REQUIRE(has(place.joint), "a body carries a joint of the topology");
     MT_REQUIRE(place.parent == -1 || (has(place.parent) && topology.places[at(place.parent)].joint >= 0),
                "a parent is the ground or a body of the topology");
-    MT_REQUIRE(!place.reversed || place.parent >= 0, "the ground is no joint's child");
+    MT_REQUIRE(!place.reversed || place.parent >= 0, "the ground is not a joint's child");
   }
   for (const Topology::Own& own : topology.own) MT_REQUIRE(has(own.joint), "parameters are those of a joint of the topology");
   for (const auto& function : topology.functions) MT_REQUIRE(function != nullptr, "a function is not null");

@@ -24,8 +24,8 @@ struct Scene {
   Scene() { forward_dynamics(tree, state, workspace); }
 };
 
-const char* const stale = "the work was evaluated on this state and this tree as they are now";
-const char* const unaccelerated = "the work has the accelerations of this state and this tree as they are now";
+const char* const stale = "the workspace was evaluated with this state and this tree as they are now";
+const char* const unaccelerated = "the workspace holds the accelerations of this state and this tree as they are now";
 
 }  // namespace
 
@@ -68,7 +68,7 @@ TEST_CASE("a change reads only a work of this very state") {
     forward_dynamics(s.tree, s.state, s.workspace);
     apply(Break{s.tree.inboard_joint(joint)}, s.tree, s.state, s.workspace);
   });
-  check_stopped("a state of another topology", "the state is one of this tree as it is now", [&] {
+  check_stopped("a state of another topology", "the state belongs to this tree as it is now", [&] {
     Scene s;
     Tree other(s.model);
     other.detach(joint.index);
@@ -131,7 +131,7 @@ TEST_CASE("what was removed is gone; what was added needs room") {
     Scene s;
     apply(Remove{{3}}, s.tree, s.state, s.workspace);
   });
-  check_stopped("a body came, the work did not grow", "the work has room for the tree's bodies", [&] {
+  check_stopped("a body came, the work did not grow", "the workspace has room for the tree's bodies", [&] {
     Scene s;
     apply(Add{&s.model[{1}]}, s.tree, s.state, s.workspace);
     forward_dynamics(s.tree, s.state, s.workspace);

@@ -98,7 +98,7 @@ describe("a graphics context that is lost", () => {
     const before = await page.locator(".stage canvas").screenshot();
     await context(page, "loseContext");
     await page.waitForSelector(".instead");
-    expect(await instead(page)).toMatch(/3D picture is gone[\s\S]*reload/i);
+    expect(await instead(page)).toMatch(/3D picture was lost[\s\S]*reload/i);
     expect(await page.locator(".tools").evaluate((e) => (e as HTMLElement).inert)).toBe(true);
     await page.locator(".marks button").click();
     expect(await pictures.count()).toBe(0); // rather than white ones

@@ -88,7 +88,8 @@ TEST_CASE("MJCF: masses and inertias that no body has") {
       {inside("<geom type='mesh' mesh='x'/>"),
        "m.xml:3:16: error: the inertia of a mesh is not computed; give the body an <inertial>, or the geom mass=\"0\""},
       {inside("<joint/>"),
-       "m.xml:3:16: error: joint 'm/a': the joint-space mass is singular: freedom 1 of 1 of this revolute joint moves no mass; "
+       "m.xml:3:16: error: joint 'm/a': the joint-space mass is singular: degree of freedom 1 of 1 of this revolute joint moves "
+       "no mass; "
        "give the bodies outboard of it a mass or an inertia about its axis, or give the joint an armature"},
       {inside(geom + "<inertial pos='0 0 0' mass='1'/><inertial pos='0 0 0' mass='1'/>"),
        "m.xml:3:64: error: a second <inertial> in one body; leave one of them out"},

@@ -65,7 +65,7 @@ TEST_CASE("SDF: numbers that are none") {
        "m.sdf:4:17: error: mass: '0x10' is no number; no unit is written here: m, kg, s and what is made of them"},
       {joined("<pose>1 2 3</pose>" + axis), "m.sdf:8:7: error: pose: expected 6 numbers, found 3"},
       {joined("<pose rotation_format='quat_xyzw'>0 0 0 0 0 0 2</pose>" + axis),
-       "m.sdf:8:35: error: pose: the quaternion is not of length 1; the order is x y z qx qy qz qw"},
+       "m.sdf:8:35: error: pose: the length of the quaternion is not 1; the order is x y z qx qy qz qw"},
       {joined("<pose rotation_format='quat'>0 0 0 0 0 0</pose>" + axis),
        "m.sdf:8:24: error: rotation_format: expected euler_rpy or quat_xyzw, found 'quat'"},
       {joined("<pose degrees='yes'>0 0 0 0 0 0</pose>" + axis),
@@ -114,7 +114,8 @@ TEST_CASE("SDF: joints that can't be") {
       {joined(""), "m.sdf:5:1: error: <joint> has no <axis>; for example <axis><xyz>0 0 1</xyz></axis>"},
       {joined(axis, "universal"), "m.sdf:5:1: error: <joint> has no <axis2>; for example <axis2><xyz>0 0 1</xyz></axis2>"},
       {joined(axis + "<axis2><xyz>0 0 1</xyz></axis2>", "universal"),
-       "m.sdf:5:1: error: axis2: is parallel to 'axis': that would be one freedom twice; for example perpendicular to it"},
+       "m.sdf:5:1: error: axis2: is parallel to 'axis': that would be the same degree of freedom twice; for example "
+       "perpendicular to it"},
       {joined(axis, "revolut"), "m.sdf:5:23: error: unknown type of joint 'revolut'; did you mean 'revolute'?"},
       {joined(axis, "floating"),
        "m.sdf:5:23: error: unknown type of joint 'floating'; one of: revolute continuous prismatic fixed ball universal "

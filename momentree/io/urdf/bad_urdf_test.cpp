@@ -86,7 +86,8 @@ TEST_CASE("URDF: masses and inertias that no body has") {
        "r.urdf:3:61: error: unknown attribute 'ixyy' of <inertia>; did you mean 'ixy'?"},
       // What moves nothing is not for want of a mass alone.
       {head + a_link("a") + "<link name='b'/>\n" + joint("j", "a", "b") + "</robot>",
-       "r.urdf:4:1: error: joint 'r/j': the joint-space mass is singular: freedom 1 of 1 of this revolute joint moves no mass; "
+       "r.urdf:4:1: error: joint 'r/j': the joint-space mass is singular: degree of freedom 1 of 1 of this revolute joint moves "
+       "no mass; "
        "give the "
        "bodies outboard of it a mass or an inertia about its axis, or give the joint an armature"},
   });

@@ -1,5 +1,6 @@
 #pragma once
-// Joins a body to another mechanism, or to the ground, by a joint of any kind: a plastic impact in what the joint holds.
+// Joins a body to another mechanism or to the ground by a joint of any kind: a plastic impact in the directions that the joint
+// constrains.
 #include <momentree/math/unit.hpp>
 #include <momentree/simulate/topology_editor.hpp>
 

@@ -1,5 +1,5 @@
 #pragma once
-// Removes a joint: the child's subtree becomes a mechanism of its own (paper, section 4.1).
+// Removes a joint: the child's subtree becomes a separate mechanism (paper, section 4.1).
 #include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
@@ -16,8 +16,8 @@ struct Break : ActionBase {
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::release; }
   ActionResult apply(TopologyEditor& editor) const override {
     const int joint = editor.joint(name);
-    if (joint < 0) return ActionResult::skipped("the joint is not there any more");
-    if (!can_break(editor.tree(), {joint})) return ActionResult::skipped("nothing is held by it: it is free");
+    if (joint < 0) return ActionResult::skipped("the joint no longer exists");
+    if (!can_break(editor.tree(), {joint})) return ActionResult::skipped("it holds nothing: the body is already free");
     editor.break_off(joint);
     return ActionResult::done();
   }

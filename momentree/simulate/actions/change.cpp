@@ -10,7 +10,7 @@ namespace {
 
 double size(const Motion<double>& m) { return std::sqrt(dot(m.v, m.v) + dot(m.w, m.w)); }
 
-// Whether the freedoms `inner` are among those that `outer` spans (Gram–Schmidt, twice is enough).
+// Whether `outer` spans all motions in `inner` (Gram–Schmidt; two passes are enough).
 bool spans(std::vector<Motion<double>> outer, std::vector<Motion<double>> inner) {
   std::vector<Motion<double>> basis;
   const auto remove = [&basis](Motion<double>& m) {
@@ -34,13 +34,13 @@ bool spans(std::vector<Motion<double>> outer, std::vector<Motion<double>> inner)
   return true;
 }
 
-// Where the joint has an axis now: in the declared child's axes.
+// The present direction of a joint axis in the declared child's axes.
 Vec3 axis_in_child(const Joint& joint, const Pose& motion) {
   const Vec3 turned = transpose_times(rotation_matrix(motion.rotation), joint.axis);
   return rotation_matrix(joint.child_at.rotation) * turned;
 }
 
-// The present value of what unwraps angles: the first coordinate that is one.
+// The angle next to which new angles are unwrapped: the first coordinate that is an angle.
 double angle_hint(const KindInfo& kind, const Values& q) {
   for (int i = 0; i < kind.nq; ++i)
     if (kind.q_units[i] == 'r') return q[i];
@@ -51,7 +51,7 @@ double angle_hint(const KindInfo& kind, const Values& q) {
 
 ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
   const int number = editor.joint(name);
-  if (number < 0) return ActionResult::skipped("the joint is not there any more");
+  if (number < 0) return ActionResult::skipped("the joint no longer exists");
   const Joint old = editor.declared(number);
   const Values q = editor.coordinates(number);
   const KindInfo &before = info(old.kind), &now = info(to.spec.kind);
@@ -60,7 +60,7 @@ ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
   const bool placed = to.axis_given || to.axis2_given;
   const auto lacks = [&](const char* what) {
     return ActionResult::refused(
-        "a " + std::string(before.name) + " joint has no " + what + " that the " + now.name + " could take over",
+        "a " + std::string(before.name) + " joint has no " + what + " for the " + now.name + " to take over",
         std::string("give ") + what + ", in the child's axes");
   };
   if (now.axis && !to.axis_given && !before.axis) return lacks("axis");
@@ -80,10 +80,10 @@ ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
   }
   plan.joint.at = old.at, plan.joint.child_at = old.child_at;
   if (old.kind == spec.kind && (!now.pitch || old.pitch == spec.pitch)) {
-    if (editor.locked(number) == 0) return ActionResult::skipped("it is that already");
+    if (editor.locked(number) == 0) return ActionResult::skipped("it is already that joint");
     const JointParameters* own = editor.tree().parameters(editor.tree().carrier(number));
     if (own != nullptr && own->drive != nullptr && own->drive->moves())
-      return ActionResult::refused("its motion is prescribed, and suspended by a lock", "unlock it instead");
+      return ActionResult::refused("its prescribed motion is suspended by a lock", "unlock it instead");
     plan.joint.parameters = old.parameters, plan.joint.function = old.function;
     plan.q = q;
   } else if (const auto kept = joint_coordinates(spec, motion, angle_hint(before, q))) {
@@ -97,13 +97,13 @@ ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
 
 ActionPhase Change::phase(TopologyEditor& editor) const {
   JointPlan found;
-  if (plan(editor, found).outcome != ActionResult::Outcome::done) return ActionPhase::release;  // told there
+  if (plan(editor, found).outcome != ActionResult::Outcome::done) return ActionPhase::release;  // refused in prepare() or apply()
   const int number = editor.joint(name);
   const bool frees = spans(editor.dofs(found.joint, found.q), editor.dofs(editor.declared(number), editor.coordinates(number)));
   return frees ? ActionPhase::release : ActionPhase::impact;
 }
 
-// The old constraints take no part in the impact, whatever the order of what happens in it: they are let go first.
+// The old constraints take no part in the impact, in whatever order its changes are carried out: they are released first.
 ActionResult Change::prepare(TopologyEditor& editor) const {
   JointPlan found;
   const ActionResult result = plan(editor, found);

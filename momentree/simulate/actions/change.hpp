@@ -1,5 +1,5 @@
 #pragma once
-// Makes a joint one of another kind or on other axes. Where the freedoms become fewer or others, that is an impact.
+// Changes the kind or the axes of a joint. This is an impact unless the new joint keeps all DoFs of the old one.
 #include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
@@ -21,7 +21,7 @@ struct Change : ActionBase {
   ActionResult apply(TopologyEditor& editor) const override;
 
  protected:
-  /// What the joint shall become, from where it is now.
+  /// The joint that results, starting from its present pose.
   ActionResult plan(TopologyEditor& editor, JointPlan& plan) const;
 };
 

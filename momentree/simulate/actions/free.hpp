@@ -1,5 +1,5 @@
 #pragma once
-// A full failure that keeps the joint: six freedoms relative to the same parent.
+// A complete failure that keeps the joint: six DoFs relative to the same parent.
 #include <momentree/simulate/actions/change.hpp>
 
 namespace momentree::actions {

@@ -1,5 +1,5 @@
 #pragma once
-// An impulsive wrench on a body, from outside.
+// An external impulsive wrench on a body.
 #include <momentree/math/unit.hpp>
 #include <momentree/simulate/topology_editor.hpp>
 

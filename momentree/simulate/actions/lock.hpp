@@ -1,12 +1,12 @@
 #pragma once
-// Freezes a joint, or some of its freedoms, where it is: a plastic impact that drops their momenta.
+// Locks a joint, or some of its DoFs, where it is: a plastic impact that removes their momenta.
 #include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
 
 struct Lock : ActionBase {
   std::string name;
-  std::vector<int> dofs;  ///< in the order of v; empty: all
+  std::vector<int> dofs;  ///< indices in the order of v; empty: all
 
   std::string_view key() const override { return "lock"; }
   std::string target() const override { return name + listed(); }
@@ -23,7 +23,7 @@ struct Lock : ActionBase {
     const ActionResult result = check(editor, wanted);
     if (result.outcome != ActionResult::Outcome::done) return result;
     const int joint = editor.joint(name);
-    if ((wanted & ~editor.locked(joint)) == 0) return ActionResult::skipped("it is locked already");
+    if ((wanted & ~editor.locked(joint)) == 0) return ActionResult::skipped("it is already locked");
     editor.lock(joint, wanted);
     return result;
   }
@@ -42,13 +42,14 @@ struct Lock : ActionBase {
   }
   ActionResult check(const TopologyEditor& editor, unsigned& wanted) const {
     const int joint = editor.joint(name);
-    if (joint < 0) return ActionResult::skipped("the joint is not there any more");
+    if (joint < 0) return ActionResult::skipped("the joint no longer exists");
     const KindInfo& kind = info(editor.declared(joint).kind);
-    if (kind.nv == 0) return ActionResult::skipped("a " + std::string(kind.name) + " has no freedom");
+    if (kind.nv == 0) return ActionResult::skipped("a " + std::string(kind.name) + " has no degree of freedom");
     for (const int i : dofs)
       if (i < 0 || i >= kind.nv)
-        return ActionResult::refused("joint '" + name + "' has no freedom " + std::to_string(i),
-                                     "a " + std::string(kind.name) + " joint has freedoms 0 to " + std::to_string(kind.nv - 1));
+        return ActionResult::refused(
+            "joint '" + name + "' has no degree of freedom " + std::to_string(i),
+            "a " + std::string(kind.name) + " joint has degrees of freedom 0 to " + std::to_string(kind.nv - 1));
     wanted = mask() & ((1u << kind.nv) - 1);
     return ActionResult::done();
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Makes a body the root of its free mechanism: no pose, velocity or acceleration changes for it.
+// Makes a body the root of its free mechanism: no pose, velocity or acceleration changes.
 #include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
@@ -17,9 +17,9 @@ struct Reroot : ActionBase {
     const int b = editor.body(body);
     if (b < 0) return ActionResult::refused("there is no body '" + body + "'");
     if (!floats(editor.tree(), b))
-      return ActionResult::refused("mechanism '" + editor.mechanism_of(b) + "' is held to the ground: its root can't be another",
+      return ActionResult::refused("mechanism '" + editor.mechanism_of(b) + "' is attached to the ground: its root can't change",
                                    "break its root joint first");
-    if (editor.tree().parent(b) < 0) return ActionResult::skipped("it is the root already");
+    if (editor.tree().parent(b) < 0) return ActionResult::skipped("it is already the root");
     editor.reroot(b);
     return ActionResult::done();
   }

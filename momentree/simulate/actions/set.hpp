@@ -1,12 +1,12 @@
 #pragma once
-// New parameters for a joint: velocities stay.
+// New parameters for a joint; velocities stay.
 #include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
 
 struct Set : ActionBase {
   std::string name;
-  JointParameters parameters;  ///< those that are given replace the joint's own; a drive or an effort the whole drive
+  JointParameters parameters;  ///< those given replace the joint's own; a drive or an effort replaces the whole drive
 
   std::string_view key() const override { return "set"; }
   std::string target() const override { return name; }
@@ -18,7 +18,7 @@ struct Set : ActionBase {
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::parameters; }
   ActionResult apply(TopologyEditor& editor) const override {
     const int joint = editor.joint(name);
-    if (joint < 0) return ActionResult::skipped("the joint is not there any more");
+    if (joint < 0) return ActionResult::skipped("the joint no longer exists");
     JointParameters all;
     if (const JointParameters* own = editor.tree().parameters(editor.tree().carrier(joint))) all = *own;
     const auto take = [](Values& to, const Values& from) {
@@ -41,7 +41,7 @@ struct Set : ActionBase {
     for (const JointProblem& problem : check_joint(spec))
       return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
     if (all.drive != nullptr && all.drive->moves() && editor.declared(joint).function >= 0)
-      return ActionResult::refused("a function drives the joint: its motion can't be prescribed", "take the function away first");
+      return ActionResult::refused("a function drives the joint, so its motion can't be prescribed", "remove the function first");
     if ((editor.declared(joint).locked & 1u) == 0) {
       all = editor.begun(joint, std::move(all));
       ActionResult follows = editor.can_follow(joint, all);

@@ -1,12 +1,12 @@
 #pragma once
-// Lets a locked joint, or some of its freedoms, move again from where it stands; no velocity changes.
+// Releases a locked joint, or some of its DoFs, from its present position; no velocity changes.
 #include <momentree/simulate/actions/lock.hpp>
 
 namespace momentree::actions {
 
 struct Unlock : Lock {
   std::string_view key() const override { return "unlock"; }
-  /// A motion that goes on brings its speed, as one that is set.
+  /// A prescribed motion that resumes imposes its speed, like one that is newly set.
   ActionPhase phase(TopologyEditor& editor) const override {
     const JointParameters* p = parameters(editor);
     return p != nullptr && p->drive != nullptr && p->drive->moves() ? ActionPhase::parameters : ActionPhase::release;

@@ -1,5 +1,5 @@
 #pragma once
-// Joins a body rigidly to another mechanism, or to the ground, where they are: a perfectly inelastic impact.
+// Joins a body rigidly to another mechanism or to the ground in their present poses: a perfectly inelastic impact.
 #include <momentree/simulate/actions/attach.hpp>
 
 namespace momentree::actions {

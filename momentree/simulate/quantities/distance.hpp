@@ -1,5 +1,5 @@
 #pragma once
-// Distance between two points of bodies.
+// Distance between two points of bodies (m).
 #include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/world.hpp>
 

@@ -1,5 +1,5 @@
 #pragma once
-// Height of a point of a body, against gravity.
+// Height of a point of a body, against gravity (m).
 #include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/world.hpp>
 

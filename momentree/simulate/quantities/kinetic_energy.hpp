@@ -1,5 +1,5 @@
 #pragma once
-// Kinetic energy of the bodies of a mechanism.
+// Kinetic energy of the bodies of a mechanism (J).
 #include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/world.hpp>
 
@@ -16,7 +16,7 @@ struct KineticEnergy : Quantity {
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     double energy = 0;
     bool found = false, inside = false;
-    for (const int b : world.tree().order()) {  // a mechanism after the other, root first
+    for (const int b : world.tree().order()) {  // mechanism by mechanism, root first
       if (world.tree().parent(b) < 0) inside = world.mechanism_name({b}) == name;
       if (!inside) continue;
       found = true;

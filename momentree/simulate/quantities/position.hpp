@@ -1,5 +1,5 @@
 #pragma once
-// Coordinate of a joint with one freedom.
+// Coordinate of a joint with one DoF (rad, m).
 #include <momentree/simulate/single_dof.hpp>
 
 namespace momentree::quantities {

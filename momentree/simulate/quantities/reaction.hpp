@@ -1,5 +1,5 @@
 #pragma once
-// One component of the wrench through a joint, in the child's axes.
+// One component of the wrench through a joint, in the child's axes (N, N m).
 #include <momentree/simulate/load.hpp>
 
 namespace momentree::quantities {

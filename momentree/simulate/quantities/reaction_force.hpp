@@ -1,5 +1,5 @@
 #pragma once
-// Norm of the whole force through a joint.
+// Norm of the total force through a joint (N).
 #include <momentree/simulate/load.hpp>
 
 namespace momentree::quantities {

@@ -1,5 +1,5 @@
 #pragma once
-// Norm of the linear impulse through a joint at an instantaneous change.
+// Norm of the linear impulse through a joint at an instantaneous change (N s).
 #include <algorithm>
 
 #include <momentree/simulate/condition.hpp>

@@ -1,5 +1,5 @@
 #pragma once
-// Norm of the whole torque through a joint, about the origin of the child's frame.
+// Norm of the total torque through a joint, about the origin of the child's frame (N m).
 #include <momentree/simulate/load.hpp>
 
 namespace momentree::quantities {

@@ -1,5 +1,5 @@
 #pragma once
-// Speed of a joint with one freedom.
+// Velocity of a joint with one DoF (rad/s, m/s).
 #include <momentree/simulate/single_dof.hpp>
 
 namespace momentree::quantities {

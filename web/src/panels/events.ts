@@ -37,7 +37,7 @@ export function certificate(event: RunEvent): { rows: string[][]; notes: string[
   const least = before ? 1e-14 * Math.max(Math.abs(before.kinetic + before.potential), before.kinetic) : 0;
   const matters = (energy: number) => Math.abs(energy) > least; // else it is round-off
   if (matters(event.lost)) notes.push(`Lost in the impact: ${digits(event.lost)} J`);
-  if (matters(event.released)) notes.push(`Released with the freedom: ${digits(event.released)} J`);
+  if (matters(event.released)) notes.push(`Released with the degree of freedom: ${digits(event.released)} J`);
   if (matters(event.work)) notes.push(`Work of the event: ${digits(event.work)} J`);
   if (event.hardest) {
     const { joint, linear, angular } = event.hardest;
@@ -142,7 +142,7 @@ export class EventList {
         { class: "certificate" },
         h("h3", {}, event.name.startsWith("#") ? event.actions.join("; ") : `${event.name}: ${event.actions.join("; ")}`),
         h("p", {}, `${before.length === 1 && after.length === 1 ? "Mechanism" : "Mechanisms"}: ${names}${took}`),
-        rows.length > 0 && table("What it kept", ["", "before", "after", "difference", "relative"], rows),
+        rows.length > 0 && table("Conservation", ["", "before", "after", "difference", "relative"], rows),
         notes.length > 0 && h("p", { class: "notes" }, notes.join(" · ")),
       ),
     ];

@@ -72,7 +72,7 @@ export class Picture {
   private tools({ stage, ghosts, trails }: Drawn): HTMLElement {
     const fit = h(
       "button",
-      { type: "button", title: "All of the motion in the picture (F)", onclick: () => this.fit() },
+      { type: "button", title: "Show the whole motion (F)", onclick: () => this.fit() },
       "Fit",
     );
     this.keys.set("f", fit);
@@ -88,8 +88,8 @@ export class Picture {
     if (stage.shapes.coloured) tools.append(this.switch("Own colours", ownColoursSays, "O", own));
     if (!this.options.still)
       tools.append(
-        this.switch("Ghosts", `Where it was, every ${instant(ghosts.every, ghosts.every * 10)}`, "G", ghosts),
-        this.switch("Trails", "Paths of the ends and of a body that was clicked", "T", trails),
+        this.switch("Ghosts", `Earlier poses, every ${instant(ghosts.every, ghosts.every * 10)}`, "G", ghosts),
+        this.switch("Trails", "Paths of the outermost bodies and of the selected body", "T", trails),
       );
     tools.append(fit);
     return tools;
@@ -141,7 +141,7 @@ export class Picture {
     const text = `${bodies} in ${count(there, "mechanism", "mechanisms")} at ${instant(time, span)}`;
     this.stage?.canvas.setAttribute(
       "aria-label",
-      `3D picture: ${text}. Arrow keys turn it, plus and minus come nearer and go away.`,
+      `3D picture: ${text}. Arrow keys rotate it, plus and minus zoom.`,
     );
     this.spoken.textContent = text;
   }

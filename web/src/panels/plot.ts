@@ -62,7 +62,7 @@ export class Plot {
     this.legend.replaceChildren();
     this.element.replaceChildren();
     if (columns.length === 0) {
-      this.element.append(h("p", { class: "nothing" }, "The run has no such numbers."));
+      this.element.append(h("p", { class: "nothing" }, "The run did not record this quantity."));
       return;
     }
     const times = Array.from({ length: this.run.frames }, (_none, frame) => this.run.time(frame));

@@ -99,7 +99,7 @@ export class Plots {
   }
 
   private world(quantities: readonly WorldQuantity[]) {
-    const choice = h("select", { "aria-label": "What is plotted" });
+    const choice = h("select", { "aria-label": "Plotted quantity" });
     for (const quantity of quantities) choice.append(h("option", { value: quantity }, worldNames[quantity]));
     this.add([choice], () => {
       const quantity = choice.value as WorldQuantity;

@@ -4,7 +4,8 @@ import { hasWebGL, Stage } from "../viewer/stage";
 import { h } from "./dom";
 
 /** Of the button that switches them on and off. */
-export const ownColoursSays = "Bodies in their own colours, outlined in their mechanism's, or all in their mechanism's";
+export const ownColoursSays =
+  "Show bodies in their own colours, outlined in their mechanism's colour, or all in their mechanism's colour";
 
 const message = (...children: (Node | string)[]) => h("div", { class: "instead", role: "alert" }, ...children);
 
@@ -40,9 +41,9 @@ export function stageIn(host: HTMLElement, model: Model, besides: readonly (Node
     if (!lost) return;
     const reload = h("button", { type: "button", onclick: () => location.reload() }, "Reload");
     shown = message(
-      h("h2", {}, "The 3D picture is gone"),
+      h("h2", {}, "The 3D picture was lost"),
       h("p", {}, "The browser lost its graphics context, as after a reset of the graphics driver."),
-      h("p", {}, "It comes back by itself when the browser gives it another one. If it does not, reload the page. ", reload),
+      h("p", {}, "It is restored as soon as the browser provides a new one. Otherwise, reload the page. ", reload),
     );
     host.append(shown);
   });

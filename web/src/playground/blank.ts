@@ -5,7 +5,7 @@ export class Blank {
   readonly element = h("div", { class: "instead", role: "alert" });
 
   constructor() {
-    this.show("Loading", "The engine is being started.");
+    this.show("Loading", "Starting the engine …");
   }
 
   /** `way`: a button's words and what it does. */

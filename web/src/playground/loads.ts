@@ -33,7 +33,7 @@ export function loadsOf(frame: Frame, topology: Topology): Loads {
   if (!worst) return { colours, says: "" };
   const says =
     known.length > 0
-      ? `${worst.joint.name} carries ${(100 * worst.share).toFixed(0)} % of what it breaks at`
+      ? `${worst.joint.name} carries ${(100 * worst.share).toFixed(0)} % of its strength`
       : `${worst.joint.name} carries most: ${worst.force.toPrecision(3)} N`;
   return { colours, says };
 }

@@ -22,9 +22,9 @@ import { fragmentOf, reachOf } from "./share";
 const speeds = [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2];
 const tools: readonly { tool: Tool; label: string; key: string; says: string }[] = [
   { tool: "grab", label: "Grab", key: "g", says: "Drag a body and throw it" },
-  { tool: "cut", label: "Cut", key: "c", says: "Click a joint: what hangs on it flies off" },
-  { tool: "lock", label: "Lock", key: "l", says: "Click a joint to lock it, or to free it again" },
-  { tool: "weld", label: "Weld", key: "w", says: "Click a body, then another: they become one" },
+  { tool: "cut", label: "Cut", key: "c", says: "Click a joint: the bodies beyond it break off" },
+  { tool: "lock", label: "Lock", key: "l", says: "Click a joint to lock or unlock it" },
+  { tool: "weld", label: "Weld", key: "w", says: "Click two bodies to join them rigidly" },
 ];
 
 export function showPlayground(page: HTMLElement, app: App) {
@@ -45,7 +45,7 @@ export function showPlayground(page: HTMLElement, app: App) {
     if (example) start(example.text);
   });
   const shared = h("output", { class: "shared", "aria-live": "polite" });
-  const share = h("button", { type: "button", title: "A link that holds this scenario" }, "Share");
+  const share = h("button", { type: "button", title: "Copy a link that contains this scenario" }, "Share");
   share.addEventListener("click", async () => {
     location.hash = await fragmentOf(editor.text);
     const reach = reachOf(location);
@@ -99,7 +99,7 @@ export function showPlayground(page: HTMLElement, app: App) {
   });
   const loadButton = h(
     "button",
-    { type: "button", title: "Joints in the colours of their load (F)", "aria-pressed": "true" },
+    { type: "button", title: "Colour joints by their load (F)", "aria-pressed": "true" },
     "Forces",
   );
   loadButton.addEventListener("click", () => {
@@ -109,7 +109,7 @@ export function showPlayground(page: HTMLElement, app: App) {
   });
   const fit = h(
     "button",
-    { type: "button", title: "All in the picture (A)", onclick: () => app.run && stage?.fit(app.run) },
+    { type: "button", title: "Show everything (A)", onclick: () => app.run && stage?.fit(app.run) },
     "Fit",
   );
   const colours = h("button", { type: "button", title: `${ownColoursSays} (O)`, "aria-pressed": "true" }, "Own colours");

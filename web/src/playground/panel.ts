@@ -8,10 +8,10 @@ export function jointControls(app: App): HTMLElement {
   const choice = h("select", { "aria-label": "Joint", onchange: () => app.run && mark() });
   const button = (label: string, act: "cut" | "free" | "lock" | "unlock", title: string) =>
     h("button", { type: "button", title, onclick: () => app.act({ do: act, joint: Number(choice.value) }) }, label);
-  const lock = button("Lock", "lock", "It keeps its angle from now on; takes an impulse");
-  const unlock = button("Unlock", "unlock", "It moves again");
-  const cut = button("Cut", "cut", "What hangs on it flies off");
-  const free = button("Free", "free", "It becomes a joint with six freedoms in the same mechanism");
+  const lock = button("Lock", "lock", "Holds its present position from now on; takes an impulse");
+  const unlock = button("Unlock", "unlock", "Lets it move again");
+  const cut = button("Cut", "cut", "The bodies beyond it break off");
+  const free = button("Free", "free", "It becomes a joint with six degrees of freedom in the same mechanism");
   const says = h("p", { class: "says" });
   const mark = () => {
     const joint = app.topology?.joints.find(({ number }) => number === Number(choice.value));
@@ -77,7 +77,7 @@ export function sliders(app: App): HTMLElement {
     {},
     h("legend", {}, "World"),
     h("label", {}, "Gravity", gravity, gravitySays),
-    h("label", { title: "Of every joint, on top of its own" }, "Damping", damping, dampingSays),
+    h("label", { title: "Added to the damping of every joint" }, "Damping", damping, dampingSays),
   );
 }
 
@@ -102,15 +102,15 @@ export function happenings(app: App): HTMLElement {
             {},
             h(
               "button",
-              { type: "button", class: "what", title: "Look at it", onclick: () => app.look(event.time) },
+              { type: "button", class: "what", title: "Show this instant", onclick: () => app.look(event.time) },
               h("span", { class: "when" }, `${event.time.toFixed(3)} s`),
               ` ${event.actions.join("; ")}`,
             ),
-            h("button", { type: "button", title: "Back to before it", onclick: () => app.undo(index) }, "Undo"),
+            h("button", { type: "button", title: "Go back to just before it", onclick: () => app.undo(index) }, "Undo"),
           ),
         ),
     );
-    if (events.length > most) list.append(h("li", { class: "nothing" }, `and ${events.length - most} before them`));
+    if (events.length > most) list.append(h("li", { class: "nothing" }, `and ${events.length - most} earlier ones`));
     if (list.childElementCount === 0) list.append(h("li", { class: "nothing" }, "Nothing has happened yet."));
     branches.replaceChildren(
       ...(run?.left ?? [])
