@@ -52,7 +52,7 @@ class Own {
       keep(workspace_.a.get());
     });
     const double error = momentum_error(tree_, states_[turn].q().data(), states_[turn].p().data(), workspace_);
-    if (!(error < 1e-9)) wrong("the velocities found with accelerations do not belong to the momenta");
+    if (!(error < 1e-9)) wrong("the velocities found with the accelerations do not match the momenta");
     row.error = std::max(row.error, error);
   }
 
@@ -66,7 +66,7 @@ class Own {
     }
     row.batch = shortest(budget, [&] { batch->step(1e-6); }) / (4 * worlds);
     for (int world = 0; world < worlds; ++world)
-      if (batch->ran_away(world)) wrong("a world of the batch ran away");
+      if (batch->ran_away(world)) wrong("a world of the batch diverged");
   }
 
   void evaluate_generated(const KernelCache& kernels, double budget) {

@@ -27,7 +27,7 @@ class Reader {
  public:
   Reader(const std::string& program, std::vector<std::string> words) {
     int ends[2];
-    if (pipe(ends) != 0) throw Error{program + ": no pipe to read it", "", ""};
+    if (pipe(ends) != 0) throw Error{program + ": cannot create a pipe to read its output", "", ""};
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
@@ -44,7 +44,7 @@ class Reader {
     output_ = fdopen(ends[0], "r");
     if (failed == 0 && output_ != nullptr) return;
     close(ends[0]);
-    throw Error{program + " can't be started", "", ""};
+    throw Error{program + " cannot be started", "", ""};
   }
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
@@ -112,7 +112,7 @@ void peer_evaluations(const std::string& program, const std::vector<std::string>
   for (std::string line; reader.line(line);)
     if (!row(row_of(line, program))) return;
   if (const int status = reader.finish(); status != 0)
-    throw Error{format("%s failed (exit status %d): what it wrote says why", program.c_str(), status), "", ""};
+    throw Error{format("%s failed (exit status %d): its output gives the reason", program.c_str(), status), "", ""};
 }
 
 std::vector<PeerRow> measure_peers(const std::vector<std::string>& programs, const std::vector<std::string>& files) {

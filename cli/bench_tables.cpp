@@ -69,7 +69,7 @@ EvaluationRow evaluation_time(const std::string& name, const Tree& tree, const S
   for (const int i : {0, 1}) {
     evaluate_stage(tree, 0, q[i].data(), p.data(), work);
     const double error = momentum_error(tree, q[i].data(), p.data(), work);
-    if (!(error < 1e-9)) throw Error{name + ": the velocities found do not belong to the momenta", "", ""};
+    if (!(error < 1e-9)) throw Error{name + ": the velocities found do not match the momenta", "", ""};
     row.error = std::max(row.error, error);
   }
   return row;
@@ -109,7 +109,7 @@ GeneratedRow generated_time(const std::string& name, const Tree& tree, const Sta
     largest = std::max(largest, std::fabs(work.pdot[i]));
   }
   row.error = error / largest;
-  if (!(row.error < 1e-9)) throw Error{name + ": generated code finds other rates than the kernels", "", ""};
+  if (!(row.error < 1e-9)) throw Error{name + ": the rates of the generated code differ from those of the kernels", "", ""};
   return row;
 }
 
@@ -251,7 +251,7 @@ LargeRow large_world(const char* name, const Model& model) {
   }
   row.bytes[0] = grown();
   row.error = momentum_error(tree, q, p, work);
-  if (!(row.error < 1e-6)) throw Error{std::string(name) + ": the velocities found do not belong to the momenta", "", ""};
+  if (!(row.error < 1e-6)) throw Error{std::string(name) + ": the velocities found do not match the momenta", "", ""};
   forward_dynamics(tree, state, work);
   row.bytes[1] = grown();
   return row;

@@ -210,7 +210,7 @@ TEST_CASE("momentree bench MODEL: one's own models, and other engines on the sam
   CHECK(text("err").find("closed loops are not supported") != std::string::npos);
   CHECK(call("nowhere.urdf") == 2);
   CHECK(call("--peers '" + (folder / "") + "' '" + sources + "capture.toml'") == 2);  // it has a universal joint
-  CHECK(text("err").find("capture.toml: error: other engines can't be given this model: tug/upper has a universal joint") !=
+  CHECK(text("err").find("capture.toml: error: other engines do not support this model: tug/upper has a universal joint") !=
         std::string::npos);
 }
 

@@ -162,7 +162,7 @@ std::string totals_text(const World& world) {
                             count_text(operations.divisions, "division", "divisions") + ") and " +
                             count_text(operations.sincos, "pair", "pairs") + " of sine and cosine");
   if (const int bodies = bodies_in_planes(world.tree()); bodies > 0) row("in a plane", count_text(bodies, "body", "bodies"));
-  if (const std::string pairs = pairs_text(world); !pairs.empty()) row("two at once", pairs);
+  if (const std::string pairs = pairs_text(world); !pairs.empty()) row("paired branches", pairs);
   return table.text("  ");
 }
 

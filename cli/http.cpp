@@ -77,11 +77,11 @@ struct Status {
 constexpr std::array statuses = {
     Status{200, "OK", ""},
     Status{303, "See Other", ""},
-    Status{400, "Bad Request", "This is no request that a browser would send.\n"},
-    Status{403, "Forbidden", "This page is for the browser of this machine alone.\n"},
-    Status{404, "Not Found", "Open the whole address that momentree printed, with the key at its end.\n"},
-    Status{405, "Method Not Allowed", "Only GET and HEAD are answered.\n"},
-    Status{413, "Content Too Large", "Requests with a body are not answered.\n"},
+    Status{400, "Bad Request", "This is not a request that a browser would send.\n"},
+    Status{403, "Forbidden", "The server accepts only same-origin requests from this machine.\n"},
+    Status{404, "Not Found", "Open the full address that momentree printed, including the key at its end.\n"},
+    Status{405, "Method Not Allowed", "Only GET and HEAD are supported.\n"},
+    Status{413, "Content Too Large", "Requests with a body are not accepted.\n"},
     Status{431, "Request Header Fields Too Large", "The head of the request is too large.\n"},
 };
 

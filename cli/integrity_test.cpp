@@ -122,7 +122,7 @@ TEST_CASE("on a full disk a run fails, says so everywhere, and keeps whole rows"
   const Outcome run = here.call("run s.toml --out r --json --report", limit);
   CHECK(run.code == 1);
   CHECK(run.errors.find("r.partial/bodies.csv: error: cannot write this file: ") != std::string::npos);
-  CHECK(run.errors.find("what was computed is kept in r.partial") != std::string::npos);
+  CHECK(run.errors.find("the results so far are kept in r.partial") != std::string::npos);
   CHECK(here.status("r.partial").starts_with("failed: r.partial/bodies.csv: error: "));
   CHECK(run.output == here.text("r.partial/summary.json"));
   CHECK_FALSE(here.has("r.partial/report.html"));
@@ -191,7 +191,7 @@ TEST_CASE("a result can't be named like one that is being written") {
   const Folder here;
   const Outcome named = here.call("run s.toml --out r.partial --quiet");
   CHECK(named.code == 2);
-  CHECK(named.says("r.partial: error: names that end in .partial are of results that are being written"));
+  CHECK(named.says("r.partial: error: names that end in .partial are reserved for results that are being written"));
   CHECK_FALSE(here.has("r.partial"));
 }
 

@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
     code = cli::bad_input;
     say_error(error);
   } catch (const std::bad_alloc&) {
-    std::fputs("momentree: error: out of memory; a model takes some 3 kB for each body\n", stderr);
+    std::fputs("momentree: error: out of memory; a model takes about 3 kB for each body\n", stderr);
   } catch (const std::exception& error) {
     cli::show(stderr, "momentree: error: " + printable(error.what()) + '\n');
   }

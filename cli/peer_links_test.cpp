@@ -53,7 +53,7 @@ Model read_links(const std::string& text, const Vec3& gravity) {
   return model;
 }
 
-/// Rates of all freedoms in the order of the bodies, from coordinates and velocities that all models have alike.
+/// Rates of all degrees of freedom in the order of the bodies, from coordinates and velocities that all models have alike.
 std::vector<double> rates(const Model& model) {
   const Tree tree(model);
   State state = start_state(model, tree);
@@ -133,7 +133,7 @@ TEST_CASE("links for other engines: what they do not take is refused by name") {
   try {
     peer_links("it", model);
   } catch (const Error& error) {
-    CHECK(error.what == "other engines can't be given this model: a has a ball joint");
+    CHECK(error.what == "other engines do not support this model: a has a ball joint");
     CHECK(error.hint.find("--peers") != std::string::npos);
   }
   Model two;

@@ -118,7 +118,8 @@ TEST_CASE("a run whose event turns out to be impossible is kept, and says which 
   const Workplace here(
       "format = 1\n[world]\ngravity = [0, 0, 0]\n[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"a\"\nmass = 1\n"
       "inertia = 1\n[mechanism.body.joint]\nkind = \"universal\"\naxis = [1, 0, 0]\naxis2 = [0, 1, 0]\n"
-      "v = [0, 1.5707963267948966]\n[[event]]\nat = 0.5\nlock = { joint = \"m/a\", freedoms = [0] }\n[[event]]\nat = 1\n"
+      "v = [0, 1.5707963267948966]\n[[event]]\nat = 0.5\nlock = { joint = \"m/a\", freedoms = [0] }\n[[event]]\nat = "
+      "1\n"
       "change = { joint = \"m/a\", kind = \"universal\", axis2 = [0, 0, 1] }\n[integrate]\nuntil = 2\n");
   CHECK(here.call("check s.toml").code == 0);
   const Outcome run = here.call("run s.toml");
@@ -233,8 +234,8 @@ TEST_CASE("convert: what is written is a scenario, and the same one again") {
   const Outcome urdf = here.call("convert s.toml -o a.urdf");
   CHECK(urdf.code == 0);
   CHECK(urdf.output.empty());
-  CHECK(urdf.says("s.toml: warning: a URDF is a model alone; left out: its gravity, its events"));
-  CHECK(urdf.says("s.toml:14:9: warning: URDF has no place for starts"));
+  CHECK(urdf.says("s.toml: warning: a URDF holds only a model; left out: its gravity, its events"));
+  CHECK(urdf.says("s.toml:14:9: warning: URDF cannot express starts"));
   CHECK(here.call("check a.urdf").says("9 bodies, 8 degrees of freedom"));
 }
 
@@ -298,11 +299,11 @@ TEST_CASE("check, explain, evaluate, view") {
   CHECK(explain.says("at 0.1 s: break chain/4"));
   CHECK(explain.says("588 operations (292 additions, 288 multiplications, 8 divisions) and 8 pairs of sine and cosine"));
   CHECK(explain.says("in a plane           8 bodies"));
-  CHECK(!explain.says("two at once"));
+  CHECK(!explain.says("paired branches"));
   const Outcome robot = here.call("explain '" MOMENTREE_SOURCE_DIR "/scenarios/models/anymal_b/anymal.urdf'");
   CHECK(!robot.says("in a plane"));
   if (has_pair_lanes)
-    CHECK(robot.says("two at once          anymal/LF_HIP and anymal/RF_HIP, anymal/LH_HIP and anymal/RH_HIP (20 of 23 bodies)"));
+    CHECK(robot.says("paired branches      anymal/LF_HIP and anymal/RF_HIP, anymal/LH_HIP and anymal/RH_HIP (20 of 23 bodies)"));
   const Outcome evaluate = here.call("evaluate s.toml");
   CHECK(evaluate.code == 0);
   CHECK(evaluate.says("chain/8"));

@@ -41,7 +41,7 @@ void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool q
   const KernelCacheStatistics s = kernels.statistics();
   std::string why = kernels.message();
   if (scenario.integration.method == "damped")
-    why = "the method damped has masses of its own, which generated code does not know";
+    why = "the method damped modifies the masses, which generated code does not support";
   if (!why.empty()) show(stderr, printable(scenario.path) + ": warning: --generate: " + why + '\n');
   if (quiet || s.compiled == 0) return;
   std::printf("Generated code: %s compiled, found again %s, in %s\n", count_text(s.compiled, "topology", "topologies").c_str(),
@@ -49,7 +49,7 @@ void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool q
 }
 
 void tell_where(const io::Recorder& recorder) {
-  show(stderr, "what was computed is kept in " + printable(recorder.directory()) + '\n');
+  show(stderr, "the results so far are kept in " + printable(recorder.directory()) + '\n');
 }
 
 }  // namespace

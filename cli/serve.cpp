@@ -47,7 +47,7 @@ void show_in_browser(const std::string& address) {
 /// 128 random bits in hexadecimal digits.
 std::string new_key() {
   std::array<unsigned char, 16> bytes;
-  if (getentropy(bytes.data(), bytes.size()) != 0) throw_error({"this system gives no random numbers", "", ""});
+  if (getentropy(bytes.data(), bytes.size()) != 0) throw_error({"this system provides no random numbers", "", ""});
   std::string key;
   for (const unsigned char byte : bytes) {
     constexpr std::string_view digits = "0123456789abcdef";

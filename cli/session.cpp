@@ -28,7 +28,7 @@ void refuse_to_overwrite(const std::string& out, const io::Scenario& scenario) {
   const auto refuse = [&out](const fs::path& source) {
     std::error_code ignored;
     if (fs::equivalent(out, source, ignored))
-      throw_error({"this is a file that is read: it would be overwritten", out, "give another name after -o"});
+      throw_error({"this is an input file: it would be overwritten", out, "give another name after -o"});
   };
   if (out == "-") return;
   refuse(scenario.path);
@@ -47,7 +47,7 @@ Simulation simulation_of(const io::Scenario& scenario) {
     return Simulation(scenario.model, scenario.integration);
   } catch (const std::bad_alloc&) {
     throw_error({format("not enough free memory for %d bodies", scenario.model.size()), scenario.path,
-                 "some 3 kB are needed for each body"});
+                 "about 3 kB are needed for each body"});
   }
 }
 
@@ -91,7 +91,7 @@ void Session::take_armed(const io::ArmedEvent& event, const std::string& file) {
   const std::size_t matches = matches_[place->second].size();
   if (!event.each.empty() && event.each.size() != matches)
     throw_error(
-        {format("`armed` has %zu entries for event '%s', which stands for %zu", event.each.size(), event.name.c_str(), matches),
+        {format("`armed` has %zu entries for event '%s', which has %zu matches", event.each.size(), event.name.c_str(), matches),
          file, "is it a document of this scenario?"});
   armed_at_start_[place->second] = event;
 }

@@ -52,7 +52,7 @@ TEST_CASE("usage") {
   refused("replay a b", "`momentree replay` is not supported yet");
   refused("run s.toml --resum", "unknown option '--resum'; see `momentree help run`");  // and not --resume
   refused("swep s.toml", "unknown command 'swep'; see `momentree help`");
-  refused("run s.toml s.toml", "one argument too many: 's.toml'; it runs one scenario: call it once for each");
+  refused("run s.toml s.toml", "one argument too many: 's.toml'; a call runs one scenario: call it once for each");
   refused("run s.toml --until abc", "--until abc: error: expected a time, not 'abc'; for example --until 2, or --until \"2 s\"");
   refused("run s.toml --until '3 kg'",
           "--until \"3 kg\": error: '3 kg' is a mass (kg), not a time (s); for example 2, or \"2 s\"");
@@ -74,8 +74,8 @@ TEST_CASE("usage") {
   refused("bench --jsn", "did you mean '--json'?");
   refused("sweep s.toml --jobs 3", "not supported yet");
   refused("convert s.toml", "--out is required");
-  refused("convert s.toml -o s.mjcf", "'.mjcf' files are not written; written are .toml (a scenario) and .urdf");
-  refused("convert s.toml -o s", "a file without an ending does not say its format");
+  refused("convert s.toml -o s.mjcf", "'.mjcf' files cannot be written; use .toml (a scenario) or .urdf");
+  refused("convert s.toml -o s", "the format is unknown: the file name has no ending");
   refused("convert s.toml -o ./s.toml", "it would be overwritten");
   refused("convert s.toml -o s.urdf --mechanism chian", "did you mean 'chain'?");
   refused("convert s.toml -o t.toml --mechanism chain", "--mechanism is for .urdf");

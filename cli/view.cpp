@@ -31,8 +31,8 @@ void require_svg(const std::string& file) {
   std::string ending = fs::path(file).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return static_cast<char>(c | 0x20); });
   if (ending.empty() || ending == ".svg") return;
-  throw_error(
-      {"'" + ending + "' pictures are not drawn, only SVG", file, "name a file that ends in .svg; other programs convert it"});
+  throw_error({"'" + ending + "' pictures cannot be drawn, only SVG", file,
+               "name a file that ends in .svg, and convert it with another program"});
 }
 
 int draw(const ViewOptions& options) {
@@ -84,7 +84,7 @@ std::optional<std::string> data_of(const std::string& source, Notes notes, int& 
 int view(const ViewOptions& options) {
   if (!options.svg.empty()) return draw(options);
   if (options.every != 0 || !options.look.empty() || options.layout != "overlay")
-    throw_error({"--every, --look and --layout are of pictures", "", "draw the run with --svg FILE, or leave them out"});
+    throw_error({"--every, --look and --layout apply only to pictures", "", "draw the run with --svg FILE, or leave them out"});
   Listener listener = listen_on(options.port);  // before a run that takes its time
   int code = done;
   const std::optional<std::string> data = data_of(options.source, notes_of(options.verbose), code);

@@ -27,7 +27,7 @@ Broken broken_joints(Reading& reading, bool doubles) {
         if (!fresh && doubles && !event.wild)
           reading.out.error(event.places[a],
                             "break: joint " + in_quotes(joint) + " is broken already on " + reading.out.name_of(first->second),
-                            "a joint breaks once");
+                            "a joint can break only once");
       }
     }
   return broken;
@@ -56,7 +56,7 @@ void check_parts(const Broken& broken, Reading& reading) {
     const Place place = place_of_body[static_cast<std::size_t>(singular.body.index)];
     const std::string joint = in_quotes(apart[singular.body].joint_name);
     if (place.line > 0 || place.option > 0)
-      out.error(place, "break: the part that comes off at " + joint + " has not the mass or inertia to move freely",
+      out.error(place, "break: the part that separates at " + joint + " lacks the mass or inertia to move freely",
                 "give it a mass and an inertia about every axis");
     else
       out.error(broken.begin()->second, "break: joint " + joint + " would no longer move any mass", singular.hint);
@@ -130,9 +130,9 @@ void warn_of_late(Reading& reading) {
     if (!(time > end)) continue;
     const bool exact = !event.condition && event.after.empty();
     reading.out.warning(event.place,
-                        "event " + in_quotes(event.name) + " can't happen: it comes at " + text(time) + " s" +
-                            (exact ? "" : " at the earliest") + ", and the run ends at " + text(scenario.until) + " s",
-                        "let the run be longer, as in until = \"" + text(time) + " s\", or the event come sooner");
+                        "event " + in_quotes(event.name) + " cannot happen: it is due at " + text(time) + " s" +
+                            (exact ? "" : " at the earliest") + ", but the run ends at " + text(scenario.until) + " s",
+                        "make the run longer, as in until = \"" + text(time) + " s\", or the event earlier");
   }
 }
 

@@ -123,8 +123,8 @@ TEST_CASE("couplings that go round in a circle are refused at the first of them"
   const auto words = [&](const std::string& couplings) { return said(read_scenario_text(three + couplings, "s.toml")); };
   CHECK(words(coupling("b", "a") + coupling("c", "b") + coupling("c", "a")).empty());
   CHECK(words(coupling("b", "a") + coupling("c", "b") + coupling("a", "c")) ==
-        "s.toml:29:1: error: coupling: joint 'm/b' follows 'm/a', which follows 'm/c', which follows 'm/b'; one of them has to "
-        "lead: it follows none");
+        "s.toml:29:1: error: coupling: joint 'm/b' follows 'm/a', which follows 'm/c', which follows 'm/b'; one of them must "
+        "lead and follow no other");
 }
 
 TEST_CASE("what is wrong with a coupling is told at its place") {
@@ -136,7 +136,7 @@ TEST_CASE("what is wrong with a coupling is told at its place") {
   const std::string coupling = wheels + "[[coupling]]\n";
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\n", "[[coupling]] has no 'stiffness'");
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\nstiffness = 0\n", "stiffness");
-  refused(coupling + "joint = \"m/b\"\nfollows = \"m/b\"\nstiffness = 1\n", "a joint can't follow itself");
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/b\"\nstiffness = 1\n", "a joint cannot follow itself");
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/aa\"\nstiffness = 1\n", "there is no joint 'm/aa'; did you mean 'm/a'?");
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\nstiffness = \"1 N\"\n", "stiffness");
   refused(coupling +

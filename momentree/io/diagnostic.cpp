@@ -127,12 +127,11 @@ std::vector<Diagnostic> Diagnostics::take() {
   std::vector<Diagnostic> sorted;
   for (const std::size_t i : order) sorted.push_back(std::move(diagnostics_[i]));
   if (errors_ > most)
-    sorted.push_back(
-        {Severity::error, file_, 0, 0, "and " + std::to_string(errors_ - most) + " errors more or as yet unseen", "", ""});
+    sorted.push_back({Severity::error, file_, 0, 0, "and " + std::to_string(errors_ - most) + " or more further errors", "", ""});
   if (warnings_ > most)
-    sorted.push_back({Severity::warning, file_, 0, 0, "and " + std::to_string(warnings_ - most) + " warnings more", "", ""});
+    sorted.push_back({Severity::warning, file_, 0, 0, "and " + std::to_string(warnings_ - most) + " more warnings", "", ""});
   if (notes_ > most)
-    sorted.push_back({Severity::note, file_, 0, 0, "and " + std::to_string(notes_ - most) + " notes more", "", ""});
+    sorted.push_back({Severity::note, file_, 0, 0, "and " + std::to_string(notes_ - most) + " more notes", "", ""});
   diagnostics_.clear();
   places_.clear();
   return sorted;

@@ -89,7 +89,7 @@ TEST_CASE("symbolic links lead no model out of its folder") {
   folder.link("../beside/b.xml", "here/b.xml");
   folder.link("../beside", "here/out");
   folder.link("meshes", "here/in");
-  const std::string leads_out = " is a symbolic link out of the model's folder, or below one";
+  const std::string leads_out = " leads out of the model's folder through a symbolic link";
   for (const char* name : {"b.xml", "out/b.xml"}) {
     folder.write("here/m.xml", "<mujoco><include file='" + std::string(name) + "'/></mujoco>");
     CHECK(has(folder.said("here/m.xml"), ("error: include: '" + std::string(name) + "'" + leads_out).c_str()));
@@ -136,7 +136,7 @@ TEST_CASE("a scenario's meshes stand in its folder or below it, symbolic links f
   };
   CHECK(said_of("meshes/a.stl") == "");
   CHECK(said_of("meshes/../meshes/a.stl") == "");
-  CHECK(has(said_of("out/secret"), "error: mesh: 'out/secret' is a symbolic link out of the scenario's folder, or below one"));
+  CHECK(has(said_of("out/secret"), "error: mesh: 'out/secret' leads out of the scenario's folder through a symbolic link"));
   CHECK(has(said_of("../beside/secret"), "error: mesh: '../beside/secret' is not a file in the scenario's folder or below it"));
   CHECK(has(said_of("/etc/passwd"), "error: mesh: '/etc/passwd' is not a file in the scenario's folder or below it"));
   CHECK(has(said_of("meshes"), "error: mesh: 'meshes' is a folder, not a mesh"));

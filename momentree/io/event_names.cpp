@@ -158,7 +158,7 @@ void report_unknown(const Reading::JointUse& use, Reading& reading) {
     if (body == target) hint = "the joint of that body is " + in_quotes(joint);
   if (hint.empty() && target.find('/') == std::string::npos)
     for (const auto& [mechanism, where] : reading.mechanisms)
-      if (reading.joints.contains(mechanism + "/" + target)) hint = "names are complete: " + in_quotes(mechanism + "/" + target);
+      if (reading.joints.contains(mechanism + "/" + target)) hint = "use the full name: " + in_quotes(mechanism + "/" + target);
   if (hint.empty() && reading.events.contains(target)) hint = "the event of that name makes no joint, or several";
   if (hint.empty()) hint = reading.suggest(target, reading.made);
   if (hint.empty()) hint = reading.suggest(target, reading.joints);
@@ -183,7 +183,7 @@ void finish_events(Reading& reading) {
     if (!names.known(use.name))
       report_unknown(use, reading);
     else if (names.still_to_come(use))
-      reading.out.error(use.place, use.key + ": joint " + in_quotes(use.name) + " is not there yet: it is made later, on " +
+      reading.out.error(use.place, use.key + ": joint " + in_quotes(use.name) + " does not exist yet: it is made later, on " +
                                        reading.out.name_of(reading.made.at(use.name)));
 }
 

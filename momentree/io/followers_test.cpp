@@ -88,9 +88,9 @@ TEST_CASE("what can't follow is told where mimic is asked for") {
     CHECK_MESSAGE(said(result).find("s.toml:5:9: error: mimic: joint " + message) != std::string::npos, said(result));
   };
   const std::string a = joint("a", "continuous", "");
-  refused(a + joint("b", "fixed", follows("a")), "'b' is not one of one freedom");
-  refused(a + joint("b", "floating", follows("a")), "'b' is not one of one freedom");
-  refused(joint("b", "fixed", "") + joint("a", "continuous", follows("b")), "'b' is not one of one freedom");
+  refused(a + joint("b", "fixed", follows("a")), "'b' does not have one degree of freedom");
+  refused(a + joint("b", "floating", follows("a")), "'b' does not have one degree of freedom");
+  refused(joint("b", "fixed", "") + joint("a", "continuous", follows("b")), "'b' does not have one degree of freedom");
 }
 
 TEST_CASE("URDF: joints that follow each other in a circle are refused, with the circle") {
@@ -98,7 +98,7 @@ TEST_CASE("URDF: joints that follow each other in a circle are refused, with the
   const auto refused = [&](const std::string& joints, const std::string& message) {
     const ReadResult result = read_scenario_text(head_line + joints + "</robot>", "r.urdf");
     CHECK(!result.scenario);
-    CHECK_MESSAGE(said(result).find(message + "; one of them has to lead: it follows none") != std::string::npos, said(result));
+    CHECK_MESSAGE(said(result).find(message + "; one of them must lead and follow no other") != std::string::npos, said(result));
   };
   const auto turning = [](const std::string& name, const std::string& leader) {
     return joint(name, "continuous", follows(leader));

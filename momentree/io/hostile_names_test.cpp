@@ -49,7 +49,7 @@ TEST_CASE("a name with a character that is not seen is refused, and shown as an 
       CAPTURE(format.file);
       CAPTURE(name);
       const std::string errors = errors_of(format.text(name), format.file);
-      CHECK(errors.find(std::string("cannot be named ") + shown + ": it has a character that is not seen") != std::string::npos);
+      CHECK(errors.find(std::string("cannot be named ") + shown + ": it has an invisible character") != std::string::npos);
       CHECK(errors.find("error: name:") != std::string::npos);
     }
 }

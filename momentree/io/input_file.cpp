@@ -21,8 +21,8 @@ Unreadable refusal(int reason) {
     case ENOENT:
     case ENOTDIR: return {"there is no such file", "", true};
     case EACCES:
-    case EPERM: return {"cannot be read: permission denied", "is it yours to read, and every folder on the way to it?"};
-    case ELOOP: return {"cannot be read: its symbolic links go round in a circle", ""};
+    case EPERM: return {"cannot be read: permission denied", "check the permissions of the file and of the folders above it"};
+    case ELOOP: return {"cannot be read: its symbolic links form a cycle", ""};
     default: return {std::string("cannot be read: ") + std::strerror(reason), ""};
   }
 }

@@ -79,7 +79,7 @@ TEST_CASE("a file that may not be read is not one that is missing") {
   }
   fs::permissions(folder / "closed", fs::perms::all);
   fs::create_symlink("round", folder / "round");
-  CHECK(refusal_of(folder / "round") == "cannot be read: its symbolic links go round in a circle");
+  CHECK(refusal_of(folder / "round") == "cannot be read: its symbolic links form a cycle");
 }
 
 TEST_CASE("an enclosure is a folder with what is below it, symbolic links followed") {

@@ -108,7 +108,7 @@ void JointTable::read_wild(const std::vector<Kind>& kinds, Diagnostics& out) {
       read_part(*moving, {entry}, out);
     else if (!without.empty())
       out.note(value->place, std::string(key) + ": joints that match " + in_quotes(pattern_) + " and are of kind " +
-                                 joined(without) + " can't have it, and go without");
+                                 joined(without) + " cannot have it, and do not get it");
   }
   for (auto& [kind, taken] : entries) parts_.emplace(kind, read_part(info(kind), taken, out));
 }
@@ -143,7 +143,7 @@ JointTables::JointTables(const Value* value, const char* of, Reading& reading) :
     tables_.emplace_back(fields, entry.place, true, entry.key, where);
     fields.finish();
     if (entry.value.table()->empty() && errors == reading.out.errors())
-      reading.out.warning(entry.place, where + " is empty", "give the joint something: damping = 0.1");
+      reading.out.warning(entry.place, where + " is empty", "give the joint a parameter, such as damping = 0.1");
     if (tables_.back().wild())
       wild_.push_back(tables_.size() - 1);
     else
@@ -177,14 +177,14 @@ void JointTables::read(const std::vector<std::pair<std::string, Kind>>& joints,
       table.read(matched, reading_.out);
       continue;
     }
-    std::string hint = "* matches within a name, which is written without its mechanism";
+    std::string hint = "* matches within a name, written without its mechanism";
     if (!table.wild()) {
       const auto body = bodies.find(table.pattern());
       hint = body != bodies.end() ? "the joint of that body is " + in_quotes(body->second)
                                   : reading_.suggest(table.pattern(), names);
       const std::string_view tail = std::string_view(table.pattern()).substr(table.pattern().find('/') + 1);
-      if (hint.empty() && of_ == std::string_view("chain")) hint = "they are 1 to " + std::to_string(joints.size());
-      if (kinds.contains(std::string(tail))) hint = "names go without their mechanism here: " + in_quotes(tail);
+      if (hint.empty() && of_ == std::string_view("chain")) hint = "the joints are 1 to " + std::to_string(joints.size());
+      if (kinds.contains(std::string(tail))) hint = "leave out the mechanism's name here: " + in_quotes(tail);
     }
     reading_.out.error(table.place(),
                        table.wild() ? "joint: no joint of this " + std::string(of_) + " matches " + in_quotes(table.pattern())
@@ -245,7 +245,7 @@ void JointTables::check(const std::string& joint, const BodySpec& spec) {
     sound_ = false;
   }
   if (const auto rest = places.find("rest"); rest != places.end() && spec.joint.parameters.stiffness.empty())
-    out.warning(rest->second, "'rest' without 'stiffness' does nothing");
+    out.warning(rest->second, "'rest' without 'stiffness' has no effect");
 }
 
 void check_start(const JointTables& tables, const std::string& joint, const Value& state, Diagnostics& out) {

@@ -97,7 +97,7 @@ TEST_CASE("a joint whose motion is prescribed goes without the model's limits") 
   const ReadResult result =
       arm.read("limits = true\n[mechanism.joint.shoulder]\ndrive = { motion = { table = [[0, 0.5], [1, 3]] } }\n");
   CHECK(said(result).ends_with(
-      "s.toml:5:10: note: limits: joint 'shoulder' goes without those of the model: its motion is prescribed"));
+      "s.toml:5:10: note: limits: joint 'shoulder' does not use those of the model: its motion is prescribed"));
   CHECK(joint(result, "m/shoulder").q == Values(0.5));
   CHECK_FALSE(joint(result, "m/shoulder").joint.parameters.limits.any());
   CHECK(joint(result, "m/slide").joint.parameters.limits.any());
@@ -106,7 +106,7 @@ TEST_CASE("a joint whose motion is prescribed goes without the model's limits") 
 TEST_CASE("limits that a joint is given count where those of the model don't") {
   const Arm arm;
   const std::string given = "[mechanism.joint.shoulder]\nlimits = { lower = 0 }\n";
-  CHECK(arm.says(given) == "s.toml:4:9: warning: the limits of 1 joint are not taken up; write limits = true or limits = false");
+  CHECK(arm.says(given) == "s.toml:4:9: warning: the limits of 1 joint are not used; write limits = true or limits = false");
   const ReadResult result = arm.read("limits = false\n" + given);
   CHECK(said(result) == "");
   CHECK(joint(result, "m/shoulder").joint.parameters.limits.lower == Values(0));
@@ -126,9 +126,10 @@ TEST_CASE("a wildcard is for all joints that match and can have it; exact names 
   }
   SUBCASE("a unit is of some kinds of joint alone, which a note says") {
     const ReadResult result = arm.read("limits = false\n[mechanism.joint.\"s*\"]\ndamping = \"3 N m s\"\n");
-    CHECK(said(result).find(
-              "s.toml:7:11: note: damping: joints that match 's*' and are of kind 'prismatic' can't have it, and go without") !=
-          std::string::npos);
+    CHECK(
+        said(result).find(
+            "s.toml:7:11: note: damping: joints that match 's*' and are of kind 'prismatic' cannot have it, and do not get it") !=
+        std::string::npos);
     CHECK(joint(result, "m/shoulder").joint.parameters.damping == Values(3));
     CHECK(joint(result, "m/slide").joint.parameters.damping.empty());
   }
@@ -142,9 +143,9 @@ TEST_CASE("a wildcard is for all joints that match and can have it; exact names 
     CHECK(joint(result, "m/slide").joint.parameters.armature == Values(3));
   }
   SUBCASE("nothing matches, or nothing can have it") {
-    CHECK(arm.says("limits = false\n[mechanism.joint.\"q*\"]\ndamping = 1\n") ==
-          "s.toml:6:18: error: joint: no joint of this model matches 'q*'; * matches within a name, which is written without its "
-          "mechanism");
+    CHECK(
+        arm.says("limits = false\n[mechanism.joint.\"q*\"]\ndamping = 1\n") ==
+        "s.toml:6:18: error: joint: no joint of this model matches 'q*'; * matches within a name, written without its mechanism");
     CHECK(arm.says("limits = false\n[mechanism.joint.\"f*\"]\ndamping = 1\n") ==
           "s.toml:7:11: error: damping: all joints that match 'f*' are welds, which do not move");
     CHECK(
@@ -164,15 +165,14 @@ TEST_CASE("what is wrong with the table of a joint is said at its place") {
   CHECK(of("[mechanism.joint.upper]\ndamping = 1\n") ==
         "s.toml:6:18: error: joint: there is no joint 'upper' in this model; the joint of that body is 'shoulder'");
   CHECK(of("[mechanism.joint.\"m/slide\"]\ndamping = 1\n") ==
-        "s.toml:6:18: error: joint: there is no joint 'm/slide' in this model; names go without their mechanism here: 'slide'");
+        "s.toml:6:18: error: joint: there is no joint 'm/slide' in this model; leave out the mechanism's name here: 'slide'");
   CHECK(of("[mechanism.joint.shoulder]\naxis = [0, 0, 1]\n") ==
-        "s.toml:7:1: error: unknown key 'axis' in [mechanism.joint.shoulder]; the model file says it; an event may `change` the "
-        "joint");
+        "s.toml:7:1: error: unknown key 'axis' in [mechanism.joint.shoulder]; the model file defines it; an event may `change` "
+        "the joint");
   CHECK(of("[mechanism.joint.shoulder]\ndamper = 1\n") ==
         "s.toml:7:1: error: unknown key 'damper' in [mechanism.joint.shoulder]; write 'damping', as in damping = \"0.1 N m s\"");
   CHECK(of("[mechanism.joint.shoulder]\n") ==
-        "s.toml:6:18: warning: [mechanism.joint.shoulder] is empty; give the joint something: "
-        "damping = 0.1");
+        "s.toml:6:18: warning: [mechanism.joint.shoulder] is empty; give the joint a parameter, such as damping = 0.1");
   CHECK(of("[mechanism.joint.flange]\ndamping = 1\n") ==
         "s.toml:7:11: error: damping: a weld joint does not move; leave it out; a weld has at most a strength");
   CHECK(of("[mechanism.joint.shoulder]\nposition = 3\nlimits = { upper = 1 }\n") ==
@@ -223,7 +223,7 @@ TEST_CASE("links of a chain are given what is said to their joints") {
   CHECK(joint(result, "m/2").q[0] == doctest::Approx(0.3490658503988659));
   for (const char* name : {"m/1", "m/2", "m/3"}) CHECK(joint(result, name).joint.parameters.strength.force == 100);
   const ReadResult wrong = read_scenario_text(bad_input::chain + "inertia = 1\n[mechanism.joint.4]\ndamping = 5\n", "s.toml");
-  CHECK(said(wrong) == "s.toml:9:18: error: joint: there is no joint '4' in this chain; they are 1 to 3");
+  CHECK(said(wrong) == "s.toml:9:18: error: joint: there is no joint '4' in this chain; the joints are 1 to 3");
 }
 
 TEST_CASE("a scenario with tables of joints is converted to one that moves alike") {
@@ -294,8 +294,8 @@ TEST_CASE("set under a wildcard passes over welds, and what else can't have it")
   CHECK(arm.says("limits = false\n[[event]]\nat = 0\nset = { joint = \"m/*\", dampng = 1 }\n").find("did you mean 'damping'?") !=
         std::string::npos);
   CHECK(arm.says("limits = false\n[[event]]\nwhen = { speed = \"m/f*\", exceeds = 1 }\nbreak = \"m/slide\"\n") ==
-        "s.toml:7:18: error: when: no joint that matches 'm/f*' has one freedom; position and speed are of joints with one "
-        "freedom");
+        "s.toml:7:18: error: when: no joint that matches 'm/f*' has one degree of freedom; position and speed need a joint with "
+        "one degree of freedom");
 }
 
 }  // namespace momentree::io

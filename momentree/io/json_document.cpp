@@ -112,7 +112,7 @@ struct Builder {
     place(node, 1);
     std::string words = error.what();
     const std::size_t colon = words.find(": ");
-    if (colon == std::string::npos) document.fail_at(node, "this is not JSON: a number is outside the range of numbers");
+    if (colon == std::string::npos) document.fail_at(node, "this is not JSON: a number is out of range");
     words.erase(0, colon + 2);
     // Any file may be named as a document, and the parser's message goes on with its text.
     const std::size_t text_at = words.find("; last read: "), expected = words.rfind("; expected ");
@@ -181,7 +181,7 @@ JsonDocument parse_json(std::string_view text, std::string file) {
   if (const std::size_t nul = text.find('\0'); nul != std::string_view::npos) {  // the parser would take it for the end
     builder.reached = text.data() + nul;
     builder.place(document.root, 0);
-    document.fail_at(document.root, "this is not JSON: there is a NUL character in it");
+    document.fail_at(document.root, "this is not JSON: it contains a NUL character");
   }
   // Exceptions of `fail` go through the parser, which keeps nothing but locals.
   nlohmann::json::sax_parse(Cursor(text.data(), &builder.reached), Cursor(text.data() + text.size(), nullptr), &builder);

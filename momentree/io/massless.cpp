@@ -36,6 +36,8 @@ std::vector<int> massless_links(std::span<const BodySpec* const> bodies) {
   return found;
 }
 
-std::string massless_link(const std::string& name) { return in_quotes(name) + " moves, carries others, and has no mass"; }
+std::string massless_link(const std::string& name) {
+  return in_quotes(name) + " moves and carries other bodies, but has no mass";
+}
 
 }  // namespace momentree::io

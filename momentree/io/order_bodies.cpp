@@ -29,7 +29,7 @@ void report_circle(const std::vector<BodyEntry>& bodies, const std::vector<std::
   if (shown == 2)
     out.error(bodies[start].parent_place, "body " + in_quotes(bodies[start].bare_name) + " is its own parent");
   else
-    out.error(bodies[start].parent_place, "the joints go round in a circle: " + names,
+    out.error(bodies[start].parent_place, "the joints form a cycle: " + names,
               "a mechanism is a tree; closed loops are not supported");
 }
 
@@ -57,8 +57,8 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
         out.error(body.name_place,
                   "a second root: body " + in_quotes(body.bare_name) + " is joined to the ground, as " +
                       in_quotes(bodies[root].bare_name) + " on " + out.name_of(bodies[root].name_place),
-                  roots > 1 ? "the mechanism says roots = " + std::to_string(roots)
-                            : "give it a joint with a parent, or a [[mechanism]] of its own");
+                  roots > 1 ? "the mechanism has roots = " + std::to_string(roots)
+                            : "give it a joint with a parent, or a separate [[mechanism]]");
       continue;
     }
     const auto found = by_name.find(bare(body.parent, mechanism));
@@ -105,7 +105,7 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
   }
   if (root == none && sound && errors == out.errors())
     out.error(place, "mechanism " + in_quotes(mechanism) + " has no root",
-              "one body is joined to the ground: its joint names no parent");
+              "join one body to the ground: its joint names no parent");
   else if (sound && root != none && found_roots < roots)
     out.error(place, "roots: " + std::to_string(found_roots) + " bodies of mechanism " + in_quotes(mechanism) +
                          " are joined to the ground, not " + std::to_string(roots));

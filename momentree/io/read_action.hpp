@@ -30,7 +30,7 @@ class ActionReader final : public ActionFields {
   void parameters(const std::string& of, JointParameters& parameters) override;
 
  private:
-  static constexpr const char* hint_ = "freedoms are numbered in the order of v: [0, 2]";
+  static constexpr const char* hint_ = "degrees of freedom are numbered in the order of v: [0, 2]";
   const Value* given(const char* key, bool required);
   std::optional<std::string> name(const char* key, bool required, Place& place);
 

@@ -31,7 +31,7 @@ JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
   if (info(spec.kind).nv != 1) {
     out.error(value.place,
               std::string(key) + ": joint " + in_quotes(*name) + " is " + std::string(info(spec.kind).name) +
-                  ", and not one of one freedom",
+                  ", and does not have one degree of freedom",
               "couple revolute, prismatic and helical joints");
     return {-1};
   }
@@ -85,7 +85,7 @@ void read_coupling(const Value& table, Reading& reading) {
   const CouplingSpring spring = read_coupling_spring(fields, slides);
   fields.finish();
   if (joint.index >= 0 && joint == leader)
-    out.error(leader_value->place, "follows: a joint can't follow itself", "name another one of the same world");
+    out.error(leader_value->place, "follows: a joint cannot follow itself", "name another one of the same world");
   if (errors != out.errors() || joint.index < 0 || leader.index < 0) return;
   coupling.joint = joint, coupling.leader = leader;
   coupling.stiffness = spring.stiffness, coupling.damping = spring.damping;
@@ -100,7 +100,7 @@ void check_couplings(Reading& reading) {
     const auto first = std::find(pairs.begin(), pairs.end(), std::pair(circle[0], circle[1]));
     reading.out.error(reading.coupling_places[static_cast<std::size_t>(first - pairs.begin())],
                       "coupling: " + circle_text(circle, [&](int joint) { return in_quotes(model[JointId{joint}].joint_name); }),
-                      "one of them has to lead: it follows none");
+                      "one of them must lead and follow no other");
   }
   std::unordered_set<std::string_view> coupled;
   for (const JointCoupling& each : reading.scenario.couplings)
@@ -111,7 +111,7 @@ void check_couplings(Reading& reading) {
       for (const std::string& joint : event.actions[a]->joints())
         if (coupled.contains(joint))
           reading.out.error(event.places[a], "change: joint " + in_quotes(joint) + " is coupled to another",
-                            "coupled joints may break, lock and come free, but not become others");
+                            "coupled joints may break, lock and be freed, but not be changed");
     }
 }
 

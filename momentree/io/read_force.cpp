@@ -51,7 +51,7 @@ std::vector<std::string> bodies_named(const Value& value, Reading& reading) {
   std::string hint = *name == "ground" ? "the ground does not move" : reading.suggest(*name, reading.bodies);
   if (hint.empty() && name->find('/') == std::string::npos)
     for (const auto& [mechanism, where] : reading.mechanisms)
-      if (reading.bodies.contains(mechanism + "/" + *name)) hint = "names are complete: " + in_quotes(mechanism + "/" + *name);
+      if (reading.bodies.contains(mechanism + "/" + *name)) hint = "use the full name: " + in_quotes(mechanism + "/" + *name);
   out.error(value.place, "force: there is no body " + in_quotes(*name), std::move(hint));
   return {};
 }

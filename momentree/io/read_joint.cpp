@@ -62,7 +62,7 @@ void read_geometry(Fields& fields, const KindInfo& kind, bool keeps_axes, JointS
 
 void warn_of_rest(const Fields& fields, Diagnostics& out) {
   if (fields.has("rest") && !fields.has("stiffness"))
-    out.warning(fields.place_of("rest"), "'rest' without 'stiffness' does nothing");
+    out.warning(fields.place_of("rest"), "'rest' without 'stiffness' has no effect");
 }
 
 std::optional<Place> first_of(const Fields& fields, std::initializer_list<const char*> keys) {
@@ -99,13 +99,13 @@ void read_start(Fields& fields, const KindInfo& kind, Values& q, Values& v, Diag
     }
     if (const Value::Array* place = value->array(); place && place->size() == 3 && key == std::string_view("position")) {
       out.error(value->place, "position: expected the joint's coordinate, found a list of 3",
-                "a joint stands where its `at` is; write at = { xyz = " + as_written(*value) + " }");
+                "a joint is placed by its `at`; write at = { xyz = " + as_written(*value) + " }");
       continue;
     }
     Values& target = rate ? v : q;
     if ((rate ? rates != nullptr : list != nullptr) || (key == std::string_view("position") && fields.has("angle"))) {
-      out.error(value->place, std::string("'") + key + "' gives the start a second time",
-                rate ? "'v' is there too" : "'q' or 'angle' is there too");
+      out.error(value->place, std::string("'") + key + "' gives the initial value a second time",
+                rate ? "'v' is given, too" : "'q' or 'angle' is given, too");
       continue;
     }
     target = read_values(*value, rate ? Quantity::v : Quantity::q, rate ? kind.v_units : kind.q_units, true, key, out);

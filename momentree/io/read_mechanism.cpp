@@ -53,7 +53,7 @@ std::size_t read_roots(Fields& fields, Diagnostics& out) {
   const std::int64_t* n = roots->integer();
   if (n && *n >= 1 && *n <= 1'000'000 && fields.has("body")) return static_cast<std::size_t>(*n);
   if (n && *n >= 1)
-    out.error(roots->place, "roots: it is for a mechanism of [[mechanism.body]] tables", "");
+    out.error(roots->place, "roots: this key is for a mechanism with [[mechanism.body]] tables", "");
   else
     out.error(roots->place, "roots: expected a number of bodies, 1 or more");
   return 1;
@@ -65,7 +65,7 @@ void hold_root(BodyEntry& root, Held held, const std::optional<Pose>& given_pose
   BodySpec& spec = root.spec;
   if (root.joint) {
     if (held != Held::unsaid)
-      out.error(root_place, "root: body " + in_quotes(root.bare_name) + " has a joint of its own to the ground",
+      out.error(root_place, "root: body " + in_quotes(root.bare_name) + " has its own joint to the ground",
                 "leave out 'root', or that joint");
     if (given_pose) spec.at = pose * spec.at;
   } else if (held == Held::free) {
@@ -92,8 +92,8 @@ void apply_state(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>&
                  Reading& reading) {
   Diagnostics& out = reading.out;
   if (state.velocity && std::count_if(bodies.begin(), bodies.end(), [](const BodyEntry& body) { return body.rooted; }) > 1)
-    out.error(state.velocity->place, "velocity: this mechanism has several roots, and one velocity could be any of theirs",
-              "give v of their joints");
+    out.error(state.velocity->place, "velocity: this mechanism has several roots, and one velocity is ambiguous",
+              "give v for their joints");
   else if (state.velocity)
     read_root_velocity(*state.velocity, bodies[order.front()].spec, out);
   if (state.joints.empty()) return;
@@ -233,7 +233,7 @@ void read_mechanism(const Value& table, Reading& reading) {
   const Value* model = fields.find("model");
   const Value* joints = fields.find("joint");
   const auto limits = fields.boolean("limits",
-                                     "true or false: whether the model's are taken up; other ones are given to joints: "
+                                     "true or false: whether the model's limits are used; give other limits to the joints: "
                                      "[mechanism.joint.elbow] with limits = { lower = …, upper = … }");
   std::optional<CouplingSpring> mimic;
   if (const Value* spring = fields.find("mimic")) {
@@ -241,7 +241,7 @@ void read_mechanism(const Value& table, Reading& reading) {
     mimic = read_coupling_spring(parts, false);
     parts.finish();
     if (!model)
-      out.error(spring->place, "mimic: only a model has joints that follow others", "couple them by [[coupling]] tables");
+      out.error(spring->place, "mimic: only a model has joints that follow others", "couple them with [[coupling]] tables");
   }
   if (given_state) state = read_state(*given_state, name, reading);
   const int ways = (chain ? 1 : 0) + (bodies ? 1 : 0) + (model ? 1 : 0);
@@ -250,16 +250,17 @@ void read_mechanism(const Value& table, Reading& reading) {
     out.error(
         second->place,
         model ? "a mechanism is a model, a chain or bodies, and only one of them" : "a mechanism is a chain or bodies, not both",
-        model ? "give each a [[mechanism]] of its own" : "give the chain a [[mechanism]] of its own");
+        model ? "give each its own [[mechanism]]" : "give the chain its own [[mechanism]]");
   }
   if (ways == 0)
     out.error(fields.place(), "mechanism " + in_quotes(name) + " has no bodies",
               "add [[mechanism.body]] tables, a [mechanism.chain] or a model = \"robot.urdf\"");
   if (fields.has("limits") && !model)
-    out.error(fields.place_of("limits"), "limits: only a model brings limits that could be taken up or not",
+    out.error(fields.place_of("limits"), "limits: only a model has limits of its own to be used or not",
               "give the joints their limits");
   if (chain && held == Held::fixed)
-    out.error(fields.place_of("root"), "root: a chain has a pin to the ground", "leave out 'root'; \"free\" leaves out the pin");
+    out.error(fields.place_of("root"), "root: a chain is joined to the ground by a revolute joint",
+              "leave out 'root'; \"free\" removes that joint");
   if (joints && !model && !chain && bodies)
     out.error(fields.place_of("joint"), "joint: a mechanism of bodies has its joints in the tables of the bodies",
               "write it in [mechanism.body.joint], which --set reaches by mechanism." + name + ".body.BODY.joint.damping=0.1");

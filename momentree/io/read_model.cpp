@@ -26,7 +26,7 @@ const Import* model_of(const Value& file, Reading& reading) {
   }
   if (const Import* known = reading.model_named(*name)) return known;
   if (!reading.looks_at_files) {
-    reading.out.error(file.place, "model: a scenario that is read from a text names no files", "read it from its file");
+    reading.out.error(file.place, "model: a scenario read from text cannot name files", "read it from its file");
     return nullptr;
   }
   const fs::path path = fs::path(reading.folder) / *name;
@@ -46,7 +46,7 @@ void take_limits(const ImportedBody& body, const ModelChoice& choice, BodySpec& 
   if (!choice.limits.value_or(false) || !body.limits.any() || spec.joint.parameters.limits.any()) return;
   if (const auto& drive = spec.joint.parameters.drive; drive && drive->moves()) {
     reading.out.note(choice.limits_place, "limits: joint " + in_quotes(body.spec.joint_name) +
-                                              " goes without those of the model: its motion is prescribed");
+                                              " does not use those of the model: its motion is prescribed");
     return;
   }
   spec.joint.parameters.limits = body.limits;
@@ -66,8 +66,8 @@ void take_limits(const ImportedBody& body, const ModelChoice& choice, BodySpec& 
 void warn_of_limits(std::ptrdiff_t limited, const std::string& mechanism, const ModelChoice& choice, Reading& reading) {
   if (limited > 0 && !choice.limits)
     reading.out.warning(choice.model_place,
-                        "the limits of " + std::to_string(limited) + (limited == 1 ? " joint" : " joints") + " are not taken up",
-                        reading.direct ? "say so by --set mechanism." + mechanism + ".limits=true, or false"
+                        "the limits of " + std::to_string(limited) + (limited == 1 ? " joint" : " joints") + " are not used",
+                        reading.direct ? "choose with --set mechanism." + mechanism + ".limits=true, or false"
                                        : "write limits = true or limits = false");
 }
 
@@ -95,12 +95,11 @@ bool check_roots(const Import& import, const ModelChoice& choice, Reading& readi
     taken = taken || !body.own_joint;
   }
   if (choice.held != Held::unsaid && !taken)
-    reading.out.error(choice.root_place, "root: every root of this model has a joint of its own to the ground",
-                      "leave 'root' out");
+    reading.out.error(choice.root_place, "root: every root of this model has its own joint to the ground", "leave 'root' out");
   if (choice.state.velocity && roots > 1)
     reading.out.error(choice.state.velocity->place,
-                      "velocity: this model has " + std::to_string(roots) + " roots, and one velocity could be any of theirs",
-                      "give v of their joints in state.joints");
+                      "velocity: this model has " + std::to_string(roots) + " roots, and one velocity is ambiguous",
+                      "give v for their joints in state.joints");
   return roots == 1;
 }
 
@@ -116,11 +115,12 @@ void check_state(const Import& import, const MechanismState& state, Reading& rea
 
 void warn_of_followers(const Import& import) {
   for (const Follower& each : import.model.followers)
-    each.file->warning(
-        {each.element},
-        "joint " + in_quotes(import.model.bodies[static_cast<std::size_t>(each.body)].spec.joint_name) + " should follow " +
-            in_quotes(import.model.bodies[static_cast<std::size_t>(each.leader)].spec.joint_name) + ": it moves by itself here",
-        "mimic = { stiffness = … } in the mechanism couples them by a spring");
+    each.file->warning({each.element},
+                       "joint " + in_quotes(import.model.bodies[static_cast<std::size_t>(each.body)].spec.joint_name) +
+                           " should follow " +
+                           in_quotes(import.model.bodies[static_cast<std::size_t>(each.leader)].spec.joint_name) +
+                           ", but moves independently here",
+                       "mimic = { stiffness = … } in the mechanism couples them by a spring");
 }
 
 // Joints that follow others can be coupled where they have one freedom each.
@@ -131,8 +131,8 @@ bool check_followers(const Import& import, const ModelChoice& choice, Reading& r
   for (const Follower& each : import.model.followers)
     for (const int end : {each.body, each.leader})
       if (info(bodies[static_cast<std::size_t>(end)].spec.joint.kind).nv != 1)
-        reading.out.error(choice.mimic_place, "mimic: joint " + name(end) + " is not one of one freedom",
-                          "couple the others by [[coupling]] tables");
+        reading.out.error(choice.mimic_place, "mimic: joint " + name(end) + " does not have one degree of freedom",
+                          "couple the others with [[coupling]] tables");
   return errors == reading.out.errors();
 }
 

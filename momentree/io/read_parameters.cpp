@@ -65,17 +65,17 @@ class Reader {
     const std::size_t expected = kind_ ? letters(quantity).size() : entries.size();
     if (entries.size() != expected || entries.empty() || entries.size() > Values::capacity) {
       if (kind_ && kind_->nv == 0)
-        out_.error(value.place, std::string(label) + ": " + a_joint() + " has no freedom to drive");
+        out_.error(value.place, std::string(label) + ": " + a_joint() + " has no degree of freedom to drive");
       else if (!value.array())
-        out_.error(
-            value.place,
-            std::string(label) + ": " + a_joint() + " has " + std::to_string(expected) + " freedoms: one value could mean any",
-            "give a list, one " + std::string(label) + " per freedom");
+        out_.error(value.place,
+                   std::string(label) + ": " + a_joint() + " has " + std::to_string(expected) +
+                       " degrees of freedom: one value is ambiguous",
+                   "give a list, one " + std::string(label) + " per degree of freedom");
       else
         out_.error(value.place,
                    std::string(label) + ": expected " + std::to_string(expected) + (expected == 1 ? " value" : " values") +
                        ", found a list of " + std::to_string(entries.size()),
-                   "one per freedom or coordinate, in the order of the kind");
+                   "one per degree of freedom or coordinate, in the order of the joint kind");
       return {};
     }
     std::vector<Signal> all;
@@ -95,8 +95,8 @@ class Reader {
     if (const Value* effort = fields.find("effort")) {
       if (kind_ && kind_->nv > 1 && !effort->array()) {
         out_.error(effort->place,
-                   "effort: " + a_joint() + " has " + std::to_string(kind_->nv) + " freedoms: one number could mean any",
-                   "give a list, one effort per freedom");
+                   "effort: " + a_joint() + " has " + std::to_string(kind_->nv) + " degrees of freedom: one number is ambiguous",
+                   "give a list, one effort per degree of freedom");
       } else {
         drive.effort = signals(*effort, Quantity::effort, "effort");
         if (std::all_of(drive.effort.begin(), drive.effort.end(), [](const Signal& s) { return s.constant(); })) {
@@ -108,7 +108,7 @@ class Reader {
     if (const Value* pd = fields.find("pd")) read_pd(*pd, drive.pd);
     if (const Value* motion = fields.find("motion")) read_motion(*motion, fields, drive);
     if (value.table()->empty())
-      out_.error(value.place, "drive: drives nothing", "one of effort, pd and motion; effort = 0 takes a drive away");
+      out_.error(value.place, "drive: drives nothing", "one of effort, pd and motion; effort = 0 removes a drive");
     fields.finish();
     if (!(drive == JointDrive{})) p.drive = std::make_shared<const JointDrive>(std::move(drive));
   }
@@ -130,7 +130,7 @@ class Reader {
     not_negative(fields, "kd", pd.kd);
     for (const double x : pd.max_effort)
       if (!(x > 0)) {
-        out_.error(fields.place_of("max_effort"), "max_effort: must be greater than 0", "leave it out where there is no bound");
+        out_.error(fields.place_of("max_effort"), "max_effort: must be greater than 0", "leave it out if there is no bound");
         pd.max_effort = {};
         break;
       }
@@ -144,9 +144,10 @@ class Reader {
   void read_motion(const Value& value, Fields& drive_fields, JointDrive& drive) {
     if (kind_ && (kind_->nq != 1 || kind_->nv != 1)) {
       out_.error(value.place,
-                 "motion: " + a_joint() + " has " + std::to_string(kind_->nv) + (kind_->nv == 1 ? " freedom" : " freedoms") +
-                     ": a motion is for joints with one",
-                 "use pd with a stiff kp, one target per freedom");
+                 "motion: " + a_joint() + " has " + std::to_string(kind_->nv) +
+                     (kind_->nv == 1 ? " degree of freedom" : " degrees of freedom") +
+                     ": a motion is for joints with one degree of freedom",
+                 "use pd with a stiff kp, one target per degree of freedom");
       return;
     }
     for (const char* key : {"effort", "pd"})
@@ -164,7 +165,7 @@ class Reader {
     Fields fields(value, "friction", out_);
     if (!value.table()) return;
     fields.require("coulomb", "for example friction = { coulomb = \"2 N m\", speed = \"0.01 rad/s\" }");
-    fields.require("speed", "below it the friction fades: a hundredth of what is usual in this joint");
+    fields.require("speed", "the friction fades below it: use about a hundredth of the joint's usual speed");
     take(fields, "coulomb", Quantity::effort, friction.coulomb);
     take(fields, "speed", Quantity::v, friction.speed);
     not_negative(fields, "coulomb", friction.coulomb);
@@ -194,7 +195,7 @@ class Reader {
         target = *number;
       else
         out_.error(given->place, std::string(key) + ": must be greater than 0",
-                   "the load at which the joint breaks; leave it out where it bears any");
+                   "the load at which the joint breaks; leave it out if the joint bears any load");
     };
     side("force", dimension::force, strength.force);
     side("torque", dimension::torque, strength.torque);
@@ -254,7 +255,7 @@ class Reader {
       }
     if (fields.has("damping") && !fields.has("stiffness")) {
       out_.error(fields.place_of("damping"), "limits: 'damping' goes with 'stiffness'",
-                 "a hard stop takes its energy by 'restitution'");
+                 "a hard stop dissipates energy by 'restitution'");
       limits.damping = {};
     }
     for (const char* key : {"restitution", "rest_speed"})

@@ -109,8 +109,8 @@ void know_unit(Quantity& quantity, const Value& value, Reading& reading) {
   if (kind.nq != 1 || kind.nv != 1)
     reading.out.error(value.place,
                       std::string(quantity.key()) + ": joint " + in_quotes(of_joint->joint) + " is " + kind.name + " and has " +
-                          std::to_string(kind.nv) + " freedoms",
-                      "for joints with one freedom");
+                          std::to_string(kind.nv) + " degrees of freedom",
+                      "for joints with one degree of freedom");
 }
 
 bool is_time(const Value& value) {
@@ -229,8 +229,8 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
   }
   if (matches.empty()) matches = std::move(of_other_unit);  // what is wrong with the unit is said for one of them
   if (matches.empty() && others > 0) {
-    out.error(pattern->place, "when: no joint that matches " + in_quotes(name) + " has one freedom",
-              "position and speed are of joints with one freedom");
+    out.error(pattern->place, "when: no joint that matches " + in_quotes(name) + " has one degree of freedom",
+              "position and speed need a joint with one degree of freedom");
     return matches;
   }
   if (matches.empty() && !reading.opaque.contains(name.substr(0, name.find('/'))))

@@ -28,22 +28,22 @@ Descriptor make_new(const fs::path& path) {
 void require_real_folder(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::symlink_status(path, error);
-  if (error) fail_with_reason("cannot look at this folder", path.string(), error);
+  if (error) fail_with_reason("cannot access this folder", path.string(), error);
   if (fs::is_symlink(status))
     throw_error(
-        {"this is a symbolic link: a run does not replace it", path.string(), "name the folder that it leads to with --out"});
+        {"this is a symbolic link: a run does not replace it", path.string(), "name the folder that it points to with --out"});
   if (!fs::is_directory(status)) throw_error({"there is a file of that name already", path.string(), "name a folder with --out"});
   if (::access(path.c_str(), R_OK | W_OK | X_OK) != 0)
     fail_with_reason("cannot write into this folder", path.string(), last_error());
   struct stat own {
   }, above{};
   if (::stat(path.c_str(), &own) == 0 && ::stat((path / "..").c_str(), &above) == 0 && own.st_dev != above.st_dev)
-    throw_error({"this is the root of a disk, which can't be renamed", path.string(),
+    throw_error({"this is the root of a disk, which cannot be renamed", path.string(),
                  "name a folder in it: --out " + (path / "run").string()});
 }
 
 [[noreturn]] void refuse_foreign(const fs::path& folder) {
-  throw_error({"this folder has files in it, but no result of momentree: it is not replaced", folder.string(),
+  throw_error({"this folder has files in it, but no result of momentree: it will not be replaced", folder.string(),
                "name another folder with --out"});
 }
 
@@ -80,7 +80,8 @@ void ResultDirectory::name_folders(const std::string& destination) {
   if (!destination_.has_filename())
     throw_error({"a run does not replace this folder", destination, "name another folder with --out"});
   if (destination_.extension() == ".partial")
-    throw_error({"names that end in .partial are of results that are being written", destination, "give another name to --out"});
+    throw_error({"names that end in .partial are reserved for results that are being written", destination,
+                 "give another name with --out"});
   working_ = destination_;
   working_ += ".partial";
 }
@@ -115,7 +116,7 @@ void ResultDirectory::lock_working() {
     marker_ = ResultMarker::make(working_);
     if (!marker_ && is_there(working_)) refuse_foreign(working_);
   }
-  if (!marker_) throw_error({"cannot make the result folder: others remove it", working_.string(), ""});
+  if (!marker_) throw_error({"cannot make the result folder: other programs keep removing it", working_.string(), ""});
 }
 
 // Of a run that was killed between the two renames that stand for an exchange.
@@ -136,7 +137,7 @@ void ResultDirectory::check_destination() {
 void ResultDirectory::check_names() const {
   const auto check = [](const fs::path& folder, const ResultMarker& marker, const std::string& name) {
     if (is_there(folder / name) && !marker.owns(folder, name))
-      throw_error({"this file is not one that momentree wrote: it is not replaced", (folder / name).string(),
+      throw_error({"this file was not written by momentree: it will not be replaced", (folder / name).string(),
                    "move it, or name another folder with --out"});
   };
   for (const std::string& name : files_) {
@@ -150,7 +151,7 @@ void ResultDirectory::check_names() const {
 std::string ResultDirectory::file(const char* name) {
   const fs::path path = working_ / name;
   if (is_there(path) && !marker_->owns(working_, name))
-    throw_error({"this file is not one that momentree wrote: it is not replaced", path.string(), ""});
+    throw_error({"this file was not written by momentree: it will not be replaced", path.string(), ""});
   marker_->add({name});
   return path.string();
 }
@@ -214,10 +215,10 @@ std::vector<std::string> ResultDirectory::publish() {
     if (const std::error_code error = sync_folder(working_)) fail_with_reason("cannot finish writing", working_.string(), error);
   }
   for (int tries = 0;; ++tries) {  // what is there may change meanwhile
-    if (tries == 100) throw_error({"cannot move the result to its place", destination_.string(), ""});
+    if (tries == 100) throw_error({"cannot move the result to its destination", destination_.string(), ""});
     std::error_code error = move_to_new(working_, destination_);
     if (error && error != std::errc::file_exists && error != std::errc::directory_not_empty)
-      fail_with_reason("cannot move the result to its place", destination_.string(), error);
+      fail_with_reason("cannot move the result to its destination", destination_.string(), error);
     if (!error) break;
     require_real_folder(destination_);
     if (destination_marker_ && !destination_marker_->is_in(destination_)) destination_marker_.reset();
@@ -242,12 +243,12 @@ void ResultDirectory::replace_destination(std::vector<std::string>& warnings) {
   check_names();
   take_mode(working_, destination_);
   const auto require = [this](std::error_code error) {
-    if (error) fail_with_reason("cannot move the result to its place", destination_.string(), error);
+    if (error) fail_with_reason("cannot move the result to its destination", destination_.string(), error);
   };
   const auto require_same = [this](const fs::path& folder, const auto& undo) {
     if (destination_marker_->is_in(folder)) return;
     undo();
-    throw_error({"this folder was replaced by another while the run went on", destination_.string(), ""});
+    throw_error({"this folder was replaced by another during the run", destination_.string(), ""});
   };
   std::error_code error = exchange(working_, destination_);
   const bool exchanged = error != std::errc::operation_not_supported;

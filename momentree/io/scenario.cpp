@@ -38,10 +38,10 @@ std::string Hash::digits() const {
 
 void read_format(Fields& fields, Diagnostics& out) {
   const Value* format = fields.find("format");
-  if (!format) return out.warning({1, 1, 0}, "the scenario does not say its format", "begin it with format = 1");
+  if (!format) return out.warning({1, 1, 0}, "the scenario does not state its format", "begin it with format = 1");
   const std::int64_t* n = format->integer();
   if (!n || *n != 1)
-    out.error(format->place, n ? "format " + std::to_string(*n) + " is not known to this version" : "format: expected 1",
+    out.error(format->place, n ? "format " + std::to_string(*n) + " is not supported by this version" : "format: expected 1",
               "this version reads format 1");
 }
 
@@ -51,7 +51,7 @@ void read_title(Fields& fields, Reading& reading) {
   if (first_invisible(title) == std::string::npos)
     reading.scenario.title = std::move(title);
   else
-    reading.out.error(fields.place_of("title"), "title: " + in_quotes(title) + " has a character that is not seen",
+    reading.out.error(fields.place_of("title"), "title: " + in_quotes(title) + " has an invisible character",
                       "a title is one line without control characters");
 }
 
@@ -189,7 +189,7 @@ ReadResult read_text(std::string text, const Origin& origin, const std::vector<s
     const Import& import = *reading.models.back().second;
     if (import.errors() == 0) document = document_of(mechanism_name(scenario.name), file, import.model);
   } else if (!quotes && scenario.text.size() > largest_unknown) {
-    out.error({}, "this is not a scenario: no line says the format, and none begins a mechanism",
+    out.error({}, "this is not a scenario: no line states the format, and none begins a mechanism",
               "a scenario begins with format = 1");
   } else {
     document = parse_toml(scenario.text, error);

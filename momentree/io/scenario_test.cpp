@@ -253,7 +253,7 @@ TEST_CASE("a massless part below a weld is fine, one that would come off is not"
       "[[mechanism.body]]\nname = \"c\"\nmass = 0\n[mechanism.body.joint]\nkind = \"weld\"\nparent = \"a\"\n";
   CHECK(read(pinned + carrier).model.size() == 2);
   CHECK(said(read_scenario_text(pinned + carrier + "[[event]]\nat = 1\nbreak = \"m/c\"\n", "s.toml")) ==
-        "s.toml:18:9: error: break: the part that comes off at 'm/c' has not the mass or inertia to move freely; give it a mass "
+        "s.toml:18:9: error: break: the part that separates at 'm/c' lacks the mass or inertia to move freely; give it a mass "
         "and an inertia "
         "about every axis");
 }
@@ -284,7 +284,7 @@ kind = "revolut"
 parent = "aa"
 )";
   CHECK(said(read_scenario_text(text, "s.toml")) ==
-        "s.toml:1:1: warning: the scenario does not say its format; begin it with format = 1\n"
+        "s.toml:1:1: warning: the scenario does not state its format; begin it with format = 1\n"
         "s.toml:2:8: error: step: must be greater than 0\n"
         "s.toml:4:1: error: unknown key 'evry' in [output]; did you mean 'every'?\n"
         "s.toml:6:6: error: at: must not be negative\n"
@@ -307,10 +307,11 @@ TEST_CASE("what a state gives is checked as a joint's own start is") {
   CHECK(start("{ joints = { a = [1, 1, 0, 0] } }", ball) ==
         "s.toml:4:26: error: a: the quaternion is not of length 1; scale it: w² + x² + y² + z² = 1");
   CHECK(start("{ joints = { a = { v = [1, 2] } } }", ball) ==
-        "s.toml:4:32: error: v: expected 3 numbers, found a list of 2; one per freedom or coordinate, in the order of the kind");
+        "s.toml:4:32: error: v: expected 3 numbers, found a list of 2; one per degree of freedom or coordinate, in the order of "
+        "the joint kind");
   const std::string links = chain.substr(head.size()) + "inertia = 1\n";
   CHECK(start("{ joints = { 1 = [0, 0, 0, 0, 0, 0, 0] } }\nroot = \"free\"", links) ==
-        "s.toml:4:26: error: 1: a quaternion of zeros is no rotation; no rotation is [1, 0, 0, 0]");
+        "s.toml:4:26: error: 1: a quaternion of zeros is not a rotation; the identity is [1, 0, 0, 0]");
   CHECK(said(read_scenario_text(chain + "inertia = 1\nangle = 1e308\nangle_growth = true\n", "s.toml")) ==
         "s.toml:9:9: error: q: must be finite");
 }
@@ -330,7 +331,7 @@ TEST_CASE("what moves between two masses and has none is a warning, a carrier is
            "\"\n";
   };
   CHECK(said(read_scenario_text(three("a"), "s.toml")) ==
-        "s.toml:6:8: warning: 'm/a' moves, carries others, and has no mass; is its inertia missing?");
+        "s.toml:6:8: warning: 'm/a' moves and carries other bodies, but has no mass; is its inertia missing?");
   CHECK(said(read_scenario_text(three("b.turn"), "s.toml")).empty());
 }
 
@@ -368,5 +369,5 @@ TEST_CASE("a long chain of bodies, the last one first, loads without recursion")
   // The same as a circle.
   const ReadResult circle = read_scenario_text(text + "parent = \"20000\"\n", "s.toml");
   REQUIRE(circle.diagnostics.size() == 1);
-  CHECK(circle.diagnostics[0].what.find("the joints go round in a circle: '20000' on '19999'") == 0);
+  CHECK(circle.diagnostics[0].what.find("the joints form a cycle: '20000' on '19999'") == 0);
 }

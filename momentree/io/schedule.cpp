@@ -56,10 +56,10 @@ class ScheduleChecker {
     if (before != nullptr && event(before->first).wild && event(before->first).condition) return;
     if (before != nullptr && key(at) == "break" && key(*before) == "break")
       add(at, "joint " + in_quotes(action(at).joints().front()) + " is broken already on " + place(*before),
-          "a joint breaks once");
+          "a joint can break only once");
     else if (before != nullptr && key(*before) == "break" && (key(at) == "lock" || key(at) == "change"))
-      add(at, "joint " + in_quotes(action(at).joints().front()) + " is broken by then, by " + told(*before),
-          "to hold the part that came off where it is, weld its body to the ground");
+      add(at, "joint " + in_quotes(action(at).joints().front()) + " will be broken by then, by " + told(*before),
+          "to hold the separated part where it is, weld its body to the ground");
     else if (before != nullptr)
       add(at, "does nothing: " + issue.result.why + ", after " + told(*before));
     else
@@ -87,7 +87,7 @@ class ScheduleChecker {
         for (std::size_t a = 0; a < event(e).actions.size(); ++a)
           if (!event(e).actions[a]->makes().empty() &&
               made_joint_name({event(e).name, event(e).named, event(e).actions}, a) == joint)
-            return " yet: it comes with " + told({e, a});
+            return " yet: it is made by " + told({e, a});
     return "";
   }
 

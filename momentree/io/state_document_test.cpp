@@ -149,7 +149,7 @@ TEST_CASE("what it says of locks and of joints that were made") {
 
   CHECK(mistake(text) == "");
   CHECK(mistake(replaced(text, "\"reversed\": true", "\"reversed\": false")).find("has a joint already") != std::string::npos);
-  CHECK(mistake(replaced(text, "[false, true, false]", "[false, true]")).find("one entry per freedom, 3, not 2") !=
+  CHECK(mistake(replaced(text, "[false, true, false]", "[false, true]")).find("one entry per degree of freedom, 3, not 2") !=
         std::string::npos);
   CHECK(mistake(replaced(text, "\"kind\": \"weld\"", "\"kind\": \"wled\"")).find("unknown joint kind 'wled'") !=
         std::string::npos);

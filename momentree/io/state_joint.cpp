@@ -95,8 +95,8 @@ void JointReader::read_locks(const JsonNode& node, DescribedJoint& joint) const 
   const auto count = static_cast<std::size_t>(kind.nv);
   const auto expect = [&](const JsonNode& list, const char* key) {
     if (list.items.size() != count)
-      doc_.fail_at(list, '`' + std::string(key) + "` should have one entry per freedom, " + std::to_string(count) + ", not " +
-                             std::to_string(list.items.size()));
+      doc_.fail_at(list, '`' + std::string(key) + "` should have one entry per degree of freedom, " + std::to_string(count) +
+                             ", not " + std::to_string(list.items.size()));
   };
   if (const JsonNode* locked = node.find("locked")) {
     if (locked->is(Type::boolean)) {
@@ -116,7 +116,7 @@ void JointReader::read_locks(const JsonNode& node, DescribedJoint& joint) const 
       if (side != 0 && side != 1 && side != -1)
         doc_.fail_at(resting->items[i], "`resting` should be 1 (the upper stop), -1 (the lower one) or 0");
       if (side == 0) continue;
-      if (!joint.parameters.limits.any()) doc_.fail_at(resting->items[i], "a joint without `limits` rests on no stop");
+      if (!joint.parameters.limits.any()) doc_.fail_at(resting->items[i], "a joint without `limits` cannot rest on a stop");
       joint.resting |= 1u << i;
       joint.active_limits.push_back({-1, static_cast<int>(i), static_cast<int>(side)});
     }
@@ -169,7 +169,8 @@ DescribedJoint JointReader::describe(const std::string& name, const JsonNode& no
   if (const JsonNode* reversed = node.find("reversed")) {
     if (!reversed->is(Type::boolean)) doc_.fail_at(*reversed, "`reversed` should be true or false");
     d.reversed = reversed->number != 0;
-    if (d.reversed && d.parent == ground) doc_.fail_at(*reversed, "joint '" + name + "' is at the ground: it can't be reversed");
+    if (d.reversed && d.parent == ground)
+      doc_.fail_at(*reversed, "joint '" + name + "' is attached to the ground: it cannot be reversed");
   }
   read_locks(node, d);
   return d;
@@ -218,7 +219,7 @@ JointStart JointReader::start(const DescribedJoint& joint, JointId number) const
     for (const char* key : {"v", "p"})
       if (const Values& rates = key[0] == 'v' ? start.v : start.p; !rates.empty() && rates[i] != 0)
         doc_.fail_at(*joint.node->find(key),
-                     '`' + std::string(key) + "` of joint '" + joint.name + "' is not zero where it is locked");
+                     '`' + std::string(key) + "` of joint '" + joint.name + "' is not zero for a locked degree of freedom");
   }
   return start;
 }

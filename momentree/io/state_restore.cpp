@@ -82,7 +82,7 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
       const auto same = [number](const Forest::Changed& changed) { return changed.joint == number; };
       if (document.forest.places.empty() && std::any_of(forest.changed.begin(), forest.changed.end(), same))
         throw_error({"joint '" + model.bodies()[static_cast<std::size_t>(number)].joint_name +
-                         "' is another one, or gone, in the document of the whole world",
+                         "' is different, or does not exist, in the document of the whole world",
                      document.where[i], "restore the whole world from one document"});
       entries[static_cast<std::size_t>(number)] = {&document.joints[i], &document.where[i]};
     }
@@ -98,7 +98,7 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
   const World& world = simulation.world();
   const Totals totals = world.totals();
   if (!std::isfinite(totals.kinetic) && !forest.places.empty())
-    throw_error({"a part of the world that it describes has not the mass or inertia to move freely", documents.front().file,
+    throw_error({"a part of the world that it describes lacks the mass or inertia to move freely", documents.front().file,
                  "is it a document of this model?"});
   const double tolerance = 1e-6 * fastest_body(world);
   for (const JointStart& start : starts) {

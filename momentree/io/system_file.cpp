@@ -50,9 +50,10 @@ void fail_with_reason(const std::string& what, const std::string& path, std::err
   const bool full = reason == std::errc::no_space_on_device || reason.value() == EDQUOT;
   const bool limited = reason == std::errc::file_too_large;
   throw_error({what + ": " + reason.message(), path,
-               full      ? "free some space there, or write elsewhere"
-               : limited ? "the limit on file sizes is too low: raise it (`ulimit -f unlimited`), or let rows be further apart"
-                         : ""});
+               full ? "free some space there, or write elsewhere"
+               : limited
+                   ? "the limit on file sizes is too low: raise it (`ulimit -f unlimited`), or use a longer interval between rows"
+                   : ""});
 }
 
 Descriptor open_regular(const std::string& path, Links links) {
@@ -63,7 +64,7 @@ Descriptor open_regular(const std::string& path, Links links) {
     if (error == std::errc::no_such_file_or_directory || error == std::errc::not_a_directory)
       throw_error({"there is no such file", path, ""});
     if (links == Links::refuse && error == std::errc::too_many_symbolic_link_levels)
-      throw_error({"this is a symbolic link, which is not followed here", path, "put the file itself in its place"});
+      throw_error({"this is a symbolic link, which cannot be used here", path, "replace it with the file itself"});
     if (error == std::errc::no_such_device_or_address)  // a socket
       throw_error({"this is not a regular file", path, ""});
     fail_with_reason("cannot read this file", path, error);
@@ -160,7 +161,7 @@ bool is_there(const std::filesystem::path& path) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) == 0) return true;
   if (errno == ENOENT || errno == ENOTDIR) return false;
-  fail_with_reason("cannot look at this", path.string(), last_error());
+  fail_with_reason("cannot access this", path.string(), last_error());
 }
 
 }  // namespace momentree::io

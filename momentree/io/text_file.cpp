@@ -117,7 +117,8 @@ void write_text_file(const std::string& path, std::string_view text) {
   struct stat status {};
   const bool exists = ::stat(target.c_str(), &status) == 0;
   if (!exists && errno != ENOENT) fail_with_reason("cannot write this file", path, last_error());
-  if (exists && S_ISDIR(status.st_mode)) throw_error({"this is a folder: a file is to be written", path, "name a file in it"});
+  if (exists && S_ISDIR(status.st_mode))
+    throw_error({"this is a folder, not a file that can be written", path, "name a file in it"});
   if (exists && !S_ISREG(status.st_mode)) return write_directly(path, text);
   if (exists && ::access(target.c_str(), W_OK) != 0) fail_with_reason("cannot write this file", path, last_error());
 

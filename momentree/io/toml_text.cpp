@@ -73,11 +73,13 @@ std::optional<SyntaxError> check_toml_text(std::string_view text) {
   if (oddity == Oddity::deep)
     return SyntaxError{place_at(text, at), "a key of more than " + std::to_string(deepest_key + 1) + " parts", ""};
   if (oddity == Oddity::quote)
-    return SyntaxError{place_at(text, at), "a quotation mark stands where no string can begin", "strings are quoted as a whole"};
+    return SyntaxError{place_at(text, at), "there is a quotation mark where no string can begin",
+                       "strings are quoted as a whole"};
   const std::string character(text.substr(at, character_length(text, at)));
   const bool quote = character == "“" || character == "”" || character == "„" || character == "‘" || character == "’";
-  return SyntaxError{place_at(text, at), "the character '" + character + "' stands outside of a string",
-                     quote ? "quotation marks are straight: \"" : "keys and values have plain letters; others stand in strings"};
+  return SyntaxError{
+      place_at(text, at), "the character '" + character + "' is outside of a string",
+      quote ? "quotation marks are straight: \"" : "keys and values have plain letters; others must be in strings"};
 }
 
 namespace {
@@ -152,7 +154,7 @@ std::string explain_syntax(std::string& what, std::string_view line, int column)
   if (says("end-of-file"))
     return says("array") ? "a closing ] is missing" : says("string") ? "closing quotation marks are missing" : "";
   if (says("could not be interpreted as a value")) {
-    what = "cannot read this number: it is outside the range of numbers";
+    what = "cannot read this number: it is out of range";
     return {};
   }
   const std::size_t equals = line.find('=');
@@ -163,7 +165,7 @@ std::string explain_syntax(std::string& what, std::string_view line, int column)
   if (is_digit(at(first + sign))) {
     std::size_t end = first + sign;
     while (is_digit(at(end)) || at(end) == '.' || at(end) == '_') ++end;
-    if (at(end) == ',' && is_digit(at(end + 1))) return "the decimal sign is a point";
+    if (at(end) == ',' && is_digit(at(end + 1))) return "use a point as the decimal sign";
     const std::size_t unit = line.find_first_not_of(' ', end);
     if (unit != std::string_view::npos && is_letter(at(unit))) {
       const std::string_view rest = line.substr(unit, line.find('#', unit) - unit);

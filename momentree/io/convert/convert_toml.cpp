@@ -58,7 +58,7 @@ void explain_carriers(Value& mechanism) {
     const std::string* kind = string_at(joint->value, "kind");
     const auto child = carried.find(*name);
     if (!kind || *kind == "weld" || child == carried.end() || child->second.count != 1) continue;
-    const std::string what = "without mass: the joints of " + *name + " and " + child->second.name + " are one after the other";
+    const std::string what = "no mass: the joints of " + *name + " and " + child->second.name + " are in series";
     body.table()->insert(body.table()->begin(), {comment_key, {}, text(what)});
   }
 }
@@ -92,11 +92,11 @@ class Converter {
     if (!scenario_.document->find("format")) document.insert(document.begin(), {"format", {}, Value(std::int64_t{1}, Place{})});
     if (left_out_.meshes > 0)
       say(Severity::warning,
-          counted(left_out_.meshes, "mesh is", "meshes are") + " left out: not found in the folder of " +
-              "what is written, or below it",
-          "copy the files there; the motion does not need them");
+          counted(left_out_.meshes, "mesh is", "meshes are") + " left out: not found in the folder of the " +
+              "output file or below it",
+          "copy the files there; they do not affect the motion");
     if (left_out_.flat > 0)
-      say(Severity::warning, counted(left_out_.flat, "shape", "shapes") + " without extent left out: they are for pictures alone",
+      say(Severity::warning, counted(left_out_.flat, "shape", "shapes") + " without extent left out: they are for pictures only",
           "");
     Converted result{toml_text(value(std::move(document))), std::move(diagnostics_)};
     check(result.text);

@@ -145,7 +145,7 @@ class Writer {
     if (plain_root(spec)) {
       shift_[k] = spec.joint.kind == Kind::free ? spec.child_at : Pose{};
       if (spec.joint.kind == Kind::free)
-        say(Severity::note, "the root " + in_quotes(spec.name) + " is free, which a URDF does not say",
+        say(Severity::note, "the root " + in_quotes(spec.name) + " is free, which URDF cannot express",
             "read it with root = \"free\"", {});
       links_.push_back(link_of(spec, k));
       return;
@@ -173,7 +173,7 @@ class Writer {
         links_.push_back(link_of(spec, k));
       } else {
         joint.child = parent = fresh(link_names_, bare(spec.name) + part.suffix);
-        links_.push_back({parent, "without mass: one of the joints that stand for " + joint_name});
+        links_.push_back({parent, "no mass: one of the joints that represent " + joint_name});
       }
       joints_.push_back(std::move(joint));
       at = {};
@@ -235,19 +235,20 @@ class Writer {
     const bool ball = spec.joint.kind == Kind::ball, several = kind.nv > 1 && parts_of(spec.joint).size() == 1;
     const auto lose = [&](const char* what, const char* key) { lost_[what].push_back({spec.joint_name, key}); };
     if (p.stiffness.any()) lose("springs", "stiffness");
-    if (p.armature.any()) lose("rotor inertias", "armature");
+    if (p.armature.any()) lose("armatures", "armature");
     if (p.effort.any() || (p.drive && (!p.drive->effort.empty() || p.drive->pd.any() || p.drive->moves())))
       lose("drives", "drive");
     if (p.strength.any()) lose("strengths", "strength");
-    if (p.damping.any() && (ball || (several && !alike(p.damping, kind.nv)))) lose("damping by freedom", "damping");
-    if (p.friction.any() && (ball || (several && !alike(p.friction.coulomb, kind.nv)))) lose("friction by freedom", "friction");
+    if (p.damping.any() && (ball || (several && !alike(p.damping, kind.nv)))) lose("damping per degree of freedom", "damping");
+    if (p.friction.any() && (ball || (several && !alike(p.friction.coulomb, kind.nv))))
+      lose("friction per degree of freedom", "friction");
     bool other_speed = false;
     for (int i = 0; i < kind.nv; ++i)
       other_speed = other_speed || (p.friction.coulomb.of(i) > 0 && p.friction.speed.of(i) != imported_friction_speed);
     if (other_speed) lose("speeds over which friction builds up", "friction");
-    if (p.limits.any() && several) lose("limits of several freedoms", "limits");
-    if (p.limits.soft()) lose("what stops are made of", "limits");
-    if (p.limits.hard() && p.limits.restitution.any()) lose("what stops give back", "limits");
+    if (p.limits.any() && several) lose("limits of several degrees of freedom", "limits");
+    if (p.limits.soft()) lose("stiffness and damping of stops", "limits");
+    if (p.limits.hard() && p.limits.restitution.any()) lose("restitution of stops", "limits");
     const bool driven = p.drive && p.drive->moves();
     const Values zero = joint_zero(spec.joint.kind);
     bool starts = spec.v.any();
@@ -260,10 +261,10 @@ class Writer {
     std::string all;
     if (g.x != usual.x || g.y != usual.y || g.z != usual.z) all += ", its gravity";
     if (!model_.forces().empty()) all += ", " + std::to_string(model_.forces().size()) + " forces on bodies";
-    if (!scenario_.couplings.empty()) all += ", what couples its joints";
+    if (!scenario_.couplings.empty()) all += ", the couplings of its joints";
     if (!scenario_.events.empty()) all += ", its events";
     if (!scenario_.state_files.empty()) all += ", its state document";
-    if (!all.empty()) say(Severity::warning, "a URDF is a model alone; left out: " + all.substr(2), "", {});
+    if (!all.empty()) say(Severity::warning, "a URDF holds only a model; left out: " + all.substr(2), "", {});
   }
 
   struct Lost {
@@ -276,19 +277,20 @@ class Writer {
       std::string names;
       for (std::size_t i = 0; i < joints.size() && i < 5; ++i) names += (i ? ", " : "") + in_quotes(joints[i].joint);
       if (joints.size() > 5) names += " and " + std::to_string(joints.size() - 5) + " more";
-      say(Severity::warning, "URDF has no place for " + what + "; left out at " + names, "", place_of(joints.front()));
+      say(Severity::warning, "URDF cannot express " + what + "; left out at " + names, "", place_of(joints.front()));
     }
     for (const auto& [kind, joints] : chains_) {
       const std::string count =
           std::to_string(joints.size()) + " " + info(kind).name + (joints.size() == 1 ? " joint is" : " joints are");
       say(Severity::note, count + " written as chains of links without mass, from " + in_quotes(joints.front()),
-          kind == Kind::ball ? "they move alike but where the middle axis turns by 90 deg" : "they move alike", {});
+          kind == Kind::ball ? "the motion is the same, except where the middle axis turns by 90 deg" : "the motion is the same",
+          {});
     }
     if (moved_ > 0)
       say(Severity::note,
           "the frames of " + std::to_string(moved_) + (moved_ == 1 ? " link are" : " links are") +
-              " moved to their joints, as URDF has them",
-          "comments say from where", {});
+              " moved to their joints, as URDF requires",
+          "comments give the original frames", {});
   }
 
   void say(Severity severity, std::string what, std::string hint, Place place) {
@@ -353,8 +355,8 @@ Converted to_urdf(const Scenario& scenario, const std::string& mechanism, const 
   }
   if (names.size() > 10) all += " …";
   if (mechanism.empty() && names.size() > 1)
-    throw_error({"a URDF is one mechanism, and here are " + std::to_string(names.size()) + ": " + all, scenario.path,
-                 "choose one by --mechanism NAME"});
+    throw_error({"a URDF holds one mechanism, but the scenario has " + std::to_string(names.size()) + ": " + all, scenario.path,
+                 "choose one with --mechanism NAME"});
   if (chosen == ground) {
     const std::string hint = did_you_mean(mechanism, names);
     throw_error({"there is no mechanism " + in_quotes(mechanism), scenario.path, hint.empty() ? "known: " + all : hint});

@@ -225,7 +225,7 @@ void read_defaults(XmlElement defaults, const std::string& parent, Reading& read
   const auto [found, fresh] = reading.classes.emplace(name, Reading::Class{defaults, {}, parent});
   if (!fresh && !parent.empty()) {
     const XmlElement first = found->second.element;
-    file.error({defaults}, "duplicate default class " + in_quotes(name) + ": it is the name of another on " +
+    file.error({defaults}, "duplicate default class " + in_quotes(name) + ": the name is already used by another on " +
                                reading.file_of(first).line_of(first));
     return;
   }

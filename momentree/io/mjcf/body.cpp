@@ -104,7 +104,7 @@ Joint read_joint(XmlElement element, const std::string& childclass, Reading& rea
     if (check_name(joint.name, {element, *name}, "a joint", file)) {
       const auto [first, fresh] = reading.joint_names.emplace(joint.name, element);
       if (!fresh)
-        file.error({element, *name}, "duplicate joint " + in_quotes(joint.name) + ": it is the name of another on " +
+        file.error({element, *name}, "duplicate joint " + in_quotes(joint.name) + ": the name is already used by another on " +
                                          reading.file_of(first->second).line_of(first->second));
     }
   }
@@ -159,7 +159,7 @@ Mass read_inertial(XmlElement inertial, Reading& reading) {
   } else if (const auto diagonals = attributes.vec3("diaginertia")) {
     own = diagonal(diagonals->x, diagonals->y, diagonals->z);
   } else if (!attributes.has("fullinertia") && !attributes.has("diaginertia") && mass.mass > 0) {
-    file.warning({inertial}, "<inertial> has no inertia: all the mass is in one point", "give diaginertia or fullinertia");
+    file.warning({inertial}, "<inertial> has no inertia: all the mass is at one point", "give diaginertia or fullinertia");
   }
   if (errors != file.out().errors()) return {1, {}, diagonal(1)};
   mass.inertia = rotate(rotation_matrix(pose.rotation), own);
@@ -181,7 +181,7 @@ class BodyReader {
     }
     Attributes attributes(element, "", reading);
     if (attributes.string("mocap") == "true")
-      attributes.error("mocap", "bodies that are moved from outside (mocap) are not supported", "leave it out");
+      attributes.error("mocap", "bodies with a motion imposed from outside (mocap) are not supported", "leave it out");
     if (const auto compensation = attributes.number("gravcomp"); compensation && *compensation != 0)
       file_.once(Severity::warning, "gravcomp is ignored: gravity acts on every body", "", attributes.at("gravcomp"));
     pose_ = in_parent * attributes.pose();
@@ -203,8 +203,8 @@ class BodyReader {
     }
     for (const Joint& joint : joints_)
       if (joint.spec.kind == Kind::free && (parent >= 0 || joints_.size() > 1))
-        file_.error({joint.element},
-                    parent >= 0 ? "a free joint is that of a body in <worldbody>" : "a free joint stands alone in its body");
+        file_.error({joint.element}, parent >= 0 ? "only a body in <worldbody> can have a free joint"
+                                                 : "a free joint must be the only joint of its body");
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       ImportedBody one = body;
       place(joints_[j], j, one);
@@ -240,7 +240,7 @@ class BodyReader {
     if (!check_name(name_, {element_, *name}, "a body", file_)) return;
     const auto [first, fresh] = reading_.body_names.emplace(name_, element_);
     if (!fresh)
-      file_.error({element_, *name}, "duplicate body " + in_quotes(name_) + ": it is the name of another on " +
+      file_.error({element_, *name}, "duplicate body " + in_quotes(name_) + ": the name is already used by another on " +
                                          reading_.file_of(first->second).line_of(first->second));
   }
 

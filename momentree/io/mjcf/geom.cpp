@@ -91,14 +91,14 @@ Placed read_placement(Attributes& attributes, Type type) {
     return placed;
   }
   if (type == Type::sphere || sizes_of[index] == 0) {
-    attributes.error("fromto", std::string("fromto: a ") + type_names[index] + " has no two ends", "");
+    attributes.error("fromto", std::string("fromto: a ") + type_names[index] + " does not have two ends", "");
     return placed;
   }
   if (!ends) return placed;
   const Vec3 from{(*ends)[0], (*ends)[1], (*ends)[2]}, to{(*ends)[3], (*ends)[4], (*ends)[5]}, along = from - to;
   const double length = norm(along);
   if (length < 1e-9) {
-    attributes.error("fromto", "fromto: the two ends are one point");
+    attributes.error("fromto", "fromto: the two ends coincide");
     return placed;
   }
   const Vec3 z = (1 / length) * along;

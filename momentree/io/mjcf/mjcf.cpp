@@ -45,9 +45,10 @@ void refuse_loops(XmlElement equality, Reading& reading) {
       const auto i = each.find(name);
       return i ? in_quotes(each.attribute(*i)) : std::string("the world");
     };
-    file.error({each},
-               each.tag() + " closes a loop: it holds " + of("body1") + " to " + of("body2") + " beside the tree of bodies",
-               "closed loops are not supported yet: leave it out, or give it active=\"false\"");
+    file.error(
+        {each},
+        each.tag() + " closes a loop: it connects " + of("body1") + " to " + of("body2") + " in addition to the tree of bodies",
+        "closed loops are not supported yet: leave it out, or give it active=\"false\"");
   }
 }
 
@@ -101,7 +102,7 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
     } else if (tag == "equality") {
       refuse_loops(each, reading);
     } else if (tag == "contact") {
-      leave_out(each, "bodies do not touch here", reading);
+      leave_out(each, "contact is not simulated", reading);
     } else if (tag == "tendon" || tag == "actuator" || tag == "sensor") {
       leave_out(each, tag == "actuator" ? "an event's set = { joint, drive } drives a joint" : "", reading);
     } else if (tag == "deformable") {

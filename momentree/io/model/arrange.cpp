@@ -49,7 +49,8 @@ class Arranger {
       if (links_[i].name.empty()) continue;  // said
       const auto [first, fresh] = by_name_.emplace(links_[i].name, i);
       if (!fresh)
-        error(name_spot(links_[i].element), "duplicate link " + in_quotes(links_[i].name) + ": it is the name of another on " +
+        error(name_spot(links_[i].element), "duplicate link " + in_quotes(links_[i].name) +
+                                                ": the name is already used by another on " +
                                                 line_of(links_[first->second].element));
     }
     std::unordered_map<std::string_view, std::size_t> names;
@@ -57,7 +58,8 @@ class Arranger {
       if (joints_[j].name.empty()) continue;
       const auto [first, fresh] = names.emplace(joints_[j].name, j);
       if (!fresh)
-        error(name_spot(joints_[j].element), "duplicate joint " + in_quotes(joints_[j].name) + ": it is the name of another on " +
+        error(name_spot(joints_[j].element), "duplicate joint " + in_quotes(joints_[j].name) +
+                                                 ": the name is already used by another on " +
                                                  line_of(joints_[first->second].element));
     }
   }
@@ -165,7 +167,7 @@ class Arranger {
     }
     if (shown > 8) names += " on …";
     error(joints_[static_cast<std::size_t>(tree_.joint[static_cast<std::size_t>(start)])].parent_spot,
-          "the joints go round in a circle: " + names, "a mechanism is a tree with a root; closed loops are not supported yet");
+          "the joints form a cycle: " + names, "a mechanism is a tree with a root; closed loops are not supported yet");
   }
 
   enum State : char { unseen, walking, placed, gone };

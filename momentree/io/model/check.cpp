@@ -69,7 +69,7 @@ void check_followers(const ImportedModel& model) {
   for (const std::vector<int>& circle : circles_of(pairs)) {
     const auto first = std::find_if(model.followers.begin(), model.followers.end(),
                                     [&](const Follower& each) { return each.body == circle[0] && each.leader == circle[1]; });
-    first->file->error({first->element}, "mimic: " + circle_text(circle, name), "one of them has to lead: it follows none");
+    first->file->error({first->element}, "mimic: " + circle_text(circle, name), "one of them must lead and follow no other");
   }
 }
 

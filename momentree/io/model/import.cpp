@@ -73,14 +73,14 @@ XmlElement Import::include(const std::string& name, const XmlLocation& at, XmlFi
   };
   if (name.empty()) return refuse("the name of a file is missing", "");
   if (leaves_folder(name)) return refuse(in_quotes(name) + " is not in the model's folder or below it", "copy it there");
-  if (!looks_at_files()) return refuse("a model that is read from a text names no files", "read it from its file");
+  if (!looks_at_files()) return refuse("a model read from text cannot name files", "read it from its file");
   const std::string path = (fs::path(folder_) / name).lexically_normal().string();
   if (!enclosure_.holds(path))
-    return refuse(in_quotes(name) + " is a symbolic link out of the model's folder, or below one", "copy the file there");
+    return refuse(in_quotes(name) + " leads out of the model's folder through a symbolic link", "copy the file there");
   const fs::path real = real_path(path);
   if (const auto known = std::find(real_paths_.begin(), real_paths_.end(), real); known != real_paths_.end())
     return again ? files_[static_cast<std::size_t>(known - real_paths_.begin())]->root()
-                 : refuse(in_quotes(name) + " is included already", "a file stands once in a model");
+                 : refuse(in_quotes(name) + " is included already", "a model can include a file only once");
   if (files_.size() >= most_files) return refuse("more than " + std::to_string(most_files) + " files", "");
   std::string text;
   Unreadable why;
@@ -101,7 +101,7 @@ void Import::read_mesh(const std::string& name, const XmlLocation& at, Shape& sh
   bool in_package = false;
   const std::string rest = without_scheme(name, in_package);
   if (rest.empty()) {
-    file.error(at, "a mesh has no file's name");
+    file.error(at, "a mesh has no file name");
     return;
   }
   if (leaves_folder(rest)) {
@@ -119,7 +119,7 @@ void Import::read_mesh(const std::string& name, const XmlLocation& at, Shape& sh
   for (const fs::path& each : tried) {
     const fs::path file_path = fs::path(folder_) / each;
     if (!enclosure_.holds(file_path)) {
-      why = "is a symbolic link out of the model's folder, or below one";
+      why = "leads out of the model's folder through a symbolic link";
       continue;
     }
     const auto reason = why_unreadable(file_path.string(), "mesh");
@@ -132,7 +132,7 @@ void Import::read_mesh(const std::string& name, const XmlLocation& at, Shape& sh
   file.once(
       Severity::note,
       why.empty() ? "a mesh is not in the model's folder: pictures leave it out" : "a mesh " + why + ": pictures leave it out",
-      "the motion does not need it", at);
+      "the motion does not depend on it", at);
 }
 
 }  // namespace momentree::io

@@ -16,7 +16,7 @@
 namespace momentree::io {
 namespace {
 
-constexpr const char* cut = "the file was cut or changed: run again, or remove it";
+constexpr const char* cut = "the file was truncated or modified: run again, or remove it";
 
 std::optional<JsonDocument> parse_file(const std::filesystem::path& file) {
   if (!is_there(file)) return std::nullopt;
@@ -29,7 +29,7 @@ std::optional<JsonDocument> parse_file(const std::filesystem::path& file) {
 }
 
 const JsonNode& member(const JsonDocument& document, const JsonNode& object, const char* key) {
-  const JsonNode* found = document.object(object, "what holds `" + std::string(key) + "`").find(key);
+  const JsonNode* found = document.object(object, "the object with `" + std::string(key) + "`").find(key);
   if (!found) document.fail_at(object, "`" + std::string(key) + "` is missing", cut);
   return *found;
 }

@@ -27,11 +27,11 @@ std::vector<std::string> body_names(const NumberTable& table, const std::string&
   std::vector<std::string> names;
   const std::vector<std::string>& columns = table.columns();
   if (columns.empty() || columns.size() % 7 != 0)
-    throw_error({"it has no seven columns for each body", file, "bodies.csv as `momentree run` writes it is needed"});
+    throw_error({"it does not have seven columns for each body", file, "bodies.csv as written by `momentree run` is needed"});
   for (std::size_t c = 0; c < columns.size(); c += 7) {
     if (!columns[c].ends_with(first))
       throw_error(
-          {"column '" + columns[c] + "' should be the x of a body", file, "bodies.csv as `momentree run` writes it is needed"});
+          {"column '" + columns[c] + "' should be the x of a body", file, "bodies.csv as written by `momentree run` is needed"});
     names.push_back(columns[c].substr(0, columns[c].size() - first.size()));
   }
   return names;

@@ -68,7 +68,7 @@ class Builder {
         joint.parent = frames_.link_of(parent);
       }
       if (joint.child < 0) {
-        frames_.error(part.child_spot, "child: " + in_quotes(part.child) + " stands still in the world", "swap parent and child");
+        frames_.error(part.child_spot, "child: " + in_quotes(part.child) + " is fixed in the world", "swap parent and child");
         continue;
       }
       if (is_static(joint.child)) {
@@ -78,7 +78,7 @@ class Builder {
         }
         frames_.error(part.child_spot,
                       "child: " + in_quotes(part.child) + " belongs to a static model: the joint would close a loop",
-                      "swap parent and child, or make the model no static one");
+                      "swap parent and child, or make the model non-static");
         continue;
       }
       NamedJoint ends;

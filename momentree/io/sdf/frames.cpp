@@ -52,7 +52,7 @@ void Frames::note_name(int scope, const std::string& name, int frame) {
   XmlFile& file = import_.file_of(one.element);
   const bool elsewhere = !file.has(other.element);
   error(name_spot(other.element), "duplicate " + std::string(other.element.name()) + " " + in_quotes(name) +
-                                      ": it is the name of " +
+                                      ": the name is already used by " +
                                       (one.element.name() == other.element.name() ? "another" : "the " + one.element.tag()) +
                                       " on " + file.line_of(one.element) + (elsewhere ? " of " + in_quotes(file.path()) : ""));
 }
@@ -117,7 +117,7 @@ int Frames::look_up(int scope, const std::string& name, const XmlLocation& locat
     for (const auto& [each, frame] : names) known.emplace_back(each);
   std::sort(known.begin(), known.end());
   std::string hint = did_you_mean(name, known);
-  if (hint.empty() && name == "world") hint = "within a model only a joint's parent is the world";
+  if (hint.empty() && name == "world") hint = "within a model only a joint's parent can be the world";
   error(location, std::string(what) + ": there is no link, joint, frame or model " + in_quotes(name) + " here", hint);
   return Frame::unknown;
 }
@@ -136,7 +136,7 @@ void Frames::relate() {
     if (scope.parent >= 0) {
       own.relative_to = base(scope.parent, nested->pose, scopes_[at(scope.parent)].own_frame);
     } else if (!part.pose.relative_to.empty()) {
-      error(part.pose.location, "pose: the outermost model is placed in the world, and in no other frame");
+      error(part.pose.location, "pose: the outermost model can be placed only in the world");
     }
     // Its canonical link: the one that it names, its first, or that of its first model.
     if (!part.canonical_link.empty())
@@ -160,7 +160,7 @@ void Frames::relate() {
       Frame& frame = frames_[at(scope.first_joint) + i];
       const JointPart& each = part.joints[i];
       if (each.child == "world") {
-        error(each.child_spot, "child: the world is no joint's child", "swap parent and child, and turn the axis about");
+        error(each.child_spot, "child: the world cannot be a joint's child", "swap parent and child, and reverse the axis");
         continue;
       }
       frame.attached_to = look_up(s, each.child, each.child_spot, "child");
@@ -178,7 +178,7 @@ void Frames::report_circle(int start, bool attached) {
     if (f == start) break;
   }
   names += shown > 8 ? "…" : in_quotes(*frames_[at(start)].name);
-  error(name_spot(frames_[at(start)].element), "frames go round in a circle: " + names, "one of them must lead to the model");
+  error(name_spot(frames_[at(start)].element), "frames form a cycle: " + names, "one of them must lead to the model");
 }
 
 namespace {
@@ -217,7 +217,7 @@ void Frames::place_models() {
     }
     if (f != scope.own_frame) {
       error(nested ? nested->placement_spot : scope.part->placement_spot,
-            "placement_frame: the place of " + in_quotes(name) + " does not follow from the model's",
+            "placement_frame: the place of " + in_quotes(name) + " is not determined by the model's",
             "it must be relative to the model or one of its parts");
       continue;
     }

@@ -78,8 +78,8 @@ std::optional<NestedPart> read_include(XmlElement element, const ModelPart& into
       file.error({child}, "<experimental:params> changes the included model, which is not supported", "change a copy of it");
   fields.finish();
   if (!uri) return {};
-  if (nested.merged && into.is_world) file.error(merge, "merge: a world takes no model's parts into itself", "leave merge out");
-  if (placement && !placed) file.error(nested.placement_spot, "<placement_frame> places nothing without <pose>", "give a <pose>");
+  if (nested.merged && into.is_world) file.error(merge, "merge: a world cannot merge the parts of a model", "leave merge out");
+  if (placement && !placed) file.error(nested.placement_spot, "<placement_frame> has no effect without <pose>", "give a <pose>");
 
   const XmlElement root = open(*uri, uri_spot, reading, file);
   if (!root) return {};
@@ -94,12 +94,12 @@ std::optional<NestedPart> read_include(XmlElement element, const ModelPart& into
       std::string circle;
       for (std::size_t k = i; k < reading.open.size(); ++k)
         circle += (k == i ? "" : " – ") + in_quotes(fs::path(reading.open[k]->path()).filename().string());
-      file.error(uri_spot, "include: files include each other in a circle: " + circle, "leave one of them out");
+      file.error(uri_spot, "include: files include each other in a cycle: " + circle, "leave one of them out");
       reading.open.pop_back();
       return {};
     }
     if (root.name() != "sdf")
-      other.error({root}, "an SDF includes SDF alone, not " + in_quotes(root.tag()), "convert it (gz sdf -p)");
+      other.error({root}, "an SDF can include only SDF, not " + in_quotes(root.tag()), "convert it (gz sdf -p)");
     else
       nested.model = read_root(root, reading, other, true, depth);
     reading.open.pop_back();
@@ -109,7 +109,7 @@ std::optional<NestedPart> read_include(XmlElement element, const ModelPart& into
   const ModelPart& model = *nested.model;
   nested.name = name && !name->empty() ? *name : model.name;
   if (name && name->find("::") != std::string::npos)
-    file.error(name_spot, "name: '::' stands between the names of a model and its parts");
+    file.error(name_spot, "name: '::' separates the names of a model and its parts");
   nested.is_static = is_static.value_or(model.is_static);
   nested.placement_frame = placement.value_or(model.placement_frame);
   if (!placement) nested.placement_spot = model.placement_spot;

@@ -31,7 +31,7 @@ Version read_version(XmlFields& fields, XmlFile& file) {
                "gz sdf -p writes a newer one");
   } else if (minor > newest) {
     file.warning(fields.location("version"), "version: SDF " + text + " is read as 1." + std::to_string(newest),
-                 "what is new in it is left out with a note");
+                 "newer elements are left out with a note");
     return {newest};
   } else {
     return {minor};

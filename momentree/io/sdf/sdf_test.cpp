@@ -245,8 +245,8 @@ TEST_CASE("SDF: what the format assumes where a file is silent") {
   CHECK(result.scenario->model[{0}].mass == 1);
   CHECK(result.scenario->model[{0}].inertia.yy == 1);
   CHECK(said(result, Severity::warning) ==
-        "m.sdf:3:1: warning: a link without <inertial>: by the format its mass is 1 kg, its inertia 1 kg m²; a light one needs "
-        "small numbers");
+        "m.sdf:3:1: warning: a link without <inertial>: the format's defaults are a mass of 1 kg and an inertia of 1 kg m²; give "
+        "a light link small numbers");
 }
 
 TEST_CASE("SDF: visuals are kept, where their poses say") {
@@ -284,7 +284,7 @@ TEST_CASE("SDF: what is left out is said once, with its lines") {
       "m.sdf");
   CAPTURE(rendered(result.diagnostics));
   CHECK(said(result, Severity::note) ==
-        "m.sdf:3:106: note: <collision> is ignored (lines 3 and 4); bodies do not touch here\n"
+        "m.sdf:3:106: note: <collision> is ignored (lines 3 and 4); contact is not simulated\n"
         "m.sdf:3:127: note: <sensor> is ignored; it belongs to another program\n"
         "m.sdf:5:64: note: <physics> is ignored; it belongs to another program\n"
         "m.sdf:6:1: note: <plugin> is ignored; it belongs to another program\n"

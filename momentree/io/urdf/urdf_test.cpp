@@ -132,10 +132,10 @@ TEST_CASE("URDF: what is left out is said once, with its lines") {
       "r.urdf");
   REQUIRE(result.scenario);
   CHECK(said(result, Severity::note) ==
-        "r.urdf:2:16: note: <collision> is ignored (lines 2 and 3); bodies do not touch here\n"
+        "r.urdf:2:16: note: <collision> is ignored (lines 2 and 3); contact is not simulated\n"
         "r.urdf:4:75: note: unknown attribute 'D' of <dynamics> is ignored\n"
         "r.urdf:4:81: note: unknown attribute 'K' of <dynamics> is ignored\n"
-        "r.urdf:5:1: note: <transmission> is ignored (lines 5 and 7); efforts act on joints themselves\n"
+        "r.urdf:5:1: note: <transmission> is ignored (lines 5 and 7); efforts act on joints directly\n"
         "r.urdf:6:1: note: <gazebo> is ignored; it belongs to another program\n"
         "r.urdf:8:1: note: <unheard> in <robot> is ignored");
   CHECK(said(result, Severity::warning) ==
@@ -150,17 +150,16 @@ TEST_CASE("URDF: what is legal but odd is a warning") {
             joint("bc", "revolute", "b", "c", "<axis xyz='0 1 0'/>") + joint("cd", "fixed", "c", "d")),
       "r.urdf");
   REQUIRE(result.scenario);
-  CHECK(
-      said(result, Severity::warning) ==
-      "r.urdf:3:1: warning: 'b' moves, carries others, and has no mass; is its inertia missing?\n"
-      "r.urdf:4:16: warning: inertia: the largest principal moment is slightly more than the sum of the others ('c'); "
-      "rounded values? give more digits\n"
-      "r.urdf:5:16: warning: <inertial> has no <inertia>: all the mass is in one point; give ixx, iyy and izz\n"
-      "r.urdf:6:88: warning: the limits of this joint are equal: it could not move; they are not taken up; a joint that does not "
-      "move is type=\"fixed\"\n"
-      "r.urdf:7:1: warning: a revolute joint without <limit>: it has none; type=\"continuous\" says so");
+  CHECK(said(result, Severity::warning) ==
+        "r.urdf:3:1: warning: 'b' moves and carries other bodies, but has no mass; is its inertia missing?\n"
+        "r.urdf:4:16: warning: inertia: the largest principal moment is slightly more than the sum of the others ('c'); "
+        "rounded values? give more digits\n"
+        "r.urdf:5:16: warning: <inertial> has no <inertia>: all the mass is at one point; give ixx, iyy and izz\n"
+        "r.urdf:6:88: warning: the limits of this joint are equal: it could not move; they are ignored; use type=\"fixed\" for a "
+        "joint that does not move\n"
+        "r.urdf:7:1: warning: a revolute joint without <limit>: it is not limited; use type=\"continuous\" for that");
   CHECK(said(result, Severity::note) ==
-        "r.urdf:6:80: note: an axis is not of length 1: it is taken as a direction\n"
+        "r.urdf:6:80: note: the length of an axis is not 1: only its direction is used\n"
         "r.urdf:6:123: note: an effort limit of 0: nothing could drive this joint; efforts are not limited here");
 }
 
@@ -192,7 +191,7 @@ TEST_CASE("URDF: visuals are kept, with their colours; meshes may be missing, bu
   const std::string noted = said(result, Severity::note);
   CAPTURE(noted);
   CHECK(noted.ends_with(
-      "r.urdf:2:350: note: a mesh is not in the model's folder: pictures leave it out; the motion does not need it"));
+      "r.urdf:2:350: note: a mesh is not in the model's folder: pictures leave it out; the motion does not depend on it"));
 }
 
 TEST_CASE("a mechanism of a scenario places, holds and starts a model, and takes up its limits") {
@@ -247,7 +246,7 @@ TEST_CASE("a mechanism of a scenario places, holds and starts a model, and takes
       CAPTURE(rendered(result.diagnostics));
       CHECK(rendered(result.diagnostics).find(words) != std::string::npos);
     };
-    says("", "s.toml:4:9: warning: the limits of 1 joint are not taken up; write limits = true or limits = false");
+    says("", "s.toml:4:9: warning: the limits of 1 joint are not used; write limits = true or limits = false");
     says("limits = true\nstate = { joints = { shoulder = -1.5 } }\n",
          "s.toml:5:10: error: limits: joint 'shoulder' starts at -1.5, beyond its limits of -1 and 2");
     says("state = { joints = { elbw = 1 } }\n",

@@ -69,7 +69,7 @@ class XmlBuilder {
     XmlBuilder& builder = self(user);
     const std::size_t begin = builder.document_.text_.rfind("<!DOCTYPE", builder.offset());
     builder.stop_at(begin == std::string_view::npos ? builder.offset() : begin,
-                    "a document type (<!DOCTYPE …>) is not read: no entity is declared, expanded or fetched",
+                    "a document type (<!DOCTYPE …>) is not supported: no entity is declared, expanded or fetched",
                     "leave it out: a model needs none");
   }
 
@@ -176,7 +176,7 @@ class XmlBuilder {
         }
         break;
       case XML_ERROR_TAG_MISMATCH:
-        error_.what = "this closes another element than " + (open_.empty() ? std::string("is open") : opened());
+        error_.what = "this tag does not close " + (open_.empty() ? std::string("any open element") : opened());
         error_.hint = "every element is closed before the one that holds it";
         break;
       case XML_ERROR_JUNK_AFTER_DOC_ELEMENT:
@@ -186,17 +186,17 @@ class XmlBuilder {
       case XML_ERROR_DUPLICATE_ATTRIBUTE: error_.what = "an attribute is given twice in this tag"; break;
       case XML_ERROR_UNDEFINED_ENTITY:
         error_.what = "an entity that XML does not define";
-        error_.hint = "there are &lt; &gt; &amp; &quot; and &apos;";
+        error_.hint = "XML defines &lt; &gt; &amp; &quot; and &apos;";
         break;
       case XML_ERROR_MISPLACED_XML_PI:
-        error_.what = "<?xml …?> stands at the very beginning of a file only";
+        error_.what = "<?xml …?> is allowed only at the very beginning of a file";
         error_.hint = "remove what is before it";
         break;
       case XML_ERROR_UNKNOWN_ENCODING:
       case XML_ERROR_INCORRECT_ENCODING: error_.what = "the text is not UTF-8"; break;
       default:
         error_.what = "cannot read this as XML: " + std::string(XML_ErrorString(code));
-        if (size > 0 && document_.text_.find('<') == std::string_view::npos) error_.hint = "there is no tag in this file";
+        if (size > 0 && document_.text_.find('<') == std::string_view::npos) error_.hint = "this file contains no tags";
     }
   }
 

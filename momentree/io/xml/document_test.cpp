@@ -59,22 +59,23 @@ TEST_CASE("what is no XML is refused where it goes wrong") {
   CHECK(refused("<a>\n  <b>\n") == "3:1: the file ends within <b>, opened on line 2; is it complete?");
   CHECK(refused("<a>\n  <b") == "2:3: the file ends within <a>, opened on line 1; is it complete?");
   CHECK(refused("<a><b></a></b>") ==
-        "1:9: this closes another element than <b>, opened on line 1; every element is closed before the one that holds it");
+        "1:9: this tag does not close <b>, opened on line 1; every element is closed before the one that holds it");
   CHECK(refused("<a/>\n<b/>") == "2:1: something follows the end of the document; a file holds one root element");
   CHECK(refused("<a x='1' x='2'/>") == "1:10: an attribute is given twice in this tag");
-  CHECK(refused("<a>&bomb;</a>") == "1:4: an entity that XML does not define; there are &lt; &gt; &amp; &quot; and &apos;");
+  CHECK(refused("<a>&bomb;</a>") == "1:4: an entity that XML does not define; XML defines &lt; &gt; &amp; &quot; and &apos;");
   CHECK(refused("\n<?xml version=\"1.0\"?><a/>") ==
-        "2:1: <?xml …?> stands at the very beginning of a file only; remove what is before it");
-  CHECK(refused("mass = 1\n") == "1:1: cannot read this as XML: syntax error; there is no tag in this file");
+        "2:1: <?xml …?> is allowed only at the very beginning of a file; remove what is before it");
+  CHECK(refused("mass = 1\n") == "1:1: cannot read this as XML: syntax error; this file contains no tags");
   CHECK(refused("<a b=1/>").starts_with("1:6: cannot read this as XML: not well-formed"));
   CHECK(refused("<a>\xff</a>") == "1:4: the text is not UTF-8; save the file with the encoding UTF-8");
-  CHECK(refused("<a>\n\0</a>"s) == "2:1: a zero byte: this is no text");
+  CHECK(refused("<a>\n\0</a>"s) == "2:1: a zero byte: this is not text");
   CHECK(refused("\xff\xfe<\0a\0/\0>\0"s).starts_with("1:1: the text is not UTF-8"));
 }
 
 TEST_CASE("no entity is declared, expanded or fetched") {
   const std::string said =
-      ": a document type (<!DOCTYPE …>) is not read: no entity is declared, expanded or fetched; leave it out: a model needs "
+      ": a document type (<!DOCTYPE …>) is not supported: no entity is declared, expanded or fetched; leave it out: a model "
+      "needs "
       "none";
   std::string bomb = "<?xml version=\"1.0\"?>\n<!DOCTYPE r [\n<!ENTITY a0 \"ha\">\n";
   for (int i = 1; i < 30; ++i)

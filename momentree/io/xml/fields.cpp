@@ -38,21 +38,21 @@ std::optional<double> number_of(std::string_view word, Issue& issue) {
   const std::string_view rest(end, static_cast<std::size_t>(digits.data() + digits.size() - end));
   if (code == std::errc::result_out_of_range && rest.empty()) {
     if (digits.find("e-") != std::string_view::npos || digits.find("E-") != std::string_view::npos) return 0.0;
-    issue = {in_quotes(word) + " is outside the range of numbers", ""};
+    issue = {in_quotes(word) + " is out of range", ""};
     return {};
   }
   if (code == std::errc{} && rest.empty()) {
     if (std::isfinite(value)) return value;
-    issue = {in_quotes(word) + " is no finite number", ""};
+    issue = {in_quotes(word) + " is not a finite number", ""};
     return {};
   }
-  issue.what = in_quotes(word) + " is no number";
+  issue.what = in_quotes(word) + " is not a number";
   if (word.find("${") != std::string_view::npos || word.find("$(") != std::string_view::npos)
     issue.hint = "is this a template? expand it first (xacro)";
   else if (!rest.empty() && rest[0] == ',')
-    issue.hint = "the decimal sign is a point; blanks stand between numbers";
+    issue.hint = "use a point as the decimal sign, and separate numbers by blanks";
   else if (code == std::errc{} && !rest.empty() && is_letter(rest[0]))
-    issue.hint = "no unit is written here: m, kg, s and what is made of them";
+    issue.hint = "units are not written here: values are in m, kg, s and units derived from them";
   return {};
 }
 
@@ -92,7 +92,7 @@ std::optional<std::vector<double>> read_numbers(std::string_view text, std::size
   file.error(at,
              std::string(label) + ": expected " + (count == most ? "" : std::to_string(count) + " to ") + counted(most) +
                  ", found " + (words.empty() ? "none" : std::to_string(words.size())),
-             words.size() > 1 ? "" : "blanks stand between numbers");
+             words.size() > 1 ? "" : "separate numbers by blanks");
   return {};
 }
 
