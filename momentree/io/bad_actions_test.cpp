@@ -6,7 +6,7 @@ using namespace momentree::io::bad_input;
 
 namespace {
 
-// m: a on a pin, b on a ball joint m/j of it; f: x and y, free; p: z on a pin. 42 lines.
+// m: a on a revolute joint, b on its ball joint m/j; f: x and y, free; p: z on a revolute joint. 42 lines.
 const std::string three = one_body +
                           "[mechanism.body.joint]\nkind = \"revolute\"\n"
                           "[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n"

@@ -42,9 +42,9 @@ TEST_CASE("what is no text is refused") {
   const std::string not_utf8 = ": error: the text is not UTF-8; save the file with the encoding UTF-8";
   check({
       {"format = 1\ntitle = \"\xff\"\n", "s.toml:2:10" + not_utf8},
-      {"format = 1\n# \xc3", "s.toml:2:3" + not_utf8},              // cut within a character
-      {"format = 1\n# \xc0\xaf", "s.toml:2:3" + not_utf8},          // a slash in two bytes
-      {"format = 1\n# \xe0\x80\xaf", "s.toml:2:3" + not_utf8},      // a slash in three
+      {"format = 1\n# \xc3", "s.toml:2:3" + not_utf8},              // truncated within a character
+      {"format = 1\n# \xc0\xaf", "s.toml:2:3" + not_utf8},          // a slash encoded in two bytes
+      {"format = 1\n# \xe0\x80\xaf", "s.toml:2:3" + not_utf8},      // a slash encoded in three bytes
       {"format = 1\n# \xed\xa0\x80", "s.toml:2:3" + not_utf8},      // half of a pair
       {"format = 1\n# \xf4\x90\x80\x80", "s.toml:2:3" + not_utf8},  // beyond Unicode
       {"format = 1\n# \xf0\x8f\xbf\xbf", "s.toml:2:3" + not_utf8},  // too long
@@ -165,7 +165,7 @@ TEST_CASE("lines are quoted only of what is known for a scenario") {
         "s.toml: error: this is not a scenario: no line states the format, and none begins a mechanism; a scenario begins with "
         "format "
         "= 1\n");
-  // One that has such a line is shown, wherever it is wrong.
+  // A file with such a line is quoted, wherever the error is.
   for (const char* text :
        {"format = 1\nsecret\n", "secret\nformat=1\n", "\xEF\xBB\xBF format\t= '1'\nsecret\n", "secret\n[[mechanism]]\n",
         "secret\n [ mechanism.chain ]\n", "secret\nmechanism = []\n", "secret\nformat 1\n"}) {

@@ -1,4 +1,4 @@
-// What readers refuse of drives, friction, soft stops, strengths, and forces on bodies.
+// Invalid drives, friction, soft stops, strengths, and forces on bodies are refused.
 #include <doctest/doctest.h>
 
 #include <tests/bad_input.hpp>

@@ -1,4 +1,4 @@
-// Whether steps, tolerances and the length of a run make sense together, and for this model.
+// Checks that steps, tolerances and the length of a run are consistent, and suitable for the model.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,7 +12,7 @@ namespace momentree::io {
 
 namespace {
 
-// More than this would take longer than somebody waits for a check.
+// Checking larger models would take longer than a user waits.
 constexpr int most_bodies = 20'000;
 constexpr double many_steps = 1e9, many_numbers = 1e10;
 
@@ -78,7 +78,7 @@ class ScheduleChecker {
       out_.warning(at_.atol,
                    "atol = " + text(how_.atol) + " allows an error per step of " + text(how_.atol) + " rad or m, rad/s or m/s",
                    "1e-6 to 1e-12 is usual");
-    // What is at rest at zero has no digits of its own: rounding of the others comes to it.
+    // A velocity near zero has no significant digits: its error is the rounding error of the others.
     constexpr double least = 1e-18;
     if (how_.atol < least)
       out_.warning(at_.atol,
@@ -90,7 +90,7 @@ class ScheduleChecker {
   void model() const {
     const Model& model = scenario_.model;
     if (model.size() == 0 || model.size() > most_bodies || is_adaptive(how_.method) || !(scenario_.until > 0)) return;
-    // What a document or an event makes of it before the first step is not known here.
+    // Changes of the world by a document or an event before the first step are not known here.
     const auto at_start = [](const ScenarioEvent& event) { return !event.condition && event.after.empty() && event.time == 0; };
     if (!scenario_.state_files.empty() || std::any_of(scenario_.events.begin(), scenario_.events.end(), at_start)) return;
     const Tree tree(model);
@@ -116,7 +116,7 @@ class ScheduleChecker {
                  "use a longer interval between rows: [output] every = \"" + text(scenario_.until / 1000) + " s\"");
   }
 
-  // The first step, and the same in halves: where they are far apart the step does not follow the motion.
+  // Compares the first step with two half steps: if they differ much, the step cannot resolve the motion.
   void first_step(const Tree& tree, State& state, double step) const {
     constexpr double far = 0.05;  // rad
     Workspace<double> work(tree);

@@ -1,4 +1,4 @@
-// Steps, tolerances, lengths and events that make no sense are found before anything runs.
+// Unsuitable steps, tolerances, lengths and events are reported before anything runs.
 #include <doctest/doctest.h>
 
 #include <tests/bad_input.hpp>
@@ -13,7 +13,7 @@ std::string of(const std::string& more, const std::vector<std::string>& override
 }
 std::string integrated(const std::string& lines) { return of("[integrate]\n" + lines + "\n"); }
 
-// A pendulum of a metre that starts level.
+// A horizontal pendulum of 1 m.
 const std::string pendulum = head +
                              "[[mechanism.body]]\nname = \"a\"\nmass = 1\ncom = [1, 0, 0]\n[mechanism.body.joint]\n"
                              "kind = \"revolute\"\naxis = [0, 1, 0]\n";
@@ -89,24 +89,24 @@ TEST_CASE("events that come after the end are warned of, and those that come aft
   const auto event = [&](const std::string& lines) { return "[[event]]\n" + lines + "\n" + impulse; };
   const std::string cure = "; make the run longer, as in until = \"20 s\", or the event earlier";
   CHECK(of(event("at = 20")) ==
-        "s.toml:10:1: warning: event '#1' cannot happen: it is due at 20 s, and the run ends at 10 s" + cure);
+        "s.toml:10:1: warning: event '#1' cannot happen: it is due at 20 s, but the run ends at 10 s" + cure);
   CHECK(of(event("at = 10")) == "");
   CHECK(of(event("every = 1\nfrom = 20")) ==
-        "s.toml:10:1: warning: event '#1' cannot happen: it is due at 20 s, and the run ends at 10 s" + cure);
+        "s.toml:10:1: warning: event '#1' cannot happen: it is due at 20 s, but the run ends at 10 s" + cure);
   CHECK(of(event("every = 100")) == "");
   const std::string first = event("name = \"first\"\nat = 4");
   CHECK(of(first + event("name = \"second\"\nafter = { event = \"first\", delay = 4 }") +
            event("after = { event = \"second\", delay = 12 }")) ==
-        "s.toml:18:1: warning: event '#3' cannot happen: it is due at 20 s at the earliest, and the run ends at 10 s" + cure);
+        "s.toml:18:1: warning: event '#3' cannot happen: it is due at 20 s at the earliest, but the run ends at 10 s" + cure);
   CHECK(of(first + event("after = { event = \"first\", delay = 6 }")) == "");
   const std::string waits = "when = { speed = \"m/a\", exceeds = 100 }";
   CHECK(of(event(waits)) == "");
   CHECK(of(event(waits + "\nfor = 20")) ==
-        "s.toml:10:1: warning: event '#1' cannot happen: it is due at 20 s at the earliest, and the run ends at 10 s" + cure);
+        "s.toml:10:1: warning: event '#1' cannot happen: it is due at 20 s at the earliest, but the run ends at 10 s" + cure);
   CHECK(of("strength = { force = 1e6 }\n" + event("after = { event = \"strength of m/a\", delay = 20 }")) ==
-        "s.toml:11:1: warning: event '#1' cannot happen: it is due at 20 s at the earliest, and the run ends at 10 s" + cure);
-  CHECK(of(event("at = 20"), {"integrate.until=2"}) == "");  // meant so
-  // Delays that go round in a circle come to an end.
+        "s.toml:11:1: warning: event '#1' cannot happen: it is due at 20 s at the earliest, but the run ends at 10 s" + cure);
+  CHECK(of(event("at = 20"), {"integrate.until=2"}) == "");  // intended
+  // The search ends even if delays form a cycle.
   CHECK(of(event("name = \"x\"\nat = 1") + event("name = \"y\"\nafter = \"x\"") +
            event("name = \"z\"\nafter = { event = \"z\", delay = 1 }"))
             .find("there is no event 'z'") != std::string::npos);

@@ -1,4 +1,4 @@
-// Joints that follow others: against closed forms, and what is wrong with a coupling.
+// Joints that follow others: compared with closed forms, and errors in couplings.
 #include <cmath>
 #include <string>
 
@@ -33,7 +33,7 @@ TEST_CASE("two coupled wheels swing about their gear as two masses on a spring d
   REQUIRE(read.scenario);
   Simulation run(read.scenario->model, read.scenario->integration);
   couple(run, read.scenario->couplings);
-  // e = b − m a: ë = −k (1/I_b + m²/I_a) e, and the momentum p_a + m p_b that no force of the spring changes.
+  // e = b − m a: ë = −k (1/I_b + m²/I_a) e; the spring does not change the momentum p_a + m p_b.
   const double w = std::sqrt(k * (1 / inertia_b + m * m / inertia_a)), rate = -m * 2;
   for (const double t : {0.01, 0.1, 0.5}) {
     REQUIRE(run.run_until(t) == Status::ok);
@@ -41,7 +41,7 @@ TEST_CASE("two coupled wheels swing about their gear as two masses on a spring d
     CHECK(q(run, 1) - m * q(run, 0) == doctest::Approx(rate / w * std::sin(w * t)).epsilon(0).scale(1).epsilon(1e-9));
     CHECK(p(run, 0) + m * p(run, 1) == doctest::Approx(inertia_a * 2).epsilon(1e-13));
   }
-  // A branch goes on alike, and a coupling ends with one of its joints.
+  // A branch continues identically, and a coupling ends when one of its joints breaks.
   run.at(0.5).then(break_joint("m/b"));
   REQUIRE(run.run_until(0.501) == Status::ok);
   const double left = p(run, 0);
@@ -77,7 +77,7 @@ TEST_CASE("several joints may follow one") {
   couple(run, read.scenario->couplings);
   REQUIRE(run.run_until(1) == Status::ok);
   CHECK(p(run, 0) + p(run, 1) + p(run, 2) == doctest::Approx(0.01).epsilon(1e-12));
-  CHECK(run.world().totals().kinetic < 0.5 * 0.01);  // the rest is in the springs
+  CHECK(run.world().totals().kinetic < 0.5 * 0.01);  // the rest of the energy is in the springs
 }
 
 TEST_CASE("the Panda's second finger follows the first where the scenario says so") {
@@ -91,7 +91,7 @@ TEST_CASE("the Panda's second finger follows the first where the scenario says s
   const JointCoupling& pair = read.scenario->couplings[0];
   const Model& model = read.scenario->model;
   CHECK(model[pair.joint].joint_name == "panda/panda_finger_joint2");
-  CHECK(model[pair.joint].q[0] == 0.02);  // it starts behind its leader
+  CHECK(model[pair.joint].q[0] == 0.02);  // its initial value follows its leader's
 
   Simulation coupled(model, read.scenario->integration), alone(model, read.scenario->integration);
   couple(coupled, read.scenario->couplings);
@@ -103,7 +103,7 @@ TEST_CASE("the Panda's second finger follows the first where the scenario says s
   CHECK(apart(coupled) < 1e-4);
   CHECK(apart(alone) > 10 * apart(coupled));
 
-  // Written as a scenario it is a coupling like any other.
+  // Written as a scenario, it is an ordinary coupling.
   const ReadResult again = read_scenario_text(to_toml(*read.scenario, ".").text, "panda.toml");
   CAPTURE(said(again));
   REQUIRE(again.scenario);

@@ -52,7 +52,7 @@ TEST_CASE("problems come in the order of the file, options last, and no more tha
 }
 
 TEST_CASE("a terminal gets no control characters, and no endless lines") {
-  const std::string source = "\x1b[31m" + std::string(1000, 'x');  // Diagnostics keeps a view of it
+  const std::string source = "\x1b[31m" + std::string(1000, 'x');  // Diagnostics stores a view of it
   Diagnostics out("s\x1b.toml", source);
   out.error({1, 1, 0}, "a\nb", "c\x07");
   const std::string text = rendered(out.take());

@@ -1,4 +1,4 @@
-// Which files a scenario and a model may name, and the messages for those that they may not.
+// Which files a scenario and a model may name, and the errors for all others.
 #include <filesystem>
 #include <string>
 
@@ -33,7 +33,7 @@ std::string body(const std::string& mesh) {
 
 class Folder {
  public:
-  /// here: the scenario's or the model's folder; beside it: one with secrets.
+  /// `here`: the scenario's or the model's folder; a sibling folder contains secrets.
   Folder() {
     write("beside/secret", "root:$6$secret:19000:0:99999:7:::\n");
     write("beside/b.xml", fragment);
@@ -47,7 +47,7 @@ class Folder {
   }
   void link(const std::string& target, const std::string& name) { fs::create_symlink(target, folder_ / name.c_str()); }
   ReadResult read(const std::string& name) const { return read_scenario(folder_ / name.c_str()); }
-  /// All that is said, rendered, without the folder.
+  /// All messages, rendered, without the folder.
   std::string said(const std::string& name) const {
     std::string text = rendered(read(name).diagnostics);
     const std::string prefix = folder_ / "";

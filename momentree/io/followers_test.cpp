@@ -1,4 +1,4 @@
-// mimic = { … } of a mechanism, for model files whose joints follow others by way of others, in circles, or not at all.
+// mimic = { … } of a mechanism, for model files in which joints follow others indirectly, in cycles, or not at all.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace bad_input;
 
-/// A joint of a URDF file, with the link that it carries: its kind, and what more is in it.
+/// A joint of a URDF file with the link that it carries; `more`: further elements in it.
 std::string joint(const std::string& name, const std::string& kind, const std::string& more) {
   return "<link name='of_" + name +
          "'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>\n"
@@ -56,7 +56,7 @@ TEST_CASE("followers of followers start where they should, in whatever order the
     CHECK(start(result, "c") == -1);
     CHECK(start(result, "d") == -1);
   } while (std::next_permutation(order.begin(), order.end()));
-  // What the scenario says comes first; what follows that goes by it.
+  // Values of the scenario take precedence, and followers are computed from them.
   const ReadResult result = read(a + b + c + d, "state = { joints = { c = 3 } }\n");
   REQUIRE(result.scenario);
   CHECK(start(result, "b") == 0.5);
@@ -75,7 +75,7 @@ TEST_CASE("ten thousand joints may follow one another") {
   CHECK(model[model.joint("r/j10000")].q[0] == 10'000);
   Simulation run(model, result.scenario->integration);
   couple(run, result.scenario->couplings);
-  double most = 0;  // where all stand where they should, no spring pulls
+  double most = 0;  // if all joints start where they should, no spring acts
   for (int j = 0; j < model.size(); ++j)
     for (const double rate : run.world().joint({j}).pdot) most = std::max(most, std::abs(rate));
   CHECK(most == 0);
@@ -105,7 +105,7 @@ TEST_CASE("URDF: joints that follow each other in a circle are refused, with the
   };
   refused(turning("a", "b") + turning("b", "a"), "r.urdf:4:95: error: mimic: joint 'a' follows 'b', which follows 'a'");
   refused(turning("a", "a"), "r.urdf:4:95: error: mimic: joint 'a' follows itself");
-  std::string circle = turning("x", "j0");  // what leads into a circle is not of it
+  std::string circle = turning("x", "j0");  // joints that lead into a cycle are not part of it
   for (int i = 0; i < 3; ++i) circle += turning("j" + std::to_string(i), "j" + std::to_string((i + 1) % 3));
   refused(circle, "r.urdf:6:97: error: mimic: joint 'j0' follows 'j1', which follows 'j2', which follows 'j0'");
   std::string long_circle;

@@ -1,4 +1,4 @@
-// Drives, friction, soft stops, strengths, forces on bodies and wildcards in conditions, as scenarios tell them.
+// Drives, friction, soft stops, strengths, forces on bodies and wildcards in conditions, as read from scenarios.
 #include <cmath>
 
 #include <doctest/doctest.h>
@@ -59,7 +59,7 @@ TEST_CASE("motions at a constant rate, and tables with free ends") {
   const JointParameters effort = joint("drive = { effort = { rate = \"2 N m/s\" } }\n");
   CHECK(effort.drive->effort[0] == Signal::ramp(2, 0));  // from 0 at time 0
 
-  // It begins where the joint starts.
+  // The motion begins at the joint's initial position.
   const Scenario scenario =
       read(one_body + "[mechanism.body.joint]\nkind = \"revolute\"\nangle = 0.3\ndrive = { motion = { rate = 2 } }\n");
   CHECK(scenario.model[BodyId{0}].q[0] == 0.3);
@@ -178,7 +178,7 @@ TEST_CASE("a wildcard in a condition arms one event for each match, and actions 
 }
 
 TEST_CASE("each joint of a chain breaks at its own load") {
-  // A chain that hangs at rest: the upper joints carry more.
+  // A chain hanging at rest: the upper joints carry more.
   const Scenario s = read(
       "format = 1\n[world]\ngravity = [10, 0, 0]\n[[mechanism]]\nname = \"m\"\n[mechanism.chain]\nlinks = 4\nlength = 1\nmass = "
       "1\n"
@@ -188,7 +188,7 @@ TEST_CASE("each joint of a chain breaks at its own load") {
   for (const ScenarioEvent& event : s.events) events.push_back(&event);
   CHECK(schedule(simulation, events).problems.empty());
   REQUIRE(simulation.run_until(0.1) == Status::ok);
-  // Joint 1 bears 40 N, breaks, and with it all weight is gone.
+  // Joint 1 breaks at its strength of 40 N, and with it all weight is gone.
   REQUIRE(simulation.events().size() == 1);
   CHECK(simulation.events()[0].name == "overload");
   CHECK(simulation.events()[0].action_texts() == std::vector<std::string>{"break m/1"});

@@ -22,7 +22,7 @@ Values read_values(const Value& value, Quantity quantity, std::string_view lette
   Values values;
   if (!value.array()) {
     if (single || letters.size() == 1) {
-      // One number for freedoms of different dimension is in SI for each; with a unit it must fit them all.
+      // One number for DoFs of different dimensions is in SI units for each; with a unit it must fit all of them.
       std::optional<double> number;
       const std::string_view all = letters.empty() ? std::string_view("r") : letters;
       for (std::size_t i = 0; i < all.size(); ++i) {

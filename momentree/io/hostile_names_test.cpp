@@ -1,4 +1,4 @@
-// Names that would command a terminal or deceive its reader are refused in every format; those of every language are not.
+// Names with terminal commands or deceptive characters are refused in every format; names in every language are accepted.
 #include <string>
 #include <vector>
 

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As somebody whom the permissions of files bind.
+// Acts as a user without privileges, so that file permissions apply.
 class Nobody {
  public:
   Nobody() : root_(geteuid() == 0) {
@@ -103,7 +103,7 @@ TEST_CASE("an enclosure is a folder with what is below it, symbolic links follow
   // Named through a link to its folder.
   CHECK(holds("same/r", "meshes/a"));
   CHECK(!holds("same/r", "file"));
-  // A file that is itself a link may name files beside the link and beside its target.
+  // A file that is itself a link may name files next to the link and next to its target.
   CHECK(holds("models/elsewhere", "meshes/a"));
   CHECK(Enclosure(folder / "models/elsewhere").holds(folder / "real/meshes/a"));
   CHECK(!holds("models/elsewhere", "folder/s"));

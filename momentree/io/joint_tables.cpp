@@ -10,7 +10,7 @@ namespace {
 constexpr std::array parameter_keys{"damping", "stiffness", "armature", "rest", "drive", "limits", "friction", "strength"};
 constexpr std::array start_keys{"q", "v", "angle", "position", "speed"};
 
-// Those of `given` that a table says, in the place of a joint's own.
+// Copies the parameter `key` that a table gives into a joint's own parameters.
 void take(JointParameters& own, const JointParameters& given, std::string_view key) {
   if (key == "damping") own.damping = given.damping;
   if (key == "stiffness") own.stiffness = given.stiffness;
@@ -66,7 +66,7 @@ JointTable::Part JointTable::read_part(const KindInfo& kind, const Entries& entr
   return part;
 }
 
-// A weld has no freedom, but a strength.
+// A weld has no DoF, but it can have a strength.
 bool JointTable::can_have(const KindInfo& kind, const char* key, const Value* value) const {
   if (kind.nv == 0 && key != std::string_view("strength")) return false;
   Diagnostics unheard("", "");
@@ -76,7 +76,8 @@ bool JointTable::can_have(const KindInfo& kind, const char* key, const Value* va
   take(joint.parameters, part.parameters, key);
   if (unheard.errors() > 0) return false;
   for (const JointProblem& problem : check_joint(joint))
-    if (problem.what.find("freedom") != std::string::npos) return false;  // of another number; what else is wrong is so for all
+    // a wrong number of values; all other errors are the same for every kind
+    if (problem.what.find("freedom") != std::string::npos) return false;
   return true;
 }
 
@@ -104,7 +105,7 @@ void JointTable::read_wild(const std::vector<Kind>& kinds, Diagnostics& out) {
     if (!any && !moving)
       out.error(value->place,
                 std::string(key) + ": all joints that match " + in_quotes(pattern_) + " are welds, which do not move");
-    else if (!any)  // what is wrong with it for one of them
+    else if (!any)  // the error for one of these kinds
       read_part(*moving, {entry}, out);
     else if (!without.empty())
       out.note(value->place, std::string(key) + ": joints that match " + in_quotes(pattern_) + " and are of kind " +
@@ -239,7 +240,7 @@ void JointTables::check(const std::string& joint, const BodySpec& spec) {
   for (const BodyProblem& problem : check_body(spec)) {
     const auto given = places.find(problem.field);
     const bool beyond = problem.field == "q" && problem.what.starts_with("starts beyond") && places.contains("limits");
-    if (given == places.end() && !beyond) continue;  // what the model brought is judged there
+    if (given == places.end() && !beyond) continue;  // values from the model are checked there
     const Place place = given == places.end() ? places.at("limits") : given->second;
     out.error(place, "joint " + in_quotes(joint) + ": " + problem.field + ": " + problem.what, problem.hint);
     sound_ = false;

@@ -1,4 +1,4 @@
-// [mechanism.joint.NAME]: what a scenario gives to joints of a model or a chain.
+// [mechanism.joint.NAME]: values that a scenario gives to joints of a model or a chain.
 #include <doctest/doctest.h>
 
 #include <momentree/io/convert/convert.hpp>
@@ -13,7 +13,7 @@ namespace {
 using bad_input::said;
 using test::TemporaryFolder;
 
-// A base, a pin, a slide and a plate that is fixed to the slide: the kinds of joint that robots have.
+// A base, a revolute joint, a prismatic joint and a plate fixed to its body: the kinds of joint that robots have.
 const char* const urdf = R"(<robot name="arm">
 <link name="base"/>
 <link name="upper"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -79,7 +79,7 @@ strength = { force = "3 kN" }
   REQUIRE(shoulder.drive);
   CHECK(shoulder.drive->pd.kp == Values(100));
   CHECK(shoulder.strength.torque == 40);
-  CHECK(shoulder.limits.upper == Values(2));  // the model's: no others are given
+  CHECK(shoulder.limits.upper == Values(2));  // those of the model: no others are given
   CHECK(joint(result, "m/shoulder").q[0] == doctest::Approx(0.17453292519943295));
   const BodySpec& slide = joint(result, "m/slide");
   CHECK(slide.joint.parameters.limits.upper == Values(0.05));
@@ -278,13 +278,13 @@ TEST_CASE("set under a wildcard passes over welds, and what else can't have it")
       "set = { joint = \"m/*\", damping = 2 }\n");
   CHECK(said(late) == "");
   REQUIRE(late.scenario);
-  CHECK(late.scenario->events.size() == 3);  // the condition is looked at on two joints
+  CHECK(late.scenario->events.size() == 3);  // the condition is evaluated on two joints
   CHECK(late.scenario->events.back().actions.size() == 2);
   const ReadResult turned =
       arm.read("limits = false\n[[event]]\nwhen = { position = \"m/*\", exceeds = \"10 deg\" }\nbreak = \"m/*\"\n");
   CHECK(said(turned) == "");
   REQUIRE(turned.scenario);
-  CHECK(turned.scenario->events.size() == 1);  // the slide has no angle
+  CHECK(turned.scenario->events.size() == 1);  // the prismatic joint has no angle
   CHECK(arm.says("limits = false\n[[event]]\nwhen = { position = \"m/*\", exceeds = \"10 kg\" }\nbreak = \"m/*\"\n") ==
         "s.toml:7:38: error: exceeds: '10 kg' is a mass (kg), not an angle (rad); for example 0.5236, or \"30 deg\"");
   CHECK(arm.says("limits = false\n[[event]]\nat = 0\nset = { joint = \"m/f*\", damping = 1 }\n") ==

@@ -19,7 +19,7 @@ TEST_CASE("nodes know where they stand") {
   CHECK(d.where(b) == "f.json:2:3");
   CHECK(d.where(b.items[0]) == "f.json:2:9");
   CHECK(d.where(b.items[1]) == "f.json:3:9");
-  CHECK(b.items[2].line == 3);  // a number at the end of a line is of that line
+  CHECK(b.items[2].line == 3);  // a number at the end of a line belongs to that line
   CHECK(b.items[2].number == 2.5);
   CHECK(d.root.find("c") == nullptr);
 }

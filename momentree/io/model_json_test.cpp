@@ -37,7 +37,7 @@ TEST_CASE("a body is drawn to its children, a tip through its centre of mass") {
   const std::string text = model_json(World(arm()), "");
   CHECK(mentions(text, R"("extent": [[[0, 0, 0], [0, 0, 0.5]]])"));  // the base
   CHECK(mentions(text, R"("extent": [[[0, 0, 0], [1, 0, 0]]])"));    // the link
-  CHECK(mentions(text, R"("extent": [])"));                          // the nut: its mass lies at its joint
+  CHECK(mentions(text, R"("extent": [])"));                          // the nut: its mass is at its joint
 
   Model rod;
   rod.add({.name = "rod", .mass = 1, .com = {0.5, 0, 0}, .inertia = diagonal(1), .joint = Revolute{}, .child_at = {0.25, 0, 0}});

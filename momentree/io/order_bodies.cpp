@@ -1,4 +1,4 @@
-// The tree of a mechanism from the names of parents: without recursion, because a chain may be as long as memory allows.
+// Builds the tree of a mechanism from the names of parents, without recursion, since a chain may be as long as memory allows.
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
@@ -7,14 +7,14 @@ namespace {
 
 constexpr std::size_t none = static_cast<std::size_t>(-1);
 
-// A parent's name without the mechanism's own prefix, which may be written.
+// A parent's name without the prefix of its own mechanism, which is optional.
 std::string_view bare(std::string_view name, const std::string& mechanism) {
   if (name.size() > mechanism.size() && name.substr(0, mechanism.size()) == mechanism && name[mechanism.size()] == '/')
     return name.substr(mechanism.size() + 1);
   return name;
 }
 
-// Says who stands in the circle that `start` leads to; marks all of it.
+// Reports the bodies of the cycle that `start` leads to, and marks all of them.
 void report_circle(const std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& parent, std::size_t start,
                    std::vector<char>& reported, Diagnostics& out) {
   std::string names = in_quotes(bodies[start].bare_name);
@@ -78,7 +78,7 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
     sound = false;
   }
 
-  // Children in the order of the file; a body's state is 1 once it is known to hang on a root or on an unknown parent.
+  // Children in the order of the file; a body's state is 1 once it is known to be attached to a root or to an unknown parent.
   std::vector<std::size_t> order, path;
   std::vector<char> placed(bodies.size(), 0), reported(bodies.size(), 0), walking(bodies.size(), 0);
   order.reserve(bodies.size());

@@ -23,8 +23,8 @@ Scenario with(const std::string& override_text) {
 }  // namespace
 
 TEST_CASE("an override replaces or adds a value by its dotted path") {
-  CHECK(with("integrate.step=1e-4").integration.step == 1e-4);   // a table that was not there
-  CHECK(with("integrate.step=2 ms").integration.step == 0.002);  // no TOML: a string
+  CHECK(with("integrate.step=1e-4").integration.step == 1e-4);   // a table that did not exist
+  CHECK(with("integrate.step=2 ms").integration.step == 0.002);  // not TOML: a string
   CHECK(with("integrate.step=\"3 ms\"").integration.step == 0.003);
   CHECK(with("mechanism.m.pose.xyz=[0,0,1]").model[BodyId{0}].at.position.z == 1);
   CHECK(with("mechanism.m.body.a.mass=7").model[BodyId{0}].mass == 7);

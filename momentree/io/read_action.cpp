@@ -1,4 +1,4 @@
-// One entry of an event's actions: a name, or a table with the fields that the action asks for.
+// One entry of an event's actions: a name, or a table with the fields that the action needs.
 #include <momentree/io/read_action.hpp>
 
 namespace momentree::io {
@@ -14,7 +14,7 @@ const char* example(std::string_view key) {
   return "for example set = { joint = \"arm/elbow\", damping = 0.1 }";
 }
 
-// The name in an entry that may have a wildcard: of the one joint or body that it acts on.
+// The name in an entry that may contain a wildcard: that of the joint or body that it acts on.
 const Value* wild_name(const Value& entry) {
   const Value* name = &entry;
   for (const char* key : {"joint", "body"})
@@ -159,7 +159,7 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
   const Value::Array& entries = value.array() ? *value.array() : single;
   const char* const plain_field = make_action(key)->plain_field();
   if (entries.empty()) out.error(value.place, key + (plain_field ? ": names no joint" : ": an empty list does nothing"));
-  // At an instant that is known each match is an event of its own; else they happen together, when the event does.
+  // At a known instant each match becomes a separate event; otherwise all matches happen together with the event.
   const bool together = trigger != nullptr || event.condition || !event.after.empty() || event.period > 0;
   const auto add = [&](const Value& entry, const std::string& match, ScenarioEvent& to) {
     if (--reading.actions_left < 0) {
@@ -168,7 +168,7 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
       return false;
     }
     const std::shared_ptr<ActionBase> action = make_action(key);
-    if (key == "set")  // units are those of a joint that perhaps another event makes
+    if (key == "set")  // the units depend on a joint that another event may make
       reading.late.push_back({action, value.array() ? &entry : &value, match, event.time});
     else if (!ActionReader(entry, key, plain_field, match, event.time, reading).read(*action))
       return false;

@@ -57,7 +57,7 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
   spec.mass = fields.number("mass", dimension::mass).value_or(1);
   spec.com = fields.vec3("com", dimension::length).value_or(Vec3{});
   if (const Value* inertia = fields.find("inertia")) spec.inertia = read_inertia(*inertia, "inertia", out).value_or(Sym3{});
-  if (errors != out.errors()) spec.mass = 1, spec.inertia = {};  // reported: no more to say about them
+  if (errors != out.errors()) spec.mass = 1, spec.inertia = {};  // reported already: use values that cause no further messages
 
   if (const Value* joint = fields.find("joint"))
     read_joint(*joint, body, reading);
@@ -72,7 +72,7 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
   if (body.bare_joint.empty()) body.bare_joint = body.bare_name;
   spec.joint_name = mechanism + "/" + body.bare_joint;
   const Value::Entry* own = body.joint ? body.joint->find("name") : nullptr;
-  // A duplicate body without a joint name of its own was reported once already.
+  // A duplicate body without its own joint name was reported already.
   if (body.named || own) {
     reading.note(reading.joints, spec.joint_name, own ? own->value.place : body.name_place, "joint");
     if (spec.joint_name != spec.name) reading.body_of_joint.emplace(spec.joint_name, spec.name);

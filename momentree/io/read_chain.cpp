@@ -81,7 +81,7 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
   Fields fields(table, "[mechanism.chain]", out);
   if (!table.table()) return;
   const Chain chain = read_fields(fields, reading.bodies_left, out);
-  // The last pinned link stands for all: they differ in their angle alone, and its is the largest.
+  // The last revolute link represents all: they differ only in their angle, and its angle is the largest.
   const BodySpec any = make_link(chain, std::max(chain.links, 2), mechanism, free_root, pose, ground);
   for (const BodyProblem& problem : check_body(any))
     out.error(fields.place_of(problem.field == "q" ? "angle" : problem.field), problem.field + ": " + problem.what, problem.hint);
@@ -95,7 +95,7 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
   reading.bodies_left -= chain.links;
 
   const bool sound = errors == out.errors();
-  // Names of a chain of who knows how many are not judged; nor of a long one that is refused, which should be quick.
+  // Names in a chain of unknown length are not checked, nor in a long one with errors, which should be refused quickly.
   if (!sound && (chain.links == 0 || chain.links > 10'000)) {
     reading.opaque.insert(mechanism);
     return;

@@ -1,4 +1,4 @@
-// [[coupling]]: a joint that follows another by a spring; and `mimic` of a mechanism, which has a model's joints do so.
+// [[coupling]]: a joint that follows another through a spring; and `mimic` of a mechanism, which couples the joints of a model.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,7 +13,7 @@ namespace momentree::io {
 
 namespace {
 
-/// The joint of a name, if it has one freedom and may be driven; else −1, and a report.
+/// The joint of a name, if it has one DoF and may be driven; else −1, with a report.
 JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
   Diagnostics& out = reading.out;
   const auto name = read_string(value, key, out);
@@ -25,7 +25,7 @@ JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
   const auto body = reading.body_of_joint.find(*name);
   const std::string& carried = body == reading.body_of_joint.end() ? *name : body->second;
   const Model& model = reading.scenario.model;
-  if (!model.has_body(carried)) return {-1};  // of a mechanism that was refused
+  if (!model.has_body(carried)) return {-1};  // of a mechanism with errors
   const JointId joint = model.inboard_joint(model.body(carried));
   const JointSpec& spec = model[joint].joint;
   if (info(spec.kind).nv != 1) {

@@ -46,7 +46,7 @@ Held read_root(Fields& fields, Diagnostics& out) {
   return Held::unsaid;
 }
 
-// How many bodies of a mechanism are joined to the ground.
+// The number of bodies of a mechanism that are joined to the ground.
 std::size_t read_roots(Fields& fields, Diagnostics& out) {
   const Value* roots = fields.find("roots");
   if (!roots) return 1;
@@ -59,7 +59,7 @@ std::size_t read_roots(Fields& fields, Diagnostics& out) {
   return 1;
 }
 
-// The joint to the ground of a root body.
+// Sets the joint of a root body to the ground.
 void hold_root(BodyEntry& root, Held held, const std::optional<Pose>& given_pose, Place root_place, Diagnostics& out) {
   const Pose pose = given_pose.value_or(Pose{});
   BodySpec& spec = root.spec;
@@ -77,7 +77,7 @@ void hold_root(BodyEntry& root, Held held, const std::optional<Pose>& given_pose
   }
 }
 
-// Where a problem that check_body() found stands in the file.
+// The place in the file of a problem that check_body() found.
 Place place_of(const BodyEntry& body, const std::string& field) {
   for (const Value* table : {body.table, body.joint}) {
     if (!table) continue;
@@ -110,13 +110,14 @@ void apply_state(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>&
 
 void check_bodies(const std::vector<BodyEntry>& bodies, Diagnostics& out) {
   for (const BodyEntry& body : bodies) {
-    if (body.spec.name.empty()) continue;  // has no name, or an impossible one: said already, and check_body() would say it again
+    // the name is missing or invalid: reported already, and check_body() would report it again
+    if (body.spec.name.empty()) continue;
     for (const BodyProblem& problem : check_body(body.spec))
       out.error(place_of(body, problem.field), problem.field + ": " + problem.what, problem.hint);
   }
 }
 
-// Where the tree is unknown, so are the rigid groups: a body that may belong to one is not judged.
+// If the tree is unknown, so are the rigid groups: bodies that may belong to one are not checked.
 void check_single_inertias(const std::vector<BodyEntry>& bodies, Diagnostics& out) {
   std::unordered_set<std::string_view> carriers;
   for (const BodyEntry& body : bodies)
@@ -129,7 +130,7 @@ void check_single_inertias(const std::vector<BodyEntry>& bodies, Diagnostics& ou
   }
 }
 
-// Judges inertias; adds the bodies to the model where nothing in the mechanism is wrong.
+// Checks inertias; adds the bodies to the model if the mechanism has no errors.
 void add_bodies(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& order, std::size_t errors, Reading& reading) {
   Diagnostics& out = reading.out;
   const int first = reading.scenario.model.size();
@@ -185,7 +186,7 @@ void read_bodies(const Value& list, const std::string& mechanism, Held held, con
   for (BodyEntry& body : bodies)
     if (body.rooted) hold_root(body, held, pose, root_place, reading.out);
   const std::vector<std::size_t> order = order_of(bodies, mechanism, place, roots, reading);
-  // Where names are missing or stand for two bodies, who is whose parent can't be told: what follows would be guesses.
+  // If names are missing or duplicate, parents are ambiguous, and further messages would be guesses.
   const bool named = std::all_of(bodies.begin(), bodies.end(), [](const BodyEntry& body) { return body.named; });
   if (!order.empty() && named) apply_state(bodies, order, state, reading);
   check_bodies(bodies, reading.out);
@@ -205,7 +206,7 @@ void read_root_velocity(const Value& value, BodySpec& root, Diagnostics& out) {
               "write root = \"free\", or the joint's start 'v'");
     return;
   }
-  // From the body's frame to the joint's, which stands at child_at in it.
+  // From the body's frame to the joint's frame, which is at child_at in it.
   const Quat to_joint = conjugate(root.child_at.rotation);
   const Vec3 v = rotation_matrix(to_joint) * (linear + cross(angular, root.child_at.position)),
              w = rotation_matrix(to_joint) * angular;

@@ -1,5 +1,5 @@
-// What a joint has beside kind and geometry: damping, springs, drives, friction, stops, strength. Where the kind is known, with
-// its units; where it is not (a joint that an event makes), numbers in SI.
+// Parameters of a joint: damping, springs, drives, friction, stops, strength. If the kind is known, with its units; if it is
+// not (a joint that an event makes), numbers in SI units.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,7 @@ namespace {
 
 class Reader {
  public:
-  /// `kind`: null where it is not known.
+  /// `kind`: null if it is unknown.
   Reader(const KindInfo* kind, Diagnostics& out) : kind_(kind), out_(out) {}
 
   void read(Fields& fields, JointParameters& p) {
@@ -30,7 +30,7 @@ class Reader {
   std::string_view letters(Quantity quantity) const { return quantity == Quantity::q ? kind_->q_units : kind_->v_units; }
   std::string a_joint() const { return "a " + std::string(kind_->name) + " joint"; }
 
-  // One number for every freedom, where `single`, or a list.
+  // One number for all DoFs, if `single`, or a list.
   Values values(const Value& value, Quantity quantity, bool single, const char* label) {
     if (kind_) return read_values(value, quantity, letters(quantity), single, label, out_);
     const Value::Array one{value};
@@ -58,7 +58,7 @@ class Reader {
     target = {};
   }
 
-  // One signal where there is one freedom, else a list with one per freedom.
+  // One signal for one DoF, else a list with one per DoF.
   std::vector<Signal> signals(const Value& value, Quantity quantity, const char* label, bool motion = false) {
     const Value::Array one{value};
     const Value::Array& entries = value.array() ? *value.array() : one;
@@ -138,7 +138,7 @@ class Reader {
       out_.error(value.place, "pd: has neither 'kp' nor 'kd'", "the effort is kp·(target − q) + kd·(target_speed − v)");
     }
     fields.finish();
-    if (errors != out_.errors()) pd = {};  // what is wrong was said
+    if (errors != out_.errors()) pd = {};  // errors were reported
   }
 
   void read_motion(const Value& value, Fields& drive_fields, JointDrive& drive) {
@@ -177,7 +177,7 @@ class Reader {
         break;
       }
     fields.finish();
-    if (friction.coulomb.empty() || friction.speed.empty()) friction = {};  // what is wrong was said
+    if (friction.coulomb.empty() || friction.speed.empty()) friction = {};  // errors were reported
   }
 
   void read_strength(const Value& value, JointStrength& strength) {
@@ -211,7 +211,7 @@ class Reader {
       }
   }
 
-  // One side of a joint's limits: as coordinates, but infinite where there is no stop.
+  // One side of a joint's limits: like coordinates, but infinite if there is no stop.
   Values limit(const Value& value, const char* key) {
     const auto endless = [](const Value& entry) { return entry.real() && std::isinf(*entry.real()); };
     const Value::Array single{value};
@@ -220,7 +220,7 @@ class Reader {
       return values(value, Quantity::q, true, key);
     Values all;
     if (kind_ && value.array() && entries.size() != letters(Quantity::q).size()) {
-      values(value, Quantity::q, false, key);  // says how many there should be
+      values(value, Quantity::q, false, key);  // reports the required number
       return all;
     }
     for (std::size_t i = 0; i < entries.size(); ++i) {

@@ -20,7 +20,7 @@ void read_world(const Value& table, Reading& reading) {
 
 namespace {
 
-// The clock is a double: instants that are nearer to each other than its digits are the same one.
+// Time is a double: instants closer to each other than its resolution cannot be distinguished.
 void check_event_tolerance(double tolerance, Place place, Reading& reading) {
   const double end = reading.scenario.until, apart = std::nextafter(end, HUGE_VAL) - end;
   if (tolerance >= 4 * apart) return;

@@ -34,7 +34,7 @@ void read_colour(Fields& fields, std::string_view key, std::string& colour, Diag
             hint.empty() ? "write \"#rrggbb\"" : hint);
 }
 
-// Meshes stand in the scenario's folder or below it: a scenario from elsewhere must not make us look at anything else.
+// Meshes must be in the scenario's folder or below it: a scenario from elsewhere must not cause access to other files.
 void read_mesh(const Value& value, Shape& shape, Reading& reading) {
   const auto file = read_string(value, "mesh", reading.out);
   if (!file) return;

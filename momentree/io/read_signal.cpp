@@ -49,7 +49,7 @@ std::optional<Signal> read_table(const Value& value, const Dimension& expected, 
   return Signal::table(std::move(knots), ends);
 }
 
-// How a table that is a motion begins and ends.
+// The behaviour of a motion table before its first and after its last entry.
 std::optional<Signal::Ends> read_ends(const Value& value, bool motion, Diagnostics& out) {
   const std::string* const ends = value.string();
   if (!motion)

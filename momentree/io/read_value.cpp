@@ -16,7 +16,7 @@ std::string no_cure() { return {}; }
 
 std::string labelled(std::string_view label, std::string_view what) { return std::string(label) + ": " + std::string(what); }
 
-// The entries of a list that has one of the allowed lengths. `cure`: says what to write instead of a value that is no such list.
+// The entries of a list that has one of the allowed lengths. `cure`: returns the hint for any other value.
 template <class Cure>
 const Value::Array* list_of(const Value& value, std::string_view label, std::string_view expected,
                             std::initializer_list<std::size_t> lengths, Diagnostics& out, Cure cure) {
@@ -37,7 +37,7 @@ const Value::Array* list_of(const Value& value, std::string_view label, std::str
 
 std::optional<double> read_number(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
   const std::optional<double> number = read_plain_number(value, expected, label, out);
-  // A turn and a bit: limits of one turn are written with all sorts of roundings.
+  // Slightly more than one turn: limits of one turn are written with different roundings.
   constexpr double turn = 6.283185307179586, suspicious = 1.001 * turn, of_degrees = 1e5;
   if (!number || !(expected == dimension::angle) || value.string()) return number;
   if (std::fabs(*number) <= suspicious || std::fabs(*number) > of_degrees) return number;

@@ -47,7 +47,7 @@ void require_real_folder(const fs::path& path) {
                "name another folder with --out"});
 }
 
-// A new result is as open to others as the one that it replaces.
+// A new result gets the permissions of the one that it replaces.
 void take_mode(const fs::path& folder, const fs::path& from) {
   struct stat status {};
   if (::stat(from.c_str(), &status) != 0 || ::chmod(folder.c_str(), status.st_mode & 0777) != 0)
@@ -119,7 +119,7 @@ void ResultDirectory::lock_working() {
   if (!marker_) throw_error({"cannot make the result folder: other programs keep removing it", working_.string(), ""});
 }
 
-// Of a run that was killed between the two renames that stand for an exchange.
+// Restores the former result of a run that was killed between the two renames that replace an exchange.
 void ResultDirectory::bring_back_former() {
   const fs::path former = working_ / helper::former;
   if (is_there(destination_) || !is_there(former)) return;
@@ -202,19 +202,19 @@ void ResultDirectory::discard() noexcept {
     if (topmost_made_.empty()) return;
     for (fs::path folder = working_.parent_path();; folder = folder.parent_path())
       if ((::rmdir(folder.c_str()) != 0 && errno != ENOENT) || folder == topmost_made_) break;
-  } catch (const Error&) {  // what stays has a marker: the next run removes it
+  } catch (const Error&) {  // the remaining files have a marker: the next run removes them
   } catch (const std::exception&) {
   }
 }
 
 std::vector<std::string> ResultDirectory::publish() {
   std::vector<std::string> warnings;
-  const fs::path above = destination_.parent_path();  // once the result is in its place nothing may throw
+  const fs::path above = destination_.parent_path();  // once the result is in its destination nothing may throw
   if (lasting_) {
     marker_->to_disk();
     if (const std::error_code error = sync_folder(working_)) fail_with_reason("cannot finish writing", working_.string(), error);
   }
-  for (int tries = 0;; ++tries) {  // what is there may change meanwhile
+  for (int tries = 0;; ++tries) {  // the destination may change meanwhile
     if (tries == 100) throw_error({"cannot move the result to its destination", destination_.string(), ""});
     std::error_code error = move_to_new(working_, destination_);
     if (error && error != std::errc::file_exists && error != std::errc::directory_not_empty)
@@ -236,8 +236,8 @@ std::vector<std::string> ResultDirectory::publish() {
   return warnings;
 }
 
-// Either result is in its place at every instant; without an exchange there is one at which the earlier one is in the working
-// folder, and the next run brings it back.
+// At every instant one of the two results is at the destination. The exception is a file system without exchange: there is then
+// an instant at which the earlier result is in the working folder, and the next run restores it.
 void ResultDirectory::replace_destination(std::vector<std::string>& warnings) {
   const fs::path above = destination_.parent_path(), within = working_ / helper::former, after = destination_ / helper::former;
   check_names();
@@ -263,7 +263,7 @@ void ResultDirectory::replace_destination(std::vector<std::string>& warnings) {
     if (error) undo();
     require(error);
   }
-  kept_ = true;  // from here on the working folder's name is the earlier result's
+  kept_ = true;  // from here on the working folder's name refers to the earlier result
   if (lasting_) sync_folder(above);
   warnings = retire(exchanged ? working_ : after, *destination_marker_, destination_);
 }

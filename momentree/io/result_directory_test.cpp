@@ -28,7 +28,7 @@ void make_result(const std::string& path, const char* text) {
   CHECK(result.publish().empty());
 }
 
-/// What a run leaves that ends before it is published.
+/// The files of a run that ended before it was published.
 void make_partial(const std::string& path, const char* text) {
   ResultDirectory result(path, all_files);
   result.write("summary.json", text);
@@ -113,7 +113,7 @@ TEST_CASE("a file of the user's with a name that a run writes is not replaced") 
   make_partial(folder / "r", "old");
   write_text_file(folder / "r.partial/joints.csv", "mine");
   CHECK(has(mistake(folder / "r"), "r.partial/joints.csv: error: this file is not one"));
-  CHECK(read_text_file(folder / "r.partial/report.html") == "old");  // a refusal changes nothing
+  CHECK(read_text_file(folder / "r.partial/report.html") == "old");  // a refused run changes nothing
   fs::remove(folder / "r.partial/joints.csv");
   write_text_file(folder / "r.partial/notes", "one");
   write_text_file(folder / "r/notes", "other");
@@ -127,7 +127,7 @@ TEST_CASE("one run at a time works on a folder") {
     ResultDirectory first(folder / "r");
     first.write("summary.json", "new");
     CHECK(has(mistake(folder / "r"), "r.partial: error: another run of momentree is writing into this folder"));
-    CHECK(has(mistake(folder / "r.partial"), "names that end in .partial"));  // the first one moves it away
+    CHECK(has(mistake(folder / "r.partial"), "names that end in .partial"));  // the first run moves it away
     CHECK(read_text_file(folder / "r.partial/summary.json") == "new");
     CHECK(first.publish().empty());
   }
@@ -154,7 +154,7 @@ TEST_CASE("what came into the place of a result while it was made is not replace
   write_text_file(folder / "r/report.html", "mine");
   CHECK(has(test::error_of([&] { result.publish(); }), "report.html: error: this file is not one"));
   fs::remove_all(folder / "r");
-  CHECK(result.publish().empty());  // the earlier one is gone
+  CHECK(result.publish().empty());  // the earlier result is gone
   CHECK_FALSE(fs::exists(folder / "r/report.html"));
 }
 
@@ -167,7 +167,7 @@ TEST_CASE("files are whole or absent, and replace nothing that is not ours") {
   result.reserve(100);
   result.write("summary.json", "one");
   result.write("summary.json", "two", true);
-  result.write("summary.json", "three", true);  // without room that was reserved, as others
+  result.write("summary.json", "three", true);  // written without reserved space, like other files
   CHECK(read_text_file(folder / "r.partial/summary.json") == "three");
   result.remove("summary.json");
   result.remove("mine");
@@ -184,7 +184,7 @@ TEST_CASE("a run that was killed between the renames that stand for an exchange:
   CHECK(read_text_file(folder / "r/summary.json") == "old");
   CHECK_FALSE(fs::exists(folder / "r.partial"));
 
-  make_result(folder / "other", "older");  // and after them, before it removed the earlier one
+  make_result(folder / "other", "older");  // after the renames, before it removed the earlier one
   write_text_file(folder / "other/own", "mine");
   fs::rename(folder / "other", folder / "r/.momentree.former");
   { const ResultDirectory next(folder / "r", all_files); }

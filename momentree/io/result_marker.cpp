@@ -51,13 +51,13 @@ std::optional<ResultMarker> ResultMarker::open(const fs::path& folder, int flags
                      "wait until it has ended, or name another folder with --out"});
       fail_with_reason("cannot lock this file against other runs that write into the folder", marker.path_, last_error());
     }
-    if (marker.is_in(folder)) break;  // else the one who had the lock has removed or moved it meanwhile
+    if (marker.is_in(folder)) break;  // otherwise the process that held the lock has removed or moved it meanwhile
   }
   if (!marker.read()) return std::nullopt;
   return marker;
 }
 
-// Takes no memory: it is asked while a result is between two places.
+// Allocates no memory, since it is called while a result is being moved.
 bool ResultMarker::is_in(const fs::path& folder) const noexcept {
   char path[4096];
   const int length = std::snprintf(path, sizeof path, "%s/%s", folder.c_str(), file_name);
@@ -76,7 +76,8 @@ bool ResultMarker::owns(const fs::path& folder, const std::string& name) const {
   fail_with_reason("cannot access this file", path.string(), last_error());
 }
 
-// False where it is somebody else's file of that name. A cut one was made by a run that was killed before it made others.
+// False if it is another program's file of that name. A truncated one was made by a run that was killed before it made other
+// files.
 bool ResultMarker::read() {
   constexpr std::size_t largest = 1u << 16;
   std::string text(largest, '\0');

@@ -146,7 +146,7 @@ TEST_CASE("the velocity of a free root is that of its body's frame, wherever the
       read(head + "state = { velocity = { linear = [1, 0, 0], angular = [0, 0, 2] } }\n" + one_body.substr(head.size()) +
            "[mechanism.body.joint]\nkind = \"free\"\nchild_at = { xyz = [1, 0, 0], rpy = [0, 0, \"90 deg\"] }\n");
   const Values& v = s.model[BodyId{0}].v;
-  // At (1, 0, 0) the body moves with (1, 2, 0), which along axes turned by 90° is (2, −1, 0).
+  // At (1, 0, 0) the body's velocity is (1, 2, 0), which is (2, −1, 0) along axes rotated by 90°.
   const double expected[] = {2, -1, 0, 0, 0, 2};
   for (int i = 0; i < 6; ++i) CHECK(v[i] == doctest::Approx(expected[i]));
 }
@@ -366,7 +366,7 @@ TEST_CASE("a long chain of bodies, the last one first, loads without recursion")
   const Scenario s = read(text);
   REQUIRE(s.model.size() == n);
   CHECK(s.model[BodyId{n - 1}].name == "m/20000");
-  // The same as a circle.
+  // The same as a cycle.
   const ReadResult circle = read_scenario_text(text + "parent = \"20000\"\n", "s.toml");
   REQUIRE(circle.diagnostics.size() == 1);
   CHECK(circle.diagnostics[0].what.find("the joints form a cycle: '20000' on '19999'") == 0);

@@ -10,7 +10,7 @@
 namespace momentree::io {
 namespace {
 
-// Runs with a break of a joint that has another name than its body.
+// Runs with a break of a joint whose name differs from that of its body.
 Simulation broken_arm() {
   Simulation simulation(test::two_mechanisms(), {.step = 0.01});
   simulation.at(0.105).then(break_joint("arm/shoulder"));
@@ -90,7 +90,7 @@ TEST_CASE("accelerations and reactions are written; what a document says of them
   }
 }
 
-// What happens to two_mechanisms, one after the other: every kind of change, a joint on its stop, a re-rooted tree.
+// Successive events of two_mechanisms: every kind of change, a joint on its stop, a re-rooted tree.
 const std::vector<std::pair<const char*, std::vector<Action>>>& story() {
   static const std::vector<std::pair<const char*, std::vector<Action>>> all = {
       {"", {lock("arm/shoulder", {1}), set_parameters("arm/wrist", {.damping = 0.5, .armature = {0.25}})}},

@@ -25,7 +25,7 @@ struct Same {
   bool operator()(const Pose& a, const Pose& b) const {
     return (*this)(a.position, b.position) && (*this)(a.rotation, b.rotation);
   }
-  // One number stands for all; absent is zero (exactly, an absent list is only an absent one).
+  // One number applies to all; absent is zero (if `exact`, an absent list equals only an absent one).
   bool operator()(const Values& a, const Values& b) const {
     if (exact) return a == b;
     const auto at = [](const Values& values, int i) { return values.empty() ? 0 : values[values.size() == 1 ? 0 : i]; };
@@ -34,7 +34,7 @@ struct Same {
       if (!(*this)(at(a, i), at(b, i))) return false;
     return true;
   }
-  // What was written reads back to the same bits: no tolerance.
+  // Written values read back to the same bits, so no tolerance is needed.
   static bool same_drives(const JointDrive* a, const JointDrive* b) {
     const JointDrive none;
     return (a != nullptr ? *a : none) == (b != nullptr ? *b : none);
@@ -50,7 +50,7 @@ struct Same {
   }
 };
 
-// Of length one but for rounding: taken to the last bit; nearly so: made so; else refused.
+// A length of one up to rounding: accepted unchanged; nearly one: normalised; otherwise refused.
 template <class Number>
 bool make_unit(Number* x, int n) {
   double length = 0;
@@ -89,7 +89,7 @@ Pose JointReader::pose(const JsonNode& node, const char* what) const {
   return pose;
 }
 
-// `locked`: true, false, or one of them per freedom; `resting`: per freedom 1 on its upper stop, -1 on its lower one, 0 on none.
+// `locked`: true, false, or one boolean per DoF; `resting`: per DoF 1 on its upper stop, -1 on its lower stop, 0 on none.
 void JointReader::read_locks(const JsonNode& node, DescribedJoint& joint) const {
   const KindInfo& kind = info(joint.joint.kind);
   const auto count = static_cast<std::size_t>(kind.nv);

@@ -1,4 +1,4 @@
-// Reads the state document and holds it against the model that it is for.
+// Reads the state document and compares it with its model.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -63,7 +63,7 @@ class Reader {
     return model_.mechanism_name(body) == mechanism_;
   }
 
-  /// Of a document that is not whole, or of one mechanism of a whole one: joints are the model's, as it has them.
+  /// For an incomplete document, or for one mechanism of a complete one: joints must be as in the model.
   void read_partial(const std::string& name, const JsonNode& node) {
     if (!model_.has_joint(name)) {
       if (!mechanism_.empty() && !name.starts_with(mechanism_ + "/")) return;
@@ -85,7 +85,7 @@ class Reader {
     result_.where.push_back(doc_.where(node));
   }
 
-  /// A joint or a mechanism that the model does not have gets its name from the document alone.
+  /// A joint or a mechanism that is not in the model gets its name from the document alone.
   void require_name(const std::string& name, const JsonNode& node, const char* what) const {
     if (name.empty() || name.size() > 500 || name.find_first_of(",\"*") != std::string::npos ||
         first_invisible(name) != std::string::npos)
@@ -164,8 +164,8 @@ class Reader {
     read_mechanisms(mechanisms);
   }
 
-  /// A joint between the bodies that the model's of that name joins has its number; others take what is left, in the order of
-  /// the document: that in which they were written.
+  /// A joint that connects the same bodies as the model's joint of that name gets its number; the others get the remaining
+  /// numbers in the order of the document, in which they were written.
   std::vector<int> number_joints() const {
     std::vector<char> taken(model_.bodies().size(), 0);
     std::vector<int> numbers;
@@ -185,7 +185,7 @@ class Reader {
     return numbers;
   }
 
-  /// Which body each joint is carried by, and what that hangs on.
+  /// Determines the carrying body of each joint, and the parent of that body.
   void hang(const std::vector<int>& numbers, const JsonNode& mechanisms) {
     const std::size_t n = model_.bodies().size();
     std::vector<Topology::Place>& places = result_.forest.places;
@@ -248,7 +248,7 @@ class Reader {
     result_.forest.changed.push_back(std::move(changed));
   }
 
-  /// Every body in one mechanism, with those that its joints lead to.
+  /// Every body must be in one mechanism, together with the bodies that its joints lead to.
   void read_mechanisms(const JsonNode& mechanisms) {
     const std::vector<Topology::Place>& places = result_.forest.places;
     std::vector<const JsonNode*> mechanism_of(places.size(), nullptr);

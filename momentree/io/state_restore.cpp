@@ -1,4 +1,4 @@
-// Puts state documents into a simulation.
+// Applies state documents to a simulation.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,7 @@ struct Entry {
   const std::string* where = nullptr;
 };
 
-/// Who hangs on whom: by body its parent, by joint the body that carries it, and the kind that it is of.
+/// The tree: by body its parent, by joint the body that carries it, and the kind.
 struct Places {
   Places(const Model& model, const Forest& forest) {
     for (int b = 0; b < model.size(); ++b) {
@@ -44,7 +44,7 @@ struct Places {
   std::vector<int> parent, carrier, nv, roots;
 };
 
-/// Momenta depend on the velocities of the whole mechanism: they are used where every joint of it has one.
+/// Momenta depend on the velocities of the whole mechanism: they are used if every joint of it has one.
 void choose_momenta(const Model& model, const Forest& forest, const std::vector<Entry>& entries,
                     std::vector<JointStart>& starts) {
   const Places places(model, forest);

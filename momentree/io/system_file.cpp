@@ -25,7 +25,7 @@ bool is_one_of(std::error_code error, std::initializer_list<std::errc> kinds) {
   return false;
 }
 
-// Some file systems have no such thing to wait for.
+// Some file systems do not support flushing.
 std::error_code sync_number(int number) {
   while (::fsync(number) != 0) {
     if (errno == EINTR) continue;
@@ -90,7 +90,7 @@ std::error_code write_all(const Descriptor& file, std::string_view text, std::si
     if (count > 0)
       written += static_cast<std::size_t>(count);
     else if (count == 0)
-      return std::make_error_code(std::errc::io_error);  // else it would be tried for ever
+      return std::make_error_code(std::errc::io_error);  // otherwise the call would be repeated forever
     else if (errno != EINTR)
       return last_error();
   }
@@ -153,7 +153,7 @@ std::vector<std::string> names_in(const std::filesystem::path& folder) {
 void remove_tree(const std::string& path) noexcept {
   const auto remove = [](const char* name, const struct stat*, int, FTW*) { return ::remove(name), 0; };
   constexpr int descriptors = 16;
-  for (int tries = 0; tries < 2; ++tries)  // the walk takes memory: a second one may have it
+  for (int tries = 0; tries < 2; ++tries)  // the traversal allocates memory: a second attempt may succeed
     if (::nftw(path.c_str(), remove, descriptors, FTW_DEPTH | FTW_PHYS) == 0) return;
 }
 

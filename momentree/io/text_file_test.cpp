@@ -11,7 +11,7 @@
 namespace momentree::io {
 namespace {
 
-/// No file of this process grows beyond that, as on a full disk.
+/// Limits the size of files written by this process, to simulate a full disk.
 class LimitedFileSize {
  public:
   explicit LimitedFileSize(rlim_t bytes) {
