@@ -16,7 +16,7 @@ namespace {
 using namespace pieces;
 namespace fs = std::filesystem;
 
-// Numbers of bodies by the mechanism that their names begin with, in the order of the model.
+// Indices of bodies by the mechanism prefix of their names, in the order of the model.
 std::unordered_map<std::string, std::vector<int>> by_mechanism(const Model& model) {
   std::unordered_map<std::string, std::vector<int>> all;
   for (int b = 0; b < model.size(); ++b) {
@@ -35,7 +35,7 @@ const std::string* string_at(const Value& table, const char* key) {
   return entry ? entry->value.string() : nullptr;
 }
 
-// Says of bodies that move, have no mass and carry one other that they only join two joints.
+// Adds a comment to moving bodies without mass that carry one other body: they only connect two joints.
 void explain_carriers(Value& mechanism) {
   Value::Entry* bodies = mechanism.find("body");
   if (!bodies || !bodies->value.array()) return;
@@ -110,7 +110,7 @@ class Converter {
     diagnostics_.push_back({severity, scenario_.path, 0, 0, std::move(what), std::move(hint), ""});
   }
 
-  // A file that the scenario names, from where the text will stand.
+  // The path of a file that the scenario names, relative to the output's folder.
   std::string moved(const std::string& file) const {
     if (file.empty() || fs::path(file).is_absolute()) return file;
     std::error_code failed;
@@ -128,7 +128,7 @@ class Converter {
     return value(std::move(all));
   }
 
-  // Joints of model files that follow others are coupled by tables, beside those that are there.
+  // The coupling tables: the scenario's own, and one for each follower of a model file.
   Value couplings() const {
     Value::Array all;
     for (const JointCoupling& each : scenario_.couplings) {
@@ -144,7 +144,7 @@ class Converter {
     return value(std::move(all));
   }
 
-  // Of a model file: its bodies and joints, as this scenario holds and starts them.
+  // The mechanism of a model file: its bodies and joints, as this scenario attaches and initialises them.
   Value::Table expanded(const Value& mechanism) {
     const std::string& name = *string_at(mechanism, "name");
     const std::string* state = string_at(mechanism, "state");
@@ -154,7 +154,7 @@ class Converter {
                               left_out_);
   }
 
-  // In its own words, but for the files that it names.
+  // The mechanism as written in the scenario, with the paths of files adjusted.
   Value kept(Value mechanism) {
     if (Value::Entry* state = mechanism.find("state"); state && state->value.string())
       state->value = text(moved(*state->value.string()));
@@ -171,7 +171,7 @@ class Converter {
     return mechanism;
   }
 
-  // False where it is not among the files that what is written may name.
+  // False if the mesh is not among the files that the output may name.
   bool move_mesh(Value& shape) {
     Value::Entry* mesh = shape.find("mesh");
     if (!mesh || !mesh->value.string()) return true;
@@ -184,7 +184,7 @@ class Converter {
     return false;
   }
 
-  // What was read well must read well again: names of files apart, which a text does not look for.
+  // A valid scenario must be read back without errors, apart from names of files, which a text does not access.
   void check(const std::string& text) const {
     const ReadResult again = read_scenario_text(text, scenario_.path + " as TOML");
     if (again.scenario) return;

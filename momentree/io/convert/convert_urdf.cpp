@@ -21,7 +21,7 @@ using namespace urdf;
 bool is_identity(const Quat& r) { return std::fabs(r.w) == 1 && r.x == 0 && r.y == 0 && r.z == 0; }
 bool is_zero(const Vec3& a) { return a.x == 0 && a.y == 0 && a.z == 0; }
 bool is_identity(const Pose& pose) { return is_zero(pose.position) && is_identity(pose.rotation); }
-// Products that leave the digits of a placement alone where the other is none.
+// A product that leaves the digits of one placement unchanged if the other is the identity.
 Pose times(const Pose& a, const Pose& b) { return is_identity(a) ? b : is_identity(b) ? a : a * b; }
 Pose undone(const Pose& a) { return is_identity(a) ? a : inverse(a); }
 
@@ -38,12 +38,12 @@ bool alike(const Values& values, int count) {
   return true;
 }
 
-/// One joint of a chain that stands for a joint of the model.
+/// One joint of a chain that represents a joint of the model.
 struct Part {
-  const char* suffix;  ///< of its name; empty: the joint's own
-  const char* type;    ///< revolute: continuous where it has no stops
+  const char* suffix;  ///< suffix of its name; empty: the joint's own name
+  const char* type;    ///< revolute: continuous if it has no stops
   Vec3 axis;
-  int dof;  ///< whose damping, friction and stops it has; −1: those of all
+  int dof;  ///< the DoF whose damping, friction and stops it has; −1: all DoFs
 };
 
 std::vector<Part> parts_of(const JointSpec& joint) {
@@ -111,8 +111,8 @@ class Writer {
     return name;
   }
 
-  // How the link's frame stands in the body's: moved where its joint can't be said about the body's own frame. `at`, the
-  // placement of the joint's frame in the parent, and the axis go along.
+  // The pose of the link's frame in the body's frame: not the identity if URDF cannot express the joint in the body's own
+  // frame. `at`, the placement of the joint's frame in the parent, and the axis are changed accordingly.
   Pose shift_of(const BodySpec& spec, const Part& last, Pose& at, Vec3& axis) {
     const Pose& c = spec.child_at;
     const std::string_view type = last.type;
@@ -126,7 +126,7 @@ class Writer {
     return {};
   }
 
-  // A root that is written as a link without a joint: the reader holds it, or lets it go.
+  // A root that is written as a link without a joint: the reader fixes it or leaves it free.
   bool plain_root(const BodySpec& spec) const {
     if (spec.parent != ground) return false;
     if (spec.joint.kind == Kind::weld) return is_identity(times(spec.at, undone(spec.child_at)));
@@ -203,7 +203,7 @@ class Writer {
 
   void add_shape(WrittenLink& link, Shape shape, const Pose& back) {
     if (shape.kind == Shape::Kind::none) return;
-    if (shape.kind == Shape::Kind::mesh) {  // where it is not found, it is named as the source names it
+    if (shape.kind == Shape::Kind::mesh) {  // if it is not found, it keeps the name given in the source
       const std::string mesh = mesh_path(shape.mesh, {parent_folder(scenario_.path), folder_.empty() ? "." : folder_});
       if (!mesh.empty()) shape.mesh = mesh;
     }
@@ -215,7 +215,7 @@ class Writer {
     const JointParameters& p = spec.joint.parameters;
     const KindInfo& kind = info(spec.joint.kind);
     const int i = std::max(part.dof, 0);
-    // A ball's damping is not that of three axes.
+    // The damping of a ball joint differs from that of three axes.
     const bool one = part.dof >= 0 && spec.joint.kind != Kind::ball;
     if (one || (kind.nv > 0 && spec.joint.kind != Kind::ball && alike(p.damping, kind.nv))) joint.damping = p.damping.of(i);
     if (one || (kind.nv > 0 && spec.joint.kind != Kind::ball && alike(p.friction.coulomb, kind.nv)))
@@ -228,7 +228,7 @@ class Writer {
     if (joint.type == "revolute" && !joint.stops) joint.type = "continuous";
   }
 
-  // What URDF can't say of this joint.
+  // Notes what URDF cannot express of this joint.
   void note_lost(const BodySpec& spec) {
     const JointParameters& p = spec.joint.parameters;
     const KindInfo& kind = info(spec.joint.kind);
@@ -306,7 +306,7 @@ class Writer {
     return table.place;
   }
 
-  // Where a scenario says it; nowhere for what a model file or a generator does.
+  // The place in the scenario; none for values from a model file or a generator.
   Place place_of(const Lost& lost) const {
     const Value::Entry* mechanisms = scenario_.document ? scenario_.document->find("mechanism") : nullptr;
     if (!mechanisms || !mechanisms->value.array()) return {};
@@ -329,7 +329,7 @@ class Writer {
   const Scenario& scenario_;
   const Model& model_;
   std::string folder_;
-  std::vector<Pose> shift_;  ///< by body: its link's frame in its own
+  std::vector<Pose> shift_;  ///< by body: the pose of its link's frame in its own frame
   BodyId root_{};
   std::vector<int> members_;
   std::unordered_set<std::string> link_names_, joint_names_;

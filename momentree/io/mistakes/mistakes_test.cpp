@@ -1,4 +1,4 @@
-// What users of other engines write, and the messages that they get.
+// Mistakes of users of other engines, and the messages that they get.
 #include <doctest/doctest.h>
 
 #include <sstream>
@@ -14,7 +14,7 @@ namespace {
 
 using namespace bad_input;
 
-/// The hints of what is said of a text, one per line.
+/// The hints of the diagnostics for a text, one per line.
 std::string hints(const std::string& text) {
   std::string all;
   for (const Diagnostic& each : read_scenario_text(text, "s.toml").diagnostics) all += (all.empty() ? "" : "\n") + each.hint;

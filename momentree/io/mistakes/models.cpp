@@ -1,4 +1,4 @@
-// Mechanisms, bodies, joints and what they have.
+// Mechanisms, bodies, joints and their properties.
 #include <momentree/io/mistakes/keys.hpp>
 
 namespace momentree::io::mistakes {

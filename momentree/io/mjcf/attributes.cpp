@@ -1,4 +1,4 @@
-// Classes of defaults, orientations, includes: what all elements of MJCF have in common.
+// Features common to all elements of MJCF: classes of defaults, orientations, includes.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -103,7 +103,7 @@ Quat Attributes::rotation() {
     error(name, std::string(name) + ": has no direction", "its length is zero, or two axes are parallel");
     return Quat{};
   };
-  // What stands in the element itself goes before what its class says.
+  // Attributes of the element itself take precedence over those of its class.
   for (const XmlElement each : from_) {
     const auto given = [&](const char* name) { return each.find(name).has_value(); };
     if (given("quat")) {
@@ -130,7 +130,7 @@ Quat Attributes::rotation() {
         const char c = compiler.eulerseq[i];
         const Vec3 axis = c == 'x' || c == 'X' ? Vec3{1, 0, 0} : c == 'y' || c == 'Y' ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
         const Quat turn = from_axis_angle(axis, compiler.angle(turns[i]));
-        rotation = c >= 'a' ? rotation * turn : turn * rotation;  // small letters: axes that turn along
+        rotation = c >= 'a' ? rotation * turn : turn * rotation;  // lower case: axes that rotate with the body
       }
       return normalized(rotation);
     }

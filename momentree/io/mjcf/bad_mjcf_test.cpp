@@ -1,4 +1,4 @@
-// Broken and hostile MJCF: each is refused with its place, what is wrong, and how to mend it.
+// Broken and hostile MJCF: each error is reported with its place and a hint.
 #include <string>
 #include <vector>
 
@@ -25,7 +25,7 @@ std::string body(const std::string& text, const std::string& name = "a") {
   return "<body name='" + name + "'>" + text + "</body>";
 }
 std::string inside(const std::string& text) { return mjcf(body(text)); }
-/// A joint, or an <inertial>, that stands in the fourth line.
+/// A joint, or an <inertial>, on the fourth line.
 std::string joint(const std::string& text) { return inside(geom + "\n<joint " + text + "/>"); }
 std::string inertial(const std::string& text) { return inside("\n<inertial " + text + "/><joint/>"); }
 

@@ -1,4 +1,4 @@
-// Bodies with their joints. MJCF nests them; a body may have several joints, which becomes a chain of massless carriers here.
+// Bodies with their joints. MJCF nests bodies; a body with several joints becomes a chain with massless carriers.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +16,7 @@ struct Joint {
   JointSpec spec{};
   JointLimits limits{};
   Vec3 anchor{};
-  double start = 0;  ///< of one freedom
+  double start = 0;  ///< for one DoF
   XmlElement element{};
 };
 
@@ -166,7 +166,7 @@ Mass read_inertial(XmlElement inertial, Reading& reading) {
   return mass;
 }
 
-/// What one <body> says of itself, before its children.
+/// Reads the content of one <body>, before its children.
 class BodyReader {
  public:
   BodyReader(XmlElement element, const std::string& childclass, const Pose& in_parent, Reading& reading)
@@ -192,7 +192,7 @@ class BodyReader {
   const std::string& childclass() const { return childclass_; }
   const std::vector<XmlElement>& inner() const { return inner_; }
 
-  /// Adds the body, and a carrier for each joint but the last; its number.
+  /// Adds the body, and a carrier for each joint except the last; returns its index.
   int add(int parent) {
     const Mass mass = mass_of();
     ImportedBody body;
@@ -287,12 +287,12 @@ class BodyReader {
       if (compiler.balanceinertia && moments[0] + moments[1] < moments[2])
         mass.inertia = diagonal((moments[0] + moments[1] + moments[2]) / 3);
       else if (moments[0] < compiler.boundinertia)
-        mass.inertia = diagonal(std::max(compiler.boundinertia, moments[2]));  // enough, whatever its axes
+        mass.inertia = diagonal(std::max(compiler.boundinertia, moments[2]));  // large enough for any axes
     }
     return mass;
   }
 
-  // The frames of the carriers and of the body are one in the pose of the file.
+  // The frames of the carriers and of the body coincide in the pose of the file.
   void place(const Joint& joint, std::size_t j, ImportedBody& body) {
     BodySpec& spec = body.spec;
     spec.joint = joint.spec;
@@ -315,7 +315,7 @@ class BodyReader {
     spec.child_at = Pose(joint.anchor);
     spec.at = before * spec.child_at;
     if (joint.start == 0) return;
-    // `ref`: what the coordinate is in that pose.
+    // `ref`: the coordinate in that pose.
     spec.q = joint.start;
     const Vec3 axis = normalized(joint.spec.axis);
     if (joint.spec.kind == Kind::revolute)
@@ -344,7 +344,7 @@ void read_world(XmlElement worldbody, Reading& reading) {
     std::string childclass;
     int parent;
   };
-  std::vector<Open> open;  // the next one last
+  std::vector<Open> open;  // a stack: the next one last
   const auto push = [&open](const std::vector<XmlElement>& bodies, const std::string& childclass, int parent) {
     for (auto body = bodies.rbegin(); body != bodies.rend(); ++body) open.push_back({*body, childclass, parent});
   };

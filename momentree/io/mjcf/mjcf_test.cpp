@@ -13,7 +13,7 @@ using namespace momentree::io::models;
 
 namespace {
 
-// What becomes of sound models is compared with MuJoCo itself, in tests/cross.
+// The results for valid models are compared with MuJoCo itself, in tests/cross.
 std::string mujoco(const std::string& bodies, const std::string& before = "", const std::string& after = "") {
   return "<mujoco model='m'>" + before + "\n<worldbody>\n" + bodies + "\n</worldbody>\n" + after + "</mujoco>";
 }

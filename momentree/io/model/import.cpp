@@ -20,7 +20,7 @@ std::size_t Import::errors() const {
 
 namespace {
 
-// A path without the `scheme://package/` that a library of the robot's maker would resolve.
+// A path without its `scheme://package/` prefix, which a ROS installation would resolve.
 std::string without_scheme(const std::string& name, bool& in_package) {
   const std::size_t colon = name.find("://");
   if (colon == std::string::npos) return name;
@@ -93,7 +93,7 @@ XmlElement Import::include(const std::string& name, const XmlLocation& at, XmlFi
 
 bool check_name(const std::string& name, const XmlLocation& at, std::string_view what, XmlFile& file) {
   Diagnostics unheard("", "");
-  if (check_bare_name(name, {}, what, unheard)) return true;  // no place is looked up for names that are fine
+  if (check_bare_name(name, {}, what, unheard)) return true;  // valid names need no place
   return !file.out().full() && check_bare_name(name, at.place(), what, file.out());
 }
 
@@ -115,7 +115,7 @@ void Import::read_mesh(const std::string& name, const XmlLocation& at, Shape& sh
   const fs::path path(rest);
   std::vector<fs::path> tried{path};
   if (in_package && std::next(path.begin()) != path.end()) tried.push_back(path.lexically_relative(*path.begin()));
-  std::string why;  // of one that is there
+  std::string why;  // if the file exists
   for (const fs::path& each : tried) {
     const fs::path file_path = fs::path(folder_) / each;
     if (!enclosure_.holds(file_path)) {

@@ -83,7 +83,7 @@ BodyTable::BodyTable(std::filesystem::path file) : file_(std::move(file)) {
   if (columns_.front() != "time")
     throw_error({"the first column is '" + columns_.front() + "', not 'time'", place(file_, 1), {}});
   bodies_ = find_bodies(columns_, place(file_, 1));
-  while (in.next(line) && in.is_whole()) {  // else a run that was stopped was still writing this row
+  while (in.next(line) && in.is_whole()) {  // otherwise an interrupted run was still writing this row
     if (line.empty()) continue;
     const double time = number(line.substr(0, line.find(',')), "time", place(file_, in.number()));
     if (!times_.empty() && time < times_.back()) throw_error({"time runs backwards", place(file_, in.number()), {}});
@@ -136,7 +136,7 @@ std::vector<std::size_t> choose_rows(const BodyTable& table, double& every) {
   if (every < 0 || !std::isfinite(every))
     throw_error({"the time between frames must be positive", "--every", "for example --every 0.2"});
   if (every == 0) {
-    every = 0.2;  // as in the paper's Figure 3, if that is neither too few nor too many
+    every = 0.2;  // as in the paper's Figure 3, if that gives neither too few nor too many frames
     for (double unit = 1e-9; unit < 1e9 && (span < 4 * every || span > 60 * every); unit *= 10)
       for (const double step : {1.0, 2.0, 5.0})
         if (span >= 12 * step * unit && span <= 32 * step * unit) every = step * unit;

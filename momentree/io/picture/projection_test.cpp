@@ -32,7 +32,7 @@ TEST_CASE("a view projects at right angles: right is right and up is up") {
   check_right_handed(view);
   const Point2 p = view({3, 4, 5});
   CHECK(p.x == doctest::Approx(3));
-  CHECK(p.y == doctest::Approx(-4));  // y of a picture runs down
+  CHECK(p.y == doctest::Approx(-4));  // y of a picture points down
   CHECK(view.depth({0, 0, -1}) > view.depth({0, 0, 1}));
 }
 

@@ -17,11 +17,11 @@
 namespace momentree::io {
 namespace {
 
-/// A result directory that goes when the test ends.
+/// A result directory that is removed when the test ends.
 class Directory {
  public:
   Directory() {
-    std::random_device random;  // tests may run beside each other
+    std::random_device random;  // tests may run in parallel
     path_ = std::filesystem::temp_directory_path() /
             ("momentree-picture-" + std::to_string(random()) + "-" + std::to_string(random()));
     std::filesystem::create_directories(path_);
@@ -161,7 +161,8 @@ TEST_CASE("bodies that do not exist cannot move to another mechanism") {
 
 TEST_CASE("poses alone are enough for a picture") {
   Directory directory;
-  directory.write("bodies.csv", header_of_two + row(0, 1) + row(0.2, 2) + "0.4,0,0");  // an interrupted run: the last row is cut
+  // an interrupted run: the last row is truncated
+  directory.write("bodies.csv", header_of_two + row(0, 1) + row(0.2, 2) + "0.4,0,0");
   const Recording run = read_recording(directory.path());
   CHECK(run.frames.size() == 2);
   CHECK(run.mechanisms == std::vector<std::string>{"a"});
@@ -267,7 +268,7 @@ TEST_CASE("labels cover neither each other nor leave the picture") {
     }
   CHECK(taken.size() > 3);
   CHECK(taken.size() < 60);
-  CHECK(taken.front().x > 100);  // on the side that was asked for
+  CHECK(taken.front().x > 100);  // on the requested side
 }
 
 TEST_CASE("the convex hull keeps the corners alone") {

@@ -1,4 +1,4 @@
-// Broken and hostile SDF: each is refused with its place, what is wrong, and how to mend it.
+// Broken and hostile SDF: each error is reported with its place and a hint.
 #include <string>
 #include <vector>
 
@@ -24,9 +24,9 @@ std::string joint(const std::string& name, const std::string& parent, const std:
   return "<joint name='" + name + "' type='" + type + "'>\n<parent>" + parent + "</parent>\n<child>" + child + "</child>\n" +
          more + "\n</joint>\n";
 }
-/// A link with this inertial in the fourth line.
+/// A link with this inertial on the fourth line.
 std::string inertial(const std::string& text) { return head + "<link name='a'>\n<inertial>" + text + "</inertial></link>" + end; }
-/// Two links and their joint, whose own words are on its fourth line, the eighth of the file.
+/// Two links and their joint, whose content `more` is on its fourth line, the eighth of the file.
 std::string joined(const std::string& more, const std::string& type = "revolute") {
   return head + a_link("a") + a_link("b") + joint("j", "a", "b", more, type) + end;
 }

@@ -1,4 +1,4 @@
-// Links and joints as bodies: the tree, what a joint has in the frames of the two links that it joins, what is static.
+// Converts links and joints into bodies: the tree, the joints in the frames of their two links, static models.
 #include <cmath>
 #include <unordered_set>
 #include <utility>
@@ -163,7 +163,7 @@ class Builder {
     body.floats = true;
   }
 
-  // <mimic> of later versions.
+  // <mimic> of newer versions.
   void follow(const LinkTree& tree) {
     std::unordered_map<std::string_view, int> body_of_joint;
     for (std::size_t link = 0; link < links_.size(); ++link)

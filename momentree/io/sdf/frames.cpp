@@ -43,7 +43,8 @@ int Frames::add(int scope, const std::string& name, XmlElement element, const Po
   return static_cast<int>(frames_.size()) - 1;
 }
 
-// Links, joints, frames and models share their names; before 1.7 only those of one kind do, and a link goes before a joint.
+// Links, joints, frames and models share one namespace; before 1.7 only those of the same type do, and a link takes precedence
+// over a joint.
 void Frames::note_name(int scope, const std::string& name, int frame) {
   const auto [first, fresh] = scopes_[at(scopes_[at(scope)].names)].frames.emplace(name, frame);
   if (fresh) return;
@@ -126,7 +127,7 @@ int Frames::base(int scope, const FramedPose& pose, int otherwise) {
   return pose.relative_to.empty() ? otherwise : look_up(scope, pose.relative_to, pose.location, "pose");
 }
 
-// What each frame is relative to, and attached to.
+// Determines what each frame is relative to, and attached to.
 void Frames::relate() {
   for (int s = 0; s < static_cast<int>(scopes_.size()); ++s) {
     const Scope& scope = scopes_[at(s)];
@@ -138,7 +139,7 @@ void Frames::relate() {
     } else if (!part.pose.relative_to.empty()) {
       error(part.pose.location, "pose: the outermost model can be placed only in the world");
     }
-    // Its canonical link: the one that it names, its first, or that of its first model.
+    // Its canonical link: the one that it names, its first link, or that of its first model.
     if (!part.canonical_link.empty())
       own.attached_to = look_up(s, part.canonical_link, part.canonical_spot, "canonical_link");
     else if (!part.links.empty())
@@ -200,7 +201,7 @@ void Frames::check_attachments() {
   }
 }
 
-// A placement frame stands where the model's pose says: its model's own frame follows from that. Inner models first.
+// A placement frame is at the model's pose: the model's own frame follows from that. Inner models first.
 void Frames::place_models() {
   for (int s = static_cast<int>(scopes_.size()); s-- > 0;) {
     const Scope& scope = scopes_[at(s)];
@@ -251,7 +252,7 @@ int Frames::link_of(int frame) const {
   return frame;
 }
 
-// As the file says it, where it does: nothing is lost to rounding then.
+// As written in the file, if possible, to avoid rounding errors.
 Pose Frames::between(int a, int b) const {
   const Frame &from = frames_[at(a)], &to = frames_[at(b)];
   if (a == b) return {};

@@ -1,4 +1,4 @@
-// <include>: a model from another file in the folder, as it is written there but for its name, place and static.
+// <include>: a model from another file in the folder, unchanged except for its name, pose and static flag.
 #include <filesystem>
 
 #include <momentree/io/sdf/parts.hpp>
@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The path without model:// and the like; nothing, with a report, where it is no file of this machine.
+// The path without model:// and the like; nothing, with a report, if it is not a local file.
 std::optional<std::string> path_of(const std::string& uri, const XmlLocation& location, XmlFile& file) {
   const std::size_t colon = uri.find("://");
   if (colon == std::string::npos) return uri;
@@ -19,7 +19,7 @@ std::optional<std::string> path_of(const std::string& uri, const XmlLocation& lo
   return {};
 }
 
-// In a folder of a model, its description says which file is which version's.
+// The file of a model's folder: the folder's description lists the files and their SDF versions.
 std::string file_of_folder(const std::string& folder, const XmlLocation& location, Reading& reading, XmlFile& file) {
   const std::string config = (fs::path(folder) / "model.config").generic_string();
   std::string best = "model.sdf";
@@ -39,7 +39,7 @@ std::string file_of_folder(const std::string& folder, const XmlLocation& locatio
   return (fs::path(folder) / best).generic_string();
 }
 
-// Beside the file that includes it, or from the model's folder on.
+// Searched next to the including file, then in the model's folder.
 XmlElement open(const std::string& uri, const XmlLocation& location, Reading& reading, XmlFile& file) {
   Import& import = reading.import;
   const auto path = path_of(uri, location, file);

@@ -1,4 +1,4 @@
-// Files that include others: names, places, copies, what stays in the folder and what goes round in a circle.
+// Files that include others: names, poses, copies, folder limits and cycles.
 #include <filesystem>
 
 #include <doctest/doctest.h>
@@ -87,7 +87,7 @@ TEST_CASE("SDF: a merged model's parts are the including model's own") {
   REQUIRE(model.size() == 3);
   CHECK(start_of(model, "a") == Vec3{1, 0, 0});
   CHECK(model[model.joint("m/j")].at.position == Vec3{0, 0, 1});
-  CHECK(norm(model[model.joint("m/j")].joint.axis - Vec3{1, 0, 0}) < 1e-15);  // of the arm's frame, which was turned with it
+  CHECK(norm(model[model.joint("m/j")].joint.axis - Vec3{1, 0, 0}) < 1e-15);  // in the arm's frame, which was rotated with it
   CHECK(model[model[model.joint("m/k")].parent].name == "m/b");
   folder.write("m.sdf", sdf("<include merge='true'><uri>arm.sdf</uri></include>" + a_link("a")));
   CHECK(folder.errors() == "arm.sdf:1:50: error: duplicate link 'a': the name is already used by another on line 3 of 'm.sdf'");
@@ -147,7 +147,7 @@ TEST_CASE("SDF: includes that can't be are refused where they stand") {
         "m.sdf:4:1: error: duplicate include 'm': the name is already used by another on line 3");
   CHECK(errors(include("a.sdf", "<placement_frame>a</placement_frame>")) ==
         "m.sdf:3:43: error: <placement_frame> has no effect without <pose>; give a <pose>");
-  // A model that a text describes names no files.
+  // A model read from text cannot name files.
   CHECK(errors_of(sdf(include("a.sdf")), "m.sdf") ==
         "m.sdf:3:15: error: include: a model read from text cannot name files; read it from its file");
 }

@@ -97,7 +97,7 @@ AxisPart read_axis(XmlElement element, const Type& type, Version version, XmlFil
       file.once(Severity::note, "the length of an axis is not 1: only its direction is used", "", axis.location);
     }
   }
-  // Axes were those of the model until 1.4, and by choice until 1.6.
+  // Until 1.4, axes are in the model's frame; until 1.6 optionally.
   if (version.minor <= 4) {
     axis.expressed_in = "__model__";
   } else if (!version.frames()) {
@@ -121,7 +121,7 @@ void read_pitch(Texts& texts, JointPart& joint, XmlFile& file) {
   } else if (old && *old == 0) {
     file.error(location, "thread_pitch: 0 rad/m is not a thread", "it is in rad/m, and positive for a left-handed thread");
   } else if (old) {
-    joint.pitch = -2 * std::numbers::pi / *old;  // rad/m of a left-handed thread, by which Gazebo has read it
+    joint.pitch = -2 * std::numbers::pi / *old;  // rad/m of a left-handed thread, which is how Gazebo reads it
   } else if (!texts.fields.child("thread_pitch") && !texts.fields.child("screw_thread_pitch")) {
     file.warning({joint.element}, "a screw without <screw_thread_pitch>: the format's default is 1 m per turn");
   }
@@ -148,7 +148,7 @@ JointPart read_joint(XmlElement element, Version version, XmlFile& file) {
   constexpr const char* names[] = {"axis", "axis2"};
   for (int i = 0; i < 2; ++i) {
     if (!type || i >= type->axes) {
-      fields.known_children({names[i]});  // of no meaning there, and often written
+      fields.known_children({names[i]});  // meaningless there, but common
     } else if (const XmlElement axis = fields.require_child(
                    names[i], "for example <" + std::string(names[i]) + "><xyz>0 0 1</xyz></" + names[i] + ">")) {
       joint.axes[static_cast<std::size_t>(i)] = read_axis(axis, *type, version, file);

@@ -48,7 +48,8 @@ void read_inertial(XmlElement inertial, Version version, LinkPart& link, XmlFile
     file.once(Severity::warning, "<fluid_added_mass> is ignored: fluids are not simulated", "", {added});
   texts.fields.leave_out({"density", "auto_inertia_params"}, "");
   texts.fields.finish();
-  if (errors != file.out().errors()) link.mass = 1, link.inertia = diagonal(1);  // reported: no more to say about them
+  // reported already: use values that cause no further messages
+  if (errors != file.out().errors()) link.mass = 1, link.inertia = diagonal(1);
 }
 
 double positive(Texts& texts, const char* name, XmlElement of, XmlFile& file) {
@@ -136,7 +137,7 @@ void read_visual(XmlElement visual, Version version, LinkPart& link, Import& imp
   link.shapes.push_back(std::move(shape));
 }
 
-// What moves a link otherwise than masses and joints do.
+// Warns of settings by which a link moves differently than by masses and joints.
 void warn_of_special(Texts& texts, XmlFile& file) {
   if (!texts.boolean("gravity").value_or(true))
     file.once(Severity::warning, "<gravity> of a link is ignored: gravity acts on every body", "", texts.location());

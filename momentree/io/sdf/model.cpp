@@ -86,7 +86,7 @@ std::shared_ptr<ModelPart> read_model(XmlElement element, Version version, Readi
   model->is_world = element.name() == "world";
   if (depth > deepest) {
     file.error({element}, "models are nested more than " + std::to_string(deepest) + " deep", "no mechanism needs that");
-    model->levels = 0;  // said
+    model->levels = 0;  // reported
     return model;
   }
   Texts texts(element, file);

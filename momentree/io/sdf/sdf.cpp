@@ -13,7 +13,7 @@ namespace {
 
 constexpr int oldest = 4, newest = 10;
 
-// Of what is no version, the newest: the rest of the file is judged all the same.
+// For an invalid version, the newest: the rest of the file is checked anyway.
 Version read_version(XmlFields& fields, XmlFile& file) {
   const std::string known = "1." + std::to_string(oldest) + " to 1." + std::to_string(newest);
   if (!fields.require("version", "versions " + known + " are read, for example version=\"1.9\"")) return {newest};

@@ -1,4 +1,4 @@
-// Elements that hold a text, poses and names.
+// Elements that contain text, poses and names.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -45,7 +45,7 @@ std::optional<double> Texts::bound(std::string_view child) {
   if (text == "inf" || text == "Inf" || text == "INF" || text == "infinity") return negative ? -inf : inf;
   const auto one = read_numbers(element.text(), 1, 1, spot_, child, file_);
   if (!one) return {};
-  return std::fabs((*one)[0]) >= 1e16 ? std::copysign(inf, (*one)[0]) : (*one)[0];  // what older versions wrote for it
+  return std::fabs((*one)[0]) >= 1e16 ? std::copysign(inf, (*one)[0]) : (*one)[0];  // the value that older versions used for it
 }
 
 std::optional<Vec3> Texts::vec3(std::string_view child) {
@@ -89,7 +89,7 @@ FramedPose read_pose(XmlFields& fields, Version version, XmlFile& file) {
   if (!pose) return result;
   XmlFields of(pose, file);
   result.location = {pose, XmlLocation::no_attribute, true};
-  // The attribute's name until 1.6; later ones have another.
+  // The attribute's name until 1.6; newer versions use another.
   const char* key = version.frames() ? "relative_to" : "frame";
   const char* other = version.frames() ? "frame" : "relative_to";
   if (of.string(other).value_or("") != "")

@@ -1,4 +1,4 @@
-// Broken and hostile URDF: each is refused with its place, what is wrong, and how to mend it.
+// Broken and hostile URDF: each error is reported with its place and a hint.
 #include <string>
 #include <vector>
 
@@ -20,11 +20,11 @@ std::string joint(const std::string& name, const std::string& parent, const std:
   return "<joint name='" + name + "' type='" + type + "'>\n<parent link='" + parent + "'/>\n<child link='" + child + "'/>\n" +
          more + "\n</joint>\n";
 }
-/// A link with this inertial in its third line.
+/// A link with this inertial on its third line.
 std::string inertial(const std::string& text) {
   return head + "<link name='a'>\n<inertial>" + text + "</inertial></link></robot>";
 }
-/// Two links and their joint, whose own words are on its fourth line, the eighth of the file.
+/// Two links and their joint, whose content `more` is on its fourth line, the eighth of the file.
 std::string joined(const std::string& more, const std::string& type = "revolute") {
   return head + a_link("a") + a_link("b") + joint("j", "a", "b", more, type) + "</robot>";
 }
@@ -86,7 +86,7 @@ TEST_CASE("URDF: masses and inertias that no body has") {
        "meant about the centre of mass, and products of inertia as elements of the matrix (xy = −Σ m x y)"},
       {inertial("<mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixyy='0.5'/>"),
        "r.urdf:3:61: error: unknown attribute 'ixyy' of <inertia>; did you mean 'ixy'?"},
-      // What moves nothing is not for want of a mass alone.
+      // A joint can move nothing for other reasons than a missing mass.
       {head + a_link("a") + "<link name='b'/>\n" + joint("j", "a", "b") + "</robot>",
        "r.urdf:4:1: error: joint 'r/j': the joint-space mass is singular: freedom 1 of 1 of this revolute joint moves no mass; "
        "give the "

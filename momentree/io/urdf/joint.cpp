@@ -45,7 +45,7 @@ Quat from_z_to(const Vec3& axis) {
 
 Vec3 read_axis(XmlFields& fields, XmlFile& file) {
   const XmlElement element = fields.child("axis");
-  Vec3 axis{1, 0, 0};  // by the format
+  Vec3 axis{1, 0, 0};  // default of the format
   if (!element) return axis;
   XmlFields of(element, file);
   of.require("xyz", "for example xyz=\"0 0 1\"");

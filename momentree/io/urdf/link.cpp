@@ -82,7 +82,8 @@ void read_inertial(XmlElement inertial, BodySpec& spec, XmlFile& file) {
     file.warning({inertial}, "<inertial> has no <inertia>: all the mass is at one point", "give ixx, iyy and izz");
   }
   fields.finish();
-  if (errors != file.out().errors()) spec.mass = 1, spec.inertia = diagonal(1);  // reported: no more to say about them
+  // reported already: use values that cause no further messages
+  if (errors != file.out().errors()) spec.mass = 1, spec.inertia = diagonal(1);
 }
 
 void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& file) {

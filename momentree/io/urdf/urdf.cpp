@@ -23,7 +23,7 @@ Materials read_materials(XmlFields& fields, XmlFile& file) {
   return materials;
 }
 
-// One tree: what else has no parent is a slip.
+// Checks that there is one tree: another link without a parent is a mistake.
 void check_roots(const std::deque<ImportedBody>& bodies, XmlFile& file) {
   const ImportedBody* first = nullptr;
   for (const ImportedBody& body : bodies) {

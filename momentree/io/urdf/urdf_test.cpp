@@ -91,7 +91,7 @@ TEST_CASE("URDF: every type of joint, with axis, origin and dynamics") {
   for (const auto& [name, normal, where] : {std::tuple{"jf", Vec3{0, -1, 0}, placed}, {"jg", Vec3{0, 0, -1}, Pose{}}}) {
     const BodySpec& planar = of(name);
     CHECK(planar.joint.kind == Kind::planar);
-    check_near(planar.at * inverse(planar.child_at), where);  // at its zero the child stands at the origin
+    check_near(planar.at * inverse(planar.child_at), where);  // at its zero position the child is at the origin
     check_near(rotation_matrix(planar.child_at.rotation) * Vec3{0, 0, 1}, normal);
   }
 }

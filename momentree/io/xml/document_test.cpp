@@ -103,7 +103,7 @@ TEST_CASE("places are right however long the lines are, and whatever stands at t
   SyntaxError error;
   const auto document = XmlDocument::parse(text, error);
   REQUIRE(document);
-  // As they are counted by hand.
+  // Positions counted independently.
   int line = 1, column = 1;
   std::vector<Place> expected;
   for (std::size_t i = 3; i < text.size(); ++i) {
@@ -127,7 +127,7 @@ TEST_CASE("a file whose every name and number is wrong is judged in no time, tho
     text += "<link name='l" + std::to_string(k) + "'><inertial><mass value='1'/></inertial><unheard" + std::to_string(k) +
             "/></link>";
   const ReadResult result = read_scenario_text(text + "</robot>", "r.urdf");
-  CHECK(!result.scenario);  // many roots
+  CHECK(!result.scenario);  // several roots
   CHECK(has_errors(result.diagnostics));
 }
 
@@ -142,7 +142,7 @@ TEST_CASE("the first tag of a text, whatever comes before it") {
   }
 }
 
-// What takes a time that grows with the square of the size would take an hour here.
+// An algorithm of quadratic time would take an hour here.
 TEST_CASE("elements with a hundred thousand attributes, or children, are read at once") {
   const auto names = [](const std::string& before, const std::string& after) {
     std::string text;

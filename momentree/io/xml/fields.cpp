@@ -29,7 +29,7 @@ struct Issue {
   std::string what, hint;
 };
 
-// A finite number, whole and alone; any locale.
+// A finite number that is the whole word, in any locale.
 std::optional<double> number_of(std::string_view word, Issue& issue) {
   std::string_view digits = word;
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
@@ -56,8 +56,8 @@ std::optional<double> number_of(std::string_view word, Issue& issue) {
   return {};
 }
 
-// The one of `known` that is one or two letters away: three letters are another word by two. Of a file that is wrong everywhere
-// only so many words are compared.
+// The name in `known` that differs by one or two letters; three-letter words must differ by one. In a file with many errors
+// only a limited number of words are compared.
 std::string slip_of(std::string_view word, const std::vector<std::string>& known, XmlFile& file) {
   if (known.empty() || !file.may_suggest()) return {};
   std::string meant;
@@ -221,7 +221,7 @@ void XmlFields::finish() {
 }
 
 void XmlFields::finish_attributes() {
-  std::optional<std::vector<std::string>> absent;  // found once, where it is needed
+  std::optional<std::vector<std::string>> absent;  // computed once, if needed
   for (std::size_t i = 0; i < element_.attributes(); ++i) {
     const std::string_view name = element_.attribute_name(i);
     if (std::find(attributes_.begin(), attributes_.end(), name) != attributes_.end()) continue;
@@ -256,7 +256,7 @@ void XmlFields::finish_children() {
     } else if (const std::string meant = slip_of(name, known, file_); !meant.empty()) {
       hint = "did you mean <" + meant + ">?";
     }
-    // A slip of the pen in a name that matters should not hide among what is left out on purpose.
+    // A misspelled name that matters should not hide among what is ignored on purpose.
     file_.once(hint.starts_with("did") ? Severity::warning : Severity::note, each.tag() + " in " + element_.tag() + " is ignored",
                hint, {each});
   }
