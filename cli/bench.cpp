@@ -55,7 +55,7 @@ void print_breaking_chain(const BreakingChain& chain, const Style& style) {
         table.text("  ") + '\n');
 }
 
-/// Shortest of several repeats; false if interrupted.
+/// The shortest of several repeats; false if interrupted.
 bool print_times(double budget, const Style& style) {
   const auto go_on = [] { return !InterruptGuard::interrupted(); };
   Table evaluations;
@@ -112,7 +112,7 @@ void write(io::JsonWriter& json, const OperationsRow& row) {
   json.member("source", row.source).end_object();
 }
 
-/// One document; false if interrupted.
+/// Prints one document; false if interrupted.
 bool print_json(const BenchOptions& options, const std::vector<LargeRow>& large, const std::vector<std::string>& peers) {
   std::string text;
   io::JsonWriter json(text, 2);
@@ -173,7 +173,7 @@ bool print_json(const BenchOptions& options, const std::vector<LargeRow>& large,
 
 int measure(const BenchOptions& options, const std::vector<std::string>& peers) {
   const InterruptGuard guard;
-  std::vector<LargeRow> large;  // first, while nothing that was freed is there to be used again
+  std::vector<LargeRow> large;  // first, before freed memory is available for reuse
   large_worlds(options.bodies, [&](const LargeRow& row) {
     large.push_back(row);
     return !InterruptGuard::interrupted();
@@ -209,7 +209,7 @@ int bench(const BenchOptions& options) {
   if (!options.models.empty()) return bench_models(options, peers);
   try {
     return measure(options, peers);
-  } catch (const Error& error) {  // no fault of the user's
+  } catch (const Error& error) {  // not the user's mistake
     show(stderr, "momentree bench: " + error.message() + '\n');
     return failed;
   }

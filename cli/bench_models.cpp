@@ -1,4 +1,4 @@
-// `momentree bench MODEL…`: what a user's own models take on this machine, and in other engines.
+// `momentree bench MODEL…`: times of a user's own models on this machine, and in other engines.
 #include <cstdio>
 #include <optional>
 
@@ -121,7 +121,7 @@ int bench_models(const BenchOptions& options, const std::vector<std::string>& pe
   }
   try {
     return measure(options, scenarios, peers, files);
-  } catch (const Error& error) {  // no fault of the user's
+  } catch (const Error& error) {  // not the user's mistake
     show(stderr, "momentree bench: " + error.message() + '\n');
     return failed;
   }

@@ -22,7 +22,7 @@ namespace momentree::cli {
 
 namespace {
 
-/// A program whose standard output is read; ended where the reader stops before it does.
+/// A program whose standard output is read; it is terminated if the reader stops first.
 class Reader {
  public:
   Reader(const std::string& program, std::vector<std::string> words) {
@@ -57,7 +57,7 @@ class Reader {
     for (int c = 0; (c = std::fgetc(output_)) != EOF && c != '\n';) text += static_cast<char>(c);
     return !text.empty();
   }
-  /// Its exit status, or −1 if it was ended.
+  /// Its exit status, or −1 if it was terminated.
   int finish() {
     std::fclose(output_);
     int status = 0;
@@ -128,7 +128,7 @@ std::vector<PeerRow> measure_peers(const std::vector<std::string>& programs, con
       if (InterruptGuard::interrupted()) return rows;
       try {
         peer_evaluations(program, {file}, keep);
-      } catch (const Error& error) {  // an engine may not take every model: bodies without mass, say
+      } catch (const Error& error) {  // an engine may not support every model, for example bodies without mass
         show(stderr, "momentree bench: left out: " + printable(error.what) + '\n');
       }
     }

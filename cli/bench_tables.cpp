@@ -32,7 +32,7 @@ std::string linear_text(long slope, long offset) {
   return format("%ld n ", slope) + (offset < 0 ? "− " : "+ ") + format("%ld", std::labs(offset));
 }
 
-/// Counted for two lengths, and held to the line at a third.
+/// Counted for two lengths, and checked for linearity at a third.
 OperationsRow counted(const char* name, const Vec3& gravity, Model (*make)(int), const char* source) {
   const auto count = [&](int bodies) {
     Model model = make(bodies);
@@ -96,7 +96,7 @@ GeneratedRow generated_time(const std::string& name, const Tree& tree, const Sta
   };
   row.seconds[0] = row.seconds[1] = HUGE_VAL;
   const auto begin = Clock::now();
-  do {  // in turn, so that what else the machine does befalls both
+  do {  // alternately, so that disturbances by other load affect both
     row.seconds[0] = std::min(row.seconds[0], shortest(0, kernel));
     row.seconds[1] = std::min(row.seconds[1], shortest(0, generated));
   } while (since(begin) < budget);
@@ -105,7 +105,7 @@ GeneratedRow generated_time(const std::string& name, const Tree& tree, const Sta
   double largest = 0, error = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
     const double off = std::fabs(other.pdot[i] - work.pdot[i]);
-    error = off <= error ? error : off;  // NaN stays
+    error = off <= error ? error : off;  // keeps NaN
     largest = std::max(largest, std::fabs(work.pdot[i]));
   }
   row.error = error / largest;
@@ -125,7 +125,7 @@ GeneratedRow at_start(const std::string& name, const Model& model, const KernelC
   return generated_time(name, tree, start_state(model, tree), kernels, budget);
 }
 
-/// `ratio`: of kinetic energies that is right, or any that is no gain where it is 0.
+/// `ratio`: the expected ratio of kinetic energies; 0: any that is not a gain.
 template <class Change>
 ChangeRow change_time(const char* name, const char* model_name, const Model& model, bool floating, double ratio, double budget,
                       const Change& change) {

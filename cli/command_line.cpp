@@ -25,7 +25,7 @@ std::string quoted(const std::string& words) { return "`momentree " + words + "`
 CLI::App* CommandLine::command(const char* name, const char* does, std::function<int()> action) {
   CLI::App* sub = app_.add_subcommand(name, does);
   sub->footer(closing);
-  sub->allow_extras();  // require_known_arguments has better words for them
+  sub->allow_extras();  // require_known_arguments gives better messages
   actions_.emplace_back(sub, std::move(action));
   return sub;
 }
@@ -96,7 +96,7 @@ void CommandLine::add_run() {
   sub->add_flag("--quiet", run_.quiet, "Print nothing but warnings and errors");
   verbose(sub, run_.verbose);
   sub->add_flag("--json", run_.json, "Print summary.json and nothing else");
-  sub->add_option("--format", run_.format)->group("");  // there is but one
+  sub->add_option("--format", run_.format)->group("");  // there is only one
   later(sub, "--checkpoint", true);
   later(sub, "--resume", false);
 }
@@ -239,7 +239,7 @@ std::string CommandLine::help(std::string_view command) const {
     if (sub->get_name() == command) about = sub;
   const std::string name = about == &app_ ? "momentree" : "momentree " + about->get_name();
   std::string text = about->get_formatter()->make_help(about, name, CLI::AppFormatMode::Normal);
-  for (std::size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);  // where a group is hidden
+  for (std::size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);  // left by a hidden group
   while (text.ends_with('\n')) text.pop_back();
   return text + '\n';
 }
@@ -262,7 +262,7 @@ const CLI::App* CommandLine::parsed() const {
 
 void CommandLine::require_known_arguments() const {
   const CLI::App* sub = parsed();
-  if (std::ranges::count(later_commands_, sub) > 0) return;  // they take any arguments
+  if (std::ranges::count(later_commands_, sub) > 0) return;  // they accept any arguments
   const std::string help = "see " + quoted(sub == &app_ ? "help" : "help " + sub->get_name());
   const auto suggestion = [&help](const std::string& word, const std::vector<std::string>& known) {
     const std::string guess = did_you_mean(word, known);
@@ -291,7 +291,7 @@ void CommandLine::require_known_arguments() const {
   if (sub == &app_) throw Error{"no command given", "", help};
 }
 
-// What is parsed, but still to come; and standard input, which can be read once.
+// Refuses options that are parsed but not supported yet, and more than one use of standard input.
 void CommandLine::require_what_there_is() const {
   for (const auto& [name, option] : later_options_)
     if (option->count() > 0) throw Error{"`" + name + "` is not supported yet", "", ""};
@@ -310,7 +310,7 @@ int CommandLine::call(int argc, char** argv) {
   } catch (const CLI::CallForVersion& e) {
     return app_.exit(e) == 0 ? done : bad_input;
   } catch (const CLI::ParseError& e) {
-    require_known_arguments();  // a slip in an option's name may be why another is missing
+    require_known_arguments();  // a missing option may be caused by a misspelled one
     const CLI::App* sub = parsed();
     std::string what = e.what();
     if (const std::size_t colon = what.find(": 1 required "); colon != std::string::npos)  // "--until: 1 required T missing"

@@ -28,7 +28,7 @@ std::string units(const char* letters, const char* (*unit)(char)) {
   return all;
 }
 
-/// What stands where in q and p, a line for each joint that moves.
+/// The positions of the joints' values in q and p, a line for each moving joint.
 std::string packing(const World& world) {
   Table table(Table::Values::left);
   const Tree& tree = world.tree();
@@ -43,7 +43,7 @@ std::string packing(const World& world) {
   return table.text("");
 }
 
-/// Throws Error where forces of the model can't be generated; all of them are told.
+/// Throws Error if the model has forces that cannot be generated; the message lists all of them.
 void require_plain_forces(const World& world, const std::string& path) {
   std::string all;
   for (const OtherForce& force : other_forces(world.tree())) {

@@ -8,7 +8,7 @@ namespace {
 
 Site site() { return {"<html>", "default-src 'none'", "key", "", "80"}; }
 
-/// The reply to a request for the page, with these lines added.
+/// The reply to a request for the page, with these header lines added.
 std::string status(const std::string& first, const std::string& lines, Site of = site()) {
   const std::string head = first + " HTTP/1.1\r\n" + lines + "\r\n";
   CHECK(head_size(head) == head.size());
@@ -90,12 +90,12 @@ TEST_CASE("http: the address that the browser is started with leads to the page 
   const auto reply = [&of](const std::string& method) {
     return reply_to(*parse_head(method + " /once HTTP/1.1\r\n" + host + "\r\n"), of).head;
   };
-  for (const char* method : {"GET", "HEAD"}) {  // whoever learns the key uses the address up
+  for (const char* method : {"GET", "HEAD"}) {  // any client that learns the key uses the address up
     of.once = "once";
     const std::string first = reply(method);
     CHECK(first.substr(9, 3) == "303");
     CHECK(first.find("\r\nLocation: /key\r\n") != std::string::npos);
     CHECK(reply("GET").substr(9, 3) == "404");
   }
-  CHECK(status("GET /", host, of) == "404");  // an empty path is not what an empty key would be
+  CHECK(status("GET /", host, of) == "404");  // an empty path does not match an empty key
 }

@@ -1,4 +1,4 @@
-// The program from outside where something goes wrong with what it writes: full disks, closed outputs, two runs at once, kills.
+// Runs the program under failures of its output: full disks, closed outputs, two runs at once, kills.
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -44,7 +44,7 @@ class Folder {
  public:
   Folder() { io::write_text_file(folder_ / "s.toml", scenario); }
 
-  /// Calls the program in the folder. `before`: a command of the shell that comes first.
+  /// Calls the program in the folder. `before`: a shell command that runs first.
   Outcome call(const std::string& arguments, const std::string& before = "true") const {
     const std::string line =
         "cd '" + (folder_ / "") + "' && { " + before + "; '" MOMENTREE_PROGRAM "' " + arguments + "; } >stdout 2>stderr";

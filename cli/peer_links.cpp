@@ -21,7 +21,7 @@ struct Link {
   Sym3 inertia{};       // about the same
 };
 
-/// Where the user's frame of a body stands in that of a link.
+/// The pose of a body's own frame in that of a link.
 struct Place {
   int link = -1;  ///< −1: the ground
   Mat3 R = identity3<double>();

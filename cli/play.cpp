@@ -19,7 +19,7 @@ bool has_models(const io::Scenario& scenario) {
   return false;
 }
 
-/// A text that the playground's reader, which opens no files, makes the same world of.
+/// A text from which the playground's reader, which opens no files, makes the same world.
 std::string text_of(const io::Scenario& scenario, const std::vector<std::string>& overrides) {
   if (!scenario.state_files.empty())
     throw_error({"the playground does not read state documents", scenario.path,

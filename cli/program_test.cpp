@@ -114,7 +114,8 @@ TEST_CASE("a run that starts from a state ends where the whole run ends") {
 }
 
 TEST_CASE("a run whose event turns out to be impossible is kept, and says which and why") {
-  // After a quarter turn about its second axis the joint's first one, which stays, is the axis2 that the change gives.
+  // After a quarter turn about the second axis, the joint's first axis, which stays, is parallel to the axis2 given by the
+  // change.
   const Workplace here(
       "format = 1\n[world]\ngravity = [0, 0, 0]\n[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"a\"\nmass = 1\n"
       "inertia = 1\n[mechanism.body.joint]\nkind = \"universal\"\naxis = [1, 0, 0]\naxis2 = [0, 1, 0]\n"
@@ -176,7 +177,7 @@ TEST_CASE("an interrupted run is kept") {
       execl(MOMENTREE_PROGRAM, "momentree", "run", scenario.c_str(), "--out", out.c_str(), "--quiet", "--until", "1e6", nullptr);
       _exit(127);
     }
-    // It listens from before the first row on: rows are written out once there are many.
+    // The signal handler is installed before the first row; rows are written out once there are many.
     for (int i = 0; i < 1000 && !(here.has("r.partial/bodies.csv") && fs::file_size(here.path("r.partial/bodies.csv")) > 100000);
          ++i)
       usleep(10000);
@@ -271,7 +272,7 @@ TEST_CASE("check --json: every problem of every file in one document, as docs/co
   CHECK(files[2].at("diagnostics")[0].at("line").is_null());
   CHECK(files[3].at("diagnostics")[0].at("file") == "none.json");
   CHECK(here.call("check good.toml --json").code == 0);
-  // The keys of the document's example are those of what is printed.
+  // The keys of the document's example are those in the output.
   const std::string docs = io::read_text_file(MOMENTREE_SOURCE_DIR "/docs/command.md");
   const std::size_t begin = docs.find("```json\n") + 8;
   const Json example = Json::parse(docs.substr(begin, docs.find("```", begin) - begin));
@@ -317,7 +318,7 @@ TEST_CASE("check, explain, evaluate, view") {
 }
 
 TEST_CASE("evaluate tells accelerations and reactions") {
-  // A rod lets go from the horizontal: a = −m g l / (I + m l²) = −g / 2, and the pin bears half its weight.
+  // A rod released from the horizontal: a = −m g l / (I + m l²) = −g / 2, and the joint bears half its weight.
   const Workplace here(
       "format = 1\n[world]\ngravity = [0, -9.81, 0]\n[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"rod\"\nmass = 2\n"
       "inertia = 2\ncom = [1, 0, 0]\n[mechanism.body.joint]\nname = \"pin\"\nkind = \"revolute\"\naxis = [0, 0, 1]\n");

@@ -1,4 +1,4 @@
-// A run that ends, and one that starts from its final state, are together the run that went through: to the last bit.
+// A run that ends and one that starts from its final state are together identical to one continuous run, to the last bit.
 #include <cmath>
 #include <string>
 
@@ -54,14 +54,14 @@ void check_restarts(const io::Scenario& scenario, double until, const std::vecto
     events.insert(events.end(), second.events.begin(), second.events.end());
     CHECK(events == whole.events);
     CHECK(second.state() == whole.state());
-    // Sums of work may differ by a rounding: steps are looked at again for peaks of what breaks a joint by itself.
+    // Sums of work may differ by rounding: steps are evaluated again to find peaks of the load that breaks a joint.
     if (whole.adaptive)
       CHECK(second.session.simulation().step_memory().work ==
             doctest::Approx(whole.session.simulation().step_memory().work).epsilon(1e-12));
   }
 }
 
-// A pendulum that swings to and fro past every kind of condition, beside a chain whose joints are watched one by one.
+// A pendulum that swings past every kind of condition, and a chain whose joints are monitored one by one.
 std::string swinging(const std::string& method) {
   return R"(format = 1
 [[mechanism]]

@@ -96,7 +96,7 @@ void Session::take_armed(const io::ArmedEvent& event, const std::string& file) {
   armed_at_start_[place->second] = event;
 }
 
-// What a document says of an event, or of the match of a wildcard that it is; null: it says nothing.
+// The state of an event, or of its wildcard match, in the document; null: there is none.
 const EventQueue::Armed* Session::past_of(const io::ScenarioEvent& event) const {
   const std::vector<EventQueue::Armed>& each = armed_at_start_[by_name_.at(event.name)].each;
   return each.empty() ? nullptr : &each[match_of_.at(&original(event))];
@@ -107,9 +107,9 @@ const io::ScenarioEvent& Session::original(const io::ScenarioEvent& event) const
   return found == original_.end() ? event : *found->second;
 }
 
-// What comes after an event that was over before the run began comes when it is due, or never.
+// Events after an event that was over before the run began happen when they are due, or never.
 void Session::schedule_followers(std::vector<const io::ScenarioEvent*>& events) {
-  for (bool more = true; more;) {  // what is dropped may itself have followers
+  for (bool more = true; more;) {  // a dropped event may have followers itself
     more = false;
     std::unordered_set<std::string> names;
     for (const io::ScenarioEvent* event : events) names.insert(event->name);
@@ -156,12 +156,12 @@ std::vector<io::Diagnostic> Session::schedule() {
   }
   if (from_document_) schedule_followers(events);
   scheduled_ = io::schedule(simulation_, std::move(events), scenario_.events);
-  if (scheduled_.problems.empty()) resume();  // first: a document knows instants to the last bit
+  if (scheduled_.problems.empty()) resume();  // first: a document stores instants to the last bit
   std::vector<io::EventProblem> problems = scheduled_.problems;
-  if (problems.empty() && from_document_) {  // else the reader has tried them
+  if (problems.empty() && from_document_) {  // otherwise the reader has tried them
     const auto line = [](Place place) { return format("line %d", place.line); };
     problems = io::problems_of(simulation_.dry_run(), scheduled_, line);
-    // What has nothing to do any more is no mistake: the run that wrote the document went on past such actions, too.
+    // An action with no effect is not an error: the run that wrote the document continued past such actions, too.
     std::erase_if(problems, [&](const io::EventProblem& problem) {
       if (problem.idle) warn(problem.place, problem.what);
       return problem.idle;
@@ -174,7 +174,7 @@ std::vector<io::Diagnostic> Session::schedule() {
   return warnings;
 }
 
-// Goes on where the run of the document stood.
+// Resumes from the state of the document's run.
 void Session::resume() {
   if (!from_document_) return;
   std::vector<EventQueue::Armed> armed = simulation_.snapshot().armed;
@@ -193,14 +193,14 @@ io::Armed Session::armed() const {
   for (std::size_t place = 0; place < armed.size(); ++place) {
     const auto& matches = matches_[place];
     const io::ScenarioEvent& first = *matches.front();
-    if (!first.condition && first.after.empty() && first.period == 0) continue;  // its instant says all
+    if (!first.condition && first.after.empty() && first.period == 0) continue;  // its instant is sufficient
     std::vector<EventQueue::Armed> each;
     for (const io::ScenarioEvent* event : matches) {
       const auto at = scheduled.find(event);
       const EventQueue::Armed* const past = past_of(*event);
       if (at != scheduled.end()) {
         each.push_back(*at->second);
-        if (!event->after.empty() && each.back().done)  // only because what it comes after is over
+        if (!event->after.empty() && each.back().done)  // only because the event that it follows is over
           each.back().done = false, each.back().time = HUGE_VAL;
       } else if (past != nullptr)
         each.push_back(*past);

@@ -116,14 +116,14 @@ TEST_CASE("- is standard input, wherever a scenario, a model or a state is read"
   CHECK(here.call("explain - <s.toml").output == here.call("explain s.toml").output);
   CHECK(here.call("compile - -o c.cpp <s.toml").code == 0);
   CHECK(here.call("view - --svg v.svg <s.toml").code == 0);
-  // A model by its content; what a scenario names, from the current folder.
+  // A model identified by its content; files that a scenario names are located in the current folder.
   io::write_text_file(here.path("arm.urdf"),
                       "<robot name='An arm'><link name='base'><inertial><mass value='2'/></inertial></link>\n<x/></robot>");
   CHECK(here.call("check - <arm.urdf").says("<stdin>: ok: 1 mechanism, 1 body"));
   CHECK(here.call("explain - <arm.urdf").says("stdin/base"));
   io::write_text_file(here.path("m.toml"), "format = 1\n[[mechanism]]\nname = \"m\"\nmodel = \"arm.urdf\"\n");
   CHECK(here.call("check - <m.toml").says("<stdin>: ok: 1 mechanism, 1 body"));
-  // Its mistakes have their places.
+  // Its errors have places.
   io::write_text_file(here.path("bad.toml"), replaced(chain, "links", "lynks"));
   CHECK(
       here.call("check - <bad.toml").says("<stdin>:8:1: error: unknown key 'lynks' in [mechanism.chain]; did you mean 'links'?"));
