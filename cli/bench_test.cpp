@@ -17,7 +17,7 @@
 
 namespace momentree::cli {
 
-TEST_CASE("operations: rows of others as they are printed, ours as counted") {
+TEST_CASE("operations: rows of others as printed, momentree's as counted") {
   const std::vector<OperationsRow> rows = operations_table();
   REQUIRE(rows.size() == 6);
   CHECK(rows[2].total == "432 n − 688");
@@ -127,7 +127,7 @@ TEST_CASE("momentree bench: tables for people, one document for programs") {
 #endif
 }
 
-TEST_CASE("momentree bench --peers: runs the programs of a folder, and believes nothing that failed") {
+TEST_CASE("momentree bench --peers: runs the programs of a folder, and discards the results of failures") {
   const io::test::TemporaryFolder folder;
   const auto program = [&](const char* name, const std::string& script) {
     std::ofstream(folder / name) << "#!/bin/sh\n" << script;
@@ -162,7 +162,7 @@ TEST_CASE("momentree bench --peers: runs the programs of a folder, and believes 
         2 << 8);
 }
 
-TEST_CASE("momentree bench MODEL: one's own models, and other engines on the same") {
+TEST_CASE("momentree bench MODEL: a user's own models, in momentree and other engines") {
   const io::test::TemporaryFolder folder;
   const auto call = [&](const std::string& arguments) {
     return std::system(

@@ -53,7 +53,7 @@ void check_seen(std::string text) {
   CHECK_MESSAGE(first_invisible(text) == std::string::npos, printable(text));
 }
 
-TEST_CASE("whatever is in names of files, nothing but text comes of it") {
+TEST_CASE("whatever is in names of files, only text is printed") {
   const Program program;
   const std::string file = hostile + ".toml";
   program.write(file, scenario);
@@ -124,7 +124,7 @@ TEST_CASE("whatever is in arguments and in the lines of files, messages are text
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST_CASE("where there is not enough memory, the error says so and names the file") {
+TEST_CASE("if there is not enough memory, the error reports that and names the file") {
   const Program program;
   program.write("s.toml", "format = 1\n[[mechanism]]\nname = \"m\"\n[mechanism.chain]\nlinks = 1000000\nlength = 1\nmass = 1\n");
   const std::string half = "ulimit -v 500000 && ";

@@ -42,7 +42,7 @@ TEST_CASE("http: a request is its method, its path without the query, and the he
   CHECK(parse_head("GET / HTTP/1.1\r\ntransfer-encoding: chunked\r\n\r\n")->has_body);
 }
 
-TEST_CASE("http: what is no request, or could be read in two ways, is refused") {
+TEST_CASE("http: invalid and ambiguous requests are refused") {
   for (const char* first : {"", "GET", "GET /", "GET / HTTP/2", "GET  HTTP/1.1", "GET http://a/ HTTP/1.1", "GET /a b HTTP/1.1",
                             "G T / HTTP/1.1", "GET /\x01 HTTP/1.1", " / HTTP/1.1"})
     CHECK_FALSE(parse_head(std::string(first) + "\r\nHost: a\r\n\r\n"));

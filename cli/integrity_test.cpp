@@ -116,7 +116,7 @@ TEST_CASE("a run that is killed leaves what can be drawn: rows with the events b
   CHECK(view.says("chain/3, from 0.05 s"));
 }
 
-TEST_CASE("on a full disk a run fails, says so everywhere, and keeps whole rows") {
+TEST_CASE("on a full disk a run fails, reports it everywhere, and keeps whole rows") {
   const Folder here;
   const std::string limit = "ulimit -f 40";  // 20 or 40 kB for each file
   const Outcome run = here.call("run s.toml --out r --json --report", limit);
@@ -142,7 +142,7 @@ TEST_CASE("on a full disk a run fails, says so everywhere, and keeps whole rows"
   CHECK(here.files() == 3);  // the scenario, r.partial and s.partial
 }
 
-TEST_CASE("what can't be printed is an error; a closed output is not mistaken for a file") {
+TEST_CASE("a failure to print is an error; a closed output is not mistaken for a file") {
   const Folder here;
   REQUIRE(here.call("run s.toml --out r --quiet").code == 0);
   for (const char* command :
@@ -161,7 +161,7 @@ TEST_CASE("what can't be printed is an error; a closed output is not mistaken fo
   CHECK(here.status("q") == "done");
 }
 
-TEST_CASE("outputs that would replace what is read, or be taken for something else, are refused") {
+TEST_CASE("outputs that would replace an input, or be mistaken for something else, are refused") {
   const Folder here;
   fs::create_symlink("s.toml", here.path("link.toml"));
   REQUIRE(here.call("convert s.toml -o m.urdf").code == 0);

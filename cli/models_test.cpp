@@ -27,7 +27,7 @@ double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
 }  // namespace
 
-TEST_CASE("panda_lets_go: the hand comes off where its coupling bears 6 N m, and keeps energy and momentum") {
+TEST_CASE("panda_lets_go: the hand separates when its coupling bears 6 N m, and keeps energy and momentum") {
   const Run run("panda_lets_go");
   const auto overload = events_named(run, "overload");
   REQUIRE(overload.size() == 1);
@@ -69,7 +69,7 @@ TEST_CASE("quadruped_knee: in flight the centre of mass keeps its parabola, the 
   CHECK(norm(last - first - Vec3{0, 0, -mass * 9.81}) < 1e-9 * norm(first));
 }
 
-TEST_CASE("ur5_power_cut: it holds, falls, and its shoulder is caught; the elbow goes on falling") {
+TEST_CASE("ur5_power_cut: it holds, falls, and its shoulder is caught; the elbow continues to fall") {
   const Run run("ur5_power_cut");
   REQUIRE(events_named(run, "brake").size() == 1);
   CHECK(events_named(run, "brake")[0].at("time").get<double>() == doctest::Approx(0.65).epsilon(1e-12));

@@ -126,7 +126,7 @@ TEST_CASE("links for other engines: welds anywhere, a free body whose frame is n
   check_same(grounded);
 }
 
-TEST_CASE("links for other engines: what they do not take is refused by name") {
+TEST_CASE("links for other engines: unsupported joints are refused by name") {
   Model model;
   model.add({.name = "a", .mass = 1, .inertia = diagonal(1, 1, 1), .joint = Ball{}});
   CHECK_THROWS_AS(peer_links("it", model), Error);

@@ -45,7 +45,7 @@ TEST_CASE("run writes its files and reports") {
   CHECK(here.text("results/s/joints.csv").find("chain/4.q6") != std::string::npos);
 }
 
-TEST_CASE("run --report writes one page with its data, also of a run that went wrong") {
+TEST_CASE("run --report writes one page with its data, also for a failed run") {
   const Workplace here;
   const Outcome run = here.call("run s.toml --report");
   CHECK(run.code == 0);
@@ -77,7 +77,7 @@ TEST_CASE("run --quiet and --json, --out, --set and --until") {
   CHECK(here.text("results/s/bodies.csv").find("chain/9.x") != std::string::npos);
 }
 
-TEST_CASE("run --reactions adds what joints carry, and changes nothing else") {
+TEST_CASE("run --reactions adds the reactions of joints, and changes nothing else") {
   const Workplace here;
   REQUIRE(here.call("run s.toml --out plain").code == 0);
   const Outcome run = here.call("run s.toml --out r --reactions");
@@ -113,7 +113,7 @@ TEST_CASE("a run that starts from a state ends where the whole run ends") {
   CHECK(here.text("rest/events.jsonl") == "");
 }
 
-TEST_CASE("a run whose event turns out to be impossible is kept, and says which and why") {
+TEST_CASE("a run with an event that turns out to be impossible is kept, and reports which and why") {
   // After a quarter turn about the second axis, the joint's first axis, which stays, is parallel to the axis2 given by the
   // change.
   const Workplace here(
@@ -154,7 +154,7 @@ TEST_CASE("a run that starts from a changed world ends where the whole run ends,
   CHECK(check.says("u.toml:29:8: warning: lock: does nothing: it is locked already"));
 }
 
-TEST_CASE("a run that diverges is kept, and says which joint and when") {
+TEST_CASE("a run that diverges is kept, and reports which joint and when") {
   const Workplace here;
   const Outcome run = here.call("run s.toml --set integrate.step=0.02 --set mechanism.chain.chain.damping=1");
   CHECK(run.code == 1);
@@ -213,7 +213,7 @@ TEST_CASE("bad input: exit 2, the line, nothing written") {
   }
 }
 
-TEST_CASE("results that can't be written: exit 2 before the run") {
+TEST_CASE("results that cannot be written: exit 2 before the run") {
   const Workplace here;
   fs::create_directory(here.path("mine"));
   io::write_text_file(here.path("mine/notes.txt"), "x");
@@ -224,7 +224,7 @@ TEST_CASE("results that can't be written: exit 2 before the run") {
   CHECK(here.files() == 2);
 }
 
-TEST_CASE("convert: what is written is a scenario, and the same one again") {
+TEST_CASE("convert: the output is a scenario, and converts to itself again") {
   const Workplace here;
   CHECK(here.call("convert s.toml -o a.toml --set integrate.step=0.002").code == 0);
   CHECK(here.call("check a.toml").says("a.toml: ok: 1 mechanism, 8 bodies, 8 degrees of freedom, 1 event"));
@@ -317,7 +317,7 @@ TEST_CASE("check, explain, evaluate, view") {
   CHECK_FALSE(here.has("results"));
 }
 
-TEST_CASE("evaluate tells accelerations and reactions") {
+TEST_CASE("evaluate prints accelerations and reactions") {
   // A rod released from the horizontal: a = −m g l / (I + m l²) = −g / 2, and the joint bears half its weight.
   const Workplace here(
       "format = 1\n[world]\ngravity = [0, -9.81, 0]\n[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"rod\"\nmass = 2\n"

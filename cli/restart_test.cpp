@@ -154,7 +154,7 @@ until = 3
 
 }  // namespace
 
-TEST_CASE("a restart goes on as the run would have: conditions, delays, periods, wildcards, and the steps of a method") {
+TEST_CASE("a restart continues as the run would have: conditions, delays, periods, wildcards, and the steps of a method") {
   for (const char* method : {"method = \"rk4\"\nstep = 0.007\n", "method = \"dopri5\"\nrtol = 1e-7\n",
                              "method = \"dop853\"\nrtol = 1e-9\n", "method = \"midpoint\"\nstep = 0.02\n"}) {
     CAPTURE(method);
@@ -258,7 +258,7 @@ set = { joint = "m/b3", damping = 0.2 }
                  1, {0.25, 0.375, 0.5, 0.75});
 }
 
-TEST_CASE("events that are a rounding apart do not contradict one another after a restart") {
+TEST_CASE("events that differ by rounding do not contradict one another after a restart") {
   check_restarts(read(R"(format = 1
 [integrate]
 until = 0.4
@@ -288,7 +288,7 @@ lock = "p/bob"
                  0.4, {0.13, 0.2});
 }
 
-TEST_CASE("what a document says of events must fit the scenario") {
+TEST_CASE("the events of a document must fit the scenario") {
   const io::Scenario scenario = read(swinging("step = 0.01\n"));
   const io::test::TemporaryFolder folder;
   const std::string file = folder / "state.json";

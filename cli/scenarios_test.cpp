@@ -65,7 +65,7 @@ TEST_CASE("breaking_chain: 40 links stay, 60 fly off; the paper's step costs abo
   CHECK(svg.size() < 100'000);
 }
 
-TEST_CASE("breaking_chain_accurate: the tip is where it should be, the energy balance closes") {
+TEST_CASE("breaking_chain_accurate: the free end is where it should be, the energy balance closes") {
   const Run run("breaking_chain_accurate");
   check_break_of_the_chain(run);
   const auto bodies = run.table("bodies.csv");
@@ -173,7 +173,7 @@ TEST_CASE("crane: the trolley keeps to its plan, the rope parts at its strength,
   CHECK(run.final_state.at("armed").at("lands").at("done") == true);
 }
 
-TEST_CASE("servo_arm: soft stops give way a little, a jam holds, the motors bring the arm where it should be") {
+TEST_CASE("servo_arm: soft stops give way a little, a jam holds, the motors bring the arm to its target") {
   const Run run("servo_arm");
   REQUIRE(run.events.size() == 2);
   CHECK(std::fabs(run.energy("error")) < 1e-4);

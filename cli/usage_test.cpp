@@ -82,7 +82,7 @@ TEST_CASE("usage") {
   CHECK(here.files() == 1);
 }
 
-TEST_CASE("help is of the program or of a command, and offers nothing that is still to come") {
+TEST_CASE("help covers the program or a command, and hides what is not supported yet") {
   const Workplace here;
   CHECK(here.call("-V").output == here.call("--version").output);
   CHECK(here.call("help").output == here.call("--help").output);

@@ -41,7 +41,7 @@ TEST_CASE("welds that would close a loop are refused") {
   });
 }
 
-TEST_CASE("what would do nothing is refused, with what made it so") {
+TEST_CASE("actions with no effect are refused, with the reason") {
   check({
       {first + "break = \"m/j\"\n" + then + "lock = \"m/j\"\n",
        "s.toml:47:8: error: lock: joint 'm/j' will be broken by then, by break m/j (event '#1', line 44); to hold the separated "
@@ -96,7 +96,7 @@ TEST_CASE("impossible joints are refused") {
   });
 }
 
-TEST_CASE("names that mean nothing are refused") {
+TEST_CASE("unknown names are refused") {
   check({
       {first + "lock = \"m/jj\"\n", "s.toml:44:8: error: lock: there is no joint 'm/jj'; did you mean 'm/j'?"},
       {first + "lock = \"m/b\"\n", "s.toml:44:8: error: lock: there is no joint 'm/b'; the joint of that body is 'm/j'"},

@@ -75,7 +75,7 @@ TEST_CASE("tolerances must be positive, of use to the method, and such as the st
   CHECK(long_chain.find("rtol = 1e-11 is below") != std::string::npos);
 }
 
-TEST_CASE("a tolerance of events that the clock can't tell is told") {
+TEST_CASE("an event tolerance below the resolution of the clock is reported") {
   const auto warned = [](const std::string& keys) {
     return said(momentree::io::read_scenario_text(pinned + "[integrate]\nuntil = 3\nevent_tolerance = " + keys + "\n", "s.toml"));
   };
@@ -86,7 +86,7 @@ TEST_CASE("a tolerance of events that the clock can't tell is told") {
         "are 4.4e-16 s apart; use 4e-15 s or more");
 }
 
-TEST_CASE("what is still to come is refused where it stands") {
+TEST_CASE("unsupported keys are refused with their places") {
   check({
       {pinned + "[[loop]]\n",
        "s.toml:10:3: error: 'loop' is not supported yet; closed loops are not supported: a mechanism is a tree"},

@@ -37,7 +37,7 @@ TEST_CASE("broken TOML is refused at its first error") {
   });
 }
 
-TEST_CASE("what is no text is refused") {
+TEST_CASE("files that are not text are refused") {
   using namespace std::string_literals;
   const std::string not_utf8 = ": error: the text is not UTF-8; save the file with the encoding UTF-8";
   check({
@@ -74,7 +74,7 @@ TEST_CASE("depth is refused, however it is written") {
   }
 }
 
-TEST_CASE("dots in strings, numbers and comments are no depth") {
+TEST_CASE("dots in strings, numbers and comments do not count as depth") {
   const std::string dots(100, '.');
   const auto said_of = [](const std::string& text) { return said(momentree::io::read_scenario_text(text, "s.toml")); };
   CHECK(said_of(pinned + "# " + dots + "\naxis = [0.0, 0.0, 1.0]\n[world]\ngravity = [0.0, 0.0, 1.0] # " + dots + "\n") == "");
@@ -85,7 +85,7 @@ TEST_CASE("dots in strings, numbers and comments are no depth") {
   }
 }
 
-TEST_CASE("what is no scenario is refused") {
+TEST_CASE("files that are not scenarios are refused") {
   check({
       {std::string(),
        "s.toml:1:1: warning: the scenario does not state its format; begin it with format = 1\n"
@@ -133,7 +133,7 @@ TEST_CASE("unknown keys are errors, with the nearest known key") {
   });
 }
 
-TEST_CASE("letters of every alphabet stay what they are, in strings and names") {
+TEST_CASE("letters of every alphabet are unchanged, in strings and names") {
   const std::string letters = "aß\xc2\x80 Ж\xc2\x85\xe2\x80\xa8שש漢字\xef\xbf\xbd🌳\xf3\xaf\xbf\xbf";
   momentree::io::SyntaxError error;
   const auto document = momentree::io::parse_toml("words = \"\"\"\\\n  " + letters + "\\u0416\"\"\"\n", error);
@@ -146,7 +146,7 @@ TEST_CASE("letters of every alphabet stay what they are, in strings and names") 
           "s.toml:2:14: error: cannot read this key-value pair: expected a comment or whitespace, saw 'x'"}});
 }
 
-TEST_CASE("lines are quoted only of what is known for a scenario") {
+TEST_CASE("lines are quoted only from files recognised as scenarios") {
   const auto refused = [](const std::string& text) {
     const momentree::io::ReadResult result = momentree::io::read_scenario_text(text, "s.toml");
     CHECK(!result.scenario);
@@ -174,7 +174,7 @@ TEST_CASE("lines are quoted only of what is known for a scenario") {
   }
 }
 
-TEST_CASE("a title is a line that is seen") {
+TEST_CASE("a title is one visible line") {
   check({
       {"format = 1\ntitle = \"a\\u001b[31mb\"\n" + one_body.substr(11),
        "s.toml:2:9: error: title: 'a\\x1b[31mb' has an invisible character; a title is one line without control "

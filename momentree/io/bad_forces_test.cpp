@@ -45,7 +45,7 @@ TEST_CASE("values that change with time") {
   });
 }
 
-TEST_CASE("drives that are none") {
+TEST_CASE("invalid drives are refused") {
   const std::string ball = one_body + "[mechanism.body.joint]\nkind = \"ball\"\n";
   check({
       {pinned + "drive = { }\n",
@@ -84,7 +84,7 @@ TEST_CASE("drives that are none") {
   });
 }
 
-TEST_CASE("friction, soft stops and strengths that are none") {
+TEST_CASE("invalid friction, soft stops and strengths are refused") {
   check({
       {pinned + "friction = { coulomb = 1 }\n",
        "s.toml:10:12: error: friction has no 'speed'; the friction fades below it: use about a hundredth of the joint's usual "
@@ -113,7 +113,7 @@ TEST_CASE("friction, soft stops and strengths that are none") {
   });
 }
 
-TEST_CASE("forces on bodies that are none") {
+TEST_CASE("invalid forces on bodies are refused") {
   const std::string force = pinned + "[[force]]\n";
   check({
       {force,

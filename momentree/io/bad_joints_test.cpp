@@ -61,7 +61,7 @@ TEST_CASE("impossible joints are refused") {
   });
 }
 
-TEST_CASE("mechanisms that are no trees are refused") {
+TEST_CASE("mechanisms that are not trees are refused") {
   check({
       {pinned + "parent = \"b\"\n[[mechanism.body]]\nname = \"c\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = "
                 "\"revolute\"\nparent = \"a\"\n",
@@ -122,7 +122,7 @@ TEST_CASE("mechanisms that are no trees are refused") {
   });
 }
 
-TEST_CASE("freedoms that move no mass are refused") {
+TEST_CASE("degrees of freedom that move no mass are refused") {
   check({
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = 1\n[mechanism.body.joint]\nkind = \"revolute\"\n",
        "s.toml:5:8: error: joint 'm/a': the joint-space mass is singular: freedom 1 of 1 of this revolute joint moves no mass; "

@@ -21,7 +21,7 @@ std::string swung(const std::string& lines) { return said(read_scenario_text(pen
 
 }  // namespace
 
-TEST_CASE("what is usual is not judged") {
+TEST_CASE("usual values are accepted") {
   for (const char* lines :
        {"", "step = 1e-3\nuntil = 1", "step = \"0.1 ms\"\nuntil = \"1 h\"", "method = \"dopri5\"\nrtol = 1e-3\natol = 1e-6",
         "method = \"dop853\"\nrtol = 1e-13\natol = 1e-15", "method = \"dopri5\"\nstep = 5\nmax_step = 1", "until = 0\nstep = 1"})
@@ -31,7 +31,7 @@ TEST_CASE("what is usual is not judged") {
   CHECK(swung("[integrate]\nuntil = 100\n[output]\nevery = \"1 ms\"\n") == "");
 }
 
-TEST_CASE("steps and lengths that do not go together") {
+TEST_CASE("inconsistent steps and lengths are reported") {
   CHECK(integrated("step = 20\nuntil = 10") ==
         "s.toml:11:8: warning: step = 20 s is longer than the whole run of 10 s; a step resolves the fastest motion: \"1 ms\" is "
         "usual");
@@ -69,7 +69,7 @@ TEST_CASE("tolerances that allow everything, or nothing") {
         "anything is at rest; use 1e-15 or more; `rtol` controls the error of moving bodies");
 }
 
-TEST_CASE("steps that a model can't be followed with") {
+TEST_CASE("steps that cannot resolve the motion are reported") {
   CHECK(
       swung("[integrate]\nstep = 1\n")
           .starts_with("s.toml:12:8: warning: step = 1 s is too long for this motion: the first step of joint 'm/a' is off by "));
@@ -84,7 +84,7 @@ TEST_CASE("steps that a model can't be followed with") {
       "use a step below 0.00297 s");
 }
 
-TEST_CASE("events that come after the end are warned of, and those that come after them") {
+TEST_CASE("events after the end give warnings, and so do those that follow them") {
   const std::string impulse = "impulse = { body = \"m/a\", force = [1, 0, 0] }\n";
   const auto event = [&](const std::string& lines) { return "[[event]]\n" + lines + "\n" + impulse; };
   const std::string cure = "; make the run longer, as in until = \"20 s\", or the event earlier";

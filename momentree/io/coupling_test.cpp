@@ -49,7 +49,7 @@ TEST_CASE("two coupled wheels swing about their gear as two masses on a spring d
   CHECK(p(run, 0) == left);
 }
 
-TEST_CASE("a damped coupling ends in step, and a locked leader holds what follows it") {
+TEST_CASE("a damped coupling ends in step, and a locked leader holds its followers") {
   const ReadResult read = read_scenario_text(wheels +
                                                  "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\nmultiplier = 2\noffset = "
                                                  "\"90 deg\"\nstiffness = 5\ndamping = 0.5\n",
@@ -80,7 +80,7 @@ TEST_CASE("several joints may follow one") {
   CHECK(run.world().totals().kinetic < 0.5 * 0.01);  // the rest of the energy is in the springs
 }
 
-TEST_CASE("the Panda's second finger follows the first where the scenario says so") {
+TEST_CASE("the Panda's second finger follows the first if the scenario requests it") {
   const ReadResult read = read_scenario(MOMENTREE_SOURCE_DIR "/scenarios/panda_lets_go.toml",
                                         {"mechanism.panda.mimic={ stiffness = 2e4, damping = 20 }",
                                          "mechanism.panda.state={ joints = { panda_finger_joint1 = 0.02 } }"});
@@ -115,7 +115,7 @@ TEST_CASE("the Panda's second finger follows the first where the scenario says s
   CHECK(same.multiplier == pair.multiplier);
 }
 
-TEST_CASE("couplings that go round in a circle are refused at the first of them") {
+TEST_CASE("couplings that form a cycle are refused at the first of them") {
   const std::string three = two.substr(0, two.rfind("roots")) + "roots = 3\n" + wheel("a", 1) + wheel("b", 1) + wheel("c", 1);
   const auto coupling = [](const char* joint, const char* leader) {
     return "[[coupling]]\nstiffness = 1\njoint = \"m/" + std::string(joint) + "\"\nfollows = \"m/" + leader + "\"\n";
@@ -127,7 +127,7 @@ TEST_CASE("couplings that go round in a circle are refused at the first of them"
         "lead and follow no other");
 }
 
-TEST_CASE("what is wrong with a coupling is told at its place") {
+TEST_CASE("errors in a coupling are reported at its place") {
   const auto refused = [](const std::string& text, const std::string& message) {
     CAPTURE(text);
     const std::string words = said(read_scenario_text(text, "s.toml"));

@@ -84,7 +84,7 @@ TEST_CASE("a model of a folder above names files of its own folder, not of the s
   CHECK(has(folder.said("here/s.toml"), "error: mesh '../here/meshes/a.stl' is not in the model's folder or below it"));
 }
 
-TEST_CASE("symbolic links lead no model out of its folder") {
+TEST_CASE("symbolic links cannot lead a model out of its folder") {
   Folder folder;
   folder.link("../beside/b.xml", "here/b.xml");
   folder.link("../beside", "here/out");
@@ -115,7 +115,7 @@ TEST_CASE("symbolic links lead no model out of its folder") {
   }
 }
 
-TEST_CASE("a model that is itself a link may name files beside the link and beside its target") {
+TEST_CASE("a model that is itself a link may name files next to the link and next to its target") {
   Folder folder;
   folder.write("real/r.urdf", robot("meshes/b.stl"));
   folder.write("real/meshes/b.stl", "");
@@ -127,7 +127,7 @@ TEST_CASE("a model that is itself a link may name files beside the link and besi
   CHECK(folder.said("here/r.urdf") == "");
 }
 
-TEST_CASE("a scenario's meshes stand in its folder or below it, symbolic links followed") {
+TEST_CASE("a scenario's meshes are in its folder or below it, with symbolic links resolved") {
   Folder folder;
   folder.link("../beside", "here/out");
   const auto said_of = [&](const std::string& mesh) {
@@ -144,7 +144,7 @@ TEST_CASE("a scenario's meshes stand in its folder or below it, symbolic links f
   CHECK(has(said_of("a\\u001b.stl"), "error: mesh: 'a\\x1b.stl' is not a file in the scenario's folder or below it"));
 }
 
-TEST_CASE("a file that is no model or state is not quoted, however it is named") {
+TEST_CASE("a file that is not a model or state is not quoted, however it is named") {
   Folder folder;
   folder.write("beside/config.xml", "<config>\n<secret>x</secret\n</config>");
   folder.write("beside/sound.xml", "<!-- secret --><config>\n<secret>x</secret>\n</config>");

@@ -81,7 +81,7 @@ TEST_CASE("ten thousand joints may follow one another") {
   CHECK(most == 0);
 }
 
-TEST_CASE("what can't follow is told where mimic is asked for") {
+TEST_CASE("joints that cannot follow are reported where mimic is requested") {
   const auto refused = [](const std::string& joints, const std::string& message) {
     const ReadResult result = read(joints);
     CHECK(!result.scenario);
@@ -93,7 +93,7 @@ TEST_CASE("what can't follow is told where mimic is asked for") {
   refused(joint("b", "fixed", "") + joint("a", "continuous", follows("b")), "'b' does not have one degree of freedom");
 }
 
-TEST_CASE("URDF: joints that follow each other in a circle are refused, with the circle") {
+TEST_CASE("URDF: joints that follow each other in a cycle are refused, with the cycle") {
   const std::string head_line = "<robot name='r'>\n<link name='base'/>\n";
   const auto refused = [&](const std::string& joints, const std::string& message) {
     const ReadResult result = read_scenario_text(head_line + joints + "</robot>", "r.urdf");
@@ -114,7 +114,7 @@ TEST_CASE("URDF: joints that follow each other in a circle are refused, with the
           "mimic: joint 'j0' follows 'j1', which follows 'j2', which follows 'j3', …, which follows 'j99', which follows 'j0'");
 }
 
-TEST_CASE("SDF: joints that follow each other in a circle are refused, with the circle") {
+TEST_CASE("SDF: joints that follow each other in a cycle are refused, with the cycle") {
   const auto turning = [](const std::string& name, const std::string& leader) {
     return "<link name='of_" + name + "'/><joint name='" + name + "' type='revolute'><parent>base</parent><child>of_" + name +
            "</child><axis><xyz>0 0 1</xyz>\n<mimic joint='" + leader + "'><multiplier>1</multiplier></mimic></axis></joint>\n";

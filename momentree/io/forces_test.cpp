@@ -105,7 +105,7 @@ TEST_CASE("friction, soft stops and strength") {
   CHECK(p.limits.soft());
 }
 
-TEST_CASE("a chain has them for all of its joints") {
+TEST_CASE("a chain has joint tables for all of its joints") {
   const Scenario s = read(chain +
                           "inertia = 1\nfriction = { coulomb = 1, speed = 0.1 }\nstrength = { force = 5, torque = 6 }\n"
                           "drive = { effort = { sine = { amplitude = 1, frequency = 2 } } }\nstiffness = 3\n");
@@ -118,7 +118,7 @@ TEST_CASE("a chain has them for all of its joints") {
   }
 }
 
-TEST_CASE("events set them, and give them to the joints that they make, with units or without") {
+TEST_CASE("events set joint parameters, and give them to the joints that they make, with units or without") {
   const Scenario s =
       read(pinned +
            "[[event]]\nat = 1\nset = { joint = \"m/a\", drive = { pd = { kp = \"2 N m\", target = \"10 deg\" } }, "
@@ -156,7 +156,7 @@ TEST_CASE("forces on bodies: constant and changing, in either axes, for every ma
   }
 }
 
-TEST_CASE("a wildcard in a condition arms one event for each match, and actions with it act on the same") {
+TEST_CASE("a wildcard in a condition arms one event for each match, and actions with the wildcard act on that match") {
   const Scenario s = read(chain +
                           "inertia = 1\n[[event]]\nname = \"overload\"\nwhen = { reaction_force = \"m/*\", exceeds = \"3 N\" }\n"
                           "break = \"m/*\"\nset = { joint = \"m/1\", damping = 1 }\n"
@@ -194,7 +194,7 @@ TEST_CASE("each joint of a chain breaks at its own load") {
   CHECK(simulation.events()[0].action_texts() == std::vector<std::string>{"break m/1"});
 }
 
-TEST_CASE("something may come after a joint's own strength") {
+TEST_CASE("an event may follow the break of a joint by its own strength") {
   const std::string text =
       "format = 1\n[world]\ngravity = [10, 0, 0]\n[[mechanism]]\nname = \"m\"\n[mechanism.chain]\nlinks = 2\nlength = 1\nmass = "
       "1\n"

@@ -92,7 +92,7 @@ strength = { force = "3 kN" }
   CHECK(joint(result, "m/flange").joint.parameters.strength.force == 3000);
 }
 
-TEST_CASE("a joint whose motion is prescribed goes without the model's limits") {
+TEST_CASE("a joint whose motion is prescribed does not use the model's limits") {
   const Arm arm;
   const ReadResult result =
       arm.read("limits = true\n[mechanism.joint.shoulder]\ndrive = { motion = { table = [[0, 0.5], [1, 3]] } }\n");
@@ -103,7 +103,7 @@ TEST_CASE("a joint whose motion is prescribed goes without the model's limits") 
   CHECK(joint(result, "m/slide").joint.parameters.limits.any());
 }
 
-TEST_CASE("limits that a joint is given count where those of the model don't") {
+TEST_CASE("limits given to a joint apply where those of the model do not") {
   const Arm arm;
   const std::string given = "[mechanism.joint.shoulder]\nlimits = { lower = 0 }\n";
   CHECK(arm.says(given) == "s.toml:4:9: warning: the limits of 1 joint are not used; write limits = true or limits = false");
@@ -157,7 +157,7 @@ TEST_CASE("a wildcard is for all joints that match and can have it; exact names 
   }
 }
 
-TEST_CASE("what is wrong with the table of a joint is said at its place") {
+TEST_CASE("errors in a joint table are reported at its place") {
   const Arm arm;
   const auto of = [&arm](const std::string& table) { return arm.says("limits = false\n" + table); };
   CHECK(of("[mechanism.joint.shouldr]\ndamping = 1\n") ==
@@ -211,7 +211,7 @@ TEST_CASE("the mechanism's state wins over a wildcard, and --set reaches a joint
         "mean 'shoulder'?");
 }
 
-TEST_CASE("links of a chain are given what is said to their joints") {
+TEST_CASE("joint tables apply to the links of a chain") {
   const ReadResult result =
       read_scenario_text(bad_input::chain +
                              "damping = 1\ninertia = 1\n[mechanism.joint.2]\ndamping = 5\nangle = \"20 deg\"\n"
@@ -226,7 +226,7 @@ TEST_CASE("links of a chain are given what is said to their joints") {
   CHECK(said(wrong) == "s.toml:9:18: error: joint: there is no joint '4' in this chain; the joints are 1 to 3");
 }
 
-TEST_CASE("a scenario with tables of joints is converted to one that moves alike") {
+TEST_CASE("a scenario with joint tables is converted to one with the same motion") {
   const Arm arm;
   const std::string tables =
       "limits = false\n[mechanism.joint.\"*\"]\ndamping = 3\nq = [0.1]\n[mechanism.joint.shoulder]\n"
@@ -265,7 +265,7 @@ TEST_CASE("angles of more than a turn are written with their unit, and read back
   CHECK(joint(again, "m/a").joint.parameters == joint(first, "m/a").joint.parameters);
 }
 
-TEST_CASE("set under a wildcard passes over welds, and what else can't have it") {
+TEST_CASE("set under a wildcard skips welds and other joints that cannot have the parameter") {
   const Arm arm;
   const ReadResult result = arm.read(
       "limits = false\n[[event]]\nname = \"on\"\nat = 0\nset = { joint = \"m/*\", drive = { pd = { kp = 5, kd = 1 } } }\n");

@@ -38,7 +38,7 @@ TEST_CASE("an override replaces or adds a value by its dotted path") {
 
 TEST_CASE("later overrides win") { CHECK(read({"integrate.step=1", "integrate.step=2"}).scenario->integration.step == 2); }
 
-TEST_CASE("what is wrong with an override points to it") {
+TEST_CASE("errors in an override point to it") {
   const auto refusal = [](const std::string& text) { return said(read({text})); };
   CHECK(refusal("integrate.step=0") == "--set integrate.step=0: error: step: must be greater than 0");
   CHECK(refusal("integrate.stp=1") == "--set integrate.stp=1: error: unknown key 'stp' in [integrate]; did you mean 'step'?");

@@ -257,7 +257,7 @@ void read_mechanism(const Value& table, Reading& reading) {
     out.error(fields.place(), "mechanism " + in_quotes(name) + " has no bodies",
               "add [[mechanism.body]] tables, a [mechanism.chain] or a model = \"robot.urdf\"");
   if (fields.has("limits") && !model)
-    out.error(fields.place_of("limits"), "limits: only a model has limits of its own to be used or not",
+    out.error(fields.place_of("limits"), "limits: only a model file has limits to be used or not",
               "give the joints their limits");
   if (chain && held == Held::fixed)
     out.error(fields.place_of("root"), "root: a chain is joined to the ground by a revolute joint",

@@ -36,7 +36,7 @@ void make_partial(const std::string& path, const char* text) {
   result.keep();
 }
 
-TEST_CASE("a result is written beside its place and moved there") {
+TEST_CASE("a result is written next to its destination and moved there") {
   const test::TemporaryFolder folder;
   ResultDirectory result(folder / "a/b/");
   CHECK(result.destination() == folder / "a/b");
@@ -48,7 +48,7 @@ TEST_CASE("a result is written beside its place and moved there") {
   CHECK_FALSE(fs::exists(folder / "a/b.partial"));
 }
 
-TEST_CASE("an earlier result is replaced, what is not ours is kept, wherever it was") {
+TEST_CASE("an earlier result is replaced, and other files are kept, wherever they were") {
   const test::TemporaryFolder folder;
   make_result(folder / "r", "old");
   make_partial(folder / "r", "older");
@@ -74,7 +74,7 @@ TEST_CASE("an earlier result is replaced, what is not ours is kept, wherever it 
   CHECK(fs::status(folder / "r").permissions() == fs::perms::owner_all);
 }
 
-TEST_CASE("what is no result is not replaced, and nothing is made beside it") {
+TEST_CASE("a folder that is not a result is not replaced, and nothing is made next to it") {
   const test::TemporaryFolder folder;
   for (const char* name : {"thesis", "web", "empty", "marked", "busy.partial"}) fs::create_directories(folder / name);
   write_text_file(folder / "thesis/chapter.tex", "years of work");
@@ -135,7 +135,7 @@ TEST_CASE("one run at a time works on a folder") {
   CHECK(read_text_file(folder / "r/summary.json") == "new");
 }
 
-TEST_CASE("what came into the place of a result while it was made is not replaced") {
+TEST_CASE("a destination that appears during the run is not replaced") {
   const test::TemporaryFolder folder;
   {
     ResultDirectory result(folder / "r", all_files);
@@ -158,7 +158,7 @@ TEST_CASE("what came into the place of a result while it was made is not replace
   CHECK_FALSE(fs::exists(folder / "r/report.html"));
 }
 
-TEST_CASE("files are whole or absent, and replace nothing that is not ours") {
+TEST_CASE("files are whole or absent, and replace no other program's files") {
   const test::TemporaryFolder folder;
   ResultDirectory result(folder / "r");
   write_text_file(folder / "r.partial/mine", "mine");
@@ -175,7 +175,7 @@ TEST_CASE("files are whole or absent, and replace nothing that is not ours") {
   CHECK(read_text_file(folder / "r.partial/mine") == "mine");
 }
 
-TEST_CASE("a run that was killed between the renames that stand for an exchange: the next one brings the result back") {
+TEST_CASE("a run killed between the renames that replace an exchange: the next one restores the result") {
   const test::TemporaryFolder folder;
   make_result(folder / "r", "old");
   make_partial(folder / "r", "new");

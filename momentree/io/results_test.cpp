@@ -71,7 +71,7 @@ TEST_CASE("without `every` a row for each step, one at the event, too") {
   CHECK(rows.size() == 1 + 1 + 11 + 10);  // the header, the start, to 0.105 s, to 0.2 s
 }
 
-TEST_CASE("columns for every joint that can be, as wide as its widest kind") {
+TEST_CASE("columns for every possible joint, as wide as its widest kind") {
   const test::TemporaryFolder folder;
   const Rows rows = run(folder / "r", 0.1, "joints.csv");
   const std::size_t count = rows[0].size();
@@ -87,7 +87,7 @@ TEST_CASE("columns for every joint that can be, as wide as its widest kind") {
   CHECK(rows[1][column(rows, "arm/wrist.q0")] == "0.7");
 }
 
-TEST_CASE("reactions where they are asked for: after the other columns of their joint, empty where it is not there") {
+TEST_CASE("reactions on request: after the other columns of their joint, empty if it does not exist") {
   const test::TemporaryFolder folder;
   const Rows plain = run(folder / "r", 0.1, "joints.csv");
   const Rows rows = run(folder / "r", 0.1, "joints.csv", 0.5, true);
@@ -181,7 +181,7 @@ TEST_CASE("the JSON files") {
   CHECK(read_text_file(folder / "r/model.json") == "{}");
 }
 
-TEST_CASE("a run that is not done stays beside its place") {
+TEST_CASE("a run that is not done stays next to its destination") {
   const test::TemporaryFolder folder;
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});
@@ -196,7 +196,7 @@ TEST_CASE("a run that is not done stays beside its place") {
   CHECK(read_text_file(folder / "r.partial/summary.json").find("interrupted at t = 0.1 s") != std::string::npos);
 }
 
-TEST_CASE("a run whose simulation broke off keeps its rows and says why; one that is dropped says that") {
+TEST_CASE("a run whose simulation failed keeps its rows and reports why; so does an abandoned one") {
   const test::TemporaryFolder folder;
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});
@@ -215,7 +215,7 @@ TEST_CASE("a run whose simulation broke off keeps its rows and says why; one tha
   CHECK(read_text_file(folder / "r.partial/summary.json").find("\"status\": \"failed: the program ended") != std::string::npos);
 }
 
-TEST_CASE("what a result lacks at its end makes it a failed one: the report, or its place") {
+TEST_CASE("a run fails if its report or its destination cannot be written") {
   const test::TemporaryFolder folder;
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});
@@ -241,7 +241,7 @@ TEST_CASE("what a result lacks at its end makes it a failed one: the report, or 
   CHECK(read_text_file(folder / "r.partial/report.html") == read_text_file(folder / "r.partial/summary.json"));
 }
 
-TEST_CASE("rows are on the disk with their events, whole, while the run goes on") {
+TEST_CASE("rows are on the disk with their events, whole, during the run") {
   const test::TemporaryFolder folder;
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.001});
@@ -258,7 +258,7 @@ TEST_CASE("rows are on the disk with their events, whole, while the run goes on"
   CHECK(read_text_file(folder / "r.partial/events.jsonl").find("break arm/shoulder") != std::string::npos);
 }
 
-TEST_CASE("a world that bodies left and came to is recorded: empty cells for the ones, no columns for the others") {
+TEST_CASE("removed bodies have empty cells in the tables, added ones have no columns") {
   const test::TemporaryFolder folder;
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});

@@ -175,7 +175,7 @@ TEST_CASE("every table of the schema is held to the reader") {
   CHECK(missing == "");
 }
 
-TEST_CASE("the schema names the kinds, methods and quantities that there are") {
+TEST_CASE("the schema lists all kinds, methods and quantities") {
   const Json whole = schema();
   Keys kinds;
   for (const KindInfo& kind : all_kinds()) kinds.insert(kind.name);

@@ -47,7 +47,7 @@ TEST_CASE("a world comes back bit for bit, changed topology included") {
   CHECK(state_json(second.world(), armed) == text);
 }
 
-TEST_CASE("a restored world goes on as if nothing had happened") {
+TEST_CASE("a restored world continues as if nothing had happened") {
   Simulation first = broken_arm();
   Simulation second(test::two_mechanisms(), {.step = 0.01});
   restore(second, {read_state(state_json(first.world(), {}), "s.json", second.world().model())});
@@ -56,7 +56,7 @@ TEST_CASE("a restored world goes on as if nothing had happened") {
   CHECK(state_json(first.world(), {}) == state_json(second.world(), {}));
 }
 
-TEST_CASE("what it says of the joint that broke") {
+TEST_CASE("the broken joint in the document") {
   const std::string text = state_json(broken_arm().world(), {});
   CHECK(text.find("\"arm/link\": {\"kind\": \"free\", \"parent\": null, \"child\": \"arm/link\"") != std::string::npos);
   CHECK(text.find("arm/shoulder") == std::string::npos);
@@ -64,7 +64,7 @@ TEST_CASE("what it says of the joint that broke") {
         std::string::npos);
 }
 
-TEST_CASE("accelerations and reactions are written; what a document says of them is not read") {
+TEST_CASE("accelerations and reactions are written, but not read from documents") {
   const Simulation simulation = broken_arm();
   const World& world = simulation.world();
   const std::string text = state_json(world, {});
@@ -107,7 +107,7 @@ const std::vector<std::pair<const char*, std::vector<Action>>>& story() {
   return all;
 }
 
-TEST_CASE("after every kind of change it reads back to the same text and goes on to the same bits") {
+TEST_CASE("after every kind of change a state reads back to the same text and continues to the same bits") {
   for (std::size_t chapters = 1; chapters <= story().size(); ++chapters) {
     CAPTURE(chapters);
     Simulation first(test::two_mechanisms(), {.step = 0.01});
@@ -134,7 +134,7 @@ TEST_CASE("after every kind of change it reads back to the same text and goes on
   }
 }
 
-TEST_CASE("what it says of locks and of joints that were made") {
+TEST_CASE("locks and new joints in the document") {
   Simulation simulation(test::two_mechanisms(), {.step = 0.01});
   simulation.apply(lock("arm/shoulder", {1}));
   simulation.apply(lock("arm/wrist"));
@@ -159,7 +159,7 @@ TEST_CASE("what it says of locks and of joints that were made") {
         std::string::npos);
 }
 
-TEST_CASE("a joint that rests on its stop goes on resting") {
+TEST_CASE("a joint that rests on its stop continues to rest") {
   Model model({.gravity = {0, 0, -9.81}});
   model.add({.name = "slider",
              .mass = 1,

@@ -32,7 +32,7 @@ constexpr Mistake table[] = {
     {"[[event]]", "update modify setparameters parameters", "set", "set = { joint = \"arm/elbow\", damping = 0.1 }"},
     {"[[event]]", "convert replace become", "change", "change = { joint = \"arm/elbow\", kind = \"ball\" }"},
     {"[[event]]", "action actions do then joint body type kind target", "",
-     "an action is a key of its own: break = \"arm/elbow\", or lock, weld, impulse, set …"},
+     "an action is a separate key: break = \"arm/elbow\", or lock, weld, impulse, set …"},
     {"[[event]]", "force applyforce torque wrench", "",
      "a force that lasts is a [[force]] table, a blow is impulse = { body = \"arm/hand\", force = [\"2 N s\", 0, 0] }"},
     {"[[event]]", "drive motor", "", "write set = { joint = \"arm/elbow\", drive = { effort = \"5 N m\" } }"},

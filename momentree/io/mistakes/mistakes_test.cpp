@@ -46,7 +46,7 @@ std::vector<std::string> parts(const char* text, char separator) {
 
 }  // namespace
 
-TEST_CASE("keys of other engines are reported once, with ours") {
+TEST_CASE("keys of other engines are reported once, with the right key") {
   check_told({
       {one_body + "[mechanism.body.joint]\ntype = \"revolute\"\n", "write 'kind', as in kind = \"revolute\""},
       {one_body + "[mechanism.body.joint]\ntype = \"hinge\"\n",
@@ -78,7 +78,7 @@ TEST_CASE("keys of other engines are reported once, with ours") {
   });
 }
 
-TEST_CASE("what is still to come is neither suggested nor unknown") {
+TEST_CASE("unsupported names are neither suggested nor unknown") {
   CHECK(said(read_scenario_text("foo = 3\n" + pinned, "s.toml")) ==
         "s.toml:1:1: error: unknown key 'foo' in a scenario; known here: format title world state mechanism force coupling event "
         "integrate output");
@@ -140,7 +140,7 @@ TEST_CASE("values of the wrong shape are reported with the right one") {
   });
 }
 
-TEST_CASE("an angle of more than a turn without a unit is a warning, wherever it stands") {
+TEST_CASE("an angle of more than a turn without a unit is a warning, wherever it is") {
   const std::string cure = "write \"90 deg\" for degrees, or \"90 rad\" if that is what you mean";
   for (const char* line : {"angle = 90", "q = 90", "limits = { upper = 90 }", "stiffness = 1\nrest = 90",
                            "at = { rpy = [0, 0, 90] }", "drive = { pd = { kp = 1, target = 90 } }"}) {

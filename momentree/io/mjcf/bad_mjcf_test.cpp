@@ -41,7 +41,7 @@ void check(const std::vector<Case>& cases) {
 
 }  // namespace
 
-TEST_CASE("MJCF: numbers that are none") {
+TEST_CASE("MJCF: invalid numbers are refused") {
   check({
       {joint("damping='nan'"), "m.xml:4:17: error: damping: 'nan' is not a finite number"},
       {joint("damping='-inf'"), "m.xml:4:17: error: damping: '-inf' is not a finite number"},
@@ -68,7 +68,7 @@ TEST_CASE("MJCF: numbers that are none") {
   });
 }
 
-TEST_CASE("MJCF: masses and inertias that no body has") {
+TEST_CASE("MJCF: impossible masses and inertias are refused") {
   check({
       {inertial("pos='0 0 0'"), "m.xml:4:1: error: <inertial> has no 'mass'; in kg"},
       {inertial("mass='1' diaginertia='1 1 1'"), "m.xml:4:1: error: <inertial> has no 'pos'; its centre of mass"},
@@ -98,7 +98,7 @@ TEST_CASE("MJCF: masses and inertias that no body has") {
   });
 }
 
-TEST_CASE("MJCF: joints that can't be") {
+TEST_CASE("MJCF: impossible joints are refused") {
   check({
       {joint("axis='0 0 0'"), "m.xml:4:14: error: axis: an axis of length zero has no direction; for example axis=\"0 0 1\""},
       {joint("axis='1e-12 0 0'"), "m.xml:4:14: error: axis: an axis of length zero has no direction; for example axis=\"0 0 1\""},
@@ -147,7 +147,7 @@ TEST_CASE("MJCF: names and what they refer to") {
   });
 }
 
-TEST_CASE("MJCF: what closes a loop or is no rigid body") {
+TEST_CASE("MJCF: loops and non-rigid bodies are refused") {
   check({
       {mjcf(body(geom), "", "<equality><connect body1='a' anchor='0 0 0'/></equality>"),
        "m.xml:5:11: error: <connect> closes a loop: it connects 'a' to the world in addition to the tree of bodies; closed loops "
@@ -165,7 +165,7 @@ TEST_CASE("MJCF: what closes a loop or is no rigid body") {
   });
 }
 
-TEST_CASE("MJCF: what is no MJCF, or leaves its folder") {
+TEST_CASE("MJCF: files that are not MJCF, or leave their folder, are refused") {
   check({
       {"", "m.xml:1:1: error: the file is empty: there is no element in it"},
       {"<mujco/>", "m.xml:1:1: error: no model begins with '<mujco>'; did you mean <mujoco>?"},
@@ -193,7 +193,7 @@ TEST_CASE("MJCF: what is no MJCF, or leaves its folder") {
   });
 }
 
-TEST_CASE("MJCF: all problems of a file come at once, and no more of them than can be read") {
+TEST_CASE("MJCF: all problems of a file are reported at once, up to a readable number") {
   std::string bodies;
   for (int i = 0; i < 1000; ++i) bodies += "<body><geom size='x'/></body>\n";
   const ReadResult result = read_scenario_text(mjcf(bodies), "m.xml");

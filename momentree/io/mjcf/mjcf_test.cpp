@@ -39,7 +39,7 @@ TEST_CASE("MJCF: a body with several joints gets massless carriers, a joint with
   CHECK(model[{3}].parent == BodyId{2});
 }
 
-TEST_CASE("MJCF: its own gravity and title, several roots, limits when they are asked for") {
+TEST_CASE("MJCF: gravity and title of the file, several roots, limits on request") {
   const std::string text = mujoco("<body name='a'>" + geom + "<joint name='j' range='-90 45'/></body><body name='b'>" + geom +
                                       "<freejoint/></body>"
                                       "<body name='c' pos='0 0 1'>" +
@@ -75,7 +75,7 @@ TEST_CASE("MJCF: shapes are kept, with the colour of their material") {
   CHECK(shape.more[0].colour == "#00ff00");
 }
 
-TEST_CASE("MJCF: what is left out is said once, with its lines; what closes a loop is refused") {
+TEST_CASE("MJCF: ignored elements are reported once, with their lines; loops are refused") {
   const ReadResult result = read_scenario_text(
       mujoco("<body name='a'>" + geom + "<joint name='j'/></body>", "",
              "<contact><exclude/></contact>\n<tendon><fixed/>\n<fixed/></tendon>\n<actuator><muscle/></actuator>\n"
@@ -94,7 +94,7 @@ TEST_CASE("MJCF: what is left out is said once, with its lines; what closes a lo
         "yet: leave it out, or give it active=\"false\"");
 }
 
-TEST_CASE("MJCF: what can't be is refused with its place") {
+TEST_CASE("MJCF: impossible elements are refused with their places") {
   const auto body = [](const std::string& inside) { return errors(mujoco("<body name='a'>" + inside + "</body>")); };
   CHECK(body("<geom size='nan'/>") == "m.xml:3:28: error: size: 'nan' is not a finite number");
   CHECK(body("<geom size='-1'/>") == "m.xml:3:28: error: size: must be greater than 0");
@@ -128,7 +128,7 @@ TEST_CASE("MJCF: what can't be is refused with its place") {
         "m.xml:1:34: error: include: '../x.xml' is not in the model's folder or below it; copy it there");
 }
 
-TEST_CASE("MJCF: files that it includes stand in their place, once, and messages name them") {
+TEST_CASE("MJCF: included files replace their <include>, once, and messages name them") {
   const test::TemporaryFolder folder;
   write_text_file(folder / "m.xml", mujoco("<include file='arm.xml'/>", "<include file='defaults.xml'/>"));
   write_text_file(folder / "defaults.xml", "<mujocoinclude><default><geom density='10'/></default></mujocoinclude>");

@@ -83,7 +83,7 @@ bool mentions(const std::string& text, const std::string& part) { return text.fi
 
 }  // namespace
 
-TEST_CASE("a break gives the part that comes off a mechanism of its own, from the event on") {
+TEST_CASE("a break makes the separated part a separate mechanism, from the event on") {
   Directory directory;
   std::string table = header_of_two;
   for (int k = 0; k <= 10; ++k)
@@ -122,7 +122,7 @@ TEST_CASE("a mechanism whose root joint breaks keeps its name, also where the jo
   CHECK(run.events[0].about == std::vector<int>{0});
 }
 
-TEST_CASE("bodies are joined, part again, and joints change as the events say") {
+TEST_CASE("bodies are joined and separated, and joints change, as the events define") {
   Directory directory;
   directory.write("bodies.csv", header_of_two + row(0, 1) + row(1, 2));
   directory.write("model.json", model_of_two("Two"));
@@ -199,7 +199,7 @@ TEST_CASE("a title cannot break the picture") {
   CHECK(!mentions(svg, "<script"));
 }
 
-TEST_CASE("what is wrong with the files is told with its place") {
+TEST_CASE("errors in the files are reported with their places") {
   Directory directory;
   CHECK(mentions(complaint(directory), "bodies.csv"));
   directory.write("bodies.csv", "");
@@ -240,7 +240,7 @@ TEST_CASE("fields of CSV may be quoted") {
   CHECK(split_csv("a,\"b,c\",\"d \"\"e\"\"\",") == std::vector<std::string>{"a", "b,c", "d \"e\"", ""});
 }
 
-TEST_CASE("without a wish there is a frame every 0.2 s, unless these are too few or too many") {
+TEST_CASE("by default there is a frame every 0.2 s, unless these are too few or too many") {
   Directory directory;
   const auto frames = [&](double until, double output) {
     std::string table = header_of_two;
@@ -271,7 +271,7 @@ TEST_CASE("labels cover neither each other nor leave the picture") {
   CHECK(taken.front().x > 100);  // on the requested side
 }
 
-TEST_CASE("the convex hull keeps the corners alone") {
+TEST_CASE("the convex hull keeps only the corners") {
   CHECK(convex_hull({{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0.5, 0.5}, {0.5, 0}, {0, 0}}).size() == 4);
   CHECK(convex_hull({{1, 1}, {1, 1}}).size() == 1);
 }

@@ -45,7 +45,7 @@ std::size_t bytes_of(const std::string& base64) {
   return base64.size() / 4 * 3 - static_cast<std::size_t>(std::count(base64.begin(), base64.end(), '='));
 }
 
-TEST_CASE("a report's data: the documents as they are, tables of the size that is told, what changed when") {
+TEST_CASE("a report's data: the documents unchanged, tables of the stated size, the changes and their times") {
   const test::TemporaryFolder folder;
   write_result(folder / "r");
   const std::string text = report_data(folder / "r");
@@ -127,7 +127,7 @@ TEST_CASE("large tables are thinned evenly, the last row stays; joints are left 
   CHECK(rows_of(100 * width, "joints_left_out") == 1);
 }
 
-TEST_CASE("a run that diverged is shown as far as it has numbers; what is not whole is an error that names the file") {
+TEST_CASE("a run that diverged is shown as far as it has numbers; a damaged file is an error that names it") {
   const test::TemporaryFolder folder;
   write_result(folder / "r");
   std::string text = read_text_file(folder / "r/bodies.csv");

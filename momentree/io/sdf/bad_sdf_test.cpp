@@ -47,7 +47,7 @@ void check(const std::vector<Case>& cases) {
 
 }  // namespace
 
-TEST_CASE("SDF: numbers that are none") {
+TEST_CASE("SDF: invalid numbers are refused") {
   check({
       {inertial("<mass>nan</mass>" + inertia), "m.sdf:4:17: error: mass: 'nan' is not a finite number"},
       {inertial("<mass>-inf</mass>" + inertia), "m.sdf:4:17: error: mass: '-inf' is not a finite number"},
@@ -75,7 +75,7 @@ TEST_CASE("SDF: numbers that are none") {
   });
 }
 
-TEST_CASE("SDF: masses and inertias that no body has") {
+TEST_CASE("SDF: impossible masses and inertias are refused") {
   check({
       {inertial("<mass>-1</mass>" + inertia), "m.sdf:4:17: error: mass: must not be negative"},
       {inertial("<mass>0</mass>" + inertia),
@@ -95,7 +95,7 @@ TEST_CASE("SDF: masses and inertias that no body has") {
   });
 }
 
-TEST_CASE("SDF: joints that can't be") {
+TEST_CASE("SDF: impossible joints are refused") {
   check({
       {joined("<axis><xyz>0 0 0</xyz></axis>"),
        "m.sdf:8:12: error: xyz: an axis of length zero has no direction; for example <xyz>0 0 1</xyz>"},
@@ -133,7 +133,7 @@ TEST_CASE("SDF: joints that can't be") {
   });
 }
 
-TEST_CASE("SDF: links and joints that are no tree") {
+TEST_CASE("SDF: links and joints that form no tree are refused") {
   check({
       {head + a_link("a") + a_link("a") + end,
        "m.sdf:4:13: error: duplicate link 'a': the name is already used by another on line 3"},
@@ -165,7 +165,7 @@ TEST_CASE("SDF: links and joints that are no tree") {
       {"<sdf version='1.9'/>",
        "m.sdf:1:1: error: the file has no <model> and no <world>; for example <model name=\"arm\">, with its links"},
       {"<sdf version='1.9'><model name='a'/>\n<model name='b'/></sdf>",
-       "m.sdf:2:1: error: a second <model> beside that on line 1; put models into one <world>"},
+       "m.sdf:2:1: error: a second <model> in addition to that on line 1; put models into one <world>"},
       {"<sdf version='1.9'><world><model name='a'><static>1</static>" + a_link("a") + "</model>\n<model name='b'>" + a_link("b") +
            "</model>\n" + joint("j", "b::b", "a::a") + "</world></sdf>",
        "m.sdf:7:8: error: child: 'a::a' belongs to a static model: the joint would close a loop; swap parent and child, or make "
@@ -173,7 +173,7 @@ TEST_CASE("SDF: links and joints that are no tree") {
   });
 }
 
-TEST_CASE("SDF: names that can't be") {
+TEST_CASE("SDF: invalid names are refused") {
   check({
       {head + "<link>" + mass + "</link>" + end, "m.sdf:3:1: error: <link> has no 'name'; for example name=\"upper_arm\""},
       {head + a_link("") + end, "m.sdf:3:13: error: name: a link cannot be named '': it is empty"},
@@ -193,7 +193,7 @@ TEST_CASE("SDF: names that can't be") {
   });
 }
 
-TEST_CASE("SDF: frames that lead nowhere") {
+TEST_CASE("SDF: frames that are not attached are refused") {
   check({
       {head + a_link("a", "<pose relative_to='b'/>") + end,
        "m.sdf:3:125: error: pose: there is no link, joint, frame or model 'b' here"},
@@ -219,7 +219,7 @@ TEST_CASE("SDF: frames that lead nowhere") {
   });
 }
 
-TEST_CASE("SDF: what is no SDF, or none that is read") {
+TEST_CASE("SDF: files that are not SDF, or of an unsupported version, are refused") {
   check({
       {"", "m.sdf:1:1: error: the file is empty: there is no element in it"},
       {"<sfd/>", "m.sdf:1:1: error: no model begins with '<sfd>'; did you mean <sdf>?"},
@@ -264,7 +264,7 @@ TEST_CASE("SDF: meshes elsewhere") {
   });
 }
 
-TEST_CASE("SDF: all problems of a file come at once, and no more of them than can be read") {
+TEST_CASE("SDF: all problems of a file are reported at once, up to a readable number") {
   std::string text = head;
   for (int i = 0; i < 1000; ++i) text += "<link name='a'><inertial><mass>x</mass></inertial></link>\n";
   const ReadResult result = read_scenario_text(text + end, "m.sdf");
@@ -273,14 +273,14 @@ TEST_CASE("SDF: all problems of a file come at once, and no more of them than ca
   CHECK(said(result, Severity::error).ends_with("m.sdf: error: and 1 or more further errors"));
 }
 
-TEST_CASE("SDF: models in each other without end") {
+TEST_CASE("SDF: endlessly nested models are refused") {
   std::string open, close;
   for (int k = 0; k < 150; ++k) open += "<model name='m'>\n", close += "</model>";
   CHECK(errors_of("<sdf version='1.9'>" + open + a_link("a") + close + "</sdf>", "m.sdf") ==
         "m.sdf:102:1: error: models are nested more than 100 deep; no mechanism needs that");
 }
 
-TEST_CASE("SDF: a chain of 100,000 links that stand in each other's frames is read in linear time, and so are its faults") {
+TEST_CASE("SDF: a chain of 100,000 links in each other's frames is read in linear time, and so are its errors") {
   const auto chain = [](int links, const std::string& first) {
     std::string text = head;
     for (int k = 0; k < links; ++k) {

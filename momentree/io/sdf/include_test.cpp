@@ -93,7 +93,7 @@ TEST_CASE("SDF: a merged model's parts are the including model's own") {
   CHECK(folder.errors() == "arm.sdf:1:50: error: duplicate link 'a': the name is already used by another on line 3 of 'm.sdf'");
 }
 
-TEST_CASE("SDF: files are named beside the file that includes them, or from the model's folder on; folders by their model") {
+TEST_CASE("SDF: files are named relative to the including file or to the model's folder; folders by their model") {
   Folder folder;
   const auto model = [](const std::string& inside) { return "<sdf version='1.9'><model name='n'>" + inside + "</model></sdf>"; };
   folder.write("m.sdf", sdf(include("parts/arm.sdf") + include("model://hand")));
@@ -111,7 +111,7 @@ TEST_CASE("SDF: files are named beside the file that includes them, or from the 
   CHECK(all.has_body("m/hand::palm"));
 }
 
-TEST_CASE("SDF: includes that can't be are refused where they stand") {
+TEST_CASE("SDF: impossible includes are refused with their places") {
   Folder folder;
   const auto errors = [&](const std::string& inside) {
     folder.write("m.sdf", sdf(inside));
@@ -152,7 +152,7 @@ TEST_CASE("SDF: includes that can't be are refused where they stand") {
         "m.sdf:3:15: error: include: a model read from text cannot name files; read it from its file");
 }
 
-TEST_CASE("SDF: files that double each other end at a bound, and cost nothing") {
+TEST_CASE("SDF: files that double each other are stopped at a limit, at no cost") {
   Folder folder;
   for (int k = 0; k < 40; ++k) {
     const std::string next = "f" + std::to_string(k + 1) + ".sdf";

@@ -50,13 +50,13 @@ std::shared_ptr<const ModelPart> read_root(XmlElement root, Reading& reading, Xm
   const std::size_t count = models.size() + (included ? 0 : worlds.size());
   if (count == 0) {
     file.error({root}, included ? "the included file has no <model>" : "the file has no <model> and no <world>",
-               worlds.empty() ? "for example <model name=\"arm\">, with its links" : "a world can't be included");
+               worlds.empty() ? "for example <model name=\"arm\">, with its links" : "a world cannot be included");
     return nullptr;
   }
   if (count > 1) {
     const XmlElement first = models.empty() ? worlds[0] : models[0];
     const XmlElement second = models.empty() ? worlds[1] : models.size() > 1 ? models[1] : worlds[0];
-    file.error({second}, "a second " + second.tag() + " beside that on " + file.line_of(first),
+    file.error({second}, "a second " + second.tag() + " in addition to that on " + file.line_of(first),
                included ? "an included file has one model" : "put models into one <world>");
     return nullptr;
   }

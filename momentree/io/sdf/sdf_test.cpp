@@ -196,7 +196,7 @@ TEST_CASE("SDF: nested models are named by '::', and their frames reached by it"
   CHECK(model[model.body("m/a")].joint.kind == Kind::free);
 }
 
-TEST_CASE("SDF: a world has gravity, models that float, models that stand still, and joints to the ground") {
+TEST_CASE("SDF: a world has gravity, floating models, static models, and joints to the ground") {
   const auto model = [](const std::string& name, const std::string& inside) {
     return "<model name='" + name + "'>" + inside + "</model>\n";
   };
@@ -239,7 +239,7 @@ TEST_CASE("SDF: a world has gravity, models that float, models that stand still,
   CHECK(gravity("") == Vec3{0, 0, -9.8});
 }
 
-TEST_CASE("SDF: what the format assumes where a file is silent") {
+TEST_CASE("SDF: default values of the format") {
   const ReadResult result = read_scenario_text(sdf("<link name='a'/>"), "m.sdf");
   REQUIRE(result.scenario);
   CHECK(result.scenario->model[{0}].mass == 1);
@@ -277,7 +277,7 @@ TEST_CASE("SDF: visuals are kept, where their poses say") {
   CHECK(first.more[3].mesh == "m/x.dae");
 }
 
-TEST_CASE("SDF: what is left out is said once, with its lines") {
+TEST_CASE("SDF: ignored elements are reported once, with their lines") {
   const ReadResult result = read_scenario_text(
       sdf(a_link("a", "<collision name='c'/><sensor/><gravity>0</gravity>") + a_link("b", "<collision/><colision/>") +
           joint("j", "fixed", "a", "b", "<physics/>") + "<plugin/>\n<unheard/><drake:x/>\n"),

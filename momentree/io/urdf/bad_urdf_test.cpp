@@ -41,7 +41,7 @@ void check(const std::vector<Case>& cases) {
 
 }  // namespace
 
-TEST_CASE("URDF: numbers that are none") {
+TEST_CASE("URDF: invalid numbers are refused") {
   const std::string inertia = "<inertia ixx='1' iyy='1' izz='1'/>";
   const auto of_mass = [&](const std::string& value) { return inertial("<mass value='" + value + "'/>" + inertia); };
   check({
@@ -66,7 +66,7 @@ TEST_CASE("URDF: numbers that are none") {
   });
 }
 
-TEST_CASE("URDF: masses and inertias that no body has") {
+TEST_CASE("URDF: impossible masses and inertias are refused") {
   check({
       {inertial("<inertia ixx='1' iyy='1' izz='1'/>"),
        "r.urdf:3:1: error: <inertial> has no <mass>; for example <mass value=\"1.5\"/>, in kg"},
@@ -94,7 +94,7 @@ TEST_CASE("URDF: masses and inertias that no body has") {
   });
 }
 
-TEST_CASE("URDF: joints that can't be") {
+TEST_CASE("URDF: impossible joints are refused") {
   const std::string limit = "<limit lower='0' upper='1' effort='1' velocity='1'/>";
   check({
       {joined("<axis xyz='0 0 0'/>" + limit),
@@ -122,7 +122,7 @@ TEST_CASE("URDF: joints that can't be") {
   });
 }
 
-TEST_CASE("URDF: links and joints that are no tree") {
+TEST_CASE("URDF: links and joints that form no tree are refused") {
   check({
       {head + a_link("a") + a_link("a") + "</robot>",
        "r.urdf:3:13: error: duplicate link 'a': the name is already used by another on line 2"},
@@ -174,7 +174,7 @@ TEST_CASE("URDF: meshes elsewhere are not opened") {
   CHECK(errors_of(visual("")) == "r.urdf:2:122: error: a mesh has no file name");
 }
 
-TEST_CASE("what is no URDF") {
+TEST_CASE("files that are not URDF are refused") {
   check({
       {"", "r.urdf:1:1: error: the file is empty: there is no element in it"},
       {"<robt/>", "r.urdf:1:1: error: no model begins with '<robt>'; did you mean <robot>?"},
@@ -186,7 +186,7 @@ TEST_CASE("what is no URDF") {
   });
 }
 
-TEST_CASE("URDF: all problems of a file come at once, and no more of them than can be read") {
+TEST_CASE("URDF: all problems of a file are reported at once, up to a readable number") {
   std::string text = head;
   for (int i = 0; i < 1000; ++i) text += "<link name='a'><inertial><mass value='x'/></inertial></link>\n";
   const ReadResult result = read_scenario_text(text + "</robot>", "r.urdf");
@@ -195,7 +195,7 @@ TEST_CASE("URDF: all problems of a file come at once, and no more of them than c
   CHECK(result.diagnostics.back().message() == "r.urdf: error: and 1 or more further errors");
 }
 
-TEST_CASE("URDF: thousands of loops are named in no time") {
+TEST_CASE("URDF: thousands of loops are reported quickly") {
   std::string text = head;
   const int n = 20'000;
   for (int i = 0; i < n; ++i) text += a_link("l" + std::to_string(i));

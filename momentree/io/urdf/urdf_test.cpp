@@ -96,7 +96,7 @@ TEST_CASE("URDF: every type of joint, with axis, origin and dynamics") {
   }
 }
 
-TEST_CASE("URDF: parents may stand behind their children, trees branch, and names of links and joints are apart") {
+TEST_CASE("URDF: parents may follow their children, trees branch, and links and joints have separate names") {
   const Model model =
       model_of(robot(joint("tip", "continuous", "middle", "tip") + a_link("tip") + joint("base", "continuous", "base", "middle") +
                      a_link("middle") + a_link("base") + joint("side", "fixed", "base", "side") + a_link("side", "")));
@@ -108,7 +108,7 @@ TEST_CASE("URDF: parents may stand behind their children, trees branch, and name
   CHECK(model[model.body("r/side")].mass == 0);
 }
 
-TEST_CASE("URDF: a byte order mark, CRLF, comments, foreign namespaces and templates that are done with") {
+TEST_CASE("URDF: a byte order mark, CRLF, comments, foreign namespaces and expanded templates") {
   const ReadResult result = read_scenario_text(
       "\xEF\xBB\xBF<?xml version=\"1.0\" encoding=\"utf-8\"?>\r\n<robot name=\"r\" xmlns:drake=\"http://drake.mit.edu\">\r\n"
       "<!-- ü -->\r\n<drake:joint_filter/>\r\n" +
@@ -124,7 +124,7 @@ TEST_CASE("URDF: a byte order mark, CRLF, comments, foreign namespaces and templ
         "r.urdf:7:73: note: attribute 'drake:unit' of <origin> is ignored; it belongs to another namespace");
 }
 
-TEST_CASE("URDF: what is left out is said once, with its lines") {
+TEST_CASE("URDF: ignored elements are reported once, with their lines") {
   const std::string inside = "<collision/><visual><geometry><sphere radius='1'/></geometry></visual><colision/>";
   const ReadResult result = read_scenario_text(
       robot(a_link("a", inside) + a_link("b", inside) + joint("j", "fixed", "a", "b", "<dynamics D='1' K='2'/>") +
@@ -142,7 +142,7 @@ TEST_CASE("URDF: what is left out is said once, with its lines") {
         "r.urdf:2:86: warning: <colision> in <link> is ignored (lines 2 and 3); did you mean <collision>?");
 }
 
-TEST_CASE("URDF: what is legal but odd is a warning") {
+TEST_CASE("URDF: legal but unusual input is a warning") {
   const std::string moving = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='2.01'/></inertial>";
   const ReadResult result = read_scenario_text(
       robot(a_link("a") + a_link("b", "") + a_link("c", moving) + a_link("d", "<inertial><mass value='1'/></inertial>") +
@@ -163,7 +163,7 @@ TEST_CASE("URDF: what is legal but odd is a warning") {
         "r.urdf:6:123: note: an effort limit of 0: nothing could drive this joint; efforts are not limited here");
 }
 
-TEST_CASE("URDF: visuals are kept, with their colours; meshes may be missing, but not elsewhere") {
+TEST_CASE("URDF: visuals are kept, with their colours; meshes may be missing, but not outside the folder") {
   const std::string text = robot(
       "<material name='steel'><color rgba='0.5 0.5 0.5 1'/></material>" +
       a_link(
@@ -194,7 +194,7 @@ TEST_CASE("URDF: visuals are kept, with their colours; meshes may be missing, bu
       "r.urdf:2:350: note: a mesh is not in the model's folder: pictures leave it out; the motion does not depend on it"));
 }
 
-TEST_CASE("a mechanism of a scenario places, holds and starts a model, and takes up its limits") {
+TEST_CASE("a mechanism of a scenario places, attaches and initialises a model, and uses its limits") {
   const test::TemporaryFolder folder;
   write_text_file(folder / "arm.urdf", robot(a_link("base") + a_link("a") + a_link("b") +
                                              joint("shoulder", "revolute", "base", "a",
@@ -257,7 +257,7 @@ TEST_CASE("a mechanism of a scenario places, holds and starts a model, and takes
   }
 }
 
-TEST_CASE("model files that are not there, or not files, are refused where they are named") {
+TEST_CASE("missing model files, and other things than files, are refused where they are named") {
   const test::TemporaryFolder folder;
   const auto says = [&](const std::string& model, const std::string& words) {
     write_text_file(folder / "s.toml",

@@ -19,7 +19,7 @@ std::string refused(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("elements, attributes and texts know where they stand") {
+TEST_CASE("elements, attributes and texts have their places") {
   const std::string text =
       "\xEF\xBB\xBF<?xml version=\"1.0\"?>\r\n<!-- <no/> -->\r\n<robot\tname = 'ä &lt; b'\r\n       kind=\"x\">\r\n"
       "  <a/> <b c=\"1\"\td=\"2\"> öne &amp; two <e/> three</b>\r\n</robot>\r\n";
@@ -52,7 +52,7 @@ TEST_CASE("elements, attributes and texts know where they stand") {
   CHECK(count == 2);
 }
 
-TEST_CASE("what is no XML is refused where it goes wrong") {
+TEST_CASE("invalid XML is refused at its first error") {
   using namespace std::string_literals;
   CHECK(refused("") == "1:1: the file is empty: there is no element in it");
   CHECK(refused("<?xml version=\"1.0\"?>\n<!-- -->") == "2:9: the file is empty: there is no element in it");
@@ -93,7 +93,7 @@ TEST_CASE("depth and numbers are bounded, time is linear") {
   CHECK(refused(wide + "</a>") == "1:8000000: more than 2000000 elements; no model is as large as that");
 }
 
-TEST_CASE("places are right however long the lines are, and whatever stands at the bounds of blocks") {
+TEST_CASE("places are right for lines of any length and at the boundaries of blocks") {
   std::string text = "\xEF\xBB\xBF<r>";
   for (int k = 0; k < 3000; ++k) {
     text += k % 7 == 3 ? "\n" : k % 5 == 1 ? "ä" : "  ";
@@ -121,7 +121,7 @@ TEST_CASE("places are right however long the lines are, and whatever stands at t
   CHECK(k == 3000);
 }
 
-TEST_CASE("a file whose every name and number is wrong is judged in no time, though it is all on one line") {
+TEST_CASE("a file with every name and number wrong is checked quickly, even on one line") {
   std::string text = "<robot name='r'>";
   for (int k = 0; k < 20'000; ++k)
     text += "<link name='l" + std::to_string(k) + "'><inertial><mass value='1'/></inertial><unheard" + std::to_string(k) +
