@@ -105,7 +105,7 @@ TEST_CASE("compile writes a file with its memory layout, and reports the savings
   CHECK(contains(printed.errors, "k_rates: "));
   const Outcome alone = here.call("compile 'two pendulums.toml' -o - --without-joint-forces --set world.gravity=[0,0,0]");
   CHECK(alone.code == 0);
-  CHECK(contains(alone.output, "Without forces in joints"));
+  CHECK(contains(alone.output, "Without joint forces"));
   CHECK(contains(alone.output, "gravity 0 0 0 m/s^2"));
 }
 

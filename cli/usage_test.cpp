@@ -78,7 +78,7 @@ TEST_CASE("usage") {
   refused("convert s.toml -o s", "the format is unknown: the file name has no ending");
   refused("convert s.toml -o ./s.toml", "it would be overwritten");
   refused("convert s.toml -o s.urdf --mechanism chian", "did you mean 'chain'?");
-  refused("convert s.toml -o t.toml --mechanism chain", "--mechanism is for .urdf");
+  refused("convert s.toml -o t.toml --mechanism chain", "--mechanism is only for .urdf");
   CHECK(here.files() == 1);
 }
 

@@ -104,20 +104,20 @@ TEST_CASE("a file of the user's with a name that a run writes is not replaced") 
   const test::TemporaryFolder folder;
   make_result(folder / "r", "old");
   write_text_file(folder / "r/report.html", "mine");
-  CHECK(has(mistake(folder / "r"), "r/report.html: error: this file is not one that momentree wrote"));
+  CHECK(has(mistake(folder / "r"), "r/report.html: error: this file was not written by momentree"));
   fs::remove(folder / "r/report.html");
   fs::remove(folder / "r/joints.csv");
   fs::create_symlink("elsewhere", folder / "r/joints.csv");
-  CHECK(has(mistake(folder / "r"), "r/joints.csv: error: this file is not one"));
+  CHECK(has(mistake(folder / "r"), "r/joints.csv: error: this file was not written by momentree"));
   fs::remove(folder / "r/joints.csv");
   make_partial(folder / "r", "old");
   write_text_file(folder / "r.partial/joints.csv", "mine");
-  CHECK(has(mistake(folder / "r"), "r.partial/joints.csv: error: this file is not one"));
+  CHECK(has(mistake(folder / "r"), "r.partial/joints.csv: error: this file was not written by momentree"));
   CHECK(read_text_file(folder / "r.partial/report.html") == "old");  // a refused run changes nothing
   fs::remove(folder / "r.partial/joints.csv");
   write_text_file(folder / "r.partial/notes", "one");
   write_text_file(folder / "r/notes", "other");
-  CHECK(has(mistake(folder / "r"), "r/notes: error: this file is not one"));
+  CHECK(has(mistake(folder / "r"), "r/notes: error: this file was not written by momentree"));
 }
 
 TEST_CASE("one run at a time works on a folder") {
@@ -143,7 +143,7 @@ TEST_CASE("a destination that appears during the run is not replaced") {
     result.write("summary.json", "new");
     fs::create_directories(folder / "r");
     write_text_file(folder / "r/own", "mine");
-    CHECK(has(test::error_of([&] { result.publish(); }), "it is not replaced"));
+    CHECK(has(test::error_of([&] { result.publish(); }), "it will not be replaced"));
   }
   CHECK(read_text_file(folder / "r/own") == "mine");
   CHECK(read_text_file(folder / "r.partial/summary.json") == "new");
@@ -152,7 +152,7 @@ TEST_CASE("a destination that appears during the run is not replaced") {
   ResultDirectory result(folder / "r", all_files);
   result.keep();
   write_text_file(folder / "r/report.html", "mine");
-  CHECK(has(test::error_of([&] { result.publish(); }), "report.html: error: this file is not one"));
+  CHECK(has(test::error_of([&] { result.publish(); }), "report.html: error: this file was not written by momentree"));
   fs::remove_all(folder / "r");
   CHECK(result.publish().empty());  // the earlier result is gone
   CHECK_FALSE(fs::exists(folder / "r/report.html"));
@@ -162,8 +162,8 @@ TEST_CASE("files are whole or absent, and replace no other program's files") {
   const test::TemporaryFolder folder;
   ResultDirectory result(folder / "r");
   write_text_file(folder / "r.partial/mine", "mine");
-  CHECK(has(test::error_of([&] { result.file("mine"); }), "is not replaced"));
-  CHECK(has(test::error_of([&] { result.write("mine", "x"); }), "is not replaced"));
+  CHECK(has(test::error_of([&] { result.file("mine"); }), "will not be replaced"));
+  CHECK(has(test::error_of([&] { result.write("mine", "x"); }), "will not be replaced"));
   result.reserve(100);
   result.write("summary.json", "one");
   result.write("summary.json", "two", true);

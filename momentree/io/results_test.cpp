@@ -237,7 +237,7 @@ TEST_CASE("a run fails if its report or its destination cannot be written") {
     write_text_file(folder / "r/thesis.tex", "years of work");
     return summary;
   };
-  CHECK(finish(taken).find("it is not replaced") != std::string::npos);
+  CHECK(finish(taken).find("it will not be replaced") != std::string::npos);
   CHECK(read_text_file(folder / "r.partial/report.html") == read_text_file(folder / "r.partial/summary.json"));
 }
 

@@ -211,7 +211,7 @@ TEST_CASE("errors in the files are reported with their places") {
   directory.write("bodies.csv", "time,a.x,a.x\n");
   CHECK(mentions(complaint(directory), "twice"));
   directory.write("bodies.csv", "time,a.mass\n");
-  CHECK(mentions(complaint(directory), "no part of a pose"));
+  CHECK(mentions(complaint(directory), "not part of a pose"));
   directory.write("bodies.csv", header_of_two);
   CHECK(mentions(complaint(directory), "no complete row"));
   directory.write("bodies.csv", header_of_two + row(0, 1) + "1,2,3\n" + row(2, 1));
