@@ -32,7 +32,7 @@ double seconds_argument(const char* option, const std::string& text) {
     QuantityProblem problem;
     const auto time = parse_quantity(text, dimension::time, problem);
     if (!time) {
-      const bool number = text.find_first_of("0123456789") != std::string::npos;  // then it is the unit that is wrong
+      const bool number = text.find_first_of("0123456789") != std::string::npos;  // then only the unit is wrong
       throw_error(
           {number ? problem.what : "expected a time, not '" + text + "'", place(option, text), number ? problem.hint : example});
     }

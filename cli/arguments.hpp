@@ -1,14 +1,14 @@
 #pragma once
-// Values of options that are numbers. All throw Error for text that is not such a number, with an example.
+// Parsers of numeric option values. All throw Error, with an example, for text that is not such a number.
 #include <string>
 
 namespace momentree::cli {
 
-/// A time of at least 0: seconds, or a number with a unit ("2 min").
+/// A time of at least 0, in s: a number of seconds, or a number with a unit ("2 min").
 double seconds_argument(const char* option, const std::string& text);
-/// The same as a value of a scenario.
+/// The same time as the text of a scenario value.
 std::string time_argument(const char* option, const std::string& text);
-/// A whole number between two others.
+/// A whole number in [least, most].
 int number_argument(const char* option, const std::string& text, int least, int most);
 
 }  // namespace momentree::cli

@@ -31,8 +31,10 @@ void print_operations(const Style& style) {
   for (const OperationsRow& row : operations_table())
     table.row({row.algorithm, row.additions, row.multiplications, row.total, row.of_100 > 0 ? format("%ld", row.of_100) : "?",
                row.source});
-  print(style.heading("Operations of an evaluation, n bodies joined by pins") + " (the paper's Table 1)\n" + table.text("  ") +
-        "  An ellipsis is what the print has lost. Ours: divisions are among the multiplications, sines and cosines apart.\n\n");
+  print(style.heading("Operations per evaluation, n bodies joined by revolute joints") + " (the paper's Table 1)\n" +
+        table.text("  ") +
+        "  An ellipsis marks what is illegible in print. momentree: divisions count as multiplications, sines and cosines are "
+        "excluded.\n\n");
   Table others;
   others.row({"momentree, other chains", "additions", "multiplications", "total", "100 bodies"});
   for (const OperationsRow& row : other_operations())
@@ -47,17 +49,17 @@ void print_breaking_chain(const BreakingChain& chain, const Style& style) {
   table.row({"here", duration_text(chain.evaluation[0]), duration_text(chain.evaluation[1]), duration_text(chain.change),
              duration_text(chain.whole)});
   print(style.heading("The breaking chain") +
-        format(" (the paper's Table 2: time per evaluation, %ld before and %ld after the break; the paper's run is its "
-               "evaluations alone)\n",
+        format(" (the paper's Table 2: time per evaluation, %ld before and %ld after the break; the paper's run includes "
+               "evaluations only)\n",
                chain.evaluations[0], chain.evaluations[1]) +
         table.text("  ") + '\n');
 }
 
-/// Shortest of several repeats; false if interrupted.
+/// The shortest of several repeats; false if interrupted.
 bool print_times(double budget, const Style& style) {
   const auto go_on = [] { return !InterruptGuard::interrupted(); };
   Table evaluations;
-  evaluations.row({"", "bodies", "freedoms", "evaluation", "ns per body"});
+  evaluations.row({"", "bodies", "DoFs", "evaluation", "ns per body"});
   evaluation_times(budget, [&](const EvaluationRow& row) {
     evaluations.row({row.model, format("%d", row.bodies), format("%d", row.dofs), duration_text(row.seconds),
                      nanoseconds(row.seconds / row.bodies)});
@@ -65,8 +67,8 @@ bool print_times(double budget, const Style& style) {
   });
   if (!go_on()) return false;
   print(style.heading("Time of an evaluation") +
-        " (one core, double; shortest of many, each at other coordinates, joint forces included)\n" + evaluations.text("  ") +
-        '\n');
+        " (one core, double precision; shortest of many, each at different coordinates, joint forces included)\n" +
+        evaluations.text("  ") + '\n');
   Table generated;
   generated.row({"", "bodies", "operations", "generated", "ns per body", "generated", "faster"});
   const std::string none = generated_times(budget, [&](const GeneratedRow& row) {
@@ -76,7 +78,7 @@ bool print_times(double budget, const Style& style) {
     return go_on();
   });
   if (!go_on()) return false;
-  print(style.heading("Generated code") + " (the rates alone, beside the kernels, one after the other in turn)\n" +
+  print(style.heading("Generated code") + " (the rates alone, generated code and kernels measured alternately)\n" +
         (none.empty() ? generated.text("  ") : "  " + none + '\n') + '\n');
   Table changes;
   changes.row({"", "", "bodies", "ns"});
@@ -93,13 +95,13 @@ bool print_times(double budget, const Style& style) {
 void print_large_worlds(const std::vector<LargeRow>& rows, const Style& style) {
   const auto bytes = [](double value) { return value > 0 ? format("%.0f", value) : std::string("?"); };
   Table table;
-  table.row({"chain of pins in 3D", "bodies", "ns per body", "bytes per body", "with motions"});
+  table.row({"revolute chain in 3D", "bodies", "ns per body", "bytes per body", "with motions"});
   for (const LargeRow& row : rows)
     table.row(
         {row.model, format("%d", row.bodies), nanoseconds(row.seconds / row.bodies), bytes(row.bytes[0]), bytes(row.bytes[1])});
   print(style.heading("Large worlds") +
-        " (an evaluation, one core; memory per body that Tree, State and Work make resident, without model and names: after\n"
-        "evaluations as a step has them, and after one for changes and results, which keeps the motions of bodies)\n" +
+        " (one evaluation, one core; resident memory per body of Tree, State and Work, without model and names: after\n"
+        "evaluations as in a step, and after one for changes and results, which stores the motions of bodies)\n" +
         table.text("  ") + '\n');
 }
 
@@ -110,7 +112,7 @@ void write(io::JsonWriter& json, const OperationsRow& row) {
   json.member("source", row.source).end_object();
 }
 
-/// One document; false if interrupted.
+/// Prints one document; false if interrupted.
 bool print_json(const BenchOptions& options, const std::vector<LargeRow>& large, const std::vector<std::string>& peers) {
   std::string text;
   io::JsonWriter json(text, 2);
@@ -171,7 +173,7 @@ bool print_json(const BenchOptions& options, const std::vector<LargeRow>& large,
 
 int measure(const BenchOptions& options, const std::vector<std::string>& peers) {
   const InterruptGuard guard;
-  std::vector<LargeRow> large;  // first, while nothing that was freed is there to be used again
+  std::vector<LargeRow> large;  // first, before freed memory is available for reuse
   large_worlds(options.bodies, [&](const LargeRow& row) {
     large.push_back(row);
     return !InterruptGuard::interrupted();
@@ -187,8 +189,9 @@ int measure(const BenchOptions& options, const std::vector<std::string>& peers) 
   const std::vector<PeerRow> rows = measure_peers(peers, {});
   if (InterruptGuard::interrupted()) return interrupted;
   print(style.heading("Other engines") +
-        " (grounded pins and a floating humanoid, with gravity: from positions and velocities, ours from momenta, to what a step "
-        "needs; ns per body, and how many times the first row; accelerations of all checked)\n" +
+        " (grounded revolute chains and a floating humanoid, with gravity: from positions and velocities (momentree: momenta) to "
+        "what a step "
+        "needs; ns per body, and the ratio to the first row; all accelerations checked)\n" +
         peers_table(rows) + '\n');
   return done;
 }
@@ -206,7 +209,7 @@ int bench(const BenchOptions& options) {
   if (!options.models.empty()) return bench_models(options, peers);
   try {
     return measure(options, peers);
-  } catch (const Error& error) {  // no fault of the user's
+  } catch (const Error& error) {  // not the user's mistake
     show(stderr, "momentree bench: " + error.message() + '\n');
     return failed;
   }

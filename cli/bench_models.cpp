@@ -1,4 +1,4 @@
-// `momentree bench MODEL…`: what a user's own models take on this machine, and in other engines.
+// `momentree bench MODEL…`: times of a user's own models on this machine, and in other engines.
 #include <cstdio>
 #include <optional>
 
@@ -21,20 +21,20 @@ std::string time_or_dash(double seconds) { return seconds > 0 ? duration_text(se
 
 void print_own(const std::vector<OwnRow>& rows, const Style& style) {
   Table times;
-  times.row({"", "bodies", "freedoms", "evaluation", "accelerations", "in a batch", "kernels", "generated", "break", "lock"});
+  times.row({"", "bodies", "DoFs", "evaluation", "accelerations", "in a batch", "kernels", "generated", "break", "lock"});
   std::string notes;
   for (const OwnRow& row : rows) {
     times.row({row.model, format("%d", row.bodies), format("%d", row.dofs), duration_text(row.evaluation),
                duration_text(row.accelerations), time_or_dash(row.batch), time_or_dash(row.kernels), time_or_dash(row.generated),
                time_or_dash(row.break_joint), time_or_dash(row.lock_joint)});
     if (!row.batch_message.empty()) notes += "  " + row.model + ": " + row.batch_message + '\n';
-    if (!row.broken.empty()) notes += "  " + row.model + ": the joint that breaks is " + row.broken;
-    if (!row.broken.empty()) notes += row.locked.empty() ? "\n" : ", that which locks " + row.locked + '\n';
+    if (!row.broken.empty()) notes += "  " + row.model + ": the joint broken is " + row.broken;
+    if (!row.broken.empty()) notes += row.locked.empty() ? "\n" : ", the joint locked is " + row.locked + '\n';
   }
   const std::string text =
       style.heading("Your models") +
-      " (one core, double; shortest of many, each at other coordinates. Evaluation: rates with the forces in joints; with\n"
-      "accelerations and the wrenches in all joints; in a world among 64 of a batch; the rates alone, by the kernels and by "
+      " (one core, double precision; shortest of many, each at different coordinates. Evaluation: rates with joint forces; with\n"
+      "accelerations and all joint wrenches; in one of 64 worlds of a batch; the rates alone, by the kernels and by "
       "generated code;\na change by itself, without the evaluations before and after it)\n" +
       times.text("  ") + notes + '\n';
   show(stdout, text);
@@ -84,11 +84,10 @@ int measure(const BenchOptions& options, const std::vector<io::Scenario>& scenar
     if (!peers.empty()) write_peers(json, others);
     json.end_object();
   } else if (!peers.empty()) {
-    text =
-        style.heading("Other engines") +
-        " (with gravity, without what acts in joints, and without rotors: from positions and velocities, ours from momenta, to\n"
-        "what a step needs; ns per body that moves, and how many times the first row; accelerations of all checked)\n" +
-        peers_table(others);
+    text = style.heading("Other engines") +
+           " (with gravity, without joint forces and armatures: from positions and velocities (momentree: momenta) to\n"
+           "what a step needs; ns per moving body, and the ratio to the first row; all accelerations checked)\n" +
+           peers_table(others);
   }
   if (text.empty()) return done;
   if (options.json)
@@ -122,7 +121,7 @@ int bench_models(const BenchOptions& options, const std::vector<std::string>& pe
   }
   try {
     return measure(options, scenarios, peers, files);
-  } catch (const Error& error) {  // no fault of the user's
+  } catch (const Error& error) {  // not the user's mistake
     show(stderr, "momentree bench: " + error.message() + '\n');
     return failed;
   }

@@ -18,7 +18,7 @@ constexpr int worlds = 64;
 
 bool locked(const Tree& tree, int b, int dof) { return (tree.joint(b).locked >> dof & 1u) != 0; }
 
-/// The model's start, in motion.
+/// The model's initial state, with motion added.
 State stirred(const Model& model, const Tree& tree) {
   State state = start_state(model, tree);
   std::vector<double> v(static_cast<std::size_t>(tree.nv()));
@@ -52,7 +52,7 @@ class Own {
       keep(workspace_.a.get());
     });
     const double error = momentum_error(tree_, states_[turn].q().data(), states_[turn].p().data(), workspace_);
-    if (!(error < 1e-9)) wrong("the velocities found with accelerations do not belong to the momenta");
+    if (!(error < 1e-9)) wrong("the velocities found with the accelerations do not match the momenta");
     row.error = std::max(row.error, error);
   }
 
@@ -66,7 +66,7 @@ class Own {
     }
     row.batch = shortest(budget, [&] { batch->step(1e-6); }) / (4 * worlds);
     for (int world = 0; world < worlds; ++world)
-      if (batch->ran_away(world)) wrong("a world of the batch ran away");
+      if (batch->ran_away(world)) wrong("a world of the batch diverged");
   }
 
   void evaluate_generated(const KernelCache& kernels, double budget) {
@@ -75,7 +75,7 @@ class Own {
     row.kernels = generated.seconds[0], row.generated = generated.seconds[1];
   }
 
-  /// On the first joint from two fifths of the way through on that can be broken, and that can be locked.
+  /// Uses the first joints, from two fifths of the way on, that can be broken and locked.
   void change(double budget) {
     const int n = tree_.bodies();
     for (int k = 0; k < n && (row.broken.empty() || row.locked.empty()); ++k) {
@@ -90,14 +90,14 @@ class Own {
   OwnRow row;
 
  private:
-  /// A rotor turns no more once its joint has broken, and its energy is gone.
+  /// The armature of a broken joint no longer rotates, and its energy is lost.
   bool has_armature(int b) const { return tree_.armature()[tree_.first_p(b)] != 0; }
   bool driven(int b) const { return std::ranges::find(tree_.driven_joints(), b) != tree_.driven_joints().end(); }
   [[noreturn]] void wrong(const char* what) const { throw Error{row.model + ": " + what, "", ""}; }
 
   template <class Change>
   double change(const Change& what, bool keeps_energy, double budget) {
-    const bool powered = !tree_.driven_joints().empty();  // motors that hold a motion give and take energy
+    const bool powered = !tree_.driven_joints().empty();  // prescribed motions do work
     double energy = 0;
     const double best = shortest_change(budget, what, tree_, states_[0], workspace_, energy);
     if (!powered && !(energy < 1 + 1e-9 && (!keeps_energy || energy > 1 - 1e-8)))

@@ -22,12 +22,12 @@ namespace momentree::cli {
 
 namespace {
 
-/// A program whose standard output is read; ended where the reader stops before it does.
+/// A program whose standard output is read; it is terminated if the reader stops first.
 class Reader {
  public:
   Reader(const std::string& program, std::vector<std::string> words) {
     int ends[2];
-    if (pipe(ends) != 0) throw Error{program + ": no pipe to read it", "", ""};
+    if (pipe(ends) != 0) throw Error{program + ": cannot create a pipe to read its output", "", ""};
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
@@ -44,7 +44,7 @@ class Reader {
     output_ = fdopen(ends[0], "r");
     if (failed == 0 && output_ != nullptr) return;
     close(ends[0]);
-    throw Error{program + " can't be started", "", ""};
+    throw Error{program + " cannot be started", "", ""};
   }
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
@@ -57,7 +57,7 @@ class Reader {
     for (int c = 0; (c = std::fgetc(output_)) != EOF && c != '\n';) text += static_cast<char>(c);
     return !text.empty();
   }
-  /// Its exit status, or −1 if it was ended.
+  /// Its exit status, or −1 if it was terminated.
   int finish() {
     std::fclose(output_);
     int status = 0;
@@ -112,7 +112,7 @@ void peer_evaluations(const std::string& program, const std::vector<std::string>
   for (std::string line; reader.line(line);)
     if (!row(row_of(line, program))) return;
   if (const int status = reader.finish(); status != 0)
-    throw Error{format("%s failed (exit status %d): what it wrote says why", program.c_str(), status), "", ""};
+    throw Error{format("%s failed (exit status %d): its output gives the reason", program.c_str(), status), "", ""};
 }
 
 std::vector<PeerRow> measure_peers(const std::vector<std::string>& programs, const std::vector<std::string>& files) {
@@ -128,7 +128,7 @@ std::vector<PeerRow> measure_peers(const std::vector<std::string>& programs, con
       if (InterruptGuard::interrupted()) return rows;
       try {
         peer_evaluations(program, {file}, keep);
-      } catch (const Error& error) {  // an engine may not take every model: bodies without mass, say
+      } catch (const Error& error) {  // an engine may not support every model, for example bodies without mass
         show(stderr, "momentree bench: left out: " + printable(error.what) + '\n');
       }
     }

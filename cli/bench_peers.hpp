@@ -12,25 +12,25 @@ namespace momentree::cli {
 struct PeerRow {
   std::string engine, way, model;
   double ns_per_body = 0;
-  double imbalance = 0;  ///< of the accelerations found: the largest force that is missing at a joint, as a share of the largest
+  double imbalance = 0;  ///< of the accelerations found: the largest unbalanced force at a joint, relative to the largest force
 };
 
-/// Paths of the programs peer-* in a folder: ours first, the others by name. Throws Error where there are none.
+/// Paths of the programs peer-* in a folder: momentree's first, the others by name. Throws Error if there are none.
 std::vector<std::string> peer_programs(const std::string& folder);
 
-/// Runs `program evaluate FILE…` and calls `row` with each line that it prints, until that returns false. The files are models
-/// (cli/peer_links.hpp); without any, the program takes those that it has itself.
-/// Throws Error if it can't be started, fails, or prints something else.
+/// Runs `program evaluate FILE…` and calls `row` with each line of its output, until that returns false. The files are models
+/// (cli/peer_links.hpp); without files, the program uses its built-in models. Throws Error if it cannot be started, fails, or
+/// prints anything else.
 void peer_evaluations(const std::string& program, const std::vector<std::string>& files,
                       const std::function<bool(const PeerRow&)>& row);
 
-/// All rows of all programs, until the user interrupts. A program that fails on one of the files is left out there, and that is
-/// said; throws Error where one fails on its own models.
+/// All rows of all programs, until the user interrupts. A program that fails on one of the files is left out there with a
+/// message; throws Error if a program fails on its built-in models.
 std::vector<PeerRow> measure_peers(const std::vector<std::string>& programs, const std::vector<std::string>& files);
 
-/// Nanoseconds per body: a column for each model, a row for each way of an engine, the first of them ours.
+/// Nanoseconds per body: a column for each model, a row for each method of an engine, momentree's first.
 std::string peers_table(const std::vector<PeerRow>& rows);
-/// The member `peers` of a document.
+/// Writes the member `peers` of a document.
 void write_peers(io::JsonWriter& json, const std::vector<PeerRow>& rows);
 
 }  // namespace momentree::cli

@@ -32,7 +32,7 @@ std::string linear_text(long slope, long offset) {
   return format("%ld n ", slope) + (offset < 0 ? "− " : "+ ") + format("%ld", std::labs(offset));
 }
 
-/// Counted for two lengths, and held to the line at a third.
+/// Counted for two lengths, and checked for linearity at a third.
 OperationsRow counted(const char* name, const Vec3& gravity, Model (*make)(int), const char* source) {
   const auto count = [&](int bodies) {
     Model model = make(bodies);
@@ -69,7 +69,7 @@ EvaluationRow evaluation_time(const std::string& name, const Tree& tree, const S
   for (const int i : {0, 1}) {
     evaluate_stage(tree, 0, q[i].data(), p.data(), work);
     const double error = momentum_error(tree, q[i].data(), p.data(), work);
-    if (!(error < 1e-9)) throw Error{name + ": the velocities found do not belong to the momenta", "", ""};
+    if (!(error < 1e-9)) throw Error{name + ": the velocities found do not match the momenta", "", ""};
     row.error = std::max(row.error, error);
   }
   return row;
@@ -96,7 +96,7 @@ GeneratedRow generated_time(const std::string& name, const Tree& tree, const Sta
   };
   row.seconds[0] = row.seconds[1] = HUGE_VAL;
   const auto begin = Clock::now();
-  do {  // in turn, so that what else the machine does befalls both
+  do {  // alternately, so that disturbances by other load affect both
     row.seconds[0] = std::min(row.seconds[0], shortest(0, kernel));
     row.seconds[1] = std::min(row.seconds[1], shortest(0, generated));
   } while (since(begin) < budget);
@@ -105,11 +105,11 @@ GeneratedRow generated_time(const std::string& name, const Tree& tree, const Sta
   double largest = 0, error = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
     const double off = std::fabs(other.pdot[i] - work.pdot[i]);
-    error = off <= error ? error : off;  // NaN stays
+    error = off <= error ? error : off;  // keeps NaN
     largest = std::max(largest, std::fabs(work.pdot[i]));
   }
   row.error = error / largest;
-  if (!(row.error < 1e-9)) throw Error{name + ": generated code finds other rates than the kernels", "", ""};
+  if (!(row.error < 1e-9)) throw Error{name + ": the rates of the generated code differ from those of the kernels", "", ""};
   return row;
 }
 
@@ -125,7 +125,7 @@ GeneratedRow at_start(const std::string& name, const Model& model, const KernelC
   return generated_time(name, tree, start_state(model, tree), kernels, budget);
 }
 
-/// `ratio`: of kinetic energies that is right, or any that is no gain where it is 0.
+/// `ratio`: the expected ratio of kinetic energies; 0: any that is not a gain.
 template <class Change>
 ChangeRow change_time(const char* name, const char* model_name, const Model& model, bool floating, double ratio, double budget,
                       const Change& change) {
@@ -251,7 +251,7 @@ LargeRow large_world(const char* name, const Model& model) {
   }
   row.bytes[0] = grown();
   row.error = momentum_error(tree, q, p, work);
-  if (!(row.error < 1e-6)) throw Error{std::string(name) + ": the velocities found do not belong to the momenta", "", ""};
+  if (!(row.error < 1e-6)) throw Error{std::string(name) + ": the velocities found do not match the momenta", "", ""};
   forward_dynamics(tree, state, work);
   row.bytes[1] = grown();
   return row;

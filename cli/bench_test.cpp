@@ -1,4 +1,4 @@
-// The tables of `momentree bench`, with next to no time for each figure: what is in them, never how fast.
+// The tables of `momentree bench`, with minimal time per figure: checks their contents, never the speed.
 #include <cli/bench_peers.hpp>
 #include <cli/bench_tables.hpp>
 
@@ -17,7 +17,7 @@
 
 namespace momentree::cli {
 
-TEST_CASE("operations: rows of others as they are printed, ours as counted") {
+TEST_CASE("operations: rows of others as printed, momentree's as counted") {
   const std::vector<OperationsRow> rows = operations_table();
   REQUIRE(rows.size() == 6);
   CHECK(rows[2].total == "432 n − 688");
@@ -69,7 +69,7 @@ TEST_CASE("times of evaluations and changes: every model, results right") {
   });
   CHECK(changes == std::set<std::string>{"break a joint", "lock a joint", "re-root"});
   rows = 0;
-  evaluation_times(0, [&](const EvaluationRow&) { return ++rows < 2; });  // it ends where it is told to
+  evaluation_times(0, [&](const EvaluationRow&) { return ++rows < 2; });  // it stops when requested
   CHECK(rows == 2);
 }
 
@@ -82,7 +82,7 @@ TEST_CASE("generated code: fewer operations, the same rates") {
     CHECK(row.error < 1e-9);
     return ++rows < 2;  // the arm, the shortest chain
   });
-  CHECK(none == "");  // what built this test can be found
+  CHECK(none == "");  // the compiler that built this test is available
   CHECK(rows == 2);
 }
 
@@ -118,8 +118,8 @@ TEST_CASE("momentree bench: tables for people, one document for programs") {
 #endif
   }
 #ifdef __linux__
-  // Equal joints, masses and placements are stored once. So few bodies leave pages half used: a million have 425 and 521 bytes
-  // each.
+  // Equal joints, masses and placements are stored once. So few bodies leave pages half used: a million bodies need 425 and 521
+  // bytes each.
   for (const char* key : {"bytes_per_body", "bytes_per_body_with_motions"}) {
     CHECK(large.items[0].find(key)->number < 900);
     CHECK(large.items[0].find(key)->number + 300 < large.items[1].find(key)->number);
@@ -127,7 +127,7 @@ TEST_CASE("momentree bench: tables for people, one document for programs") {
 #endif
 }
 
-TEST_CASE("momentree bench --peers: runs the programs of a folder, and believes nothing that failed") {
+TEST_CASE("momentree bench --peers: runs the programs of a folder, and discards the results of failures") {
   const io::test::TemporaryFolder folder;
   const auto program = [&](const char* name, const std::string& script) {
     std::ofstream(folder / name) << "#!/bin/sh\n" << script;
@@ -162,7 +162,7 @@ TEST_CASE("momentree bench --peers: runs the programs of a folder, and believes 
         2 << 8);
 }
 
-TEST_CASE("momentree bench MODEL: one's own models, and other engines on the same") {
+TEST_CASE("momentree bench MODEL: a user's own models, in momentree and other engines") {
   const io::test::TemporaryFolder folder;
   const auto call = [&](const std::string& arguments) {
     return std::system(
@@ -192,7 +192,7 @@ TEST_CASE("momentree bench MODEL: one's own models, and other engines on the sam
     CHECK(row.find("error")->number < 1e-9);
   }
 
-  // A program is given the models one by one; where it takes one not, it is left out there.
+  // A program is given the models one by one; a model that it does not support is left out there.
   const std::string program = folder / "peer-a";
   std::ofstream(program) << "#!/bin/sh\n[ \"$1\" = evaluate ] && grep -q slide \"$2\" || exit 1\n"
                             "echo '{\"model\": \"'$(head -1 \"$2\")'\", \"engine\": \"E 1\", \"way\": \"f\", \"imbalance\": 0, "
@@ -210,7 +210,7 @@ TEST_CASE("momentree bench MODEL: one's own models, and other engines on the sam
   CHECK(text("err").find("closed loops are not supported") != std::string::npos);
   CHECK(call("nowhere.urdf") == 2);
   CHECK(call("--peers '" + (folder / "") + "' '" + sources + "capture.toml'") == 2);  // it has a universal joint
-  CHECK(text("err").find("capture.toml: error: other engines can't be given this model: tug/upper has a universal joint") !=
+  CHECK(text("err").find("capture.toml: error: other engines do not support this model: tug/upper has a universal joint") !=
         std::string::npos);
 }
 

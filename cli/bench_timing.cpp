@@ -10,7 +10,7 @@ double momentum_error(const Tree& tree, const double* q, const double* p, const 
   double error = 0, largest = 0;
   for (std::size_t i = 0; i < again.size(); ++i) {
     const double off = std::fabs(again[i] - p[i]);
-    error = off <= error ? error : off;  // NaN stays
+    error = off <= error ? error : off;  // keeps NaN
     largest = std::max(largest, std::fabs(p[i]));
   }
   return error / largest;

@@ -1,5 +1,5 @@
 #pragma once
-// How `momentree bench` measures: shortest of many calls, each at other coordinates, and only where the result is right.
+// How `momentree bench` measures: the shortest of many calls, each at other coordinates, and only if the result is right.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -14,10 +14,10 @@ namespace momentree::cli {
 using Clock = std::chrono::steady_clock;
 inline double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-/// What the compiler may not leave out.
+/// Keeps the compiler from optimising `p` away.
 inline void keep(const void* p) { asm volatile("" : : "g"(p) : "memory"); }
 
-/// Shortest time of one call, in batches that a clock can tell, for `budget` seconds, seven batches at least.
+/// Shortest time of one call (s), in batches long enough for the clock, for `budget` seconds and at least seven batches.
 template <class F>
 double shortest(double budget, F&& call) {
   long count = 1;
@@ -36,8 +36,8 @@ double shortest(double budget, F&& call) {
   return best;
 }
 
-/// Shortest time of a change alone, without the evaluations before and after it. `energy`: the kinetic energy after it, as a
-/// share of what it was.
+/// Shortest time of a topology change alone (s), without the evaluations before and after it. `energy`: the kinetic energy
+/// after the change, relative to that before it.
 template <class Change>
 double shortest_change(double budget, const Change& change, const Tree& first, const State& begin, Workspace<double>& work,
                        double& energy) {
@@ -60,7 +60,7 @@ double shortest_change(double budget, const Change& change, const Tree& first, c
   return best;
 }
 
-/// Largest error of the momenta that the velocities just found belong to, relative to the largest momentum.
+/// Largest error of the momenta recomputed from the velocities just found, relative to the largest momentum.
 double momentum_error(const Tree& tree, const double* q, const double* p, const Workspace<double>& work);
 /// A second set of coordinates, near the first.
 std::vector<double> moved(const Tree& tree, std::vector<double> q);

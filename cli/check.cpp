@@ -13,17 +13,17 @@ namespace momentree::cli {
 
 namespace {
 
-/// What was found out about one file.
+/// The findings for one file.
 struct Checked {
   std::string file;
   std::vector<io::Diagnostic> diagnostics;
   struct Counts {
     long mechanisms = 0, bodies = 0, dofs = 0, events = 0;
   };
-  std::optional<Counts> counts;  ///< where there is no error
+  std::optional<Counts> counts;  ///< if there is no error
 };
 
-// An error that is thrown names its place as `file:line:column`, as far as it knows it.
+// The place of a thrown error is `file:line:column`, as far as it is known.
 io::Diagnostic diagnostic_of(const Error& error, const std::string& file) {
   io::Diagnostic found{io::Severity::error, file, 0, 0, error.what, error.hint, ""};
   std::string where = error.where;
@@ -45,7 +45,8 @@ io::Diagnostic diagnostic_of(const Error& error, const std::string& file) {
   return found;
 }
 
-// What is wrong with a file that reads well shows when it is compiled: state documents that do not fit, events too early.
+// Some errors in a file that reads well appear only when it is compiled: state documents that do not fit, events that are too
+// early.
 Checked check_one(const std::string& file, Notes notes) {
   Checked checked{is_standard_input(file) ? standard_input : file, {}, {}};
   try {

@@ -25,7 +25,7 @@ std::string quoted(const std::string& words) { return "`momentree " + words + "`
 CLI::App* CommandLine::command(const char* name, const char* does, std::function<int()> action) {
   CLI::App* sub = app_.add_subcommand(name, does);
   sub->footer(closing);
-  sub->allow_extras();  // require_known_arguments has better words for them
+  sub->allow_extras();  // require_known_arguments gives better messages
   actions_.emplace_back(sub, std::move(action));
   return sub;
 }
@@ -38,7 +38,7 @@ void CommandLine::overrides(CLI::App* sub, std::vector<std::string>& values) {
 }
 
 void CommandLine::verbose(CLI::App* sub, bool& value) {
-  sub->add_flag("-v,--verbose", value, "List what is noted of a model file, instead of its number alone");
+  sub->add_flag("-v,--verbose", value, "List the notes on a model file instead of only their number");
 }
 
 void CommandLine::served(CLI::App* sub, int& port, bool& no_browser) {
@@ -46,7 +46,7 @@ void CommandLine::served(CLI::App* sub, int& port, bool& no_browser) {
          "--port", [&port](const std::string& text) { port = number_argument("--port", text, 0, 65535); },
          "Port on 127.0.0.1; default: any free port")
       ->type_name("N");
-  sub->add_flag("--no-browser", no_browser, "Print the address and open nothing");
+  sub->add_flag("--no-browser", no_browser, "Print the address without opening a browser");
 }
 
 CLI::Option* CommandLine::source(CLI::App* sub, const char* name, std::string& value, const char* type, const char* does) {
@@ -84,31 +84,31 @@ CommandLine::CommandLine() {
 void CommandLine::add_run() {
   CLI::App* sub = command("run", "Run a scenario or a model and write the results", [this] { return run(run_); });
   source(sub, "scenario", run_.scenario, "SCENARIO|MODEL", a_source)->required();
-  sub->add_option("--out", run_.out, "Where the results go; default results/ and the scenario's name")->type_name("DIR");
+  sub->add_option("--out", run_.out, "Folder for the results; default: results/ and the scenario's name")->type_name("DIR");
   overrides(sub, run_.overrides);
   sub->add_option_function<std::string>(
          "--until", [this](const std::string& text) { run_.until = time_argument("--until", text); },
          "End the run at this time instead: seconds, or with a unit as in \"2 min\"")
       ->type_name("T");
   sub->add_flag("--report", run_.report, "Also write report.html: the motion, events and plots in one page");
-  sub->add_flag("--reactions", run_.reactions, "Add to joints.csv what each joint carries: fx, fy, fz, mx, my, mz");
-  sub->add_flag("--generate", run_.generate, "Compile code for each topology as it comes, and run that (short chains and arms)");
+  sub->add_flag("--reactions", run_.reactions, "Add the reactions of the joints to joints.csv: fx, fy, fz, mx, my, mz");
+  sub->add_flag("--generate", run_.generate, "Compile and run code for each topology that occurs (short chains and arms)");
   sub->add_flag("--quiet", run_.quiet, "Print nothing but warnings and errors");
   verbose(sub, run_.verbose);
   sub->add_flag("--json", run_.json, "Print summary.json and nothing else");
-  sub->add_option("--format", run_.format)->group("");  // there is but one
+  sub->add_option("--format", run_.format)->group("");  // there is only one
   later(sub, "--checkpoint", true);
   later(sub, "--resume", false);
 }
 
 void CommandLine::add_readers() {
   CLI::App* check_command =
-      command("check", "Say what is wrong with scenarios and models, as file:line:col", [this] { return check(check_); });
+      command("check", "Report problems in scenarios and models, as file:line:col", [this] { return check(check_); });
   check_command->add_option("files", check_.files, "Scenarios (.toml) or models (.urdf, .sdf, .xml); - is standard input")
       ->required()
       ->type_name("FILE");
   verbose(check_command, check_.verbose);
-  check_command->add_flag("--json", check_.json, "Print one JSON document and nothing else: problems for an editor");
+  check_command->add_flag("--json", check_.json, "Print one JSON document and nothing else, for editors");
 
   CLI::App* evaluate_command = command("evaluate", "Evaluate a scenario or a model once, at its start or at a state",
                                        [this] { return evaluate(evaluate_); });
@@ -134,7 +134,7 @@ void CommandLine::add_writers() {
   convert_command->add_option("-o,--out", convert_.out, "The file to write: .toml or .urdf; - is TOML on standard output")
       ->required()
       ->type_name("FILE");
-  convert_command->add_option("--mechanism", convert_.mechanism, "Which one, for a URDF of a scenario with several")
+  convert_command->add_option("--mechanism", convert_.mechanism, "The mechanism to write as a URDF, if the scenario has several")
       ->type_name("NAME");
   overrides(convert_command, convert_.overrides);
   verbose(convert_command, convert_.verbose);
@@ -143,8 +143,7 @@ void CommandLine::add_writers() {
       command("compile", "Write code that is specialised for one topology, as a C++ file", [this] { return compile(compile_); });
   source(compile_command, "scenario", compile_.scenario, "SCENARIO|MODEL", a_source)->required();
   compile_command->add_option("-o,--out", compile_.out, "The file to write; - is standard output")->required()->type_name("FILE");
-  compile_command->add_option("--name", compile_.name, "What its names begin with; default: the scenario's name")
-      ->type_name("NAME");
+  compile_command->add_option("--name", compile_.name, "Prefix of its names; default: the scenario's name")->type_name("NAME");
   compile_command->add_flag("--without-joint-forces", compile_.without_joint_forces,
                             "The recursion alone, without dampers, springs and efforts");
   overrides(compile_command, compile_.overrides);
@@ -152,8 +151,7 @@ void CommandLine::add_writers() {
 }
 
 void CommandLine::add_pages() {
-  CLI::App* view_command =
-      command("view", "Look at a run in the browser, or draw it as a picture", [this] { return view(view_); });
+  CLI::App* view_command = command("view", "View a run in the browser, or draw it as a picture", [this] { return view(view_); });
   source(view_command, "source", view_.source, "DIR|SCENARIO|MODEL",
          "A result directory of `momentree run`, or a scenario or model; - is standard input")
       ->required();
@@ -162,9 +160,10 @@ void CommandLine::add_pages() {
   view_command
       ->add_option_function<std::string>(
           "--every", [this](const std::string& text) { view_.every = seconds_argument("--every", text); },
-          "Time between frames: seconds, or with a unit; default 0.2 s, or what suits the run")
+          "Time between frames: seconds, or with a unit; default 0.2 s, or a value that suits the run")
       ->type_name("T");
-  view_command->add_option("--look", view_.look, "Direction in which the viewer looks, as in 0,0,-1; default: what shows most")
+  view_command
+      ->add_option("--look", view_.look, "Direction in which the viewer looks, as in 0,0,-1; default: the one that shows most")
       ->type_name("X,Y,Z");
   view_command
       ->add_option("--layout", view_.layout, "overlay: all frames in one picture; multiples: side by side; default overlay")
@@ -192,7 +191,7 @@ void CommandLine::add_pages() {
   bench_command
       ->add_option_function<std::string>(
           "--bodies", [this](const std::string& text) { bench_.bodies = number_argument("--bodies", text, 1000, 100000000); },
-          "Bodies of the largest chains; default 1000000, which takes some 3 GB")
+          "Bodies of the largest chains; default 1000000, which takes about 3 GB")
       ->type_name("N");
 }
 
@@ -240,7 +239,7 @@ std::string CommandLine::help(std::string_view command) const {
     if (sub->get_name() == command) about = sub;
   const std::string name = about == &app_ ? "momentree" : "momentree " + about->get_name();
   std::string text = about->get_formatter()->make_help(about, name, CLI::AppFormatMode::Normal);
-  for (std::size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);  // where a group is hidden
+  for (std::size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);  // left by a hidden group
   while (text.ends_with('\n')) text.pop_back();
   return text + '\n';
 }
@@ -263,7 +262,7 @@ const CLI::App* CommandLine::parsed() const {
 
 void CommandLine::require_known_arguments() const {
   const CLI::App* sub = parsed();
-  if (std::ranges::count(later_commands_, sub) > 0) return;  // they take any arguments
+  if (std::ranges::count(later_commands_, sub) > 0) return;  // they accept any arguments
   const std::string help = "see " + quoted(sub == &app_ ? "help" : "help " + sub->get_name());
   const auto suggestion = [&help](const std::string& word, const std::vector<std::string>& known) {
     const std::string guess = did_you_mean(word, known);
@@ -284,15 +283,15 @@ void CommandLine::require_known_arguments() const {
     }
     if (sub != &app_)
       throw Error{"one argument too many: '" + word + "'", "",
-                  sub->get_name() == "run" ? "it runs one scenario: call it once for each" : help};
+                  sub->get_name() == "run" ? "a call runs one scenario: call it once for each" : help};
     std::vector<std::string> names;
     for (const CLI::App* each : commands()) names.push_back(each->get_name());
     throw Error{"unknown command '" + word + "'", "", suggestion(word, names)};
   }
-  if (sub == &app_) throw Error{"no command is given", "", help};
+  if (sub == &app_) throw Error{"no command given", "", help};
 }
 
-// What is parsed, but still to come; and standard input, which can be read once.
+// Refuses options that are parsed but not supported yet, and more than one use of standard input.
 void CommandLine::require_what_there_is() const {
   for (const auto& [name, option] : later_options_)
     if (option->count() > 0) throw Error{"`" + name + "` is not supported yet", "", ""};
@@ -311,7 +310,7 @@ int CommandLine::call(int argc, char** argv) {
   } catch (const CLI::CallForVersion& e) {
     return app_.exit(e) == 0 ? done : bad_input;
   } catch (const CLI::ParseError& e) {
-    require_known_arguments();  // a slip in an option's name may be why another is missing
+    require_known_arguments();  // a missing option may be caused by a misspelled one
     const CLI::App* sub = parsed();
     std::string what = e.what();
     if (const std::size_t colon = what.find(": 1 required "); colon != std::string::npos)  // "--until: 1 required T missing"

@@ -1,5 +1,5 @@
 #pragma once
-// The table of commands and options: what is parsed, what --help, the manual page and completion show.
+// The table of commands and options, used for parsing, --help, the manual page and completion.
 #include <CLI/CLI.hpp>
 
 #include <functional>
@@ -18,16 +18,16 @@ class CommandLine {
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
 
-  /// Parses and carries out. Throws Error for what is no command line.
+  /// Parses and runs the command line. Throws Error if it is invalid.
   int call(int argc, char** argv);
 
   const CLI::App& app() const { return app_; }
-  /// Commands that are offered, in their order: those that are still to come are not.
+  /// The available commands, in their order; commands that are not supported yet are left out.
   std::vector<const CLI::App*> commands() const;
   /// The help of a command, or of the program if no command has that name.
   std::string help(std::string_view command) const;
 
-  /// Options of a command that are offered, --help among them; positional arguments.
+  /// The available options of a command, including --help; positional arguments.
   static std::vector<const CLI::Option*> options_of(const CLI::App& command);
   static std::vector<const CLI::Option*> arguments_of(const CLI::App& command);
 
@@ -42,7 +42,7 @@ class CommandLine {
   void verbose(CLI::App* sub, bool& value);
   void served(CLI::App* sub, int& port, bool& no_browser);
   CLI::Option* source(CLI::App* sub, const char* name, std::string& value, const char* type, const char* does);
-  // Names of the interface that have no code yet, parsed to give a clear error, hidden from help.
+  // Names of the interface that are not implemented yet: parsed to give a clear error, hidden from help.
   void later(const char* name);
   void later(CLI::App* sub, const char* option, bool takes_value);
 

@@ -47,7 +47,7 @@ int convert(const ConvertOptions& options);
 
 struct CompileOptions {
   std::string scenario, out;  ///< "-": standard output
-  std::string name;           ///< of what the code defines; empty: the scenario's
+  std::string name;           ///< prefix of the generated names; empty: the scenario's name
   std::vector<std::string> overrides;
   bool without_joint_forces = false, verbose = false;
 };
@@ -58,7 +58,7 @@ struct ViewOptions {
   double every = 0;
   std::string look;
   std::string layout = "overlay";  ///< or "multiples"
-  int port = 0;                    ///< 0: any that is free
+  int port = 0;                    ///< 0: any free port
   bool no_browser = false, verbose = false;
 };
 int view(const ViewOptions& options);
@@ -66,7 +66,7 @@ int view(const ViewOptions& options);
 struct PlayOptions {
   std::string source;  ///< empty: the playground's own gallery
   std::vector<std::string> overrides;
-  int port = 0;  ///< 0: any that is free
+  int port = 0;  ///< 0: any free port
   bool no_browser = false, verbose = false;
 };
 int play(const PlayOptions& options);
@@ -76,12 +76,12 @@ struct BenchOptions {
   bool json = false;
   double budget = 0.15;  ///< s for each figure
   int repeats = 5;       ///< of the breaking chain
-  std::string peers{};   ///< folder of programs peer-*; empty: none
+  std::string peers{};   ///< folder of the programs peer-*; empty: none
   int bodies = 1000000;  ///< of the largest chains
 };
-/// `failed` where a result is wrong: no time is printed for it.
+/// Returns `failed` if a result is wrong: its time is not printed.
 int bench(const BenchOptions& options);
-/// The same for `options.models`; `peers`: paths of the programs of other engines.
+/// Like bench(), for `options.models`; `peers`: paths of the programs of other engines.
 int bench_models(const BenchOptions& options, const std::vector<std::string>& peers);
 
 }  // namespace momentree::cli

@@ -28,7 +28,7 @@ std::string units(const char* letters, const char* (*unit)(char)) {
   return all;
 }
 
-/// What stands where in q and p, a line for each joint that moves.
+/// The positions of the joints' values in q and p, a line for each moving joint.
 std::string packing(const World& world) {
   Table table(Table::Values::left);
   const Tree& tree = world.tree();
@@ -43,7 +43,7 @@ std::string packing(const World& world) {
   return table.text("");
 }
 
-/// Throws Error where forces of the model can't be generated; all of them are told.
+/// Throws Error if the model has forces that cannot be generated; the message lists all of them.
 void require_plain_forces(const World& world, const std::string& path) {
   std::string all;
   for (const OtherForce& force : other_forces(world.tree())) {
@@ -54,8 +54,8 @@ void require_plain_forces(const World& world, const std::string& path) {
   }
   if (!all.empty())
     throw_error(
-        {all + ": that can't be part of generated code", path,
-         "with --without-joint-forces the code is the recursion alone, and all forces in joints and on bodies are yours to add"});
+        {all + ": generated code cannot include that", path,
+         "with --without-joint-forces the code is the recursion alone; add all joint forces and forces on bodies yourself"});
 }
 
 }  // namespace
@@ -70,7 +70,8 @@ int compile(const CompileOptions& options) {
   if (tree.nv() == 0) throw_error({"nothing in it moves: there is no kernel to write", scenario->path, ""});
   if (!options.without_joint_forces) require_plain_forces(world, scenario->path);
   if (!options.name.empty() && options.name != identifier(options.name))
-    throw_error({"'" + options.name + "' is no name for a function", "", "letters, digits and _, a letter first"});
+    throw_error(
+        {"'" + options.name + "' is not a valid function name", "", "use letters, digits and _, beginning with a letter"});
 
   KernelExpressions kernel = kernel_expressions(tree);
   const long recursion = kernel.operations().total();
@@ -78,13 +79,14 @@ int compile(const CompileOptions& options) {
   SourceText text;
   text.name = options.name.empty() ? identifier(scenario->name) : options.name;
   const Vec3& g = tree.gravity();
-  text.about = (scenario->title.empty() ? scenario->name : scenario->title) +
-               format(": %s, %s, gravity %g %g %g m/s^2.\n", count_text(tree.bodies(), "body", "bodies").c_str(),
-                      count_text(tree.nv(), "degree of freedom", "degrees of freedom").c_str(), g.x, g.y, g.z) +
-               (options.without_joint_forces ? "Without forces in joints: dampers, springs, drives are yours to add to pdot.\n"
-                                             : "Dampers, springs and constant efforts of its joints are in pdot.\n") +
-               (tree.driven_joints().empty() ? "" : "Of a joint whose motion is prescribed p is the rate, and pdot zero.\n") +
-               packing(world);
+  text.about =
+      (scenario->title.empty() ? scenario->name : scenario->title) +
+      format(": %s, %s, gravity %g %g %g m/s^2.\n", count_text(tree.bodies(), "body", "bodies").c_str(),
+             count_text(tree.nv(), "degree of freedom", "degrees of freedom").c_str(), g.x, g.y, g.z) +
+      (options.without_joint_forces ? "Without joint forces: add those of dampers, springs and drives to pdot yourself.\n"
+                                    : "Dampers, springs and constant efforts of its joints are in pdot.\n") +
+      (tree.driven_joints().empty() ? "" : "For a joint whose motion is prescribed, p is the rate and pdot is zero.\n") +
+      packing(world);
   const std::string source = kernel_source(kernel, text);
   const bool to_output = options.out == "-";
   if (to_output)

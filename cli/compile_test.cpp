@@ -85,7 +85,7 @@ std::string with(const std::string& what, const std::string& instead) {
 
 }  // namespace
 
-TEST_CASE("compile writes a file, says what stands where and how much it saves") {
+TEST_CASE("compile writes a file with its memory layout, and reports the savings") {
   const Place here;
   const Outcome made = here.call("compile 'two pendulums.toml' -o kernel.cpp");
   CHECK(made.code == 0);
@@ -105,11 +105,11 @@ TEST_CASE("compile writes a file, says what stands where and how much it saves")
   CHECK(contains(printed.errors, "k_rates: "));
   const Outcome alone = here.call("compile 'two pendulums.toml' -o - --without-joint-forces --set world.gravity=[0,0,0]");
   CHECK(alone.code == 0);
-  CHECK(contains(alone.output, "Without forces in joints"));
+  CHECK(contains(alone.output, "Without joint forces"));
   CHECK(contains(alone.output, "gravity 0 0 0 m/s^2"));
 }
 
-TEST_CASE("compile: what is written compiles by itself, without a warning") {
+TEST_CASE("compile: the output compiles by itself, without a warning") {
   const Place here;
   REQUIRE(here.call("compile 'two pendulums.toml' -o kernel.cpp --name two").code == 0);
   CHECK(here.run("'" MOMENTREE_COMPILER "' -std=c++20 -O1 -Wall -Wextra -Wpedantic -Wconversion -Werror -c kernel.cpp").code ==
@@ -118,7 +118,7 @@ TEST_CASE("compile: what is written compiles by itself, without a warning") {
   CHECK(here.has("kernel.o"));
 }
 
-TEST_CASE("compile: a mechanism without gravity, whatever stood in memory before") {
+TEST_CASE("compile: a mechanism without gravity, whatever was in memory before") {
   const Place here;
   const char* const humanoid = "compile '" MOMENTREE_SOURCE_DIR "/scenarios/humanoid_wave.toml' --without-joint-forces -o ";
   REQUIRE(here.call(std::string(humanoid) + "one.cpp", "MALLOC_PERTURB_=85").code == 0);
@@ -126,7 +126,7 @@ TEST_CASE("compile: a mechanism without gravity, whatever stood in memory before
   CHECK(here.text("one.cpp") == here.text("other.cpp"));
 }
 
-TEST_CASE("compile: titles and names become comments of plain ASCII, whatever they say") {
+TEST_CASE("compile: titles and names become comments of plain ASCII, whatever they contain") {
   std::string odd = with("Two pendulums", R"(Zwei Überschläge */ int evil = 1; /* ??\\)");
   for (std::size_t at = 0; (at = odd.find("upper", at)) != std::string::npos; at += 10) odd.replace(at, 5, R"(Ü upper\\)");
   const Place here(odd), plain;
@@ -144,7 +144,7 @@ TEST_CASE("compile: titles and names become comments of plain ASCII, whatever th
   for (std::string line; std::getline(head, line);) CHECK_MESSAGE(line.starts_with("//"), line);
 }
 
-TEST_CASE("compile refuses what it can't write, with names and a way out") {
+TEST_CASE("compile refuses models that it cannot write, with names and an alternative") {
   const Place rough(with("damping = 0.1", "friction = { coulomb = 0.1, speed = 0.01 }"));
   const Outcome refused = rough.call("compile 'two pendulums.toml' -o kernel.cpp");
   CHECK(refused.code == 2);
@@ -165,7 +165,7 @@ TEST_CASE("compile refuses what it can't write, with names and a way out") {
   }
 }
 
-TEST_CASE("run --generate: the same motion, a line about it, and a way on without a compiler") {
+TEST_CASE("run --generate: the same motion, a line about it, and a fallback without a compiler") {
   const Place here;
   const std::string run = "run 'two pendulums.toml' --out ";
   REQUIRE(here.call(run + "plain").code == 0);

@@ -11,7 +11,7 @@ namespace momentree::cli {
 /// The script for "bash", "zsh" or "fish"; throws Error for any other shell.
 std::string completion_script(const CommandLine& line, std::string_view shell);
 
-/// What may stand in the place of an argument or after an option.
+/// The possible values of an argument or an option.
 struct Completed {
   enum class What { nothing, sources, folders, states, files, commands, settings, words };
   What what = What::nothing;
@@ -19,9 +19,9 @@ struct Completed {
 };
 Completed completed(const CLI::Option& option);
 
-/// Endings of scenarios and models, without the point.
+/// Endings of scenario and model files, without the dot.
 std::vector<std::string> source_endings();
-/// Keys that --set is often given, each with its '='; and those of their values that are words.
+/// Common keys for --set, each with its '=', and those of their values that are words.
 std::vector<std::string> setting_keys();
 std::vector<std::string> method_names();
 

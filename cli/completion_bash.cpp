@@ -4,7 +4,7 @@ namespace momentree::cli {
 
 namespace {
 
-// The bash function that fills COMPREPLY, by what is to be completed.
+// The bash function that fills COMPREPLY for this type of completion.
 std::string call_for(const Completed& what) {
   switch (what.what) {
     case Completed::What::sources:

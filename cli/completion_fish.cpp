@@ -10,7 +10,7 @@ std::string quoted(const std::string& text) {
   return out + "'";
 }
 
-// What is offered as values, as arguments of `complete`.
+// The offered values, as arguments of `complete`.
 std::string values(const Completed& what) {
   switch (what.what) {
     case Completed::What::sources: return " -k -xa '(__momentree_sources)'";

@@ -4,7 +4,7 @@ namespace momentree::cli {
 
 namespace {
 
-// In single quotes, with what _arguments takes for its own escaped.
+// In single quotes, with the special characters of _arguments escaped.
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -78,7 +78,7 @@ std::string zsh_completion(const CommandLine& line) {
     text += " ;;\n";
   }
   text += "  esac\n}\n\n";
-  // Autoloaded, the file is the function's body; sourced, it registers it.
+  // If autoloaded, the file is the function's body; if sourced, it registers the function.
   text += "if [[ $zsh_eval_context[-1] == loadautofunc ]]; then\n  _momentree \"$@\"\nelse\n  compdef _momentree momentree\nfi\n";
   return text;
 }

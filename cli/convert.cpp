@@ -25,8 +25,8 @@ Format format_of(const std::string& path) {
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   if (ending == ".toml") return Format::toml;
   if (ending == ".urdf") return Format::urdf;
-  throw_error({ending.empty() ? "a file without an ending does not say its format" : "'" + ending + "' files are not written",
-               path, "written are .toml (a scenario) and .urdf (one mechanism)"});
+  throw_error({ending.empty() ? "the format is unknown: the file name has no ending" : "'" + ending + "' files cannot be written",
+               path, "use .toml (a scenario) or .urdf (one mechanism)"});
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ int convert(const ConvertOptions& options) {
   if (!scenario) return bad_input;
   refuse_to_overwrite(options.out, *scenario);
   if (format == Format::toml && !options.mechanism.empty())
-    throw_error({"--mechanism is for .urdf, which has one", "", "a scenario has all of them"});
+    throw_error({"--mechanism is only for .urdf, which holds one mechanism", "", "a scenario holds all of them"});
   const std::string folder = options.out == "-" ? "" : fs::path(options.out).parent_path().string();
   const io::Converted result =
       format == Format::toml ? io::to_toml(*scenario, folder) : io::to_urdf(*scenario, options.mechanism, folder);

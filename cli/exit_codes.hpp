@@ -1,5 +1,5 @@
 #pragma once
 namespace momentree::cli {
-/// What the program returns: done, the simulation (or writing its results) failed, bad input or usage, interrupted.
+/// Exit codes of the program: done, the simulation (or writing its results) failed, bad input or usage, interrupted.
 enum ExitCode : int { done = 0, failed = 1, bad_input = 2, interrupted = 3 };
 }  // namespace momentree::cli

@@ -84,7 +84,7 @@ class Drawing {
            j.pitch == k.pitch && j.at.position == k.at.position;
   }
 
-  /// The last body of the run of links like `b` that begins with it; `b` where that run is short.
+  /// The last body of the run of links equal to `b` that begins with it; `b` if that run is short.
   int end_of_run(int b) const {
     int last = b, count = 1;
     for (int c = tree_.first_child(b); c >= 0 && only_child(c) && alike(b, c); c = tree_.first_child(c)) last = c, ++count;
@@ -122,7 +122,7 @@ std::string joints_by_kind(const World& world) {
   return text;
 }
 
-/// Branches that are built alike, which the sweeps of one world take two at once: "hip_left and hip_right, … (10 bodies of 13)".
+/// Isomorphic branches, which one world evaluates as body pairs: "hip_left and hip_right, … (10 bodies of 13)".
 std::string pairs_text(const World& world) {
   const Tree& tree = world.tree();
   const auto name = [&](int place) { return world.model()[BodyId{tree.order()[static_cast<std::size_t>(place)]}].name; };
@@ -136,7 +136,7 @@ std::string pairs_text(const World& world) {
   return text.empty() || !has_pair_lanes ? "" : text + format(" (%d of %d bodies)", bodies, tree.bodies());
 }
 
-/// Bodies of mechanisms that move in a plane, which have a sweep of their own.
+/// Bodies of mechanisms that move in a plane, which have separate kernels.
 int bodies_in_planes(const Tree& tree) {
   int bodies = 0;
   for (const KernelRun& run : tree.kernel_runs())
@@ -162,7 +162,7 @@ std::string totals_text(const World& world) {
                             count_text(operations.divisions, "division", "divisions") + ") and " +
                             count_text(operations.sincos, "pair", "pairs") + " of sine and cosine");
   if (const int bodies = bodies_in_planes(world.tree()); bodies > 0) row("in a plane", count_text(bodies, "body", "bodies"));
-  if (const std::string pairs = pairs_text(world); !pairs.empty()) row("two at once", pairs);
+  if (const std::string pairs = pairs_text(world); !pairs.empty()) row("paired branches", pairs);
   return table.text("  ");
 }
 

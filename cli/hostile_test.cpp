@@ -1,4 +1,4 @@
-// What reaches a terminal of files, names and arguments that would command it, and what becomes of inputs that are too large.
+// Control characters in files, names and arguments must not reach a terminal, and inputs that are too large are refused.
 #include <doctest/doctest.h>
 #include <sys/wait.h>
 
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 const std::string scenario =
     "format = 1\n[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = 1\n"
     "[mechanism.body.joint]\nkind = \"revolute\"\n[integrate]\nuntil = 0.01\n";
-// ESC, BEL, C1's CSI, a byte that is not UTF-8, an override of direction and a line end.
+// ESC, BEL, C1's CSI, a byte that is not UTF-8, a direction override and a line end.
 const std::string hostile = "x\x1b[31m\x07\xC2\x9B\xFF\xE2\x80\xAE\nz";
 
 struct Outcome {
@@ -32,7 +32,7 @@ struct Outcome {
 class Program {
  public:
   void write(const std::string& name, const std::string& text) const { io::write_text_file(folder_ / name.c_str(), text); }
-  /// `limits`: a command of the shell before it.
+  /// `limits`: a shell command that runs before it.
   Outcome call(const std::string& arguments, const std::string& limits = "") const {
     const std::string out = folder_ / "stdout", err = folder_ / "stderr";
     const int status = std::system(
@@ -47,13 +47,13 @@ class Program {
 
 std::string quoted(const std::string& words) { return "'" + words + "'"; }
 
-// Lines end, and nothing else is done to a terminal.
+// Checks that the text contains no control characters other than line ends.
 void check_seen(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   CHECK_MESSAGE(first_invisible(text) == std::string::npos, printable(text));
 }
 
-TEST_CASE("whatever is in names of files, nothing but text comes of it") {
+TEST_CASE("whatever is in names of files, only text is printed") {
   const Program program;
   const std::string file = hostile + ".toml";
   program.write(file, scenario);
@@ -124,7 +124,7 @@ TEST_CASE("whatever is in arguments and in the lines of files, messages are text
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST_CASE("where there is not enough memory, the error says so and names the file") {
+TEST_CASE("if there is not enough memory, the error reports that and names the file") {
   const Program program;
   program.write("s.toml", "format = 1\n[[mechanism]]\nname = \"m\"\n[mechanism.chain]\nlinks = 1000000\nlength = 1\nmass = 1\n");
   const std::string half = "ulimit -v 500000 && ";

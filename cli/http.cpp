@@ -28,7 +28,7 @@ bool is_token(std::string_view text) {
   });
 }
 
-/// The next line without its end, which is taken off `text`. A bare LF ends a line, too (RFC 9112, 2.2).
+/// The next line without its end, removed from `text`. A bare LF ends a line, too (RFC 9112, 2.2).
 std::string_view take_line(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
   std::string_view line = text.substr(0, end);
@@ -48,7 +48,7 @@ bool parse_first_line(std::string_view line, HttpRequest& request) {
          std::ranges::all_of(target, [](unsigned char c) { return c > ' ' && c != 0x7f; });
 }
 
-/// By names of this machine alone, at this port: else another site may have its name lead here.
+/// Accepts only names of this machine, at this port: otherwise another site could point its name here (DNS rebinding).
 bool is_this_machine(std::string_view host, std::string_view port) {
   for (const std::string_view name : {"127.0.0.1:", "localhost:"})
     if (host.starts_with(name) && host.substr(name.size()) == port) return true;
@@ -62,7 +62,7 @@ bool is_welcome(const HttpRequest& request, const Site& site) {
          (origin.empty() || (origin.starts_with(scheme) && is_this_machine(origin.substr(scheme.size()), site.port)));
 }
 
-/// In a time that does not tell how much of it is right.
+/// Compares in constant time, which does not reveal how much of the path is right.
 bool is_path(std::string_view path, std::string_view key) {
   if (path.size() != key.size() + 1) return false;
   unsigned char differs = 0;
@@ -77,11 +77,11 @@ struct Status {
 constexpr std::array statuses = {
     Status{200, "OK", ""},
     Status{303, "See Other", ""},
-    Status{400, "Bad Request", "This is no request that a browser would send.\n"},
-    Status{403, "Forbidden", "This page is for the browser of this machine alone.\n"},
-    Status{404, "Not Found", "Open the whole address that momentree printed, with the key at its end.\n"},
-    Status{405, "Method Not Allowed", "Only GET and HEAD are answered.\n"},
-    Status{413, "Content Too Large", "Requests with a body are not answered.\n"},
+    Status{400, "Bad Request", "This is not a request that a browser would send.\n"},
+    Status{403, "Forbidden", "The server accepts only same-origin requests from this machine.\n"},
+    Status{404, "Not Found", "Open the full address that momentree printed, including the key at its end.\n"},
+    Status{405, "Method Not Allowed", "Only GET and HEAD are supported.\n"},
+    Status{413, "Content Too Large", "Requests with a body are not accepted.\n"},
     Status{431, "Request Header Fields Too Large", "The head of the request is too large.\n"},
 };
 
@@ -149,7 +149,7 @@ Reply reply_to(const HttpRequest& request, Site& site) {
     reply = make_reply(site, 200, site.html, "text/html");
   } else if (!site.once.empty() && is_path(request.path, site.once)) {
     reply = make_reply(site, 303, {}, "text/plain", "Location: /" + site.key + "\r\n");
-    site.once.clear();  // whoever learns the key, by HEAD too, has used the address up
+    site.once.clear();  // any client that learns the key, by HEAD too, uses the address up
   } else {
     reply = refusal(site, 404);
   }

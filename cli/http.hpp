@@ -1,6 +1,6 @@
 #pragma once
-// As much of HTTP/1.1 (RFC 9110, 9112) as one page for this machine's browser needs: what a request's head asks for, and the
-// reply. No body is ever read, ranges are ignored, and every reply ends its connection.
+// The part of HTTP/1.1 (RFC 9110, 9112) that one page for a browser on this machine needs: parsing request heads, and replies.
+// Bodies are never read, ranges are ignored, and every reply closes its connection.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,31 +15,31 @@ struct HttpRequest {
   bool has_body = false;
 };
 
-/// The size of the head that `received` begins with, its empty line included; npos: it has not ended yet. It had not ended
-/// within the first `before` bytes.
+/// The size of the head at the start of `received`, including its empty line; npos if it is incomplete. `before`: the number of
+/// bytes that are known not to contain the whole head.
 std::size_t head_size(std::string_view received, std::size_t before = 0);
 
-/// nullopt: it is no head of a request, or an ambiguous one.
+/// nullopt if it is not a valid request head, or is ambiguous.
 std::optional<HttpRequest> parse_head(std::string_view head);
 
-/// The one page, and who may see it.
+/// The one page, and the conditions for serving it.
 struct Site {
   std::string html;
   std::string policy;  ///< value of its Content-Security-Policy
-  std::string key;     ///< the page is at /KEY: other users of this machine don't know it
-  std::string once;    ///< leads to the page once; empty: no such path
-  std::string port;    ///< as Host and Origin have it
+  std::string key;     ///< the page is at /KEY, which other users of this machine do not know
+  std::string once;    ///< a path that redirects to the page once; empty: no such path
+  std::string port;    ///< as in the Host and Origin headers
 };
 
 struct Reply {
   std::string head;
-  std::string_view body;  ///< of the site's page, or of static text
+  std::string_view body;  ///< the site's page, or static text
 };
 
-/// A refusal by its status: 400, 403, …
+/// An error reply by its status: 400, 403, …
 Reply refusal(const Site& site, int status);
 
-/// Uses up `site.once`.
+/// Clears `site.once` once it is used.
 Reply reply_to(const HttpRequest& request, Site& site);
 
 }  // namespace momentree::cli

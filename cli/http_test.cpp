@@ -8,7 +8,7 @@ namespace {
 
 Site site() { return {"<html>", "default-src 'none'", "key", "", "80"}; }
 
-/// The reply to a request for the page, with these lines added.
+/// The reply to a request for the page, with these header lines added.
 std::string status(const std::string& first, const std::string& lines, Site of = site()) {
   const std::string head = first + " HTTP/1.1\r\n" + lines + "\r\n";
   CHECK(head_size(head) == head.size());
@@ -42,7 +42,7 @@ TEST_CASE("http: a request is its method, its path without the query, and the he
   CHECK(parse_head("GET / HTTP/1.1\r\ntransfer-encoding: chunked\r\n\r\n")->has_body);
 }
 
-TEST_CASE("http: what is no request, or could be read in two ways, is refused") {
+TEST_CASE("http: invalid and ambiguous requests are refused") {
   for (const char* first : {"", "GET", "GET /", "GET / HTTP/2", "GET  HTTP/1.1", "GET http://a/ HTTP/1.1", "GET /a b HTTP/1.1",
                             "G T / HTTP/1.1", "GET /\x01 HTTP/1.1", " / HTTP/1.1"})
     CHECK_FALSE(parse_head(std::string(first) + "\r\nHost: a\r\n\r\n"));
@@ -90,12 +90,12 @@ TEST_CASE("http: the address that the browser is started with leads to the page 
   const auto reply = [&of](const std::string& method) {
     return reply_to(*parse_head(method + " /once HTTP/1.1\r\n" + host + "\r\n"), of).head;
   };
-  for (const char* method : {"GET", "HEAD"}) {  // whoever learns the key uses the address up
+  for (const char* method : {"GET", "HEAD"}) {  // any client that learns the key uses the address up
     of.once = "once";
     const std::string first = reply(method);
     CHECK(first.substr(9, 3) == "303");
     CHECK(first.find("\r\nLocation: /key\r\n") != std::string::npos);
     CHECK(reply("GET").substr(9, 3) == "404");
   }
-  CHECK(status("GET /", host, of) == "404");  // an empty path is not what an empty key would be
+  CHECK(status("GET /", host, of) == "404");  // an empty path does not match an empty key
 }

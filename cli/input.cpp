@@ -31,7 +31,7 @@ io::ReadResult read_input(const std::string& path, const std::vector<std::string
     if (!is_standard_input(path)) return io::read_scenario(path, overrides);
     return io::read_scenario_from(read_standard_input(), standard_input, "stdin", "", overrides);
   } catch (const std::bad_alloc&) {
-    throw_error({"not enough free memory to read it", path, "some 3 kB are needed for each body"});
+    throw_error({"not enough free memory to read it", path, "about 3 kB are needed for each body"});
   }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a command reads: files, or standard input under the name -.
+// The input of a command: files, or standard input under the name -.
 #include <string>
 #include <vector>
 
@@ -7,19 +7,19 @@
 
 namespace momentree::cli {
 
-/// How standard input is called in messages.
+/// The name of standard input in messages.
 inline constexpr const char* standard_input = "<stdin>";
 inline bool is_standard_input(const std::string& path) { return path == "-"; }
 
-/// A scenario or a model. Throws Error where there is not enough memory. What standard input names is looked for in the current
-/// folder; whether it is a model its text says.
+/// Reads a scenario or a model. Throws Error if there is not enough memory. Files named in standard input are located in the
+/// current folder; its text determines whether it is a model.
 io::ReadResult read_input(const std::string& path, const std::vector<std::string>& overrides = {});
-/// The whole text of standard input. Throws Error where it is too large, or can't be read.
+/// The whole text of standard input. Throws Error if it is too large, or cannot be read.
 std::string read_standard_input();
 
-/// Which notes on model files are printed: their number, in one line per file, or all of them.
+/// How notes on model files are printed: their number, in one line per file, or all of them.
 enum class Notes { counted, listed };
-/// Puts that line in the place of the notes on model files.
+/// Replaces the notes on model files by one line with their number.
 void count_notes(io::ReadResult& result);
 
 }  // namespace momentree::cli

@@ -1,4 +1,4 @@
-// The program from outside where something goes wrong with what it writes: full disks, closed outputs, two runs at once, kills.
+// Runs the program under failures of its output: full disks, closed outputs, two runs at once, kills.
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -44,7 +44,7 @@ class Folder {
  public:
   Folder() { io::write_text_file(folder_ / "s.toml", scenario); }
 
-  /// Calls the program in the folder. `before`: a command of the shell that comes first.
+  /// Calls the program in the folder. `before`: a shell command that runs first.
   Outcome call(const std::string& arguments, const std::string& before = "true") const {
     const std::string line =
         "cd '" + (folder_ / "") + "' && { " + before + "; '" MOMENTREE_PROGRAM "' " + arguments + "; } >stdout 2>stderr";
@@ -116,13 +116,13 @@ TEST_CASE("a run that is killed leaves what can be drawn: rows with the events b
   CHECK(view.says("chain/3, from 0.05 s"));
 }
 
-TEST_CASE("on a full disk a run fails, says so everywhere, and keeps whole rows") {
+TEST_CASE("on a full disk a run fails, reports it everywhere, and keeps whole rows") {
   const Folder here;
   const std::string limit = "ulimit -f 40";  // 20 or 40 kB for each file
   const Outcome run = here.call("run s.toml --out r --json --report", limit);
   CHECK(run.code == 1);
   CHECK(run.errors.find("r.partial/bodies.csv: error: cannot write this file: ") != std::string::npos);
-  CHECK(run.errors.find("what was computed is kept in r.partial") != std::string::npos);
+  CHECK(run.errors.find("the results so far are kept in r.partial") != std::string::npos);
   CHECK(here.status("r.partial").starts_with("failed: r.partial/bodies.csv: error: "));
   CHECK(run.output == here.text("r.partial/summary.json"));
   CHECK_FALSE(here.has("r.partial/report.html"));
@@ -142,7 +142,7 @@ TEST_CASE("on a full disk a run fails, says so everywhere, and keeps whole rows"
   CHECK(here.files() == 3);  // the scenario, r.partial and s.partial
 }
 
-TEST_CASE("what can't be printed is an error; a closed output is not mistaken for a file") {
+TEST_CASE("a failure to print is an error; a closed output is not mistaken for a file") {
   const Folder here;
   REQUIRE(here.call("run s.toml --out r --quiet").code == 0);
   for (const char* command :
@@ -161,7 +161,7 @@ TEST_CASE("what can't be printed is an error; a closed output is not mistaken fo
   CHECK(here.status("q") == "done");
 }
 
-TEST_CASE("outputs that would replace what is read, or be taken for something else, are refused") {
+TEST_CASE("outputs that would replace an input, or be mistaken for something else, are refused") {
   const Folder here;
   fs::create_symlink("s.toml", here.path("link.toml"));
   REQUIRE(here.call("convert s.toml -o m.urdf").code == 0);
@@ -191,7 +191,7 @@ TEST_CASE("a result can't be named like one that is being written") {
   const Folder here;
   const Outcome named = here.call("run s.toml --out r.partial --quiet");
   CHECK(named.code == 2);
-  CHECK(named.says("r.partial: error: names that end in .partial are of results that are being written"));
+  CHECK(named.says("r.partial: error: names that end in .partial are reserved for results that are being written"));
   CHECK_FALSE(here.has("r.partial"));
 }
 

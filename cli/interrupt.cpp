@@ -5,7 +5,7 @@
 namespace momentree::cli {
 
 namespace {
-// The one thing that a signal handler may write to.
+// The only kind of variable that a signal handler may write.
 volatile std::sig_atomic_t signalled = 0;
 
 extern "C" void note_signal(int signal) {

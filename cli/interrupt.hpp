@@ -1,9 +1,9 @@
 #pragma once
-// Ctrl-C and SIGTERM while a run goes on: the first asks it to end at the next step, the second ends the program at once.
+// Ctrl-C and SIGTERM during a run: the first one ends the run at the next step, the second ends the program at once.
 
 namespace momentree::cli {
 
-/// Listens as long as it lives.
+/// Handles the signals during its lifetime.
 class InterruptGuard {
  public:
   InterruptGuard();

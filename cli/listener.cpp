@@ -21,14 +21,14 @@ namespace {
 constexpr int backlog = 128;
 constexpr int tries = 20;
 
-/// nullopt: it can't be had, by that `reason` of errno.
+/// nullopt if the port is not available; `reason` is the errno.
 std::optional<Listener> try_port(int port, int& reason) {
   Socket socket(::socket(AF_INET, SOCK_STREAM, 0));
   reason = errno;
   if (!socket) return std::nullopt;
   prepare(socket);
-  // Only so that a port can be taken again right after its last server ended (TIME_WAIT): two sockets that listen never share
-  // it. SO_REUSEPORT would let them.
+  // Only allows a port to be reused right after its last server ended (TIME_WAIT): two listening sockets never share it, which
+  // SO_REUSEPORT would allow.
   const int yes = 1;
   ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   sockaddr_in address{};

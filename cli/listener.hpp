@@ -26,11 +26,11 @@ struct Listener {
   int port;
 };
 
-/// Listens on `port`, which nobody else listens on then; 0: any that is free. The socket does not block, and no child process
-/// inherits it. Throws Error where the port can't be had: of a port in use it names another that is free.
+/// Listens exclusively on `port`; 0: any free port. The socket is non-blocking and not inherited by child processes. Throws
+/// Error if the port is not available; if it is in use, the message names a free one.
 Listener listen_on(int port);
 
-/// Non-blocking and closed on exec.
+/// Makes the socket non-blocking and closed on exec.
 void prepare(const Socket& socket);
 
 }  // namespace momentree::cli

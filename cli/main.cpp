@@ -18,7 +18,7 @@ namespace {
 
 using namespace momentree;
 
-// Without memory for the line in one, its parts.
+// Prints the parts separately, since there may be no memory to join them.
 void say_error(const Error& error) {
   const bool placed = !error.where.empty(), hinted = !error.hint.empty();
   try {
@@ -29,18 +29,18 @@ void say_error(const Error& error) {
   }
 }
 
-// A file that is opened while a standard stream is closed would get its number, and what is printed would go into it.
+// A file opened while a standard stream is closed would get its number, and printed text would go into it.
 void require_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(stream, F_GETFD) < 0 && errno == EBADF) [[maybe_unused]]
-      const int number = open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // using it fails
+      const int number = open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // so that using it fails
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   require_standard_streams();
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes is an error of writing
+  std::signal(SIGXFSZ, SIG_IGN);  // exceeding the limit on file sizes then gives a write error
   int code = cli::failed;
   try {
     code = cli::CommandLine().call(argc, argv);
@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
     code = cli::bad_input;
     say_error(error);
   } catch (const std::bad_alloc&) {
-    std::fputs("momentree: error: out of memory; a model takes some 3 kB for each body\n", stderr);
+    std::fputs("momentree: error: out of memory; a model takes about 3 kB for each body\n", stderr);
   } catch (const std::exception& error) {
     cli::show(stderr, "momentree: error: " + printable(error.what()) + '\n');
   }

@@ -8,7 +8,7 @@ namespace momentree::cli {
 
 namespace {
 
-// Words as troff takes them for themselves; what stands between backquotes is bold.
+// Escapes words for troff; text between backquotes is bold.
 std::string roff(const std::string& text) {
   std::string out;
   bool bold = false;
@@ -27,7 +27,7 @@ std::string roff(const std::string& text) {
   return out;
 }
 
-// A paragraph's text in lines of at most 78 columns, none of which is taken for a macro.
+// A paragraph in lines of at most 78 columns, none of which is interpreted as a macro.
 std::string lines_of(const std::string& text) {
   std::string out, line;
   const auto end_line = [&] {
@@ -123,7 +123,7 @@ std::string man_page(const CommandLine& line) {
     for (const CLI::Option* argument : CommandLine::arguments_of(*sub))
       text += ".TP\n\\fI" + roff(argument->get_type_name()) + "\\fR\n" + line_of(argument->get_description() + ".");
     for (const CLI::Option* option : CommandLine::options_of(*sub))
-      if (option->get_lnames() != std::vector<std::string>{"help"}) text += paragraph(*option);  // said above
+      if (option->get_lnames() != std::vector<std::string>{"help"}) text += paragraph(*option);  // described above
   }
   return text + closing;
 }

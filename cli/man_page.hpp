@@ -1,5 +1,5 @@
 #pragma once
-// The manual page, from the table of commands and options.
+// The manual page, generated from the table of commands and options.
 #include <string>
 
 #include <cli/command_line.hpp>

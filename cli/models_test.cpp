@@ -1,4 +1,4 @@
-// The models of robots in scenarios/models, each in a scenario of its own, held to its physics; and directly, by every command.
+// The robot models in scenarios/models, each in a separate scenario whose physics is checked, and directly with every command.
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -27,7 +27,7 @@ double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
 }  // namespace
 
-TEST_CASE("panda_lets_go: the hand comes off where its coupling bears 6 N m, and keeps energy and momentum") {
+TEST_CASE("panda_lets_go: the hand separates when its coupling bears 6 N m, and keeps energy and momentum") {
   const Run run("panda_lets_go");
   const auto overload = events_named(run, "overload");
   REQUIRE(overload.size() == 1);
@@ -38,7 +38,7 @@ TEST_CASE("panda_lets_go: the hand comes off where its coupling bears 6 N m, and
   CHECK(after.at("kinetic").get<double>() == doctest::Approx(before.at("kinetic").get<double>()).epsilon(1e-12));
   CHECK(norm(vec(after.at("linear")) - vec(before.at("linear"))) < 1e-12);
   CHECK(std::fabs(run.energy("error")) < 1e-4);
-  // The hand, its tool point and both fingers are gone together; the arm holds on.
+  // The hand, its tool point and both fingers separate together; the arm stays.
   for (const Json& mechanism : run.final_state.at("mechanisms"))
     CHECK(mechanism.at("bodies").size() == (mechanism.at("name") == "panda" ? 9 : 4));
   CHECK(std::fabs(degrees(run.final_state.at("joints").at("panda/panda_joint2").at("q")[0].get<double>()) + 45) < 5);
@@ -62,14 +62,14 @@ TEST_CASE("quadruped_knee: in flight the centre of mass keeps its parabola, the 
     CHECK(knee == jammed);
   }
   CHECK(degrees(most - least) > 40);
-  // Nothing but gravity acts from outside: m v falls by m g t, and what is around the centre of mass stays.
+  // Gravity is the only external force: m v changes by m g t, and the angular momentum about the centre of mass is constant.
   double mass = 0;
   for (const auto& [name, body] : run.model.at("bodies").items()) mass += body.at("mass").get<double>();
   const Vec3 first = vec(run.events.front().at("before").at("linear")), last = vec(run.final_state.at("totals").at("linear"));
   CHECK(norm(last - first - Vec3{0, 0, -mass * 9.81}) < 1e-9 * norm(first));
 }
 
-TEST_CASE("ur5_power_cut: it holds, falls, and its shoulder is caught; the elbow goes on falling") {
+TEST_CASE("ur5_power_cut: it holds, falls, and its shoulder is caught; the elbow continues to fall") {
   const Run run("ur5_power_cut");
   REQUIRE(events_named(run, "brake").size() == 1);
   CHECK(events_named(run, "brake")[0].at("time").get<double>() == doctest::Approx(0.65).epsilon(1e-12));
@@ -107,7 +107,7 @@ TEST_CASE("humanoid_loses_a_forearm: what flies apart keeps its momentum, and th
   CHECK(std::fabs(run.energy("error")) < 1e-6);
   for (const Json& mechanism : run.final_state.at("mechanisms"))
     CHECK(mechanism.at("bodies").size() == (mechanism.at("name") == "humanoid" ? 23 : 2));
-  // Nothing but gravity acts from outside.
+  // Gravity is the only external force.
   double mass = 0;
   for (const auto& [name, body] : run.model.at("bodies").items()) mass += body.at("mass").get<double>();
   const Vec3 last = vec(run.final_state.at("totals").at("linear")), then = vec(torn[0].at("after").at("linear"));

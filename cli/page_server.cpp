@@ -51,14 +51,14 @@ void PageServer::run(const std::function<bool()>& stop) {
 }
 
 void PageServer::accept_all() {
-  // No more at once than there are places: those that have just come are heard before they may have to give way.
+  // At most as many at once as there are connections, so that new ones are read before they may be dropped.
   for (std::size_t count = 0; count < limits_.connections; ++count) {
     Socket socket(::accept(listener_.socket.get(), nullptr, nullptr));
     if (!socket) {
       if (errno == EINTR || errno == ECONNABORTED) continue;
       if (errno == EMFILE || errno == ENFILE) {
         if (make_room()) continue;
-        std::this_thread::sleep_for(milliseconds(patience));  // for other programs to close some
+        std::this_thread::sleep_for(milliseconds(patience));  // until other programs close some
       }
       return;
     }
@@ -73,7 +73,8 @@ void PageServer::accept_all() {
   }
 }
 
-/// The oldest goes: of those that only have to close, or else of the larger group, of those that ask and those that are answered.
+/// Drops the oldest connection: of those that only have to close, or else of the larger group among those that read and those
+/// that send.
 bool PageServer::make_room() {
   const auto oldest = [this](Stage stage) { return std::ranges::find(connections_, stage, &Connection::stage); };
   auto one = oldest(Stage::leaving);
@@ -137,7 +138,7 @@ bool PageServer::send(Connection& connection) {
   return true;
 }
 
-/// What still comes is thrown away for a moment: to close a connection with unread bytes would take the reply back.
+/// Discards further input for a moment: closing a connection with unread bytes would discard the reply.
 bool PageServer::leave(Connection& connection) {
   std::array<char, 4096> bytes;
   for (int count = 0; count < 16; ++count) {

@@ -1,7 +1,6 @@
 #pragma once
-// Answers requests for one page in one thread, many connections at a time. Nobody who connects can keep others from the page,
-// or make it take memory: heads are bounded, each stage has a deadline, and when all places are taken an old connection gives
-// way to a new one.
+// Serves one page in a single thread over many connections. No client can block others from the page or exhaust memory: heads
+// are bounded, each stage has a deadline, and when all connections are in use, an old one is dropped for a new one.
 #include <chrono>
 #include <functional>
 #include <string>
@@ -15,30 +14,30 @@ namespace momentree::cli {
 
 struct Limits {
   std::size_t connections = 128;
-  std::size_t head = 16 * 1024;             ///< bytes
-  std::chrono::milliseconds request{5000};  ///< from the connection on until its head is there
-  std::chrono::milliseconds stall{15000};   ///< in which the client takes nothing of the reply
-  std::chrono::milliseconds goodbye{1000};  ///< until the client has closed, too
+  std::size_t head = 16 * 1024;             ///< largest request head (bytes)
+  std::chrono::milliseconds request{5000};  ///< from connecting until the head is complete
+  std::chrono::milliseconds stall{15000};   ///< while the client accepts none of the reply
+  std::chrono::milliseconds goodbye{1000};  ///< until the client has closed the connection, too
 };
 
 class PageServer {
  public:
-  /// `listener`: of listen_on().
+  /// `listener`: from listen_on().
   PageServer(Listener listener, Site site, const Limits& limits = {});
-  /// Until `stop` is true, which is asked every 50 ms.
+  /// Serves until `stop` returns true; it is called every 50 ms.
   void run(const std::function<bool()>& stop);
-  /// How many connections there are.
+  /// The number of open connections.
   std::size_t connections() const { return connections_.size(); }
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// What a connection does next, in this order.
+  /// The stages of a connection, in order.
   enum class Stage { reading, sending, leaving };
   struct Connection {
     Socket socket;
     Stage stage = Stage::reading;
     Clock::time_point deadline;
-    std::string head{};  ///< of the request while it is read, then of the reply
+    std::string head{};  ///< the request head while it is read, then that of the reply
     std::string_view body{};
     std::size_t sent = 0;
     bool over = false;
@@ -46,7 +45,7 @@ class PageServer {
 
   void accept_all();
   bool make_room();
-  /// False: it is over.
+  /// Returns false if the connection is finished.
   bool go_on(Connection& connection);
   bool read(Connection& connection);
   void answer(Connection& connection, std::size_t head);
@@ -56,7 +55,7 @@ class PageServer {
   Listener listener_;
   Site site_;
   Limits limits_;
-  std::vector<Connection> connections_;  ///< the oldest first
+  std::vector<Connection> connections_;  ///< oldest first
 };
 
 }  // namespace momentree::cli

@@ -1,4 +1,4 @@
-// The server under clients that browsers are not: each case opens sockets of its own.
+// The server with clients that do not behave like browsers: each case opens its own sockets.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -62,7 +62,7 @@ class Client {
   bool send(const std::string& text) const {
     return ::send(socket_.get(), text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
   }
-  /// All that comes until the server closes.
+  /// Everything received until the server closes.
   std::string receive() const {
     std::string all;
     char bytes[4096];
@@ -86,12 +86,12 @@ std::string body(const std::string& answer) { return answer.substr(answer.find("
 
 template <class Condition>
 void wait_until(const Condition& condition) {
-  while (!condition()) std::this_thread::sleep_for(5ms);  // ctest ends what takes for ever
+  while (!condition()) std::this_thread::sleep_for(5ms);  // ctest ends tests that hang
 }
 
 }  // namespace
 
-TEST_CASE("server: gives the whole page, whatever ranges are asked for") {
+TEST_CASE("server: sends the whole page, whatever ranges are requested") {
   const Served served(5'000'000);
   CHECK(body(answer(served, served.request() + "\r\n")) == served.page());
   std::string ranges = "Range: bytes=0-";
@@ -101,30 +101,30 @@ TEST_CASE("server: gives the whole page, whatever ranges are asked for") {
   CHECK(body(all) == served.page());
 }
 
-TEST_CASE("server: a head that comes byte by byte is one") {
+TEST_CASE("server: a head may arrive byte by byte") {
   const Served served;
   const Client client(served.port());
   for (const char c : served.request() + "\r\n") REQUIRE(client.send(std::string(1, c)));
   CHECK(body(client.receive()) == served.page());
 }
 
-TEST_CASE("server: a body is refused before it comes, and is not kept") {
+TEST_CASE("server: a body is refused before it arrives, and is not stored") {
   const Served served;
   const Client client(served.port());
   client.send("POST /key HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(served.port()) + "\r\nContent-Length: 300000000\r\n\r\n");
   CHECK(status(client.receive()) == "413");
-  wait_until([&] { return !client.send(std::string(100'000, 'x')); });  // it has closed, and reads no more
+  wait_until([&] { return !client.send(std::string(100'000, 'x')); });  // it has closed, and no longer reads
 }
 
-TEST_CASE("server: a head that is too large is refused, and so is what is no request") {
+TEST_CASE("server: a head that is too large is refused, and so are invalid requests") {
   const Served served;
   CHECK(status(answer(served, served.request() + "A: " + std::string(100'000, 'x'))) == "431");
   CHECK(status(answer(served, served.request() + "A: " + std::string(17'000, 'x') + "\r\n\r\n")) == "431");
   CHECK(status(answer(served, "hello\r\n\r\n")) == "400");
-  CHECK(status(answer(served, std::string("\x16\x03\x01\x02\x00\n\n", 7))) == "400");  // TLS, say
+  CHECK(status(answer(served, std::string("\x16\x03\x01\x02\x00\n\n", 7))) == "400");  // for example TLS
 }
 
-TEST_CASE("server: connections that ask slowly or for nothing end, also while they send a little") {
+TEST_CASE("server: slow and idle connections are closed, even if they send a little") {
   Limits limits;
   limits.request = 300ms;
   const Served served(100, limits);
@@ -141,7 +141,7 @@ TEST_CASE("server: connections that ask slowly or for nothing end, also while th
   wait_until([&] { return served.connections() == 0; });
 }
 
-TEST_CASE("server: one that takes nothing of its reply ends") {
+TEST_CASE("server: a client that receives none of its reply is dropped") {
   Limits limits;
   limits.stall = 300ms;
   const Served served(50'000'000, limits);
@@ -163,7 +163,7 @@ TEST_CASE("server: thousands of requests that never end do not keep others from 
     if (i % 50 == 0) CHECK(body(answer(served, served.request() + "\r\n")) == served.page());
   }
   CHECK(served.connections() <= limits.connections);
-  for (int i = 0; i < 300; ++i) {  // who ask, and take nothing
+  for (int i = 0; i < 300; ++i) {  // clients that send a request but receive nothing
     greedy.emplace_back(served.port(), 4096);
     greedy.back().send(served.request() + "\r\n");
     if (i % 50 == 0) CHECK(body(answer(served, served.request() + "\r\n")) == served.page());

@@ -21,7 +21,7 @@ struct Link {
   Sym3 inertia{};       // about the same
 };
 
-/// Where the user's frame of a body stands in that of a link.
+/// The pose of a body's own frame in that of a link.
 struct Place {
   int link = -1;  ///< −1: the ground
   Mat3 R = identity3<double>();
@@ -53,9 +53,9 @@ class Links {
     const int number = static_cast<int>(links_.size());
     Mat3 axes = identity3<double>();
     if (body.joint.kind == Kind::free) {
-      if (number > 0) refuse(body, "has a free joint, and is not the first to move");
+      if (number > 0) refuse(body, "has a free joint, but is not the first moving body");
     } else if (!links_.empty() && links_[0].joint[0] == 'f' && outer.link < 0) {
-      refuse(body, "hangs on the ground, beside what floats");
+      refuse(body, "is attached to the ground, in addition to a floating body");
     } else if (body.joint.kind == Kind::revolute || body.joint.kind == Kind::prismatic) {
       axes = frame_with_z(body.joint.axis);
     } else {
@@ -71,8 +71,8 @@ class Links {
   }
 
   [[noreturn]] static void refuse(const BodySpec& body, const std::string& what) {
-    throw_error({"other engines can't be given this model: " + body.name + " " + what, "",
-                 "they take pins, slides and welds, grounded or on one free body; leave out --peers"});
+    throw_error({"other engines do not support this model: " + body.name + " " + what, "",
+                 "use revolute, prismatic and weld joints, grounded or on one free body, or leave out --peers"});
   }
 
   std::vector<Link> links_;

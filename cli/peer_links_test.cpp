@@ -1,4 +1,4 @@
-// A model and what other engines are given of it: the same momenta have the same velocities and the same rates.
+// A model and its text for other engines: equal momenta give equal velocities and equal rates.
 #include <cli/peer_links.hpp>
 
 #include <doctest/doctest.h>
@@ -15,7 +15,7 @@ namespace momentree::cli {
 
 namespace {
 
-/// Without what other engines are not given.
+/// The model without the properties that other engines are not given.
 Model bare(const Model& model) {
   Model plain({.gravity = model.gravity()});
   for (BodySpec body : model.bodies()) {
@@ -25,7 +25,7 @@ Model bare(const Model& model) {
   return plain;
 }
 
-/// What a reader of the text makes of it.
+/// The model that a reader makes of the text.
 Model read_links(const std::string& text, const Vec3& gravity) {
   std::istringstream lines(text);
   std::string line;
@@ -53,7 +53,7 @@ Model read_links(const std::string& text, const Vec3& gravity) {
   return model;
 }
 
-/// Rates of all freedoms in the order of the bodies, from coordinates and velocities that all models have alike.
+/// Rates of all DoFs in the order of the bodies, from coordinates and velocities that are equal in all models.
 std::vector<double> rates(const Model& model) {
   const Tree tree(model);
   State state = start_state(model, tree);
@@ -126,14 +126,14 @@ TEST_CASE("links for other engines: welds anywhere, a free body whose frame is n
   check_same(grounded);
 }
 
-TEST_CASE("links for other engines: what they do not take is refused by name") {
+TEST_CASE("links for other engines: unsupported joints are refused by name") {
   Model model;
   model.add({.name = "a", .mass = 1, .inertia = diagonal(1, 1, 1), .joint = Ball{}});
   CHECK_THROWS_AS(peer_links("it", model), Error);
   try {
     peer_links("it", model);
   } catch (const Error& error) {
-    CHECK(error.what == "other engines can't be given this model: a has a ball joint");
+    CHECK(error.what == "other engines do not support this model: a has a ball joint");
     CHECK(error.hint.find("--peers") != std::string::npos);
   }
   Model two;

@@ -19,11 +19,11 @@ bool has_models(const io::Scenario& scenario) {
   return false;
 }
 
-/// A text that the playground's reader, which opens no files, makes the same world of.
+/// A text from which the playground's reader, which opens no files, makes the same world.
 std::string text_of(const io::Scenario& scenario, const std::vector<std::string>& overrides) {
   if (!scenario.state_files.empty())
-    throw_error(
-        {"the playground reads no state documents", scenario.path, "leave out 'state', or look at a run with `momentree view`"});
+    throw_error({"the playground does not read state documents", scenario.path,
+                 "leave out 'state', or view a run with `momentree view`"});
   if (overrides.empty() && !has_models(scenario)) return scenario.text;
   return io::to_toml(scenario, "").text;
 }
@@ -33,7 +33,7 @@ std::string text_of(const io::Scenario& scenario, const std::vector<std::string>
 int play(const PlayOptions& options) {
   std::string page(playground_html());
   if (options.source.empty() && !options.overrides.empty())
-    throw_error({"--set is for a scenario", "", "name the one that it changes"});
+    throw_error({"--set needs a scenario", "", "name the scenario that it changes"});
   if (!options.source.empty()) {
     const std::optional<io::Scenario> scenario = load(options.source, options.overrides, notes_of(options.verbose));
     if (!scenario) return bad_input;

@@ -45,7 +45,7 @@ TEST_CASE("run writes its files and reports") {
   CHECK(here.text("results/s/joints.csv").find("chain/4.q6") != std::string::npos);
 }
 
-TEST_CASE("run --report writes one page with its data, also of a run that went wrong") {
+TEST_CASE("run --report writes one page with its data, also for a failed run") {
   const Workplace here;
   const Outcome run = here.call("run s.toml --report");
   CHECK(run.code == 0);
@@ -77,7 +77,7 @@ TEST_CASE("run --quiet and --json, --out, --set and --until") {
   CHECK(here.text("results/s/bodies.csv").find("chain/9.x") != std::string::npos);
 }
 
-TEST_CASE("run --reactions adds what joints carry, and changes nothing else") {
+TEST_CASE("run --reactions adds the reactions of joints, and changes nothing else") {
   const Workplace here;
   REQUIRE(here.call("run s.toml --out plain").code == 0);
   const Outcome run = here.call("run s.toml --out r --reactions");
@@ -113,12 +113,14 @@ TEST_CASE("a run that starts from a state ends where the whole run ends") {
   CHECK(here.text("rest/events.jsonl") == "");
 }
 
-TEST_CASE("a run whose event turns out to be impossible is kept, and says which and why") {
-  // After a quarter turn about its second axis the joint's first one, which stays, is the axis2 that the change gives.
+TEST_CASE("a run with an event that turns out to be impossible is kept, and reports which and why") {
+  // After a quarter turn about the second axis, the joint's first axis, which stays, is parallel to the axis2 given by the
+  // change.
   const Workplace here(
       "format = 1\n[world]\ngravity = [0, 0, 0]\n[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"a\"\nmass = 1\n"
       "inertia = 1\n[mechanism.body.joint]\nkind = \"universal\"\naxis = [1, 0, 0]\naxis2 = [0, 1, 0]\n"
-      "v = [0, 1.5707963267948966]\n[[event]]\nat = 0.5\nlock = { joint = \"m/a\", freedoms = [0] }\n[[event]]\nat = 1\n"
+      "v = [0, 1.5707963267948966]\n[[event]]\nat = 0.5\nlock = { joint = \"m/a\", freedoms = [0] }\n[[event]]\nat = "
+      "1\n"
       "change = { joint = \"m/a\", kind = \"universal\", axis2 = [0, 0, 1] }\n[integrate]\nuntil = 2\n");
   CHECK(here.call("check s.toml").code == 0);
   const Outcome run = here.call("run s.toml");
@@ -152,7 +154,7 @@ TEST_CASE("a run that starts from a changed world ends where the whole run ends,
   CHECK(check.says("u.toml:29:8: warning: lock: does nothing: it is already locked"));
 }
 
-TEST_CASE("a run that diverges is kept, and says which joint and when") {
+TEST_CASE("a run that diverges is kept, and reports which joint and when") {
   const Workplace here;
   const Outcome run = here.call("run s.toml --set integrate.step=0.02 --set mechanism.chain.chain.damping=1");
   CHECK(run.code == 1);
@@ -175,7 +177,7 @@ TEST_CASE("an interrupted run is kept") {
       execl(MOMENTREE_PROGRAM, "momentree", "run", scenario.c_str(), "--out", out.c_str(), "--quiet", "--until", "1e6", nullptr);
       _exit(127);
     }
-    // It listens from before the first row on: rows are written out once there are many.
+    // The signal handler is installed before the first row; rows are written out once there are many.
     for (int i = 0; i < 1000 && !(here.has("r.partial/bodies.csv") && fs::file_size(here.path("r.partial/bodies.csv")) > 100000);
          ++i)
       usleep(10000);
@@ -211,7 +213,7 @@ TEST_CASE("bad input: exit 2, the line, nothing written") {
   }
 }
 
-TEST_CASE("results that can't be written: exit 2 before the run") {
+TEST_CASE("results that cannot be written: exit 2 before the run") {
   const Workplace here;
   fs::create_directory(here.path("mine"));
   io::write_text_file(here.path("mine/notes.txt"), "x");
@@ -222,7 +224,7 @@ TEST_CASE("results that can't be written: exit 2 before the run") {
   CHECK(here.files() == 2);
 }
 
-TEST_CASE("convert: what is written is a scenario, and the same one again") {
+TEST_CASE("convert: the output is a scenario, and converts to itself again") {
   const Workplace here;
   CHECK(here.call("convert s.toml -o a.toml --set integrate.step=0.002").code == 0);
   CHECK(here.call("check a.toml").says("a.toml: ok: 1 mechanism, 8 bodies, 8 degrees of freedom, 1 event"));
@@ -233,8 +235,8 @@ TEST_CASE("convert: what is written is a scenario, and the same one again") {
   const Outcome urdf = here.call("convert s.toml -o a.urdf");
   CHECK(urdf.code == 0);
   CHECK(urdf.output.empty());
-  CHECK(urdf.says("s.toml: warning: a URDF is a model alone; left out: its gravity, its events"));
-  CHECK(urdf.says("s.toml:14:9: warning: URDF has no place for starts"));
+  CHECK(urdf.says("s.toml: warning: a URDF holds only a model; left out: its gravity, its events"));
+  CHECK(urdf.says("s.toml:14:9: warning: URDF cannot express starts"));
   CHECK(here.call("check a.urdf").says("9 bodies, 8 degrees of freedom"));
 }
 
@@ -270,7 +272,7 @@ TEST_CASE("check --json: every problem of every file in one document, as docs/co
   CHECK(files[2].at("diagnostics")[0].at("line").is_null());
   CHECK(files[3].at("diagnostics")[0].at("file") == "none.json");
   CHECK(here.call("check good.toml --json").code == 0);
-  // The keys of the document's example are those of what is printed.
+  // The keys of the document's example are those in the output.
   const std::string docs = io::read_text_file(MOMENTREE_SOURCE_DIR "/docs/command.md");
   const std::size_t begin = docs.find("```json\n") + 8;
   const Json example = Json::parse(docs.substr(begin, docs.find("```", begin) - begin));
@@ -298,11 +300,11 @@ TEST_CASE("check, explain, evaluate, view") {
   CHECK(explain.says("at 0.1 s: break chain/4"));
   CHECK(explain.says("588 operations (292 additions, 288 multiplications, 8 divisions) and 8 pairs of sine and cosine"));
   CHECK(explain.says("in a plane           8 bodies"));
-  CHECK(!explain.says("two at once"));
+  CHECK(!explain.says("paired branches"));
   const Outcome robot = here.call("explain '" MOMENTREE_SOURCE_DIR "/scenarios/models/anymal_b/anymal.urdf'");
   CHECK(!robot.says("in a plane"));
   if (has_pair_lanes)
-    CHECK(robot.says("two at once          anymal/LF_HIP and anymal/RF_HIP, anymal/LH_HIP and anymal/RH_HIP (20 of 23 bodies)"));
+    CHECK(robot.says("paired branches      anymal/LF_HIP and anymal/RF_HIP, anymal/LH_HIP and anymal/RH_HIP (20 of 23 bodies)"));
   const Outcome evaluate = here.call("evaluate s.toml");
   CHECK(evaluate.code == 0);
   CHECK(evaluate.says("chain/8"));
@@ -315,8 +317,8 @@ TEST_CASE("check, explain, evaluate, view") {
   CHECK_FALSE(here.has("results"));
 }
 
-TEST_CASE("evaluate tells accelerations and reactions") {
-  // A rod lets go from the horizontal: a = −m g l / (I + m l²) = −g / 2, and the pin bears half its weight.
+TEST_CASE("evaluate prints accelerations and reactions") {
+  // A rod released from the horizontal: a = −m g l / (I + m l²) = −g / 2, and the joint bears half its weight.
   const Workplace here(
       "format = 1\n[world]\ngravity = [0, -9.81, 0]\n[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"rod\"\nmass = 2\n"
       "inertia = 2\ncom = [1, 0, 0]\n[mechanism.body.joint]\nname = \"pin\"\nkind = \"revolute\"\naxis = [0, 0, 1]\n");

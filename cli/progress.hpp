@@ -1,18 +1,18 @@
 #pragma once
-// A line on standard error that says how far a run has come.
+// A progress line for a run, on standard error.
 #include <chrono>
 
 namespace momentree::cli {
 
 class Progress {
  public:
-  /// `shown` false (no terminal, --quiet): does nothing.
+  /// Does nothing if `shown` is false (no terminal, --quiet).
   Progress(double start, double until, bool shown);
   ~Progress() { clear(); }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// After each step; draws at most ten times a second.
+  /// Call it after each step; draws at most ten times a second.
   void at(double time);
   /// Removes the line.
   void clear();

@@ -25,7 +25,7 @@ TemporaryFolder::TemporaryFolder() {
   std::string name = (fs::temp_directory_path() / "momentree-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr)
     throw_error({std::string("cannot make a temporary folder: ") + std::strerror(errno), name, ""});
-  path_ = std::move(name);  // takes no memory, without which the folder would stay
+  path_ = std::move(name);  // allocates no memory: a failure would leave the folder behind
 }
 
 TemporaryFolder::~TemporaryFolder() { io::remove_tree(path_); }

@@ -1,12 +1,12 @@
 #pragma once
-// A scenario that is run for its picture alone: its results stand in a temporary folder.
+// Runs a scenario for a picture only: the results are written to a temporary folder.
 #include <string>
 
 #include <momentree/io/scenario.hpp>
 
 namespace momentree::cli {
 
-/// A folder that is gone with it.
+/// A folder that is removed by the destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -21,14 +21,14 @@ class TemporaryFolder {
 };
 
 struct Recorded {
-  std::string folder;  ///< with the results, whole or not
-  int code = 0;        ///< exit code of the run; what went wrong has been said
+  std::string folder;  ///< contains the results, complete or not
+  int code = 0;        ///< exit code of the run; errors have been reported
 };
 
-/// What a picture needs, or all that the report shows: with the reactions of joints and the energy.
+/// The results needed: those for a picture, or everything in the report, including joint reactions and energy.
 enum class Purpose { picture, report };
 
-/// Runs a scenario into a folder. `until`: only so far (s).
+/// Runs a scenario into a folder. `until`: an earlier end of the run (s).
 Recorded record(const io::Scenario& scenario, const std::string& folder, double until, Purpose purpose);
 
 }  // namespace momentree::cli

@@ -1,4 +1,4 @@
-// A run that ends, and one that starts from its final state, are together the run that went through: to the last bit.
+// A run that ends and one that starts from its final state are together identical to one continuous run, to the last bit.
 #include <cmath>
 #include <string>
 
@@ -54,14 +54,14 @@ void check_restarts(const io::Scenario& scenario, double until, const std::vecto
     events.insert(events.end(), second.events.begin(), second.events.end());
     CHECK(events == whole.events);
     CHECK(second.state() == whole.state());
-    // Sums of work may differ by a rounding: steps are looked at again for peaks of what breaks a joint by itself.
+    // Sums of work may differ by rounding: steps are evaluated again to find peaks of the load that breaks a joint.
     if (whole.adaptive)
       CHECK(second.session.simulation().step_memory().work ==
             doctest::Approx(whole.session.simulation().step_memory().work).epsilon(1e-12));
   }
 }
 
-// A pendulum that swings to and fro past every kind of condition, beside a chain whose joints are watched one by one.
+// A pendulum that swings past every kind of condition, and a chain whose joints are monitored one by one.
 std::string swinging(const std::string& method) {
   return R"(format = 1
 [[mechanism]]
@@ -154,7 +154,7 @@ until = 3
 
 }  // namespace
 
-TEST_CASE("a restart goes on as the run would have: conditions, delays, periods, wildcards, and the steps of a method") {
+TEST_CASE("a restart continues as the run would have: conditions, delays, periods, wildcards, and the steps of a method") {
   for (const char* method : {"method = \"rk4\"\nstep = 0.007\n", "method = \"dopri5\"\nrtol = 1e-7\n",
                              "method = \"dop853\"\nrtol = 1e-9\n", "method = \"midpoint\"\nstep = 0.02\n"}) {
     CAPTURE(method);
@@ -258,7 +258,7 @@ set = { joint = "m/b3", damping = 0.2 }
                  1, {0.25, 0.375, 0.5, 0.75});
 }
 
-TEST_CASE("events that are a rounding apart do not contradict one another after a restart") {
+TEST_CASE("events that differ by rounding do not contradict one another after a restart") {
   check_restarts(read(R"(format = 1
 [integrate]
 until = 0.4
@@ -288,7 +288,7 @@ lock = "p/bob"
                  0.4, {0.13, 0.2});
 }
 
-TEST_CASE("what a document says of events must fit the scenario") {
+TEST_CASE("the events of a document must fit the scenario") {
   const io::Scenario scenario = read(swinging("step = 0.01\n"));
   const io::test::TemporaryFolder folder;
   const std::string file = folder / "state.json";
@@ -298,7 +298,7 @@ TEST_CASE("what a document says of events must fit the scenario") {
   };
   CHECK(refused(R"({"agai": {"fired": 1}})").find("names an unknown event 'agai'; did you mean 'again'?") != std::string::npos);
   CHECK(refused(R"({"watch": {"fired": 1, "each": [{"fired": 1}]}})")
-            .find("`armed` has 1 entries for event 'watch', which stands for 3") != std::string::npos);
+            .find("`armed` has 1 entries for event 'watch', which has 3 matches") != std::string::npos);
   CHECK(refused(R"({"again": {"fired": 1, "resting": 1}})").find("`resting` should be true or false") != std::string::npos);
-  CHECK(refused(R"({"again": {"fired": 1, "looked": []}})").find("should have one look or two") != std::string::npos);
+  CHECK(refused(R"({"again": {"fired": 1, "looked": []}})").find("should have one or two entries") != std::string::npos);
 }

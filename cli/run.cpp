@@ -36,12 +36,12 @@ std::string status_text(Status status, const Simulation& simulation) {
   return simulation.message();
 }
 
-// What became of --generate.
+// Reports the result of --generate.
 void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool quiet) {
   const KernelCacheStatistics s = kernels.statistics();
   std::string why = kernels.message();
   if (scenario.integration.method == "damped")
-    why = "the method damped has masses of its own, which generated code does not know";
+    why = "the method damped modifies the masses, which generated code does not support";
   if (!why.empty()) show(stderr, printable(scenario.path) + ": warning: --generate: " + why + '\n');
   if (quiet || s.compiled == 0) return;
   std::printf("Generated code: %s compiled, found again %s, in %s\n", count_text(s.compiled, "topology", "topologies").c_str(),
@@ -49,7 +49,7 @@ void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool q
 }
 
 void tell_where(const io::Recorder& recorder) {
-  show(stderr, "what was computed is kept in " + printable(recorder.directory()) + '\n');
+  show(stderr, "the results so far are kept in " + printable(recorder.directory()) + '\n');
 }
 
 }  // namespace
@@ -67,7 +67,7 @@ int run(const RunOptions& options) {
   Simulation& simulation = session.simulation();
   const double start = simulation.time();
   const int dofs = simulation.world().tree().nv();
-  const InterruptGuard guard;  // before there is a folder to leave behind
+  const InterruptGuard guard;  // before there is a folder that would be left behind
   io::Recorder recorder(
       simulation,
       {scenario->name, scenario->title, scenario->path, scenario->hash, overrides, start, scenario->until, scenario->integration},
@@ -89,7 +89,7 @@ int run(const RunOptions& options) {
   Status ended = Status::refused;
   try {
     ended = simulation.run_until(scenario->until);
-  } catch (const std::bad_alloc&) {  // amid a step or an event
+  } catch (const std::bad_alloc&) {  // during a step or an event
     progress.clear();
     recorder.abandon("failed: out of memory");
     show(stderr, printable(scenario->path) + ": error: out of memory\n");

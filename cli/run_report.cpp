@@ -18,7 +18,7 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-// "1.2e-16 relative", where there is something to be relative to.
+// "1.2e-16 relative", if there is a reference size.
 std::string relative(double change, double size) {
   if (change == 0) return "0";
   return size > 0 ? format("%.1e", change / size) : "—";
@@ -68,14 +68,14 @@ std::string event_text(const Event& event, const Style& style) {
   add_conserved(table, "linear momentum", "N s", a.linear, b.linear);
   add_conserved(table, "angular momentum", "N m s", a.angular, b.angular);
   text += '\n' + table.text("    ");
-  if (event.released != 0) text += format("    released with the freedom: %.9g J\n", event.released);
+  if (event.released != 0) text += format("    released with the degree of freedom: %.9g J\n", event.released);
   return text;
 }
 
 std::string energy_text(const EnergyBalance& e, const Style& style) {
   Table table;
   const double scale = std::max({std::fabs(e.initial), std::fabs(e.final), e.largest_kinetic});
-  const auto row = [&](const char* name, double joules) {  // what is rounding beside the others is nothing
+  const auto row = [&](const char* name, double joules) {  // values at the level of rounding errors are printed as zero
     table.row({name, format("%.9g J", std::fabs(joules) < 1e-15 * scale ? 0.0 : joules)});
   };
   row("at the start", e.initial);
@@ -132,7 +132,7 @@ std::string report_text(const RunReport& report, const Simulation& simulation, c
   if (!missed.empty()) text += '\n' + style.heading("Events that did not happen") + '\n';
   for (std::size_t i = 0; i < std::min(missed.size(), most); ++i) text += missed_text(missed[i]);
   if (missed.size() > most) text += format("  … and %zu more, in summary.json\n", missed.size() - most);
-  if (!simulation.message().empty()) return text;  // diverged: the last energies say nothing
+  if (!simulation.message().empty()) return text;  // diverged: the last energies are meaningless
   return text + '\n' + energy_text(simulation.energy(), style);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What `momentree run` prints at its end.
+// The report that `momentree run` prints at its end.
 #include <string>
 
 #include <cli/text.hpp>
@@ -14,7 +14,7 @@ struct RunReport {
   int dofs = 0;      ///< at the start
 };
 
-/// The clock as in the paper's Table 2, the events with what they conserved, the energy balance.
+/// Timings as in the paper's Table 2, the events with their conserved quantities, the energy balance.
 std::string report_text(const RunReport& report, const Simulation& simulation, const Style& style);
 
 }  // namespace momentree::cli

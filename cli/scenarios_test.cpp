@@ -1,4 +1,4 @@
-// Every file in scenarios/ is a test too: run by the program as a user would, and held to its physics.
+// Every file in scenarios/ is a test, too: run by the program as a user would, with its physics checked.
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -19,7 +19,7 @@ using test::Json;
 using test::Run;
 using test::vec;
 
-/// Where the outer end of the breaking chain is, from row `k` of its table.
+/// The position of the outer end of the breaking chain, from row `k` of its table.
 Vec3 tip(const std::map<std::string, std::vector<double>>& bodies, std::size_t k) {
   const auto at = [&](const char* column) { return bodies.at(std::string("chain/100.") + column).at(k); };
   return Pose{{at("x"), at("y"), at("z")}, {at("qw"), at("qx"), at("qy"), at("qz")}} * Vec3{0.05, 0, 0};
@@ -53,7 +53,7 @@ TEST_CASE("breaking_chain: 40 links stay, 60 fly off; the paper's step costs abo
   REQUIRE(bodies.at("time").size() == 151);
   CHECK(norm(tip(bodies, 90) - tip_at_break) < 5e-3);
   CHECK(norm(tip(bodies, 150) - tip_at_end) < 0.5);
-  CHECK(std::abs(run.energy("error")) > 0.1);  // it is said, not hidden
+  CHECK(std::abs(run.energy("error")) > 0.1);  // the error is reported, not hidden
   CHECK(std::abs(run.energy("error")) < 2);
 
   REQUIRE(run.command("view '" + run.path("") + "' --svg '" + run.path("chain.svg") + "' >/dev/null") == 0);
@@ -65,7 +65,7 @@ TEST_CASE("breaking_chain: 40 links stay, 60 fly off; the paper's step costs abo
   CHECK(svg.size() < 100'000);
 }
 
-TEST_CASE("breaking_chain_accurate: the tip is where it should be, the energy balance closes") {
+TEST_CASE("breaking_chain_accurate: the free end is where it should be, the energy balance closes") {
   const Run run("breaking_chain_accurate");
   check_break_of_the_chain(run);
   const auto bodies = run.table("bodies.csv");
@@ -164,7 +164,7 @@ TEST_CASE("crane: the trolley keeps to its plan, the rope parts at its strength,
   for (const auto& [instant, position] : {std::pair{1.0, 0.5}, {2.0, 2.2}, {3.0, 4.6}, {3.6, 5.2}, {5.0, 5.2}})
     for (std::size_t k = 0; k < time.size(); ++k)
       if (std::fabs(time[k] - instant) < 1e-6) CHECK(joints.at("crane/rail.q0")[k] == doctest::Approx(position).epsilon(1e-9));
-  // The gust has carried it aside; where it landed it lies.
+  // The gust has moved it sideways; it lies where it landed.
   const auto bodies = run.table("bodies.csv");
   CHECK(bodies.at("crane/load.y").back() > 0.05);
   const std::size_t last = time.size() - 1;
@@ -173,7 +173,7 @@ TEST_CASE("crane: the trolley keeps to its plan, the rope parts at its strength,
   CHECK(run.final_state.at("armed").at("lands").at("done") == true);
 }
 
-TEST_CASE("servo_arm: soft stops give way a little, a jam holds, the motors bring the arm where it should be") {
+TEST_CASE("servo_arm: soft stops give way a little, a jam holds, the motors bring the arm to its target") {
   const Run run("servo_arm");
   REQUIRE(run.events.size() == 2);
   CHECK(std::fabs(run.energy("error")) < 1e-4);
@@ -187,9 +187,9 @@ TEST_CASE("servo_arm: soft stops give way a little, a jam holds, the motors brin
     if (std::isnan(jam)) jam = elbow[k];
     CHECK(elbow[k] == jam);
   }
-  CHECK(highest > 45 * deg);  // on the rubber
+  CHECK(highest > 45 * deg);  // on the rubber stop
   CHECK(highest < 48 * deg);  // 35 N m against 2 kN m/rad, and the forearm's swing
-  // The column turns to where it should be, but for friction: 3 N m against 600 N m/rad.
+  // The column turns to its target, except for friction: 3 N m against 600 N m/rad.
   for (std::size_t k = 0; k < time.size(); ++k)
     if (std::fabs(time[k] - 4.9) < 1e-6) CHECK(std::fabs(joints.at("arm/turn.q0")[k] - 50 * deg) < 0.01);
 }

@@ -30,7 +30,7 @@ constexpr const char* opener = "xdg-open";
 bool has_screen() { return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr; }
 #endif
 
-/// Shows the address in the user's browser; says nothing where that fails.
+/// Opens the address in the user's browser; failures are ignored.
 void show_in_browser(const std::string& address) {
   posix_spawn_file_actions_t quiet;
   posix_spawn_file_actions_init(&quiet);
@@ -47,7 +47,7 @@ void show_in_browser(const std::string& address) {
 /// 128 random bits in hexadecimal digits.
 std::string new_key() {
   std::array<unsigned char, 16> bytes;
-  if (getentropy(bytes.data(), bytes.size()) != 0) throw_error({"this system gives no random numbers", "", ""});
+  if (getentropy(bytes.data(), bytes.size()) != 0) throw_error({"this system provides no random numbers", "", ""});
   std::string key;
   for (const unsigned char byte : bytes) {
     constexpr std::string_view digits = "0123456789abcdef";
@@ -71,7 +71,7 @@ int serve(Page page, Listener listener, bool open_browser) {
   std::printf("%s\n", address.c_str());
   if (std::fflush(stdout) != 0) return failed;  // nobody would find the page
   std::fprintf(stderr, "Press Ctrl-C to stop.\n");
-  // Other users see the arguments of the browser's process: they get an address that works once, for the browser.
+  // Other users can see the arguments of the browser's process, so the browser gets an address that works once.
   if (opens) show_in_browser(once);
   PageServer(std::move(listener), std::move(site)).run(InterruptGuard::interrupted);
   return done;

@@ -1,5 +1,5 @@
 #pragma once
-// A page on this machine alone, for its user's browser.
+// Serves a page to its user's browser on this machine.
 #include <string>
 
 #include <cli/listener.hpp>
@@ -11,9 +11,9 @@ struct Page {
   std::string policy;  ///< value of its Content-Security-Policy
 };
 
-/// Answers on 127.0.0.1 until Ctrl-C: prints the address, opens it in a browser unless told not to. The address ends with a key
-/// that is new each time, so that other users of this machine can't read the page. Requests for another host, or from a page of
-/// another origin, are refused: no other page on the network can read this one. Exit code.
+/// Serves on 127.0.0.1 until Ctrl-C: prints the address, and opens it in a browser if `open_browser`. The address ends with a
+/// random key, so that other users of this machine cannot read the page. Requests for another host, or from a page of another
+/// origin, are refused, so that no other web page can read this one. Returns the exit code.
 int serve(Page page, Listener listener, bool open_browser);
 
 }  // namespace momentree::cli

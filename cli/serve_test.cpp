@@ -16,7 +16,7 @@ using namespace momentree::cli;
 
 namespace {
 
-/// The program with these arguments, until it goes.
+/// The program with these arguments; it is terminated by the destructor.
 class Process {
  public:
   explicit Process(std::vector<std::string> arguments) {

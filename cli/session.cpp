@@ -28,7 +28,7 @@ void refuse_to_overwrite(const std::string& out, const io::Scenario& scenario) {
   const auto refuse = [&out](const fs::path& source) {
     std::error_code ignored;
     if (fs::equivalent(out, source, ignored))
-      throw_error({"this is a file that is read: it would be overwritten", out, "give another name after -o"});
+      throw_error({"this is an input file: it would be overwritten", out, "give another name after -o"});
   };
   if (out == "-") return;
   refuse(scenario.path);
@@ -47,7 +47,7 @@ Simulation simulation_of(const io::Scenario& scenario) {
     return Simulation(scenario.model, scenario.integration);
   } catch (const std::bad_alloc&) {
     throw_error({format("not enough free memory for %d bodies", scenario.model.size()), scenario.path,
-                 "some 3 kB are needed for each body"});
+                 "about 3 kB are needed for each body"});
   }
 }
 
@@ -91,12 +91,12 @@ void Session::take_armed(const io::ArmedEvent& event, const std::string& file) {
   const std::size_t matches = matches_[place->second].size();
   if (!event.each.empty() && event.each.size() != matches)
     throw_error(
-        {format("`armed` has %zu entries for event '%s', which stands for %zu", event.each.size(), event.name.c_str(), matches),
+        {format("`armed` has %zu entries for event '%s', which has %zu matches", event.each.size(), event.name.c_str(), matches),
          file, "is it a document of this scenario?"});
   armed_at_start_[place->second] = event;
 }
 
-// What a document says of an event, or of the match of a wildcard that it is; null: it says nothing.
+// The state of an event, or of its wildcard match, in the document; null: there is none.
 const EventQueue::Armed* Session::past_of(const io::ScenarioEvent& event) const {
   const std::vector<EventQueue::Armed>& each = armed_at_start_[by_name_.at(event.name)].each;
   return each.empty() ? nullptr : &each[match_of_.at(&original(event))];
@@ -107,9 +107,9 @@ const io::ScenarioEvent& Session::original(const io::ScenarioEvent& event) const
   return found == original_.end() ? event : *found->second;
 }
 
-// What comes after an event that was over before the run began comes when it is due, or never.
+// Events after an event that was over before the run began happen when they are due, or never.
 void Session::schedule_followers(std::vector<const io::ScenarioEvent*>& events) {
-  for (bool more = true; more;) {  // what is dropped may itself have followers
+  for (bool more = true; more;) {  // a dropped event may have followers itself
     more = false;
     std::unordered_set<std::string> names;
     for (const io::ScenarioEvent* event : events) names.insert(event->name);
@@ -156,12 +156,12 @@ std::vector<io::Diagnostic> Session::schedule() {
   }
   if (from_document_) schedule_followers(events);
   scheduled_ = io::schedule(simulation_, std::move(events), scenario_.events);
-  if (scheduled_.problems.empty()) resume();  // first: a document knows instants to the last bit
+  if (scheduled_.problems.empty()) resume();  // first: a document stores instants to the last bit
   std::vector<io::EventProblem> problems = scheduled_.problems;
-  if (problems.empty() && from_document_) {  // else the reader has tried them
+  if (problems.empty() && from_document_) {  // otherwise the reader has tried them
     const auto line = [](Place place) { return format("line %d", place.line); };
     problems = io::problems_of(simulation_.dry_run(), scheduled_, line);
-    // What has nothing to do any more is no mistake: the run that wrote the document went on past such actions, too.
+    // An action with no effect is not an error: the run that wrote the document continued past such actions, too.
     std::erase_if(problems, [&](const io::EventProblem& problem) {
       if (problem.idle) warn(problem.place, problem.what);
       return problem.idle;
@@ -174,7 +174,7 @@ std::vector<io::Diagnostic> Session::schedule() {
   return warnings;
 }
 
-// Goes on where the run of the document stood.
+// Resumes from the state of the document's run.
 void Session::resume() {
   if (!from_document_) return;
   std::vector<EventQueue::Armed> armed = simulation_.snapshot().armed;
@@ -193,14 +193,14 @@ io::Armed Session::armed() const {
   for (std::size_t place = 0; place < armed.size(); ++place) {
     const auto& matches = matches_[place];
     const io::ScenarioEvent& first = *matches.front();
-    if (!first.condition && first.after.empty() && first.period == 0) continue;  // its instant says all
+    if (!first.condition && first.after.empty() && first.period == 0) continue;  // its instant is sufficient
     std::vector<EventQueue::Armed> each;
     for (const io::ScenarioEvent* event : matches) {
       const auto at = scheduled.find(event);
       const EventQueue::Armed* const past = past_of(*event);
       if (at != scheduled.end()) {
         each.push_back(*at->second);
-        if (!event->after.empty() && each.back().done)  // only because what it comes after is over
+        if (!event->after.empty() && each.back().done)  // only because the event that it follows is over
           each.back().done = false, each.back().time = HUGE_VAL;
       } else if (past != nullptr)
         each.push_back(*past);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view bold = "\x1b[1m", faint = "\x1b[2m", alarm = "\x1b[1;31m", usual = "\x1b[0m";
 
-// Length of a sequence of Style that begins at text[i], or 0.
+// Length of an escape sequence of Style at text[i], or 0.
 std::size_t style_at(std::string_view text, std::size_t i) {
   for (const std::string_view code : {bold, faint, alarm, usual})
     if (text.substr(i).starts_with(code)) return code.size();

@@ -52,7 +52,7 @@ TEST_CASE("usage") {
   refused("replay a b", "`momentree replay` is not supported yet");
   refused("run s.toml --resum", "unknown option '--resum'; see `momentree help run`");  // and not --resume
   refused("swep s.toml", "unknown command 'swep'; see `momentree help`");
-  refused("run s.toml s.toml", "one argument too many: 's.toml'; it runs one scenario: call it once for each");
+  refused("run s.toml s.toml", "one argument too many: 's.toml'; a call runs one scenario: call it once for each");
   refused("run s.toml --until abc", "--until abc: error: expected a time, not 'abc'; for example --until 2, or --until \"2 s\"");
   refused("run s.toml --until '3 kg'",
           "--until \"3 kg\": error: '3 kg' is a mass (kg), not a time (s); for example 2, or \"2 s\"");
@@ -74,15 +74,15 @@ TEST_CASE("usage") {
   refused("bench --jsn", "did you mean '--json'?");
   refused("sweep s.toml --jobs 3", "not supported yet");
   refused("convert s.toml", "--out is required");
-  refused("convert s.toml -o s.mjcf", "'.mjcf' files are not written; written are .toml (a scenario) and .urdf");
-  refused("convert s.toml -o s", "a file without an ending does not say its format");
+  refused("convert s.toml -o s.mjcf", "'.mjcf' files cannot be written; use .toml (a scenario) or .urdf");
+  refused("convert s.toml -o s", "the format is unknown: the file name has no ending");
   refused("convert s.toml -o ./s.toml", "it would be overwritten");
   refused("convert s.toml -o s.urdf --mechanism chian", "did you mean 'chain'?");
-  refused("convert s.toml -o t.toml --mechanism chain", "--mechanism is for .urdf");
+  refused("convert s.toml -o t.toml --mechanism chain", "--mechanism is only for .urdf");
   CHECK(here.files() == 1);
 }
 
-TEST_CASE("help is of the program or of a command, and offers nothing that is still to come") {
+TEST_CASE("help covers the program or a command, and hides what is not supported yet") {
   const Workplace here;
   CHECK(here.call("-V").output == here.call("--version").output);
   CHECK(here.call("help").output == here.call("--help").output);
@@ -116,14 +116,14 @@ TEST_CASE("- is standard input, wherever a scenario, a model or a state is read"
   CHECK(here.call("explain - <s.toml").output == here.call("explain s.toml").output);
   CHECK(here.call("compile - -o c.cpp <s.toml").code == 0);
   CHECK(here.call("view - --svg v.svg <s.toml").code == 0);
-  // A model by its content; what a scenario names, from the current folder.
+  // A model identified by its content; files that a scenario names are located in the current folder.
   io::write_text_file(here.path("arm.urdf"),
                       "<robot name='An arm'><link name='base'><inertial><mass value='2'/></inertial></link>\n<x/></robot>");
   CHECK(here.call("check - <arm.urdf").says("<stdin>: ok: 1 mechanism, 1 body"));
   CHECK(here.call("explain - <arm.urdf").says("stdin/base"));
   io::write_text_file(here.path("m.toml"), "format = 1\n[[mechanism]]\nname = \"m\"\nmodel = \"arm.urdf\"\n");
   CHECK(here.call("check - <m.toml").says("<stdin>: ok: 1 mechanism, 1 body"));
-  // Its mistakes have their places.
+  // Its errors have places.
   io::write_text_file(here.path("bad.toml"), replaced(chain, "links", "lynks"));
   CHECK(
       here.call("check - <bad.toml").says("<stdin>:8:1: error: unknown key 'lynks' in [mechanism.chain]; did you mean 'links'?"));

@@ -26,13 +26,13 @@ bool is_folder(const std::string& path) {
   return fs::is_directory(path, ignored);
 }
 
-/// A picture by another name would be opened by a program that does not know what it is.
+/// A picture with another ending would be opened by a program that cannot read it.
 void require_svg(const std::string& file) {
   std::string ending = fs::path(file).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return static_cast<char>(c | 0x20); });
   if (ending.empty() || ending == ".svg") return;
-  throw_error(
-      {"'" + ending + "' pictures are not drawn, only SVG", file, "name a file that ends in .svg; other programs convert it"});
+  throw_error({"'" + ending + "' pictures cannot be drawn, only SVG", file,
+               "name a file that ends in .svg, and convert it with another program"});
 }
 
 int draw(const ViewOptions& options) {
@@ -64,8 +64,8 @@ int draw(const ViewOptions& options) {
   return recorded.code;
 }
 
-/// The data of what is looked at, or nothing, with an exit code: of a result, of a scenario that is run for it (as far as it
-/// gets), or of a model at its start, to be posed by hand.
+/// The data to view, or nothing, with an exit code: of a result, of a scenario that is run for it (as far as it gets), or of a
+/// model at its start, to be posed interactively.
 std::optional<std::string> data_of(const std::string& source, Notes notes, int& code) {
   if (is_folder(source)) return io::report_data(source);
   const std::optional<io::Scenario> scenario = load(source, {}, notes);
@@ -84,8 +84,8 @@ std::optional<std::string> data_of(const std::string& source, Notes notes, int& 
 int view(const ViewOptions& options) {
   if (!options.svg.empty()) return draw(options);
   if (options.every != 0 || !options.look.empty() || options.layout != "overlay")
-    throw_error({"--every, --look and --layout are of pictures", "", "draw the run with --svg FILE, or leave them out"});
-  Listener listener = listen_on(options.port);  // before a run that takes its time
+    throw_error({"--every, --look and --layout apply only to pictures", "", "draw the run with --svg FILE, or leave them out"});
+  Listener listener = listen_on(options.port);  // before a run that takes time
   int code = done;
   const std::optional<std::string> data = data_of(options.source, notes_of(options.verbose), code);
   if (!data) return code;

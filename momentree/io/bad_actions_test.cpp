@@ -6,7 +6,7 @@ using namespace momentree::io::bad_input;
 
 namespace {
 
-// m: a on a pin, b on a ball joint m/j of it; f: x and y, free; p: z on a pin. 42 lines.
+// m: a on a revolute joint, b on its ball joint m/j; f: x and y, free; p: z on a revolute joint. 42 lines.
 const std::string three = one_body +
                           "[mechanism.body.joint]\nkind = \"revolute\"\n"
                           "[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n"
@@ -43,14 +43,14 @@ TEST_CASE("welds that would close a loop are refused") {
   });
 }
 
-TEST_CASE("what would do nothing is refused, with what made it so") {
+TEST_CASE("actions with no effect are refused, with the reason") {
   check({
       {first + "break = \"m/j\"\n" + then + "lock = \"m/j\"\n",
-       "s.toml:47:8: error: lock: joint 'm/j' is broken by then, by break m/j (event '#1', line 44); to hold the part that came "
-       "off where it is, weld its body to the ground"},
+       "s.toml:47:8: error: lock: joint 'm/j' will be broken by then, by break m/j (event '#1', line 44); to hold the separated "
+       "part where it is, weld its body to the ground"},
       {first + "break = \"m/a\"\n" + then + "lock = \"m/a\"\n",
-       "s.toml:47:8: error: lock: joint 'm/a' is broken by then, by break m/a (event '#1', line 44); to hold the part that came "
-       "off where it is, weld its body to the ground"},
+       "s.toml:47:8: error: lock: joint 'm/a' will be broken by then, by break m/a (event '#1', line 44); to hold the separated "
+       "part where it is, weld its body to the ground"},
       {first + "lock = [\"m/j\", { joint = \"m/j\", freedoms = [0, 1] }]\n",
        "s.toml:44:16: error: lock: does nothing: it is already locked, after lock m/j (event '#1', line 44)"},
       {first + "unlock = \"f/h\"\n", "s.toml:44:10: error: unlock: does nothing: it is not locked"},
@@ -59,7 +59,7 @@ TEST_CASE("what would do nothing is refused, with what made it so") {
       {first + "free = \"m/j\"\n" + then + "free = \"m/j\"\n",
        "s.toml:47:8: error: free: does nothing: it is already that joint, after free m/j (event '#1', line 44)"},
       {first + "break = \"grasp\"\n[[event]]\nname = \"grasp\"\nat = 2\nweld = { body = \"f/x\" }\n",
-       "s.toml:44:9: error: break: joint 'grasp' is not there yet: it is made later, on line 48"},
+       "s.toml:44:9: error: break: joint 'grasp' does not exist yet: it is made later, on line 48"},
   });
 }
 
@@ -100,17 +100,18 @@ TEST_CASE("impossible joints are refused") {
   });
 }
 
-TEST_CASE("names that mean nothing are refused") {
+TEST_CASE("unknown names are refused") {
   check({
       {first + "lock = \"m/jj\"\n", "s.toml:44:8: error: lock: there is no joint 'm/jj'; did you mean 'm/j'?"},
       {first + "lock = \"m/b\"\n", "s.toml:44:8: error: lock: there is no joint 'm/b'; the joint of that body is 'm/j'"},
       {first + "weld = { body = \"f/w\" }\n", "s.toml:44:17: error: weld: there is no body 'f/w'; did you mean 'f/x'?"},
       {first + "weld = { body = \"f/h\" }\n", "s.toml:44:17: error: weld: there is no body 'f/h'; that is the name of a joint"},
-      {first + "weld = { body = \"x\" }\n", "s.toml:44:17: error: weld: there is no body 'x'; names are complete: 'f/x'"},
+      {first + "weld = { body = \"x\" }\n", "s.toml:44:17: error: weld: there is no body 'x'; use the full name: 'f/x'"},
       {first + "weld = { body = \"ground\", to = \"f/x\" }\n",
-       "s.toml:44:17: error: weld: the ground is no body that this could be done to; the ground is what another body is joined "
-       "'to'"},
-      {first + "weld = { body = \"f/x\", to = \"m/*\" }\n", "s.toml:44:29: error: weld: 'to' is one body: 'm/*' could be many"},
+       "s.toml:44:17: error: weld: this action cannot be applied to the ground; the ground can only be the body that another is "
+       "joined 'to'"},
+      {first + "weld = { body = \"f/x\", to = \"m/*\" }\n",
+       "s.toml:44:29: error: weld: 'to' is one body: 'm/*' can match several"},
       {first + "impulse = { body = \"q/*\", force = [1, 0, 0] }\n",
        "s.toml:44:20: error: impulse: no body matches 'q/*'; * matches within a name: \"chain/*\""},
       {three + "[[event]]\nname = \"e\"\nat = 1\nlock = \"f/h\"\n" + then + "break = \"e\"\n",
@@ -122,8 +123,8 @@ TEST_CASE("names that mean nothing are refused") {
   });
 }
 
-TEST_CASE("wrong types, units and freedoms are refused") {
-  const std::string count = "; freedoms are numbered in the order of v: [0, 2]";
+TEST_CASE("wrong types, units and degrees of freedom are refused") {
+  const std::string count = "; degrees of freedom are numbered in the order of v: [0, 2]";
   check({
       {first + "weld = \"f/x\"\n",
        "s.toml:44:8: error: weld: expected a table, found a string; for example weld = { body = \"satellite/hull\", to = "
@@ -137,9 +138,9 @@ TEST_CASE("wrong types, units and freedoms are refused") {
        "s.toml:44:8: error: lock: joint 'm/j' has no freedom 3; a ball joint has degrees of freedom 0 to 2"},
       {first + "lock = { joint = \"m/j\", freedoms = [9] }\n",
        "s.toml:44:37: error: freedoms: expected a number from 0 to 5, not 9" + count},
-      {first + "lock = { joint = \"m/j\", freedoms = [1, 1] }\n", "s.toml:44:40: error: freedoms: 1 stands there twice"},
+      {first + "lock = { joint = \"m/j\", freedoms = [1, 1] }\n", "s.toml:44:40: error: freedoms: 1 is given twice"},
       {first + "lock = { joint = \"m/j\", freedoms = [] }\n",
-       "s.toml:44:36: error: freedoms: names no freedom; leave it out for all of them"},
+       "s.toml:44:36: error: freedoms: names no degree of freedom; leave it out for all of them"},
       {first + "lock = { joint = \"m/j\", freedoms = 1 }\n",
        "s.toml:44:36: error: freedoms: expected a list, found a number" + count},
       {first + "impulse = { body = \"f/x\", force = [\"1 N\", 2, 3] }\n",
@@ -155,8 +156,8 @@ TEST_CASE("wrong types, units and freedoms are refused") {
        "s\""},
       {first + "set = { joint = \"m/a\", damping = -1 }\n", "s.toml:44:34: error: damping: must not be negative"},
       {first + "set = { joint = \"m/j\", drive = { effort = 1 } }\n",
-       "s.toml:44:43: error: effort: a ball joint has 3 freedoms: one number could mean any; give a list, one effort per "
-       "freedom"},
+       "s.toml:44:43: error: effort: a ball joint has 3 degrees of freedom: one number is ambiguous; give a list, one effort per "
+       "degree of freedom"},
       {first + "set = { joint = \"m/*\", damping = \"3 kg\" }\n",
        "s.toml:44:34: error: damping: '3 kg' is a mass (kg), not a rotational damping (N m s/rad); for example 0.1, or \"0.1 N m "
        "s\""},

@@ -9,7 +9,7 @@ TEST_CASE("impossible events are refused") {
       {pinned + "[[event]]\nat = 1\nbreak = \"m/b\"\n",
        "s.toml:12:9: error: break: there is no joint 'm/b'; did you mean 'm/a'?"},
       {pinned + "[[event]]\nat = 1\nbreak = \"a\"\n",
-       "s.toml:12:9: error: break: there is no joint 'a'; names are complete: 'm/a'"},
+       "s.toml:12:9: error: break: there is no joint 'a'; use the full name: 'm/a'"},
       {pinned + "[[event]]\nat = -1\nbreak = \"m/a\"\n", "s.toml:11:6: error: at: must not be negative"},
       {pinned + "[[event]]\nat = nan\nbreak = \"m/a\"\n", "s.toml:11:6: error: at: must be finite"},
       {pinned + "[[event]]\nat = \"1 kg\"\nbreak = \"m/a\"\n",
@@ -23,16 +23,16 @@ TEST_CASE("impossible events are refused") {
        "reaction_force = \"crane/hook\", exceeds = \"4 kN\" }"},
       {pinned + "[[event]]\nat = 1\n", "s.toml:10:1: error: event '#1' does nothing; for example break = \"chain/41\""},
       {pinned + "[[event]]\nat = 1\nbreak = \"m/a\"\n[[event]]\nat = 2\nbreak = \"m/a\"\n",
-       "s.toml:15:9: error: break: joint 'm/a' is broken already on line 12; a joint breaks once"},
+       "s.toml:15:9: error: break: joint 'm/a' is broken already on line 12; a joint can break only once"},
       {pinned + "[[event]]\nat = 1\nbreak = [\"m/a\", \"m/a\"]\n",
-       "s.toml:12:17: error: break: joint 'm/a' is broken already on line 12; a joint breaks once"},
+       "s.toml:12:17: error: break: joint 'm/a' is broken already on line 12; a joint can break only once"},
       {pinned + "[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = \"revolute\"\nparent = "
                 "\"a\"\n[[event]]\nname = \"x\"\nat = 1\nbreak = \"m/a\"\n[[event]]\nname = \"x\"\nat = 2\nbreak = \"m/b\"\n",
-       "s.toml:22:8: error: duplicate event 'x': it is the name of another on line 18"},
+       "s.toml:22:8: error: duplicate event 'x': the name is already used by another on line 18"},
       {one_body + "[mechanism.body.joint]\nname = \"h\"\nkind = \"revolute\"\n[[event]]\nat = 1\nbreak = \"m/a\"\n",
        "s.toml:13:9: error: break: there is no joint 'm/a'; the joint of that body is 'm/h'"},
       {chain + "[[event]]\nat = 1\nbreak = \"m/2\"\n",
-       "s.toml:10:9: error: break: the part that comes off at 'm/2' has not the mass or inertia to move freely; give it a mass "
+       "s.toml:10:9: error: break: the part that separates at 'm/2' lacks the mass or inertia to move freely; give it a mass "
        "and an inertia about every axis"},
   });
 }
@@ -65,32 +65,33 @@ TEST_CASE("tolerances must be positive, of use to the method, and such as the st
   };
   CHECK(warned(pinned + adaptive + "rtol = 1e-9\natol = 1e-12\nmax_step = \"5 ms\"\n").empty());
   CHECK(warned(pinned + "[integrate]\nrtol = 1e-9\n") ==
-        "s.toml:11:8: warning: 'rtol' does nothing: method 'rk4' has fixed steps; use method = \"dopri5\", which chooses its "
+        "s.toml:11:8: warning: 'rtol' has no effect: method 'rk4' has fixed steps; use method = \"dopri5\", which chooses its "
         "steps");
   CHECK(warned(pinned + adaptive + "rtol = 1e-16\n") ==
-        "s.toml:12:8: warning: rtol = 1e-16 is below what the velocities of this mechanism can be resolved to; they are known to "
+        "s.toml:12:8: warning: rtol = 1e-16 is below the resolution of the velocities of this mechanism; they are known to "
         "about 1e-16: use rtol = 1e-15 or more");
   const std::string long_chain =
       warned(head + "[mechanism.chain]\nlinks = 100\nlength = \"5 m\"\nmass = \"10 g\"\n" + adaptive + "rtol = 1e-11\n");
   CHECK(long_chain.find("rtol = 1e-11 is below") != std::string::npos);
 }
 
-TEST_CASE("a tolerance of events that the clock can't tell is told") {
+TEST_CASE("an event tolerance below the resolution of the clock is reported") {
   const auto warned = [](const std::string& keys) {
     return said(momentree::io::read_scenario_text(pinned + "[integrate]\nuntil = 3\nevent_tolerance = " + keys + "\n", "s.toml"));
   };
   CHECK(warned("1e-12") == "");
   CHECK(warned("1e-15") ==
-        "s.toml:12:19: warning: event_tolerance = 1e-15 s is below what the clock can tell: at the end of the run, 3 s, instants "
+        "s.toml:12:19: warning: event_tolerance = 1e-15 s is below the resolution of the clock: at the end of the run, 3 s, "
+        "instants "
         "are 4.4e-16 s apart; use 4e-15 s or more");
 }
 
-TEST_CASE("what is still to come is refused where it stands") {
+TEST_CASE("unsupported keys are refused with their places") {
   check({
       {pinned + "[[loop]]\n",
        "s.toml:10:3: error: 'loop' is not supported yet; closed loops are not supported: a mechanism is a tree"},
       {head + "model = \"x.urdf\"\n[[event]]\nat = 1\nbreak = \"m/elbow\"\n",
-       "s.toml:4:9: error: model: a scenario that is read from a text names no files; read it from its file"},
+       "s.toml:4:9: error: model: a scenario read from text cannot name files; read it from its file"},
       {pinned + "[integrate]\nmethod = \"dampened\"\n", "s.toml:11:10: error: unknown method 'dampened'; did you mean 'damped'?"},
   });
 }

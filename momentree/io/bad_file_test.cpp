@@ -11,21 +11,21 @@ TEST_CASE("broken TOML is refused at its first error") {
       {"format = 1\ntitle = \"x\n",
        "s.toml:2:11: error: cannot read this string: it does not end on its line; a closing quotation mark is missing"},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = 1,5\ninertia = 1\n",
-       "s.toml:6:9: error: cannot read this key-value pair: expected a comment or whitespace, saw ','; the decimal sign is a "
-       "point"},
+       "s.toml:6:9: error: cannot read this key-value pair: expected a comment or whitespace, saw ','; use a point as the "
+       "decimal sign"},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = 1.0kg\ninertia = 1\n",
        "s.toml:6:11: error: cannot read this floating-point: expected decimal digit, saw 'k'; a number with a unit is a string: "
        "\"1.0 kg\""},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = 1e999\ninertia = 1\n",
-       "s.toml:6:13: error: cannot read this number: it is outside the range of numbers"},
+       "s.toml:6:13: error: cannot read this number: it is out of range"},
       {one_body + "mass = 2\n",
        "s.toml:8:8: error: cannot read this key-value pair: cannot redefine existing integer 'mass'; it is given twice"},
       {pinned + "damping = 1 \"N m s\"\n",
-       "s.toml:10:13: error: a quotation mark stands where no string can begin; strings are quoted as a whole"},
+       "s.toml:10:13: error: there is a quotation mark where no string can begin; strings are quoted as a whole"},
       {"format = 1\ntitle = it's\n",
-       "s.toml:2:11: error: a quotation mark stands where no string can begin; strings are quoted as a whole"},
+       "s.toml:2:11: error: there is a quotation mark where no string can begin; strings are quoted as a whole"},
       {"format = 1\ntitle = \"a\"\"b\"\n",
-       "s.toml:2:12: error: a quotation mark stands where no string can begin; strings are quoted as a whole"},
+       "s.toml:2:12: error: there is a quotation mark where no string can begin; strings are quoted as a whole"},
       {pinned + "axis = z\n",
        "s.toml:10:8: error: cannot read this value: could not determine value type; a word is a string: write it in quotes"},
       {pinned + "axis = \n",
@@ -37,24 +37,24 @@ TEST_CASE("broken TOML is refused at its first error") {
   });
 }
 
-TEST_CASE("what is no text is refused") {
+TEST_CASE("files that are not text are refused") {
   using namespace std::string_literals;
   const std::string not_utf8 = ": error: the text is not UTF-8; save the file with the encoding UTF-8";
   check({
       {"format = 1\ntitle = \"\xff\"\n", "s.toml:2:10" + not_utf8},
-      {"format = 1\n# \xc3", "s.toml:2:3" + not_utf8},              // cut within a character
-      {"format = 1\n# \xc0\xaf", "s.toml:2:3" + not_utf8},          // a slash in two bytes
-      {"format = 1\n# \xe0\x80\xaf", "s.toml:2:3" + not_utf8},      // a slash in three
+      {"format = 1\n# \xc3", "s.toml:2:3" + not_utf8},              // truncated within a character
+      {"format = 1\n# \xc0\xaf", "s.toml:2:3" + not_utf8},          // a slash encoded in two bytes
+      {"format = 1\n# \xe0\x80\xaf", "s.toml:2:3" + not_utf8},      // a slash encoded in three bytes
       {"format = 1\n# \xed\xa0\x80", "s.toml:2:3" + not_utf8},      // half of a pair
       {"format = 1\n# \xf4\x90\x80\x80", "s.toml:2:3" + not_utf8},  // beyond Unicode
       {"format = 1\n# \xf0\x8f\xbf\xbf", "s.toml:2:3" + not_utf8},  // too long
       {"\xff\xfe" + "f\0"s, "s.toml:1:1" + not_utf8},               // UTF-16
       {"format = 1\n# \xf4\x80\x80\x80", "s.toml:2:3: error: a character for private use"},
-      {"format = 1\n# ä\0"s, "s.toml:2:4: error: a zero byte: this is no text"},
+      {"format = 1\n# ä\0"s, "s.toml:2:4: error: a zero byte: this is not text"},
       {"format = 1\ntitle = “x”\n",
-       "s.toml:2:9: error: the character '“' stands outside of a string; quotation marks are straight: \""},
+       "s.toml:2:9: error: the character '“' is outside of a string; quotation marks are straight: \""},
       {"format = 1\nmasse = [1, Т]\n",
-       "s.toml:2:13: error: the character 'Т' stands outside of a string; keys and values have plain letters; others stand in "
+       "s.toml:2:13: error: the character 'Т' is outside of a string; keys and values have plain letters; others must be in "
        "strings"},
   });
 }
@@ -74,7 +74,7 @@ TEST_CASE("depth is refused, however it is written") {
   }
 }
 
-TEST_CASE("dots in strings, numbers and comments are no depth") {
+TEST_CASE("dots in strings, numbers and comments do not count as depth") {
   const std::string dots(100, '.');
   const auto said_of = [](const std::string& text) { return said(momentree::io::read_scenario_text(text, "s.toml")); };
   CHECK(said_of(pinned + "# " + dots + "\naxis = [0.0, 0.0, 1.0]\n[world]\ngravity = [0.0, 0.0, 1.0] # " + dots + "\n") == "");
@@ -85,17 +85,17 @@ TEST_CASE("dots in strings, numbers and comments are no depth") {
   }
 }
 
-TEST_CASE("what is no scenario is refused") {
+TEST_CASE("files that are not scenarios are refused") {
   check({
       {std::string(),
-       "s.toml:1:1: warning: the scenario does not say its format; begin it with format = 1\n"
+       "s.toml:1:1: warning: the scenario does not state its format; begin it with format = 1\n"
        "s.toml:1:1: error: the scenario has no mechanism; add [[mechanism]] tables"},
       {"\n\n",
-       "s.toml:1:1: warning: the scenario does not say its format; begin it with format = 1\n"
+       "s.toml:1:1: warning: the scenario does not state its format; begin it with format = 1\n"
        "s.toml:1:1: error: the scenario has no mechanism; add [[mechanism]] tables"},
       {"format = 2\n[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = "
        "1\n[mechanism.body.joint]\nkind = \"revolute\"\n",
-       "s.toml:1:10: error: format 2 is not known to this version; this version reads format 1"},
+       "s.toml:1:10: error: format 2 is not supported by this version; this version reads format 1"},
       {"format = \"1\"\n[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = "
        "1\n[mechanism.body.joint]\nkind = \"revolute\"\n",
        "s.toml:1:10: error: format: expected 1; this version reads format 1"},
@@ -133,7 +133,7 @@ TEST_CASE("unknown keys are errors, with the nearest known key") {
   });
 }
 
-TEST_CASE("letters of every alphabet stay what they are, in strings and names") {
+TEST_CASE("letters of every alphabet are unchanged, in strings and names") {
   const std::string letters = "aß\xc2\x80 Ж\xc2\x85\xe2\x80\xa8שש漢字\xef\xbf\xbd🌳\xf3\xaf\xbf\xbf";
   momentree::io::SyntaxError error;
   const auto document = momentree::io::parse_toml("words = \"\"\"\\\n  " + letters + "\\u0416\"\"\"\n", error);
@@ -146,7 +146,7 @@ TEST_CASE("letters of every alphabet stay what they are, in strings and names") 
           "s.toml:2:14: error: cannot read this key-value pair: expected a comment or whitespace, saw 'x'"}});
 }
 
-TEST_CASE("lines are quoted only of what is known for a scenario") {
+TEST_CASE("lines are quoted only from files recognised as scenarios") {
   const auto refused = [](const std::string& text) {
     const momentree::io::ReadResult result = momentree::io::read_scenario_text(text, "s.toml");
     CHECK(!result.scenario);
@@ -162,10 +162,10 @@ TEST_CASE("lines are quoted only of what is known for a scenario") {
     CHECK(refused(text).find("secret") == std::string::npos);
   }
   CHECK(refused("#" + std::string(1u << 20, 'x') + "\n[a]\n") ==
-        "s.toml: error: this is not a scenario: no line says the format, and none begins a mechanism; a scenario begins with "
+        "s.toml: error: this is not a scenario: no line states the format, and none begins a mechanism; a scenario begins with "
         "format "
         "= 1\n");
-  // One that has such a line is shown, wherever it is wrong.
+  // A file with such a line is quoted, wherever the error is.
   for (const char* text :
        {"format = 1\nsecret\n", "secret\nformat=1\n", "\xEF\xBB\xBF format\t= '1'\nsecret\n", "secret\n[[mechanism]]\n",
         "secret\n [ mechanism.chain ]\n", "secret\nmechanism = []\n", "secret\nformat 1\n"}) {
@@ -174,12 +174,12 @@ TEST_CASE("lines are quoted only of what is known for a scenario") {
   }
 }
 
-TEST_CASE("a title is a line that is seen") {
+TEST_CASE("a title is one visible line") {
   check({
       {"format = 1\ntitle = \"a\\u001b[31mb\"\n" + one_body.substr(11),
-       "s.toml:2:9: error: title: 'a\\x1b[31mb' has a character that is not seen; a title is one line without control "
+       "s.toml:2:9: error: title: 'a\\x1b[31mb' has an invisible character; a title is one line without control "
        "characters"},
       {"format = 1\ntitle = \"\"\"a\nb\"\"\"\n" + one_body.substr(11),
-       "s.toml:2:9: error: title: 'a\\nb' has a character that is not seen; a title is one line without control characters"},
+       "s.toml:2:9: error: title: 'a\\nb' has an invisible character; a title is one line without control characters"},
   });
 }

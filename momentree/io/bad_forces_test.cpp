@@ -1,4 +1,4 @@
-// What readers refuse of drives, friction, soft stops, strengths, and forces on bodies.
+// Invalid drives, friction, soft stops, strengths, and forces on bodies are refused.
 #include <doctest/doctest.h>
 
 #include <tests/bad_input.hpp>
@@ -26,14 +26,15 @@ TEST_CASE("values that change with time") {
       {effort("{ table = [[0, 1]], sine = { amplitude = 1, frequency = 1 } }"),
        "s.toml:10:20: error: effort: is one of 'table', 'sine' and 'rate', not several" + hint},
       {effort("{ table = [[0, 1], [1, 2]], ends = \"free\" }"),
-       "s.toml:10:55: error: ends: is for tables that are motions; others are straight lines between their entries; leave 'ends' "
+       "s.toml:10:55: error: ends: this key is for tables that are motions; others are linear between their entries; leave "
+       "'ends' "
        "out"},
       {effort("{ sine = { amplitude = 1, frequency = 1 }, offset = 1 }"),
        "s.toml:10:72: error: offset: belongs to a 'rate'; put it into the sine's own table"},
       {effort("{ rate = \"2 N m\" }"),
        "s.toml:10:29: error: rate: '2 N m' is a torque (N m), not a quantity in kg m^2 s^-3; for example 2, in SI units"},
       {effort("{ tabel = [[0, 1]] }"), "s.toml:10:22: error: unknown key 'tabel' in effort; did you mean 'table'?"},
-      {effort("{ sine = { amplitude = 1 } }"), "s.toml:10:29: error: sine has no 'frequency'; in Hz: turns per second"},
+      {effort("{ sine = { amplitude = 1 } }"), "s.toml:10:29: error: sine has no 'frequency'; in Hz: cycles per second"},
       {effort("{ sine = { amplitude = 1, frequency = \"3 rad/s\" } }"),
        "s.toml:10:58: error: frequency: '3 rad/s' is an angular speed (rad/s), not a frequency (Hz); for example 0.5, or \"0.5 "
        "Hz\""},
@@ -44,11 +45,11 @@ TEST_CASE("values that change with time") {
   });
 }
 
-TEST_CASE("drives that are none") {
+TEST_CASE("invalid drives are refused") {
   const std::string ball = one_body + "[mechanism.body.joint]\nkind = \"ball\"\n";
   check({
       {pinned + "drive = { }\n",
-       "s.toml:10:9: error: drive: drives nothing; one of effort, pd and motion; effort = 0 takes a drive away"},
+       "s.toml:10:9: error: drive: drives nothing; one of effort, pd and motion; effort = 0 removes a drive"},
       {pinned + "drive = { pdd = { kp = 1 } }\n", "s.toml:10:11: error: unknown key 'pdd' in drive; did you mean 'pd'?"},
       {pinned + "drive = { pd = { target = 1 } }\n",
        "s.toml:10:16: error: pd: has neither 'kp' nor 'kd'; the effort is kp·(target − q) + kd·(target_speed − v)"},
@@ -56,15 +57,17 @@ TEST_CASE("drives that are none") {
       {pinned + "drive = { pd = { kp = 1, target = \"1 m\" } }\n",
        "s.toml:10:35: error: target: '1 m' is a length (m), not an angle (rad); for example 0.5236, or \"30 deg\""},
       {pinned + "drive = { pd = { kp = 1, max_effort = 0 } }\n",
-       "s.toml:10:39: error: max_effort: must be greater than 0; leave it out where there is no bound"},
+       "s.toml:10:39: error: max_effort: must be greater than 0; leave it out if there is no bound"},
       {ball + "drive = { pd = { kp = 1 } }\n",
        "s.toml:10:16: error: pd: a ball joint has no coordinates that could follow a target"},
       {ball + "drive = { motion = 1 }\n",
-       "s.toml:10:20: error: motion: a ball joint has 3 freedoms: a motion is for joints with one; use pd with a stiff kp, one "
-       "target per freedom"},
+       "s.toml:10:20: error: motion: a ball joint has 3 degrees of freedom: a motion is for joints with one degree of freedom; "
+       "use pd with a stiff "
+       "kp, one "
+       "target per degree of freedom"},
       {ball + "drive = { effort = [1, 2] }\n",
-       "s.toml:10:20: error: effort: expected 3 values, found a list of 2; one per freedom or coordinate, in the order of the "
-       "kind"},
+       "s.toml:10:20: error: effort: expected 3 values, found a list of 2; one per degree of freedom or coordinate, in the order "
+       "of the joint kind"},
       {pinned + "drive = { motion = 1, effort = 2 }\n",
        "s.toml:10:32: error: effort: a joint whose motion is prescribed takes the effort that it needs; leave out 'effort' or "
        "'motion'"},
@@ -77,14 +80,15 @@ TEST_CASE("drives that are none") {
        "s.toml:4:26: error: the joint's motion starts at the position 1, not 2; leave the start position out: the motion gives "
        "it"},
       {chain + "inertia = 1\nangle = 1\ndrive = { motion = 1 }\n",
-       "s.toml:9:9: error: angle: the motion of these joints says where they start; leave it out"},
+       "s.toml:9:9: error: angle: the motion of these joints defines where they start; leave it out"},
   });
 }
 
-TEST_CASE("friction, soft stops and strengths that are none") {
+TEST_CASE("invalid friction, soft stops and strengths are refused") {
   check({
       {pinned + "friction = { coulomb = 1 }\n",
-       "s.toml:10:12: error: friction has no 'speed'; below it the friction fades: a hundredth of what is usual in this joint"},
+       "s.toml:10:12: error: friction has no 'speed'; the friction fades below it: use about a hundredth of the joint's usual "
+       "speed"},
       {pinned + "friction = { coulomb = -1, speed = 1 }\n", "s.toml:10:24: error: coulomb: must not be negative"},
       {pinned + "friction = { coulomb = 1, speed = 0 }\n",
        "s.toml:10:35: error: speed: must be greater than 0; friction is smoothed over it: coulomb·tanh(v/speed)"},
@@ -93,21 +97,23 @@ TEST_CASE("friction, soft stops and strengths that are none") {
       {pinned + "limits = { lower = 0, upper = 1, stiffness = 0 }\n",
        "s.toml:10:46: error: stiffness: must be greater than 0; leave it out for a hard stop"},
       {pinned + "limits = { lower = 0, damping = 1 }\n",
-       "s.toml:10:33: error: limits: 'damping' goes with 'stiffness'; a hard stop takes its energy by 'restitution'"},
+       "s.toml:10:33: error: limits: 'damping' goes with 'stiffness'; a hard stop dissipates energy by 'restitution'"},
       {pinned + "limits = { lower = 0, stiffness = 1, restitution = 1 }\n",
        "s.toml:10:52: error: limits: a stop with 'stiffness' is soft and has no 'restitution'; leave out one of the two"},
       {pinned + "strength = { }\n",
        "s.toml:10:12: error: strength: neither 'force' nor 'torque'; for example strength = { force = \"4 kN\" }"},
       {pinned + "strength = { force = 0 }\n",
-       "s.toml:10:22: error: force: must be greater than 0; the load at which the joint breaks; leave it out where it bears any"},
+       "s.toml:10:22: error: force: must be greater than 0; the load at which the joint breaks; leave it out if the joint bears "
+       "any load"},
       {pinned + "strength = { torque = \"4 N\" }\n",
        "s.toml:10:23: error: torque: '4 N' is a force (N), not a torque (N m); for example 2, or \"2 N m\""},
       {chain + "inertia = 1\nstrength = { force = -1 }\n",
-       "s.toml:9:22: error: force: must be greater than 0; the load at which the joint breaks; leave it out where it bears any"},
+       "s.toml:9:22: error: force: must be greater than 0; the load at which the joint breaks; leave it out if the joint bears "
+       "any load"},
   });
 }
 
-TEST_CASE("forces on bodies that are none") {
+TEST_CASE("invalid forces on bodies are refused") {
   const std::string force = pinned + "[[force]]\n";
   check({
       {force,

@@ -34,10 +34,11 @@ TEST_CASE("impossible joints are refused") {
       {pinned + "pitch = 1\n", "s.toml:10:9: error: a revolute joint has no 'pitch'; joints that have one: helical"},
       {pinned + "damping = -1\n", "s.toml:10:11: error: damping: must not be negative"},
       {pinned + "damping = [1, 1]\n",
-       "s.toml:10:11: error: damping: expected 1 number, found a list of 2; one per freedom or coordinate, in the order of the "
-       "kind"},
+       "s.toml:10:11: error: damping: expected 1 number, found a list of 2; one per degree of freedom or coordinate, in the "
+       "order of the joint kind"},
       {pinned + "q = [1, 2]\n",
-       "s.toml:10:5: error: q: expected 1 number, found a list of 2; one per freedom or coordinate, in the order of the kind"},
+       "s.toml:10:5: error: q: expected 1 number, found a list of 2; one per degree of freedom or coordinate, in the order of "
+       "the joint kind"},
       {one_body + "[mechanism.body.joint]\nkind = \"ball\"\nq = [0, 0, 0, 0]\n",
        "s.toml:10:5: error: q: a quaternion of zeros is not a rotation; the identity is [1, 0, 0, 0]"},
       {one_body + "[mechanism.body.joint]\nkind = \"ball\"\nq = [1, 1, 0, 0]\n",
@@ -46,21 +47,22 @@ TEST_CASE("impossible joints are refused") {
        "s.toml:10:9: error: a ball joint has no 'angle'; write its coordinates as q = […]"},
       {one_body + "[mechanism.body.joint]\nkind = \"prismatic\"\nangle = 1\n",
        "s.toml:10:9: error: a prismatic joint has no 'angle'; its coordinate is a displacement: write 'position'"},
-      {pinned + "angle = 1\nq = [1]\n", "s.toml:10:9: error: 'angle' gives the start a second time; 'q' or 'angle' is there too"},
+      {pinned + "angle = 1\nq = [1]\n",
+       "s.toml:10:9: error: 'angle' gives the initial value a second time; 'q' or 'angle' is given, too"},
       {pinned + "angle = 1\nposition = 1\n",
-       "s.toml:11:12: error: 'position' gives the start a second time; 'q' or 'angle' is there too"},
+       "s.toml:11:12: error: 'position' gives the initial value a second time; 'q' or 'angle' is given, too"},
       {pinned + "at = { quat = [0, 0, 0, 0] }\n",
        "s.toml:10:15: error: quat: a quaternion of zeros is not a rotation; the identity is [1, 0, 0, 0]"},
       {pinned + "at = { quat = [1, 0, 0, 0.1] }\n",
        "s.toml:10:15: error: quat: the length of the quaternion is not 1; scale it: w² + x² + y² + z² = 1"},
       {pinned + "at = { quat = [1, 0, 0, 0], rpy = [0, 0, 0] }\n", "s.toml:10:15: error: at: takes 'rpy' or 'quat', not both"},
       {one_body + "[mechanism.body.joint]\nkind = \"ball\"\ndrive = { effort = 1 }\n",
-       "s.toml:10:20: error: effort: a ball joint has 3 freedoms: one number could mean any; give a list, one effort per "
-       "freedom"},
+       "s.toml:10:20: error: effort: a ball joint has 3 degrees of freedom: one number is ambiguous; give a list, one effort per "
+       "degree of freedom"},
   });
 }
 
-TEST_CASE("mechanisms that are no trees are refused") {
+TEST_CASE("mechanisms that are not trees are refused") {
   check({
       {pinned + "parent = \"b\"\n[[mechanism.body]]\nname = \"c\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = "
                 "\"revolute\"\nparent = \"a\"\n",
@@ -68,7 +70,7 @@ TEST_CASE("mechanisms that are no trees are refused") {
       {pinned + "parent = \"a\"\n", "s.toml:10:10: error: body 'a' is its own parent"},
       {pinned + "parent = \"b\"\n[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = "
                 "\"revolute\"\nparent = \"a\"\n",
-       "s.toml:10:10: error: the joints go round in a circle: 'a' on 'b' on 'a'; a mechanism is a tree; closed loops are not "
+       "s.toml:10:10: error: the joints form a cycle: 'a' on 'b' on 'a'; a mechanism is a tree; closed loops are not "
        "supported"},
       {pinned + "[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = \"revolute\"\nparent = "
                 "\"a\"\n[[mechanism.body]]\nname = \"c\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = "
@@ -76,27 +78,28 @@ TEST_CASE("mechanisms that are no trees are refused") {
        "s.toml:23:10: error: unknown parent 'bb'; did you mean 'b'?"},
       {pinned + "[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = \"revolute\"\n",
        "s.toml:11:8: error: a second root: body 'b' is joined to the ground, as 'a' on line 5; give it a joint with a parent, or "
-       "a [[mechanism]] of its own"},
+       "a separate [[mechanism]]"},
       {pinned + "[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = \"revolute\"\nparent = "
                 "\"a\"\n",
-       "s.toml:11:8: error: duplicate body 'm/a': it is the name of another on line 5"},
+       "s.toml:11:8: error: duplicate body 'm/a': the name is already used by another on line 5"},
       {one_body + "[mechanism.body.joint]\nname = \"h\"\nkind = \"revolute\"\n[[mechanism.body]]\nname = \"b\"\nmass = "
                   "1\ninertia = 1\n[mechanism.body.joint]\nname = \"h\"\nkind = \"revolute\"\nparent = \"a\"\n",
-       "s.toml:16:8: error: duplicate joint 'm/h': it is the name of another on line 9"},
+       "s.toml:16:8: error: duplicate joint 'm/h': the name is already used by another on line 9"},
       {pinned + "[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"z\"\nmass = 1\ninertia = 1\n",
-       "s.toml:11:8: error: duplicate mechanism 'm': it is the name of another on line 3"},
+       "s.toml:11:8: error: duplicate mechanism 'm': the name is already used by another on line 3"},
       {pinned + "[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = \"revolute\"\nparent = "
                 "\"other/a\"\n",
        "s.toml:16:10: error: unknown parent 'other/a'; a parent is a body of the same mechanism"},
       {head + "root = \"free\"\n[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = "
               "\"revolute\"\n",
-       "s.toml:4:8: error: root: body 'a' has a joint of its own to the ground; leave out 'root', or that joint"},
+       "s.toml:4:8: error: root: body 'a' has its own joint to the ground; leave out 'root', or that joint"},
       {head + "root = \"fred\"\n[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = 1\n",
        "s.toml:4:8: error: root: expected \"fixed\" or \"free\", found 'fred'; did you mean 'free'?"},
       {chain + "[[mechanism.body]]\nname = \"x\"\nmass = 1\n",
-       "s.toml:8:1: error: a mechanism is a chain or bodies, not both; give the chain a [[mechanism]] of its own"},
+       "s.toml:8:1: error: a mechanism is a chain or bodies, not both; give the chain its own [[mechanism]]"},
       {head + "root = \"fixed\"\n[mechanism.chain]\nlinks = 3\nlength = 1\nmass = 1\n",
-       "s.toml:4:8: error: root: a chain has a pin to the ground; leave out 'root'; \"free\" leaves out the pin"},
+       "s.toml:4:8: error: root: a chain is joined to the ground by a revolute joint; leave out 'root'; \"free\" removes that "
+       "joint"},
       {head + "[mechanism.chain]\nlinks = 0\nlength = 1\nmass = 1\n", "s.toml:5:9: error: links: must be from 1 to 1000000"},
       {head + "[mechanism.chain]\nlinks = 1000000000\nlength = 1\nmass = 1\n",
        "s.toml:5:9: error: links: must be from 1 to 1000000"},
@@ -107,7 +110,7 @@ TEST_CASE("mechanisms that are no trees are refused") {
        "s.toml:5:1: error: unknown key 'lynks' in [mechanism.chain]; did you mean 'links'?"},
       {head + "[mechanism.chain]\nlinks = 3\nlength = -1\nmass = 1\n", "s.toml:6:10: error: length: must be greater than 0"},
       {head + "state = { joints = { \"9\" = 1 } }\n[mechanism.chain]\nlinks = 3\nlength = 1\nmass = 1\n",
-       "s.toml:4:28: error: state: there is no joint '9' in this chain; they are 1 to 3"},
+       "s.toml:4:28: error: state: there is no joint '9' in this chain; the joints are 1 to 3"},
       {head + "state = { joints = { q = 1 } }\n[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = "
               "1\n[mechanism.body.joint]\nkind = \"revolute\"\n",
        "s.toml:4:26: error: state: there is no joint 'q' in this mechanism"},
@@ -120,7 +123,7 @@ TEST_CASE("mechanisms that are no trees are refused") {
   });
 }
 
-TEST_CASE("freedoms that move no mass are refused") {
+TEST_CASE("degrees of freedom that move no mass are refused") {
   check({
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = 1\n[mechanism.body.joint]\nkind = \"revolute\"\n",
        "s.toml:5:8: error: joint 'm/a': the joint-space mass is singular: degree of freedom 1 of 1 of this revolute joint moves "
@@ -142,8 +145,8 @@ TEST_CASE("impossible limits are refused") {
       {pinned + "limits = { lower = \"1 m\" }\n",
        "s.toml:10:20: error: lower: '1 m' is a length (m), not an angle (rad); for example 0.5236, or \"30 deg\""},
       {pinned + "limits = { upper = [-inf, 2] }\n",
-       "s.toml:10:20: error: upper: expected 1 number, found a list of 2; one per freedom or coordinate, in the order of the "
-       "kind"},
+       "s.toml:10:20: error: upper: expected 1 number, found a list of 2; one per degree of freedom or coordinate, in the order "
+       "of the joint kind"},
       {pinned + "limits = { lower = nan }\n", "s.toml:10:20: error: lower: must be finite"},
       {pinned + "limits = { upper = 1, restitution = 1.5 }\n",
        "s.toml:10:10: error: limits: a restitution above 1 would create energy; 0 is plastic, 1 elastic"},

@@ -51,7 +51,7 @@ TEST_CASE("values of the wrong type, unit or range are refused") {
 TEST_CASE("impossible bodies are refused") {
   check({
       {head + "[[mechanism.body]]\nname = \"a\"\ninertia = 1\n",
-       "s.toml:4:1: error: [[mechanism.body]] has no 'mass'; in kg, or a string as \"10 g\""},
+       "s.toml:4:1: error: [[mechanism.body]] has no 'mass'; in kg, or a string such as \"10 g\""},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = -1\ninertia = 1\n", "s.toml:6:8: error: mass: must not be negative"},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = \"0 g\"\ninertia = 1\n",
        "s.toml:7:11: error: inertia: a body without mass has none; give a mass, or an inertia of 0"},
@@ -70,15 +70,15 @@ TEST_CASE("impossible bodies are refused") {
       {head + "[[mechanism.body]]\nmass = 1\ninertia = 1\n",
        "s.toml:4:1: error: [[mechanism.body]] has no 'name'; for example name = \"arm\""},
       {head + "[[mechanism.body]]\nname = \"\"\nmass = 1\ninertia = 1\n",
-       "s.toml:5:8: error: name: a body cannot be named '': that is no name"},
+       "s.toml:5:8: error: name: a body cannot be named '': it is empty"},
       {head + "[[mechanism.body]]\nname = \"a/b\"\nmass = 1\ninertia = 1\n",
-       "s.toml:5:8: error: name: a body cannot be named 'a/b': it has a character that names do not have; not in a name: / , \" "
-       "* and control characters"},
+       "s.toml:5:8: error: name: a body cannot be named 'a/b': it has a character that is not allowed; a name has no / , \" * "
+       "and no control characters"},
       {head + "[[mechanism.body]]\nname = \"a\\u001b\"\nmass = 1\ninertia = 1\n",
-       "s.toml:5:8: error: name: a body cannot be named 'a\\x1b': it has a character that is not seen; not in a name: control "
-       "characters, marks of direction and the like"},
+       "s.toml:5:8: error: name: a body cannot be named 'a\\x1b': it has an invisible character; a name has no control "
+       "characters, direction marks and the like"},
       {head + "[[mechanism.body]]\nname = \"ground\"\nmass = 1\ninertia = 1\n",
-       "s.toml:5:8: error: name: a body cannot be named 'ground': that is the ground"},
+       "s.toml:5:8: error: name: a body cannot be named 'ground': it means the ground"},
       {one_body + "shape = { box = [1, 0, 1] }\n", "s.toml:8:17: error: box: its three edges must be greater than 0"},
       {one_body + "shape = { box = [1, 1, 1], sphere = 1 }\n",
        "s.toml:8:9: error: a shape is one of box, sphere, cylinder, capsule and mesh"},
@@ -87,7 +87,7 @@ TEST_CASE("impossible bodies are refused") {
       {one_body + "shape = { mesh = \"/dev/zero\" }\n",
        "s.toml:8:18: error: mesh: '/dev/zero' is not a file in the scenario's folder or below it; copy it there"},
       {one_body + "shape = { sphere = 1, colour = \"rde\" }\n",
-       "s.toml:8:32: error: colour: 'rde' is no colour; did you mean 'red'?"},
+       "s.toml:8:32: error: colour: 'rde' is not a colour; did you mean 'red'?"},
       {one_body + "shape = { cylinder = { radius = 1 } }\n", "s.toml:8:22: error: cylinder has no 'length'"},
       {one_body + "shape = [{ sphere = 1 }, { sphere = 0 }]\n", "s.toml:8:37: error: sphere: its radius must be greater than 0"},
       {one_body + "shape = { sphere = 1, scale = 2 }\n",
@@ -98,6 +98,6 @@ TEST_CASE("impossible bodies are refused") {
       {"format = 1\n[[mechanism]]\nname = \"m\"\nroots = 0\n" + one_body.substr(head.size()),
        "s.toml:4:9: error: roots: expected a number of bodies, 1 or more"},
       {"format = 1\n[[mechanism]]\nname = \"m\"\nroots = 2\n" + chain.substr(head.size()),
-       "s.toml:4:9: error: roots: it is for a mechanism of [[mechanism.body]] tables"},
+       "s.toml:4:9: error: roots: this key is for a mechanism with [[mechanism.body]] tables"},
   });
 }

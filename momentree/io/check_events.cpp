@@ -1,4 +1,4 @@
-// What only all events together show: parts without mass, actions that are impossible or do nothing by then.
+// Checks that need all events: parts without mass, and actions that are impossible or have no effect when they happen.
 #include <algorithm>
 #include <cstdio>
 #include <map>
@@ -11,12 +11,12 @@ namespace momentree::io {
 
 namespace {
 
-// Events times bodies, beyond which carrying them out takes longer than a user waits for a check.
+// The limit on events times bodies, beyond which a dry run takes longer than a user waits for a check.
 constexpr std::size_t most_dry_run = 4'000'000;
 
 using Broken = std::map<std::string, Place>;
 
-// First places of breaks; where `doubles`, second ones are reported.
+// First places of breaks; if `doubles`, second ones are reported.
 Broken broken_joints(Reading& reading, bool doubles) {
   Broken broken;
   for (const ScenarioEvent& event : reading.scenario.events)
@@ -27,13 +27,13 @@ Broken broken_joints(Reading& reading, bool doubles) {
         if (!fresh && doubles && !event.wild)
           reading.out.error(event.places[a],
                             "break: joint " + in_quotes(joint) + " is broken already on " + reading.out.name_of(first->second),
-                            "a joint breaks once");
+                            "a joint can break only once");
       }
     }
   return broken;
 }
 
-// With every break done the parts are the smallest that there will be: a freedom that still moves mass then always does.
+// With every break carried out, the parts are the smallest that can occur: a DoF that still moves mass then always does.
 void check_parts(const Broken& broken, Reading& reading) {
   const Model& model = reading.scenario.model;
   Diagnostics& out = reading.out;
@@ -56,14 +56,14 @@ void check_parts(const Broken& broken, Reading& reading) {
     const Place place = place_of_body[static_cast<std::size_t>(singular.body.index)];
     const std::string joint = in_quotes(apart[singular.body].joint_name);
     if (place.line > 0 || place.option > 0)
-      out.error(place, "break: the part that comes off at " + joint + " has not the mass or inertia to move freely",
+      out.error(place, "break: the part that separates at " + joint + " lacks the mass or inertia to move freely",
                 "give it a mass and an inertia about every axis");
     else
       out.error(broken.begin()->second, "break: joint " + joint + " would no longer move any mass", singular.hint);
   }
 }
 
-// The matches of a wildcard are events of one place, one behind the other.
+// The matches of a wildcard are adjacent events with the same place.
 void check_periods(Reading& reading) {
   const std::vector<ScenarioEvent>& events = reading.scenario.events;
   for (std::size_t i = 0; i < events.size(); ++i) {
@@ -79,7 +79,7 @@ void check_periods(Reading& reading) {
 
 namespace {
 
-// The earliest instants at which events of each name can happen: those that wait for a condition at once.
+// The earliest instants at which events of each name can happen; an event with a condition can happen at once.
 std::unordered_map<std::string, double> earliest_instants(const Scenario& scenario) {
   std::unordered_map<std::string, double> earliest;
   const auto take = [&earliest](const std::string& name, double time) {
@@ -109,7 +109,7 @@ std::unordered_map<std::string, double> earliest_instants(const Scenario& scenar
   return earliest;
 }
 
-// Events that come after the end. Where the command line says when that is, it is meant so.
+// Reports events that come after the end. If the command line sets the end, this is assumed to be intended.
 void warn_of_late(Reading& reading) {
   const Scenario& scenario = reading.scenario;
   if (reading.integrate.until.option > 0) return;
@@ -124,15 +124,15 @@ void warn_of_late(Reading& reading) {
     double time = event.condition ? event.condition->duration : event.time;
     if (!event.after.empty()) {
       const auto before = earliest.find(event.after);
-      if (before == earliest.end()) continue;  // said where it is scheduled
+      if (before == earliest.end()) continue;  // reported where it is scheduled
       time = before->second + event.delay;
     }
     if (!(time > end)) continue;
     const bool exact = !event.condition && event.after.empty();
     reading.out.warning(event.place,
-                        "event " + in_quotes(event.name) + " can't happen: it comes at " + text(time) + " s" +
-                            (exact ? "" : " at the earliest") + ", and the run ends at " + text(scenario.until) + " s",
-                        "let the run be longer, as in until = \"" + text(time) + " s\", or the event come sooner");
+                        "event " + in_quotes(event.name) + " cannot happen: it is due at " + text(time) + " s" +
+                            (exact ? "" : " at the earliest") + ", but the run ends at " + text(scenario.until) + " s",
+                        "make the run longer, as in until = \"" + text(time) + " s\", or the event earlier");
   }
 }
 
@@ -145,7 +145,8 @@ void check_events(Reading& reading) {
   Diagnostics& out = reading.out;
   warn_of_late(reading);
   const auto whole = [](const StateFile& file) { return file.mechanism.empty(); };
-  if (std::any_of(scenario.state_files.begin(), scenario.state_files.end(), whole)) return;  // another world: judged there
+  // the initial world is different: events are checked when it is restored
+  if (std::any_of(scenario.state_files.begin(), scenario.state_files.end(), whole)) return;
   const std::size_t errors = out.errors();
   const bool small = scenario.events.size() * static_cast<std::size_t>(scenario.model.size()) <= most_dry_run;
   const auto joins = [](const ScenarioEvent& event) {

@@ -1,4 +1,4 @@
-// Whether steps, tolerances and the length of a run make sense together, and for this model.
+// Checks that steps, tolerances and the length of a run are consistent, and suitable for the model.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,7 +12,7 @@ namespace momentree::io {
 
 namespace {
 
-// More than this would take longer than somebody waits for a check.
+// Checking larger models would take longer than a user waits.
 constexpr int most_bodies = 20'000;
 constexpr double many_steps = 1e9, many_numbers = 1e10;
 
@@ -34,7 +34,7 @@ class ScheduleChecker {
     const char* const key = adaptive ? "max_step" : "step";
     if (until > 0 && longest < apart) {
       out_.error(adaptive ? at_.max_step : at_.step,
-                 std::string(key) + " = " + text(longest) + " s is below what the clock can tell: at the end of the run, " +
+                 std::string(key) + " = " + text(longest) + " s is below the resolution of the clock: at the end of the run, " +
                      text(until) + " s, instants are " + text(apart) + " s apart",
                  "use a longer step, or a shorter run");
       return;
@@ -54,13 +54,14 @@ class ScheduleChecker {
     if (!adaptive && scenario_.output_every > 0 && scenario_.output_every < how_.step * (1 - 1e-9))
       out_.warning(at_.every,
                    "every = " + text(scenario_.output_every) + " s is shorter than the step of " + text(how_.step) +
-                       " s: steps end at rows, and are as short",
-                   "give step = " + text(scenario_.output_every) + ", or rows further apart");
+                       " s: steps end at rows, so they will be as short",
+                   "give step = " + text(scenario_.output_every) + ", or a longer interval between rows");
     if (at_.event_tolerance == Place{}) return;
     if (how_.event_tolerance >= how_.step && !adaptive)
-      out_.warning(at_.event_tolerance,
-                   "event_tolerance = " + text(how_.event_tolerance) + " s is as long as a step: instants are not located",
-                   "1e-10 s is the default");
+      out_.warning(
+          at_.event_tolerance,
+          "event_tolerance = " + text(how_.event_tolerance) + " s is as long as a step: the instants of events are not located",
+          "1e-10 s is the default");
     else if (until > 0 && how_.event_tolerance >= until)
       out_.warning(at_.event_tolerance, "event_tolerance = " + text(how_.event_tolerance) + " s is as long as the run",
                    "1e-10 s is the default");
@@ -70,25 +71,26 @@ class ScheduleChecker {
     if (!is_adaptive(how_.method)) return;
     constexpr double loose = 0.05;
     if (how_.rtol > loose)
-      out_.warning(at_.rtol, "rtol = " + text(how_.rtol) + " lets each step err by " + text(100 * how_.rtol) + " % of the motion",
+      out_.warning(at_.rtol,
+                   "rtol = " + text(how_.rtol) + " allows an error per step of " + text(100 * how_.rtol) + " % of the motion",
                    "1e-6 to 1e-10 is usual");
     if (how_.atol > loose)
       out_.warning(at_.atol,
-                   "atol = " + text(how_.atol) + " lets each step err by " + text(how_.atol) + " rad or m, rad/s or m/s",
+                   "atol = " + text(how_.atol) + " allows an error per step of " + text(how_.atol) + " rad or m, rad/s or m/s",
                    "1e-6 to 1e-12 is usual");
-    // What is at rest at zero has no digits of its own: rounding of the others comes to it.
+    // A velocity near zero has no significant digits: its error is the rounding error of the others.
     constexpr double least = 1e-18;
     if (how_.atol < least)
       out_.warning(at_.atol,
                    "atol = " + text(how_.atol) +
-                       " is below what rounding leaves of a velocity near zero: where something rests, steps shrink without end",
-                   "use 1e-15 or more; `rtol` is for what moves");
+                       " is below the rounding error of a velocity near zero: steps shrink without limit if anything is at rest",
+                   "use 1e-15 or more; `rtol` controls the error of moving bodies");
   }
 
   void model() const {
     const Model& model = scenario_.model;
     if (model.size() == 0 || model.size() > most_bodies || is_adaptive(how_.method) || !(scenario_.until > 0)) return;
-    // What a document or an event makes of it before the first step is not known here.
+    // Changes of the world by a document or an event before the first step are not known here.
     const auto at_start = [](const ScenarioEvent& event) { return !event.condition && event.after.empty() && event.time == 0; };
     if (!scenario_.state_files.empty() || std::any_of(scenario_.events.begin(), scenario_.events.end(), at_start)) return;
     const Tree tree(model);
@@ -110,11 +112,11 @@ class ScheduleChecker {
     if (numbers < many_numbers) return;
     out_.warning(at_.every == Place{} ? at_.until : at_.every,
                  "the tables would hold " + text(scenario_.until / every) + " rows of " + std::to_string(scenario_.model.size()) +
-                     " bodies: some " + text(numbers * 18e-9) + " GB",
-                 "rows further apart: [output] every = \"" + text(scenario_.until / 1000) + " s\"");
+                     " bodies: about " + text(numbers * 18e-9) + " GB",
+                 "use a longer interval between rows: [output] every = \"" + text(scenario_.until / 1000) + " s\"");
   }
 
-  // The first step, and the same in halves: where they are far apart the step does not follow the motion.
+  // Compares the first step with two half steps: if they differ much, the step cannot resolve the motion.
   void first_step(const Tree& tree, State& state, double step) const {
     constexpr double far = 0.05;  // rad
     Workspace<double> work(tree);
@@ -133,7 +135,7 @@ class ScheduleChecker {
     if (whole_good && halves_good && worst <= far) return;
     std::string what = "step = " + text(step) + " s is too long for this motion: ";
     if (joint >= 0 && whole_good && halves_good)
-      what += "of joint '" + scenario_.model[BodyId{joint}].joint_name + "' the first step is off by " + text(worst) + " rad";
+      what += "the first step of joint '" + scenario_.model[BodyId{joint}].joint_name + "' is off by " + text(worst) + " rad";
     else
       what += "the first step runs away";
     out_.warning(at_.step, what,

@@ -10,13 +10,13 @@ namespace momentree::io {
 
 namespace {
 
-/// One end of a coupling: what it does to one of the two joints.
+/// One end of a coupling: its effort on one of the two joints.
 struct End {
   JointCoupling coupling;
-  double share;  ///< of the spring's effort: 1 on the joint, −multiplier on its leader
+  double share;  ///< share of the spring's effort: 1 on the joint, −multiplier on its leader
 
   double effort(const EvaluationContext& context) const noexcept {
-    // A joint that broke or became another lost its function. Whatever joint has its number now, it is not coupled.
+    // A joint that broke or was changed no longer has its function. Another joint with its number is not coupled.
     if (!context.has_function(coupling.joint) || !context.has_function(coupling.leader)) return 0;
     const auto q = context.q(coupling.joint), v = context.v(coupling.joint);
     const auto q0 = context.q(coupling.leader), v0 = context.v(coupling.leader);
@@ -25,7 +25,7 @@ struct End {
   }
 };
 
-// But for rounding: a document's quaternions are normalised when they are read.
+// Equal up to rounding: quaternions of a document are normalised when they are read.
 bool same(double a, double b) { return std::fabs(a - b) <= 1e-12 * (1 + std::fabs(a)); }
 bool same(const Vec3& a, const Vec3& b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z); }
 bool same(const Pose& a, const Pose& b) {
@@ -34,7 +34,7 @@ bool same(const Pose& a, const Pose& b) {
   return same(a.position, b.position) && same(r.w, sign * s.w) && same(Vec3{r.x, r.y, r.z}, sign * Vec3{s.x, s.y, s.z});
 }
 
-// False for a joint that broke or became another before the run began.
+// False for a joint that broke or was changed before the run began.
 bool as_in_the_model(const World& world, JointId joint) {
   if (world.tree().carrier(joint.index) < 0) return false;
   const JointView now = world.joint(joint);
@@ -47,8 +47,9 @@ bool as_in_the_model(const World& world, JointId joint) {
 }  // namespace
 
 void couple(Simulation& simulation, const std::vector<JointCoupling>& couplings) {
-  std::map<int, std::vector<End>> ends;          // a joint may have several
-  for (const JointCoupling& each : couplings) {  // where one end is gone the other one stays, as in a run: it then does nothing
+  std::map<int, std::vector<End>> ends;  // a joint may have several
+  // if one end no longer exists, the other one stays, as in a run: it then has no effect
+  for (const JointCoupling& each : couplings) {
     if (as_in_the_model(simulation.world(), each.joint)) ends[each.joint.index].push_back({each, 1});
     if (as_in_the_model(simulation.world(), each.leader)) ends[each.leader.index].push_back({each, -each.multiplier});
   }

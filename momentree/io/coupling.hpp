@@ -1,13 +1,13 @@
 #pragma once
-// Joints that follow others by springs: [[coupling]] of a scenario, and `mimic` of model files.
+// Joints that follow other joints through springs: [[coupling]] of a scenario, and `mimic` of model files.
 #include <vector>
 
 #include <momentree/simulate/simulation.hpp>
 
 namespace momentree::io {
 
-/// A spring and a damper between two coordinates: with e = q(joint) − multiplier·q(leader) − offset they act with
-/// −(stiffness·e + damping·ė) on the joint and with −multiplier times that on its leader. Joints have one freedom each.
+/// A spring and a damper between two coordinates. With e = q(joint) − multiplier·q(leader) − offset, they exert −(stiffness·e +
+/// damping·ė) on the joint and −multiplier times that on its leader. Both joints have one degree of freedom.
 struct JointCoupling {
   JointId joint, leader;
   double multiplier = 1;  ///< units of the joint per unit of its leader
@@ -16,13 +16,14 @@ struct JointCoupling {
   double damping = 0;     ///< N m s/rad or N s/m
 };
 
-/// What springs between joints may ask: a positive stiffness.
+/// Spring and damper for the joints that follow others, in the units of JointCoupling; the stiffness is positive.
 struct CouplingSpring {
   double stiffness = 0, damping = 0;
 };
 
-/// Couples the joints of a simulation from now on, in each as long as both joints are those of the model (broken, freed and
-/// changed ones are not), through locks, snapshots and branches. What the springs do counts as work. To be called once.
+/// Couples the joints of a simulation from now on. In each world a coupling acts as long as both joints are still those of the
+/// model (not broken, freed or changed); it persists through locks, snapshots and branches. The work of the springs is counted
+/// in `work`. Call it only once.
 void couple(Simulation& simulation, const std::vector<JointCoupling>& couplings);
 
 }  // namespace momentree::io

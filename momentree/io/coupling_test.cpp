@@ -1,4 +1,4 @@
-// Joints that follow others: against closed forms, and what is wrong with a coupling.
+// Joints that follow others: compared with closed forms, and errors in couplings.
 #include <cmath>
 #include <string>
 
@@ -33,7 +33,7 @@ TEST_CASE("two coupled wheels swing about their gear as two masses on a spring d
   REQUIRE(read.scenario);
   Simulation run(read.scenario->model, read.scenario->integration);
   couple(run, read.scenario->couplings);
-  // e = b − m a: ë = −k (1/I_b + m²/I_a) e, and the momentum p_a + m p_b that no force of the spring changes.
+  // e = b − m a: ë = −k (1/I_b + m²/I_a) e; the spring does not change the momentum p_a + m p_b.
   const double w = std::sqrt(k * (1 / inertia_b + m * m / inertia_a)), rate = -m * 2;
   for (const double t : {0.01, 0.1, 0.5}) {
     REQUIRE(run.run_until(t) == Status::ok);
@@ -41,7 +41,7 @@ TEST_CASE("two coupled wheels swing about their gear as two masses on a spring d
     CHECK(q(run, 1) - m * q(run, 0) == doctest::Approx(rate / w * std::sin(w * t)).epsilon(0).scale(1).epsilon(1e-9));
     CHECK(p(run, 0) + m * p(run, 1) == doctest::Approx(inertia_a * 2).epsilon(1e-13));
   }
-  // A branch goes on alike, and a coupling ends with one of its joints.
+  // A branch continues identically, and a coupling ends when one of its joints breaks.
   run.at(0.5).then(break_joint("m/b"));
   REQUIRE(run.run_until(0.501) == Status::ok);
   const double left = p(run, 0);
@@ -49,7 +49,7 @@ TEST_CASE("two coupled wheels swing about their gear as two masses on a spring d
   CHECK(p(run, 0) == left);
 }
 
-TEST_CASE("a damped coupling ends in step, and a locked leader holds what follows it") {
+TEST_CASE("a damped coupling ends in step, and a locked leader holds its followers") {
   const ReadResult read = read_scenario_text(wheels +
                                                  "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\nmultiplier = 2\noffset = "
                                                  "\"90 deg\"\nstiffness = 5\ndamping = 0.5\n",
@@ -77,10 +77,10 @@ TEST_CASE("several joints may follow one") {
   couple(run, read.scenario->couplings);
   REQUIRE(run.run_until(1) == Status::ok);
   CHECK(p(run, 0) + p(run, 1) + p(run, 2) == doctest::Approx(0.01).epsilon(1e-12));
-  CHECK(run.world().totals().kinetic < 0.5 * 0.01);  // the rest is in the springs
+  CHECK(run.world().totals().kinetic < 0.5 * 0.01);  // the rest of the energy is in the springs
 }
 
-TEST_CASE("the Panda's second finger follows the first where the scenario says so") {
+TEST_CASE("the Panda's second finger follows the first if the scenario requests it") {
   const ReadResult read = read_scenario(MOMENTREE_SOURCE_DIR "/scenarios/panda_lets_go.toml",
                                         {"mechanism.panda.mimic={ stiffness = 2e4, damping = 20 }",
                                          "mechanism.panda.state={ joints = { panda_finger_joint1 = 0.02 } }"});
@@ -91,7 +91,7 @@ TEST_CASE("the Panda's second finger follows the first where the scenario says s
   const JointCoupling& pair = read.scenario->couplings[0];
   const Model& model = read.scenario->model;
   CHECK(model[pair.joint].joint_name == "panda/panda_finger_joint2");
-  CHECK(model[pair.joint].q[0] == 0.02);  // it starts behind its leader
+  CHECK(model[pair.joint].q[0] == 0.02);  // its initial value follows its leader's
 
   Simulation coupled(model, read.scenario->integration), alone(model, read.scenario->integration);
   couple(coupled, read.scenario->couplings);
@@ -103,7 +103,7 @@ TEST_CASE("the Panda's second finger follows the first where the scenario says s
   CHECK(apart(coupled) < 1e-4);
   CHECK(apart(alone) > 10 * apart(coupled));
 
-  // Written as a scenario it is a coupling like any other.
+  // Written as a scenario, it is an ordinary coupling.
   const ReadResult again = read_scenario_text(to_toml(*read.scenario, ".").text, "panda.toml");
   CAPTURE(said(again));
   REQUIRE(again.scenario);
@@ -115,7 +115,7 @@ TEST_CASE("the Panda's second finger follows the first where the scenario says s
   CHECK(same.multiplier == pair.multiplier);
 }
 
-TEST_CASE("couplings that go round in a circle are refused at the first of them") {
+TEST_CASE("couplings that form a cycle are refused at the first of them") {
   const std::string three = two.substr(0, two.rfind("roots")) + "roots = 3\n" + wheel("a", 1) + wheel("b", 1) + wheel("c", 1);
   const auto coupling = [](const char* joint, const char* leader) {
     return "[[coupling]]\nstiffness = 1\njoint = \"m/" + std::string(joint) + "\"\nfollows = \"m/" + leader + "\"\n";
@@ -123,11 +123,11 @@ TEST_CASE("couplings that go round in a circle are refused at the first of them"
   const auto words = [&](const std::string& couplings) { return said(read_scenario_text(three + couplings, "s.toml")); };
   CHECK(words(coupling("b", "a") + coupling("c", "b") + coupling("c", "a")).empty());
   CHECK(words(coupling("b", "a") + coupling("c", "b") + coupling("a", "c")) ==
-        "s.toml:29:1: error: coupling: joint 'm/b' follows 'm/a', which follows 'm/c', which follows 'm/b'; one of them has to "
-        "lead: it follows none");
+        "s.toml:29:1: error: coupling: joint 'm/b' follows 'm/a', which follows 'm/c', which follows 'm/b'; one of them must "
+        "lead and follow no other");
 }
 
-TEST_CASE("what is wrong with a coupling is told at its place") {
+TEST_CASE("errors in a coupling are reported at its place") {
   const auto refused = [](const std::string& text, const std::string& message) {
     CAPTURE(text);
     const std::string words = said(read_scenario_text(text, "s.toml"));
@@ -136,7 +136,7 @@ TEST_CASE("what is wrong with a coupling is told at its place") {
   const std::string coupling = wheels + "[[coupling]]\n";
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\n", "[[coupling]] has no 'stiffness'");
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\nstiffness = 0\n", "stiffness");
-  refused(coupling + "joint = \"m/b\"\nfollows = \"m/b\"\nstiffness = 1\n", "a joint can't follow itself");
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/b\"\nstiffness = 1\n", "a joint cannot follow itself");
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/aa\"\nstiffness = 1\n", "there is no joint 'm/aa'; did you mean 'm/a'?");
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\nstiffness = \"1 N\"\n", "stiffness");
   refused(coupling +

@@ -13,7 +13,7 @@ namespace {
 
 bool continues_character(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
 
-// At most `most` characters, not cut within one.
+// At most `most` characters; never cut within a character.
 std::string_view shortened(std::string_view text, std::size_t most) {
   std::size_t characters = 0, i = 0;
   for (; i < text.size(); ++i)
@@ -40,7 +40,7 @@ std::string Diagnostic::rendered() const {
   const std::string_view shown = shortened(source, source_width);
   const std::string number = std::to_string(line), margin(std::max<std::size_t>(number.size(), 4) + 1, ' ');
   text += std::string(margin.size() - number.size(), ' ') + number + " | ";
-  std::string blanks;  // up to the caret; an escape takes several columns of the terminal
+  std::string blanks;  // up to the caret; an escaped character takes several columns of the terminal
   int at = 0;
   for (std::size_t i = 0; i < shown.size();) {
     at += !continues_character(shown[i]);
@@ -74,8 +74,8 @@ Diagnostics::Diagnostics(std::string file, std::string_view text, std::vector<st
 
 std::string_view Diagnostics::line_text(int line) {
   if (line < 1) return {};
-  constexpr std::size_t every = 64;  // of so many lines the start is kept
-  if (line_starts_.empty()) {        // found once, where there is something to report
+  constexpr std::size_t every = 64;  // the start of every 64th line is stored
+  if (line_starts_.empty()) {        // computed once, when there is something to report
     line_starts_.push_back(0);
     std::size_t lines = 0;
     for (std::size_t i = text_.find('\n'); i != std::string_view::npos; i = text_.find('\n', i + 1))
@@ -96,7 +96,7 @@ std::string_view Diagnostics::line_text(int line) {
 }
 
 void Diagnostics::add(Severity severity, Place place, std::string what, std::string hint) {
-  // What several readers of one value find is said once.
+  // The same problem found by several readers of one value is reported once.
   for (std::size_t i = diagnostics_.size(), look = 8; i-- > 0 && look-- > 0;)
     if (places_[i] == place && diagnostics_[i].severity == severity && diagnostics_[i].what == what && place != Place{}) return;
   if (severity == Severity::error && errors_++ >= most) return;
@@ -127,12 +127,11 @@ std::vector<Diagnostic> Diagnostics::take() {
   std::vector<Diagnostic> sorted;
   for (const std::size_t i : order) sorted.push_back(std::move(diagnostics_[i]));
   if (errors_ > most)
-    sorted.push_back(
-        {Severity::error, file_, 0, 0, "and " + std::to_string(errors_ - most) + " errors more or as yet unseen", "", ""});
+    sorted.push_back({Severity::error, file_, 0, 0, "and " + std::to_string(errors_ - most) + " or more further errors", "", ""});
   if (warnings_ > most)
-    sorted.push_back({Severity::warning, file_, 0, 0, "and " + std::to_string(warnings_ - most) + " warnings more", "", ""});
+    sorted.push_back({Severity::warning, file_, 0, 0, "and " + std::to_string(warnings_ - most) + " more warnings", "", ""});
   if (notes_ > most)
-    sorted.push_back({Severity::note, file_, 0, 0, "and " + std::to_string(notes_ - most) + " notes more", "", ""});
+    sorted.push_back({Severity::note, file_, 0, 0, "and " + std::to_string(notes_ - most) + " more notes", "", ""});
   diagnostics_.clear();
   places_.clear();
   return sorted;

@@ -1,5 +1,5 @@
 #pragma once
-// What is wrong with a file, as a compiler would say it: file:line:col: error: what; hint, then the line and a caret.
+// Diagnostics of input files in the format of a compiler: file:line:col: error: what; hint, then the source line and a caret.
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -9,16 +9,16 @@
 
 namespace momentree::io {
 
-/// A note tells what was left out on purpose: nothing is wrong with the file.
+/// A note reports what was left out on purpose: the file is valid.
 enum class Severity { error, warning, note };
 
-/// One problem. `line` and `column` count from 1; 0 means that the problem has no such place (a missing file, an option).
+/// One problem. `line` and `column` count from 1; 0 means that the problem has no position (a missing file, an option).
 struct Diagnostic {
   Severity severity = Severity::error;
   std::string file;  ///< as the user named it; for an override `--set KEY=VALUE`
   int line = 0, column = 0;
   std::string what;
-  std::string hint;    ///< how to mend it; may be empty
+  std::string hint;    ///< how to fix it; may be empty
   std::string source;  ///< the text of the line; may be empty
 
   /// `file:line:col: error: what; hint`, on one line.
@@ -30,14 +30,14 @@ struct Diagnostic {
 bool has_errors(const std::vector<Diagnostic>& diagnostics);
 /// "error", "warning" or "note".
 const char* word_of(Severity severity);
-/// All of them, rendered, each ending with a newline.
+/// All diagnostics, rendered, each ending with a newline.
 std::string rendered(const std::vector<Diagnostic>& diagnostics);
 
-/// Collects the problems of one file: places become lines, and a file that is wrong everywhere stays readable.
+/// Collects the problems of one file. Places are resolved to lines, and the number of diagnostics of each severity is bounded.
 class Diagnostics {
  public:
-  /// `options`: the overrides of the command line, for places in them. `text` must outlive this; where it is empty, no lines are
-  /// shown.
+  /// `options`: the overrides from the command line, for places that refer to them. `text` must outlive this object; if it is
+  /// empty, no source lines are shown.
   Diagnostics(std::string file, std::string_view text, std::vector<std::string> options = {});
 
   void error(Place place, std::string what, std::string hint = {}) {
@@ -50,11 +50,11 @@ class Diagnostics {
     add(Severity::note, place, std::move(what), std::move(hint));
   }
   std::size_t errors() const { return errors_; }
-  /// No room for more: a reader may stop looking.
+  /// The limit on errors is reached: a reader may stop.
   bool full() const { return errors_ >= most; }
   /// `line 12`, or the option, to name a second place in a message.
   std::string name_of(Place place) const;
-  /// In the order of the file.
+  /// The diagnostics in the order of the file.
   std::vector<Diagnostic> take();
 
  private:
@@ -71,7 +71,7 @@ class Diagnostics {
   std::size_t errors_ = 0, warnings_ = 0, notes_ = 0;
 };
 
-/// `name` in quotes, shortened where it is long, and as printable() shows it: fit for a message.
+/// `name` in quotes, shortened if it is long and made printable with printable(), for use in a message.
 std::string in_quotes(std::string_view name);
 
 }  // namespace momentree::io

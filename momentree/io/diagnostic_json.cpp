@@ -13,7 +13,7 @@ bool belongs_to_word(unsigned char c) {
          c == '+' || c == '.';
 }
 
-// The byte after what begins at line[i]; i itself where that is nothing known, npos where it goes on after the line.
+// The byte after the token that begins at line[i]; i itself if the token is unknown, npos if it continues after the line.
 std::size_t past(std::string_view line, std::size_t i) {
   constexpr std::size_t beyond = std::string_view::npos;
   const char c = line[i];

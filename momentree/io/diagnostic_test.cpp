@@ -39,7 +39,7 @@ TEST_CASE("lines far down in a file are found, whatever their number") {
   CHECK(out.take().at(0).source.empty());
 }
 
-TEST_CASE("problems come in the order of the file, options last, and no more than a hundred of a kind") {
+TEST_CASE("problems are in the order of the file, options last, at most a hundred of each kind") {
   Diagnostics out("s.toml", "", {"a=1"});
   out.error({0, 0, 1}, "option");
   for (int line = 150; line > 0; --line) out.error({line, 1, 0}, "e");
@@ -48,11 +48,11 @@ TEST_CASE("problems come in the order of the file, options last, and no more tha
   CHECK(all[0].line == 52);
   CHECK(all[98].line == 150);
   CHECK(all[99].message() == "--set a=1: error: option");
-  CHECK(all[100].message() == "s.toml: error: and 51 errors more or as yet unseen");
+  CHECK(all[100].message() == "s.toml: error: and 51 or more further errors");
 }
 
 TEST_CASE("a terminal gets no control characters, and no endless lines") {
-  const std::string source = "\x1b[31m" + std::string(1000, 'x');  // Diagnostics keeps a view of it
+  const std::string source = "\x1b[31m" + std::string(1000, 'x');  // Diagnostics stores a view of it
   Diagnostics out("s\x1b.toml", source);
   out.error({1, 1, 0}, "a\nb", "c\x07");
   const std::string text = rendered(out.take());
@@ -63,7 +63,7 @@ TEST_CASE("a terminal gets no control characters, and no endless lines") {
   CHECK(in_quotes("ö\n" + std::string(100, 'x')) == "'ö\\n" + std::string(58, 'x') + "…'");
 }
 
-TEST_CASE("the caret stands below its character, whatever comes before it") {
+TEST_CASE("the caret is below its character, whatever comes before it") {
   Diagnostics out("s.toml", "\tö\x1b\xC2\x9B\xFF\xE2\x80\xAEx = 1");
   out.error({1, 7, 0}, "e");
   CHECK(out.take().at(0).rendered() ==
@@ -71,7 +71,7 @@ TEST_CASE("the caret stands below its character, whatever comes before it") {
         "      | \t                  ^\n");
 }
 
-TEST_CASE("where a problem ends: after the key, the string, the list, the tag that stands there") {
+TEST_CASE("where a problem ends: after the key, the string, the list, the tag at that place") {
   CHECK(end_column("kind = \"revolut\"  # no", 8) == 17);
   CHECK(end_column("kind = \"rev\\\"olut\"", 8) == 19);
   CHECK(end_column("  mass = -1.5e3", 3) == 7);
@@ -87,7 +87,7 @@ TEST_CASE("where a problem ends: after the key, the string, the list, the tag th
   CHECK(end_column("", 1) == 0);
 }
 
-TEST_CASE("a problem as JSON: what is not known is null") {
+TEST_CASE("a problem as JSON: unknown values are null") {
   std::string text;
   JsonWriter json(text);
   write_diagnostic(json, {Severity::warning, "s.toml", 3, 8, "odd", "", "kind = \"x\""});

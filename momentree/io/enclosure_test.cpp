@@ -1,4 +1,4 @@
-// Which files a scenario and a model may name, and the messages for those that they may not.
+// Which files a scenario and a model may name, and the errors for all others.
 #include <filesystem>
 #include <string>
 
@@ -33,7 +33,7 @@ std::string body(const std::string& mesh) {
 
 class Folder {
  public:
-  /// here: the scenario's or the model's folder; beside it: one with secrets.
+  /// `here`: the scenario's or the model's folder; a sibling folder contains secrets.
   Folder() {
     write("beside/secret", "root:$6$secret:19000:0:99999:7:::\n");
     write("beside/b.xml", fragment);
@@ -47,7 +47,7 @@ class Folder {
   }
   void link(const std::string& target, const std::string& name) { fs::create_symlink(target, folder_ / name.c_str()); }
   ReadResult read(const std::string& name) const { return read_scenario(folder_ / name.c_str()); }
-  /// All that is said, rendered, without the folder.
+  /// All messages, rendered, without the folder.
   std::string said(const std::string& name) const {
     std::string text = rendered(read(name).diagnostics);
     const std::string prefix = folder_ / "";
@@ -84,12 +84,12 @@ TEST_CASE("a model of a folder above names files of its own folder, not of the s
   CHECK(has(folder.said("here/s.toml"), "error: mesh '../here/meshes/a.stl' is not in the model's folder or below it"));
 }
 
-TEST_CASE("symbolic links lead no model out of its folder") {
+TEST_CASE("symbolic links cannot lead a model out of its folder") {
   Folder folder;
   folder.link("../beside/b.xml", "here/b.xml");
   folder.link("../beside", "here/out");
   folder.link("meshes", "here/in");
-  const std::string leads_out = " is a symbolic link out of the model's folder, or below one";
+  const std::string leads_out = " leads out of the model's folder through a symbolic link";
   for (const char* name : {"b.xml", "out/b.xml"}) {
     folder.write("here/m.xml", "<mujoco><include file='" + std::string(name) + "'/></mujoco>");
     CHECK(has(folder.said("here/m.xml"), ("error: include: '" + std::string(name) + "'" + leads_out).c_str()));
@@ -115,7 +115,7 @@ TEST_CASE("symbolic links lead no model out of its folder") {
   }
 }
 
-TEST_CASE("a model that is itself a link may name files beside the link and beside its target") {
+TEST_CASE("a model that is itself a link may name files next to the link and next to its target") {
   Folder folder;
   folder.write("real/r.urdf", robot("meshes/b.stl"));
   folder.write("real/meshes/b.stl", "");
@@ -127,7 +127,7 @@ TEST_CASE("a model that is itself a link may name files beside the link and besi
   CHECK(folder.said("here/r.urdf") == "");
 }
 
-TEST_CASE("a scenario's meshes stand in its folder or below it, symbolic links followed") {
+TEST_CASE("a scenario's meshes are in its folder or below it, with symbolic links resolved") {
   Folder folder;
   folder.link("../beside", "here/out");
   const auto said_of = [&](const std::string& mesh) {
@@ -136,7 +136,7 @@ TEST_CASE("a scenario's meshes stand in its folder or below it, symbolic links f
   };
   CHECK(said_of("meshes/a.stl") == "");
   CHECK(said_of("meshes/../meshes/a.stl") == "");
-  CHECK(has(said_of("out/secret"), "error: mesh: 'out/secret' is a symbolic link out of the scenario's folder, or below one"));
+  CHECK(has(said_of("out/secret"), "error: mesh: 'out/secret' leads out of the scenario's folder through a symbolic link"));
   CHECK(has(said_of("../beside/secret"), "error: mesh: '../beside/secret' is not a file in the scenario's folder or below it"));
   CHECK(has(said_of("/etc/passwd"), "error: mesh: '/etc/passwd' is not a file in the scenario's folder or below it"));
   CHECK(has(said_of("meshes"), "error: mesh: 'meshes' is a folder, not a mesh"));
@@ -144,7 +144,7 @@ TEST_CASE("a scenario's meshes stand in its folder or below it, symbolic links f
   CHECK(has(said_of("a\\u001b.stl"), "error: mesh: 'a\\x1b.stl' is not a file in the scenario's folder or below it"));
 }
 
-TEST_CASE("a file that is no model or state is not quoted, however it is named") {
+TEST_CASE("a file that is not a model or state is not quoted, however it is named") {
   Folder folder;
   folder.write("beside/config.xml", "<config>\n<secret>x</secret\n</config>");
   folder.write("beside/sound.xml", "<!-- secret --><config>\n<secret>x</secret>\n</config>");

@@ -1,4 +1,5 @@
-// Which joints the events of a scenario make, of which kinds they are when, and which names of joints mean nothing.
+// Determines which joints the events of a scenario make and their kinds over time, and reports joint names that refer to
+// nothing.
 #include <algorithm>
 #include <cmath>
 
@@ -43,22 +44,23 @@ class Names {
   bool known(const std::string& joint) const {
     if (reading_.joints.contains(joint) || reading_.made.contains(joint) || became_free_.contains(joint)) return true;
     if (reading_.opaque.contains(mechanism_of(joint))) return true;
-    const auto& files = reading_.scenario.state_files;  // a document may bring joints of its own: it is judged there
+    // a document may contain other joints: names are then checked when it is read
+    const auto& files = reading_.scenario.state_files;
     if (std::any_of(files.begin(), files.end(), [](const StateFile& file) { return file.mechanism.empty(); })) return true;
-    // What a part is named after that has been re-rooted only the run knows.
+    // The name of a re-rooted part is known only in the run.
     const std::size_t tail = joint.rfind("~free");
     return joins_ && !became_free_.empty() && reading_.bodies.contains(joint.substr(0, tail));
   }
 
-  /// Only made after that instant, or at it, where what is set comes last.
+  /// The joint is made only after that instant, or at it if `set` comes earlier.
   bool still_to_come(const Reading::JointUse& use) const {
     if (!reading_.made.contains(use.name) || reading_.joints.contains(use.name)) return false;
     const double first = became_.at(use.name).front().time;
-    if (!std::isfinite(first)) return false;  // by an event whose instant is not known
+    if (!std::isfinite(first)) return false;  // by an event whose instant is unknown
     return first > use.time || (first == use.time && use.key != "set");
   }
 
-  /// Of the joint at that time, as far as the file says it; null: it does not.
+  /// The kind of the joint at that time, as far as the file determines it; null otherwise.
   const KindInfo* kind_of(const std::string& joint, double time) const {
     const KindInfo* kind = model_.has_joint(joint) ? &info(model_[model_.joint(joint)].joint.kind) : nullptr;
     const auto found = became_.find(joint);
@@ -69,7 +71,7 @@ class Names {
   }
 
  private:
-  // The free joint of what comes off is named after its body.
+  // The free joint of a separated part is named after its body.
   void broken(const std::string& joint, double time) {
     if (!model_.has_joint(joint)) return;
     const BodyId child = model_.child(model_.joint(joint));
@@ -86,7 +88,7 @@ class Names {
   bool joins_ = false;
 };
 
-// What is `set` under a name with a wildcard: each joint that it stands for gets what it can have.
+// `set` with a wildcard: each matching joint gets the values that its kind can have.
 class WildSets {
  public:
   WildSets(const Names& names, Reading& reading) : names_(names) {
@@ -112,7 +114,7 @@ class WildSets {
     }
   }
 
-  /// True where it is one, and the action is filled in or has nothing to do.
+  /// True if the entry has a wildcard, and the action is filled in or has nothing to do.
   bool fill(const Reading::LateEntry& late) {
     auto* set = dynamic_cast<actions::Set*>(late.action.get());
     const KindInfo* kind = kind_of(late);
@@ -125,7 +127,7 @@ class WildSets {
     return true;
   }
 
-  /// Takes actions that have nothing to do out of their events.
+  /// Removes actions that have nothing to do from their events.
   void drop_idle(std::vector<ScenarioEvent>& events) const {
     if (idle_.empty()) return;
     for (ScenarioEvent& event : events) {
@@ -158,7 +160,7 @@ void report_unknown(const Reading::JointUse& use, Reading& reading) {
     if (body == target) hint = "the joint of that body is " + in_quotes(joint);
   if (hint.empty() && target.find('/') == std::string::npos)
     for (const auto& [mechanism, where] : reading.mechanisms)
-      if (reading.joints.contains(mechanism + "/" + target)) hint = "names are complete: " + in_quotes(mechanism + "/" + target);
+      if (reading.joints.contains(mechanism + "/" + target)) hint = "use the full name: " + in_quotes(mechanism + "/" + target);
   if (hint.empty() && reading.events.contains(target)) hint = "the event of that name makes no joint, or several";
   if (hint.empty()) hint = reading.suggest(target, reading.made);
   if (hint.empty()) hint = reading.suggest(target, reading.joints);
@@ -171,7 +173,7 @@ void finish_events(Reading& reading) {
   if (reading.joint_uses.empty() && reading.late.empty()) return;
   const Names names(reading);
   WildSets wild(names, reading);
-  const Value* wrong = nullptr;  // what is wrong in one table is so for every match of its wildcard
+  const Value* wrong = nullptr;  // an error in one table concerns every match of its wildcard
   for (const Reading::LateEntry& late : reading.late) {
     if (late.value == wrong || wild.fill(late)) continue;
     ActionReader reader(*late.value, std::string(late.action->key()), nullptr, late.match, late.time, reading);
@@ -183,7 +185,7 @@ void finish_events(Reading& reading) {
     if (!names.known(use.name))
       report_unknown(use, reading);
     else if (names.still_to_come(use))
-      reading.out.error(use.place, use.key + ": joint " + in_quotes(use.name) + " is not there yet: it is made later, on " +
+      reading.out.error(use.place, use.key + ": joint " + in_quotes(use.name) + " does not exist yet: it is made later, on " +
                                        reading.out.name_of(reading.made.at(use.name)));
 }
 

@@ -79,7 +79,7 @@ TEST_CASE("every action, in the order of the keys") {
   CHECK(set.parameters.effort == Values{2});
 }
 
-TEST_CASE("units of what is set are those of the joint's kind by then") {
+TEST_CASE("units of `set` are those of the joint's kind at that time") {
   const Scenario s = read(arm +
                           "[[event]]\nat = 1\nset = { joint = \"m/a\", damping = \"2 N m s\" }\n"
                           "[[event]]\nat = 2\nchange = { joint = \"m/a\", kind = \"prismatic\" }\n"
@@ -101,7 +101,7 @@ TEST_CASE("a wildcard in a table is one event for each match") {
   }
 }
 
-TEST_CASE("later events find joints that earlier ones make, wherever they stand in the file") {
+TEST_CASE("later events find joints that earlier ones make, wherever they are in the file") {
   const Scenario s = read(arm +
                           "[[event]]\nat = 2\nbreak = \"grasp\"\n"
                           "[[event]]\nname = \"grasp\"\nat = 1\nweld = { body = \"f/x\", to = \"m/b\" }\n"
@@ -121,7 +121,7 @@ TEST_CASE("later events find joints that earlier ones make, wherever they stand 
   CHECK(simulation.world().mechanism_names() == std::vector<std::string>{"m", "m/b", "f/x"});
 }
 
-TEST_CASE("the free joint of a part that came off has its body's name") {
+TEST_CASE("the free joint of a separated part has its body's name") {
   read(arm + "[[event]]\nat = 1\nbreak = \"m/j\"\n[[event]]\nat = 2\nset = { joint = \"m/b\", damping = [1, 1, 1, 1, 1, 1] }\n");
   read(one_body +
        "[mechanism.body.joint]\nname = \"h\"\nkind = \"revolute\"\n[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n"
@@ -129,7 +129,7 @@ TEST_CASE("the free joint of a part that came off has its body's name") {
        "[[event]]\nat = 2\nlock = \"m/a~free\"\n");
 }
 
-TEST_CASE("matches of an event whose instant is not known happen together") {
+TEST_CASE("matches of an event with an unknown instant happen together") {
   const Scenario s = read(
       "format = 1\n[world]\ngravity = [0, -10, 0]\n[[mechanism]]\nname = \"m\"\n[mechanism.chain]\nlinks = 3\nlength = 1\n"
       "mass = 1\ninertia = 0.1\n[[event]]\nname = \"low\"\nwhen = { height = \"m/3\", below = -0.5 }\nlock = \"m/*\"\n"
@@ -159,7 +159,7 @@ TEST_CASE("matches of an event whose instant is not known happen together") {
   CHECK(set == 3);
 }
 
-TEST_CASE("what a wildcard meets again is no error") {
+TEST_CASE("repeated matches of a wildcard are not an error") {
   const Scenario s = read(arm + "[[event]]\nat = 1\nbreak = \"m/j\"\n[[event]]\nat = 2\nlock = \"m/*\"\n");
   CHECK(s.events.size() == 3);
 }
@@ -182,7 +182,7 @@ TEST_CASE("limits of joints, infinite where there is no stop") {
   CHECK(as<actions::Set>(s.events.at(0).actions.at(0)).parameters.limits.lower.size() == 2);
 }
 
-TEST_CASE("events wait for conditions, follow others, and come back") {
+TEST_CASE("events depend on conditions, follow others, and repeat") {
   const Scenario s =
       read(arm +
            "[[event]]\nname = \"snap\"\nwhen = { reaction_force = \"m/a\", exceeds = \"40 N\" }\nfor = \"5 ms\"\n"
@@ -211,7 +211,7 @@ TEST_CASE("events wait for conditions, follow others, and come back") {
   REQUIRE(simulation.run_until(2.5) == Status::ok);
 }
 
-TEST_CASE("what comes after an event without a delay may be about the same joint: it is another impact") {
+TEST_CASE("an event without delay after another may concern the same joint: it is another impact") {
   const Scenario scenario =
       read(arm + "[[event]]\nname = \"hold\"\nat = 0.1\nlock = \"m/j\"\n[[event]]\nafter = \"hold\"\nbreak = \"m/j\"\n");
   CHECK(scenario.events.size() == 2);

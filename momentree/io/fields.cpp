@@ -31,7 +31,7 @@ const Value::Entry* Fields::entry_of(std::string_view key) const {
   return nullptr;
 }
 
-// True where an entry is a natural mistake for the key, which is then said, once.
+// True if an entry is a common mistake for the key; it is reported once.
 bool Fields::report_alias(std::string_view key) {
   aliases();
   for (Alias& alias : *aliases_) {
@@ -128,7 +128,7 @@ void Fields::report_unknown(const Value::Entry& entry, std::string hint) {
   out_.error(entry.place, "unknown key " + in_quotes(entry.key) + " in " + where_, std::move(hint));
 }
 
-// What to write instead of an unknown key.
+// The hint about what to write instead of an unknown key.
 std::string Fields::hint_for(const Value::Entry& entry) const {
   const auto is_known = [this](std::string_view key) { return std::find(known_.begin(), known_.end(), key) != known_.end(); };
   for (const Mistake* mistake : mistakes_of(context_ ? context_ : std::string_view(where_), entry.key))

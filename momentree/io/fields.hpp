@@ -1,5 +1,5 @@
 #pragma once
-// The keys of one table of a scenario: read with their types and units; what no reader asked for is unknown.
+// Reads the keys of one scenario table with their types and units. Keys that no reader requests are unknown.
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -14,45 +14,45 @@
 
 namespace momentree::io {
 
-/// These read one value, or report what is wrong with it under the name `label` and return nothing.
-/// An angle without a unit that is more than a turn is a warning: it may be meant in degrees.
+/// These functions read one value, or report under the name `label` what is wrong with it and return nothing. An angle without
+/// a unit that exceeds one turn gives a warning, since it may be meant in degrees.
 std::optional<double> read_number(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out);
-/// The same without that warning, for values that turn on and on.
+/// Like read_number, but without that warning, for angles that may exceed one turn.
 std::optional<double> read_plain_number(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out);
 std::optional<std::string> read_string(const Value& value, std::string_view label, Diagnostics& out);
 std::optional<Vec3> read_vec3(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out);
-/// A table of xyz with rpy (fixed axes) or quat (w, x, y, z; normalised, refused if off by more than 1e-6).
+/// A table of xyz (m) with rpy (fixed axes) or quat (w, x, y, z; normalised, an error if its length is off by more than 1e-6).
 std::optional<Pose> read_pose(const Value& value, std::string_view label, Diagnostics& out);
-/// 1 number for all three moments, 3 principal ones, or 6: xx, yy, zz, xy, xz, yz.
+/// Moments of inertia: 1 number for all three, 3 principal moments, or 6: xx, yy, zz, xy, xz, yz.
 std::optional<Sym3> read_inertia(const Value& value, std::string_view label, Diagnostics& out);
 
-/// Reports what is still to come.
+/// Reports an error: `what` is not supported yet.
 void not_supported_yet(Place place, std::string_view what, Diagnostics& out, std::string hint = {});
 
 class Fields {
  public:
-  /// `where` names the table in messages: "[integrate]". Reports a `table` that is not a table; it is then read as empty.
-  /// `context`: the name under which mistakes/ knows it; null: `where`.
+  /// `where` names the table in messages: "[integrate]". If `table` is not a table, reports that and reads it as empty.
+  /// `context`: the name of the table in mistakes/; null: `where`.
   Fields(const Value& table, std::string where, Diagnostics& out, const char* context = nullptr);
 
   Place place() const { return table_.place; }
-  /// Of the value of a key; of the table where the key is absent.
+  /// The place of a key's value, or of the table if the key is absent.
   Place place_of(std::string_view key) const;
-  /// Here as in find(), a key that is written by another name counts, too.
+  /// As in find(), a key that is written under a mistaken name counts, too.
   bool has(std::string_view key) const { return entry_of(key) != nullptr; }
-  /// The value of a key, null if it is absent. The key is known from now on. A value under a name that is a natural mistake for
-  /// the key is reported, and returned.
+  /// The value of a key, or null if it is absent. The key is known from now on. A value under a name that is a common mistake
+  /// for the key is reported, and still returned.
   const Value* find(std::string_view key);
-  /// The key that an entry of the table stands for: its own, or the one that it is a natural mistake for.
+  /// The key that an entry of the table stands for: its own, or the key for which it is a common mistake.
   std::string_view meant(const Value::Entry& entry) const;
-  /// The same, but its absence is an error.
+  /// Like find(), but a missing key is an error.
   const Value* require(std::string_view key, std::string hint = {});
 
-  /// True where there is something that is a natural mistake for that key, which is then reported: its absence needs no more
-  /// words.
+  /// True if the table contains a common mistake for that key, which is then reported: the missing key needs no further
+  /// message.
   bool mistaken(std::string_view key) { return report_alias(key); }
 
-  /// Typed: nothing where the key is absent, or where its value is wrong and was reported.
+  /// Typed values: nothing if the key is absent, or if its value is wrong and was reported.
   std::optional<double> number(std::string_view key, const Dimension& expected);
   std::optional<double> positive(std::string_view key, const Dimension& expected);
   std::optional<double> not_negative(std::string_view key, const Dimension& expected);
@@ -61,9 +61,9 @@ class Fields {
   std::optional<Vec3> vec3(std::string_view key, const Dimension& expected);
   std::optional<Pose> pose(std::string_view key);
 
-  /// Keys that are known, but whose meaning is still to come: refused where they stand. True if there was one.
+  /// Known keys that are not supported yet: each one present is an error. True if there was one.
   bool later(std::initializer_list<std::string_view> keys, const char* hint = "");
-  /// Keys without a reader are errors, with the nearest known key suggested. To be called last.
+  /// Reports unknown keys as errors, and suggests the nearest known key. Call it last.
   void finish();
 
  private:
@@ -82,12 +82,12 @@ class Fields {
   std::string where_;
   const char* context_;
   Diagnostics& out_;
-  std::vector<std::string_view> known_;                // keys are literals
-  std::vector<std::string_view> later_;                // known, and still to come
-  mutable std::optional<std::vector<Alias>> aliases_;  // entries that are natural mistakes; found once one is looked for
+  std::vector<std::string_view> known_;                // the keys are literals
+  std::vector<std::string_view> later_;                // known, but not supported yet
+  mutable std::optional<std::vector<Alias>> aliases_;  // entries that are common mistakes; computed on first use
 };
 
-/// The tables of an array of tables, one `[[…]]` each; reports where the value is something else.
+/// The tables of an array of tables, one `[[…]]` each; reports an error if the value is something else.
 std::vector<const Value*> tables_of(const Value& value, std::string_view header, Diagnostics& out);
 
 }  // namespace momentree::io

@@ -1,11 +1,11 @@
 #pragma once
-// Names of files as files have them.
+// File names as they are written in scenarios and models.
 #include <string>
 
 namespace momentree::io {
 
-/// True where a name as it is written can't mean a file in the folder or below it, whatever stands there: an absolute path, one
-/// with more `..` than folders, one of another system, or one with characters that are not seen.
+/// True if a name as written cannot refer to a file in the folder or below it, whatever the file system contains: an absolute
+/// path, one with more `..` than folders, a path of another operating system, or one with invisible characters.
 bool leaves_folder(const std::string& name);
 
 }  // namespace momentree::io

@@ -13,7 +13,7 @@ std::vector<std::vector<int>> circles_of(const std::vector<std::pair<int, int>>&
   std::unordered_map<int, State> state;
   struct Step {
     int joint;
-    std::size_t next = 0;  ///< of its leaders
+    std::size_t next = 0;  ///< index of the next of its leaders
   };
   std::vector<std::vector<int>> circles;
   std::vector<Step> path;
@@ -45,7 +45,7 @@ std::vector<std::vector<int>> circles_of(const std::vector<std::pair<int, int>>&
 
 std::string circle_text(const std::vector<int>& circle, const std::function<std::string(int)>& name) {
   if (circle.size() == 2) return "joint " + name(circle[0]) + " follows itself";
-  constexpr std::size_t most = 8;  // names
+  constexpr std::size_t most = 8;  // names listed
   std::string text = "joint " + name(circle[0]) + " follows " + name(circle[1]);
   for (std::size_t i = 2; i < circle.size(); ++i) {
     if (circle.size() > most && i == most / 2) {

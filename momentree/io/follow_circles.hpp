@@ -1,5 +1,5 @@
 #pragma once
-// Joints that follow others, in models (mimic) and in scenarios ([[coupling]]): who follows itself by way of others.
+// Finds cycles among joints that follow others, in models (mimic) and in scenarios ([[coupling]]).
 #include <functional>
 #include <string>
 #include <utility>
@@ -7,11 +7,11 @@
 
 namespace momentree::io {
 
-/// Circles among pairs of a follower and its leader, each from one of its joints round to it again; the first twenty that are
-/// found; empty only if there is none.
+/// Cycles among pairs of (follower, leader), each listed from one of its joints back to itself; at most the first twenty. Empty
+/// only if there is no cycle.
 std::vector<std::vector<int>> circles_of(const std::vector<std::pair<int, int>>& pairs);
 
-/// "joint 'a' follows 'b', which follows 'a'"; a long one without its middle.
+/// "joint 'a' follows 'b', which follows 'a'"; the middle of a long cycle is omitted.
 std::string circle_text(const std::vector<int>& circle, const std::function<std::string(int)>& name);
 
 }  // namespace momentree::io

@@ -1,4 +1,4 @@
-// mimic = { … } of a mechanism, for model files whose joints follow others by way of others, in circles, or not at all.
+// mimic = { … } of a mechanism, for model files in which joints follow others indirectly, in cycles, or not at all.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace bad_input;
 
-/// A joint of a URDF file, with the link that it carries: its kind, and what more is in it.
+/// A joint of a URDF file with the link that it carries; `more`: further elements in it.
 std::string joint(const std::string& name, const std::string& kind, const std::string& more) {
   return "<link name='of_" + name +
          "'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>\n"
@@ -56,7 +56,7 @@ TEST_CASE("followers of followers start where they should, in whatever order the
     CHECK(start(result, "c") == -1);
     CHECK(start(result, "d") == -1);
   } while (std::next_permutation(order.begin(), order.end()));
-  // What the scenario says comes first; what follows that goes by it.
+  // Values of the scenario take precedence, and followers are computed from them.
   const ReadResult result = read(a + b + c + d, "state = { joints = { c = 3 } }\n");
   REQUIRE(result.scenario);
   CHECK(start(result, "b") == 0.5);
@@ -75,37 +75,37 @@ TEST_CASE("ten thousand joints may follow one another") {
   CHECK(model[model.joint("r/j10000")].q[0] == 10'000);
   Simulation run(model, result.scenario->integration);
   couple(run, result.scenario->couplings);
-  double most = 0;  // where all stand where they should, no spring pulls
+  double most = 0;  // if all joints start where they should, no spring acts
   for (int j = 0; j < model.size(); ++j)
     for (const double rate : run.world().joint({j}).pdot) most = std::max(most, std::abs(rate));
   CHECK(most == 0);
 }
 
-TEST_CASE("what can't follow is told where mimic is asked for") {
+TEST_CASE("joints that cannot follow are reported where mimic is requested") {
   const auto refused = [](const std::string& joints, const std::string& message) {
     const ReadResult result = read(joints);
     CHECK(!result.scenario);
     CHECK_MESSAGE(said(result).find("s.toml:5:9: error: mimic: joint " + message) != std::string::npos, said(result));
   };
   const std::string a = joint("a", "continuous", "");
-  refused(a + joint("b", "fixed", follows("a")), "'b' is not one of one freedom");
-  refused(a + joint("b", "floating", follows("a")), "'b' is not one of one freedom");
-  refused(joint("b", "fixed", "") + joint("a", "continuous", follows("b")), "'b' is not one of one freedom");
+  refused(a + joint("b", "fixed", follows("a")), "'b' does not have one degree of freedom");
+  refused(a + joint("b", "floating", follows("a")), "'b' does not have one degree of freedom");
+  refused(joint("b", "fixed", "") + joint("a", "continuous", follows("b")), "'b' does not have one degree of freedom");
 }
 
-TEST_CASE("URDF: joints that follow each other in a circle are refused, with the circle") {
+TEST_CASE("URDF: joints that follow each other in a cycle are refused, with the cycle") {
   const std::string head_line = "<robot name='r'>\n<link name='base'/>\n";
   const auto refused = [&](const std::string& joints, const std::string& message) {
     const ReadResult result = read_scenario_text(head_line + joints + "</robot>", "r.urdf");
     CHECK(!result.scenario);
-    CHECK_MESSAGE(said(result).find(message + "; one of them has to lead: it follows none") != std::string::npos, said(result));
+    CHECK_MESSAGE(said(result).find(message + "; one of them must lead and follow no other") != std::string::npos, said(result));
   };
   const auto turning = [](const std::string& name, const std::string& leader) {
     return joint(name, "continuous", follows(leader));
   };
   refused(turning("a", "b") + turning("b", "a"), "r.urdf:4:95: error: mimic: joint 'a' follows 'b', which follows 'a'");
   refused(turning("a", "a"), "r.urdf:4:95: error: mimic: joint 'a' follows itself");
-  std::string circle = turning("x", "j0");  // what leads into a circle is not of it
+  std::string circle = turning("x", "j0");  // joints that lead into a cycle are not part of it
   for (int i = 0; i < 3; ++i) circle += turning("j" + std::to_string(i), "j" + std::to_string((i + 1) % 3));
   refused(circle, "r.urdf:6:97: error: mimic: joint 'j0' follows 'j1', which follows 'j2', which follows 'j0'");
   std::string long_circle;
@@ -114,7 +114,7 @@ TEST_CASE("URDF: joints that follow each other in a circle are refused, with the
           "mimic: joint 'j0' follows 'j1', which follows 'j2', which follows 'j3', …, which follows 'j99', which follows 'j0'");
 }
 
-TEST_CASE("SDF: joints that follow each other in a circle are refused, with the circle") {
+TEST_CASE("SDF: joints that follow each other in a cycle are refused, with the cycle") {
   const auto turning = [](const std::string& name, const std::string& leader) {
     return "<link name='of_" + name + "'/><joint name='" + name + "' type='revolute'><parent>base</parent><child>of_" + name +
            "</child><axis><xyz>0 0 1</xyz>\n<mimic joint='" + leader + "'><multiplier>1</multiplier></mimic></axis></joint>\n";

@@ -1,4 +1,4 @@
-// Drives, friction, soft stops, strengths, forces on bodies and wildcards in conditions, as scenarios tell them.
+// Drives, friction, soft stops, strengths, forces on bodies and wildcards in conditions, as read from scenarios.
 #include <cmath>
 
 #include <doctest/doctest.h>
@@ -59,7 +59,7 @@ TEST_CASE("motions at a constant rate, and tables with free ends") {
   const JointParameters effort = joint("drive = { effort = { rate = \"2 N m/s\" } }\n");
   CHECK(effort.drive->effort[0] == Signal::ramp(2, 0));  // from 0 at time 0
 
-  // It begins where the joint starts.
+  // The motion begins at the joint's initial position.
   const Scenario scenario =
       read(one_body + "[mechanism.body.joint]\nkind = \"revolute\"\nangle = 0.3\ndrive = { motion = { rate = 2 } }\n");
   CHECK(scenario.model[BodyId{0}].q[0] == 0.3);
@@ -105,7 +105,7 @@ TEST_CASE("friction, soft stops and strength") {
   CHECK(p.limits.soft());
 }
 
-TEST_CASE("a chain has them for all of its joints") {
+TEST_CASE("a chain has joint tables for all of its joints") {
   const Scenario s = read(chain +
                           "inertia = 1\nfriction = { coulomb = 1, speed = 0.1 }\nstrength = { force = 5, torque = 6 }\n"
                           "drive = { effort = { sine = { amplitude = 1, frequency = 2 } } }\nstiffness = 3\n");
@@ -118,7 +118,7 @@ TEST_CASE("a chain has them for all of its joints") {
   }
 }
 
-TEST_CASE("events set them, and give them to the joints that they make, with units or without") {
+TEST_CASE("events set joint parameters, and give them to the joints that they make, with units or without") {
   const Scenario s =
       read(pinned +
            "[[event]]\nat = 1\nset = { joint = \"m/a\", drive = { pd = { kp = \"2 N m\", target = \"10 deg\" } }, "
@@ -156,7 +156,7 @@ TEST_CASE("forces on bodies: constant and changing, in either axes, for every ma
   }
 }
 
-TEST_CASE("a wildcard in a condition arms one event for each match, and actions with it act on the same") {
+TEST_CASE("a wildcard in a condition arms one event for each match, and actions with the wildcard act on that match") {
   const Scenario s = read(chain +
                           "inertia = 1\n[[event]]\nname = \"overload\"\nwhen = { reaction_force = \"m/*\", exceeds = \"3 N\" }\n"
                           "break = \"m/*\"\nset = { joint = \"m/1\", damping = 1 }\n"
@@ -178,7 +178,7 @@ TEST_CASE("a wildcard in a condition arms one event for each match, and actions 
 }
 
 TEST_CASE("each joint of a chain breaks at its own load") {
-  // A chain that hangs at rest: the upper joints carry more.
+  // A chain hanging at rest: the upper joints carry more.
   const Scenario s = read(
       "format = 1\n[world]\ngravity = [10, 0, 0]\n[[mechanism]]\nname = \"m\"\n[mechanism.chain]\nlinks = 4\nlength = 1\nmass = "
       "1\n"
@@ -188,13 +188,13 @@ TEST_CASE("each joint of a chain breaks at its own load") {
   for (const ScenarioEvent& event : s.events) events.push_back(&event);
   CHECK(schedule(simulation, events).problems.empty());
   REQUIRE(simulation.run_until(0.1) == Status::ok);
-  // Joint 1 bears 40 N, breaks, and with it all weight is gone.
+  // Joint 1 breaks at its strength of 40 N, and with it all weight is gone.
   REQUIRE(simulation.events().size() == 1);
   CHECK(simulation.events()[0].name == "overload");
   CHECK(simulation.events()[0].action_texts() == std::vector<std::string>{"break m/1"});
 }
 
-TEST_CASE("something may come after a joint's own strength") {
+TEST_CASE("an event may follow the break of a joint by its own strength") {
   const std::string text =
       "format = 1\n[world]\ngravity = [10, 0, 0]\n[[mechanism]]\nname = \"m\"\n[mechanism.chain]\nlinks = 2\nlength = 1\nmass = "
       "1\n"

@@ -22,7 +22,7 @@ Values read_values(const Value& value, Quantity quantity, std::string_view lette
   Values values;
   if (!value.array()) {
     if (single || letters.size() == 1) {
-      // One number for freedoms of different dimension is in SI for each; with a unit it must fit them all.
+      // One number for DoFs of different dimensions is in SI units for each; with a unit it must fit all of them.
       std::optional<double> number;
       const std::string_view all = letters.empty() ? std::string_view("r") : letters;
       for (std::size_t i = 0; i < all.size(); ++i) {
@@ -43,7 +43,7 @@ Values read_values(const Value& value, Quantity quantity, std::string_view lette
     out.error(value.place,
               std::string(label) + ": expected " + std::to_string(letters.size()) +
                   (letters.size() == 1 ? " number" : " numbers") + ", found a list of " + std::to_string(entries.size()),
-              "one per freedom or coordinate, in the order of the kind");
+              "one per degree of freedom or coordinate, in the order of the joint kind");
     return {};
   }
   for (std::size_t i = 0; i < entries.size(); ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-// Numbers that a joint has one of per freedom or coordinate, with the units of its kind. Internal to the reader.
+// Values that a joint has one of per DoF or coordinate, with the units of its kind. Internal to the reader.
 #include <string_view>
 #include <vector>
 
@@ -10,15 +10,15 @@ namespace momentree::io {
 
 enum class Quantity { q, v, damping, stiffness, armature, effort, none };
 
-/// Of one coordinate or freedom, by the letter that KindInfo has for it.
+/// The dimension for one coordinate or DoF, given by its letter in KindInfo.
 Dimension dimension_of(Quantity quantity, char letter);
 
-/// A list with one number per letter, or, where `single` allows it, one number for all. Empty, with a report, where it is wrong.
+/// A list with one number per letter or, if `single` allows it, one number for all. Empty, with a report, if it is wrong.
 Values read_values(const Value& value, Quantity quantity, std::string_view letters, bool single, std::string_view label,
                    Diagnostics& out);
 
 /// A number, `{ table = [[t, value], …], ends }`, `{ sine = { amplitude, frequency, phase, offset } }` or `{ rate, offset }`;
-/// nothing, with reports, where it is wrong. `motion`: it is a position at every instant, not an effort.
+/// nothing, with reports, if it is wrong. `motion`: the signal is a prescribed position, not an effort.
 std::optional<Signal> read_signal(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out);
 std::optional<Signal> read_signal(const Value& value, const Dimension& expected, std::string_view label, bool motion,
                                   Diagnostics& out);

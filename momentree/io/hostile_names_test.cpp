@@ -1,4 +1,4 @@
-// Names that would command a terminal or deceive its reader are refused in every format; those of every language are not.
+// Names with terminal commands or deceptive characters are refused in every format; names in every language are accepted.
 #include <string>
 #include <vector>
 
@@ -38,7 +38,7 @@ const std::vector<Format> formats = {{"s.toml", toml}, {"r.urdf", urdf}, {"m.sdf
 
 }  // namespace
 
-TEST_CASE("a name with a character that is not seen is refused, and shown as an escape") {
+TEST_CASE("a name with an invisible character is refused, and shown as an escape") {
   for (const auto& [name, shown] : {std::pair{"a\xC2\x9B", "'a\\u009b'"},
                                     {"a\xC2\x85 b", "'a\\u0085 b'"},
                                     {"\xE2\x80\xAE\xE2\x80\xA6", "'\\u202e…'"},
@@ -49,7 +49,7 @@ TEST_CASE("a name with a character that is not seen is refused, and shown as an 
       CAPTURE(format.file);
       CAPTURE(name);
       const std::string errors = errors_of(format.text(name), format.file);
-      CHECK(errors.find(std::string("cannot be named ") + shown + ": it has a character that is not seen") != std::string::npos);
+      CHECK(errors.find(std::string("cannot be named ") + shown + ": it has an invisible character") != std::string::npos);
       CHECK(errors.find("error: name:") != std::string::npos);
     }
 }
@@ -84,7 +84,7 @@ TEST_CASE("Model::add refuses the same names as the reader") {
           }).ends_with("error: name: must be UTF-8 without control characters and other invisible characters"));
 }
 
-TEST_CASE("names that only a state document has are held to the same rule") {
+TEST_CASE("names that occur only in a state document must follow the same rule") {
   Model model;
   model.add({.name = "m/a", .mass = 1, .inertia = diagonal(1), .joint = Free{}});
   const auto read = [&](const std::string& joint, const std::string& mechanism) {

@@ -21,8 +21,8 @@ Unreadable refusal(int reason) {
     case ENOENT:
     case ENOTDIR: return {"there is no such file", "", true};
     case EACCES:
-    case EPERM: return {"cannot be read: permission denied", "is it yours to read, and every folder on the way to it?"};
-    case ELOOP: return {"cannot be read: its symbolic links go round in a circle", ""};
+    case EPERM: return {"cannot be read: permission denied", "check the permissions of the file and of the folders above it"};
+    case ELOOP: return {"cannot be read: its symbolic links form a cycle", ""};
     default: return {std::string("cannot be read: ") + std::strerror(reason), ""};
   }
 }
@@ -44,7 +44,7 @@ struct Descriptor {
 
 std::optional<Unreadable> why_unreadable(const std::string& path, const char* what) {
   struct stat status {};
-  if (path.find('\0') != std::string::npos) return refusal(ENOENT);  // the system would see what is before it
+  if (path.find('\0') != std::string::npos) return refusal(ENOENT);  // the system would read only the part before it
   if (stat(path.c_str(), &status) != 0) return refusal(errno);
   return refusal(status, what);
 }
@@ -55,7 +55,7 @@ bool read_whole_file(const std::string& path, const char* what, std::uintmax_t l
     return false;
   };
   if (auto reason = why_unreadable(path, what)) return refuse(std::move(*reason));
-  // Asked once more when it is open: it may have been replaced, by a pipe that nobody writes to, say.
+  // Checked again after opening: the file may have been replaced meanwhile, for example by a pipe without a writer.
   const Descriptor file{open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK)};
   struct stat status {};
   if (file.number < 0 || fstat(file.number, &status) != 0) return refuse(refusal(errno));

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As somebody whom the permissions of files bind.
+// Acts as a user without privileges, so that file permissions apply.
 class Nobody {
  public:
   Nobody() : root_(geteuid() == 0) {
@@ -35,7 +35,7 @@ std::string refusal_of(const std::string& path, std::uintmax_t largest = 100) {
   return read_whole_file(path, "model", largest, text, why) ? "" : why.what;
 }
 
-TEST_CASE("regular files alone are read, and only so large ones") {
+TEST_CASE("only regular files up to a size limit are read") {
   const test::TemporaryFolder folder;
   write_text_file(folder / "a", "some text");
   write_text_file(folder / "empty", "");
@@ -55,7 +55,7 @@ TEST_CASE("regular files alone are read, and only so large ones") {
   CHECK(refusal_of(folder / "") == "is a folder, not a model");
 }
 
-TEST_CASE("devices, pipes and sockets are refused, and nothing waits for them") {
+TEST_CASE("devices, pipes and sockets are refused without blocking") {
   const test::TemporaryFolder folder;
   REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
   fs::create_symlink("pipe", folder / "link");
@@ -79,7 +79,7 @@ TEST_CASE("a file that may not be read is not one that is missing") {
   }
   fs::permissions(folder / "closed", fs::perms::all);
   fs::create_symlink("round", folder / "round");
-  CHECK(refusal_of(folder / "round") == "cannot be read: its symbolic links go round in a circle");
+  CHECK(refusal_of(folder / "round") == "cannot be read: its symbolic links form a cycle");
 }
 
 TEST_CASE("an enclosure is a folder with what is below it, symbolic links followed") {
@@ -103,13 +103,13 @@ TEST_CASE("an enclosure is a folder with what is below it, symbolic links follow
   // Named through a link to its folder.
   CHECK(holds("same/r", "meshes/a"));
   CHECK(!holds("same/r", "file"));
-  // A file that is itself a link may name files beside the link and beside its target.
+  // A file that is itself a link may name files next to the link and next to its target.
   CHECK(holds("models/elsewhere", "meshes/a"));
   CHECK(Enclosure(folder / "models/elsewhere").holds(folder / "real/meshes/a"));
   CHECK(!holds("models/elsewhere", "folder/s"));
 }
 
-TEST_CASE("names that mean a file elsewhere") {
+TEST_CASE("names that refer to a file elsewhere") {
   for (const char* name : {"a", "a/b", "./a", "a/../b", "a/./../b", "..a", "a..", "größe/é"})
     CHECK_MESSAGE(!leaves_folder(name), name);
   for (const char* name : {"/a", "..", "../a", "a/../../b", "a/../..", "a\\b", "a\nb", "a\x1b", "\xFF"})

@@ -10,7 +10,7 @@ namespace {
 constexpr std::array parameter_keys{"damping", "stiffness", "armature", "rest", "drive", "limits", "friction", "strength"};
 constexpr std::array start_keys{"q", "v", "angle", "position", "speed"};
 
-// Those of `given` that a table says, in the place of a joint's own.
+// Copies the parameter `key` that a table gives into a joint's own parameters.
 void take(JointParameters& own, const JointParameters& given, std::string_view key) {
   if (key == "damping") own.damping = given.damping;
   if (key == "stiffness") own.stiffness = given.stiffness;
@@ -66,7 +66,7 @@ JointTable::Part JointTable::read_part(const KindInfo& kind, const Entries& entr
   return part;
 }
 
-// A weld has no freedom, but a strength.
+// A weld has no DoF, but it can have a strength.
 bool JointTable::can_have(const KindInfo& kind, const char* key, const Value* value) const {
   if (kind.nv == 0 && key != std::string_view("strength")) return false;
   Diagnostics unheard("", "");
@@ -76,7 +76,8 @@ bool JointTable::can_have(const KindInfo& kind, const char* key, const Value* va
   take(joint.parameters, part.parameters, key);
   if (unheard.errors() > 0) return false;
   for (const JointProblem& problem : check_joint(joint))
-    if (problem.what.find("freedom") != std::string::npos) return false;  // of another number; what else is wrong is so for all
+    // a wrong number of values; all other errors are the same for every kind
+    if (problem.what.find("freedom") != std::string::npos) return false;
   return true;
 }
 
@@ -104,11 +105,11 @@ void JointTable::read_wild(const std::vector<Kind>& kinds, Diagnostics& out) {
     if (!any && !moving)
       out.error(value->place,
                 std::string(key) + ": all joints that match " + in_quotes(pattern_) + " are welds, which do not move");
-    else if (!any)  // what is wrong with it for one of them
+    else if (!any)  // the error for one of these kinds
       read_part(*moving, {entry}, out);
     else if (!without.empty())
       out.note(value->place, std::string(key) + ": joints that match " + in_quotes(pattern_) + " and are of kind " +
-                                 joined(without) + " can't have it, and go without");
+                                 joined(without) + " cannot have it, and do not get it");
   }
   for (auto& [kind, taken] : entries) parts_.emplace(kind, read_part(info(kind), taken, out));
 }
@@ -143,7 +144,7 @@ JointTables::JointTables(const Value* value, const char* of, Reading& reading) :
     tables_.emplace_back(fields, entry.place, true, entry.key, where);
     fields.finish();
     if (entry.value.table()->empty() && errors == reading.out.errors())
-      reading.out.warning(entry.place, where + " is empty", "give the joint something: damping = 0.1");
+      reading.out.warning(entry.place, where + " is empty", "give the joint a parameter, such as damping = 0.1");
     if (tables_.back().wild())
       wild_.push_back(tables_.size() - 1);
     else
@@ -177,14 +178,14 @@ void JointTables::read(const std::vector<std::pair<std::string, Kind>>& joints,
       table.read(matched, reading_.out);
       continue;
     }
-    std::string hint = "* matches within a name, which is written without its mechanism";
+    std::string hint = "* matches within a name, written without its mechanism";
     if (!table.wild()) {
       const auto body = bodies.find(table.pattern());
       hint = body != bodies.end() ? "the joint of that body is " + in_quotes(body->second)
                                   : reading_.suggest(table.pattern(), names);
       const std::string_view tail = std::string_view(table.pattern()).substr(table.pattern().find('/') + 1);
-      if (hint.empty() && of_ == std::string_view("chain")) hint = "they are 1 to " + std::to_string(joints.size());
-      if (kinds.contains(std::string(tail))) hint = "names go without their mechanism here: " + in_quotes(tail);
+      if (hint.empty() && of_ == std::string_view("chain")) hint = "the joints are 1 to " + std::to_string(joints.size());
+      if (kinds.contains(std::string(tail))) hint = "leave out the mechanism's name here: " + in_quotes(tail);
     }
     reading_.out.error(table.place(),
                        table.wild() ? "joint: no joint of this " + std::string(of_) + " matches " + in_quotes(table.pattern())
@@ -239,13 +240,13 @@ void JointTables::check(const std::string& joint, const BodySpec& spec) {
   for (const BodyProblem& problem : check_body(spec)) {
     const auto given = places.find(problem.field);
     const bool beyond = problem.field == "q" && problem.what.starts_with("starts beyond") && places.contains("limits");
-    if (given == places.end() && !beyond) continue;  // what the model brought is judged there
+    if (given == places.end() && !beyond) continue;  // values from the model are checked there
     const Place place = given == places.end() ? places.at("limits") : given->second;
     out.error(place, "joint " + in_quotes(joint) + ": " + problem.field + ": " + problem.what, problem.hint);
     sound_ = false;
   }
   if (const auto rest = places.find("rest"); rest != places.end() && spec.joint.parameters.stiffness.empty())
-    out.warning(rest->second, "'rest' without 'stiffness' does nothing");
+    out.warning(rest->second, "'rest' without 'stiffness' has no effect");
 }
 
 void check_start(const JointTables& tables, const std::string& joint, const Value& state, Diagnostics& out) {

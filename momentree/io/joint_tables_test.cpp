@@ -1,4 +1,4 @@
-// [mechanism.joint.NAME]: what a scenario gives to joints of a model or a chain.
+// [mechanism.joint.NAME]: values that a scenario gives to joints of a model or a chain.
 #include <doctest/doctest.h>
 
 #include <momentree/io/convert/convert.hpp>
@@ -13,7 +13,7 @@ namespace {
 using bad_input::said;
 using test::TemporaryFolder;
 
-// A base, a pin, a slide and a plate that is fixed to the slide: the kinds of joint that robots have.
+// A base, a revolute joint, a prismatic joint and a plate fixed to its body: the kinds of joint that robots have.
 const char* const urdf = R"(<robot name="arm">
 <link name="base"/>
 <link name="upper"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -79,7 +79,7 @@ strength = { force = "3 kN" }
   REQUIRE(shoulder.drive);
   CHECK(shoulder.drive->pd.kp == Values(100));
   CHECK(shoulder.strength.torque == 40);
-  CHECK(shoulder.limits.upper == Values(2));  // the model's: no others are given
+  CHECK(shoulder.limits.upper == Values(2));  // those of the model: no others are given
   CHECK(joint(result, "m/shoulder").q[0] == doctest::Approx(0.17453292519943295));
   const BodySpec& slide = joint(result, "m/slide");
   CHECK(slide.joint.parameters.limits.upper == Values(0.05));
@@ -92,21 +92,21 @@ strength = { force = "3 kN" }
   CHECK(joint(result, "m/flange").joint.parameters.strength.force == 3000);
 }
 
-TEST_CASE("a joint whose motion is prescribed goes without the model's limits") {
+TEST_CASE("a joint whose motion is prescribed does not use the model's limits") {
   const Arm arm;
   const ReadResult result =
       arm.read("limits = true\n[mechanism.joint.shoulder]\ndrive = { motion = { table = [[0, 0.5], [1, 3]] } }\n");
   CHECK(said(result).ends_with(
-      "s.toml:5:10: note: limits: joint 'shoulder' goes without those of the model: its motion is prescribed"));
+      "s.toml:5:10: note: limits: joint 'shoulder' does not use those of the model: its motion is prescribed"));
   CHECK(joint(result, "m/shoulder").q == Values(0.5));
   CHECK_FALSE(joint(result, "m/shoulder").joint.parameters.limits.any());
   CHECK(joint(result, "m/slide").joint.parameters.limits.any());
 }
 
-TEST_CASE("limits that a joint is given count where those of the model don't") {
+TEST_CASE("limits given to a joint apply where those of the model do not") {
   const Arm arm;
   const std::string given = "[mechanism.joint.shoulder]\nlimits = { lower = 0 }\n";
-  CHECK(arm.says(given) == "s.toml:4:9: warning: the limits of 1 joint are not taken up; write limits = true or limits = false");
+  CHECK(arm.says(given) == "s.toml:4:9: warning: the limits of 1 joint are not used; write limits = true or limits = false");
   const ReadResult result = arm.read("limits = false\n" + given);
   CHECK(said(result) == "");
   CHECK(joint(result, "m/shoulder").joint.parameters.limits.lower == Values(0));
@@ -126,9 +126,10 @@ TEST_CASE("a wildcard is for all joints that match and can have it; exact names 
   }
   SUBCASE("a unit is of some kinds of joint alone, which a note says") {
     const ReadResult result = arm.read("limits = false\n[mechanism.joint.\"s*\"]\ndamping = \"3 N m s\"\n");
-    CHECK(said(result).find(
-              "s.toml:7:11: note: damping: joints that match 's*' and are of kind 'prismatic' can't have it, and go without") !=
-          std::string::npos);
+    CHECK(
+        said(result).find(
+            "s.toml:7:11: note: damping: joints that match 's*' and are of kind 'prismatic' cannot have it, and do not get it") !=
+        std::string::npos);
     CHECK(joint(result, "m/shoulder").joint.parameters.damping == Values(3));
     CHECK(joint(result, "m/slide").joint.parameters.damping.empty());
   }
@@ -142,9 +143,9 @@ TEST_CASE("a wildcard is for all joints that match and can have it; exact names 
     CHECK(joint(result, "m/slide").joint.parameters.armature == Values(3));
   }
   SUBCASE("nothing matches, or nothing can have it") {
-    CHECK(arm.says("limits = false\n[mechanism.joint.\"q*\"]\ndamping = 1\n") ==
-          "s.toml:6:18: error: joint: no joint of this model matches 'q*'; * matches within a name, which is written without its "
-          "mechanism");
+    CHECK(
+        arm.says("limits = false\n[mechanism.joint.\"q*\"]\ndamping = 1\n") ==
+        "s.toml:6:18: error: joint: no joint of this model matches 'q*'; * matches within a name, written without its mechanism");
     CHECK(arm.says("limits = false\n[mechanism.joint.\"f*\"]\ndamping = 1\n") ==
           "s.toml:7:11: error: damping: all joints that match 'f*' are welds, which do not move");
     CHECK(
@@ -156,7 +157,7 @@ TEST_CASE("a wildcard is for all joints that match and can have it; exact names 
   }
 }
 
-TEST_CASE("what is wrong with the table of a joint is said at its place") {
+TEST_CASE("errors in a joint table are reported at its place") {
   const Arm arm;
   const auto of = [&arm](const std::string& table) { return arm.says("limits = false\n" + table); };
   CHECK(of("[mechanism.joint.shouldr]\ndamping = 1\n") ==
@@ -164,15 +165,14 @@ TEST_CASE("what is wrong with the table of a joint is said at its place") {
   CHECK(of("[mechanism.joint.upper]\ndamping = 1\n") ==
         "s.toml:6:18: error: joint: there is no joint 'upper' in this model; the joint of that body is 'shoulder'");
   CHECK(of("[mechanism.joint.\"m/slide\"]\ndamping = 1\n") ==
-        "s.toml:6:18: error: joint: there is no joint 'm/slide' in this model; names go without their mechanism here: 'slide'");
+        "s.toml:6:18: error: joint: there is no joint 'm/slide' in this model; leave out the mechanism's name here: 'slide'");
   CHECK(of("[mechanism.joint.shoulder]\naxis = [0, 0, 1]\n") ==
-        "s.toml:7:1: error: unknown key 'axis' in [mechanism.joint.shoulder]; the model file says it; an event may `change` the "
-        "joint");
+        "s.toml:7:1: error: unknown key 'axis' in [mechanism.joint.shoulder]; the model file defines it; an event may `change` "
+        "the joint");
   CHECK(of("[mechanism.joint.shoulder]\ndamper = 1\n") ==
         "s.toml:7:1: error: unknown key 'damper' in [mechanism.joint.shoulder]; write 'damping', as in damping = \"0.1 N m s\"");
   CHECK(of("[mechanism.joint.shoulder]\n") ==
-        "s.toml:6:18: warning: [mechanism.joint.shoulder] is empty; give the joint something: "
-        "damping = 0.1");
+        "s.toml:6:18: warning: [mechanism.joint.shoulder] is empty; give the joint a parameter, such as damping = 0.1");
   CHECK(of("[mechanism.joint.flange]\ndamping = 1\n") ==
         "s.toml:7:11: error: damping: a weld joint does not move; leave it out; a weld has at most a strength");
   CHECK(of("[mechanism.joint.shoulder]\nposition = 3\nlimits = { upper = 1 }\n") ==
@@ -211,7 +211,7 @@ TEST_CASE("the mechanism's state wins over a wildcard, and --set reaches a joint
         "mean 'shoulder'?");
 }
 
-TEST_CASE("links of a chain are given what is said to their joints") {
+TEST_CASE("joint tables apply to the links of a chain") {
   const ReadResult result =
       read_scenario_text(bad_input::chain +
                              "damping = 1\ninertia = 1\n[mechanism.joint.2]\ndamping = 5\nangle = \"20 deg\"\n"
@@ -223,10 +223,10 @@ TEST_CASE("links of a chain are given what is said to their joints") {
   CHECK(joint(result, "m/2").q[0] == doctest::Approx(0.3490658503988659));
   for (const char* name : {"m/1", "m/2", "m/3"}) CHECK(joint(result, name).joint.parameters.strength.force == 100);
   const ReadResult wrong = read_scenario_text(bad_input::chain + "inertia = 1\n[mechanism.joint.4]\ndamping = 5\n", "s.toml");
-  CHECK(said(wrong) == "s.toml:9:18: error: joint: there is no joint '4' in this chain; they are 1 to 3");
+  CHECK(said(wrong) == "s.toml:9:18: error: joint: there is no joint '4' in this chain; the joints are 1 to 3");
 }
 
-TEST_CASE("a scenario with tables of joints is converted to one that moves alike") {
+TEST_CASE("a scenario with joint tables is converted to one with the same motion") {
   const Arm arm;
   const std::string tables =
       "limits = false\n[mechanism.joint.\"*\"]\ndamping = 3\nq = [0.1]\n[mechanism.joint.shoulder]\n"
@@ -265,7 +265,7 @@ TEST_CASE("angles of more than a turn are written with their unit, and read back
   CHECK(joint(again, "m/a").joint.parameters == joint(first, "m/a").joint.parameters);
 }
 
-TEST_CASE("set under a wildcard passes over welds, and what else can't have it") {
+TEST_CASE("set under a wildcard skips welds and other joints that cannot have the parameter") {
   const Arm arm;
   const ReadResult result = arm.read(
       "limits = false\n[[event]]\nname = \"on\"\nat = 0\nset = { joint = \"m/*\", drive = { pd = { kp = 5, kd = 1 } } }\n");
@@ -278,13 +278,13 @@ TEST_CASE("set under a wildcard passes over welds, and what else can't have it")
       "set = { joint = \"m/*\", damping = 2 }\n");
   CHECK(said(late) == "");
   REQUIRE(late.scenario);
-  CHECK(late.scenario->events.size() == 3);  // the condition is looked at on two joints
+  CHECK(late.scenario->events.size() == 3);  // the condition is evaluated on two joints
   CHECK(late.scenario->events.back().actions.size() == 2);
   const ReadResult turned =
       arm.read("limits = false\n[[event]]\nwhen = { position = \"m/*\", exceeds = \"10 deg\" }\nbreak = \"m/*\"\n");
   CHECK(said(turned) == "");
   REQUIRE(turned.scenario);
-  CHECK(turned.scenario->events.size() == 1);  // the slide has no angle
+  CHECK(turned.scenario->events.size() == 1);  // the prismatic joint has no angle
   CHECK(arm.says("limits = false\n[[event]]\nwhen = { position = \"m/*\", exceeds = \"10 kg\" }\nbreak = \"m/*\"\n") ==
         "s.toml:7:38: error: exceeds: '10 kg' is a mass (kg), not an angle (rad); for example 0.5236, or \"30 deg\"");
   CHECK(arm.says("limits = false\n[[event]]\nat = 0\nset = { joint = \"m/f*\", damping = 1 }\n") ==
@@ -294,8 +294,8 @@ TEST_CASE("set under a wildcard passes over welds, and what else can't have it")
   CHECK(arm.says("limits = false\n[[event]]\nat = 0\nset = { joint = \"m/*\", dampng = 1 }\n").find("did you mean 'damping'?") !=
         std::string::npos);
   CHECK(arm.says("limits = false\n[[event]]\nwhen = { speed = \"m/f*\", exceeds = 1 }\nbreak = \"m/slide\"\n") ==
-        "s.toml:7:18: error: when: no joint that matches 'm/f*' has one freedom; position and speed are of joints with one "
-        "freedom");
+        "s.toml:7:18: error: when: no joint that matches 'm/f*' has one degree of freedom; position and speed need a joint with "
+        "one degree of freedom");
 }
 
 }  // namespace momentree::io

@@ -10,7 +10,7 @@ namespace momentree::io {
 
 namespace {
 
-// Reads the text for the parser, and knows how far it has come: the parser itself tells no positions.
+// Reads the text for the parser, and counts the characters read: the parser itself reports no positions.
 class Cursor {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -47,11 +47,11 @@ struct Builder {
   std::vector<JsonNode*> open{};
   std::vector<std::unordered_set<std::string>> keys{};
   bool after_key = false;
-  // Positions only ever grow: lines are counted on from the last one.
+  // Positions only ever increase: lines are counted from the last one.
   std::size_t counted = 0, line_start = 0;
   int line = 1;
 
-  // Marks a node as standing `back` characters before where the parser is.
+  // Sets the position of a node to `back` characters before that of the parser.
   void place(JsonNode& node, std::size_t back) {
     const auto here = static_cast<std::size_t>(reached - text.data());
     const std::size_t at = here > back ? here - back : 0;
@@ -112,9 +112,9 @@ struct Builder {
     place(node, 1);
     std::string words = error.what();
     const std::size_t colon = words.find(": ");
-    if (colon == std::string::npos) document.fail_at(node, "this is not JSON: a number is outside the range of numbers");
+    if (colon == std::string::npos) document.fail_at(node, "this is not JSON: a number is out of range");
     words.erase(0, colon + 2);
-    // Any file may be named as a document, and the parser's message goes on with its text.
+    // Any file may be named as a document, and the parser's message quotes the text: that part is cut off.
     const std::size_t text_at = words.find("; last read: "), expected = words.rfind("; expected ");
     if (text_at != std::string::npos)
       words.erase(text_at, expected != std::string::npos && expected > text_at ? expected - text_at : std::string::npos);
@@ -181,9 +181,9 @@ JsonDocument parse_json(std::string_view text, std::string file) {
   if (const std::size_t nul = text.find('\0'); nul != std::string_view::npos) {  // the parser would take it for the end
     builder.reached = text.data() + nul;
     builder.place(document.root, 0);
-    document.fail_at(document.root, "this is not JSON: there is a NUL character in it");
+    document.fail_at(document.root, "this is not JSON: it contains a NUL character");
   }
-  // Exceptions of `fail` go through the parser, which keeps nothing but locals.
+  // Exceptions of `fail` pass through the parser, which holds only local variables.
   nlohmann::json::sax_parse(Cursor(text.data(), &builder.reached), Cursor(text.data() + text.size(), nullptr), &builder);
   return document;
 }

@@ -11,7 +11,7 @@ std::string mistake(const std::string& text) {
   return test::error_of([&] { parse_json(text, "f.json"); });
 }
 
-TEST_CASE("nodes know where they stand") {
+TEST_CASE("nodes have their places") {
   const JsonDocument d = parse_json("{ \"a\": 1,\n  \"b\": [true,\n        \"x\", 2.5\n  ] }", "f.json");
   CHECK(d.where(d.root) == "f.json:1:1");
   CHECK(d.where(*d.root.find("a")) == "f.json:1:3");
@@ -19,7 +19,7 @@ TEST_CASE("nodes know where they stand") {
   CHECK(d.where(b) == "f.json:2:3");
   CHECK(d.where(b.items[0]) == "f.json:2:9");
   CHECK(d.where(b.items[1]) == "f.json:3:9");
-  CHECK(b.items[2].line == 3);  // a number at the end of a line is of that line
+  CHECK(b.items[2].line == 3);  // a number at the end of a line belongs to that line
   CHECK(b.items[2].number == 2.5);
   CHECK(d.root.find("c") == nullptr);
 }
@@ -30,14 +30,14 @@ TEST_CASE("broken JSON is refused with its place") {
   CHECK(mistake("[1, 2").starts_with("f.json:1:"));
   CHECK(mistake("[1] [2]").starts_with("f.json:1:5"));
   CHECK(mistake("[NaN]").starts_with("f.json:1:"));
-  CHECK(mistake("[1e999]").ends_with("this is not JSON: a number is outside the range of numbers"));
+  CHECK(mistake("[1e999]").ends_with("this is not JSON: a number is out of range"));
   CHECK(mistake("[\"\xff\"]").starts_with("f.json:1:"));
   CHECK(mistake("{\"a\": 1, \"a\": 2}") == "f.json:1:10: error: the key \"a\" is given twice");
   CHECK(mistake(std::string(1000000, '[')).find("nested deeper than 64") != std::string::npos);
   CHECK(mistake(std::string("[1]\0", 4)).starts_with("f.json:1:4: error"));
 }
 
-TEST_CASE("what is no JSON is not quoted") {
+TEST_CASE("files that are not JSON are not quoted") {
   for (const char* text :
        {"root:$6$secret:19000::", "secret", "{ \"a\": secret }", "{ \"secret\n\" }", "[1secret]", "{ \"a\" \"secret\" }"}) {
     CAPTURE(text);
@@ -48,7 +48,7 @@ TEST_CASE("what is no JSON is not quoted") {
   CHECK(mistake("{ \"a\": 1,, }").ends_with("syntax error while parsing object key - unexpected ','; expected string literal"));
 }
 
-TEST_CASE("what is asked for must be what is there") {
+TEST_CASE("values must have the requested types, and keys must be known") {
   const JsonDocument d = parse_json(R"({"n": 1, "s": "x", "a": [1, "y"]})", "f.json");
   CHECK(d.number(*d.root.find("n"), "n") == 1);
   CHECK(test::error_of([&] { d.number(*d.root.find("s"), "`s`"); }) ==

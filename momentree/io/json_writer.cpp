@@ -10,7 +10,7 @@ namespace momentree::io {
 
 namespace {
 
-// \uXXXX; two of them, surrogates, beyond the first plane.
+// \uXXXX; two of them (surrogates) beyond the first plane.
 void append_escape(std::string& text, char32_t c) {
   const auto append = [&text](char32_t unit) {
     text += "\\u";

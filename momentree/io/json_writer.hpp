@@ -1,5 +1,5 @@
 #pragma once
-// JSON written straight into a string: objects in the order given, numbers that read back to the same bits.
+// Writes JSON directly into a string: members in the order given, numbers that read back to the same bits.
 #include <span>
 #include <string>
 #include <string_view>
@@ -8,7 +8,8 @@
 
 namespace momentree::io {
 
-/// Objects and arrays of objects stand on lines of their own down to `depth` levels, what is deeper on one line (0: all on one).
+/// Objects and arrays of objects get their own lines down to `depth` levels; deeper ones are written on one line (0: all on one
+/// line).
 class JsonWriter {
  public:
   explicit JsonWriter(std::string& text, int depth = 0) : text_(text), depth_(depth) {}
@@ -19,11 +20,11 @@ class JsonWriter {
   JsonWriter& end_array() { return end(']'); }
   JsonWriter& key(std::string_view name);
 
-  JsonWriter& value(double number);  ///< null where it is not finite: JSON has no word for it
+  JsonWriter& value(double number);  ///< null if it is not finite, which JSON cannot represent
   JsonWriter& value(long number);
   JsonWriter& value(int number) { return value(static_cast<long>(number)); }
   JsonWriter& value(bool truth);
-  /// Any bytes: what is not visible is escaped, and a byte that is not UTF-8 becomes U+FFFD.
+  /// Any bytes: invisible characters are escaped, and bytes that are not UTF-8 become U+FFFD.
   JsonWriter& value(std::string_view words);
   JsonWriter& value(const char* words) { return value(std::string_view(words)); }
   JsonWriter& value(const std::string& words) { return value(std::string_view(words)); }

@@ -62,7 +62,7 @@ TEST_CASE("words are escaped") {
   CHECK(parse_json(text, "words.json").root.text == "a\"b\\c\n\x01/ä");
 }
 
-TEST_CASE("whatever the bytes, the text is UTF-8 and shows no terminal a command") {
+TEST_CASE("whatever the bytes, the text is UTF-8 and contains no terminal commands") {
   std::string text;
   JsonWriter(text).value("\x7f\xC2\x9B\xE2\x80\xAE\xF3\xA0\x81\x81|\xFF\xE2\x80|");
   CHECK(text == "\"\\u007f\\u009b\\u202e\\udb40\\udc41|\\ufffd\\ufffd\\ufffd|\"");
@@ -70,7 +70,7 @@ TEST_CASE("whatever the bytes, the text is UTF-8 and shows no terminal a command
         "\x7f\xC2\x9B\xE2\x80\xAE\xF3\xA0\x81\x81|\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD|");
 }
 
-TEST_CASE("what is not finite is null") {
+TEST_CASE("non-finite numbers are null") {
   std::string text;
   const double numbers[] = {std::nan(""), 1, -INFINITY};
   JsonWriter(text).value(std::span<const double>(numbers));

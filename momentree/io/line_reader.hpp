@@ -1,5 +1,5 @@
 #pragma once
-// The tables and documents of a result folder, as they are read back: regular files alone, errors of reading noticed.
+// Reads the tables and documents of a result folder back line by line. Accepts regular files only, and reports read errors.
 #include <filesystem>
 #include <string>
 
@@ -7,17 +7,18 @@
 
 namespace momentree::io {
 
-/// Reads a file line by line, as a stream: it may be large.
+/// Reads a file line by line as a stream, since it may be large.
 class LineReader {
  public:
-  /// Throws Error where there is no such regular file, or it can't be read; symbolic links are not followed.
+  /// Throws Error if there is no such regular file, or if it cannot be read; symbolic links are not followed.
   explicit LineReader(const std::filesystem::path& file);
 
-  /// The next line without its end; false at the end of the file. Throws Error where reading fails.
+  /// The next line without its line end; false at the end of the file. Throws Error if reading fails.
   bool next(std::string& line);
-  /// Of the last line, counted from 1.
+  /// The number of the last line read, counted from 1.
   std::size_t number() const { return number_; }
-  /// Whether the last line had its end. Else it is the last one of a file that was cut, or is still being written.
+  /// Whether the last line read was terminated. If not, it is the last line of a file that was truncated or is still being
+  /// written.
   bool is_whole() const { return whole_; }
 
  private:

@@ -9,7 +9,7 @@
 namespace momentree::io {
 
 std::vector<int> massless_links(std::span<const BodySpec* const> bodies) {
-  std::vector<char> carries(bodies.size(), 0), rigid(bodies.size(), 0);  // by a joint; a mass, by welds
+  std::vector<char> carries(bodies.size(), 0), rigid(bodies.size(), 0);  // carries a joint; has mass, including welded bodies
   std::unordered_set<std::string_view> names;
   for (std::size_t b = bodies.size(); b-- > 0;) {
     const BodySpec& spec = *bodies[b];
@@ -27,7 +27,7 @@ std::vector<int> massless_links(std::span<const BodySpec* const> bodies) {
   std::vector<int> found;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const BodySpec& spec = *bodies[b];
-    // `body.joint` is made on purpose: it carries another joint of that body.
+    // `body.joint` has no mass on purpose: it carries another joint of that body.
     const std::size_t dot = spec.name.rfind('.');
     const bool carrier =
         spec.name.empty() || (dot != std::string::npos && names.contains(std::string_view(spec.name).substr(0, dot)));
@@ -36,6 +36,8 @@ std::vector<int> massless_links(std::span<const BodySpec* const> bodies) {
   return found;
 }
 
-std::string massless_link(const std::string& name) { return in_quotes(name) + " moves, carries others, and has no mass"; }
+std::string massless_link(const std::string& name) {
+  return in_quotes(name) + " moves and carries other bodies, but has no mass";
+}
 
 }  // namespace momentree::io

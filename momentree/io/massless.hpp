@@ -1,5 +1,5 @@
 #pragma once
-// A body that moves between two masses and has none: legal, but seldom meant. Of models and of scenarios.
+// Finds moving bodies without mass between two bodies with mass: legal, but seldom intended. For models and scenarios.
 #include <span>
 #include <string>
 #include <vector>
@@ -8,9 +8,10 @@
 
 namespace momentree::io {
 
-/// Their numbers; parents stand before their children. Names of carriers, `body.joint`, are meant.
+/// The indices of such bodies in `bodies`, in which parents come before their children. Carriers named `body.joint`, which have
+/// no mass on purpose, are not reported.
 std::vector<int> massless_links(std::span<const BodySpec* const> bodies);
-std::string massless_link(const std::string& name);  ///< what is said of one
+std::string massless_link(const std::string& name);  ///< the message for one of them
 inline constexpr const char* massless_hint = "is its inertia missing?";
 
 }  // namespace momentree::io

@@ -12,7 +12,7 @@ namespace {
 
 using Edge3 = std::pair<Vec3, Vec3>;
 
-/// By body.
+/// The extents of all bodies, by body number.
 std::vector<std::vector<Edge3>> drawn_extents(const Model& model, const std::vector<Shape>& shapes) {
   std::vector<std::vector<Edge3>> extents(static_cast<std::size_t>(model.size()));
   for (const BodySpec& child : model.bodies()) {

@@ -1,5 +1,5 @@
 #pragma once
-// model.json: what a viewer needs to know beside the poses of a run: the bodies, what they look like, how they are joined.
+// model.json: what a viewer needs in addition to the poses of a run: the bodies, their shapes, and the joints between them.
 #include <string>
 #include <vector>
 
@@ -8,12 +8,12 @@
 
 namespace momentree::io {
 
-/// The document as JSON: the world as a run begins with it. `shapes`: by body number; may be shorter than the model has bodies.
-/// docs/howto/use-the-results.md describes it.
+/// The document as JSON: the world at the start of a run. `shapes`: by body number; may be shorter than the number of bodies.
+/// docs/howto/use-the-results.md describes the format.
 ///
-/// Its `extent` has lines (body axes, m) that stand for a body: from its inboard joint to each of its children's joints; for a
-/// body without children, or whose children's joints all stand at its own, to the centre of mass, and beyond it to twice its
-/// distance where there is no shape. None for a body whose mass lies at its joint.
+/// Its `extent` has lines (body axes, m) that represent a body: from its inboard joint to each of its children's joints; for a
+/// body without children, or whose children's joints are all at its own joint, to the centre of mass, extended to twice that
+/// distance if the body has no shape. A body whose mass is at its joint has no lines.
 std::string model_json(const World& world, const std::string& title, const std::vector<Shape>& shapes = {});
 
 }  // namespace momentree::io

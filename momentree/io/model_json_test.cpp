@@ -33,11 +33,11 @@ bool mentions(const std::string& text, const std::string& part) { return text.fi
 
 }  // namespace
 
-TEST_CASE("a body is drawn to its children, a tip through its centre of mass") {
+TEST_CASE("a body is drawn to its children, a leaf through its centre of mass") {
   const std::string text = model_json(World(arm()), "");
   CHECK(mentions(text, R"("extent": [[[0, 0, 0], [0, 0, 0.5]]])"));  // the base
   CHECK(mentions(text, R"("extent": [[[0, 0, 0], [1, 0, 0]]])"));    // the link
-  CHECK(mentions(text, R"("extent": [])"));                          // the nut: its mass lies at its joint
+  CHECK(mentions(text, R"("extent": [])"));                          // the nut: its mass is at its joint
 
   Model rod;
   rod.add({.name = "rod", .mass = 1, .com = {0.5, 0, 0}, .inertia = diagonal(1), .joint = Revolute{}, .child_at = {0.25, 0, 0}});
@@ -47,7 +47,7 @@ TEST_CASE("a body is drawn to its children, a tip through its centre of mass") {
   CHECK(mentions(model_json(World(rod), "", {ball}), R"("extent": [[[0.25, 0, 0], [0.5, 0, 0]]])"));
 }
 
-TEST_CASE("the document names what there is, in the order of the model") {
+TEST_CASE("the document lists joints and bodies in the order of the model") {
   Shape box;
   box.kind = Shape::Kind::box;
   box.size = {1, 2, 3};

@@ -10,7 +10,7 @@ template <class Number>
 void append(std::string& text, Number value) {
   char digits[32];
   const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
-  (void)error;  // 32 characters hold every double and every long
+  (void)error;  // 32 characters are enough for every double and every long
   text.append(digits, end);
 }
 }  // namespace

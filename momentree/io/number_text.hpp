@@ -4,8 +4,8 @@
 
 namespace momentree::io {
 
-/// Appends the shortest decimal text that reads back to the same bits; minus zero as "-0.0", which JSON readers keep.
-/// `value` may be infinite or not a number ("inf", "nan"): JSON writers must look first.
+/// Appends the shortest decimal text that reads back to the same bits; minus zero as "-0.0", which JSON readers keep. `value`
+/// may be infinite or NaN ("inf", "nan"): JSON writers must check this first.
 void append_number(std::string& text, double value);
 void append_number(std::string& text, long value);
 

@@ -1,4 +1,4 @@
-// The tree of a mechanism from the names of parents: without recursion, because a chain may be as long as memory allows.
+// Builds the tree of a mechanism from the names of parents, without recursion, since a chain may be as long as memory allows.
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
@@ -7,14 +7,14 @@ namespace {
 
 constexpr std::size_t none = static_cast<std::size_t>(-1);
 
-// A parent's name without the mechanism's own prefix, which may be written.
+// A parent's name without the prefix of its own mechanism, which is optional.
 std::string_view bare(std::string_view name, const std::string& mechanism) {
   if (name.size() > mechanism.size() && name.substr(0, mechanism.size()) == mechanism && name[mechanism.size()] == '/')
     return name.substr(mechanism.size() + 1);
   return name;
 }
 
-// Says who stands in the circle that `start` leads to; marks all of it.
+// Reports the bodies of the cycle that `start` leads to, and marks all of them.
 void report_circle(const std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& parent, std::size_t start,
                    std::vector<char>& reported, Diagnostics& out) {
   std::string names = in_quotes(bodies[start].bare_name);
@@ -29,7 +29,7 @@ void report_circle(const std::vector<BodyEntry>& bodies, const std::vector<std::
   if (shown == 2)
     out.error(bodies[start].parent_place, "body " + in_quotes(bodies[start].bare_name) + " is its own parent");
   else
-    out.error(bodies[start].parent_place, "the joints go round in a circle: " + names,
+    out.error(bodies[start].parent_place, "the joints form a cycle: " + names,
               "a mechanism is a tree; closed loops are not supported");
 }
 
@@ -57,8 +57,8 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
         out.error(body.name_place,
                   "a second root: body " + in_quotes(body.bare_name) + " is joined to the ground, as " +
                       in_quotes(bodies[root].bare_name) + " on " + out.name_of(bodies[root].name_place),
-                  roots > 1 ? "the mechanism says roots = " + std::to_string(roots)
-                            : "give it a joint with a parent, or a [[mechanism]] of its own");
+                  roots > 1 ? "the mechanism has roots = " + std::to_string(roots)
+                            : "give it a joint with a parent, or a separate [[mechanism]]");
       continue;
     }
     const auto found = by_name.find(bare(body.parent, mechanism));
@@ -78,7 +78,7 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
     sound = false;
   }
 
-  // Children in the order of the file; a body's state is 1 once it is known to hang on a root or on an unknown parent.
+  // Children in the order of the file; a body's state is 1 once it is known to be attached to a root or to an unknown parent.
   std::vector<std::size_t> order, path;
   std::vector<char> placed(bodies.size(), 0), reported(bodies.size(), 0), walking(bodies.size(), 0);
   order.reserve(bodies.size());
@@ -105,7 +105,7 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
   }
   if (root == none && sound && errors == out.errors())
     out.error(place, "mechanism " + in_quotes(mechanism) + " has no root",
-              "one body is joined to the ground: its joint names no parent");
+              "join one body to the ground: its joint names no parent");
   else if (sound && root != none && found_roots < roots)
     out.error(place, "roots: " + std::to_string(found_roots) + " bodies of mechanism " + in_quotes(mechanism) +
                          " are joined to the ground, not " + std::to_string(roots));

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t deepest = 16;
 
-// The parts of a dotted key and what follows the '='; nothing if there is no such thing.
+// The parts of a dotted key and the text after the '='; nothing if the argument has another form.
 struct Assignment {
   std::vector<std::string> path;
   std::string_view value;
@@ -43,7 +43,7 @@ std::optional<Assignment> parsed(std::string_view text) {
     } else if (c != ' ') {
       part += c;
     } else if (!part.empty() && i + 1 < text.size() && text[i + 1] != ' ' && text[i + 1] != '=' && text[i + 1] != '.') {
-      part += c;  // within a name
+      part += c;  // part of a name
     }
   }
   return {};
@@ -54,7 +54,7 @@ std::string name_in(const Value& table) {
   return entry && entry->value.string() ? *entry->value.string() : std::string{};
 }
 
-// The entry of an array that `part` names, or null with a report.
+// The entry of an array that `part` names; null, with a report, if there is none.
 Value* entry_of(Value& array, const std::string& part, Place place, Diagnostics& out) {
   Value::Array& entries = *array.array();
   std::vector<std::string> names;

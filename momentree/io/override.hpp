@@ -1,5 +1,5 @@
 #pragma once
-// `--set KEY=VALUE`: a value of a document replaced, or added, before it is read.
+// `--set KEY=VALUE`: replaces or adds a value of a document before it is read.
 #include <string>
 #include <vector>
 
@@ -8,8 +8,8 @@
 
 namespace momentree::io {
 
-/// Applies the overrides in their order. A key is a dotted path: tables of an array are found by their `name`, an event without
-/// one by #1, #2 …, entries of any array by their number from 0; missing tables are added. The value is TOML, else a string.
+/// Applies the overrides in order. A key is a dotted path: tables of an array are found by their `name`, an event without a
+/// name by #1, #2 …, entries of any array by their index from 0. Missing tables are added. The value is TOML, else a string.
 void apply_overrides(Value& document, const std::vector<std::string>& overrides, Diagnostics& out);
 
 }  // namespace momentree::io

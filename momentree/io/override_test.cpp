@@ -23,8 +23,8 @@ Scenario with(const std::string& override_text) {
 }  // namespace
 
 TEST_CASE("an override replaces or adds a value by its dotted path") {
-  CHECK(with("integrate.step=1e-4").integration.step == 1e-4);   // a table that was not there
-  CHECK(with("integrate.step=2 ms").integration.step == 0.002);  // no TOML: a string
+  CHECK(with("integrate.step=1e-4").integration.step == 1e-4);   // a table that did not exist
+  CHECK(with("integrate.step=2 ms").integration.step == 0.002);  // not TOML: a string
   CHECK(with("integrate.step=\"3 ms\"").integration.step == 0.003);
   CHECK(with("mechanism.m.pose.xyz=[0,0,1]").model[BodyId{0}].at.position.z == 1);
   CHECK(with("mechanism.m.body.a.mass=7").model[BodyId{0}].mass == 7);
@@ -38,7 +38,7 @@ TEST_CASE("an override replaces or adds a value by its dotted path") {
 
 TEST_CASE("later overrides win") { CHECK(read({"integrate.step=1", "integrate.step=2"}).scenario->integration.step == 2); }
 
-TEST_CASE("what is wrong with an override points to it") {
+TEST_CASE("errors in an override point to it") {
   const auto refusal = [](const std::string& text) { return said(read({text})); };
   CHECK(refusal("integrate.step=0") == "--set integrate.step=0: error: step: must be greater than 0");
   CHECK(refusal("integrate.stp=1") == "--set integrate.stp=1: error: unknown key 'stp' in [integrate]; did you mean 'step'?");

@@ -47,7 +47,7 @@ void write_signals(JsonWriter& json, const char* key, const std::vector<Signal>&
   json.end_array();
 }
 
-// Numbers of JSON are finite: null stands for infinity.
+// JSON numbers are finite: null represents infinity.
 void write_limits(JsonWriter& json, const JointLimits& limits) {
   json.key("limits").begin_object();
   write_values(json, "lower", limits.lower);
@@ -108,7 +108,7 @@ class Reader {
     return given == nullptr || given->is(Type::null) ? none : doc_.number(*given, quoted(key));
   }
 
-  // `none`: what null stands for; where it is no number, null is refused.
+  // `none`: the value of null; if it is NaN, null is refused.
   Values values(const JsonNode& node, const char* key, double none = NAN) const {
     const JsonNode* given = node.find(key);
     if (given == nullptr) return {};

@@ -53,7 +53,7 @@ TEST_CASE("parameters of every sort come back to the same bits") {
   CHECK(back({}) == JointParameters{});
 }
 
-TEST_CASE("a drive that an event gave is in the document of the world, and goes on from there") {
+TEST_CASE("a drive set by an event is in the document of the world, and continues from there") {
   Model model;
   model.add({.name = "m/a", .mass = 1, .com = {0, 0, -1}, .inertia = diagonal(0.1), .joint = Revolute{.axis = {0, 1, 0}}});
   Simulation first(model);
@@ -71,7 +71,7 @@ TEST_CASE("a drive that an event gave is in the document of the world, and goes 
   CHECK(*second.world().joint({0}).parameters == *first.world().joint({0}).parameters);
 }
 
-TEST_CASE("what is wrong with parameters stands where it is") {
+TEST_CASE("errors in parameters have their places") {
   const auto mistake = [](const std::string& text) {
     return test::error_of([&] {
       const JsonDocument document = parse_json(text, "p.json");

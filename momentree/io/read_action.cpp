@@ -1,4 +1,4 @@
-// One entry of an event's actions: a name, or a table with the fields that the action asks for.
+// One entry of an event's actions: a name, or a table with the fields that the action needs.
 #include <momentree/io/read_action.hpp>
 
 namespace momentree::io {
@@ -14,7 +14,7 @@ const char* example(std::string_view key) {
   return "for example set = { joint = \"arm/elbow\", damping = 0.1 }";
 }
 
-// The name in an entry that may have a wildcard: of the one joint or body that it acts on.
+// The name in an entry that may contain a wildcard: that of the joint or body that it acts on.
 const Value* wild_name(const Value& entry) {
   const Value* name = &entry;
   for (const char* key : {"joint", "body"})
@@ -78,16 +78,16 @@ void ActionReader::body(const char* key, std::string& name, bool ground_too) {
   name = matched ? match_ : *text;
   if (matched || (ground_too && name == "ground")) return;
   if (name == "ground") {
-    out_.error(place, key_ + ": the ground is no body that this could be done to",
-               value_.find("to") ? "the ground is what another body is joined 'to'" : "");
+    out_.error(place, key_ + ": this action cannot be applied to the ground",
+               value_.find("to") ? "the ground can only be the body that another is joined 'to'" : "");
   } else if (name.find('*') != std::string::npos) {
-    out_.error(place, key_ + ": '" + key + "' is one body: " + in_quotes(name) + " could be many");
+    out_.error(place, key_ + ": '" + key + "' is one body: " + in_quotes(name) + " can match several");
   } else if (!reading_.bodies.contains(name) && !reading_.opaque.contains(mechanism_of(name))) {
     const auto joint = reading_.joints.find(name);
     std::string hint = joint != reading_.joints.end() ? "that is the name of a joint" : "";
     if (hint.empty() && name.find('/') == std::string::npos)
       for (const auto& [mechanism, where] : reading_.mechanisms)
-        if (reading_.bodies.contains(mechanism + "/" + name)) hint = "names are complete: " + in_quotes(mechanism + "/" + name);
+        if (reading_.bodies.contains(mechanism + "/" + name)) hint = "use the full name: " + in_quotes(mechanism + "/" + name);
     if (hint.empty()) hint = reading_.suggest(name, reading_.bodies);
     if (hint.empty() && means_ground(name)) hint = "the ground is \"ground\"";
     out_.error(place, key_ + ": there is no body " + in_quotes(name), std::move(hint));
@@ -99,7 +99,8 @@ void ActionReader::dofs(const char* key, const std::string&, std::vector<int>& n
   const Value* list = fields_->find(key);
   if (!list) return;
   if (!list->array()) return out_.error(list->place, std::string(key) + ": expected a list, found " + list->type_name(), hint_);
-  if (list->array()->empty()) out_.error(list->place, std::string(key) + ": names no freedom", "leave it out for all of them");
+  if (list->array()->empty())
+    out_.error(list->place, std::string(key) + ": names no degree of freedom", "leave it out for all of them");
   unsigned seen = 0;
   for (const Value& entry : *list->array()) {
     const std::int64_t* number = entry.integer();
@@ -109,7 +110,7 @@ void ActionReader::dofs(const char* key, const std::string&, std::vector<int>& n
                      (number ? ", not " + std::to_string(*number) : std::string(", found ") + entry.type_name()),
                  hint_);
     } else if ((seen >> *number & 1u) != 0) {
-      out_.error(entry.place, std::string(key) + ": " + std::to_string(*number) + " stands there twice");
+      out_.error(entry.place, std::string(key) + ": " + std::to_string(*number) + " is given twice");
     } else {
       seen |= 1u << *number;
       numbers.push_back(static_cast<int>(*number));
@@ -158,16 +159,16 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
   const Value::Array& entries = value.array() ? *value.array() : single;
   const char* const plain_field = make_action(key)->plain_field();
   if (entries.empty()) out.error(value.place, key + (plain_field ? ": names no joint" : ": an empty list does nothing"));
-  // At an instant that is known each match is an event of its own; else they happen together, when the event does.
+  // At a known instant each match becomes a separate event; otherwise all matches happen together with the event.
   const bool together = trigger != nullptr || event.condition || !event.after.empty() || event.period > 0;
   const auto add = [&](const Value& entry, const std::string& match, ScenarioEvent& to) {
     if (--reading.actions_left < 0) {
       if (reading.actions_left == -1)
-        out.error(entry.place, "more than 1000000 actions", "a wildcard is as many as the names that it matches");
+        out.error(entry.place, "more than 1000000 actions", "a wildcard counts once for each name that it matches");
       return false;
     }
     const std::shared_ptr<ActionBase> action = make_action(key);
-    if (key == "set")  // units are those of a joint that perhaps another event makes
+    if (key == "set")  // the units depend on a joint that another event may make
       reading.late.push_back({action, value.array() ? &entry : &value, match, event.time});
     else if (!ActionReader(entry, key, plain_field, match, event.time, reading).read(*action))
       return false;

@@ -1,5 +1,5 @@
 #pragma once
-// Fills an action in from what a scenario says. Internal to the reader.
+// Reads an action from a scenario. Internal to the reader.
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,14 +11,14 @@ namespace momentree::io {
 
 class ActionReader final : public ActionFields {
  public:
-  /// `value`: a name where there is a `plain_field`, else a table. `match`: what its name with a wildcard stands for this time;
-  /// empty: it has none. `time`: of its event.
+  /// `value`: a name if there is a `plain_field`, else a table. `match`: the name that its wildcard stands for in this event;
+  /// empty: no wildcard. `time` (s): of its event.
   ActionReader(const Value& value, std::string key, const char* plain_field, const std::string& match, double time,
                Reading& reading);
-  /// False, with reports, where something is wrong.
+  /// False, with reports, if something is wrong.
   bool read(ActionBase& action);
 
-  /// Kind of a joint; null: not known.
+  /// The kind of a joint; null: unknown.
   std::function<const KindInfo*(const std::string& joint)> kind_of;
 
   void joint(const char* key, std::string& name) override;
@@ -30,7 +30,7 @@ class ActionReader final : public ActionFields {
   void parameters(const std::string& of, JointParameters& parameters) override;
 
  private:
-  static constexpr const char* hint_ = "freedoms are numbered in the order of v: [0, 2]";
+  static constexpr const char* hint_ = "degrees of freedom are numbered in the order of v: [0, 2]";
   const Value* given(const char* key, bool required);
   std::optional<std::string> name(const char* key, bool required, Place& place);
 
@@ -42,10 +42,10 @@ class ActionReader final : public ActionFields {
   Reading& reading_;
   Diagnostics& out_;
   std::optional<Fields> fields_;
-  bool asked_ = false, acts_ = true;  // whether a wrench is asked for; whether anything would be done
+  bool asked_ = false, acts_ = true;  // whether a wrench is required; whether the action would have any effect
 };
 
-/// What stands before the first '/' of a name.
+/// The part of a name before the first '/'.
 std::string mechanism_of(const std::string& name);
 
 }  // namespace momentree::io

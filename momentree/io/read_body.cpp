@@ -10,22 +10,22 @@ bool check_bare_name(const std::string& name, Place place, std::string_view what
     out.error(place, "name: " + std::string(what) + " cannot be named " + in_quotes(name) + ": " + why, hint);
     return false;
   };
-  if (name.empty()) return refuse("that is no name", "");
+  if (name.empty()) return refuse("it is empty", "");
   if (name.size() > 200) return refuse("it is longer than 200 characters", "");
-  if (name == "ground") return refuse("that is the ground", "");
-  if (name == "." || name == "..") return refuse("that is a folder", "");
+  if (name == "ground") return refuse("it means the ground", "");
+  if (name == "." || name == "..") return refuse("it means a folder", "");
   if (name.front() == '#') return refuse("# begins the numbers of events", "");
   if (first_invisible(name) != std::string::npos)
-    return refuse("it has a character that is not seen", "not in a name: control characters, marks of direction and the like");
+    return refuse("it has an invisible character", "a name has no control characters, direction marks and the like");
   if (name.find_first_of("/,\"*") != std::string::npos)
-    return refuse("it has a character that names do not have", "not in a name: / , \" * and control characters");
+    return refuse("it has a character that is not allowed", "a name has no / , \" * and no control characters");
   return true;
 }
 
 bool Reading::note(std::unordered_map<std::string, Place>& names, const std::string& name, Place place, const char* what) {
   const auto [found, fresh] = names.emplace(name, place);
   if (!fresh)
-    out.error(place, "duplicate " + std::string(what) + " " + in_quotes(name) + ": it is the name of another on " +
+    out.error(place, "duplicate " + std::string(what) + " " + in_quotes(name) + ": the name is already used by another on " +
                          out.name_of(found->second));
   return fresh;
 }
@@ -53,11 +53,11 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
 
   const std::size_t errors = out.errors();
   BodySpec& spec = body.spec;
-  fields.require("mass", "in kg, or a string as \"10 g\"");
+  fields.require("mass", "in kg, or a string such as \"10 g\"");
   spec.mass = fields.number("mass", dimension::mass).value_or(1);
   spec.com = fields.vec3("com", dimension::length).value_or(Vec3{});
   if (const Value* inertia = fields.find("inertia")) spec.inertia = read_inertia(*inertia, "inertia", out).value_or(Sym3{});
-  if (errors != out.errors()) spec.mass = 1, spec.inertia = {};  // reported: no more to say about them
+  if (errors != out.errors()) spec.mass = 1, spec.inertia = {};  // reported already: use values that cause no further messages
 
   if (const Value* joint = fields.find("joint"))
     read_joint(*joint, body, reading);
@@ -72,7 +72,7 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
   if (body.bare_joint.empty()) body.bare_joint = body.bare_name;
   spec.joint_name = mechanism + "/" + body.bare_joint;
   const Value::Entry* own = body.joint ? body.joint->find("name") : nullptr;
-  // A duplicate body without a joint name of its own was reported once already.
+  // A duplicate body without its own joint name was reported already.
   if (body.named || own) {
     reading.note(reading.joints, spec.joint_name, own ? own->value.place : body.name_place, "joint");
     if (spec.joint_name != spec.name) reading.body_of_joint.emplace(spec.joint_name, spec.name);

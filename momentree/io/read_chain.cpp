@@ -56,9 +56,9 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
     else
       chain.links = static_cast<int>(*n);
   }
-  fields.require("length", "between consecutive joints, as \"5 cm\"");
+  fields.require("length", "between consecutive joints, such as \"5 cm\"");
   chain.length = fields.positive("length", dimension::length).value_or(1);
-  fields.require("mass", "of one link, in kg, or a string as \"10 g\"");
+  fields.require("mass", "of one link, in kg, or a string such as \"10 g\"");
   const std::size_t errors = out.errors();
   chain.mass = fields.number("mass", dimension::mass).value_or(1);
   if (const Value* inertia = fields.find("inertia")) chain.inertia = read_inertia(*inertia, "inertia", out).value_or(Sym3{});
@@ -68,7 +68,7 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
   chain.angle = fields.number("angle", dimension::angle).value_or(0);
   chain.angle_growth = fields.boolean("angle_growth").value_or(false);
   if (chain.parameters.drive && chain.parameters.drive->moves() && fields.has("angle"))
-    out.error(fields.place_of("angle"), "angle: the motion of these joints says where they start", "leave it out");
+    out.error(fields.place_of("angle"), "angle: the motion of these joints defines where they start", "leave it out");
   fields.finish();
   return chain;
 }
@@ -81,7 +81,7 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
   Fields fields(table, "[mechanism.chain]", out);
   if (!table.table()) return;
   const Chain chain = read_fields(fields, reading.bodies_left, out);
-  // The last pinned link stands for all: they differ in their angle alone, and its is the largest.
+  // The last revolute link represents all: they differ only in their angle, and its angle is the largest.
   const BodySpec any = make_link(chain, std::max(chain.links, 2), mechanism, free_root, pose, ground);
   for (const BodyProblem& problem : check_body(any))
     out.error(fields.place_of(problem.field == "q" ? "angle" : problem.field), problem.field + ": " + problem.what, problem.hint);
@@ -95,7 +95,7 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
   reading.bodies_left -= chain.links;
 
   const bool sound = errors == out.errors();
-  // Names of a chain of who knows how many are not judged; nor of a long one that is refused, which should be quick.
+  // Names in a chain of unknown length are not checked, nor in a long one with errors, which should be refused quickly.
   if (!sound && (chain.links == 0 || chain.links > 10'000)) {
     reading.opaque.insert(mechanism);
     return;
@@ -133,7 +133,7 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
   for (const auto& [name, value] : state.joints)
     if (!reading.joints.contains(mechanism + "/" + name))
       out.error(value->place, "state: there is no joint " + in_quotes(name) + " in this chain",
-                "they are 1 to " + std::to_string(chain.links));
+                "the joints are 1 to " + std::to_string(chain.links));
 }
 
 }  // namespace momentree::io

@@ -1,4 +1,4 @@
-// [[coupling]]: a joint that follows another by a spring; and `mimic` of a mechanism, which has a model's joints do so.
+// [[coupling]]: a joint that follows another through a spring; and `mimic` of a mechanism, which couples the joints of a model.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,7 +13,7 @@ namespace momentree::io {
 
 namespace {
 
-/// The joint of a name, if it has one freedom and may be driven; else −1, and a report.
+/// The joint of a name, if it has one DoF and may be driven; else −1, with a report.
 JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
   Diagnostics& out = reading.out;
   const auto name = read_string(value, key, out);
@@ -25,13 +25,13 @@ JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
   const auto body = reading.body_of_joint.find(*name);
   const std::string& carried = body == reading.body_of_joint.end() ? *name : body->second;
   const Model& model = reading.scenario.model;
-  if (!model.has_body(carried)) return {-1};  // of a mechanism that was refused
+  if (!model.has_body(carried)) return {-1};  // of a mechanism with errors
   const JointId joint = model.inboard_joint(model.body(carried));
   const JointSpec& spec = model[joint].joint;
   if (info(spec.kind).nv != 1) {
     out.error(value.place,
               std::string(key) + ": joint " + in_quotes(*name) + " is " + std::string(info(spec.kind).name) +
-                  ", and not one of one freedom",
+                  ", and does not have one degree of freedom",
               "couple revolute, prismatic and helical joints");
     return {-1};
   }
@@ -85,7 +85,7 @@ void read_coupling(const Value& table, Reading& reading) {
   const CouplingSpring spring = read_coupling_spring(fields, slides);
   fields.finish();
   if (joint.index >= 0 && joint == leader)
-    out.error(leader_value->place, "follows: a joint can't follow itself", "name another one of the same world");
+    out.error(leader_value->place, "follows: a joint cannot follow itself", "name another one of the same world");
   if (errors != out.errors() || joint.index < 0 || leader.index < 0) return;
   coupling.joint = joint, coupling.leader = leader;
   coupling.stiffness = spring.stiffness, coupling.damping = spring.damping;
@@ -100,7 +100,7 @@ void check_couplings(Reading& reading) {
     const auto first = std::find(pairs.begin(), pairs.end(), std::pair(circle[0], circle[1]));
     reading.out.error(reading.coupling_places[static_cast<std::size_t>(first - pairs.begin())],
                       "coupling: " + circle_text(circle, [&](int joint) { return in_quotes(model[JointId{joint}].joint_name); }),
-                      "one of them has to lead: it follows none");
+                      "one of them must lead and follow no other");
   }
   std::unordered_set<std::string_view> coupled;
   for (const JointCoupling& each : reading.scenario.couplings)
@@ -111,7 +111,7 @@ void check_couplings(Reading& reading) {
       for (const std::string& joint : event.actions[a]->joints())
         if (coupled.contains(joint))
           reading.out.error(event.places[a], "change: joint " + in_quotes(joint) + " is coupled to another",
-                            "coupled joints may break, lock and come free, but not become others");
+                            "coupled joints may break, lock and be freed, but not be changed");
     }
 }
 

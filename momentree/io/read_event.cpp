@@ -1,4 +1,4 @@
-// [[event]]: an instant and what happens at it, in the order of its keys.
+// [[event]]: an instant or condition, and the actions, in the order of its keys.
 #include <algorithm>
 
 #include <momentree/io/scenario_parts.hpp>
@@ -7,7 +7,7 @@ namespace momentree::io {
 
 namespace {
 
-// One event: that of `match`, where its condition has a wildcard. False where it does nothing.
+// One event: that of `match`, if its condition has a wildcard. False if it has no effect.
 bool read_one(const Value& table, const std::string& name, bool named, const TriggerMatch* match, Reading& reading) {
   Fields fields(table, "[[event]]", reading.out);
   fields.find("name");
@@ -21,7 +21,8 @@ bool read_one(const Value& table, const std::string& name, bool named, const Tri
   bool acts = false;
   std::vector<ScenarioEvent> wild;
   std::vector<std::string> keys = action_keys();
-  keys.erase(std::find(keys.begin(), keys.end(), "reroot"));  // files re-root where they join; by itself it is for C++
+  // scenario files re-root through other actions; `reroot` alone is for C++
+  keys.erase(std::find(keys.begin(), keys.end(), "reroot"));
   for (const std::string& key : keys) fields.find(key);
   if (const Value::Table* entries = table.table())
     for (const Value::Entry& entry : *entries) {
@@ -54,7 +55,7 @@ void read_event(const Value& table, int number, Reading& reading) {
     const std::size_t errors = out.errors();
     for (const TriggerMatch& match : *matches) {
       acts = read_one(table, event, named, &match, reading);
-      if (!acts || errors != out.errors()) break;  // and so it would be for the others
+      if (!acts || errors != out.errors()) break;  // the other matches would have the same problem
     }
   } else {
     acts = read_one(table, event, named, nullptr, reading);

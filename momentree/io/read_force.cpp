@@ -1,4 +1,4 @@
-// [[force]]: what acts on bodies from outside.
+// [[force]]: external forces on bodies.
 #include <momentree/io/freedom_values.hpp>
 #include <momentree/io/read_action.hpp>
 
@@ -25,7 +25,7 @@ void read_drag(const Value& value, Drag& drag, Diagnostics& out) {
   Fields fields(value, "drag", out);
   if (!value.table()) return;
   drag.linear = fields.not_negative("linear", dimension::force / dimension::speed).value_or(0);
-  // With an area it is half of density times drag coefficient.
+  // With an area, the coefficient is half of density times drag coefficient.
   const Dimension whole = dimension::force / (dimension::speed * dimension::speed), area = dimension::length * dimension::length;
   drag.quadratic = fields.not_negative("quadratic", fields.has("area") ? whole / area : whole).value_or(0);
   drag.area = fields.not_negative("area", area).value_or(1);
@@ -51,7 +51,7 @@ std::vector<std::string> bodies_named(const Value& value, Reading& reading) {
   std::string hint = *name == "ground" ? "the ground does not move" : reading.suggest(*name, reading.bodies);
   if (hint.empty() && name->find('/') == std::string::npos)
     for (const auto& [mechanism, where] : reading.mechanisms)
-      if (reading.bodies.contains(mechanism + "/" + *name)) hint = "names are complete: " + in_quotes(mechanism + "/" + *name);
+      if (reading.bodies.contains(mechanism + "/" + *name)) hint = "use the full name: " + in_quotes(mechanism + "/" + *name);
   out.error(value.place, "force: there is no body " + in_quotes(*name), std::move(hint));
   return {};
 }
@@ -78,7 +78,7 @@ void read_force(const Value& table, Reading& reading) {
   fields.finish();
   Model& model = reading.scenario.model;
   for (const std::string& name : bodies) {
-    if (!model.has_body(name)) continue;  // of a mechanism that was refused
+    if (!model.has_body(name)) continue;  // of a mechanism with errors
     force.body = model.body(name);
     if (check_force(force).empty()) model.add_force(force);
   }

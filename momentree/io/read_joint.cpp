@@ -33,7 +33,7 @@ const KindInfo* read_kind(Fields& fields, Diagnostics& out) {
   return nullptr;
 }
 
-// `keeps_axes`: the joint has axes already, which stay where none are given.
+// `keeps_axes`: the joint already has axes, which stay unchanged if none are given.
 void read_geometry(Fields& fields, const KindInfo& kind, bool keeps_axes, JointSpec& joint, Diagnostics& out) {
   const auto takes = [&](const char* key, bool KindInfo::*member) {
     if (kind.*member || !fields.has(key)) return kind.*member;
@@ -46,7 +46,7 @@ void read_geometry(Fields& fields, const KindInfo& kind, bool keeps_axes, JointS
   };
   if (takes("axis", &KindInfo::axis)) joint.axis = fields.vec3("axis", dimension::number).value_or(joint.axis);
   if (takes("axis2", &KindInfo::axis2)) {
-    // What stands in for a missing one must not be parallel to the first: that would be reported as well.
+    // The default for a missing axis must not be parallel to the first: that would be reported as well.
     const Vec3& a = joint.axis;
     joint.axis2 = std::fabs(a.x) < std::fabs(a.y) + std::fabs(a.z) ? x_axis : y_axis;
     const char* const hint = "the second axis, turned by the first rotation, for example [0, 1, 0]";
@@ -62,7 +62,7 @@ void read_geometry(Fields& fields, const KindInfo& kind, bool keeps_axes, JointS
 
 void warn_of_rest(const Fields& fields, Diagnostics& out) {
   if (fields.has("rest") && !fields.has("stiffness"))
-    out.warning(fields.place_of("rest"), "'rest' without 'stiffness' does nothing");
+    out.warning(fields.place_of("rest"), "'rest' without 'stiffness' has no effect");
 }
 
 std::optional<Place> first_of(const Fields& fields, std::initializer_list<const char*> keys) {
@@ -71,7 +71,7 @@ std::optional<Place> first_of(const Fields& fields, std::initializer_list<const 
   return {};
 }
 
-// Keys that can't be judged where the kind is not known.
+// Skips keys that cannot be checked if the kind is unknown.
 void pass_over(Fields& fields) {
   for (const char* key : {"axis", "axis2", "pitch", "q", "v", "angle", "position", "speed", "damping", "stiffness", "armature",
                           "rest", "drive", "limits", "friction", "strength"})
@@ -99,13 +99,13 @@ void read_start(Fields& fields, const KindInfo& kind, Values& q, Values& v, Diag
     }
     if (const Value::Array* place = value->array(); place && place->size() == 3 && key == std::string_view("position")) {
       out.error(value->place, "position: expected the joint's coordinate, found a list of 3",
-                "a joint stands where its `at` is; write at = { xyz = " + as_written(*value) + " }");
+                "a joint is placed by its `at`; write at = { xyz = " + as_written(*value) + " }");
       continue;
     }
     Values& target = rate ? v : q;
     if ((rate ? rates != nullptr : list != nullptr) || (key == std::string_view("position") && fields.has("angle"))) {
-      out.error(value->place, std::string("'") + key + "' gives the start a second time",
-                rate ? "'v' is there too" : "'q' or 'angle' is there too");
+      out.error(value->place, std::string("'") + key + "' gives the initial value a second time",
+                rate ? "'v' is given, too" : "'q' or 'angle' is given, too");
       continue;
     }
     target = read_values(*value, rate ? Quantity::v : Quantity::q, rate ? kind.v_units : kind.q_units, true, key, out);
@@ -167,7 +167,7 @@ void read_description(Fields& fields, bool keeps_axes, JointDescription& joint, 
   read_parameters(fields, *kind, joint.spec.parameters, out);
   warn_of_rest(fields, out);
   if (errors != out.errors()) return;
-  // An axis that stays what it is, which is known only then, is none to be parallel to.
+  // An axis that stays unchanged is known only later, so it is not checked for being parallel.
   JointSpec judged = joint.spec;
   if (keeps_axes && kind->axis2 && joint.axis2_given && !joint.axis_given)
     judged.axis = std::fabs(judged.axis2.x) < std::fabs(judged.axis2.y) + std::fabs(judged.axis2.z) ? x_axis : y_axis;

@@ -46,26 +46,26 @@ Held read_root(Fields& fields, Diagnostics& out) {
   return Held::unsaid;
 }
 
-// How many bodies of a mechanism are joined to the ground.
+// The number of bodies of a mechanism that are joined to the ground.
 std::size_t read_roots(Fields& fields, Diagnostics& out) {
   const Value* roots = fields.find("roots");
   if (!roots) return 1;
   const std::int64_t* n = roots->integer();
   if (n && *n >= 1 && *n <= 1'000'000 && fields.has("body")) return static_cast<std::size_t>(*n);
   if (n && *n >= 1)
-    out.error(roots->place, "roots: it is for a mechanism of [[mechanism.body]] tables", "");
+    out.error(roots->place, "roots: this key is for a mechanism with [[mechanism.body]] tables", "");
   else
     out.error(roots->place, "roots: expected a number of bodies, 1 or more");
   return 1;
 }
 
-// The joint to the ground of a root body.
+// Sets the joint of a root body to the ground.
 void hold_root(BodyEntry& root, Held held, const std::optional<Pose>& given_pose, Place root_place, Diagnostics& out) {
   const Pose pose = given_pose.value_or(Pose{});
   BodySpec& spec = root.spec;
   if (root.joint) {
     if (held != Held::unsaid)
-      out.error(root_place, "root: body " + in_quotes(root.bare_name) + " has a joint of its own to the ground",
+      out.error(root_place, "root: body " + in_quotes(root.bare_name) + " has its own joint to the ground",
                 "leave out 'root', or that joint");
     if (given_pose) spec.at = pose * spec.at;
   } else if (held == Held::free) {
@@ -77,7 +77,7 @@ void hold_root(BodyEntry& root, Held held, const std::optional<Pose>& given_pose
   }
 }
 
-// Where a problem that check_body() found stands in the file.
+// The place in the file of a problem that check_body() found.
 Place place_of(const BodyEntry& body, const std::string& field) {
   for (const Value* table : {body.table, body.joint}) {
     if (!table) continue;
@@ -92,8 +92,8 @@ void apply_state(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>&
                  Reading& reading) {
   Diagnostics& out = reading.out;
   if (state.velocity && std::count_if(bodies.begin(), bodies.end(), [](const BodyEntry& body) { return body.rooted; }) > 1)
-    out.error(state.velocity->place, "velocity: this mechanism has several roots, and one velocity could be any of theirs",
-              "give v of their joints");
+    out.error(state.velocity->place, "velocity: this mechanism has several roots, and one velocity is ambiguous",
+              "give v for their joints");
   else if (state.velocity)
     read_root_velocity(*state.velocity, bodies[order.front()].spec, out);
   if (state.joints.empty()) return;
@@ -110,13 +110,14 @@ void apply_state(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>&
 
 void check_bodies(const std::vector<BodyEntry>& bodies, Diagnostics& out) {
   for (const BodyEntry& body : bodies) {
-    if (body.spec.name.empty()) continue;  // has no name, or an impossible one: said already, and check_body() would say it again
+    // the name is missing or invalid: reported already, and check_body() would report it again
+    if (body.spec.name.empty()) continue;
     for (const BodyProblem& problem : check_body(body.spec))
       out.error(place_of(body, problem.field), problem.field + ": " + problem.what, problem.hint);
   }
 }
 
-// Where the tree is unknown, so are the rigid groups: a body that may belong to one is not judged.
+// If the tree is unknown, so are the rigid groups: bodies that may belong to one are not checked.
 void check_single_inertias(const std::vector<BodyEntry>& bodies, Diagnostics& out) {
   std::unordered_set<std::string_view> carriers;
   for (const BodyEntry& body : bodies)
@@ -129,7 +130,7 @@ void check_single_inertias(const std::vector<BodyEntry>& bodies, Diagnostics& ou
   }
 }
 
-// Judges inertias; adds the bodies to the model where nothing in the mechanism is wrong.
+// Checks inertias; adds the bodies to the model if the mechanism has no errors.
 void add_bodies(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& order, std::size_t errors, Reading& reading) {
   Diagnostics& out = reading.out;
   const int first = reading.scenario.model.size();
@@ -185,7 +186,7 @@ void read_bodies(const Value& list, const std::string& mechanism, Held held, con
   for (BodyEntry& body : bodies)
     if (body.rooted) hold_root(body, held, pose, root_place, reading.out);
   const std::vector<std::size_t> order = order_of(bodies, mechanism, place, roots, reading);
-  // Where names are missing or stand for two bodies, who is whose parent can't be told: what follows would be guesses.
+  // If names are missing or duplicate, parents are ambiguous, and further messages would be guesses.
   const bool named = std::all_of(bodies.begin(), bodies.end(), [](const BodyEntry& body) { return body.named; });
   if (!order.empty() && named) apply_state(bodies, order, state, reading);
   check_bodies(bodies, reading.out);
@@ -205,7 +206,7 @@ void read_root_velocity(const Value& value, BodySpec& root, Diagnostics& out) {
               "write root = \"free\", or the joint's start 'v'");
     return;
   }
-  // From the body's frame to the joint's, which stands at child_at in it.
+  // From the body's frame to the joint's frame, which is at child_at in it.
   const Quat to_joint = conjugate(root.child_at.rotation);
   const Vec3 v = rotation_matrix(to_joint) * (linear + cross(angular, root.child_at.position)),
              w = rotation_matrix(to_joint) * angular;
@@ -233,7 +234,7 @@ void read_mechanism(const Value& table, Reading& reading) {
   const Value* model = fields.find("model");
   const Value* joints = fields.find("joint");
   const auto limits = fields.boolean("limits",
-                                     "true or false: whether the model's are taken up; other ones are given to joints: "
+                                     "true or false: whether the model's limits are used; give other limits to the joints: "
                                      "[mechanism.joint.elbow] with limits = { lower = …, upper = … }");
   std::optional<CouplingSpring> mimic;
   if (const Value* spring = fields.find("mimic")) {
@@ -241,7 +242,7 @@ void read_mechanism(const Value& table, Reading& reading) {
     mimic = read_coupling_spring(parts, false);
     parts.finish();
     if (!model)
-      out.error(spring->place, "mimic: only a model has joints that follow others", "couple them by [[coupling]] tables");
+      out.error(spring->place, "mimic: only a model has joints that follow others", "couple them with [[coupling]] tables");
   }
   if (given_state) state = read_state(*given_state, name, reading);
   const int ways = (chain ? 1 : 0) + (bodies ? 1 : 0) + (model ? 1 : 0);
@@ -250,16 +251,17 @@ void read_mechanism(const Value& table, Reading& reading) {
     out.error(
         second->place,
         model ? "a mechanism is a model, a chain or bodies, and only one of them" : "a mechanism is a chain or bodies, not both",
-        model ? "give each a [[mechanism]] of its own" : "give the chain a [[mechanism]] of its own");
+        model ? "give each its own [[mechanism]]" : "give the chain its own [[mechanism]]");
   }
   if (ways == 0)
     out.error(fields.place(), "mechanism " + in_quotes(name) + " has no bodies",
               "add [[mechanism.body]] tables, a [mechanism.chain] or a model = \"robot.urdf\"");
   if (fields.has("limits") && !model)
-    out.error(fields.place_of("limits"), "limits: only a model brings limits that could be taken up or not",
+    out.error(fields.place_of("limits"), "limits: only a model file has limits to be used or not",
               "give the joints their limits");
   if (chain && held == Held::fixed)
-    out.error(fields.place_of("root"), "root: a chain has a pin to the ground", "leave out 'root'; \"free\" leaves out the pin");
+    out.error(fields.place_of("root"), "root: a chain is joined to the ground by a revolute joint",
+              "leave out 'root'; \"free\" removes that joint");
   if (joints && !model && !chain && bodies)
     out.error(fields.place_of("joint"), "joint: a mechanism of bodies has its joints in the tables of the bodies",
               "write it in [mechanism.body.joint], which --set reaches by mechanism." + name + ".body.BODY.joint.damping=0.1");

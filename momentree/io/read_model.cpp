@@ -1,4 +1,5 @@
-// A mechanism that a model file describes: where it stands, how it is held and starts, what of the file is taken up.
+// A mechanism described by a model file: its placement, its root joint, its initial values, and the parts of the file that are
+// used.
 #include <algorithm>
 #include <cstdio>
 #include <deque>
@@ -16,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The model of a file, read once; null, with a report, where there is none.
+// The model of a file, read once; null, with a report, if it cannot be read.
 const Import* model_of(const Value& file, Reading& reading) {
   const auto name = read_string(file, "model", reading.out);
   if (!name) return nullptr;
@@ -26,7 +27,7 @@ const Import* model_of(const Value& file, Reading& reading) {
   }
   if (const Import* known = reading.model_named(*name)) return known;
   if (!reading.looks_at_files) {
-    reading.out.error(file.place, "model: a scenario that is read from a text names no files", "read it from its file");
+    reading.out.error(file.place, "model: a scenario read from text cannot name files", "read it from its file");
     return nullptr;
   }
   const fs::path path = fs::path(reading.folder) / *name;
@@ -41,12 +42,12 @@ const Import* model_of(const Value& file, Reading& reading) {
   return reading.models.emplace_back(*name, std::move(import)).second.get();
 }
 
-// Stops of the file, which the joint has where it is given no others.
+// Uses the stops of the file, unless the joint is given others.
 void take_limits(const ImportedBody& body, const ModelChoice& choice, BodySpec& spec, Reading& reading) {
   if (!choice.limits.value_or(false) || !body.limits.any() || spec.joint.parameters.limits.any()) return;
   if (const auto& drive = spec.joint.parameters.drive; drive && drive->moves()) {
     reading.out.note(choice.limits_place, "limits: joint " + in_quotes(body.spec.joint_name) +
-                                              " goes without those of the model: its motion is prescribed");
+                                              " does not use those of the model: its motion is prescribed");
     return;
   }
   spec.joint.parameters.limits = body.limits;
@@ -62,12 +63,12 @@ void take_limits(const ImportedBody& body, const ModelChoice& choice, BodySpec& 
   }
 }
 
-// `limited`: how many joints have limits in the file, and none here.
+// `limited`: the number of joints whose limits in the file are not used.
 void warn_of_limits(std::ptrdiff_t limited, const std::string& mechanism, const ModelChoice& choice, Reading& reading) {
   if (limited > 0 && !choice.limits)
     reading.out.warning(choice.model_place,
-                        "the limits of " + std::to_string(limited) + (limited == 1 ? " joint" : " joints") + " are not taken up",
-                        reading.direct ? "say so by --set mechanism." + mechanism + ".limits=true, or false"
+                        "the limits of " + std::to_string(limited) + (limited == 1 ? " joint" : " joints") + " are not used",
+                        reading.direct ? "choose with --set mechanism." + mechanism + ".limits=true, or false"
                                        : "write limits = true or limits = false");
 }
 
@@ -85,7 +86,7 @@ void hold(BodySpec& spec, const ImportedBody& body, const ModelChoice& choice) {
   }
 }
 
-// What `root` and a velocity mean; false where it is not clear whose velocity it is.
+// Checks `root` and the velocity; false if it is ambiguous whose velocity it is.
 bool check_roots(const Import& import, const ModelChoice& choice, Reading& reading) {
   std::size_t roots = 0;
   bool taken = false;
@@ -95,12 +96,11 @@ bool check_roots(const Import& import, const ModelChoice& choice, Reading& readi
     taken = taken || !body.own_joint;
   }
   if (choice.held != Held::unsaid && !taken)
-    reading.out.error(choice.root_place, "root: every root of this model has a joint of its own to the ground",
-                      "leave 'root' out");
+    reading.out.error(choice.root_place, "root: every root of this model has its own joint to the ground", "leave 'root' out");
   if (choice.state.velocity && roots > 1)
     reading.out.error(choice.state.velocity->place,
-                      "velocity: this model has " + std::to_string(roots) + " roots, and one velocity could be any of theirs",
-                      "give v of their joints in state.joints");
+                      "velocity: this model has " + std::to_string(roots) + " roots, and one velocity is ambiguous",
+                      "give v for their joints in state.joints");
   return roots == 1;
 }
 
@@ -116,14 +116,15 @@ void check_state(const Import& import, const MechanismState& state, Reading& rea
 
 void warn_of_followers(const Import& import) {
   for (const Follower& each : import.model.followers)
-    each.file->warning(
-        {each.element},
-        "joint " + in_quotes(import.model.bodies[static_cast<std::size_t>(each.body)].spec.joint_name) + " should follow " +
-            in_quotes(import.model.bodies[static_cast<std::size_t>(each.leader)].spec.joint_name) + ": it moves by itself here",
-        "mimic = { stiffness = … } in the mechanism couples them by a spring");
+    each.file->warning({each.element},
+                       "joint " + in_quotes(import.model.bodies[static_cast<std::size_t>(each.body)].spec.joint_name) +
+                           " should follow " +
+                           in_quotes(import.model.bodies[static_cast<std::size_t>(each.leader)].spec.joint_name) +
+                           ", but moves independently here",
+                       "mimic = { stiffness = … } in the mechanism couples them by a spring");
 }
 
-// Joints that follow others can be coupled where they have one freedom each.
+// Joints that follow others can be coupled if they have one DoF each.
 bool check_followers(const Import& import, const ModelChoice& choice, Reading& reading) {
   const auto& bodies = import.model.bodies;
   const auto name = [&](int body) { return in_quotes(bodies[static_cast<std::size_t>(body)].spec.joint_name); };
@@ -131,12 +132,12 @@ bool check_followers(const Import& import, const ModelChoice& choice, Reading& r
   for (const Follower& each : import.model.followers)
     for (const int end : {each.body, each.leader})
       if (info(bodies[static_cast<std::size_t>(end)].spec.joint.kind).nv != 1)
-        reading.out.error(choice.mimic_place, "mimic: joint " + name(end) + " is not one of one freedom",
-                          "couple the others by [[coupling]] tables");
+        reading.out.error(choice.mimic_place, "mimic: joint " + name(end) + " does not have one degree of freedom",
+                          "couple the others with [[coupling]] tables");
   return errors == reading.out.errors();
 }
 
-// Followers start behind their leaders where the mechanism does not say otherwise.
+// The initial values of followers are computed from their leaders, unless the mechanism gives others.
 void start_followers(const Import& import, const MechanismState& state, const JointTables& joints, std::deque<BodySpec>& specs) {
   std::unordered_map<int, const Follower*> waiting;
   for (const Follower& each : import.model.followers) {
@@ -148,7 +149,7 @@ void start_followers(const Import& import, const MechanismState& state, const Jo
     return q.empty() ? 0 : q[0];
   };
   while (!waiting.empty()) {
-    std::vector<const Follower*> path;  // from a follower to a leader that stands
+    std::vector<const Follower*> path;  // from a follower to a leader with a known position
     for (auto at = waiting.begin(); at != waiting.end(); at = waiting.find(path.back()->leader)) {
       path.push_back(at->second);
       waiting.erase(at);
@@ -161,7 +162,7 @@ void start_followers(const Import& import, const MechanismState& state, const Jo
   }
 }
 
-// A spring does not move a joint whose motion is prescribed.
+// A spring cannot move a joint whose motion is prescribed.
 bool check_motions(const Import& import, const ModelChoice& choice, const std::deque<BodySpec>& specs, Reading& reading) {
   const std::size_t errors = reading.out.errors();
   for (const Follower& each : import.model.followers)
@@ -220,7 +221,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
 
   const int first = reading.scenario.model.size();
   reading.scenario.model.reserve(first + static_cast<int>(import->model.bodies.size()));
-  std::deque<BodySpec> specs;  // large ones, that no growth should copy
+  std::deque<BodySpec> specs;  // a deque, since the elements are large and should not be moved
   std::ptrdiff_t limited = 0;
   for (const ImportedBody& body : import->model.bodies) {
     BodySpec& spec = specs.emplace_back(body.spec);

@@ -1,5 +1,5 @@
-// What a joint has beside kind and geometry: damping, springs, drives, friction, stops, strength. Where the kind is known, with
-// its units; where it is not (a joint that an event makes), numbers in SI.
+// Parameters of a joint: damping, springs, drives, friction, stops, strength. If the kind is known, with its units; if it is
+// not (a joint that an event makes), numbers in SI units.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,7 @@ namespace {
 
 class Reader {
  public:
-  /// `kind`: null where it is not known.
+  /// `kind`: null if it is unknown.
   Reader(const KindInfo* kind, Diagnostics& out) : kind_(kind), out_(out) {}
 
   void read(Fields& fields, JointParameters& p) {
@@ -30,7 +30,7 @@ class Reader {
   std::string_view letters(Quantity quantity) const { return quantity == Quantity::q ? kind_->q_units : kind_->v_units; }
   std::string a_joint() const { return "a " + std::string(kind_->name) + " joint"; }
 
-  // One number for every freedom, where `single`, or a list.
+  // One number for all DoFs, if `single`, or a list.
   Values values(const Value& value, Quantity quantity, bool single, const char* label) {
     if (kind_) return read_values(value, quantity, letters(quantity), single, label, out_);
     const Value::Array one{value};
@@ -58,24 +58,24 @@ class Reader {
     target = {};
   }
 
-  // One signal where there is one freedom, else a list with one per freedom.
+  // One signal for one DoF, else a list with one per DoF.
   std::vector<Signal> signals(const Value& value, Quantity quantity, const char* label, bool motion = false) {
     const Value::Array one{value};
     const Value::Array& entries = value.array() ? *value.array() : one;
     const std::size_t expected = kind_ ? letters(quantity).size() : entries.size();
     if (entries.size() != expected || entries.empty() || entries.size() > Values::capacity) {
       if (kind_ && kind_->nv == 0)
-        out_.error(value.place, std::string(label) + ": " + a_joint() + " has no freedom to drive");
+        out_.error(value.place, std::string(label) + ": " + a_joint() + " has no degree of freedom to drive");
       else if (!value.array())
-        out_.error(
-            value.place,
-            std::string(label) + ": " + a_joint() + " has " + std::to_string(expected) + " freedoms: one value could mean any",
-            "give a list, one " + std::string(label) + " per freedom");
+        out_.error(value.place,
+                   std::string(label) + ": " + a_joint() + " has " + std::to_string(expected) +
+                       " degrees of freedom: one value is ambiguous",
+                   "give a list, one " + std::string(label) + " per degree of freedom");
       else
         out_.error(value.place,
                    std::string(label) + ": expected " + std::to_string(expected) + (expected == 1 ? " value" : " values") +
                        ", found a list of " + std::to_string(entries.size()),
-                   "one per freedom or coordinate, in the order of the kind");
+                   "one per degree of freedom or coordinate, in the order of the joint kind");
       return {};
     }
     std::vector<Signal> all;
@@ -95,8 +95,8 @@ class Reader {
     if (const Value* effort = fields.find("effort")) {
       if (kind_ && kind_->nv > 1 && !effort->array()) {
         out_.error(effort->place,
-                   "effort: " + a_joint() + " has " + std::to_string(kind_->nv) + " freedoms: one number could mean any",
-                   "give a list, one effort per freedom");
+                   "effort: " + a_joint() + " has " + std::to_string(kind_->nv) + " degrees of freedom: one number is ambiguous",
+                   "give a list, one effort per degree of freedom");
       } else {
         drive.effort = signals(*effort, Quantity::effort, "effort");
         if (std::all_of(drive.effort.begin(), drive.effort.end(), [](const Signal& s) { return s.constant(); })) {
@@ -108,7 +108,7 @@ class Reader {
     if (const Value* pd = fields.find("pd")) read_pd(*pd, drive.pd);
     if (const Value* motion = fields.find("motion")) read_motion(*motion, fields, drive);
     if (value.table()->empty())
-      out_.error(value.place, "drive: drives nothing", "one of effort, pd and motion; effort = 0 takes a drive away");
+      out_.error(value.place, "drive: drives nothing", "one of effort, pd and motion; effort = 0 removes a drive");
     fields.finish();
     if (!(drive == JointDrive{})) p.drive = std::make_shared<const JointDrive>(std::move(drive));
   }
@@ -130,7 +130,7 @@ class Reader {
     not_negative(fields, "kd", pd.kd);
     for (const double x : pd.max_effort)
       if (!(x > 0)) {
-        out_.error(fields.place_of("max_effort"), "max_effort: must be greater than 0", "leave it out where there is no bound");
+        out_.error(fields.place_of("max_effort"), "max_effort: must be greater than 0", "leave it out if there is no bound");
         pd.max_effort = {};
         break;
       }
@@ -138,15 +138,16 @@ class Reader {
       out_.error(value.place, "pd: has neither 'kp' nor 'kd'", "the effort is kp·(target − q) + kd·(target_speed − v)");
     }
     fields.finish();
-    if (errors != out_.errors()) pd = {};  // what is wrong was said
+    if (errors != out_.errors()) pd = {};  // errors were reported
   }
 
   void read_motion(const Value& value, Fields& drive_fields, JointDrive& drive) {
     if (kind_ && (kind_->nq != 1 || kind_->nv != 1)) {
       out_.error(value.place,
-                 "motion: " + a_joint() + " has " + std::to_string(kind_->nv) + (kind_->nv == 1 ? " freedom" : " freedoms") +
-                     ": a motion is for joints with one",
-                 "use pd with a stiff kp, one target per freedom");
+                 "motion: " + a_joint() + " has " + std::to_string(kind_->nv) +
+                     (kind_->nv == 1 ? " degree of freedom" : " degrees of freedom") +
+                     ": a motion is for joints with one degree of freedom",
+                 "use pd with a stiff kp, one target per degree of freedom");
       return;
     }
     for (const char* key : {"effort", "pd"})
@@ -164,7 +165,7 @@ class Reader {
     Fields fields(value, "friction", out_);
     if (!value.table()) return;
     fields.require("coulomb", "for example friction = { coulomb = \"2 N m\", speed = \"0.01 rad/s\" }");
-    fields.require("speed", "below it the friction fades: a hundredth of what is usual in this joint");
+    fields.require("speed", "the friction fades below it: use about a hundredth of the joint's usual speed");
     take(fields, "coulomb", Quantity::effort, friction.coulomb);
     take(fields, "speed", Quantity::v, friction.speed);
     not_negative(fields, "coulomb", friction.coulomb);
@@ -176,7 +177,7 @@ class Reader {
         break;
       }
     fields.finish();
-    if (friction.coulomb.empty() || friction.speed.empty()) friction = {};  // what is wrong was said
+    if (friction.coulomb.empty() || friction.speed.empty()) friction = {};  // errors were reported
   }
 
   void read_strength(const Value& value, JointStrength& strength) {
@@ -194,7 +195,7 @@ class Reader {
         target = *number;
       else
         out_.error(given->place, std::string(key) + ": must be greater than 0",
-                   "the load at which the joint breaks; leave it out where it bears any");
+                   "the load at which the joint breaks; leave it out if the joint bears any load");
     };
     side("force", dimension::force, strength.force);
     side("torque", dimension::torque, strength.torque);
@@ -210,7 +211,7 @@ class Reader {
       }
   }
 
-  // One side of a joint's limits: as coordinates, but infinite where there is no stop.
+  // One side of a joint's limits: like coordinates, but infinite if there is no stop.
   Values limit(const Value& value, const char* key) {
     const auto endless = [](const Value& entry) { return entry.real() && std::isinf(*entry.real()); };
     const Value::Array single{value};
@@ -219,7 +220,7 @@ class Reader {
       return values(value, Quantity::q, true, key);
     Values all;
     if (kind_ && value.array() && entries.size() != letters(Quantity::q).size()) {
-      values(value, Quantity::q, false, key);  // says how many there should be
+      values(value, Quantity::q, false, key);  // reports the required number
       return all;
     }
     for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -254,7 +255,7 @@ class Reader {
       }
     if (fields.has("damping") && !fields.has("stiffness")) {
       out_.error(fields.place_of("damping"), "limits: 'damping' goes with 'stiffness'",
-                 "a hard stop takes its energy by 'restitution'");
+                 "a hard stop dissipates energy by 'restitution'");
       limits.damping = {};
     }
     for (const char* key : {"restitution", "rest_speed"})

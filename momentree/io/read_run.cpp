@@ -20,14 +20,14 @@ void read_world(const Value& table, Reading& reading) {
 
 namespace {
 
-// The clock is a double: instants that are nearer to each other than its digits are the same one.
+// Time is a double: instants closer to each other than its resolution cannot be distinguished.
 void check_event_tolerance(double tolerance, Place place, Reading& reading) {
   const double end = reading.scenario.until, apart = std::nextafter(end, HUGE_VAL) - end;
   if (tolerance >= 4 * apart) return;
   char text[160], hint[80];
   std::snprintf(
       text, sizeof text,
-      "event_tolerance = %.3g s is below what the clock can tell: at the end of the run, %.6g s, instants are %.2g s apart",
+      "event_tolerance = %.3g s is below the resolution of the clock: at the end of the run, %.6g s, instants are %.2g s apart",
       tolerance, end, apart);
   std::snprintf(hint, sizeof hint, "use %.0e s or more", 10 * apart);
   reading.out.warning(place, text, hint);
@@ -67,7 +67,7 @@ void read_integrate(const Value& table, Reading& reading) {
     for (const char* key : {"rtol", "atol", "max_step"})
       if (fields.has(key))
         out.warning(fields.place_of(key),
-                    in_quotes(key) + " does nothing: method " + in_quotes(integration.method) + " has fixed steps",
+                    in_quotes(key) + " has no effect: method " + in_quotes(integration.method) + " has fixed steps",
                     "use method = \"dopri5\", which chooses its steps");
   if (fields.has("event_tolerance"))
     check_event_tolerance(integration.event_tolerance, fields.place_of("event_tolerance"), reading);
@@ -87,7 +87,7 @@ void check_tolerance(Reading& reading) {
   char text[64], mend[64];
   std::snprintf(text, sizeof text, "rtol = %.3g is below", integration.rtol);
   std::snprintf(mend, sizeof mend, "%.1g: use rtol = %.0e or more", resolved, 10 * resolved);
-  reading.out.warning(reading.integrate.rtol, std::string(text) + " what the velocities of this mechanism can be resolved to",
+  reading.out.warning(reading.integrate.rtol, std::string(text) + " the resolution of the velocities of this mechanism",
                       std::string("they are known to about ") + mend);
 }
 

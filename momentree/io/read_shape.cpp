@@ -30,11 +30,11 @@ void read_colour(Fields& fields, std::string_view key, std::string& colour, Diag
     return;
   }
   const std::string hint = did_you_mean(*text, colour_names());
-  out.error(fields.place_of(key), std::string(key) + ": " + in_quotes(*text) + " is no colour",
+  out.error(fields.place_of(key), std::string(key) + ": " + in_quotes(*text) + " is not a colour",
             hint.empty() ? "write \"#rrggbb\"" : hint);
 }
 
-// Meshes stand in the scenario's folder or below it: a scenario from elsewhere must not make us look at anything else.
+// Meshes must be in the scenario's folder or below it: a scenario from elsewhere must not cause access to other files.
 void read_mesh(const Value& value, Shape& shape, Reading& reading) {
   const auto file = read_string(value, "mesh", reading.out);
   if (!file) return;
@@ -44,7 +44,7 @@ void read_mesh(const Value& value, Shape& shape, Reading& reading) {
   if (reading.looks_at_files) {
     const std::string path = (std::filesystem::path(reading.folder) / *file).string();
     if (!reading.enclosure.holds(path))
-      return refuse(in_quotes(*file) + " is a symbolic link out of the scenario's folder, or below one", "copy the file there");
+      return refuse(in_quotes(*file) + " leads out of the scenario's folder through a symbolic link", "copy the file there");
     const auto reason = why_unreadable(path, "mesh");
     if (reason && reason->missing)
       return refuse("there is no file " + in_quotes(*file), "it is looked for in the scenario's folder");

@@ -49,14 +49,14 @@ std::optional<Signal> read_table(const Value& value, const Dimension& expected, 
   return Signal::table(std::move(knots), ends);
 }
 
-// How a table that is a motion begins and ends.
+// The behaviour of a motion table before its first and after its last entry.
 std::optional<Signal::Ends> read_ends(const Value& value, bool motion, Diagnostics& out) {
   const std::string* const ends = value.string();
   if (!motion)
-    out.error(value.place, "ends: is for tables that are motions; others are straight lines between their entries",
+    out.error(value.place, "ends: this key is for tables that are motions; others are linear between their entries",
               "leave 'ends' out");
   else if (ends == nullptr || (*ends != "rest" && *ends != "free"))
-    out.error(value.place, "ends: is \"rest\" or \"free\"",
+    out.error(value.place, "ends: expected \"rest\" or \"free\"",
               "at rest at both ends, or at a constant rate before the first entry and after the last one");
   else
     return *ends == "free" ? Signal::Ends::free : Signal::Ends::rest;
@@ -68,7 +68,7 @@ std::optional<Signal> read_sine(const Value& value, const Dimension& expected, D
   if (!value.table()) return {};
   const std::size_t errors = out.errors();
   fields.require("amplitude", "for example sine = { amplitude = 2, frequency = \"0.5 Hz\" }");
-  fields.require("frequency", "in Hz: turns per second");
+  fields.require("frequency", "in Hz: cycles per second");
   const double amplitude = fields.number("amplitude", expected).value_or(0);
   const double frequency = fields.not_negative("frequency", dimension::frequency).value_or(0);
   const double phase = fields.number("phase", dimension::angle).value_or(0);

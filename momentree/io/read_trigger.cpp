@@ -1,4 +1,4 @@
-// When an event happens: at an instant, after another event, every so often, or when a quantity passes a threshold.
+// When an event happens: at an instant, after another event, periodically, or when a quantity crosses a threshold.
 #include <cmath>
 #include <limits>
 
@@ -28,7 +28,7 @@ class QuantityReader final : public QuantityFields {
     const auto text = read_string(value_, key_, out_);
     if (!text) return;
     name = *text;
-    // A part that comes off is a mechanism named after its root body.
+    // A separated part becomes a mechanism named after its root body.
     if (!reading_.mechanisms.contains(name) && !reading_.bodies.contains(name))
       out_.error(value_.place, key_ + ": there is no mechanism " + in_quotes(name), reading_.suggest(name, reading_.mechanisms));
   }
@@ -75,7 +75,7 @@ class QuantityReader final : public QuantityFields {
   }
 
  private:
-  // A table's field, or the value itself where it is a plain name.
+  // A field of the table, or the value itself if it is a plain name.
   const Value* field(const char* key) {
     if (!value_.table() && key == std::string_view("joint")) return &value_;
     if (!value_.table()) {
@@ -99,7 +99,7 @@ class QuantityReader final : public QuantityFields {
   std::optional<Fields> fields_;
 };
 
-// Units of a coordinate are those of the joint's kind, where the file's model has it.
+// Sets the unit of a coordinate from the joint's kind, if the model of the file has the joint.
 void know_unit(Quantity& quantity, const Value& value, Reading& reading) {
   auto* of_joint = dynamic_cast<quantities::SingleDof*>(&quantity);
   const Model& model = reading.scenario.model;
@@ -109,8 +109,8 @@ void know_unit(Quantity& quantity, const Value& value, Reading& reading) {
   if (kind.nq != 1 || kind.nv != 1)
     reading.out.error(value.place,
                       std::string(quantity.key()) + ": joint " + in_quotes(of_joint->joint) + " is " + kind.name + " and has " +
-                          std::to_string(kind.nv) + " freedoms",
-                      "for joints with one freedom");
+                          std::to_string(kind.nv) + " degrees of freedom",
+                      "for joints with one degree of freedom");
 }
 
 bool is_time(const Value& value) {
@@ -121,7 +121,7 @@ bool is_time(const Value& value) {
 std::optional<Condition> read_condition(const Value& when, const TriggerMatch* match, Reading& reading) {
   Diagnostics& out = reading.out;
   const std::size_t errors = out.errors();
-  const std::vector<std::string> keys = quantity_keys();  // they outlive the fields, which keep views of them
+  const std::vector<std::string> keys = quantity_keys();  // they outlive the fields, which store views of them
   Fields fields(when, "when", out);
   std::shared_ptr<Quantity> quantity;
   std::string all = "one of:";
@@ -162,7 +162,7 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
   return Condition(std::move(quantity), *number, above);
 }
 
-// False where a threshold has a unit that joints which slide, or those which turn, can't be compared with.
+// False if the unit of the threshold does not fit prismatic joints, or revolute ones.
 bool fits_unit(const Value& when, bool slides, bool of_speed) {
   const Dimension way = slides ? dimension::length : dimension::angle, dimension = of_speed ? way / dimension::time : way;
   for (const char* key : {"exceeds", "below"})
@@ -187,7 +187,7 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
   };
   for (const std::string& key : quantity_keys()) {
     const Value::Entry* quantity = when->value.find(key);
-    if (!quantity || key == "kinetic_energy") continue;  // of a mechanism
+    if (!quantity || key == "kinetic_energy") continue;  // names a mechanism
     bodies = key == "distance" || key == "height";
     of_one = key == "position" || key == "speed";
     speed = key == "speed";
@@ -227,10 +227,10 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
     }
     matches.push_back(std::move(match));
   }
-  if (matches.empty()) matches = std::move(of_other_unit);  // what is wrong with the unit is said for one of them
+  if (matches.empty()) matches = std::move(of_other_unit);  // an error in the unit is reported for one of them
   if (matches.empty() && others > 0) {
-    out.error(pattern->place, "when: no joint that matches " + in_quotes(name) + " has one freedom",
-              "position and speed are of joints with one freedom");
+    out.error(pattern->place, "when: no joint that matches " + in_quotes(name) + " has one degree of freedom",
+              "position and speed need a joint with one degree of freedom");
     return matches;
   }
   if (matches.empty() && !reading.opaque.contains(name.substr(0, name.find('/'))))

@@ -16,7 +16,7 @@ std::string no_cure() { return {}; }
 
 std::string labelled(std::string_view label, std::string_view what) { return std::string(label) + ": " + std::string(what); }
 
-// The entries of a list that has one of the allowed lengths. `cure`: says what to write instead of a value that is no such list.
+// The entries of a list that has one of the allowed lengths. `cure`: returns the hint for any other value.
 template <class Cure>
 const Value::Array* list_of(const Value& value, std::string_view label, std::string_view expected,
                             std::initializer_list<std::size_t> lengths, Diagnostics& out, Cure cure) {
@@ -37,14 +37,14 @@ const Value::Array* list_of(const Value& value, std::string_view label, std::str
 
 std::optional<double> read_number(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
   const std::optional<double> number = read_plain_number(value, expected, label, out);
-  // A turn and a bit: limits of one turn are written with all sorts of roundings.
+  // Slightly more than one turn: limits of one turn are written with different roundings.
   constexpr double turn = 6.283185307179586, suspicious = 1.001 * turn, of_degrees = 1e5;
   if (!number || !(expected == dimension::angle) || value.string()) return number;
   if (std::fabs(*number) <= suspicious || std::fabs(*number) > of_degrees) return number;
   char turns[32];
   std::snprintf(turns, sizeof turns, "%.3g", std::fabs(*number) / turn);
   const std::string given = as_written(value);
-  out.warning(value.place, labelled(label, given) + " is taken in radians, " + turns + " turns",
+  out.warning(value.place, labelled(label, given) + " is read as radians, " + turns + " turns",
               "write \"" + given + " deg\" for degrees, or \"" + given + " rad\" if that is what you mean");
   return number;
 }
@@ -103,8 +103,8 @@ std::optional<Pose> read_pose(const Value& value, std::string_view label, Diagno
       const double length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
       if (errors == out.errors() && !(std::fabs(length - 1) <= 1e-6))
         out.error(quat->place,
-                  length == 0 ? "quat: a quaternion of zeros is no rotation" : "quat: the quaternion is not of length 1",
-                  length == 0 ? "no rotation is [1, 0, 0, 0]" : "scale it: w² + x² + y² + z² = 1");
+                  length == 0 ? "quat: a quaternion of zeros is not a rotation" : "quat: the length of the quaternion is not 1",
+                  length == 0 ? "the identity is [1, 0, 0, 0]" : "scale it: w² + x² + y² + z² = 1");
       else if (errors == out.errors())
         pose.rotation = unit(Quat{q[0], q[1], q[2], q[3]});
     }

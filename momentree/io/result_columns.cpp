@@ -24,7 +24,7 @@ void append_cell(std::string& text, double value) {
   append_number(text, value);
 }
 
-// A name with a comma or a quote in it is quoted as RFC 4180 says.
+// A name with a comma or a quote is quoted as in RFC 4180.
 void append_column(std::string& text, const std::string& name, const std::string& suffix) {
   text += ',';
   if (name.find_first_of(",\"\r\n") == std::string::npos) {
@@ -50,7 +50,7 @@ void BodyColumns::header(std::string& text, const Model& model) {
 void BodyColumns::row(std::string& text, const World& world) {
   append_number(text, world.time());
   const std::vector<BodyMotion>& motions = world.motions();
-  for (std::size_t i = 0; i < quaternions_.size(); ++i) {  // bodies that came later have no columns
+  for (std::size_t i = 0; i < quaternions_.size(); ++i) {  // bodies added later have no columns
     if (!world.alive({static_cast<int>(i)})) {
       text.append(7, ',');
       continue;
@@ -89,7 +89,7 @@ std::vector<JointKinds> joints_of(const Simulation& simulation, const DryRun& dr
   }
   std::vector<JointKinds> joints;
   for (int j = 0; j < model.size(); ++j) {
-    if (world.tree().carrier(j) < 0) continue;  // it left with its body
+    if (world.tree().carrier(j) < 0) continue;  // the joint was removed together with its body
     const std::string name(world.joint_name({j}));
     widen(name, world.tree().joint(world.tree().carrier(j)).kind);
     joints.push_back(std::move(all[name]));
@@ -150,7 +150,7 @@ void JointColumns::row(std::string& text, const World& world) {
     }
     const JointView joint = world.joint(JointId{number});
     const KindInfo& kind = info(joint.kind);
-    if (kind.nq > group.nq || kind.nv > group.nv) {  // of a kind that no event was expected to make of it
+    if (kind.nq > group.nq || kind.nv > group.nv) {  // of a kind that no event was expected to give it
       text.append(width, ',');
       continue;
     }

@@ -1,5 +1,5 @@
 #pragma once
-// The rows of bodies.csv and joints.csv: which columns there are, and what stands in them.
+// The columns and rows of bodies.csv and joints.csv.
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -10,11 +10,11 @@
 
 namespace momentree::io {
 
-/// Keeps the sign of quaternions continuous from row to row: q and −q are the same rotation.
+/// Keeps the sign of quaternions continuous from row to row, since q and −q are the same rotation.
 class ContinuousQuaternions {
  public:
   explicit ContinuousQuaternions(std::size_t count) : last_(count, Quat{0, 0, 0, 0}) {}
-  /// `q`, or −q if that is nearer to the last one of this `index`; the first one has w >= 0.
+  /// `q`, or −q if that is nearer to the last quaternion of this `index`; the first one has w >= 0.
   Quat next(std::size_t index, const Quat& q);
   std::size_t size() const { return last_.size(); }
 
@@ -22,7 +22,8 @@ class ContinuousQuaternions {
   std::vector<Quat> last_;
 };
 
-/// `time`, then per body x, y, z, qw, qx, qy, qz: its frame in the world. The same columns for the whole run.
+/// `time` (s), then per body x, y, z (m), qw, qx, qy, qz: the pose of its frame in the world. The columns stay the same for the
+/// whole run.
 class BodyColumns {
  public:
   explicit BodyColumns(const Model& model);
@@ -33,18 +34,18 @@ class BodyColumns {
   ContinuousQuaternions quaternions_;
 };
 
-/// A joint of the columns, by name, with the numbers of coordinates and freedoms of the widest kind that it can have.
+/// A joint of the columns, by name, with the numbers of coordinates and DoFs of the widest kind that it can have.
 struct JointKinds {
   std::string name;
   int nq = 0, nv = 0;
 };
 
 /// Every joint that the simulation has now, in the order of their numbers, then those that its scheduled events will make, by
-/// name. A rehearsal that is not complete lacks the latter: then what the scenario's breaks and attachments alone would make.
+/// name. If the dry run is incomplete, the latter are those that the scenario's breaks and attachments alone would make.
 std::vector<JointKinds> joints_of(const Simulation& simulation, const DryRun& dry_run, const Scenario& scenario);
 
-/// `time`, then per joint its coordinates q0…, velocities v0… and momenta p0…; empty where it has no such coordinate at that
-/// time, or is not there. A joint that is none of the columns' is left out. With `reactions` also fx, fy, fz, mx, my, mz: the
+/// `time`, then per joint its coordinates q0…, velocities v0… and momenta p0…; empty if the joint does not have that coordinate
+/// at that time, or does not exist. A joint without columns is left out. With `reactions` also fx, fy, fz, mx, my, mz: the
 /// whole wrench by which its declared parent holds its declared child (JointForces).
 class JointColumns {
  public:
@@ -56,9 +57,9 @@ class JointColumns {
   std::size_t group_of(std::size_t joint, std::string_view name);
 
   bool reactions_;
-  std::vector<JointKinds> groups_;  ///< the last one stands for joints without columns
+  std::vector<JointKinds> groups_;  ///< the last group is for joints without columns
   std::unordered_map<std::string, std::size_t> by_name_;
-  std::vector<std::size_t> group_of_joint_;  ///< where the joint of that number was in the last row
+  std::vector<std::size_t> group_of_joint_;  ///< the group of the joint with that number in the last row
   std::vector<int> joint_of_group_;          ///< in this row; −1: absent
   ContinuousQuaternions quaternions_;
 };

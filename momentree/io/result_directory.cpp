@@ -28,26 +28,26 @@ Descriptor make_new(const fs::path& path) {
 void require_real_folder(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::symlink_status(path, error);
-  if (error) fail_with_reason("cannot look at this folder", path.string(), error);
+  if (error) fail_with_reason("cannot access this folder", path.string(), error);
   if (fs::is_symlink(status))
     throw_error(
-        {"this is a symbolic link: a run does not replace it", path.string(), "name the folder that it leads to with --out"});
+        {"this is a symbolic link: a run does not replace it", path.string(), "name the folder that it points to with --out"});
   if (!fs::is_directory(status)) throw_error({"there is a file of that name already", path.string(), "name a folder with --out"});
   if (::access(path.c_str(), R_OK | W_OK | X_OK) != 0)
     fail_with_reason("cannot write into this folder", path.string(), last_error());
   struct stat own {
   }, above{};
   if (::stat(path.c_str(), &own) == 0 && ::stat((path / "..").c_str(), &above) == 0 && own.st_dev != above.st_dev)
-    throw_error({"this is the root of a disk, which can't be renamed", path.string(),
+    throw_error({"this is the root of a disk, which cannot be renamed", path.string(),
                  "name a folder in it: --out " + (path / "run").string()});
 }
 
 [[noreturn]] void refuse_foreign(const fs::path& folder) {
-  throw_error({"this folder has files in it, but no result of momentree: it is not replaced", folder.string(),
+  throw_error({"this folder has files in it, but no result of momentree: it will not be replaced", folder.string(),
                "name another folder with --out"});
 }
 
-// A new result is as open to others as the one that it replaces.
+// A new result gets the permissions of the one that it replaces.
 void take_mode(const fs::path& folder, const fs::path& from) {
   struct stat status {};
   if (::stat(from.c_str(), &status) != 0 || ::chmod(folder.c_str(), status.st_mode & 0777) != 0)
@@ -80,7 +80,8 @@ void ResultDirectory::name_folders(const std::string& destination) {
   if (!destination_.has_filename())
     throw_error({"a run does not replace this folder", destination, "name another folder with --out"});
   if (destination_.extension() == ".partial")
-    throw_error({"names that end in .partial are of results that are being written", destination, "give another name to --out"});
+    throw_error({"names that end in .partial are reserved for results that are being written", destination,
+                 "give another name with --out"});
   working_ = destination_;
   working_ += ".partial";
 }
@@ -115,10 +116,10 @@ void ResultDirectory::lock_working() {
     marker_ = ResultMarker::make(working_);
     if (!marker_ && is_there(working_)) refuse_foreign(working_);
   }
-  if (!marker_) throw_error({"cannot make the result folder: others remove it", working_.string(), ""});
+  if (!marker_) throw_error({"cannot make the result folder: other programs keep removing it", working_.string(), ""});
 }
 
-// Of a run that was killed between the two renames that stand for an exchange.
+// Restores the former result of a run that was killed between the two renames that replace an exchange.
 void ResultDirectory::bring_back_former() {
   const fs::path former = working_ / helper::former;
   if (is_there(destination_) || !is_there(former)) return;
@@ -136,7 +137,7 @@ void ResultDirectory::check_destination() {
 void ResultDirectory::check_names() const {
   const auto check = [](const fs::path& folder, const ResultMarker& marker, const std::string& name) {
     if (is_there(folder / name) && !marker.owns(folder, name))
-      throw_error({"this file is not one that momentree wrote: it is not replaced", (folder / name).string(),
+      throw_error({"this file was not written by momentree: it will not be replaced", (folder / name).string(),
                    "move it, or name another folder with --out"});
   };
   for (const std::string& name : files_) {
@@ -150,7 +151,7 @@ void ResultDirectory::check_names() const {
 std::string ResultDirectory::file(const char* name) {
   const fs::path path = working_ / name;
   if (is_there(path) && !marker_->owns(working_, name))
-    throw_error({"this file is not one that momentree wrote: it is not replaced", path.string(), ""});
+    throw_error({"this file was not written by momentree: it will not be replaced", path.string(), ""});
   marker_->add({name});
   return path.string();
 }
@@ -201,23 +202,23 @@ void ResultDirectory::discard() noexcept {
     if (topmost_made_.empty()) return;
     for (fs::path folder = working_.parent_path();; folder = folder.parent_path())
       if ((::rmdir(folder.c_str()) != 0 && errno != ENOENT) || folder == topmost_made_) break;
-  } catch (const Error&) {  // what stays has a marker: the next run removes it
+  } catch (const Error&) {  // the remaining files have a marker: the next run removes them
   } catch (const std::exception&) {
   }
 }
 
 std::vector<std::string> ResultDirectory::publish() {
   std::vector<std::string> warnings;
-  const fs::path above = destination_.parent_path();  // once the result is in its place nothing may throw
+  const fs::path above = destination_.parent_path();  // once the result is in its destination nothing may throw
   if (lasting_) {
     marker_->to_disk();
     if (const std::error_code error = sync_folder(working_)) fail_with_reason("cannot finish writing", working_.string(), error);
   }
-  for (int tries = 0;; ++tries) {  // what is there may change meanwhile
-    if (tries == 100) throw_error({"cannot move the result to its place", destination_.string(), ""});
+  for (int tries = 0;; ++tries) {  // the destination may change meanwhile
+    if (tries == 100) throw_error({"cannot move the result to its destination", destination_.string(), ""});
     std::error_code error = move_to_new(working_, destination_);
     if (error && error != std::errc::file_exists && error != std::errc::directory_not_empty)
-      fail_with_reason("cannot move the result to its place", destination_.string(), error);
+      fail_with_reason("cannot move the result to its destination", destination_.string(), error);
     if (!error) break;
     require_real_folder(destination_);
     if (destination_marker_ && !destination_marker_->is_in(destination_)) destination_marker_.reset();
@@ -235,19 +236,19 @@ std::vector<std::string> ResultDirectory::publish() {
   return warnings;
 }
 
-// Either result is in its place at every instant; without an exchange there is one at which the earlier one is in the working
-// folder, and the next run brings it back.
+// At every instant one of the two results is at the destination. The exception is a file system without exchange: there is then
+// an instant at which the earlier result is in the working folder, and the next run restores it.
 void ResultDirectory::replace_destination(std::vector<std::string>& warnings) {
   const fs::path above = destination_.parent_path(), within = working_ / helper::former, after = destination_ / helper::former;
   check_names();
   take_mode(working_, destination_);
   const auto require = [this](std::error_code error) {
-    if (error) fail_with_reason("cannot move the result to its place", destination_.string(), error);
+    if (error) fail_with_reason("cannot move the result to its destination", destination_.string(), error);
   };
   const auto require_same = [this](const fs::path& folder, const auto& undo) {
     if (destination_marker_->is_in(folder)) return;
     undo();
-    throw_error({"this folder was replaced by another while the run went on", destination_.string(), ""});
+    throw_error({"this folder was replaced by another during the run", destination_.string(), ""});
   };
   std::error_code error = exchange(working_, destination_);
   const bool exchanged = error != std::errc::operation_not_supported;
@@ -262,7 +263,7 @@ void ResultDirectory::replace_destination(std::vector<std::string>& warnings) {
     if (error) undo();
     require(error);
   }
-  kept_ = true;  // from here on the working folder's name is the earlier result's
+  kept_ = true;  // from here on the working folder's name refers to the earlier result
   if (lasting_) sync_folder(above);
   warnings = retire(exchanged ? working_ : after, *destination_marker_, destination_);
 }

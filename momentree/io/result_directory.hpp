@@ -1,5 +1,6 @@
 #pragma once
-// Where a run writes: beside its destination while it runs, in its place when it is whole.
+// The folder that a run writes into: a sibling of its destination while the run is in progress, the destination itself once it
+// is complete.
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,17 +12,17 @@
 
 namespace momentree::io {
 
-/// Files are written in `DESTINATION.partial`; `publish` puts that folder into the place of `DESTINATION`. At every instant, also
-/// where the process is killed, the earlier result or the new one is there, whole. Both folders are locked until the end. Only
-/// files that the folders' markers name, and that momentree therefore made, are ever removed.
+/// Files are written in `DESTINATION.partial`; `publish` moves that folder to `DESTINATION`. At every instant, even if the
+/// process is killed, a complete result exists: the earlier one or the new one. Both folders are locked until the end. Only
+/// files that the folders' markers name, and that momentree therefore wrote, are ever removed.
 class ResultDirectory {
  public:
-  /// Makes `DESTINATION.partial`, and the folders above it; the files of an earlier run there are removed. `files`: names that
-  /// will be written. `lasting`: what is published is on the disk, and would survive a power failure.
-  /// Throws Error, and leaves everything as it was, where the folder can't be made, where another run is at work on it, and
-  /// where something would have to be replaced that momentree did not write.
+  /// Makes `DESTINATION.partial` and its parent folders, and removes the files of an earlier run from it. `files`: names that
+  /// will be written. `lasting`: the published result is flushed to disk, so that it survives a power failure. Throws Error,
+  /// and leaves everything as it was, if the folder cannot be made, if another run is using it, or if it would have to replace
+  /// something that momentree did not write.
   explicit ResultDirectory(const std::string& destination, std::vector<std::string> files = {}, bool lasting = true);
-  /// Removes what it made, unless `keep` was called.
+  /// Removes what this object made, unless `keep` was called.
   ~ResultDirectory();
   ResultDirectory(const ResultDirectory&) = delete;
   ResultDirectory& operator=(const ResultDirectory&) = delete;
@@ -29,21 +30,21 @@ class ResultDirectory {
   const std::filesystem::path& destination() const { return destination_; }
   const std::filesystem::path& working() const { return working_; }
 
-  /// The path of a file that is about to be made in the folder.
+  /// The path of a file that is about to be written in the folder.
   std::string file(const char* name);
-  /// Writes a file that is whole or absent; one of momentree's with that name is replaced. `from_reserve`: into the room that
-  /// `reserve` took.
+  /// Writes a file atomically; a file of that name that momentree wrote is replaced. `from_reserve`: uses the space that
+  /// `reserve` allocated.
   void write(const char* name, std::string_view text, bool from_reserve = false);
-  /// Removes a file that was written; no error where it is not there.
+  /// Removes a file that was written; a missing file is not an error.
   void remove(const char* name) noexcept;
-  /// Takes up room on the disk, so that a file of up to `size` bytes can be written even if the disk is full by then.
+  /// Allocates disk space, so that a file of up to `size` bytes can be written even if the disk is full by then.
   void reserve(std::size_t size);
 
-  /// From now on what is there stays if the run ends before it is published.
+  /// From now on, the files are kept even if the run ends before it is published.
   void keep() { kept_ = true; }
 
-  /// Puts the folder into the place of the destination, whose files of momentree's own are removed; all others stay there.
-  /// Returns warnings: what of the earlier result could not be moved or removed. Throws Error where the destination is unchanged.
+  /// Moves the folder to the destination. Files there that momentree wrote are removed; all others stay. Returns warnings:
+  /// files of the earlier result that could not be moved or removed. Throws Error if the destination is unchanged.
   std::vector<std::string> publish();
 
  private:
@@ -59,9 +60,9 @@ class ResultDirectory {
   std::filesystem::path destination_, working_;
   std::vector<std::string> files_;
   bool lasting_;
-  std::optional<ResultMarker> marker_;              ///< of the working folder, with which it moves
+  std::optional<ResultMarker> marker_;              ///< of the working folder, and moves with it
   std::optional<ResultMarker> destination_marker_;  ///< of the earlier result
-  std::filesystem::path topmost_made_;              ///< of the folders above, the first that did not exist
+  std::filesystem::path topmost_made_;              ///< the topmost parent folder that did not exist
   bool made_ = false, cleared_ = false, kept_ = false;
   Descriptor reserve_;
 };

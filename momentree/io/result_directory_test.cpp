@@ -28,7 +28,7 @@ void make_result(const std::string& path, const char* text) {
   CHECK(result.publish().empty());
 }
 
-/// What a run leaves that ends before it is published.
+/// The files of a run that ended before it was published.
 void make_partial(const std::string& path, const char* text) {
   ResultDirectory result(path, all_files);
   result.write("summary.json", text);
@@ -36,7 +36,7 @@ void make_partial(const std::string& path, const char* text) {
   result.keep();
 }
 
-TEST_CASE("a result is written beside its place and moved there") {
+TEST_CASE("a result is written next to its destination and moved there") {
   const test::TemporaryFolder folder;
   ResultDirectory result(folder / "a/b/");
   CHECK(result.destination() == folder / "a/b");
@@ -48,7 +48,7 @@ TEST_CASE("a result is written beside its place and moved there") {
   CHECK_FALSE(fs::exists(folder / "a/b.partial"));
 }
 
-TEST_CASE("an earlier result is replaced, what is not ours is kept, wherever it was") {
+TEST_CASE("an earlier result is replaced, and other files are kept, wherever they were") {
   const test::TemporaryFolder folder;
   make_result(folder / "r", "old");
   make_partial(folder / "r", "older");
@@ -74,7 +74,7 @@ TEST_CASE("an earlier result is replaced, what is not ours is kept, wherever it 
   CHECK(fs::status(folder / "r").permissions() == fs::perms::owner_all);
 }
 
-TEST_CASE("what is no result is not replaced, and nothing is made beside it") {
+TEST_CASE("a folder that is not a result is not replaced, and nothing is made next to it") {
   const test::TemporaryFolder folder;
   for (const char* name : {"thesis", "web", "empty", "marked", "busy.partial"}) fs::create_directories(folder / name);
   write_text_file(folder / "thesis/chapter.tex", "years of work");
@@ -104,20 +104,20 @@ TEST_CASE("a file of the user's with a name that a run writes is not replaced") 
   const test::TemporaryFolder folder;
   make_result(folder / "r", "old");
   write_text_file(folder / "r/report.html", "mine");
-  CHECK(has(mistake(folder / "r"), "r/report.html: error: this file is not one that momentree wrote"));
+  CHECK(has(mistake(folder / "r"), "r/report.html: error: this file was not written by momentree"));
   fs::remove(folder / "r/report.html");
   fs::remove(folder / "r/joints.csv");
   fs::create_symlink("elsewhere", folder / "r/joints.csv");
-  CHECK(has(mistake(folder / "r"), "r/joints.csv: error: this file is not one"));
+  CHECK(has(mistake(folder / "r"), "r/joints.csv: error: this file was not written by momentree"));
   fs::remove(folder / "r/joints.csv");
   make_partial(folder / "r", "old");
   write_text_file(folder / "r.partial/joints.csv", "mine");
-  CHECK(has(mistake(folder / "r"), "r.partial/joints.csv: error: this file is not one"));
-  CHECK(read_text_file(folder / "r.partial/report.html") == "old");  // a refusal changes nothing
+  CHECK(has(mistake(folder / "r"), "r.partial/joints.csv: error: this file was not written by momentree"));
+  CHECK(read_text_file(folder / "r.partial/report.html") == "old");  // a refused run changes nothing
   fs::remove(folder / "r.partial/joints.csv");
   write_text_file(folder / "r.partial/notes", "one");
   write_text_file(folder / "r/notes", "other");
-  CHECK(has(mistake(folder / "r"), "r/notes: error: this file is not one"));
+  CHECK(has(mistake(folder / "r"), "r/notes: error: this file was not written by momentree"));
 }
 
 TEST_CASE("one run at a time works on a folder") {
@@ -127,7 +127,7 @@ TEST_CASE("one run at a time works on a folder") {
     ResultDirectory first(folder / "r");
     first.write("summary.json", "new");
     CHECK(has(mistake(folder / "r"), "r.partial: error: another run of momentree is writing into this folder"));
-    CHECK(has(mistake(folder / "r.partial"), "names that end in .partial"));  // the first one moves it away
+    CHECK(has(mistake(folder / "r.partial"), "names that end in .partial"));  // the first run moves it away
     CHECK(read_text_file(folder / "r.partial/summary.json") == "new");
     CHECK(first.publish().empty());
   }
@@ -135,7 +135,7 @@ TEST_CASE("one run at a time works on a folder") {
   CHECK(read_text_file(folder / "r/summary.json") == "new");
 }
 
-TEST_CASE("what came into the place of a result while it was made is not replaced") {
+TEST_CASE("a destination that appears during the run is not replaced") {
   const test::TemporaryFolder folder;
   {
     ResultDirectory result(folder / "r", all_files);
@@ -143,7 +143,7 @@ TEST_CASE("what came into the place of a result while it was made is not replace
     result.write("summary.json", "new");
     fs::create_directories(folder / "r");
     write_text_file(folder / "r/own", "mine");
-    CHECK(has(test::error_of([&] { result.publish(); }), "it is not replaced"));
+    CHECK(has(test::error_of([&] { result.publish(); }), "it will not be replaced"));
   }
   CHECK(read_text_file(folder / "r/own") == "mine");
   CHECK(read_text_file(folder / "r.partial/summary.json") == "new");
@@ -152,22 +152,22 @@ TEST_CASE("what came into the place of a result while it was made is not replace
   ResultDirectory result(folder / "r", all_files);
   result.keep();
   write_text_file(folder / "r/report.html", "mine");
-  CHECK(has(test::error_of([&] { result.publish(); }), "report.html: error: this file is not one"));
+  CHECK(has(test::error_of([&] { result.publish(); }), "report.html: error: this file was not written by momentree"));
   fs::remove_all(folder / "r");
-  CHECK(result.publish().empty());  // the earlier one is gone
+  CHECK(result.publish().empty());  // the earlier result is gone
   CHECK_FALSE(fs::exists(folder / "r/report.html"));
 }
 
-TEST_CASE("files are whole or absent, and replace nothing that is not ours") {
+TEST_CASE("files are whole or absent, and replace no other program's files") {
   const test::TemporaryFolder folder;
   ResultDirectory result(folder / "r");
   write_text_file(folder / "r.partial/mine", "mine");
-  CHECK(has(test::error_of([&] { result.file("mine"); }), "is not replaced"));
-  CHECK(has(test::error_of([&] { result.write("mine", "x"); }), "is not replaced"));
+  CHECK(has(test::error_of([&] { result.file("mine"); }), "will not be replaced"));
+  CHECK(has(test::error_of([&] { result.write("mine", "x"); }), "will not be replaced"));
   result.reserve(100);
   result.write("summary.json", "one");
   result.write("summary.json", "two", true);
-  result.write("summary.json", "three", true);  // without room that was reserved, as others
+  result.write("summary.json", "three", true);  // written without reserved space, like other files
   CHECK(read_text_file(folder / "r.partial/summary.json") == "three");
   result.remove("summary.json");
   result.remove("mine");
@@ -175,7 +175,7 @@ TEST_CASE("files are whole or absent, and replace nothing that is not ours") {
   CHECK(read_text_file(folder / "r.partial/mine") == "mine");
 }
 
-TEST_CASE("a run that was killed between the renames that stand for an exchange: the next one brings the result back") {
+TEST_CASE("a run killed between the renames that replace an exchange: the next one restores the result") {
   const test::TemporaryFolder folder;
   make_result(folder / "r", "old");
   make_partial(folder / "r", "new");
@@ -184,7 +184,7 @@ TEST_CASE("a run that was killed between the renames that stand for an exchange:
   CHECK(read_text_file(folder / "r/summary.json") == "old");
   CHECK_FALSE(fs::exists(folder / "r.partial"));
 
-  make_result(folder / "other", "older");  // and after them, before it removed the earlier one
+  make_result(folder / "other", "older");  // after the renames, before it removed the earlier one
   write_text_file(folder / "other/own", "mine");
   fs::rename(folder / "other", folder / "r/.momentree.former");
   { const ResultDirectory next(folder / "r", all_files); }

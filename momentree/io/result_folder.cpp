@@ -55,7 +55,7 @@ std::vector<std::string> retire(const fs::path& folder, const ResultMarker& mark
   const auto warn = [&warnings](const std::string& where, const char* what) {
     try {
       warnings.push_back(where + ": warning: " + what);
-    } catch (const std::bad_alloc&) {  // nothing is lost: the next run finds what stays here
+    } catch (const std::bad_alloc&) {  // nothing is lost: the next run finds the files that stay here
     }
   };
   const auto attempt = [&](const auto& action) {

@@ -42,22 +42,22 @@ std::optional<ResultMarker> ResultMarker::open(const fs::path& folder, int flags
       fail_with_reason("cannot open this file, which marks results of momentree", marker.path_, last_error());
     }
     struct stat status {};
-    if (::fstat(marker.file_.number(), &status) != 0) fail_with_reason("cannot look at this file", marker.path_, last_error());
+    if (::fstat(marker.file_.number(), &status) != 0) fail_with_reason("cannot access this file", marker.path_, last_error());
     if (!S_ISREG(status.st_mode)) return std::nullopt;
     if (::flock(marker.file_.number(), LOCK_EX | LOCK_NB) != 0) {
       if (errno == EINTR) continue;
       if (errno == EWOULDBLOCK)
         throw_error({"another run of momentree is writing into this folder", folder.string(),
                      "wait until it has ended, or name another folder with --out"});
-      fail_with_reason("cannot lock this file, so that another run could write into the folder, too", marker.path_, last_error());
+      fail_with_reason("cannot lock this file against other runs that write into the folder", marker.path_, last_error());
     }
-    if (marker.is_in(folder)) break;  // else the one who had the lock has removed or moved it meanwhile
+    if (marker.is_in(folder)) break;  // otherwise the process that held the lock has removed or moved it meanwhile
   }
   if (!marker.read()) return std::nullopt;
   return marker;
 }
 
-// Takes no memory: it is asked while a result is between two places.
+// Allocates no memory, since it is called while a result is being moved.
 bool ResultMarker::is_in(const fs::path& folder) const noexcept {
   char path[4096];
   const int length = std::snprintf(path, sizeof path, "%s/%s", folder.c_str(), file_name);
@@ -73,10 +73,11 @@ bool ResultMarker::owns(const fs::path& folder, const std::string& name) const {
   const fs::path path = folder / name;
   if (::lstat(path.c_str(), &status) == 0) return S_ISREG(status.st_mode);
   if (errno == ENOENT) return false;
-  fail_with_reason("cannot look at this file", path.string(), last_error());
+  fail_with_reason("cannot access this file", path.string(), last_error());
 }
 
-// False where it is somebody else's file of that name. A cut one was made by a run that was killed before it made others.
+// False if it is another program's file of that name. A truncated one was made by a run that was killed before it made other
+// files.
 bool ResultMarker::read() {
   constexpr std::size_t largest = 1u << 16;
   std::string text(largest, '\0');

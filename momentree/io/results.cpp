@@ -32,7 +32,7 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_v
       joint_columns_(options_.joints, options_.reactions) {
   const std::string running = summary_json(origin_, "running, or killed");
   directory_.write("summary.json", running);
-  constexpr std::size_t results = 2048, message = 8192;  // room for what the summary will say besides
+  constexpr std::size_t results = 2048, message = 8192;  // space for the rest of the summary
   directory_.reserve(running.size() + results + message);
   directory_.write("model.json", model_json);
   BodyColumns::header(bodies_.text(), simulation.world().model());
@@ -45,7 +45,7 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_v
 
 bool Recorder::due(double time) {
   if (!(options_.every > 0)) return true;
-  const double slack = 1e-6 * options_.every;  // steps land on multiples up to rounding
+  const double slack = 1e-6 * options_.every;  // steps reach multiples up to rounding
   if (time < next_ * options_.every - slack) return false;
   next_ = std::floor((time + slack) / options_.every) + 1;
   return true;
@@ -73,7 +73,7 @@ void Recorder::write_row(const World& world) {
     joints_.text().resize(joint_row_);
     if (energy_) energy_->text().resize(energy_row_);
   } else {
-    write_out_where_due();  // the last row is final: no other comes at its time
+    write_out_where_due();  // the last row is final: no other row has its time
     body_row_ = bodies_.text().size();
     joint_row_ = joints_.text().size();
     if (energy_) energy_row_ = energy_->text().size();
@@ -84,7 +84,7 @@ void Recorder::write_row(const World& world) {
     body_columns_.row(bodies_.text(), world);
     joint_columns_.row(joints_.text(), world);
     if (energy_) energy_row(energy_->text(), simulation_);
-  } catch (...) {  // no memory: no table has a part of a row, or a row more than another
+  } catch (...) {  // out of memory: no table has a partial row, or one row more than another
     bodies_.text().resize(body_row_);
     joints_.text().resize(joint_row_);
     if (energy_) energy_->text().resize(energy_row_);
@@ -96,7 +96,7 @@ Recorder::~Recorder() {
   if (status_.empty()) abandon("failed: the program ended early");
 }
 
-// Without memory there may be none for the message either.
+// Without memory, the message may be lost, too.
 void Recorder::note(const char* what) noexcept {
   failed_ = true;
   try {
@@ -127,7 +127,7 @@ bool Recorder::observe(const World& world) noexcept {
   });
 }
 
-// Rows whose events are not in events.jsonl would show a topology that was not there.
+// Rows whose events are not in events.jsonl would show a topology that did not exist.
 void Recorder::close_tables() {
   const bool events = attempt([&] { events_.close(options_.lasting); });
   for (TextFile* table : {&bodies_, &joints_, energy_ ? &*energy_ : nullptr}) {
@@ -137,14 +137,14 @@ void Recorder::close_tables() {
   }
 }
 
-// summary.json comes last: what it says, the report says, and all that is there holds.
+// summary.json comes last: the report contains its text, and all files it refers to are complete.
 void Recorder::seal(const std::string& status, const ReportPage& report) {
   const auto say = [&] {
     status_ = failed_ && status == "done" ? "failed: " + reason() : status;
     summary_ = summary_json(origin_, status_, simulation_);
   };
   bool said = false;
-  for (int tries = 0; !said && tries < 2; ++tries) {  // a second time with what went wrong the first time
+  for (int tries = 0; !said && tries < 2; ++tries) {  // a second time with the error of the first attempt
     if (sealed_) directory_.remove("summary.json");
     directory_.remove("report.html");
     has_report_ = false;
@@ -165,7 +165,7 @@ std::string Recorder::reason() const {
 }
 
 void Recorder::finish(const std::string& status, const Armed& armed, const ReportPage& report) {
-  const std::string outcome = failed_ ? "done" : status;  // what could not be written was what stopped the run
+  const std::string outcome = failed_ ? "done" : status;  // the run was stopped by the failure to write
   if (!failed_) attempt([&] { write_row(simulation_.world()); });
   close_tables();
   attempt([&] {

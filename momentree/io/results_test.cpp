@@ -33,7 +33,7 @@ std::size_t column(const Rows& rows, const std::string& name) {
 
 std::vector<JointKinds> all_joints(Simulation& simulation) { return joints_of(simulation, simulation.dry_run(), {}); }
 
-// The whole run of two_mechanisms with a break at 0.105 s, rows every `every`.
+// A complete run of two_mechanisms with a break at 0.105 s, and a row every `every` s.
 Rows run(const std::string& out, double every, const char* file, double until = 0.5, bool reactions = false) {
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});
@@ -68,10 +68,10 @@ TEST_CASE("without `every` a row for each step, one at the event, too") {
   int at_event = 0;
   for (const auto& row : rows) at_event += row[0] == "0.105" ? 1 : 0;
   CHECK(at_event == 1);
-  CHECK(rows.size() == 1 + 1 + 11 + 10);  // the head, the start, to 0.105 s, to 0.2 s
+  CHECK(rows.size() == 1 + 1 + 11 + 10);  // the header, the start, to 0.105 s, to 0.2 s
 }
 
-TEST_CASE("columns for every joint that can be, as wide as its widest kind") {
+TEST_CASE("columns for every possible joint, as wide as its widest kind") {
   const test::TemporaryFolder folder;
   const Rows rows = run(folder / "r", 0.1, "joints.csv");
   const std::size_t count = rows[0].size();
@@ -87,7 +87,7 @@ TEST_CASE("columns for every joint that can be, as wide as its widest kind") {
   CHECK(rows[1][column(rows, "arm/wrist.q0")] == "0.7");
 }
 
-TEST_CASE("reactions where they are asked for: after the other columns of their joint, empty where it is not there") {
+TEST_CASE("reactions on request: after the other columns of their joint, empty if it does not exist") {
   const test::TemporaryFolder folder;
   const Rows plain = run(folder / "r", 0.1, "joints.csv");
   const Rows rows = run(folder / "r", 0.1, "joints.csv", 0.5, true);
@@ -101,7 +101,7 @@ TEST_CASE("reactions where they are asked for: after the other columns of their 
     for (std::size_t c = 0; c < plain[0].size(); ++c) CHECK(rows[r][column(rows, plain[0][c])] == plain[r][c]);
     CHECK((rows[r][column(rows, "arm/shoulder.mz")] == "") == (number(r, "time") > 0.105));
     CHECK((rows[r][column(rows, "arm/link.fx")] == "") == (number(r, "time") < 0.105));
-    // A point mass of 1 kg at 1 m: the pull is along the rod.
+    // A point mass of 1 kg at 1 m: the force is along the rod.
     const double v = number(r, "pendulum.v0");
     CHECK(number(r, "pendulum.fz") == doctest::Approx(9.81 * std::cos(number(r, "pendulum.q0")) + v * v).epsilon(1e-12));
     for (const char* none : {"pendulum.fx", "pendulum.fy", "pendulum.mx", "pendulum.my", "pendulum.mz"})
@@ -140,7 +140,8 @@ TEST_CASE("energy.csv: kinds of energy that add up, gravity by the poses of bodi
   }
   CHECK(number(rows, 1, "elastic") == doctest::Approx(0.5 * 2 * 0.7 * 0.7).epsilon(1e-12));
   CHECK(number(rows, rows.size() - 1, "dissipated") > 0);
-  // The free arm falls: its momentum changes by m g t alone, the pendulum's pin does the rest; sideways nothing pulls on the arm.
+  // The free arm falls: its momentum changes only by m g t; the rest is due to the pendulum's joint. No horizontal force acts
+  // on the arm.
   CHECK(number(rows, rows.size() - 1, "linear.x") == doctest::Approx(number(rows, 1, "linear.x")).epsilon(1e-6));
 }
 
@@ -156,7 +157,7 @@ TEST_CASE("quaternions are continuous in sign") {
       CHECK(along > 0.9);
       lowest = std::min(lowest, std::stod(rows[r][w]));
     }
-    CHECK(lowest < -0.25);  // it turns far enough for the test to mean something
+    CHECK(lowest < -0.25);  // it turns far enough for the test to be significant
   }
 }
 
@@ -180,7 +181,7 @@ TEST_CASE("the JSON files") {
   CHECK(read_text_file(folder / "r/model.json") == "{}");
 }
 
-TEST_CASE("a run that is not done stays beside its place") {
+TEST_CASE("a run that is not done stays next to its destination") {
   const test::TemporaryFolder folder;
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});
@@ -195,7 +196,7 @@ TEST_CASE("a run that is not done stays beside its place") {
   CHECK(read_text_file(folder / "r.partial/summary.json").find("interrupted at t = 0.1 s") != std::string::npos);
 }
 
-TEST_CASE("a run whose simulation broke off keeps its rows and says why; one that is dropped says that") {
+TEST_CASE("a run whose simulation failed keeps its rows and reports why; so does an abandoned one") {
   const test::TemporaryFolder folder;
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});
@@ -214,7 +215,7 @@ TEST_CASE("a run whose simulation broke off keeps its rows and says why; one tha
   CHECK(read_text_file(folder / "r.partial/summary.json").find("\"status\": \"failed: the program ended") != std::string::npos);
 }
 
-TEST_CASE("what a result lacks at its end makes it a failed one: the report, or its place") {
+TEST_CASE("a run fails if its report or its destination cannot be written") {
   const test::TemporaryFolder folder;
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});
@@ -236,11 +237,11 @@ TEST_CASE("what a result lacks at its end makes it a failed one: the report, or 
     write_text_file(folder / "r/thesis.tex", "years of work");
     return summary;
   };
-  CHECK(finish(taken).find("it is not replaced") != std::string::npos);
+  CHECK(finish(taken).find("it will not be replaced") != std::string::npos);
   CHECK(read_text_file(folder / "r.partial/report.html") == read_text_file(folder / "r.partial/summary.json"));
 }
 
-TEST_CASE("rows are on the disk with their events, whole, while the run goes on") {
+TEST_CASE("rows are on the disk with their events, whole, during the run") {
   const test::TemporaryFolder folder;
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.001});
@@ -257,7 +258,7 @@ TEST_CASE("rows are on the disk with their events, whole, while the run goes on"
   CHECK(read_text_file(folder / "r.partial/events.jsonl").find("break arm/shoulder") != std::string::npos);
 }
 
-TEST_CASE("a world that bodies left and came to is recorded: empty cells for the ones, no columns for the others") {
+TEST_CASE("removed bodies have empty cells in the tables, added ones have no columns") {
   const test::TemporaryFolder folder;
   const Model model = test::two_mechanisms();
   Simulation simulation(model, {.step = 0.01});

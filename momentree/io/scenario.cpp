@@ -15,9 +15,9 @@ namespace momentree::io {
 namespace {
 
 constexpr std::uintmax_t largest_file = 256u << 20;
-constexpr std::size_t largest_unknown = 1u << 20;  // of what is not known for a scenario: it is not worth reading
+constexpr std::size_t largest_unknown = 1u << 20;  // limit for files not recognised as scenarios: larger ones are not read
 
-// FNV-1a, 64 bits: the same on every machine; names an input, protects nothing.
+// FNV-1a, 64 bits: the same on every machine; identifies an input, protects nothing.
 class Hash {
  public:
   void add(std::string_view part) {
@@ -38,20 +38,20 @@ std::string Hash::digits() const {
 
 void read_format(Fields& fields, Diagnostics& out) {
   const Value* format = fields.find("format");
-  if (!format) return out.warning({1, 1, 0}, "the scenario does not say its format", "begin it with format = 1");
+  if (!format) return out.warning({1, 1, 0}, "the scenario does not state its format", "begin it with format = 1");
   const std::int64_t* n = format->integer();
   if (!n || *n != 1)
-    out.error(format->place, n ? "format " + std::to_string(*n) + " is not known to this version" : "format: expected 1",
+    out.error(format->place, n ? "format " + std::to_string(*n) + " is not supported by this version" : "format: expected 1",
               "this version reads format 1");
 }
 
-// It stands in pictures, tables and the comments of generated code: one line that is seen as it is.
+// The title appears in pictures, tables and comments of generated code: it must be one visible line.
 void read_title(Fields& fields, Reading& reading) {
   std::string title = fields.string("title").value_or("");
   if (first_invisible(title) == std::string::npos)
     reading.scenario.title = std::move(title);
   else
-    reading.out.error(fields.place_of("title"), "title: " + in_quotes(title) + " has a character that is not seen",
+    reading.out.error(fields.place_of("title"), "title: " + in_quotes(title) + " has an invisible character",
                       "a title is one line without control characters");
 }
 
@@ -63,7 +63,7 @@ void read_state_file(Fields& fields, Reading& reading) {
   reading.scenario.state_files.push_back({relative ? reading.folder + "/" + *file : *file, "", fields.place_of("state")});
 }
 
-// What only the whole model shows. A body that holds a name twice was never added: no more to say.
+// Checks of the whole model. A body with a duplicate name was never added, and needs no further message.
 void check_whole(Reading& reading) {
   Diagnostics& out = reading.out;
   const std::size_t errors = out.errors() + reading.model_errors();
@@ -127,7 +127,7 @@ void read_document(const Value& document, Reading& reading) {
   check_whole(reading);
 }
 
-// A name that a mechanism may have, from a file's.
+// A valid mechanism name made from a file name.
 std::string mechanism_name(const std::string& stem) {
   std::string name = stem.substr(0, 200);
   for (char& c : name)
@@ -138,7 +138,7 @@ std::string mechanism_name(const std::string& stem) {
   return name.empty() || name == "ground" || name == "." || name == ".." ? "model" : name;
 }
 
-// What a scenario of this model alone would say.
+// The document of a scenario with this model alone.
 Value document_of(const std::string& name, const std::string& file, const ImportedModel& model) {
   const Place nowhere{};
   const auto entry = [&](const char* key, auto value) { return Value::Entry{key, nowhere, Value(std::move(value), nowhere)}; };
@@ -153,7 +153,7 @@ Value document_of(const std::string& name, const std::string& file, const Import
   return {std::move(document), nowhere};
 }
 
-// Where a text comes from.
+// The origin of a text.
 struct Origin {
   std::string path, name, folder;
   bool looks_at_files = true;
@@ -189,7 +189,7 @@ ReadResult read_text(std::string text, const Origin& origin, const std::vector<s
     const Import& import = *reading.models.back().second;
     if (import.errors() == 0) document = document_of(mechanism_name(scenario.name), file, import.model);
   } else if (!quotes && scenario.text.size() > largest_unknown) {
-    out.error({}, "this is not a scenario: no line says the format, and none begins a mechanism",
+    out.error({}, "this is not a scenario: no line states the format, and none begins a mechanism",
               "a scenario begins with format = 1");
   } else {
     document = parse_toml(scenario.text, error);

@@ -97,7 +97,7 @@ TEST_CASE("a byte order mark and CRLF change nothing") {
         "s.toml:31:1: error: unknown key 'colour' in [output]; known here: every\n   31 | colour = 1\n      | ^\n");
 }
 
-TEST_CASE("a free chain has no first pin, and stands at its pose") {
+TEST_CASE("a free chain has no first revolute joint, and is placed at its pose") {
   const Scenario s = read(head + "root = \"free\"\npose = { xyz = [1, 2, 3], rpy = [0, 0, \"90 deg\"] }\n" +
                           "state = { joints = { \"2\" = \"30 deg\", \"3\" = { speed = 2 } }, velocity = { linear = [1, 2, 3], "
                           "angular = [4, 5, 6] } }\n" +
@@ -114,7 +114,7 @@ TEST_CASE("a free chain has no first pin, and stands at its pose") {
   CHECK(third.v == Values{2});
 }
 
-TEST_CASE("bodies stand in the file in any order; the model has parents first") {
+TEST_CASE("bodies are in any order in the file; the model has parents first") {
   const std::string body = "[[mechanism.body]]\nmass = 1\ninertia = 1\n", joint = "[mechanism.body.joint]\nkind = \"revolute\"\n";
   const Scenario s = read(head + body + "name = \"c\"\n" + joint + "parent = \"b\"\n" + body + "name = \"a\"\n" + body +
                           "name = \"b\"\n" + joint + "parent = \"m/a\"\nname = \"hinge\"\n");
@@ -141,12 +141,12 @@ TEST_CASE("a pose places the mechanism; a root joint stands in it") {
   CHECK(fixed.model[BodyId{0}].at.position == Vec3{1, 0, 0});
 }
 
-TEST_CASE("the velocity of a free root is that of its body's frame, wherever the joint stands in it") {
+TEST_CASE("the velocity of a free root is that of its body's frame, wherever the joint is in it") {
   const Scenario s =
       read(head + "state = { velocity = { linear = [1, 0, 0], angular = [0, 0, 2] } }\n" + one_body.substr(head.size()) +
            "[mechanism.body.joint]\nkind = \"free\"\nchild_at = { xyz = [1, 0, 0], rpy = [0, 0, \"90 deg\"] }\n");
   const Values& v = s.model[BodyId{0}].v;
-  // At (1, 0, 0) the body moves with (1, 2, 0), which along axes turned by 90° is (2, −1, 0).
+  // At (1, 0, 0) the body's velocity is (1, 2, 0), which is (2, −1, 0) along axes rotated by 90°.
   const double expected[] = {2, -1, 0, 0, 0, 2};
   for (int i = 0; i < 6; ++i) CHECK(v[i] == doctest::Approx(expected[i]));
 }
@@ -171,7 +171,7 @@ TEST_CASE("every kind of joint, with its parameters") {
         Values{1e-7});
 }
 
-TEST_CASE("a unit that does not fit every freedom is refused") {
+TEST_CASE("a unit that does not fit every degree of freedom is refused") {
   CHECK(
       said(read_scenario_text(one_body + "[mechanism.body.joint]\nkind = \"cylindrical\"\ndamping = \"1 N m s\"\n", "s.toml")) ==
       "s.toml:10:11: error: damping: '1 N m s' is an angular momentum (N m s), not a damping (N s/m); for example 20, or \"20 N "
@@ -216,7 +216,7 @@ TEST_CASE("a body has several shapes, a mesh is scaled") {
   CHECK(s.shapes[0].more[1].scale == Vec3{5, 5, 5});
 }
 
-TEST_CASE("several roots make several mechanisms, where the file says so") {
+TEST_CASE("several roots make several mechanisms, if the file allows it") {
   const std::string two = "format = 1\n[[mechanism]]\nname = \"m\"\nroots = 2\n" + one_body.substr(head.size());
   const Scenario s =
       read(two + "[mechanism.body.joint]\nkind = \"free\"\n[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n" +
@@ -248,17 +248,17 @@ TEST_CASE("one odd body in a sound group is a warning") {
   CHECK(result.diagnostics[0].line == 11);
 }
 
-TEST_CASE("a massless part below a weld is fine, one that would come off is not") {
+TEST_CASE("a massless part below a weld is accepted, one that would separate is not") {
   const std::string carrier =
       "[[mechanism.body]]\nname = \"c\"\nmass = 0\n[mechanism.body.joint]\nkind = \"weld\"\nparent = \"a\"\n";
   CHECK(read(pinned + carrier).model.size() == 2);
   CHECK(said(read_scenario_text(pinned + carrier + "[[event]]\nat = 1\nbreak = \"m/c\"\n", "s.toml")) ==
-        "s.toml:18:9: error: break: the part that comes off at 'm/c' has not the mass or inertia to move freely; give it a mass "
+        "s.toml:18:9: error: break: the part that separates at 'm/c' lacks the mass or inertia to move freely; give it a mass "
         "and an inertia "
         "about every axis");
 }
 
-TEST_CASE("all semantic errors of a file come in one go, in the order of the file") {
+TEST_CASE("all semantic errors of a file are reported together, in the order of the file") {
   const char* text = R"([integrate]
 step = 0
 [output]
@@ -284,7 +284,7 @@ kind = "revolut"
 parent = "aa"
 )";
   CHECK(said(read_scenario_text(text, "s.toml")) ==
-        "s.toml:1:1: warning: the scenario does not say its format; begin it with format = 1\n"
+        "s.toml:1:1: warning: the scenario does not state its format; begin it with format = 1\n"
         "s.toml:2:8: error: step: must be greater than 0\n"
         "s.toml:4:1: error: unknown key 'evry' in [output]; did you mean 'every'?\n"
         "s.toml:6:6: error: at: must not be negative\n"
@@ -299,7 +299,7 @@ parent = "aa"
         "s.toml:23:10: error: unknown parent 'aa'; did you mean 'a'?");
 }
 
-TEST_CASE("what a state gives is checked as a joint's own start is") {
+TEST_CASE("the values of a state are checked like a joint's own initial values") {
   const auto start = [](const std::string& state, const std::string& bodies) {
     return said(read_scenario_text(head + "state = " + state + "\n" + bodies, "s.toml"));
   };
@@ -307,7 +307,8 @@ TEST_CASE("what a state gives is checked as a joint's own start is") {
   CHECK(start("{ joints = { a = [1, 1, 0, 0] } }", ball) ==
         "s.toml:4:26: error: a: the length of the quaternion is not 1; scale it: w² + x² + y² + z² = 1");
   CHECK(start("{ joints = { a = { v = [1, 2] } } }", ball) ==
-        "s.toml:4:32: error: v: expected 3 numbers, found a list of 2; one per freedom or coordinate, in the order of the kind");
+        "s.toml:4:32: error: v: expected 3 numbers, found a list of 2; one per degree of freedom or coordinate, in the order of "
+        "the joint kind");
   const std::string links = chain.substr(head.size()) + "inertia = 1\n";
   CHECK(start("{ joints = { 1 = [0, 0, 0, 0, 0, 0, 0] } }\nroot = \"free\"", links) ==
         "s.toml:4:26: error: 1: a quaternion of zeros is not a rotation; the identity is [1, 0, 0, 0]");
@@ -322,7 +323,7 @@ TEST_CASE("mechanisms without names are refused, and nothing of them is kept") {
         "s.toml:8:1: error: [[mechanism]] has no 'name'; for example name = \"arm\"");
 }
 
-TEST_CASE("what moves between two masses and has none is a warning, a carrier is none") {
+TEST_CASE("a moving body without mass between two masses gives a warning, a carrier does not") {
   const auto three = [](const std::string& name) {
     const std::string pin = "[mechanism.body.joint]\nkind = \"revolute\"\n";
     return head + "[[mechanism.body]]\nname = \"" + name + "\"\nmass = 0\n" + pin +
@@ -330,11 +331,11 @@ TEST_CASE("what moves between two masses and has none is a warning, a carrier is
            "\"\n";
   };
   CHECK(said(read_scenario_text(three("a"), "s.toml")) ==
-        "s.toml:6:8: warning: 'm/a' moves, carries others, and has no mass; is its inertia missing?");
+        "s.toml:6:8: warning: 'm/a' moves and carries other bodies, but has no mass; is its inertia missing?");
   CHECK(said(read_scenario_text(three("b.turn"), "s.toml")).empty());
 }
 
-TEST_CASE("a long chain that is refused is not made") {
+TEST_CASE("a long chain with errors is not built") {
   const std::string events = "[[event]]\nat = 1\nbreak = \"m/1000001\"\n";
   const std::string links = head + "[mechanism.chain]\nlength = 1\nmass = -1\nlinks = ";
   CHECK(said(read_scenario_text(links + "1000000\n" + events, "s.toml")) == "s.toml:6:8: error: mass: must not be negative");
@@ -343,7 +344,7 @@ TEST_CASE("a long chain that is refused is not made") {
         "s.toml:10:9: error: break: there is no joint 'm/1000001'");
 }
 
-TEST_CASE("files that are none") {
+TEST_CASE("invalid files are refused") {
   const auto first = [](const std::string& path) {
     const ReadResult result = read_scenario(path);
     CHECK(!result.scenario);
@@ -365,8 +366,8 @@ TEST_CASE("a long chain of bodies, the last one first, loads without recursion")
   const Scenario s = read(text);
   REQUIRE(s.model.size() == n);
   CHECK(s.model[BodyId{n - 1}].name == "m/20000");
-  // The same as a circle.
+  // The same as a cycle.
   const ReadResult circle = read_scenario_text(text + "parent = \"20000\"\n", "s.toml");
   REQUIRE(circle.diagnostics.size() == 1);
-  CHECK(circle.diagnostics[0].what.find("the joints go round in a circle: '20000' on '19999'") == 0);
+  CHECK(circle.diagnostics[0].what.find("the joints form a cycle: '20000' on '19999'") == 0);
 }

@@ -12,7 +12,7 @@ namespace momentree::io {
 
 namespace {
 
-using At = std::pair<std::size_t, std::size_t>;  // an event in the order of the schedule, an action of it
+using At = std::pair<std::size_t, std::size_t>;  // an event in the order of the schedule, and the index of one of its actions
 
 class ScheduleChecker {
  public:
@@ -48,18 +48,18 @@ class ScheduleChecker {
   void judge(const DryRun::Issue& issue) {
     const At at{issue.event, issue.action};
     if (issue.result.outcome == ActionResult::Outcome::refused) return judge_refused(at, issue.result);
-    // After something was refused what follows may be no fault of its own.
+    // After a refused action, problems of later ones may be consequences.
     if (event(at.first).wild || issue.event > first_refused_) return;
     const std::size_t first = found_.size();
     const At* before = origin(at);
-    // Of the matches of a condition any may never happen.
+    // Any match of a condition may never happen.
     if (before != nullptr && event(before->first).wild && event(before->first).condition) return;
     if (before != nullptr && key(at) == "break" && key(*before) == "break")
       add(at, "joint " + in_quotes(action(at).joints().front()) + " is broken already on " + place(*before),
-          "a joint breaks once");
+          "a joint can break only once");
     else if (before != nullptr && key(*before) == "break" && (key(at) == "lock" || key(at) == "change"))
-      add(at, "joint " + in_quotes(action(at).joints().front()) + " is broken by then, by " + told(*before),
-          "to hold the part that came off where it is, weld its body to the ground");
+      add(at, "joint " + in_quotes(action(at).joints().front()) + " will be broken by then, by " + told(*before),
+          "to hold the separated part where it is, weld its body to the ground");
     else if (before != nullptr)
       add(at, "does nothing: " + issue.result.why + ", after " + told(*before));
     else
@@ -69,7 +69,7 @@ class ScheduleChecker {
 
   std::string place(const At& at) const { return name_of_(event(at.first).places[at.second]); }
 
-  // What decided last on the same joint before.
+  // The last earlier action that changed the same joint.
   const At* origin(const At& at) const {
     const At* last = nullptr;
     for (const std::string& joint : action(at).joints()) {
@@ -87,7 +87,7 @@ class ScheduleChecker {
         for (std::size_t a = 0; a < event(e).actions.size(); ++a)
           if (!event(e).actions[a]->makes().empty() &&
               made_joint_name({event(e).name, event(e).named, event(e).actions}, a) == joint)
-            return " yet: it comes with " + told({e, a});
+            return " yet: it is made by " + told({e, a});
     return "";
   }
 
@@ -112,7 +112,7 @@ class ScheduleChecker {
   const std::function<std::string(Place)>& name_of_;
   std::set<At> idle_;
   std::size_t first_refused_ = static_cast<std::size_t>(-1);
-  std::map<std::string, std::vector<At>> decided_;  // who decides what becomes of a joint, in the order of the schedule
+  std::map<std::string, std::vector<At>> decided_;  // the actions that change a joint, in the order of the schedule
   std::vector<EventProblem> found_;
 };
 
@@ -120,7 +120,7 @@ class ScheduleChecker {
 
 namespace {
 
-// What comes after an event is scheduled after it; what comes after none is a problem.
+// An event after another one is scheduled after it; if that event does not exist, it is a problem.
 Schedule with_followers(std::vector<const ScenarioEvent*> events, const Simulation& simulation) {
   Schedule all;
   std::set<std::string> names;
@@ -165,7 +165,7 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
   for (const ScenarioEvent* event : events) note(*event);
   for (const ScenarioEvent& event : past) note(event);
   simulation.expect_joints(made);
-  std::map<const ScenarioEvent*, std::size_t> ranks;  // by place in the file
+  std::map<const ScenarioEvent*, std::size_t> ranks;  // by position in the file
   for (std::size_t k = 0; k < events.size(); ++k) ranks.emplace(events[k], k);
   std::stable_sort(events.begin(), events.end(), [](const auto* a, const auto* b) { return a->time < b->time; });
   Schedule all = with_followers(std::move(events), simulation);
@@ -175,7 +175,7 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
       if (!event->after.empty()) return simulation.after(event->after, event->delay);
       if (event->period > 0) {
         const double periods = std::max(0.0, std::ceil((simulation.time() - event->time) / event->period));
-        // Rounding may put the next one before a run that starts on it.
+        // Rounding may put the next instant before the start of the run.
         return simulation.every(event->period, std::max(simulation.time(), event->time + periods * event->period));
       }
       return simulation.at(event->time);

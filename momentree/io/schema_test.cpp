@@ -1,4 +1,4 @@
-// docs/scenario.schema.json knows the keys that the reader knows, in every table: no more and no fewer.
+// docs/scenario.schema.json has exactly the keys that the reader accepts, in every table.
 #include <fstream>
 #include <map>
 #include <set>
@@ -20,7 +20,7 @@ using Keys = std::set<std::string>;
 
 const char* const slip = "qqqqqqqq";
 
-/// The keys that the reader lists when it meets an unknown one; `where`: its name for the table.
+/// The keys that the reader lists for an unknown key; `where`: its name for the table.
 Keys known_where(const std::string& text, std::string& where) {
   const ReadResult result = read_scenario_text(text, "s.toml");
   for (const Diagnostic& each : result.diagnostics) {
@@ -37,7 +37,7 @@ Keys known_where(const std::string& text, std::string& where) {
   return {};
 }
 
-/// `at`: a JSON pointer to a table of the schema; each text has the slip in such a table.
+/// `at`: a JSON pointer to a table of the schema; each text has a misspelled key in such a table.
 struct Table {
   std::string at;
   std::vector<std::string> texts;
@@ -107,7 +107,7 @@ const std::vector<Table>& tables() {
   return all;
 }
 
-/// All tables of the schema: objects that know their keys, by their pointers.
+/// All tables of the schema: objects that list their keys, by JSON pointer.
 void collect(const Json& node, const std::string& at, std::set<std::string>& found) {
   if (node.is_object() && node.contains("properties") && node.contains("additionalProperties")) found.insert(at);
   if (node.is_object())
@@ -175,7 +175,7 @@ TEST_CASE("every table of the schema is held to the reader") {
   CHECK(missing == "");
 }
 
-TEST_CASE("the schema names the kinds, methods and quantities that there are") {
+TEST_CASE("the schema lists all kinds, methods and quantities") {
   const Json whole = schema();
   Keys kinds;
   for (const KindInfo& kind : all_kinds()) kinds.insert(kind.name);

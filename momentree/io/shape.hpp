@@ -1,5 +1,5 @@
 #pragma once
-// What a body looks like, for pictures alone: it has no mass and touches nothing.
+// The shape of a body, for pictures only: it has no mass and no contact.
 #include <string>
 #include <vector>
 
@@ -14,7 +14,7 @@ struct Shape {
   Vec3 size{};                ///< box: its three edges (m)
   double radius = 0;          ///< sphere, cylinder, capsule (m)
   double length = 0;          ///< cylinder: its height; capsule: between the centres of its caps (m). Both lie along z of `at`
-  std::string mesh;           ///< a file, relative to the folder of what names it
+  std::string mesh;           ///< a file, relative to the folder of the file that names it
   Vec3 scale{1, 1, 1};        ///< of a mesh
   Pose at{};                  ///< placement of the shape's centre in the body's frame
   std::string colour;         ///< as CSS writes it, "#rrggbb" or a name; empty: the colour of the mechanism

@@ -10,7 +10,7 @@
 namespace momentree::io {
 namespace {
 
-// Runs with a break of a joint that has another name than its body.
+// Runs with a break of a joint whose name differs from that of its body.
 Simulation broken_arm() {
   Simulation simulation(test::two_mechanisms(), {.step = 0.01});
   simulation.at(0.105).then(break_joint("arm/shoulder"));
@@ -47,7 +47,7 @@ TEST_CASE("a world comes back bit for bit, changed topology included") {
   CHECK(state_json(second.world(), armed) == text);
 }
 
-TEST_CASE("a restored world goes on as if nothing had happened") {
+TEST_CASE("a restored world continues as if nothing had happened") {
   Simulation first = broken_arm();
   Simulation second(test::two_mechanisms(), {.step = 0.01});
   restore(second, {read_state(state_json(first.world(), {}), "s.json", second.world().model())});
@@ -56,7 +56,7 @@ TEST_CASE("a restored world goes on as if nothing had happened") {
   CHECK(state_json(first.world(), {}) == state_json(second.world(), {}));
 }
 
-TEST_CASE("what it says of the joint that broke") {
+TEST_CASE("the broken joint in the document") {
   const std::string text = state_json(broken_arm().world(), {});
   CHECK(text.find("\"arm/link\": {\"kind\": \"free\", \"parent\": null, \"child\": \"arm/link\"") != std::string::npos);
   CHECK(text.find("arm/shoulder") == std::string::npos);
@@ -64,7 +64,7 @@ TEST_CASE("what it says of the joint that broke") {
         std::string::npos);
 }
 
-TEST_CASE("accelerations and reactions are written; what a document says of them is not read") {
+TEST_CASE("accelerations and reactions are written, but not read from documents") {
   const Simulation simulation = broken_arm();
   const World& world = simulation.world();
   const std::string text = state_json(world, {});
@@ -90,7 +90,7 @@ TEST_CASE("accelerations and reactions are written; what a document says of them
   }
 }
 
-// What happens to two_mechanisms, one after the other: every kind of change, a joint on its stop, a re-rooted tree.
+// Successive events of two_mechanisms: every kind of change, a joint on its stop, a re-rooted tree.
 const std::vector<std::pair<const char*, std::vector<Action>>>& story() {
   static const std::vector<std::pair<const char*, std::vector<Action>>> all = {
       {"", {lock("arm/shoulder", {1}), set_parameters("arm/wrist", {.damping = 0.5, .armature = {0.25}})}},
@@ -107,7 +107,7 @@ const std::vector<std::pair<const char*, std::vector<Action>>>& story() {
   return all;
 }
 
-TEST_CASE("after every kind of change it reads back to the same text and goes on to the same bits") {
+TEST_CASE("after every kind of change a state reads back to the same text and continues to the same bits") {
   for (std::size_t chapters = 1; chapters <= story().size(); ++chapters) {
     CAPTURE(chapters);
     Simulation first(test::two_mechanisms(), {.step = 0.01});
@@ -134,7 +134,7 @@ TEST_CASE("after every kind of change it reads back to the same text and goes on
   }
 }
 
-TEST_CASE("what it says of locks and of joints that were made") {
+TEST_CASE("locks and new joints in the document") {
   Simulation simulation(test::two_mechanisms(), {.step = 0.01});
   simulation.apply(lock("arm/shoulder", {1}));
   simulation.apply(lock("arm/wrist"));
@@ -148,18 +148,18 @@ TEST_CASE("what it says of locks and of joints that were made") {
   CHECK(text.find("{\"name\": \"pendulum\", \"root\": \"pendulum\"") != std::string::npos);
 
   CHECK(mistake(text) == "");
-  CHECK(mistake(replaced(text, "\"reversed\": true", "\"reversed\": false")).find("has a joint already") != std::string::npos);
-  CHECK(mistake(replaced(text, "[false, true, false]", "[false, true]")).find("one entry per freedom, 3, not 2") !=
+  CHECK(mistake(replaced(text, "\"reversed\": true", "\"reversed\": false")).find("already has a joint") != std::string::npos);
+  CHECK(mistake(replaced(text, "[false, true, false]", "[false, true]")).find("one entry per degree of freedom, 3, not 2") !=
         std::string::npos);
   CHECK(mistake(replaced(text, "\"kind\": \"weld\"", "\"kind\": \"wled\"")).find("unknown joint kind 'wled'") !=
         std::string::npos);
   CHECK(mistake(replaced(text, "\"kind\": \"weld\", \"parent\": \"pendulum\"", "\"kind\": \"weld\", \"parent\": \"arm/base\""))
-            .find("go round in a circle") != std::string::npos);
+            .find("form a cycle") != std::string::npos);
   CHECK(mistake(replaced(text, "\"damping\": 0.01", "\"damping\": -0.01")).find("`damping` of joint 'arm/wrist': must not") !=
         std::string::npos);
 }
 
-TEST_CASE("a joint that rests on its stop goes on resting") {
+TEST_CASE("a joint that rests on its stop continues to rest") {
   Model model({.gravity = {0, 0, -9.81}});
   model.add({.name = "slider",
              .mass = 1,

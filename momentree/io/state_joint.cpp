@@ -25,7 +25,7 @@ struct Same {
   bool operator()(const Pose& a, const Pose& b) const {
     return (*this)(a.position, b.position) && (*this)(a.rotation, b.rotation);
   }
-  // One number stands for all; absent is zero (exactly, an absent list is only an absent one).
+  // One number applies to all; absent is zero (if `exact`, an absent list equals only an absent one).
   bool operator()(const Values& a, const Values& b) const {
     if (exact) return a == b;
     const auto at = [](const Values& values, int i) { return values.empty() ? 0 : values[values.size() == 1 ? 0 : i]; };
@@ -34,7 +34,7 @@ struct Same {
       if (!(*this)(at(a, i), at(b, i))) return false;
     return true;
   }
-  // What was written reads back to the same bits: no tolerance.
+  // Written values read back to the same bits, so no tolerance is needed.
   static bool same_drives(const JointDrive* a, const JointDrive* b) {
     const JointDrive none;
     return (a != nullptr ? *a : none) == (b != nullptr ? *b : none);
@@ -50,7 +50,7 @@ struct Same {
   }
 };
 
-// Of length one but for rounding: taken to the last bit; nearly so: made so; else refused.
+// A length of one up to rounding: accepted unchanged; nearly one: normalised; otherwise refused.
 template <class Number>
 bool make_unit(Number* x, int n) {
   double length = 0;
@@ -89,14 +89,14 @@ Pose JointReader::pose(const JsonNode& node, const char* what) const {
   return pose;
 }
 
-// `locked`: true, false, or one of them per freedom; `resting`: per freedom 1 on its upper stop, -1 on its lower one, 0 on none.
+// `locked`: true, false, or one boolean per DoF; `resting`: per DoF 1 on its upper stop, -1 on its lower stop, 0 on none.
 void JointReader::read_locks(const JsonNode& node, DescribedJoint& joint) const {
   const KindInfo& kind = info(joint.joint.kind);
   const auto count = static_cast<std::size_t>(kind.nv);
   const auto expect = [&](const JsonNode& list, const char* key) {
     if (list.items.size() != count)
-      doc_.fail_at(list, '`' + std::string(key) + "` should have one entry per freedom, " + std::to_string(count) + ", not " +
-                             std::to_string(list.items.size()));
+      doc_.fail_at(list, '`' + std::string(key) + "` should have one entry per degree of freedom, " + std::to_string(count) +
+                             ", not " + std::to_string(list.items.size()));
   };
   if (const JsonNode* locked = node.find("locked")) {
     if (locked->is(Type::boolean)) {
@@ -116,7 +116,7 @@ void JointReader::read_locks(const JsonNode& node, DescribedJoint& joint) const 
       if (side != 0 && side != 1 && side != -1)
         doc_.fail_at(resting->items[i], "`resting` should be 1 (the upper stop), -1 (the lower one) or 0");
       if (side == 0) continue;
-      if (!joint.parameters.limits.any()) doc_.fail_at(resting->items[i], "a joint without `limits` rests on no stop");
+      if (!joint.parameters.limits.any()) doc_.fail_at(resting->items[i], "a joint without `limits` cannot rest on a stop");
       joint.resting |= 1u << i;
       joint.active_limits.push_back({-1, static_cast<int>(i), static_cast<int>(side)});
     }
@@ -169,7 +169,8 @@ DescribedJoint JointReader::describe(const std::string& name, const JsonNode& no
   if (const JsonNode* reversed = node.find("reversed")) {
     if (!reversed->is(Type::boolean)) doc_.fail_at(*reversed, "`reversed` should be true or false");
     d.reversed = reversed->number != 0;
-    if (d.reversed && d.parent == ground) doc_.fail_at(*reversed, "joint '" + name + "' is at the ground: it can't be reversed");
+    if (d.reversed && d.parent == ground)
+      doc_.fail_at(*reversed, "joint '" + name + "' is attached to the ground: it cannot be reversed");
   }
   read_locks(node, d);
   return d;
@@ -218,7 +219,7 @@ JointStart JointReader::start(const DescribedJoint& joint, JointId number) const
     for (const char* key : {"v", "p"})
       if (const Values& rates = key[0] == 'v' ? start.v : start.p; !rates.empty() && rates[i] != 0)
         doc_.fail_at(*joint.node->find(key),
-                     '`' + std::string(key) + "` of joint '" + joint.name + "' is not zero where it is locked");
+                     '`' + std::string(key) + "` of joint '" + joint.name + "' is not zero for a locked degree of freedom");
   }
   return start;
 }

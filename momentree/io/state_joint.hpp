@@ -1,5 +1,5 @@
 #pragma once
-// One joint of a state document, held against the model. Internal to the reader: state_document.hpp is what others use.
+// One joint of a state document, compared with the model. Internal to the reader: other code uses state_document.hpp.
 #include <string>
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace momentree::io {
 
-/// A joint as a document describes it.
+/// A joint as described in a document.
 struct DescribedJoint {
   std::string name;
   const JsonNode* node = nullptr;
@@ -17,7 +17,7 @@ struct DescribedJoint {
   BodyId child, parent;
   bool reversed = false;
   unsigned resting = 0;
-  std::vector<ActiveLimit> active_limits;  ///< numbers of joints not yet known
+  std::vector<ActiveLimit> active_limits;  ///< joint numbers are not yet set
 };
 
 class JointReader {
@@ -26,12 +26,12 @@ class JointReader {
 
   /// The body of that name; throws Error with the nearest one.
   BodyId body_named(const std::string& name, const JsonNode& node) const;
-  /// What stands there; what does not is as in the model's joint `like` (null: there must be enough without it).
+  /// The joint as described; missing values are taken from the model's joint `like` (null: the description must be complete).
   DescribedJoint describe(const std::string& name, const JsonNode& node, const BodySpec* like, BodyId child) const;
-  /// Coordinates of a joint of that kind and shape; empty where they are absent or null.
+  /// The coordinates of a joint of that kind and shape; empty if they are absent or null.
   JointStart start(const DescribedJoint& joint, JointId number) const;
-  /// The first thing in which a joint differs from that of the model: its key, or null. `exact`: to the last bit, signs of
-  /// quaternions apart; else to what rounding would hide.
+  /// The first key in which a joint differs from that of the model, or null. `exact`: compared to the last bit, except for
+  /// signs of quaternions; else up to rounding.
   const char* difference(const DescribedJoint& joint, const BodySpec& model, bool exact) const;
 
  private:

@@ -1,4 +1,4 @@
-// Reads the state document and holds it against the model that it is for.
+// Reads the state document and compares it with its model.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -63,7 +63,7 @@ class Reader {
     return model_.mechanism_name(body) == mechanism_;
   }
 
-  /// Of a document that is not whole, or of one mechanism of a whole one: joints are the model's, as it has them.
+  /// For an incomplete document, or for one mechanism of a complete one: joints must be as in the model.
   void read_partial(const std::string& name, const JsonNode& node) {
     if (!model_.has_joint(name)) {
       if (!mechanism_.empty() && !name.starts_with(mechanism_ + "/")) return;
@@ -71,7 +71,7 @@ class Reader {
       for (const BodySpec& body : model_.bodies()) known.push_back(body.joint_name);
       std::string hint = did_you_mean(name, known);
       if (hint.empty() && model_.has_body(name))
-        hint = "a body of that name is there: a joint that broke is restored by a whole document, with `mechanisms`";
+        hint = "a body of that name exists: a joint that broke is restored by a complete document, with `mechanisms`";
       doc_.fail_at(node, "unknown joint '" + name + "'", hint);
     }
     const JointId number = model_.joint(name);
@@ -80,17 +80,17 @@ class Reader {
     const DescribedJoint joint = joints_.describe(name, node, &spec(child), child);
     if (const char* key = joints_.difference(joint, spec(child), false))
       doc_.fail_at(*node.find(key), '`' + std::string(key) + "` of joint '" + name + "' is not that of the model",
-                   "what has changed is restored by a whole document, with `mechanisms`");
+                   "what has changed is restored by a complete document, with `mechanisms`");
     result_.joints.push_back(joints_.start(joint, number));
     result_.where.push_back(doc_.where(node));
   }
 
-  /// A joint or a mechanism that the model does not have gets its name from the document alone.
+  /// A joint or a mechanism that is not in the model gets its name from the document alone.
   void require_name(const std::string& name, const JsonNode& node, const char* what) const {
     if (name.empty() || name.size() > 500 || name.find_first_of(",\"*") != std::string::npos ||
         first_invisible(name) != std::string::npos)
       doc_.fail_at(node, std::string(what) + " cannot be named " + in_quotes(name),
-                   "not in a name: , \" * and characters that are not seen");
+                   "a name has no , \" * and no invisible characters");
   }
 
   void describe(const std::string& name, const JsonNode& node) {
@@ -127,7 +127,7 @@ class Reader {
     if (since != nullptr) armed.since = doc_.number(*since, "`since`");
     if (looked == nullptr) return armed;
     const auto& looks = doc_.array(*looked, "`looked`").items;
-    if (looks.empty() || looks.size() > 2) doc_.fail_at(*looked, "`looked` should have one look or two: [time, excess]");
+    if (looks.empty() || looks.size() > 2) doc_.fail_at(*looked, "`looked` should have one or two entries: [time, excess]");
     const auto look = [&](const JsonNode& item, double& time, double& excess) {
       const std::vector<double> pair = doc_.numbers(item, "an entry of `looked`");
       if (pair.size() != 2) doc_.fail_at(item, "an entry of `looked` should be [time, excess]");
@@ -164,8 +164,8 @@ class Reader {
     read_mechanisms(mechanisms);
   }
 
-  /// A joint between the bodies that the model's of that name joins has its number; others take what is left, in the order of
-  /// the document: that in which they were written.
+  /// A joint that connects the same bodies as the model's joint of that name gets its number; the others get the remaining
+  /// numbers in the order of the document, in which they were written.
   std::vector<int> number_joints() const {
     std::vector<char> taken(model_.bodies().size(), 0);
     std::vector<int> numbers;
@@ -185,7 +185,7 @@ class Reader {
     return numbers;
   }
 
-  /// Which body each joint is carried by, and what that hangs on.
+  /// Determines the carrying body of each joint, and the parent of that body.
   void hang(const std::vector<int>& numbers, const JsonNode& mechanisms) {
     const std::size_t n = model_.bodies().size();
     std::vector<Topology::Place>& places = result_.forest.places;
@@ -196,14 +196,14 @@ class Reader {
       const BodyId carrier = joint.reversed ? joint.parent : joint.child, outer = joint.reversed ? joint.child : joint.parent;
       const auto b = static_cast<std::size_t>(carrier.index);
       if (joint_of[b] != nullptr)
-        doc_.fail_at(*joint.node, "body '" + spec(carrier).name + "' has a joint already, at " + doc_.where(*joint_of[b]));
+        doc_.fail_at(*joint.node, "body '" + spec(carrier).name + "' already has a joint, at " + doc_.where(*joint_of[b]));
       joint_of[b] = joint.node;
       places[b] = {outer.index, numbers[k], joint.reversed};
     }
     for (std::size_t b = 0; b < n; ++b)
       if (joint_of[b] == nullptr)
         doc_.fail_at(mechanisms, "the document has no joint for body '" + model_.bodies()[b].name + "'",
-                     "leave `mechanisms` out where the document does not say everything");
+                     "leave `mechanisms` out if the document is not complete");
     enum : char { unseen, on_the_way, seen };
     std::vector<char> state(n, unseen);
     std::vector<std::size_t> way;
@@ -214,7 +214,7 @@ class Reader {
         state[way.back()] = on_the_way;
       }
       if (a >= 0 && state[static_cast<std::size_t>(a)] == on_the_way)
-        doc_.fail_at(*joint_of[static_cast<std::size_t>(a)], "the joints go round in a circle at body '" + spec({a}).name + "'");
+        doc_.fail_at(*joint_of[static_cast<std::size_t>(a)], "the joints form a cycle at body '" + spec({a}).name + "'");
       for (const std::size_t passed : way) state[passed] = seen;
     }
   }
@@ -223,10 +223,10 @@ class Reader {
     JointStart start = joints_.start(joint, {number});
     const KindInfo& kind = info(joint.joint.kind);
     if (kind.nq > 0 && start.q.empty())
-      doc_.fail_at(*joint.node, "joint '" + joint.name + "' has no `q`", "a whole document gives it for every joint");
+      doc_.fail_at(*joint.node, "joint '" + joint.name + "' has no `q`", "a complete document gives it for every joint");
     if (kind.nv > 0 && start.v.empty() && start.p.empty())
       doc_.fail_at(*joint.node, "joint '" + joint.name + "' has neither `v` nor `p`",
-                   "a whole document gives one of them for every joint");
+                   "a complete document gives one of them for every joint");
     result_.joints.push_back(start);
     result_.where.push_back(doc_.where(*joint.node));
     for (ActiveLimit hold : joint.active_limits) {
@@ -248,7 +248,7 @@ class Reader {
     result_.forest.changed.push_back(std::move(changed));
   }
 
-  /// Every body in one mechanism, with those that its joints lead to.
+  /// Every body must be in one mechanism, together with the bodies that its joints lead to.
   void read_mechanisms(const JsonNode& mechanisms) {
     const std::vector<Topology::Place>& places = result_.forest.places;
     std::vector<const JsonNode*> mechanism_of(places.size(), nullptr);

@@ -1,4 +1,4 @@
-// Puts state documents into a simulation.
+// Applies state documents to a simulation.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,7 @@ struct Entry {
   const std::string* where = nullptr;
 };
 
-/// Who hangs on whom: by body its parent, by joint the body that carries it, and the kind that it is of.
+/// The tree: by body its parent, by joint the body that carries it, and the kind.
 struct Places {
   Places(const Model& model, const Forest& forest) {
     for (int b = 0; b < model.size(); ++b) {
@@ -44,7 +44,7 @@ struct Places {
   std::vector<int> parent, carrier, nv, roots;
 };
 
-/// Momenta depend on the velocities of the whole mechanism: they are used where every joint of it has one.
+/// Momenta depend on the velocities of the whole mechanism: they are used if every joint of it has one.
 void choose_momenta(const Model& model, const Forest& forest, const std::vector<Entry>& entries,
                     std::vector<JointStart>& starts) {
   const Places places(model, forest);
@@ -82,7 +82,7 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
       const auto same = [number](const Forest::Changed& changed) { return changed.joint == number; };
       if (document.forest.places.empty() && std::any_of(forest.changed.begin(), forest.changed.end(), same))
         throw_error({"joint '" + model.bodies()[static_cast<std::size_t>(number)].joint_name +
-                         "' is another one, or gone, in the document of the whole world",
+                         "' is different, or does not exist, in the document of the whole world",
                      document.where[i], "restore the whole world from one document"});
       entries[static_cast<std::size_t>(number)] = {&document.joints[i], &document.where[i]};
     }
@@ -98,7 +98,7 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
   const World& world = simulation.world();
   const Totals totals = world.totals();
   if (!std::isfinite(totals.kinetic) && !forest.places.empty())
-    throw_error({"a part of the world that it describes has not the mass or inertia to move freely", documents.front().file,
+    throw_error({"a part of the world that it describes lacks the mass or inertia to move freely", documents.front().file,
                  "is it a document of this model?"});
   const double tolerance = 1e-6 * fastest_body(world);
   for (const JointStart& start : starts) {

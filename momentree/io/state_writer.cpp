@@ -21,7 +21,7 @@ void write_coordinates(JsonWriter& json, const JointView& joint) {
   json.member("q", std::span<const double>(q, joint.q.size()));
 }
 
-// Per freedom 1 on its upper stop, -1 on its lower one, 0 on none.
+// Per DoF: 1 on its upper stop, -1 on its lower stop, 0 on none.
 void write_resting(JsonWriter& json, const World& world, int number, const JointView& joint) {
   if (joint.resting == 0) return;
   json.key("resting").begin_array();
@@ -59,7 +59,7 @@ void write_body(JsonWriter& json, const std::string& name, const BodyMotion& mot
   json.end_object();
 }
 
-// Where a condition stands: what is not as at the start.
+// The state of a condition; values as at the start are omitted.
 void write_condition(JsonWriter& json, const EventQueue::Armed& armed) {
   if (armed.done) json.member("done", true);
   if (std::isfinite(armed.time)) json.member("due", armed.time);

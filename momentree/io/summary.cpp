@@ -34,13 +34,13 @@ void write_origin(JsonWriter& json, const RunOrigin& origin, const std::string& 
   for (const std::string& set : origin.overrides) json.value(set);
   json.end_array().end_object();
   json.member("method", origin.integration.method).member("step", origin.integration.step);
-  if (is_adaptive(origin.integration.method)) {  // without a bound: null
+  if (is_adaptive(origin.integration.method)) {  // no bound: null
     json.member("rtol", origin.integration.rtol).member("atol", origin.integration.atol);
     json.member("max_step", origin.integration.max_step);
   }
 }
 
-// What readers need who do not read the texts of actions.
+// For readers that do not parse the texts of actions.
 void write_changes(JsonWriter& json, const std::vector<ActionRecord>& actions) {
   json.key("changes").begin_array();
   for (const ActionRecord& action : actions) {
@@ -143,7 +143,7 @@ void write_missed(JsonWriter& json, const Simulation& simulation) {
       for (const std::string& name : missed.of) json.value(name);
       json.end_array();
       json.member("quantity", missed.quantity).member(missed.exceeds ? "exceeds" : "below", missed.threshold);
-      json.member("nearest", missed.nearest).member("nearest_time", missed.nearest_time);  // null where it was never there
+      json.member("nearest", missed.nearest).member("nearest_time", missed.nearest_time);  // null if the quantity never existed
       if (missed.lasts > 0) json.member("for", missed.lasts).member("held", missed.held);
     } else if (!missed.after.empty() && !std::isfinite(missed.time)) {
       json.member("after", missed.after);
@@ -198,8 +198,7 @@ std::string summary_json(const RunOrigin& origin, const std::string& status, con
   write_missed(json, simulation);
   json.key("warnings").begin_array();
   const std::string advice = energy.advice(origin.integration);
-  if (simulation.message().empty() && !advice.empty())
-    json.value(advice);  // the last energies of a run that diverged say nothing
+  if (simulation.message().empty() && !advice.empty()) json.value(advice);  // the last energies of a diverged run are meaningless
   json.end_array().end_object();
   text += '\n';
   return text;

@@ -7,23 +7,23 @@
 
 namespace momentree::io {
 
-/// Where a result came from.
+/// The origin of a result.
 struct RunOrigin {
   std::string name, title;
   std::string file;                    ///< the scenario, as the user named it
-  std::string hash;                    ///< of its text and the overrides: names the input
+  std::string hash;                    ///< of its text and the overrides: identifies the input
   std::vector<std::string> overrides;  ///< "integrate.step=1e-4"
   double start = 0, until = 0;         ///< s
   Integration integration;
 };
 
-/// `summary.json`: `status` is "done", or why the run ended before its time.
+/// `summary.json`: `status` is "done", or why the run ended early.
 std::string summary_json(const RunOrigin& origin, const std::string& status, const Simulation& simulation);
 
-/// The same of a run that is not over, or that broke off where its simulation can't be trusted: without results.
+/// Like the above, without results: for a run in progress, or one that stopped with an invalid simulation.
 std::string summary_json(const RunOrigin& origin, const std::string& status);
 
-/// Events that did not happen: of the matches of a wildcard the one that came nearest, none where one of them happened.
+/// Events that did not happen: of the matches of a wildcard the one that came nearest, and none of them if one happened.
 std::vector<MissedEvent> missed_events(const Simulation& simulation);
 
 /// One line of `events.jsonl`.

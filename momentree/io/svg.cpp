@@ -13,16 +13,16 @@
 namespace momentree::io {
 namespace {
 
-constexpr double width = 960, margin = 32, tallest = 680, around = 30;  // px; `around`: room for labels about the motion
+constexpr double width = 960, margin = 32, tallest = 680, around = 30;  // px; `around`: space for labels around the motion
 
-/// Early frames are pale, the last one is full; where shapes cover one another, the early ones are hardly more than a trace.
+/// Early frames are pale, the last one is opaque; if shapes cover one another, the early ones are only a trace.
 double opacity(const Scene& scene, std::size_t k) {
   if (scene.frames.size() < 2) return 1;
   const double t = static_cast<double>(k) / static_cast<double>(scene.frames.size() - 1);
   return scene.has_areas ? 0.12 + 0.88 * t * t : 0.25 + 0.75 * t;
 }
 
-/// Metres to pixels so that `bounds` fills `room` as far as it can, in the middle; a motion without extent gets a scale too.
+/// Scales metres to pixels so that `bounds` fills `room`, centred; a motion without extent gets a scale, too.
 Placement fit(const Box2& bounds, const Rect& room) {
   const double least = 1e-9;
   const double scale = std::min(room.width / std::max(bounds.width(), least), room.height / std::max(bounds.height(), least));
@@ -41,7 +41,7 @@ void append_label(std::string& svg, const std::string& text, const Rect& box, co
   svg += svg_words(text, {middle.x, box.y + box.height - 3}, {.size = 12, .anchor = "middle", .halo = true});
 }
 
-/// The times of the frames beside the far ends of the mechanisms, where there is room.
+/// The times of the frames next to the far ends of the mechanisms, if there is space.
 void append_time_labels(std::string& svg, const Scene& scene, double every, const Placement& place, const Rect& picture) {
   LabelPlacer placer(picture);
   for (const SceneFrame& frame : scene.frames)
@@ -49,7 +49,7 @@ void append_time_labels(std::string& svg, const Scene& scene, double every, cons
       for (std::size_t i = 0; i + 1 < p.points.size(); ++i) placer.add_line(place(p.points[i]), place(p.points[i + 1]));
   for (const Point2& anchor : scene.anchors) placer.add_box({place(anchor).x - 7, place(anchor).y - 7, 14, 14});
   std::vector<Point2> labelled;
-  for (std::size_t k = scene.frames.size(); k-- > 0;) {  // the last ones first: they are the ones that one looks for
+  for (std::size_t k = scene.frames.size(); k-- > 0;) {  // the last ones first: they are the most interesting
     const SceneFrame& frame = scene.frames[k];
     const std::string text = frame_time(frame.time, every) + (k + 1 == scene.frames.size() ? " s" : "");
     for (std::size_t m = 0; m < frame.ends.size() && m < 4; ++m) {
@@ -72,7 +72,7 @@ void append_marks(std::string& svg, const Scene& scene, const Placement& place) 
     for (const Point2& at : event.places) svg += event_mark(place(at));
 }
 
-/// All frames over one another; returns the height that it took.
+/// All frames in one picture; returns its height.
 double append_overlay(std::string& svg, const Scene& scene, double every, double top, Placement& place) {
   const double room = width - 2 * margin - 2 * around;
   const double ratio = scene.bounds.height() / std::max(scene.bounds.width(), 1e-9);
@@ -85,7 +85,7 @@ double append_overlay(std::string& svg, const Scene& scene, double every, double
   return height;
 }
 
-/// One small picture per frame, all in one scale.
+/// One small picture per frame, all at the same scale.
 double append_multiples(std::string& svg, const Scene& scene, double every, double top, Placement& place) {
   const double ratio = std::max(scene.bounds.height(), 1e-9) / std::max(scene.bounds.width(), 1e-9);
   const int columns = std::clamp(static_cast<int>(scene.frames.size()), 1, ratio < 0.7 ? 4 : 5);

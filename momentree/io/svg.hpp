@@ -1,6 +1,6 @@
 #pragma once
-// `momentree view DIR --svg FILE`: a run as one picture, like Figure 3 of the paper: a frame every 0.2 s, mechanisms told apart
-// by colour, a small disk where one is joined to the ground.
+// `momentree view DIR --svg FILE`: a run as one picture, like Figure 3 of the paper: a frame every 0.2 s, mechanisms
+// distinguished by colour, a small disk where one is joined to the ground.
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,9 +11,9 @@
 namespace momentree::io {
 
 struct PictureOptions {
-  double every = 0;  ///< seconds between frames; 0: 0.2 s, or a round number that gives 4 to 60 frames where that does not
+  double every = 0;          ///< seconds between frames; 0: 0.2 s, or a round number that gives 4 to 60 frames if 0.2 s does not
   std::optional<Vec3> look;  ///< direction in which the viewer looks; none: see choose_view
-  enum class Layout { overlay, multiples } layout = Layout::overlay;  ///< all frames in one picture, or one beside the other
+  enum class Layout { overlay, multiples } layout = Layout::overlay;  ///< all frames in one picture, or side by side
 };
 
 /// The picture as an SVG document.

@@ -5,11 +5,11 @@
 
 namespace momentree::io {
 
-/// The first thing that is wrong with the syntax of a file.
+/// The first syntax error of a file.
 struct SyntaxError {
   Place place;
   std::string what, hint;
-  bool quotes = true;  ///< they may have words of the file
+  bool quotes = true;  ///< `what` and `hint` may quote the file
 };
 
 }  // namespace momentree::io

@@ -25,7 +25,7 @@ bool is_one_of(std::error_code error, std::initializer_list<std::errc> kinds) {
   return false;
 }
 
-// Some file systems have no such thing to wait for.
+// Some file systems do not support flushing.
 std::error_code sync_number(int number) {
   while (::fsync(number) != 0) {
     if (errno == EINTR) continue;
@@ -50,9 +50,10 @@ void fail_with_reason(const std::string& what, const std::string& path, std::err
   const bool full = reason == std::errc::no_space_on_device || reason.value() == EDQUOT;
   const bool limited = reason == std::errc::file_too_large;
   throw_error({what + ": " + reason.message(), path,
-               full      ? "free some space there, or write elsewhere"
-               : limited ? "the limit on file sizes is too low: raise it (`ulimit -f unlimited`), or let rows be further apart"
-                         : ""});
+               full ? "free some space there, or write elsewhere"
+               : limited
+                   ? "the limit on file sizes is too low: raise it (`ulimit -f unlimited`), or use a longer interval between rows"
+                   : ""});
 }
 
 Descriptor open_regular(const std::string& path, Links links) {
@@ -63,7 +64,7 @@ Descriptor open_regular(const std::string& path, Links links) {
     if (error == std::errc::no_such_file_or_directory || error == std::errc::not_a_directory)
       throw_error({"there is no such file", path, ""});
     if (links == Links::refuse && error == std::errc::too_many_symbolic_link_levels)
-      throw_error({"this is a symbolic link, which is not followed here", path, "put the file itself in its place"});
+      throw_error({"this is a symbolic link, which cannot be used here", path, "replace it with the file itself"});
     if (error == std::errc::no_such_device_or_address)  // a socket
       throw_error({"this is not a regular file", path, ""});
     fail_with_reason("cannot read this file", path, error);
@@ -89,7 +90,7 @@ std::error_code write_all(const Descriptor& file, std::string_view text, std::si
     if (count > 0)
       written += static_cast<std::size_t>(count);
     else if (count == 0)
-      return std::make_error_code(std::errc::io_error);  // else it would be tried for ever
+      return std::make_error_code(std::errc::io_error);  // otherwise the call would be repeated forever
     else if (errno != EINTR)
       return last_error();
   }
@@ -152,7 +153,7 @@ std::vector<std::string> names_in(const std::filesystem::path& folder) {
 void remove_tree(const std::string& path) noexcept {
   const auto remove = [](const char* name, const struct stat*, int, FTW*) { return ::remove(name), 0; };
   constexpr int descriptors = 16;
-  for (int tries = 0; tries < 2; ++tries)  // the walk takes memory: a second one may have it
+  for (int tries = 0; tries < 2; ++tries)  // the traversal allocates memory: a second attempt may succeed
     if (::nftw(path.c_str(), remove, descriptors, FTW_DEPTH | FTW_PHYS) == 0) return;
 }
 
@@ -160,7 +161,7 @@ bool is_there(const std::filesystem::path& path) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) == 0) return true;
   if (errno == ENOENT || errno == ENOTDIR) return false;
-  fail_with_reason("cannot look at this", path.string(), last_error());
+  fail_with_reason("cannot access this", path.string(), last_error());
 }
 
 }  // namespace momentree::io

@@ -1,5 +1,5 @@
 #pragma once
-// What the standard library lacks of the operating system's files: descriptors, renames that replace nothing, and flushing to
+// Operating-system file functions that the standard library lacks: descriptors, renaming without replacing, and flushing to
 // disk.
 #include <cstddef>
 #include <filesystem>
@@ -25,47 +25,47 @@ class Descriptor {
 
   int number() const { return number_; }
   explicit operator bool() const { return number_ >= 0; }
-  /// The error that closing reports: some file systems notice only then that data could not be written.
+  /// The error that closing reports: some file systems report only then that data could not be written.
   std::error_code close();
 
  private:
   int number_ = -1;
 };
 
-/// Throws Error: `what`, the reason that the system gives, and how to mend it where that is known.
+/// Throws Error: `what`, the reason given by the system, and a hint if there is one.
 [[noreturn]] void fail_with_reason(const std::string& what, const std::string& path, std::error_code reason);
 
 enum class Links { follow, refuse };
 
-/// Opens a regular file for reading. Throws Error where there is no such file, it may not be read, or it is something else: a
-/// folder, a device, a pipe (which would wait for a writer), a symbolic link where links are refused.
+/// Opens a regular file for reading. Throws Error if there is no such file, if it may not be read, or if it is something else:
+/// a folder, a device, a pipe (which would block until a writer comes), a symbolic link if links are refused.
 Descriptor open_regular(const std::string& path, Links links = Links::follow);
 
 /// Reads up to `size` bytes; 0 at the end of the file. Throws Error; `path` is for its message.
 std::size_t read_some(const Descriptor& file, char* data, std::size_t size, const std::string& path);
 
-/// Writes all of `text`; `written` counts what got into the file before an error.
+/// Writes all of `text`; `written` counts the bytes that reached the file before an error.
 std::error_code write_all(const Descriptor& file, std::string_view text, std::size_t& written);
 
-/// Cuts a file, and goes on writing there. False where that fails.
+/// Truncates a file and continues writing there. False if that fails.
 bool cut(const Descriptor& file, std::size_t size);
 
-/// Waits until the file's data are on the disk. Devices and pipes, which have no such thing, are no error.
+/// Waits until the file's data are on the disk. Devices and pipes, which cannot be flushed, give no error.
 std::error_code sync(const Descriptor& file);
-/// The same for the names in a folder: files made, renamed and removed there.
+/// Like sync(), for the entries of a folder: files made, renamed and removed there.
 std::error_code sync_folder(const std::filesystem::path& folder);
 
-/// Renames; `EEXIST` where `to` exists already.
+/// Renames; `EEXIST` if `to` exists already.
 std::error_code move_to_new(const std::filesystem::path& from, const std::filesystem::path& to);
-/// Exchanges two files or folders in one step; `std::errc::operation_not_supported` where the file system can't.
+/// Exchanges two files or folders atomically; `std::errc::operation_not_supported` if the file system cannot do that.
 std::error_code exchange(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// The names in a folder, in their order. Throws Error where they can't be read.
+/// The names in a folder, sorted. Throws Error if they cannot be read.
 std::vector<std::string> names_in(const std::filesystem::path& folder);
-/// Removes a file, or a folder with all that is in it, as far as that is possible. Links are not followed.
+/// Removes a file, or a folder with everything in it, as far as possible. Links are not followed.
 void remove_tree(const std::string& path) noexcept;
 
-/// Whether there is something of that name, be it a link that leads nowhere. Throws Error where that can't be found out.
+/// Whether something of that name exists, including a dangling link. Throws Error if that cannot be determined.
 bool is_there(const std::filesystem::path& path);
 
 }  // namespace momentree::io

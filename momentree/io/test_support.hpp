@@ -1,5 +1,5 @@
 #pragma once
-// For tests alone: a folder that is gone afterwards, a small world of every kind of state.
+// For tests only: a temporary folder, and a small world with every kind of state.
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -26,7 +26,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// What an Error says that `action` throws; empty if it throws none.
+/// The message of the Error that `action` throws; empty if it throws none.
 template <class Action>
 std::string error_of(Action&& action) {
   try {
@@ -37,7 +37,7 @@ std::string error_of(Action&& action) {
   return "";
 }
 
-/// A spinning base with an arm whose joints have other names than their bodies, and a pendulum beside it.
+/// A spinning base with an arm whose joints and bodies have different names, and a separate pendulum.
 inline Model two_mechanisms() {
   Model model({.gravity = {0, 0, -9.81}});
   const BodyId base = model.add({.name = "arm/base",

@@ -23,7 +23,7 @@ Descriptor make_new(const std::string& path, unsigned mode = 0666) {
   return Descriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
 }
 
-// Where a chain of symbolic links ends, which may be a file that is still to be made.
+// The end of a chain of symbolic links; the file there may not exist yet.
 std::string end_of_links(const std::string& path) {
   fs::path end = path;
   std::error_code error;
@@ -37,7 +37,7 @@ std::string end_of_links(const std::string& path) {
   return end.string();
 }
 
-// A device or a pipe: there is no place beside it.
+// For a device or a pipe, which cannot be replaced by another file.
 void write_directly(const std::string& path, std::string_view text) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY));
   if (!file) fail_with_reason("cannot write this file", path, last_error());
@@ -47,12 +47,12 @@ void write_directly(const std::string& path, std::string_view text) {
   if (error) fail_with_reason("cannot write this file", path, error);
 }
 
-/// A file beside another that is to take its place; removed unless it does.
+/// A temporary file that will replace another; removed unless it does.
 class Replacement {
  public:
   Replacement(const std::string& target, unsigned mode) {
     const fs::path place(target);
-    // A name may have 255 bytes.
+    // A file name may have at most 255 bytes.
     const std::string stem = (place.parent_path() / place.filename().string().substr(0, 200)).string() + ".partial-";
     for (int i = 0; !file_ && i < 100; ++i) {
       path_ = stem + std::to_string(::getpid()) + (i == 0 ? "" : "-" + std::to_string(i));
@@ -74,7 +74,7 @@ class Replacement {
     if (const std::error_code error = file_.close()) return error;
     if (::rename(path_.c_str(), target.c_str()) != 0) return last_error();
     path_.clear();
-    sync_folder(folder);  // the file is in place and whole: there is nothing left to undo
+    sync_folder(folder);  // the file is complete and in place: there is nothing left to undo
     return {};
   }
 
@@ -101,7 +101,7 @@ void TextFile::flush() {
   const std::size_t whole = newline == std::string::npos ? 0 : newline + 1;
   size_ += whole;
   text_.erase(0, whole);
-  if (written > whole) cut(file_, size_);  // where that fails, too, readers leave out a line without an end
+  if (written > whole) cut(file_, size_);  // if that fails, too, readers ignore a line without an end
   fail_with_reason("cannot write this file", path_, error);
 }
 
@@ -117,7 +117,8 @@ void write_text_file(const std::string& path, std::string_view text) {
   struct stat status {};
   const bool exists = ::stat(target.c_str(), &status) == 0;
   if (!exists && errno != ENOENT) fail_with_reason("cannot write this file", path, last_error());
-  if (exists && S_ISDIR(status.st_mode)) throw_error({"this is a folder: a file is to be written", path, "name a file in it"});
+  if (exists && S_ISDIR(status.st_mode))
+    throw_error({"this is a folder, not a file that can be written", path, "name a file in it"});
   if (exists && !S_ISREG(status.st_mode)) return write_directly(path, text);
   if (exists && ::access(target.c_str(), W_OK) != 0) fail_with_reason("cannot write this file", path, last_error());
 
@@ -137,7 +138,7 @@ std::string read_text_file(const std::string& path, Links links) {
   std::size_t expected = 0;
   if (::fstat(file.number(), &status) == 0 && status.st_size > 0) expected = static_cast<std::size_t>(status.st_size);
   std::string text;
-  for (std::size_t size = 0;;) {  // the file may grow or shrink meanwhile, and those of /proc have no size
+  for (std::size_t size = 0;;) {  // the file may grow or shrink meanwhile, and files in /proc have no size
     if (size > largest || expected > largest) throw_error({"this file is larger than 1 GiB", path, ""});
     if (size == text.size()) text.resize(std::max({2 * size, expected + 1, std::size_t{least}}));
     const std::size_t count = read_some(file, text.data() + size, text.size() - size, path);

@@ -1,5 +1,5 @@
 #pragma once
-// Text files that are written through a large buffer and notice a full disk, and whole files at once.
+// Text files written through a large buffer, with detection of a full disk, and functions for whole files.
 #include <string>
 #include <string_view>
 
@@ -7,11 +7,11 @@
 
 namespace momentree::io {
 
-/// A file of lines that grows. Append whole lines to `text()`, then call `settle()`: it hands full buffers to the system. Errors
-/// are thrown as Error with the file's name and the system's reason; the file then ends with the last whole line that fitted.
+/// A file of lines that grows. Append whole lines to `text()`, then call `settle()`, which writes full buffers out. Errors are
+/// thrown as Error with the file's name and the system's reason; the file then ends with the last whole line that fitted.
 class TextFile {
  public:
-  /// Makes the file; an error where one of that name exists.
+  /// Makes the file; throws Error if one of that name exists.
   explicit TextFile(std::string path);
 
   std::string& text() { return text_; }
@@ -21,23 +21,23 @@ class TextFile {
   void settle() {
     if (is_full()) flush();
   }
-  /// Writes the buffer out. After an error the buffer holds what did not fit: another flush tries again.
+  /// Writes the buffer out. After an error the buffer holds what did not fit, so that flush() can be called again.
   void flush();
-  /// Flushes, waits for the disk where `to_disk`, and closes.
+  /// Flushes, waits until the data are on the disk if `to_disk`, and closes.
   void close(bool to_disk = false);
 
  private:
   static constexpr std::size_t large = 1u << 18;
   std::string path_, text_;
   Descriptor file_;
-  std::size_t size_ = 0;  ///< of the file: whole lines
+  std::size_t size_ = 0;  ///< of the file's whole lines (bytes)
 };
 
-/// Writes a whole file, or leaves what was there: the text is written beside it as `PATH.partial-NUMBER`, which takes the file's
-/// place once it is on the disk. Links are followed; devices and pipes are written to directly. Throws Error.
+/// Writes a whole file, or leaves the old one unchanged: the text is written to `PATH.partial-NUMBER`, which replaces the file
+/// once it is on the disk. Links are followed; devices and pipes are written to directly. Throws Error.
 void write_text_file(const std::string& path, std::string_view text);
 
-/// The whole text of a regular file; throws Error where it can't be read, is something else, or is larger than 1 GiB.
+/// The whole text of a regular file; throws Error if it cannot be read, is something else, or is larger than 1 GiB.
 std::string read_text_file(const std::string& path, Links links = Links::follow);
 
 }  // namespace momentree::io

@@ -11,7 +11,7 @@
 namespace momentree::io {
 namespace {
 
-/// No file of this process grows beyond that, as on a full disk.
+/// Limits the size of files written by this process, to simulate a full disk.
 class LimitedFileSize {
  public:
   explicit LimitedFileSize(rlim_t bytes) {
@@ -57,7 +57,7 @@ TEST_CASE("a full disk is noticed") {
   CHECK(fs::is_character_file("/dev/full"));  // it was not replaced
 }
 
-TEST_CASE("where the disk is full the last whole line is the end of the file, and the rest can be tried again") {
+TEST_CASE("on a full disk the file ends with the last whole line, and the rest can be written later") {
   const test::TemporaryFolder folder;
   TextFile file(folder / "a.txt");
   const LimitedFileSize limit(40);
@@ -71,7 +71,7 @@ TEST_CASE("where the disk is full the last whole line is the end of the file, an
   CHECK(read_text_file(folder / "a.txt") == "0123456789\n0123456789abcd\n0123456789abcd\n0123456789abcd\n");
 }
 
-TEST_CASE("a file is written whole or left as it was, and nothing stays beside it") {
+TEST_CASE("a file is written whole or left as it was, and no other file remains") {
   const test::TemporaryFolder folder;
   write_text_file(folder / "a.txt", "first");
   write_text_file(folder / "a.txt", "second");
@@ -120,7 +120,7 @@ TEST_CASE("lines come one by one, the last one with or without its end, and larg
   CHECK_FALSE(in.next(line));
 }
 
-TEST_CASE("files that can't be had are errors with their names") {
+TEST_CASE("files that cannot be read are errors with their names") {
   const test::TemporaryFolder folder;
   CHECK(test::error_of([&] { TextFile file(folder / "no/such/folder"); }).find("no/such/folder: error: cannot make") !=
         std::string::npos);

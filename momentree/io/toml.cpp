@@ -7,7 +7,7 @@
 
 #include <momentree/io/toml_text.hpp>
 
-// One translation unit, no exceptions (the browser build has none), nothing but the parser.
+// Header in this translation unit only, without exceptions (the browser build has none), and only the parser.
 #define TOML_EXCEPTIONS 0
 #define TOML_ENABLE_FORMATTERS 0
 #define TOML_ENABLE_WINDOWS_COMPAT 0
@@ -41,7 +41,7 @@ Value converted(const toml::node& node, const Place* fixed) {
       entries.reserve(node.as_table()->size());
       for (const auto& [key, value] : *node.as_table())
         entries.push_back({unshielded(key.str()), fixed ? *fixed : place_of(key.source()), converted(value, fixed)});
-      // The parser keeps them by name.
+      // The parser sorts them by name.
       const auto position = [](const Value::Entry& e) { return std::tuple(e.place.line, e.place.column); };
       std::stable_sort(entries.begin(), entries.end(), [&](const auto& a, const auto& b) { return position(a) < position(b); });
       return {std::move(entries), place};

@@ -1,5 +1,5 @@
 #pragma once
-// TOML 1.0 texts as values that know their line and column. The parser itself is in toml.cpp alone.
+// TOML 1.0 text as values with their lines and columns. The parser itself is in toml.cpp alone.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,11 +9,11 @@
 
 namespace momentree::io {
 
-/// The document as a table; nothing where it is no TOML, with `error` set. A byte order mark and CRLF are fine. Refused besides
-/// what TOML refuses: nesting deeper than any scenario, so that no text can exhaust the stack.
+/// The document as a table; nothing, with `error` set, if it is not TOML. A byte order mark and CRLF are accepted. In addition
+/// to invalid TOML, nesting deeper than any scenario needs is refused, so that no text can exhaust the stack.
 std::optional<Value> parse_toml(std::string_view text, SyntaxError& error);
 
-/// One value as it would stand after `key = `, every place in it being `place`; nothing if it is none.
+/// One value as it would be written after `key = `, with every place in it set to `place`; nothing if it is not a value.
 std::optional<Value> parse_toml_value(std::string_view text, Place place);
 
 }  // namespace momentree::io

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int deepest_key = 16;
 
-// Past the string that opens at text[i]; to the end where it never closes: the parser says so.
+// The position after the string that opens at text[i], or the end if it is unterminated: the parser reports that.
 std::size_t past_string(std::string_view text, std::size_t i) {
   const char quote = text[i];
   const bool multiline = text.substr(i, 3) == std::string(3, quote);
@@ -22,7 +22,8 @@ std::size_t past_string(std::string_view text, std::size_t i) {
     } else if (text[i] == '\n' && !multiline) {
       return i;
     } else if (text.substr(i, closing.size()) == closing) {
-      for (i += closing.size(); multiline && i < text.size() && text[i] == quote;) ++i;  // one or two may stand before the three
+      // one or two quotes may precede the closing three
+      for (i += closing.size(); multiline && i < text.size() && text[i] == quote;) ++i;
       return i;
     }
   }
@@ -31,12 +32,12 @@ std::size_t past_string(std::string_view text, std::size_t i) {
 
 enum class Oddity { none, deep, foreign, quote };
 
-// The first place outside of strings and comments that the parser must not see: a dotted key of more parts than any scenario
-// needs (a number or a date has one dot at most), a character that TOML has there nowhere, or a quotation mark where no string
-// can begin: what follows it would be a string for one of us and none for the other.
+// The first place outside of strings and comments that the parser must not see: a dotted key with more parts than any scenario
+// needs (a number or a date has at most one dot), a character that TOML does not allow there, or a quotation mark where no
+// string can begin, after which this scanner and the parser would disagree about what is in a string.
 std::pair<Oddity, std::size_t> first_oddity(std::string_view text) {
   int dots = 0;
-  char before = '\n';  // the last character that is not blank
+  char before = '\n';  // the last non-blank character
   for (std::size_t i = 0; i < text.size();) {
     const char c = text[i];
     if (c == '"' || c == '\'') {
@@ -65,7 +66,7 @@ bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z')
 
 std::optional<SyntaxError> check_toml_text(std::string_view text) {
   if (auto problem = check_utf8(text)) return problem;
-  // U+100000 and beyond: shielded() needs that plane.
+  // U+100000 and beyond: escape_unsupported() needs that plane.
   if (const std::size_t i = text.find('\xf4'); i != std::string_view::npos)
     return SyntaxError{place_at(text, i), "a character for private use", ""};
   const auto [oddity, at] = first_oddity(text);
@@ -73,11 +74,13 @@ std::optional<SyntaxError> check_toml_text(std::string_view text) {
   if (oddity == Oddity::deep)
     return SyntaxError{place_at(text, at), "a key of more than " + std::to_string(deepest_key + 1) + " parts", ""};
   if (oddity == Oddity::quote)
-    return SyntaxError{place_at(text, at), "a quotation mark stands where no string can begin", "strings are quoted as a whole"};
+    return SyntaxError{place_at(text, at), "there is a quotation mark where no string can begin",
+                       "strings are quoted as a whole"};
   const std::string character(text.substr(at, character_length(text, at)));
   const bool quote = character == "“" || character == "”" || character == "„" || character == "‘" || character == "’";
-  return SyntaxError{place_at(text, at), "the character '" + character + "' stands outside of a string",
-                     quote ? "quotation marks are straight: \"" : "keys and values have plain letters; others stand in strings"};
+  return SyntaxError{
+      place_at(text, at), "the character '" + character + "' is outside of a string",
+      quote ? "quotation marks are straight: \"" : "keys and values have plain letters; others must be in strings"};
 }
 
 namespace {
@@ -123,7 +126,7 @@ std::string escape_unsupported(std::string_view text) {
 
 std::string unshielded(std::string_view text) {
   return with_moved(text, [](char32_t c) {
-    const bool surrogate = c >= plane + 0xd800 && c < plane + 0xe000;  // only an escape can have made it
+    const bool surrogate = c >= plane + 0xd800 && c < plane + 0xe000;  // only an escape can produce it
     return c >= plane + 0x80 && c < plane + 0x10000 && !surrogate ? c - plane : c;
   });
 }
@@ -152,7 +155,7 @@ std::string explain_syntax(std::string& what, std::string_view line, int column)
   if (says("end-of-file"))
     return says("array") ? "a closing ] is missing" : says("string") ? "closing quotation marks are missing" : "";
   if (says("could not be interpreted as a value")) {
-    what = "cannot read this number: it is outside the range of numbers";
+    what = "cannot read this number: it is out of range";
     return {};
   }
   const std::size_t equals = line.find('=');
@@ -163,7 +166,7 @@ std::string explain_syntax(std::string& what, std::string_view line, int column)
   if (is_digit(at(first + sign))) {
     std::size_t end = first + sign;
     while (is_digit(at(end)) || at(end) == '.' || at(end) == '_') ++end;
-    if (at(end) == ',' && is_digit(at(end + 1))) return "the decimal sign is a point";
+    if (at(end) == ',' && is_digit(at(end + 1))) return "use a point as the decimal sign";
     const std::size_t unit = line.find_first_not_of(' ', end);
     if (unit != std::string_view::npos && is_letter(at(unit))) {
       const std::string_view rest = line.substr(unit, line.find('#', unit) - unit);

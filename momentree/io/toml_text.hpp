@@ -1,5 +1,5 @@
 #pragma once
-// What is looked at in a TOML text before and after the parser: bytes that no text has, depth, and hints for common slips.
+// Checks of TOML text before and after the parser: invalid bytes, nesting depth, and hints for common slips.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -8,21 +8,20 @@
 
 namespace momentree::io {
 
-/// Invalid UTF-8, a zero byte, the last plane of Unicode, nesting that no scenario has (tables by dotted keys: the parser does
-/// not bound them), or characters beyond ASCII outside of strings and comments.
+/// Invalid UTF-8, a zero byte, the last plane of Unicode, nesting deeper than any scenario needs (tables by dotted keys: the
+/// parser does not bound them), or characters beyond ASCII outside of strings and comments.
 std::optional<SyntaxError> check_toml_text(std::string_view text);
 
-/// The text with every character from U+0080 to U+FFFF moved to the private plane from U+100000, and back: toml++ 3.3 asks of
-/// such characters, even within strings, whether they are white space, and for some of them its answer is undefined. One
-/// character stays one, so that columns do. Valid UTF-8 only.
+/// The text with every character from U+0080 to U+FFFF moved to the private plane from U+100000, and back. toml++ 3.3 tests
+/// whether such characters are white space, even within strings, and for some of them the result is undefined. One character
+/// stays one character, so that columns are preserved. Valid UTF-8 only.
 std::string escape_unsupported(std::string_view text);
 std::string unshielded(std::string_view text);
 
-/// The line-th line, from 1, without its end.
+/// Line number `line`, counted from 1, without its line end.
 std::string_view line_of(std::string_view text, int line);
 
-/// Makes the parser's message plainer where it can be, and says how to mend what it did not understand in `line`; empty if there
-/// is nothing to guess.
+/// Rewrites the parser's message in plainer words if possible, and returns a hint for fixing `line`; empty if there is none.
 std::string explain_syntax(std::string& what, std::string_view line, int column);
 
 }  // namespace momentree::io

@@ -18,7 +18,7 @@ std::optional<SyntaxError> check_utf8(std::string_view text) {
     const std::size_t length = character_length(text, i);
     if (length == 0)
       return SyntaxError{place_at(text, i), "the text is not UTF-8", "save the file with the encoding UTF-8", false};
-    if (text[i] == '\0') return SyntaxError{place_at(text, i), "a zero byte: this is no text", "", false};
+    if (text[i] == '\0') return SyntaxError{place_at(text, i), "a zero byte: this is not text", "", false};
     i += length;
   }
   return {};

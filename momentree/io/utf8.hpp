@@ -1,5 +1,5 @@
 #pragma once
-// Texts by their characters: what every reader of a file asks before its parser does.
+// Character-level checks of text, used by every file reader before parsing.
 #include <cstddef>
 #include <optional>
 #include <string_view>
@@ -12,7 +12,7 @@ namespace momentree::io {
 /// Line and column, in characters, of the byte text[end].
 Place place_at(std::string_view text, std::size_t end);
 
-/// The first byte that is no UTF-8, or zero.
+/// The first byte that is not valid UTF-8, or a zero byte.
 std::optional<SyntaxError> check_utf8(std::string_view text);
 
 }  // namespace momentree::io

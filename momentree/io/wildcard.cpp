@@ -1,11 +1,11 @@
-// Names with `*`, which matches any run of characters but '/': what they stand for, in the order of the model.
+// Names with `*`, which matches any sequence of characters except '/': the matching names, in the order of the model.
 #include <algorithm>
 
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
 
-// Two positions to go back to at most: linear in practice, never recursive.
+// Backtracks to at most two positions: linear in practice, never recursive.
 bool matches_wildcard(std::string_view pattern, std::string_view name) {
   std::size_t p = 0, n = 0, star = std::string_view::npos, star_n = 0;
   while (n < name.size()) {

@@ -203,10 +203,10 @@ TEST_CASE("what a URDF can't say is said once, with its place; what no URDF can 
   const io::Scenario spring =
       read(joint + "stiffness = 2\narmature = 1\nangle = 1\n[[event]]\nat = 1\nbreak = \"m/a\"\n", "s.toml", {});
   const std::string words = said(io::to_urdf(spring, "m", ""));
-  CHECK(words.find("s.toml:10:13: warning: URDF has no place for springs; left out at 'm/a'") != std::string::npos);
-  CHECK(words.find("s.toml:11:12: warning: URDF has no place for rotor inertias; left out at 'm/a'") != std::string::npos);
-  CHECK(words.find("s.toml:12:9: warning: URDF has no place for starts; left out at 'm/a'") != std::string::npos);
-  CHECK(words.find("s.toml: warning: a URDF is a model alone; left out: its events") != std::string::npos);
+  CHECK(words.find("s.toml:10:13: warning: URDF cannot express springs; left out at 'm/a'") != std::string::npos);
+  CHECK(words.find("s.toml:11:12: warning: URDF cannot express armatures; left out at 'm/a'") != std::string::npos);
+  CHECK(words.find("s.toml:12:9: warning: URDF cannot express starts; left out at 'm/a'") != std::string::npos);
+  CHECK(words.find("s.toml: warning: a URDF holds only a model; left out: its events") != std::string::npos);
   CHECK(said(io::to_urdf(read(joint, "s.toml", {}), "", "")) == "");
   const auto refused = [](const io::Scenario& scenario, const char* mechanism) {
     try {
@@ -221,7 +221,7 @@ TEST_CASE("what a URDF can't say is said once, with its place; what no URDF can 
   CHECK(refused(read(joint, "s.toml", {}), "n") == "s.toml: error: there is no mechanism 'n'; known: 'm'");
   const std::string two = joint + "[[mechanism]]\nname = \"n\"\n[mechanism.chain]\nlinks = 2\nlength = 1\nmass = 1\n";
   CHECK(refused(read(two, "s.toml", {}), "") ==
-        "s.toml: error: a URDF is one mechanism, and here are 2: 'm', 'n'; choose one by --mechanism NAME");
+        "s.toml: error: a URDF holds one mechanism, but the scenario has 2: 'm', 'n'; choose one with --mechanism NAME");
   CHECK(refused(read(two, "s.toml", {}), "n").empty());
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Scenarios and models, whatever file they came from, as the text of another: `momentree convert`.
+// `momentree convert`: writes scenarios and models, whatever file they came from, as the text of another file.
 #include <string>
 #include <vector>
 
@@ -10,20 +10,20 @@ namespace momentree::io {
 
 struct Converted {
   std::string text;
-  std::vector<Diagnostic> diagnostics;  ///< what the text does not say any more, and what was said differently
+  std::vector<Diagnostic> diagnostics;  ///< information that the text lost or expresses differently
 };
 
-/// A scenario that reads back to the same model, events and settings: model files become bodies and joints, in SI units; what the
-/// scenario says in its own words stays, `--set` included. `folder`: where the text is to stand; files that it names are named
-/// from there. Throws Error where the text would not be a scenario.
+/// A scenario that reads back to the same model, events and settings. Model files become bodies and joints in SI units;
+/// everything else stays as the scenario writes it, with `--set` applied. `folder`: where the text will be stored; paths in it
+/// are relative to that folder. Throws Error if the text would not be a valid scenario.
 Converted to_toml(const Scenario& scenario, const std::string& folder);
 
-/// The same for a model alone, every body and joint written out: without events.
+/// A scenario without events for a model, with every body and joint written out.
 std::string to_toml(const Model& model, const std::vector<Shape>& shapes = {});
 
-/// One mechanism of a scenario as URDF: its links, joints, limits, damping, friction and visuals. Joints that URDF has not are
-/// written as chains of those that it has, where that moves alike (universal, cylindrical, ball). `mechanism`: its name; empty
-/// where there is only one. Throws Error where that can't be said as URDF: a helical joint, several roots.
+/// One mechanism of a scenario as URDF: its links, joints, limits, damping, friction and visuals. Joint kinds that URDF lacks
+/// are written as chains of joints that it has, if the motion is the same (universal, cylindrical, ball). `mechanism`: its
+/// name; empty if there is only one. Throws Error if URDF cannot express the mechanism: a helical joint, several roots.
 Converted to_urdf(const Scenario& scenario, const std::string& mechanism, const std::string& folder);
 
 }  // namespace momentree::io

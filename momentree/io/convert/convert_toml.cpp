@@ -16,7 +16,7 @@ namespace {
 using namespace pieces;
 namespace fs = std::filesystem;
 
-// Numbers of bodies by the mechanism that their names begin with, in the order of the model.
+// Indices of bodies by the mechanism prefix of their names, in the order of the model.
 std::unordered_map<std::string, std::vector<int>> by_mechanism(const Model& model) {
   std::unordered_map<std::string, std::vector<int>> all;
   for (int b = 0; b < model.size(); ++b) {
@@ -35,7 +35,7 @@ const std::string* string_at(const Value& table, const char* key) {
   return entry ? entry->value.string() : nullptr;
 }
 
-// Says of bodies that move, have no mass and carry one other that they only join two joints.
+// Adds a comment to moving bodies without mass that carry one other body: they only connect two joints.
 void explain_carriers(Value& mechanism) {
   Value::Entry* bodies = mechanism.find("body");
   if (!bodies || !bodies->value.array()) return;
@@ -58,7 +58,7 @@ void explain_carriers(Value& mechanism) {
     const std::string* kind = string_at(joint->value, "kind");
     const auto child = carried.find(*name);
     if (!kind || *kind == "weld" || child == carried.end() || child->second.count != 1) continue;
-    const std::string what = "without mass: the joints of " + *name + " and " + child->second.name + " are one after the other";
+    const std::string what = "no mass: the joints of " + *name + " and " + child->second.name + " are in series";
     body.table()->insert(body.table()->begin(), {comment_key, {}, text(what)});
   }
 }
@@ -92,11 +92,11 @@ class Converter {
     if (!scenario_.document->find("format")) document.insert(document.begin(), {"format", {}, Value(std::int64_t{1}, Place{})});
     if (left_out_.meshes > 0)
       say(Severity::warning,
-          counted(left_out_.meshes, "mesh is", "meshes are") + " left out: not found in the folder of " +
-              "what is written, or below it",
-          "copy the files there; the motion does not need them");
+          counted(left_out_.meshes, "mesh is", "meshes are") + " left out: not found in the folder of the " +
+              "output file or below it",
+          "copy the files there; they do not affect the motion");
     if (left_out_.flat > 0)
-      say(Severity::warning, counted(left_out_.flat, "shape", "shapes") + " without extent left out: they are for pictures alone",
+      say(Severity::warning, counted(left_out_.flat, "shape", "shapes") + " without extent left out: they are for pictures only",
           "");
     Converted result{toml_text(value(std::move(document))), std::move(diagnostics_)};
     check(result.text);
@@ -110,7 +110,7 @@ class Converter {
     diagnostics_.push_back({severity, scenario_.path, 0, 0, std::move(what), std::move(hint), ""});
   }
 
-  // A file that the scenario names, from where the text will stand.
+  // The path of a file that the scenario names, relative to the output's folder.
   std::string moved(const std::string& file) const {
     if (file.empty() || fs::path(file).is_absolute()) return file;
     std::error_code failed;
@@ -128,7 +128,7 @@ class Converter {
     return value(std::move(all));
   }
 
-  // Joints of model files that follow others are coupled by tables, beside those that are there.
+  // The coupling tables: the scenario's own, and one for each follower of a model file.
   Value couplings() const {
     Value::Array all;
     for (const JointCoupling& each : scenario_.couplings) {
@@ -144,7 +144,7 @@ class Converter {
     return value(std::move(all));
   }
 
-  // Of a model file: its bodies and joints, as this scenario holds and starts them.
+  // The mechanism of a model file: its bodies and joints, as this scenario attaches and initialises them.
   Value::Table expanded(const Value& mechanism) {
     const std::string& name = *string_at(mechanism, "name");
     const std::string* state = string_at(mechanism, "state");
@@ -154,7 +154,7 @@ class Converter {
                               left_out_);
   }
 
-  // In its own words, but for the files that it names.
+  // The mechanism as written in the scenario, with the paths of files adjusted.
   Value kept(Value mechanism) {
     if (Value::Entry* state = mechanism.find("state"); state && state->value.string())
       state->value = text(moved(*state->value.string()));
@@ -171,7 +171,7 @@ class Converter {
     return mechanism;
   }
 
-  // False where it is not among the files that what is written may name.
+  // False if the mesh is not among the files that the output may name.
   bool move_mesh(Value& shape) {
     Value::Entry* mesh = shape.find("mesh");
     if (!mesh || !mesh->value.string()) return true;
@@ -184,7 +184,7 @@ class Converter {
     return false;
   }
 
-  // What was read well must read well again: names of files apart, which a text does not look for.
+  // A valid scenario must be read back without errors, apart from names of files, which a text does not access.
   void check(const std::string& text) const {
     const ReadResult again = read_scenario_text(text, scenario_.path + " as TOML");
     if (again.scenario) return;

@@ -21,7 +21,7 @@ using namespace urdf;
 bool is_identity(const Quat& r) { return std::fabs(r.w) == 1 && r.x == 0 && r.y == 0 && r.z == 0; }
 bool is_zero(const Vec3& a) { return a.x == 0 && a.y == 0 && a.z == 0; }
 bool is_identity(const Pose& pose) { return is_zero(pose.position) && is_identity(pose.rotation); }
-// Products that leave the digits of a placement alone where the other is none.
+// A product that leaves the digits of one placement unchanged if the other is the identity.
 Pose times(const Pose& a, const Pose& b) { return is_identity(a) ? b : is_identity(b) ? a : a * b; }
 Pose undone(const Pose& a) { return is_identity(a) ? a : inverse(a); }
 
@@ -38,12 +38,12 @@ bool alike(const Values& values, int count) {
   return true;
 }
 
-/// One joint of a chain that stands for a joint of the model.
+/// One joint of a chain that represents a joint of the model.
 struct Part {
-  const char* suffix;  ///< of its name; empty: the joint's own
-  const char* type;    ///< revolute: continuous where it has no stops
+  const char* suffix;  ///< suffix of its name; empty: the joint's own name
+  const char* type;    ///< revolute: continuous if it has no stops
   Vec3 axis;
-  int dof;  ///< whose damping, friction and stops it has; −1: those of all
+  int dof;  ///< the DoF whose damping, friction and stops it has; −1: all DoFs
 };
 
 std::vector<Part> parts_of(const JointSpec& joint) {
@@ -111,8 +111,8 @@ class Writer {
     return name;
   }
 
-  // How the link's frame stands in the body's: moved where its joint can't be said about the body's own frame. `at`, the
-  // placement of the joint's frame in the parent, and the axis go along.
+  // The pose of the link's frame in the body's frame: not the identity if URDF cannot express the joint in the body's own
+  // frame. `at`, the placement of the joint's frame in the parent, and the axis are changed accordingly.
   Pose shift_of(const BodySpec& spec, const Part& last, Pose& at, Vec3& axis) {
     const Pose& c = spec.child_at;
     const std::string_view type = last.type;
@@ -126,7 +126,7 @@ class Writer {
     return {};
   }
 
-  // A root that is written as a link without a joint: the reader holds it, or lets it go.
+  // A root that is written as a link without a joint: the reader fixes it or leaves it free.
   bool plain_root(const BodySpec& spec) const {
     if (spec.parent != ground) return false;
     if (spec.joint.kind == Kind::weld) return is_identity(times(spec.at, undone(spec.child_at)));
@@ -145,7 +145,7 @@ class Writer {
     if (plain_root(spec)) {
       shift_[k] = spec.joint.kind == Kind::free ? spec.child_at : Pose{};
       if (spec.joint.kind == Kind::free)
-        say(Severity::note, "the root " + in_quotes(spec.name) + " is free, which a URDF does not say",
+        say(Severity::note, "the root " + in_quotes(spec.name) + " is free, which URDF cannot express",
             "read it with root = \"free\"", {});
       links_.push_back(link_of(spec, k));
       return;
@@ -173,7 +173,7 @@ class Writer {
         links_.push_back(link_of(spec, k));
       } else {
         joint.child = parent = fresh(link_names_, bare(spec.name) + part.suffix);
-        links_.push_back({parent, "without mass: one of the joints that stand for " + joint_name});
+        links_.push_back({parent, "no mass: one of the joints that represent " + joint_name});
       }
       joints_.push_back(std::move(joint));
       at = {};
@@ -203,7 +203,7 @@ class Writer {
 
   void add_shape(WrittenLink& link, Shape shape, const Pose& back) {
     if (shape.kind == Shape::Kind::none) return;
-    if (shape.kind == Shape::Kind::mesh) {  // where it is not found, it is named as the source names it
+    if (shape.kind == Shape::Kind::mesh) {  // if it is not found, it keeps the name given in the source
       const std::string mesh = mesh_path(shape.mesh, {parent_folder(scenario_.path), folder_.empty() ? "." : folder_});
       if (!mesh.empty()) shape.mesh = mesh;
     }
@@ -215,7 +215,7 @@ class Writer {
     const JointParameters& p = spec.joint.parameters;
     const KindInfo& kind = info(spec.joint.kind);
     const int i = std::max(part.dof, 0);
-    // A ball's damping is not that of three axes.
+    // The damping of a ball joint differs from that of three axes.
     const bool one = part.dof >= 0 && spec.joint.kind != Kind::ball;
     if (one || (kind.nv > 0 && spec.joint.kind != Kind::ball && alike(p.damping, kind.nv))) joint.damping = p.damping.of(i);
     if (one || (kind.nv > 0 && spec.joint.kind != Kind::ball && alike(p.friction.coulomb, kind.nv)))
@@ -228,26 +228,27 @@ class Writer {
     if (joint.type == "revolute" && !joint.stops) joint.type = "continuous";
   }
 
-  // What URDF can't say of this joint.
+  // Notes what URDF cannot express of this joint.
   void note_lost(const BodySpec& spec) {
     const JointParameters& p = spec.joint.parameters;
     const KindInfo& kind = info(spec.joint.kind);
     const bool ball = spec.joint.kind == Kind::ball, several = kind.nv > 1 && parts_of(spec.joint).size() == 1;
     const auto lose = [&](const char* what, const char* key) { lost_[what].push_back({spec.joint_name, key}); };
     if (p.stiffness.any()) lose("springs", "stiffness");
-    if (p.armature.any()) lose("rotor inertias", "armature");
+    if (p.armature.any()) lose("armatures", "armature");
     if (p.effort.any() || (p.drive && (!p.drive->effort.empty() || p.drive->pd.any() || p.drive->moves())))
       lose("drives", "drive");
     if (p.strength.any()) lose("strengths", "strength");
-    if (p.damping.any() && (ball || (several && !alike(p.damping, kind.nv)))) lose("damping by freedom", "damping");
-    if (p.friction.any() && (ball || (several && !alike(p.friction.coulomb, kind.nv)))) lose("friction by freedom", "friction");
+    if (p.damping.any() && (ball || (several && !alike(p.damping, kind.nv)))) lose("damping per degree of freedom", "damping");
+    if (p.friction.any() && (ball || (several && !alike(p.friction.coulomb, kind.nv))))
+      lose("friction per degree of freedom", "friction");
     bool other_speed = false;
     for (int i = 0; i < kind.nv; ++i)
       other_speed = other_speed || (p.friction.coulomb.of(i) > 0 && p.friction.speed.of(i) != imported_friction_speed);
     if (other_speed) lose("speeds over which friction builds up", "friction");
-    if (p.limits.any() && several) lose("limits of several freedoms", "limits");
-    if (p.limits.soft()) lose("what stops are made of", "limits");
-    if (p.limits.hard() && p.limits.restitution.any()) lose("what stops give back", "limits");
+    if (p.limits.any() && several) lose("limits of several degrees of freedom", "limits");
+    if (p.limits.soft()) lose("stiffness and damping of stops", "limits");
+    if (p.limits.hard() && p.limits.restitution.any()) lose("restitution of stops", "limits");
     const bool driven = p.drive && p.drive->moves();
     const Values zero = joint_zero(spec.joint.kind);
     bool starts = spec.v.any();
@@ -260,10 +261,10 @@ class Writer {
     std::string all;
     if (g.x != usual.x || g.y != usual.y || g.z != usual.z) all += ", its gravity";
     if (!model_.forces().empty()) all += ", " + std::to_string(model_.forces().size()) + " forces on bodies";
-    if (!scenario_.couplings.empty()) all += ", what couples its joints";
+    if (!scenario_.couplings.empty()) all += ", the couplings of its joints";
     if (!scenario_.events.empty()) all += ", its events";
     if (!scenario_.state_files.empty()) all += ", its state document";
-    if (!all.empty()) say(Severity::warning, "a URDF is a model alone; left out: " + all.substr(2), "", {});
+    if (!all.empty()) say(Severity::warning, "a URDF holds only a model; left out: " + all.substr(2), "", {});
   }
 
   struct Lost {
@@ -276,19 +277,20 @@ class Writer {
       std::string names;
       for (std::size_t i = 0; i < joints.size() && i < 5; ++i) names += (i ? ", " : "") + in_quotes(joints[i].joint);
       if (joints.size() > 5) names += " and " + std::to_string(joints.size() - 5) + " more";
-      say(Severity::warning, "URDF has no place for " + what + "; left out at " + names, "", place_of(joints.front()));
+      say(Severity::warning, "URDF cannot express " + what + "; left out at " + names, "", place_of(joints.front()));
     }
     for (const auto& [kind, joints] : chains_) {
       const std::string count =
           std::to_string(joints.size()) + " " + info(kind).name + (joints.size() == 1 ? " joint is" : " joints are");
       say(Severity::note, count + " written as chains of links without mass, from " + in_quotes(joints.front()),
-          kind == Kind::ball ? "they move alike but where the middle axis turns by 90 deg" : "they move alike", {});
+          kind == Kind::ball ? "the motion is the same, except where the middle axis turns by 90 deg" : "the motion is the same",
+          {});
     }
     if (moved_ > 0)
       say(Severity::note,
           "the frames of " + std::to_string(moved_) + (moved_ == 1 ? " link are" : " links are") +
-              " moved to their joints, as URDF has them",
-          "comments say from where", {});
+              " moved to their joints, as URDF requires",
+          "comments give the original frames", {});
   }
 
   void say(Severity severity, std::string what, std::string hint, Place place) {
@@ -304,7 +306,7 @@ class Writer {
     return table.place;
   }
 
-  // Where a scenario says it; nowhere for what a model file or a generator does.
+  // The place in the scenario; none for values from a model file or a generator.
   Place place_of(const Lost& lost) const {
     const Value::Entry* mechanisms = scenario_.document ? scenario_.document->find("mechanism") : nullptr;
     if (!mechanisms || !mechanisms->value.array()) return {};
@@ -327,7 +329,7 @@ class Writer {
   const Scenario& scenario_;
   const Model& model_;
   std::string folder_;
-  std::vector<Pose> shift_;  ///< by body: its link's frame in its own
+  std::vector<Pose> shift_;  ///< by body: the pose of its link's frame in its own frame
   BodyId root_{};
   std::vector<int> members_;
   std::unordered_set<std::string> link_names_, joint_names_;
@@ -353,8 +355,8 @@ Converted to_urdf(const Scenario& scenario, const std::string& mechanism, const 
   }
   if (names.size() > 10) all += " …";
   if (mechanism.empty() && names.size() > 1)
-    throw_error({"a URDF is one mechanism, and here are " + std::to_string(names.size()) + ": " + all, scenario.path,
-                 "choose one by --mechanism NAME"});
+    throw_error({"a URDF holds one mechanism, but the scenario has " + std::to_string(names.size()) + ": " + all, scenario.path,
+                 "choose one with --mechanism NAME"});
   if (chosen == ground) {
     const std::string hint = did_you_mean(mechanism, names);
     throw_error({"there is no mechanism " + in_quotes(mechanism), scenario.path, hint.empty() ? "known: " + all : hint});

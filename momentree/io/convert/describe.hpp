@@ -1,5 +1,5 @@
 #pragma once
-// Parts of a model as a scenario would say them: tables of a document, without what is a default. Internal to the writers.
+// Parts of a model as tables of a scenario document; default values are omitted. Internal to the writers.
 #include <span>
 #include <string>
 #include <vector>
@@ -11,27 +11,29 @@
 
 namespace momentree::io {
 
-/// Geometry, start and parameters. `name`: empty where it is the body's; `parent`: a bare name, empty for the ground.
+/// Geometry, initial values and parameters. `name`: empty if it is the body's name; `parent`: a bare name, empty for the
+/// ground.
 Value::Table describe_joint(const BodySpec& spec, const std::string& name, const std::string& parent);
 Value describe_signal(const Signal& signal);
 
-/// What is left out of a text, said once at the end.
+/// Counts of what is left out of a text; reported once at the end.
 struct LeftOut {
-  int meshes = 0;  ///< not below the folder of the file that is written, or not there
-  int flat = 0;    ///< shapes of which an edge, a radius or a length is zero
+  int meshes = 0;  ///< meshes that do not exist, or are not below the folder of the file that is written
+  int flat = 0;    ///< shapes with an edge, radius or length of zero
 };
 
-/// Where a mesh stands: its path is relative to `from`, what is written to `to`; empty: it stays as it is.
+/// The folders for mesh paths: they are given relative to `from` and written relative to `to`; if `to` is empty, they stay
+/// unchanged.
 struct MeshFolders {
   std::string from, to;
 };
-/// Empty where the mesh is none of the files in `to` or below it.
+/// Empty if the mesh is not a file in `to` or below it.
 std::string mesh_path(const std::string& mesh, const MeshFolders& folders);
 
-/// A table, or a list of them where the body has several shapes; an empty table for none.
+/// A table, or a list of tables if the body has several shapes; an empty table if it has none.
 Value describe_shape(const Shape& shape, const MeshFolders& folders, LeftOut& left_out);
 
-/// A whole mechanism, from the bodies of that prefix. `state`: a document that its joints start from; empty: none.
+/// A whole mechanism, from its bodies. `state`: a document that its joints start from; empty: none.
 Value::Table describe_mechanism(const std::string& name, const Model& model, std::span<const int> bodies,
                                 std::span<const Shape> shapes, const MeshFolders& folders, const std::string& state,
                                 LeftOut& left_out);

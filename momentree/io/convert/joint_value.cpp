@@ -1,4 +1,4 @@
-// What a scenario says of a joint, from the joint.
+// Converts a joint into the values of a scenario.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,7 +14,7 @@ using namespace pieces;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Angles of more than a turn say their unit: without one they would be taken for degrees, with a warning.
+// Angles of more than one turn get a unit: without one they would give a warning that they may be meant in degrees.
 Value coordinate(double x, char letter) {
   return letter == 'r' && std::fabs(x) > 6.2832 ? text(number_text(x) + " rad") : number(x);
 }
@@ -25,7 +25,7 @@ Value coordinates(const Values& values, const char* letters) {
   return value(std::move(all));
 }
 
-// Stops, which may be one number for all freedoms.
+// Stops, which may be one number for all DoFs.
 void add_stops(Value::Table& table, const char* key, const Values& values, const char* letters) {
   if (values.size() == 1)
     add(table, key, coordinate(values[0], letters[0]));
@@ -39,7 +39,7 @@ Value list_of(const Values& values) {
   return value(std::move(all));
 }
 
-// One number where it is that of every freedom.
+// A single number if it applies to every DoF.
 void add_values(Value::Table& table, const char* key, const Values& values) {
   if (values.empty()) return;
   const bool alike = std::all_of(values.begin(), values.end(), [&](double x) { return x == values[0]; });
@@ -61,7 +61,8 @@ Value signal_value(const Signal& signal, double more = 0) {
     add(table, "rate", number(signal.ramp_rate()));
     if (!signal.from_here()) add(table, "offset", number(signal.offset() + more));
   } else if (signal.amplitude() != 0) {
-    const double sign = signal.frequency() < 0 ? -1 : 1;  // a sine that runs backwards is another one that runs forwards
+    // a sine with negative frequency equals one with positive frequency and another phase
+    const double sign = signal.frequency() < 0 ? -1 : 1;
     Value::Table sine;
     add(sine, "amplitude", number(sign * signal.amplitude()));
     add(sine, "frequency", number(sign * signal.frequency()));
@@ -74,7 +75,7 @@ Value signal_value(const Signal& signal, double more = 0) {
   return value(std::move(table));
 }
 
-// One signal stands for every freedom; a file has one for each.
+// One signal applies to every DoF; a file has one for each.
 Value signals_value(const std::vector<Signal>& signals, const Values& more, int count) {
   Value::Array all;
   for (int i = 0; i < count; ++i) {
@@ -146,7 +147,7 @@ void add_parameters(Value::Table& table, const JointParameters& p, const KindInf
 
 void add_start(Value::Table& table, const BodySpec& spec, const KindInfo& kind) {
   const auto& drive = spec.joint.parameters.drive;
-  if (drive && drive->moves() && !drive->motion[0].signal().from_here()) return;  // the motion says it
+  if (drive && drive->moves() && !drive->motion[0].signal().from_here()) return;  // the motion gives the initial values
   const bool one = kind.nq == 1 && kind.nv == 1;
   if (!(spec.q == joint_zero(kind.kind))) {
     const char* const key = !one ? "q" : kind.q_units[0] == 'r' ? "angle" : "position";

@@ -1,4 +1,4 @@
-// What a scenario says of a mechanism, from its bodies.
+// Converts the bodies of a mechanism into the values of a scenario.
 #include <cmath>
 #include <filesystem>
 #include <system_error>
@@ -69,7 +69,7 @@ Value::Table one_shape(const Shape& shape, const MeshFolders& folders, LeftOut& 
   return table;
 }
 
-// A root body that needs no joint's table, because the mechanism says all: held fixed, or free.
+// A root body that needs no joint table, because the mechanism's `root` describes it: fixed or free.
 bool plain_root(const BodySpec& spec) {
   if (spec.joint_name != spec.name || spec.joint.parameters.any() || !is_identity(spec.child_at)) return false;
   return spec.joint.kind == Kind::weld || (spec.joint.kind == Kind::free && is_identity(spec.at));

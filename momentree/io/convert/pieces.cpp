@@ -22,7 +22,7 @@ double rounded(double x, int decimals) {
 
 Rpy rpy_of(const Quat& rotation) {
   const Mat3 R = rotation_matrix(rotation);
-  // The yaw first, then the roll that is left with it: where both turn about one axis their sum alone counts.
+  // The yaw first, then the remaining roll: if both rotate about one axis, only their sum matters.
   const double pitch = std::atan2(-R.zx, std::hypot(R.xx, R.yx)), yaw = std::atan2(R.yx, R.xx);
   const double s = std::sin(yaw), c = std::cos(yaw);
   const Vec3 full{std::atan2(s * R.xz - c * R.yz, c * R.yy - s * R.xy), pitch, yaw};

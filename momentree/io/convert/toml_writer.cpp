@@ -11,7 +11,7 @@ namespace momentree::io {
 
 namespace {
 
-constexpr std::size_t widest = 110;  // longer lists of lists get a line for each entry
+constexpr std::size_t widest = 110;  // longer lists of lists get one line per entry
 
 std::string quoted(std::string_view text) {
   std::string out = "\"";
@@ -53,7 +53,7 @@ std::string real_text(double x) {
   return text;
 }
 
-// `indent`: of the line that the value stands on, for lists that take several.
+// `indent`: of the line with the value, for lists that span several lines.
 std::string value_text(const Value& value, const std::string& indent);
 
 std::string list_text(const Value::Array& entries, const std::string& indent) {
@@ -87,7 +87,7 @@ std::string value_text(const Value& value, const std::string& indent) {
   return "\"\"";
 }
 
-// Which keys get a header, by the path of the table that they stand in.
+// Whether a key gets a header, by the path of the table that contains it.
 bool has_header(std::string_view path, const Value::Entry& entry) {
   const auto is = [&](std::initializer_list<std::string_view> keys) {
     return std::find(keys.begin(), keys.end(), entry.key) != keys.end();

@@ -25,7 +25,7 @@ void write_origin(std::string& text, const char* indent, const Pose& pose) {
   text += "/>\n";
 }
 
-// Colours by the names that scenarios know.
+// The named colours of scenarios as "#rrggbb"; empty for an unknown colour.
 std::string hexadecimal(const std::string& colour) {
   static constexpr std::pair<std::string_view, const char*> names[] = {
       {"black", "#000000"}, {"white", "#ffffff"},  {"gray", "#808080"},     {"grey", "#808080"},    {"silver", "#c0c0c0"},
@@ -38,7 +38,7 @@ std::string hexadecimal(const std::string& colour) {
   return colour.size() == 7 && colour[0] == '#' ? colour : "";
 }
 
-// Thousandths are more than a level of 255.
+// Three decimals resolve all 255 levels.
 std::string rgba(const std::string& colour) {
   std::string text;
   for (std::size_t i = 1; i < 7; i += 2) {
@@ -71,7 +71,7 @@ void write_shape(std::string& text, const Shape& shape) {
     case Shape::Kind::box: write_visual(text, shape.at, "<box size=\"" + three(shape.size) + "\"/>", shape.colour); break;
     case Shape::Kind::sphere: sphere(0); break;
     case Shape::Kind::cylinder: cylinder(); break;
-    case Shape::Kind::capsule:  // few readers know <capsule>
+    case Shape::Kind::capsule:  // few readers support <capsule>
       cylinder();
       sphere(shape.length / 2);
       sphere(-shape.length / 2);
@@ -103,7 +103,7 @@ std::string escaped(const std::string& text) {
 
 void write(std::string& text, const WrittenLink& link) {
   if (!link.comment.empty()) {
-    std::string comment = link.comment;  // no two dashes in a comment of XML
+    std::string comment = link.comment;  // XML comments must not contain two dashes
     for (std::size_t i = 0; (i = comment.find("--", i)) != std::string::npos;) comment.insert(i + 1, " ");
     text += "  <!-- " + comment + " -->\n";
   }
@@ -133,7 +133,7 @@ void write(std::string& text, const WrittenJoint& joint) {
   text += "    <child link=\"" + escaped(joint.child) + "\"/>\n";
   write_origin(text, "    ", joint.origin);
   if (joint.has_axis) text += "    <axis xyz=\"" + three(joint.axis) + "\"/>\n";
-  // Readers ask for all of it, for an effort and a velocity that nobody limits, too, and for a number where there is no stop.
+  // Readers require all of it, also effort and velocity without limits, and numbers for absent stops.
   constexpr double endless = 1e9;
   if (joint.type == "revolute" || joint.type == "prismatic")
     text += "    <limit lower=\"" + number(joint.stops ? std::fmax(joint.lower, -endless) : -endless) + "\" upper=\"" +

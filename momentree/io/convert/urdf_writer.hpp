@@ -26,10 +26,10 @@ struct WrittenJoint {
   double damping = 0, friction = 0;
 };
 
-/// A link in its element, and a joint in its own.
+/// Appends the XML element of a link or of a joint.
 void write(std::string& text, const WrittenLink& link);
 void write(std::string& text, const WrittenJoint& joint);
-/// Characters that stand for something else in XML, escaped.
+/// The text with XML's special characters escaped.
 std::string escaped(const std::string& text);
 
 }  // namespace momentree::io::urdf

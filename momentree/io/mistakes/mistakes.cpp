@@ -9,7 +9,7 @@ namespace momentree::io {
 
 namespace {
 
-// The parts of a text between separators, one after the other.
+// Iterates over the parts of a text between separators.
 class Parts {
  public:
   Parts(std::string_view text, char separator) : rest_(text), separator_(separator) {}
@@ -63,7 +63,7 @@ std::vector<const Mistake*> mistakes_of(std::string_view where, std::string_view
   if (word.size() > 40) return found;
   const auto known = by_word().find(plain_word(word));
   if (known == by_word().end()) return found;
-  for (const bool here : {true, false})  // those of this table before those of any
+  for (const bool here : {true, false})  // those of this table before those of any table
     for (const Mistake* each : known->second)
       if (here == (*each->where != '\0') && (!here || is_one_of(where, each->where, '|'))) found.push_back(each);
   return found;

@@ -1,4 +1,4 @@
-// What users of other engines write, and the messages that they get.
+// Mistakes of users of other engines, and the messages that they get.
 #include <doctest/doctest.h>
 
 #include <sstream>
@@ -14,7 +14,7 @@ namespace {
 
 using namespace bad_input;
 
-/// The hints of what is said of a text, one per line.
+/// The hints of the diagnostics for a text, one per line.
 std::string hints(const std::string& text) {
   std::string all;
   for (const Diagnostic& each : read_scenario_text(text, "s.toml").diagnostics) all += (all.empty() ? "" : "\n") + each.hint;
@@ -46,7 +46,7 @@ std::vector<std::string> parts(const char* text, char separator) {
 
 }  // namespace
 
-TEST_CASE("keys of other engines are reported once, with ours") {
+TEST_CASE("keys of other engines are reported once, with the right key") {
   check_told({
       {one_body + "[mechanism.body.joint]\ntype = \"revolute\"\n", "write 'kind', as in kind = \"revolute\""},
       {one_body + "[mechanism.body.joint]\ntype = \"hinge\"\n",
@@ -72,13 +72,13 @@ TEST_CASE("keys of other engines are reported once, with ours") {
       {in_joint("at = { pos = [0, 0, 1] }"), "write 'xyz', as in xyz = [0, 0, 1]"},
       {in_joint("drive = { pd = { p = 1, d = 1 } }"), "write 'kp', as in kp = 100\nwrite 'kd', as in kd = 10"},
       {in_body("center_of_mass = [0, 0, 1]"), "write 'com', as in com = [0.25, 0, 0]"},
-      {in_body("pos = [0, 0, 1]"), "a body stands where its joint puts it: at = { xyz = [0, 0, 1] } in [mechanism.body.joint]"},
+      {in_body("pos = [0, 0, 1]"), "a body is placed by its joint: at = { xyz = [0, 0, 1] } in [mechanism.body.joint]"},
       {head + "urdf = \"x.urdf\"\n", "write 'model', as in model = \"robot.urdf\"\nread it from its file"},
-      {one_body + "[output]\nfps = 30\n", "the time between rows is given: every = \"10 ms\" is 100 rows a second"},
+      {one_body + "[output]\nfps = 30\n", "give the time between rows: every = \"10 ms\" is 100 rows a second"},
   });
 }
 
-TEST_CASE("what is still to come is neither suggested nor unknown") {
+TEST_CASE("unsupported names are neither suggested nor unknown") {
   CHECK(said(read_scenario_text("foo = 3\n" + pinned, "s.toml")) ==
         "s.toml:1:1: error: unknown key 'foo' in a scenario; known here: format title world state mechanism force coupling event "
         "integrate output");
@@ -123,7 +123,7 @@ TEST_CASE("values of the wrong shape are reported with the right one") {
       {in_joint("at = [0, 0, 1, 0, 0, 1.5]"), "write at = { xyz = [0, 0, 1], rpy = [0, 0, 1.5] }"},
       {in_joint("friction = 0.1"), "write friction = { coulomb = 0.1, speed = 0.01 }"},
       {in_joint("drive = 5"), "write drive = { effort = 5 }"},
-      {in_joint("position = [0, 0, 1]"), "a joint stands where its `at` is; write at = { xyz = [0, 0, 1] }"},
+      {in_joint("position = [0, 0, 1]"), "a joint is placed by its `at`; write at = { xyz = [0, 0, 1] }"},
       {in_body("inertia = [[1, 0, 0], [0, 2, 0], [0, 0, 3]]"), "write inertia = [1, 2, 3]: xx, yy, zz"},
       {in_body("inertia = [[1, 0.1, 0], [0.1, 2, 0], [0, 0, 3]]"),
        "write inertia = [1, 2, 3, 0.1, 0, 0]: xx, yy, zz, xy, xz, yz"},
@@ -140,7 +140,7 @@ TEST_CASE("values of the wrong shape are reported with the right one") {
   });
 }
 
-TEST_CASE("an angle of more than a turn without a unit is a warning, wherever it stands") {
+TEST_CASE("an angle of more than a turn without a unit is a warning, wherever it is") {
   const std::string cure = "write \"90 deg\" for degrees, or \"90 rad\" if that is what you mean";
   for (const char* line : {"angle = 90", "q = 90", "limits = { upper = 90 }", "stiffness = 1\nrest = 90",
                            "at = { rpy = [0, 0, 90] }", "drive = { pd = { kp = 1, target = 90 } }"}) {
@@ -149,7 +149,7 @@ TEST_CASE("an angle of more than a turn without a unit is a warning, wherever it
     CHECK(result.scenario);
     REQUIRE(result.diagnostics.size() == 1);
     CHECK(result.diagnostics[0].severity == Severity::warning);
-    CHECK(result.diagnostics[0].what.find(": 90 is taken in radians, 14.3 turns") != std::string::npos);
+    CHECK(result.diagnostics[0].what.find(": 90 is read as radians, 14.3 turns") != std::string::npos);
     CHECK(result.diagnostics[0].hint == cure);
   }
   CHECK(hints(in_event("when = { position = \"m/a\", exceeds = 90 }\nbreak = \"m/a\"")) == cure);

@@ -1,4 +1,4 @@
-// Mechanisms, bodies, joints and what they have.
+// Mechanisms, bodies, joints and their properties.
 #include <momentree/io/mistakes/keys.hpp>
 
 namespace momentree::io::mistakes {
@@ -8,9 +8,9 @@ namespace {
 constexpr const char* limits = "limits = { lower = \"-90 deg\", upper = \"90 deg\" }";
 constexpr const char* driven = "a joint is driven by drive = { effort = \"5 N m\" }, or { pd = … }, or { motion = … }";
 constexpr const char* controlled = "position control is drive = { pd = { kp = 100, kd = 10, target = \"30 deg\" } }";
-constexpr const char* shaped = "what is drawn is a shape: shape = { box = [1, 0.1, 0.1], colour = \"red\" }";
+constexpr const char* shaped = "bodies are drawn with a shape: shape = { box = [1, 0.1, 0.1], colour = \"red\" }";
 constexpr const char* in_joint = "it belongs to the body's joint, in [mechanism.body.joint]";
-constexpr const char* of_model = "the model file says it; an event may `change` the joint";
+constexpr const char* of_model = "the model file defines it; an event may `change` the joint";
 
 constexpr Mistake table[] = {
     {"[[mechanism]]", "id label", "name", "name = \"arm\""},
@@ -43,7 +43,7 @@ constexpr Mistake table[] = {
     {"state", "joint q qpos coordinates jointpositions positions", "joints", "joints = { elbow = \"20 deg\" }"},
     {"state", "vel rootvelocity basevelocity twist", "velocity", "velocity = { linear = [1, 0, 0], angular = [0, 0, 0.5] }"},
     {"state", "position pose xyz orientation rpy quat", "",
-     "a mechanism stands where its `pose` is, beside `state`: pose = { xyz = [0, 0, 1] }"},
+     "the position of a mechanism is its `pose`, next to `state`: pose = { xyz = [0, 0, 1] }"},
     {"state", "v qvel speeds velocities", "", "velocities of joints: joints = { elbow = { angle = \"20 deg\", speed = 1 } }"},
     {"velocity", "v lin xyz vel translation translational", "linear", "linear = [1, 0, 0]"},
     {"velocity", "w omega ang rotation rotational rpy", "angular", "angular = [0, 0, 0.5]"},
@@ -52,7 +52,7 @@ constexpr Mistake table[] = {
     {"[mechanism.chain]", "linklength spacing segmentlength l pitch", "length", "length = \"5 cm\""},
     {"[mechanism.chain]", "linkmass segmentmass m", "mass", "mass = \"10 g\""},
     {"[mechanism.chain]", "q q0 initialangle theta", "angle", "angle = \"5 deg\""},
-    {"[mechanism.chain]", "radius width density diameter", "", "mass and inertia of a link are given: inertia = \"20 g cm^2\""},
+    {"[mechanism.chain]", "radius width density diameter", "", "give the mass and inertia of a link: inertia = \"20 g cm^2\""},
     {"[mechanism.chain]", "kind type joint", "", "the links of a chain are joined by revolute joints about `axis`"},
 
     {"[[mechanism.body]]", "id label", "name", "name = \"arm\""},
@@ -65,10 +65,10 @@ constexpr Mistake table[] = {
     {"[[mechanism.body]]", "shapes visual visuals geometry geometries geom geoms", "shape",
      "shape = { box = [1, 0.1, 0.1], colour = \"red\" }", false},
     {"[[mechanism.body]]", "color colour rgba material size radius length box cylinder capsule sphere", "", shaped},
-    {"[[mechanism.body]]", "mesh stl obj", "", "what is drawn is a shape: shape = { mesh = \"part.stl\" }"},
+    {"[[mechanism.body]]", "mesh stl obj", "", "bodies are drawn with a shape: shape = { mesh = \"part.stl\" }"},
     {"[[mechanism.body]]", "joints", "joint", "[mechanism.body.joint]"},
     {"[[mechanism.body]]", "pos position pose at xyz origin orientation rpy quat location frame", "",
-     "a body stands where its joint puts it: at = { xyz = [0, 0, 1] } in [mechanism.body.joint]"},
+     "a body is placed by its joint: at = { xyz = [0, 0, 1] } in [mechanism.body.joint]"},
     {"[[mechanism.body]]", "parent kind type axis damping stiffness limits drive angle friction armature strength", "", in_joint},
     {"[[mechanism.body]]", "density volume", "", "mass and inertia are given, not computed from shapes: mass = \"2 kg\""},
     {"[[mechanism.body]]", "velocity linearvelocity angularvelocity v omega speed", "",
@@ -80,7 +80,7 @@ constexpr Mistake table[] = {
     {"[mechanism.body.joint]|change|attach", "type jointtype class", "kind", "kind = \"revolute\""},
     {"[mechanism.body.joint]", "parentbody parentlink body1 base predecessor", "parent", "parent = \"upper\""},
     {"[mechanism.body.joint]", "child childlink childbody body2 body successor", "",
-     "the joint carries the body in whose table it stands; it names its parent alone"},
+     "the joint carries the body whose table contains it; it names only its parent"},
     {"[mechanism.body.joint]",
      "origin pose pos xyz placement anchor location frame transform parentframe parentpose offset position1 where", "at",
      "at = { xyz = [0.5, 0, 0] }", false},
@@ -90,7 +90,7 @@ constexpr Mistake table[] = {
     {"[mechanism.body.joint]|override", "q0 initialq qinit coordinates qpos0", "q", "q = [0.1]", false},
     {"[mechanism.body.joint]|override|start", "theta phi initialangle angle0", "angle", "angle = \"30 deg\""},
     {"[mechanism.body.joint]|override", "initial start initialposition", "",
-     "write angle = \"30 deg\", or position = \"5 cm\" where it slides"},
+     "write angle = \"30 deg\", or position = \"5 cm\" for a prismatic joint"},
     {"[mechanism.body.joint]|override|start",
      "rate velocity omega qd qdot dq initialspeed initialvelocity angularvelocity v0 vel", "speed", "speed = \"1 rad/s\""},
     {"[mechanism.body.joint]|override", "lower upper lowerlimit upperlimit min max minimum maximum lo hi restitution", "",
@@ -147,7 +147,7 @@ constexpr Mistake table[] = {
     {"pd", "position reference setpoint goal angle qref qd desired", "target", "target = \"30 deg\""},
     {"pd", "velocity speed targetvelocity vref", "target_speed", "target_speed = \"1 rad/s\""},
     {"pd", "maxtorque maxforce effortlimit torquelimit forcelimit limit saturation", "max_effort", "max_effort = \"40 N m\""},
-    {"pd", "i ki integral", "", "there is no integral part: a constant load is met by drive = { effort = …, pd = … }"},
+    {"pd", "i ki integral", "", "there is no integral term: compensate a constant load with drive = { effort = …, pd = … }"},
     {"sine", "a amp magnitude", "amplitude", "amplitude = 2"},
     {"sine", "f freq hz", "frequency", "frequency = \"0.5 Hz\""},
     {"sine", "phi phaseshift fase", "phase", "phase = \"90 deg\""},

@@ -37,7 +37,7 @@ constexpr Name methods[] = {
      "damped", ", which takes dampers and servos implicitly, or \"dopri5\""},
 };
 
-// As plain_word() has it, without the word "joint" that URDF tools and Drake add to the names of kinds.
+// The result of plain_word() without the word "joint", which URDF tools and Drake add to the names of kinds.
 std::string bare(std::string_view word) {
   std::string plain = plain_word(word.substr(0, 40));
   constexpr std::string_view joint = "joint";

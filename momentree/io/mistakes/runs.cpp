@@ -5,7 +5,7 @@ namespace momentree::io::mistakes {
 
 namespace {
 
-constexpr const char* in_integrate = "it belongs into [integrate]: method = \"rk4\", step = \"1 ms\", until = \"3 s\"";
+constexpr const char* in_integrate = "it belongs in [integrate]: method = \"rk4\", step = \"1 ms\", until = \"3 s\"";
 
 constexpr Mistake table[] = {
     {"[integrate]", "dt h timestep stepsize steplength fixedstep maxtimestep initialstep deltat", "step", "step = \"1 ms\""},
@@ -18,14 +18,13 @@ constexpr Mistake table[] = {
     {"[integrate]", "abstol absolutetolerance epsabs abserr", "atol", "atol = 1e-10"},
     {"[integrate]", "maxdt dtmax maxstepsize maximumstepsize hmax maxh maxdeltat", "max_step", "max_step = \"10 ms\""},
     {"[integrate]", "eventtol zerocrossingtolerance eventaccuracy", "event_tolerance", "event_tolerance = \"1e-9 s\""},
-    {"[integrate]", "gravity g", "", "it belongs into [world]: gravity = [0, 0, -9.81]"},
-    {"[integrate]", "every output interval outputstep savestep outputinterval", "",
-     "it belongs into [output]: every = \"10 ms\""},
-    {"[integrate]", "substeps iterations maxiterations niter", "", "a smaller step does that: step = \"0.25 ms\""},
+    {"[integrate]", "gravity g", "", "it belongs in [world]: gravity = [0, 0, -9.81]"},
+    {"[integrate]", "every output interval outputstep savestep outputinterval", "", "it belongs in [output]: every = \"10 ms\""},
+    {"[integrate]", "substeps iterations maxiterations niter", "", "use a smaller step instead: step = \"0.25 ms\""},
     {"[integrate]", "start starttime t0 tstart", "",
-     "a run starts at 0 s, or where the document of `state = \"final.json\"` ends"},
+     "a run starts at 0 s, or at the end of the document in `state = \"final.json\"`"},
     {"[integrate]", "steps nsteps numsteps numberofsteps", "", "the length of a run is a time: until = \"3 s\""},
-    {"[integrate]", "realtime threads seed", "", "there is no such setting: a run is as fast as it can be, and always the same"},
+    {"[integrate]", "realtime threads seed", "", "there is no such setting: runs are as fast as possible and deterministic"},
 
     {"[world]", "g grav gravitation gravityvector gravitationalacceleration", "gravity", "gravity = [0, 0, -9.81]"},
     {"[world]", "dt timestep step until duration method integrator", "", in_integrate},
@@ -41,7 +40,7 @@ constexpr Mistake table[] = {
     {"a scenario", "body bodies link links part parts", "",
      "bodies belong to a mechanism: [[mechanism]] with a name, then its [[mechanism.body]] tables"},
     {"a scenario", "joint joints", "",
-     "a joint stands with the body that it carries: [mechanism.body.joint] below its [[mechanism.body]]"},
+     "a joint is given with the body that it carries: [mechanism.body.joint] below its [[mechanism.body]]"},
     {"a scenario", "events trigger triggers action actions", "event", "[[event]]"},
     {"a scenario", "forces load loads externalforce externalforces", "force", "[[force]]"},
     {"a scenario", "couplings gear gears transmission transmissions mimic", "coupling", "[[coupling]]"},
@@ -53,19 +52,19 @@ constexpr Mistake table[] = {
      "[integrate]"},
     {"a scenario", "outputs record recording results result log logging", "output", "[output]"},
     {"a scenario", "initialstate initial start initialconditions keyframe", "state", "state = \"final.json\""},
-    {"a scenario", "gravity g", "", "it belongs into [world]: gravity = [0, 0, -9.81]"},
+    {"a scenario", "gravity g", "", "it belongs in [world]: gravity = [0, 0, -9.81]"},
     {"a scenario", "dt timestep step method until end duration rtol atol tolerance", "", in_integrate},
-    {"a scenario", "every interval", "", "it belongs into [output]: every = \"10 ms\""},
+    {"a scenario", "every interval", "", "it belongs in [output]: every = \"10 ms\""},
 
     {"[output]", "step dt interval period timestep sampletime samplingtime outputstep saveat saveevery", "every",
      "every = \"10 ms\""},
     {"[output]", "rate frequency fps hz samplerate samplingrate", "",
-     "the time between rows is given: every = \"10 ms\" is 100 rows a second"},
+     "give the time between rows: every = \"10 ms\" is 100 rows a second"},
     {"[output]", "file folder dir directory path name filename out prefix", "",
-     "`momentree run --out DIR` says where results go"},
+     "`momentree run --out DIR` sets the folder of the results"},
     {"[output]", "format type", "", "tables are CSV, the rest is JSON"},
     {"[output]", "reactions forces columns fields report", "",
-     "`momentree run` takes it as an option: --reactions adds what joints carry, --report a page"},
+     "use an option of `momentree run`: --reactions adds the reactions of joints, --report a page"},
 };
 
 }  // namespace

@@ -36,7 +36,7 @@ std::string write(std::string_view key, const std::string& value) {
   return value.empty() || value.size() > longest ? "" : "write " + std::string(key) + " = " + value;
 }
 
-// "0 0 1" or "0, 0, 1" as its numbers.
+// The numbers in "0 0 1" or "0, 0, 1".
 std::vector<std::string> numbers_in(std::string_view text) {
   std::vector<std::string> found;
   for (std::size_t i = 0; i < text.size();) {
@@ -52,7 +52,7 @@ std::vector<std::string> numbers_in(std::string_view text) {
   return found;
 }
 
-// "z", "-y": a direction in which one looks for an axis.
+// "z", "-y": a direction given where an axis is expected.
 std::optional<std::string> direction(std::string_view text) {
   if (text.empty() || text.size() > 2) return {};
   const char letter = static_cast<char>(text.back() | 0x20);
@@ -84,7 +84,7 @@ std::string downwards(const Value& value) {
          "\"]";
 }
 
-// xx, yy, zz, xy, xz, yz of a matrix by rows.
+// xx, yy, zz, xy, xz, yz of a matrix given by rows.
 std::string of_matrix(const std::array<const Value*, 9>& m) {
   static constexpr std::size_t entries[] = {0, 4, 8, 1, 2, 5}, mirrored[] = {0, 4, 8, 3, 6, 7};
   std::vector<std::string> six;
@@ -214,7 +214,8 @@ std::string cure_of_table(std::string_view where, const Value& value) {
     return cure.empty() ? "write limits = { lower = \"-90 deg\", upper = \"90 deg\" }" : cure;
   }
   struct Form {
-    const char *where, *before, *after, *usual;  // the value between before and after; what to write where it is no number
+    // the value goes between `before` and `after`; `usual`: the hint if it is not a number
+    const char *where, *before, *after, *usual;
   };
   static constexpr Form forms[] = {
       {"friction", "friction = { coulomb = ", ", speed = 0.01 }", "friction = { coulomb = \"2 N m\", speed = \"0.01 rad/s\" }"},

@@ -1,5 +1,5 @@
 #pragma once
-// Values of the wrong shape whose intention is clear, and how to write them: limits = [-1, 1], gravity = 9.81, a matrix.
+// Hints for values of the wrong shape whose intention is clear: limits = [-1, 1], gravity = 9.81, a matrix.
 #include <string>
 #include <string_view>
 
@@ -7,11 +7,11 @@
 
 namespace momentree::io {
 
-/// A value as a scenario would have it, on one line; empty where that is long.
+/// A value as it would be written in a scenario, on one line; empty if that is too long.
 std::string as_written(const Value& value);
 
-/// What to write in the place of `value`, which should be three numbers, a placement, an inertia or the table `where`; empty
-/// where nobody could tell.
+/// What to write instead of `value`, which should be three numbers, a placement, an inertia or the table `where`; empty if the
+/// intention is unclear.
 std::string cure_of_vector(std::string_view key, const Value& value);
 std::string cure_of_placement(std::string_view key, const Value& value);
 std::string cure_of_inertia(const Value& value);

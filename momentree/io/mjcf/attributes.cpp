@@ -1,4 +1,4 @@
-// Classes of defaults, orientations, includes: what all elements of MJCF have in common.
+// Features common to all elements of MJCF: classes of defaults, orientations, includes.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -103,7 +103,7 @@ Quat Attributes::rotation() {
     error(name, std::string(name) + ": has no direction", "its length is zero, or two axes are parallel");
     return Quat{};
   };
-  // What stands in the element itself goes before what its class says.
+  // Attributes of the element itself take precedence over those of its class.
   for (const XmlElement each : from_) {
     const auto given = [&](const char* name) { return each.find(name).has_value(); };
     if (given("quat")) {
@@ -130,7 +130,7 @@ Quat Attributes::rotation() {
         const char c = compiler.eulerseq[i];
         const Vec3 axis = c == 'x' || c == 'X' ? Vec3{1, 0, 0} : c == 'y' || c == 'Y' ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
         const Quat turn = from_axis_angle(axis, compiler.angle(turns[i]));
-        rotation = c >= 'a' ? rotation * turn : turn * rotation;  // small letters: axes that turn along
+        rotation = c >= 'a' ? rotation * turn : turn * rotation;  // lower case: axes that rotate with the body
       }
       return normalized(rotation);
     }
@@ -225,7 +225,7 @@ void read_defaults(XmlElement defaults, const std::string& parent, Reading& read
   const auto [found, fresh] = reading.classes.emplace(name, Reading::Class{defaults, {}, parent});
   if (!fresh && !parent.empty()) {
     const XmlElement first = found->second.element;
-    file.error({defaults}, "duplicate default class " + in_quotes(name) + ": it is the name of another on " +
+    file.error({defaults}, "duplicate default class " + in_quotes(name) + ": the name is already used by another on " +
                                reading.file_of(first).line_of(first));
     return;
   }

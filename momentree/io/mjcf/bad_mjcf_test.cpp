@@ -1,4 +1,4 @@
-// Broken and hostile MJCF: each is refused with its place, what is wrong, and how to mend it.
+// Broken and hostile MJCF: each error is reported with its place and a hint.
 #include <string>
 #include <vector>
 
@@ -25,7 +25,7 @@ std::string body(const std::string& text, const std::string& name = "a") {
   return "<body name='" + name + "'>" + text + "</body>";
 }
 std::string inside(const std::string& text) { return mjcf(body(text)); }
-/// A joint, or an <inertial>, that stands in the fourth line.
+/// A joint, or an <inertial>, on the fourth line.
 std::string joint(const std::string& text) { return inside(geom + "\n<joint " + text + "/>"); }
 std::string inertial(const std::string& text) { return inside("\n<inertial " + text + "/><joint/>"); }
 
@@ -41,23 +41,26 @@ void check(const std::vector<Case>& cases) {
 
 }  // namespace
 
-TEST_CASE("MJCF: numbers that are none") {
+TEST_CASE("MJCF: invalid numbers are refused") {
   check({
-      {joint("damping='nan'"), "m.xml:4:17: error: damping: 'nan' is no finite number"},
-      {joint("damping='-inf'"), "m.xml:4:17: error: damping: '-inf' is no finite number"},
-      {joint("damping='1e999'"), "m.xml:4:17: error: damping: '1e999' is outside the range of numbers"},
+      {joint("damping='nan'"), "m.xml:4:17: error: damping: 'nan' is not a finite number"},
+      {joint("damping='-inf'"), "m.xml:4:17: error: damping: '-inf' is not a finite number"},
+      {joint("damping='1e999'"), "m.xml:4:17: error: damping: '1e999' is out of range"},
       {joint("damping='1,5'"),
-       "m.xml:4:17: error: damping: '1,5' is no number; the decimal sign is a point; blanks stand between numbers"},
+       "m.xml:4:17: error: damping: '1,5' is not a number; use a point as the decimal sign, and separate numbers by blanks"},
       {joint("damping='1.0kg'"),
-       "m.xml:4:17: error: damping: '1.0kg' is no number; no unit is written here: m, kg, s and what is made of them"},
-      {joint("damping='${d}'"), "m.xml:4:17: error: damping: '${d}' is no number; is this a template? expand it first (xacro)"},
-      {joint("damping=''"), "m.xml:4:17: error: damping: expected 1 number, found none; blanks stand between numbers"},
+       "m.xml:4:17: error: damping: '1.0kg' is not a number; units are not written here: values are in m, kg, s and units "
+       "derived from them"},
+      {joint("damping='${d}'"),
+       "m.xml:4:17: error: damping: '${d}' is not a number; is this a template? expand it first (xacro)"},
+      {joint("damping=''"), "m.xml:4:17: error: damping: expected 1 number, found none; separate numbers by blanks"},
       {joint("damping='1 2'"), "m.xml:4:17: error: damping: expected 1 number, found 2"},
       {joint("damping='0x10'"),
-       "m.xml:4:17: error: damping: '0x10' is no number; no unit is written here: m, kg, s and what is made of them"},
+       "m.xml:4:17: error: damping: '0x10' is not a number; units are not written here: values are in m, kg, s and units derived "
+       "from them"},
       {joint("axis='0 1'"), "m.xml:4:14: error: axis: expected 3 numbers, found 2"},
-      {inside("<geom size='inf'/>"), "m.xml:3:28: error: size: 'inf' is no finite number"},
-      {inside("<geom size='1' density='x'/>"), "m.xml:3:40: error: density: 'x' is no number"},
+      {inside("<geom size='inf'/>"), "m.xml:3:28: error: size: 'inf' is not a finite number"},
+      {inside("<geom size='1' density='x'/>"), "m.xml:3:40: error: density: 'x' is not a number"},
       {mjcf("<body quat='1 0 0'>" + geom + "</body>"), "m.xml:3:13: error: quat: expected 4 numbers, found 3"},
       {mjcf("<body quat='0 0 0 0'>" + geom + "</body>"),
        "m.xml:3:13: error: quat: has no direction; its length is zero, or two axes are parallel"},
@@ -65,7 +68,7 @@ TEST_CASE("MJCF: numbers that are none") {
   });
 }
 
-TEST_CASE("MJCF: masses and inertias that no body has") {
+TEST_CASE("MJCF: impossible masses and inertias are refused") {
   check({
       {inertial("pos='0 0 0'"), "m.xml:4:1: error: <inertial> has no 'mass'; in kg"},
       {inertial("mass='1' diaginertia='1 1 1'"), "m.xml:4:1: error: <inertial> has no 'pos'; its centre of mass"},
@@ -84,7 +87,7 @@ TEST_CASE("MJCF: masses and inertias that no body has") {
       {inside("<geom size='1' density='-1'/>"), "m.xml:3:40: error: density: must not be negative"},
       {inside("<geom size='-1'/>"), "m.xml:3:28: error: size: must be greater than 0"},
       {inside("<geom type='box' size='1 1'/>"), "m.xml:3:39: error: size: expected 3 numbers, found 2"},
-      {inside("<geom type='capsule' size='1' fromto='1 2 3 1 2 3'/>"), "m.xml:3:54: error: fromto: the two ends are one point"},
+      {inside("<geom type='capsule' size='1' fromto='1 2 3 1 2 3'/>"), "m.xml:3:54: error: fromto: the two ends coincide"},
       {inside("<geom type='mesh' mesh='x'/>"),
        "m.xml:3:16: error: the inertia of a mesh is not computed; give the body an <inertial>, or the geom mass=\"0\""},
       {inside("<joint/>"),
@@ -96,7 +99,7 @@ TEST_CASE("MJCF: masses and inertias that no body has") {
   });
 }
 
-TEST_CASE("MJCF: joints that can't be") {
+TEST_CASE("MJCF: impossible joints are refused") {
   check({
       {joint("axis='0 0 0'"), "m.xml:4:14: error: axis: an axis of length zero has no direction; for example axis=\"0 0 1\""},
       {joint("axis='1e-12 0 0'"), "m.xml:4:14: error: axis: an axis of length zero has no direction; for example axis=\"0 0 1\""},
@@ -113,29 +116,30 @@ TEST_CASE("MJCF: joints that can't be") {
       {joint("damp='1'"), "m.xml:4:8: error: unknown attribute 'damp' of <joint>; did you mean 'name'?"},
       {joint("stifness='1'"), "m.xml:4:8: error: unknown attribute 'stifness' of <joint>; did you mean 'stiffness'?"},
       {joint("class='none'"), "m.xml:4:15: error: class: there is no default class 'none'"},
-      {inside(geom + "<joint/><freejoint/>"), "m.xml:3:40: error: a free joint stands alone in its body"},
+      {inside(geom + "<joint/><freejoint/>"), "m.xml:3:40: error: a free joint must be the only joint of its body"},
       {inside(geom + "<body>" + geom + "<freejoint/></body>"),
-       "m.xml:3:54: error: a free joint is that of a body in <worldbody>"},
+       "m.xml:3:54: error: only a body in <worldbody> can have a free joint"},
       {inside(geom + seven), "m.xml:3:158: error: a body has more than 6 joints"},
   });
 }
 
 TEST_CASE("MJCF: names and what they refer to") {
   check({
-      {mjcf(body(geom) + "\n" + body(geom)), "m.xml:4:13: error: duplicate body 'a': it is the name of another on line 3"},
+      {mjcf(body(geom) + "\n" + body(geom)),
+       "m.xml:4:13: error: duplicate body 'a': the name is already used by another on line 3"},
       {inside(geom + "<joint name='j'/>\n<joint name='j' axis='1 0 0'/>"),
-       "m.xml:4:14: error: duplicate joint 'j': it is the name of another on line 3"},
+       "m.xml:4:14: error: duplicate joint 'j': the name is already used by another on line 3"},
       {mjcf(body(geom, "a/b")),
-       "m.xml:3:13: error: name: a body cannot be named 'a/b': it has a character that names do not have; not in a name: / , \" "
-       "* and control characters"},
-      {mjcf(body(geom, "")), "m.xml:3:13: error: name: a body cannot be named '': that is no name"},
-      {mjcf(body(geom, "ground")), "m.xml:3:13: error: name: a body cannot be named 'ground': that is the ground"},
+       "m.xml:3:13: error: name: a body cannot be named 'a/b': it has a character that is not allowed; a name has no / , \" * "
+       "and no control characters"},
+      {mjcf(body(geom, "")), "m.xml:3:13: error: name: a body cannot be named '': it is empty"},
+      {mjcf(body(geom, "ground")), "m.xml:3:13: error: name: a body cannot be named 'ground': it means the ground"},
       {mjcf("<body nmae='a'>" + geom + "</body>"), "m.xml:3:7: error: unknown attribute 'nmae' of <body>; did you mean 'name'?"},
       {mjcf("<body childclass='x'>" + geom + "</body>"), "m.xml:3:19: error: childclass: there is no default class 'x'"},
       {mjcf(body(geom), "<default><default/></default>"),
        "m.xml:1:28: error: <default> within <default> has no 'class'; give it a name"},
       {mjcf(body(geom), "<default><default class='x'/>\n<default class='x'/></default>"),
-       "m.xml:2:1: error: duplicate default class 'x': it is the name of another on line 1"},
+       "m.xml:2:1: error: duplicate default class 'x': the name is already used by another on line 1"},
       {mjcf(body(geom), "<compiler angle='grad'/>"), "m.xml:1:36: error: angle: expected one of degree, radian, found 'grad'"},
       {mjcf(body(geom), "<compiler eulerseq='xyq'/>"),
        "m.xml:1:39: error: eulerseq: expected three of the letters x, y, z, X, Y, Z, found 'xyq'"},
@@ -144,23 +148,25 @@ TEST_CASE("MJCF: names and what they refer to") {
   });
 }
 
-TEST_CASE("MJCF: what closes a loop or is no rigid body") {
+TEST_CASE("MJCF: loops and non-rigid bodies are refused") {
   check({
       {mjcf(body(geom), "", "<equality><connect body1='a' anchor='0 0 0'/></equality>"),
-       "m.xml:5:11: error: <connect> closes a loop: it holds 'a' to the world beside the tree of bodies; closed loops are not "
+       "m.xml:5:11: error: <connect> closes a loop: it connects 'a' to the world in addition to the tree of bodies; closed loops "
+       "are not "
        "supported yet: leave it out, or give it active=\"false\""},
       {mjcf(body(geom), "", "<equality><weld body1='a' body2='b'/></equality>"),
-       "m.xml:5:11: error: <weld> closes a loop: it holds 'a' to 'b' beside the tree of bodies; closed loops are not supported "
+       "m.xml:5:11: error: <weld> closes a loop: it connects 'a' to 'b' in addition to the tree of bodies; closed loops are not "
+       "supported "
        "yet: leave it out, or give it active=\"false\""},
       {mjcf(body(geom), "", "<deformable/>"), "m.xml:5:1: error: <deformable> is not supported: bodies are rigid; leave it out"},
       {inside(geom + "<composite type='rope'/>"),
        "m.xml:3:32: error: <composite> is not supported; save the model as MuJoCo compiled it (mj_saveLastXML)"},
       {mjcf("<body mocap='true'>" + geom + "</body>"),
-       "m.xml:3:14: error: bodies that are moved from outside (mocap) are not supported; leave it out"},
+       "m.xml:3:14: error: bodies with a motion imposed from outside (mocap) are not supported; leave it out"},
   });
 }
 
-TEST_CASE("MJCF: what is no MJCF, or leaves its folder") {
+TEST_CASE("MJCF: files that are not MJCF, or leave their folder, are refused") {
   check({
       {"", "m.xml:1:1: error: the file is empty: there is no element in it"},
       {"<mujco/>", "m.xml:1:1: error: no model begins with '<mujco>'; did you mean <mujoco>?"},
@@ -173,7 +179,8 @@ TEST_CASE("MJCF: what is no MJCF, or leaves its folder") {
       {"<mujoco><worldbody><body>" + geom, "m.xml:1:42: error: the file ends within <body>, opened on line 1; is it complete?"},
       {inside(geom) + "<mujoco/>", "m.xml:5:10: error: something follows the end of the document; a file holds one root element"},
       {"<!DOCTYPE x [<!ENTITY a 'b'>]>\n" + inside(geom),
-       "m.xml:1:1: error: a document type (<!DOCTYPE …>) is not read: no entity is declared, expanded or fetched; leave it out: "
+       "m.xml:1:1: error: a document type (<!DOCTYPE …>) is not supported: no entity is declared, expanded or fetched; leave it "
+       "out: "
        "a model needs none"},
       {inside("\xff"), "m.xml:3:16: error: the text is not UTF-8; save the file with the encoding UTF-8"},
       {mjcf("<include file='/etc/passwd'/>"),
@@ -187,11 +194,11 @@ TEST_CASE("MJCF: what is no MJCF, or leaves its folder") {
   });
 }
 
-TEST_CASE("MJCF: all problems of a file come at once, and no more of them than can be read") {
+TEST_CASE("MJCF: all problems of a file are reported at once, up to a readable number") {
   std::string bodies;
   for (int i = 0; i < 1000; ++i) bodies += "<body><geom size='x'/></body>\n";
   const ReadResult result = read_scenario_text(mjcf(bodies), "m.xml");
   CHECK(!result.scenario);
   CHECK(result.diagnostics.size() == 101);
-  CHECK(result.diagnostics.back().message().ends_with("errors more or as yet unseen"));
+  CHECK(result.diagnostics.back().message().ends_with("or more further errors"));
 }

@@ -1,4 +1,4 @@
-// Bodies with their joints. MJCF nests them; a body may have several joints, which becomes a chain of massless carriers here.
+// Bodies with their joints. MJCF nests bodies; a body with several joints becomes a chain with massless carriers.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +16,7 @@ struct Joint {
   JointSpec spec{};
   JointLimits limits{};
   Vec3 anchor{};
-  double start = 0;  ///< of one freedom
+  double start = 0;  ///< for one DoF
   XmlElement element{};
 };
 
@@ -104,7 +104,7 @@ Joint read_joint(XmlElement element, const std::string& childclass, Reading& rea
     if (check_name(joint.name, {element, *name}, "a joint", file)) {
       const auto [first, fresh] = reading.joint_names.emplace(joint.name, element);
       if (!fresh)
-        file.error({element, *name}, "duplicate joint " + in_quotes(joint.name) + ": it is the name of another on " +
+        file.error({element, *name}, "duplicate joint " + in_quotes(joint.name) + ": the name is already used by another on " +
                                          reading.file_of(first->second).line_of(first->second));
     }
   }
@@ -159,14 +159,14 @@ Mass read_inertial(XmlElement inertial, Reading& reading) {
   } else if (const auto diagonals = attributes.vec3("diaginertia")) {
     own = diagonal(diagonals->x, diagonals->y, diagonals->z);
   } else if (!attributes.has("fullinertia") && !attributes.has("diaginertia") && mass.mass > 0) {
-    file.warning({inertial}, "<inertial> has no inertia: all the mass is in one point", "give diaginertia or fullinertia");
+    file.warning({inertial}, "<inertial> has no inertia: all the mass is at one point", "give diaginertia or fullinertia");
   }
   if (errors != file.out().errors()) return {1, {}, diagonal(1)};
   mass.inertia = rotate(rotation_matrix(pose.rotation), own);
   return mass;
 }
 
-/// What one <body> says of itself, before its children.
+/// Reads the content of one <body>, before its children.
 class BodyReader {
  public:
   BodyReader(XmlElement element, const std::string& childclass, const Pose& in_parent, Reading& reading)
@@ -181,7 +181,7 @@ class BodyReader {
     }
     Attributes attributes(element, "", reading);
     if (attributes.string("mocap") == "true")
-      attributes.error("mocap", "bodies that are moved from outside (mocap) are not supported", "leave it out");
+      attributes.error("mocap", "bodies with a motion imposed from outside (mocap) are not supported", "leave it out");
     if (const auto compensation = attributes.number("gravcomp"); compensation && *compensation != 0)
       file_.once(Severity::warning, "gravcomp is ignored: gravity acts on every body", "", attributes.at("gravcomp"));
     pose_ = in_parent * attributes.pose();
@@ -192,7 +192,7 @@ class BodyReader {
   const std::string& childclass() const { return childclass_; }
   const std::vector<XmlElement>& inner() const { return inner_; }
 
-  /// Adds the body, and a carrier for each joint but the last; its number.
+  /// Adds the body, and a carrier for each joint except the last; returns its index.
   int add(int parent) {
     const Mass mass = mass_of();
     ImportedBody body;
@@ -203,8 +203,8 @@ class BodyReader {
     }
     for (const Joint& joint : joints_)
       if (joint.spec.kind == Kind::free && (parent >= 0 || joints_.size() > 1))
-        file_.error({joint.element},
-                    parent >= 0 ? "a free joint is that of a body in <worldbody>" : "a free joint stands alone in its body");
+        file_.error({joint.element}, parent >= 0 ? "only a body in <worldbody> can have a free joint"
+                                                 : "a free joint must be the only joint of its body");
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       ImportedBody one = body;
       place(joints_[j], j, one);
@@ -240,7 +240,7 @@ class BodyReader {
     if (!check_name(name_, {element_, *name}, "a body", file_)) return;
     const auto [first, fresh] = reading_.body_names.emplace(name_, element_);
     if (!fresh)
-      file_.error({element_, *name}, "duplicate body " + in_quotes(name_) + ": it is the name of another on " +
+      file_.error({element_, *name}, "duplicate body " + in_quotes(name_) + ": the name is already used by another on " +
                                          reading_.file_of(first->second).line_of(first->second));
   }
 
@@ -287,12 +287,12 @@ class BodyReader {
       if (compiler.balanceinertia && moments[0] + moments[1] < moments[2])
         mass.inertia = diagonal((moments[0] + moments[1] + moments[2]) / 3);
       else if (moments[0] < compiler.boundinertia)
-        mass.inertia = diagonal(std::max(compiler.boundinertia, moments[2]));  // enough, whatever its axes
+        mass.inertia = diagonal(std::max(compiler.boundinertia, moments[2]));  // large enough for any axes
     }
     return mass;
   }
 
-  // The frames of the carriers and of the body are one in the pose of the file.
+  // The frames of the carriers and of the body coincide in the pose of the file.
   void place(const Joint& joint, std::size_t j, ImportedBody& body) {
     BodySpec& spec = body.spec;
     spec.joint = joint.spec;
@@ -315,7 +315,7 @@ class BodyReader {
     spec.child_at = Pose(joint.anchor);
     spec.at = before * spec.child_at;
     if (joint.start == 0) return;
-    // `ref`: what the coordinate is in that pose.
+    // `ref`: the coordinate in that pose.
     spec.q = joint.start;
     const Vec3 axis = normalized(joint.spec.axis);
     if (joint.spec.kind == Kind::revolute)
@@ -344,7 +344,7 @@ void read_world(XmlElement worldbody, Reading& reading) {
     std::string childclass;
     int parent;
   };
-  std::vector<Open> open;  // the next one last
+  std::vector<Open> open;  // a stack: the next one last
   const auto push = [&open](const std::vector<XmlElement>& bodies, const std::string& childclass, int parent) {
     for (auto body = bodies.rbegin(); body != bodies.rend(); ++body) open.push_back({*body, childclass, parent});
   };

@@ -1,4 +1,4 @@
-// Geoms: what they weigh, and what they look like.
+// Geoms: their masses and shapes.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -25,10 +25,10 @@ Type read_type(Attributes& attributes) {
     names.emplace_back(type_names[i]);
   }
   attributes.error("type", "unknown type of geom " + in_quotes(name), did_you_mean(name, names));
-  return Type::plane;  // no more to say about it
+  return Type::plane;  // no further messages about it
 }
 
-/// Volume and moments of inertia of a body of density 1, about its centre; z is the axis of what is round.
+/// Volume and moments of inertia of a body of density 1, about its centre; z is the axis of rotational symmetry.
 struct Solid {
   double volume = 0;
   Vec3 moments{};
@@ -42,7 +42,7 @@ Solid solid_of(Type type, const Vec3& s) {
     }
     case Type::capsule: {
       const double r = s.x, h = 2 * s.y, caps = 4.0 / 3 * pi * r * r * r, middle = pi * r * r * h;
-      // Two half spheres, each 3/8 r from its base to its centre of mass, on a cylinder.
+      // Two hemispheres, each with 3/8 r from its base to its centre of mass, on a cylinder.
       const double across = middle * (3 * r * r + h * h) / 12 + caps * (0.4 * r * r + 0.375 * r * h + 0.25 * h * h);
       return {caps + middle, {across, across, middle * r * r / 2 + caps * 0.4 * r * r}};
     }
@@ -67,7 +67,7 @@ struct Placed {
   Pose pose{};
 };
 
-// Where the geom stands and how large it is; between two points where `fromto` gives them.
+// Pose and size of the geom; between two points if `fromto` is given.
 Placed read_placement(Attributes& attributes, Type type) {
   Placed placed;
   const auto index = static_cast<std::size_t>(type);
@@ -91,14 +91,14 @@ Placed read_placement(Attributes& attributes, Type type) {
     return placed;
   }
   if (type == Type::sphere || sizes_of[index] == 0) {
-    attributes.error("fromto", std::string("fromto: a ") + type_names[index] + " has no two ends", "");
+    attributes.error("fromto", std::string("fromto: a ") + type_names[index] + " does not have two ends", "");
     return placed;
   }
   if (!ends) return placed;
   const Vec3 from{(*ends)[0], (*ends)[1], (*ends)[2]}, to{(*ends)[3], (*ends)[4], (*ends)[5]}, along = from - to;
   const double length = norm(along);
   if (length < 1e-9) {
-    attributes.error("fromto", "fromto: the two ends are one point");
+    attributes.error("fromto", "fromto: the two ends coincide");
     return placed;
   }
   const Vec3 z = (1 / length) * along;
@@ -164,7 +164,7 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
     return geom;
   }
   const Solid solid = solid_of(type, placed.size);
-  if (!(solid.volume > 0)) return geom;  // said
+  if (!(solid.volume > 0)) return geom;  // reported
   const double scale = mass ? *mass / solid.volume : density.value_or(1000);
   geom.mass.mass = scale * solid.volume;
   geom.mass.com = placed.pose.position;

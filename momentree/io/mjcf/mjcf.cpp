@@ -31,7 +31,7 @@ void read_materials(XmlElement asset, Reading& reading) {
   }
 }
 
-// Two bodies held together beside the tree: a closed loop.
+// Two bodies connected in addition to the tree: a closed loop.
 void refuse_loops(XmlElement equality, Reading& reading) {
   for (const XmlElement each : children_of(equality, reading)) {
     XmlFile& file = reading.file_of(each);
@@ -45,9 +45,10 @@ void refuse_loops(XmlElement equality, Reading& reading) {
       const auto i = each.find(name);
       return i ? in_quotes(each.attribute(*i)) : std::string("the world");
     };
-    file.error({each},
-               each.tag() + " closes a loop: it holds " + of("body1") + " to " + of("body2") + " beside the tree of bodies",
-               "closed loops are not supported yet: leave it out, or give it active=\"false\"");
+    file.error(
+        {each},
+        each.tag() + " closes a loop: it connects " + of("body1") + " to " + of("body2") + " in addition to the tree of bodies",
+        "closed loops are not supported yet: leave it out, or give it active=\"false\"");
   }
 }
 
@@ -68,7 +69,7 @@ void scale_mass(ImportedModel& model, double total) {
   }
 }
 
-// Joints that the file does not name have their body's name, which may be that of another joint.
+// Unnamed joints get their body's name, which may be that of another joint.
 void name_joints(ImportedModel& model, Reading& reading) {
   for (ImportedBody& body : model.bodies) {
     const auto named = reading.joint_names.find(body.spec.joint_name);
@@ -83,7 +84,7 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
   Reading reading{import};
   if (const auto title = mujoco.find("model")) import.model.title = mujoco.attribute(*title);
   const std::vector<XmlElement> sections = children_of(mujoco, reading);
-  // What others refer to comes first, wherever it stands.
+  // Sections that others refer to are read first, wherever they are.
   for (const XmlElement each : sections) {
     if (each.name() == "compiler") read_compiler(each, reading);
     if (each.name() == "default") read_defaults(each, "", reading);
@@ -101,7 +102,7 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
     } else if (tag == "equality") {
       refuse_loops(each, reading);
     } else if (tag == "contact") {
-      leave_out(each, "bodies do not touch here", reading);
+      leave_out(each, "contact is not simulated", reading);
     } else if (tag == "tendon" || tag == "actuator" || tag == "sensor") {
       leave_out(each, tag == "actuator" ? "an event's set = { joint, drive } drives a joint" : "", reading);
     } else if (tag == "deformable") {

@@ -13,7 +13,7 @@ using namespace momentree::io::models;
 
 namespace {
 
-// What becomes of sound models is compared with MuJoCo itself, in tests/cross.
+// The results for valid models are compared with MuJoCo itself, in tests/cross.
 std::string mujoco(const std::string& bodies, const std::string& before = "", const std::string& after = "") {
   return "<mujoco model='m'>" + before + "\n<worldbody>\n" + bodies + "\n</worldbody>\n" + after + "</mujoco>";
 }
@@ -39,7 +39,7 @@ TEST_CASE("MJCF: a body with several joints gets massless carriers, a joint with
   CHECK(model[{3}].parent == BodyId{2});
 }
 
-TEST_CASE("MJCF: its own gravity and title, several roots, limits when they are asked for") {
+TEST_CASE("MJCF: gravity and title of the file, several roots, limits on request") {
   const std::string text = mujoco("<body name='a'>" + geom + "<joint name='j' range='-90 45'/></body><body name='b'>" + geom +
                                       "<freejoint/></body>"
                                       "<body name='c' pos='0 0 1'>" +
@@ -75,7 +75,7 @@ TEST_CASE("MJCF: shapes are kept, with the colour of their material") {
   CHECK(shape.more[0].colour == "#00ff00");
 }
 
-TEST_CASE("MJCF: what is left out is said once, with its lines; what closes a loop is refused") {
+TEST_CASE("MJCF: ignored elements are reported once, with their lines; loops are refused") {
   const ReadResult result = read_scenario_text(
       mujoco("<body name='a'>" + geom + "<joint name='j'/></body>", "",
              "<contact><exclude/></contact>\n<tendon><fixed/>\n<fixed/></tendon>\n<actuator><muscle/></actuator>\n"
@@ -83,20 +83,20 @@ TEST_CASE("MJCF: what is left out is said once, with its lines; what closes a lo
       "m.xml");
   REQUIRE(result.scenario);
   CHECK(said(result, Severity::note) ==
-        "m.xml:5:10: note: <exclude> in <contact> is ignored; bodies do not touch here\n"
+        "m.xml:5:10: note: <exclude> in <contact> is ignored; contact is not simulated\n"
         "m.xml:6:9: note: <fixed> in <tendon> is ignored (lines 6 and 7)\n"
         "m.xml:8:11: note: <muscle> in <actuator> is ignored; an event's set = { joint, drive } drives a joint\n"
         "m.xml:9:11: note: <joint> in <equality> is ignored\n"
         "m.xml:9:30: note: <weld> in <equality> is ignored");
-  CHECK(
-      errors(mujoco("<body name='a'>" + geom + "</body>", "", "<equality><connect body1='a' body2='b'/></equality>")) ==
-      "m.xml:5:11: error: <connect> closes a loop: it holds 'a' to 'b' beside the tree of bodies; closed loops are not supported "
-      "yet: leave it out, or give it active=\"false\"");
+  CHECK(errors(mujoco("<body name='a'>" + geom + "</body>", "", "<equality><connect body1='a' body2='b'/></equality>")) ==
+        "m.xml:5:11: error: <connect> closes a loop: it connects 'a' to 'b' in addition to the tree of bodies; closed loops are "
+        "not supported "
+        "yet: leave it out, or give it active=\"false\"");
 }
 
-TEST_CASE("MJCF: what can't be is refused with its place") {
+TEST_CASE("MJCF: impossible elements are refused with their places") {
   const auto body = [](const std::string& inside) { return errors(mujoco("<body name='a'>" + inside + "</body>")); };
-  CHECK(body("<geom size='nan'/>") == "m.xml:3:28: error: size: 'nan' is no finite number");
+  CHECK(body("<geom size='nan'/>") == "m.xml:3:28: error: size: 'nan' is not a finite number");
   CHECK(body("<geom size='-1'/>") == "m.xml:3:28: error: size: must be greater than 0");
   CHECK(body("<geom/>") == "m.xml:3:16: error: a sphere has no 'size'; half of its extent along each axis, or a radius");
   CHECK(body("<geom type='bx' size='1'/>") == "m.xml:3:28: error: unknown type of geom 'bx'; did you mean 'box'?");
@@ -116,9 +116,9 @@ TEST_CASE("MJCF: what can't be is refused with its place") {
             .starts_with("m.xml:3:16: error: inertia: the largest principal"));
   CHECK(body("<joint/>").starts_with("m.xml:3:16: error: joint 'm/a': the joint-space mass is singular"));
   CHECK(body(geom + "<body name='a'>" + geom + "</body>") ==
-        "m.xml:3:44: error: duplicate body 'a': it is the name of another on line 3");
+        "m.xml:3:44: error: duplicate body 'a': the name is already used by another on line 3");
   CHECK(body(geom + "<body>" + geom + "<freejoint/></body>") ==
-        "m.xml:3:54: error: a free joint is that of a body in <worldbody>");
+        "m.xml:3:54: error: only a body in <worldbody> can have a free joint");
   CHECK(errors("<mujoco/>") ==
         "m.xml:1:1: error: the model has no <body> in a <worldbody>; for example <worldbody><body><geom "
         "size=\"1\"/></body></worldbody>");
@@ -128,7 +128,7 @@ TEST_CASE("MJCF: what can't be is refused with its place") {
         "m.xml:1:34: error: include: '../x.xml' is not in the model's folder or below it; copy it there");
 }
 
-TEST_CASE("MJCF: files that it includes stand in their place, once, and messages name them") {
+TEST_CASE("MJCF: included files replace their <include>, once, and messages name them") {
   const test::TemporaryFolder folder;
   write_text_file(folder / "m.xml", mujoco("<include file='arm.xml'/>", "<include file='defaults.xml'/>"));
   write_text_file(folder / "defaults.xml", "<mujocoinclude><default><geom density='10'/></default></mujocoinclude>");
@@ -137,7 +137,8 @@ TEST_CASE("MJCF: files that it includes stand in their place, once, and messages
   REQUIRE(result.scenario);
   CHECK(result.scenario->model[{0}].mass == doctest::Approx(80));
   write_text_file(folder / "arm.xml", "<mujocoinclude>\n<body name='a'><geom size='x'/></body></mujocoinclude>");
-  CHECK(said(read_scenario(folder / "m.xml"), Severity::error) == (folder / "arm.xml") + ":2:28: error: size: 'x' is no number");
+  CHECK(said(read_scenario(folder / "m.xml"), Severity::error) ==
+        (folder / "arm.xml") + ":2:28: error: size: 'x' is not a number");
   write_text_file(folder / "arm.xml", "<mujocoinclude>\n<include file='m.xml'/></mujocoinclude>");
   CHECK(said(read_scenario(folder / "m.xml"), Severity::error)
             .starts_with((folder / "arm.xml") + ":2:16: error: include: 'm.xml' is included already"));

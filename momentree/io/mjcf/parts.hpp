@@ -12,21 +12,21 @@
 
 namespace momentree::io::mjcf {
 
-/// What <compiler> says.
+/// The settings in <compiler>.
 struct Compiler {
   bool degrees = true, autolimits = true, balanceinertia = false;
   enum class FromGeoms { automatic, always, never } from_geoms = FromGeoms::automatic;
   double boundmass = 0, boundinertia = 0, settotalmass = -1;
-  int first_group = 0, last_group = 5;  ///< of geoms that have mass
+  int first_group = 0, last_group = 5;  ///< groups of geoms that have mass
   std::string eulerseq = "xyz";
   double angle(double given) const;  ///< rad
 };
 
-/// What is shared while one model is read.
+/// State shared while one model is read.
 struct Reading {
   Import& import;
   Compiler compiler{};
-  /// Classes of defaults by name, and that of the class that holds them.
+  /// Classes of defaults by name, each with its parent class.
   struct Class {
     XmlElement element{};
     std::vector<XmlElement> parts;  ///< <geom>, <joint> …
@@ -41,23 +41,23 @@ struct Reading {
   XmlFile& file_of(XmlElement element) { return import.file_of(element); }
 };
 
-/// The children of an element, with those of files that <include> brings in their place.
+/// The children of an element, with <include> replaced by the elements of the included file.
 std::vector<XmlElement> children_of(XmlElement element, Reading& reading);
 
-/// Attributes of an element; what is absent is that of its class, or of the classes that holds that.
+/// Attributes of an element; an absent one is taken from its default class, or from the parents of that class.
 class Attributes {
  public:
-  /// `childclass`: of the body; what counts where the element names no class.
+  /// `childclass`: of the body; used if the element names no class.
   Attributes(XmlElement element, const std::string& childclass, Reading& reading);
   bool has(std::string_view name) const { return static_cast<bool>(at(name).element); }
-  /// Where an attribute stands, wherever it comes from; the element is none where it is absent.
+  /// The place of an attribute, in the element or in a class; its element is null if the attribute is absent.
   XmlLocation at(std::string_view name) const;
   std::optional<std::string> string(std::string_view name) const;
   std::optional<double> number(std::string_view name);
   std::optional<double> not_negative(std::string_view name);
   std::optional<std::vector<double>> numbers(std::string_view name, std::size_t count, std::size_t most = 0);
   std::optional<Vec3> vec3(std::string_view name);
-  /// pos and one of quat, axisangle, xyaxes, zaxis and euler.
+  /// Reads pos (m) and one of quat, axisangle, xyaxes, zaxis and euler.
   Pose pose();
   void error(std::string_view name, std::string what, std::string hint = {});
 
@@ -68,16 +68,16 @@ class Attributes {
   Reading& reading_;
 };
 
-/// Reports attributes of the element that are none of `known`.
+/// Reports attributes of the element that are not in `known`.
 void check_attributes(XmlElement element, std::initializer_list<std::string_view> known, Reading& reading);
 
-/// Mass, centre of mass and inertia about it, in the axes of the body.
+/// Mass (kg), centre of mass (m) and inertia about it (kg m²), in the axes of the body.
 struct Mass {
   double mass = 0;
   Vec3 com{};
   Sym3 inertia{};
 };
-/// The mass of one geom (0 where it has none), and its shape for pictures.
+/// The mass of one geom (0 if it has none), and its shape for pictures.
 struct Geom {
   Mass mass{};
   Shape shape{};
@@ -87,7 +87,7 @@ std::string colour_of(const std::vector<double>& rgba);  ///< "#rrggbb"
 Geom read_geom(XmlElement element, const std::string& childclass, Reading& reading);
 Mass sum_of(const std::vector<Mass>& parts);
 
-/// <body> and all that it holds; what was read is in the model.
+/// Reads <worldbody> with everything in it, and adds its bodies to the model.
 void read_world(XmlElement worldbody, Reading& reading);
 
 void read_compiler(XmlElement compiler, Reading& reading);

@@ -1,4 +1,4 @@
-// From links and joints that name each other to a tree: without recursion, because a chain may be as long as memory allows.
+// Builds a tree from links and joints that name each other, without recursion, since a chain may be as long as memory allows.
 #include <algorithm>
 #include <unordered_map>
 #include <unordered_set>
@@ -46,10 +46,11 @@ class Arranger {
 
   void note_names() {
     for (std::size_t i = 0; i < links_.size(); ++i) {
-      if (links_[i].name.empty()) continue;  // said
+      if (links_[i].name.empty()) continue;  // reported
       const auto [first, fresh] = by_name_.emplace(links_[i].name, i);
       if (!fresh)
-        error(name_spot(links_[i].element), "duplicate link " + in_quotes(links_[i].name) + ": it is the name of another on " +
+        error(name_spot(links_[i].element), "duplicate link " + in_quotes(links_[i].name) +
+                                                ": the name is already used by another on " +
                                                 line_of(links_[first->second].element));
     }
     std::unordered_map<std::string_view, std::size_t> names;
@@ -57,7 +58,8 @@ class Arranger {
       if (joints_[j].name.empty()) continue;
       const auto [first, fresh] = names.emplace(joints_[j].name, j);
       if (!fresh)
-        error(name_spot(joints_[j].element), "duplicate joint " + in_quotes(joints_[j].name) + ": it is the name of another on " +
+        error(name_spot(joints_[j].element), "duplicate joint " + in_quotes(joints_[j].name) +
+                                                 ": the name is already used by another on " +
                                                  line_of(joints_[first->second].element));
     }
   }
@@ -66,7 +68,7 @@ class Arranger {
     const auto found = by_name_.find(name);
     if (found != by_name_.end()) return static_cast<int>(found->second);
     sound_ = false;
-    if (name.empty()) return -1;  // said
+    if (name.empty()) return -1;  // reported
     std::vector<std::string> names;
     if ((suggestions_left_ -= static_cast<long>(links_.size())) > 0)
       for (const NamedLink& link : links_) names.push_back(link.name);
@@ -92,7 +94,7 @@ class Arranger {
 
   const std::string& name(int link) const { return links_[static_cast<std::size_t>(link)].name; }
 
-  // From a link to its root, or until it comes round.
+  // The path from a link to its root, or until it repeats.
   std::vector<int> path_up(int link) const {
     std::vector<int> path;
     std::unordered_set<int> seen;
@@ -100,7 +102,7 @@ class Arranger {
     return path;
   }
 
-  // Not all of a long one: its beginning and its end.
+  // The beginning and the end of a long list.
   static std::string chain(const std::vector<std::string>& parts, const char* between) {
     constexpr std::size_t shown = 10;
     std::string text;
@@ -115,7 +117,7 @@ class Arranger {
     return text;
   }
 
-  // A link with a second inboard joint: two ways lead to it, and close a loop where they meet.
+  // A link with a second inboard joint: two paths lead to it, and close a loop where they meet.
   void report_second(std::size_t j, int parent, int child) {
     const NamedJoint& joint = joints_[j];
     const NamedJoint& first = joints_[static_cast<std::size_t>(tree_.joint[static_cast<std::size_t>(child)])];
@@ -135,7 +137,7 @@ class Arranger {
                              (parent < 0 || tree_.joint[static_cast<std::size_t>(other.back())] >= 0);
       if (k < other.size() || by_ground) {
         std::vector<std::string> loop;
-        for (std::size_t i = last; i-- > 0;) loop.push_back(in_quotes(name(one[i])));  // from where they meet down to the child
+        for (std::size_t i = last; i-- > 0;) loop.push_back(in_quotes(name(one[i])));  // from the common link down to the child
         for (std::size_t i = 0; i < k; ++i) loop.push_back(in_quotes(name(other[i])));
         loop.push_back(by_ground ? "the ground" : loop.front());
         if (by_ground) loop.insert(loop.begin(), "the ground");
@@ -165,7 +167,7 @@ class Arranger {
     }
     if (shown > 8) names += " on …";
     error(joints_[static_cast<std::size_t>(tree_.joint[static_cast<std::size_t>(start)])].parent_spot,
-          "the joints go round in a circle: " + names, "a mechanism is a tree with a root; closed loops are not supported yet");
+          "the joints form a cycle: " + names, "a mechanism is a tree with a root; closed loops are not supported yet");
   }
 
   enum State : char { unseen, walking, placed, gone };
@@ -198,7 +200,7 @@ class Arranger {
   std::unordered_map<std::string_view, std::size_t> by_name_;
   std::vector<Second> seconds_;
   long suggestions_left_ = 2'000'000;
-  int loops_left_ = 20;  // a way up may be long
+  int loops_left_ = 20;  // budget, since a path to the root may be long
   bool sound_ = true;
 };
 

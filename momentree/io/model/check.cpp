@@ -1,4 +1,4 @@
-// What can be wrong with bodies and joints whatever the format of their file.
+// Checks of bodies and joints for all file formats.
 #include <algorithm>
 #include <utility>
 
@@ -26,7 +26,7 @@ bool report(const BodySpots& spots, const std::string& field, std::string what, 
 bool check_one(const ImportedBody& body) {
   bool sound = true;
   for (const BodyProblem& problem : check_body(body.spec)) {
-    if (problem.field == "name" || problem.field == "joint_name") continue;  // said where they were read
+    if (problem.field == "name" || problem.field == "joint_name") continue;  // reported where they were read
     sound = report(body.spots, problem.field, problem.field + ": " + problem.what, problem.hint);
   }
   return sound;
@@ -34,7 +34,7 @@ bool check_one(const ImportedBody& body) {
 
 void check_inertias(const ImportedModel& model) {
   const auto sound = [](const ImportedBody& body) { return check_mass(body.spec.mass, body.spec.inertia).what.empty(); };
-  if (std::all_of(model.bodies.begin(), model.bodies.end(), sound)) return;  // and so is every group of them
+  if (std::all_of(model.bodies.begin(), model.bodies.end(), sound)) return;  // then every group of them is sound, too
   std::vector<BodySpec> specs;
   specs.reserve(model.bodies.size());
   for (const ImportedBody& body : model.bodies) specs.push_back(body.spec);
@@ -55,12 +55,12 @@ void warn_of_massless(const ImportedModel& model) {
   for (const ImportedBody& body : model.bodies) specs.push_back(&body.spec);
   for (const int b : massless_links(specs)) {
     const BodySpots& spots = model.bodies[static_cast<std::size_t>(b)].spots;
-    if (spots.body.name() == "joint") continue;  // one that the importer made
+    if (spots.body.name() == "joint") continue;  // a joint made by the importer
     spots.file->warning({spots.body}, massless_link(specs[static_cast<std::size_t>(b)]->name), massless_hint);
   }
 }
 
-// A joint that follows itself by way of others has no leader: whatever its multipliers, nothing says where it stands.
+// A joint that follows itself through others has no leader: whatever the multipliers, its position is undetermined.
 void check_followers(const ImportedModel& model) {
   const auto name = [&](int body) { return in_quotes(model.bodies[static_cast<std::size_t>(body)].spec.joint_name); };
   std::vector<std::pair<int, int>> pairs;
@@ -69,7 +69,7 @@ void check_followers(const ImportedModel& model) {
   for (const std::vector<int>& circle : circles_of(pairs)) {
     const auto first = std::find_if(model.followers.begin(), model.followers.end(),
                                     [&](const Follower& each) { return each.body == circle[0] && each.leader == circle[1]; });
-    first->file->error({first->element}, "mimic: " + circle_text(circle, name), "one of them has to lead: it follows none");
+    first->file->error({first->element}, "mimic: " + circle_text(circle, name), "one of them must lead and follow no other");
   }
 }
 

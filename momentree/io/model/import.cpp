@@ -20,7 +20,7 @@ std::size_t Import::errors() const {
 
 namespace {
 
-// A path without the `scheme://package/` that a library of the robot's maker would resolve.
+// A path without its `scheme://package/` prefix, which a ROS installation would resolve.
 std::string without_scheme(const std::string& name, bool& in_package) {
   const std::size_t colon = name.find("://");
   if (colon == std::string::npos) return name;
@@ -73,14 +73,14 @@ XmlElement Import::include(const std::string& name, const XmlLocation& at, XmlFi
   };
   if (name.empty()) return refuse("the name of a file is missing", "");
   if (leaves_folder(name)) return refuse(in_quotes(name) + " is not in the model's folder or below it", "copy it there");
-  if (!looks_at_files()) return refuse("a model that is read from a text names no files", "read it from its file");
+  if (!looks_at_files()) return refuse("a model read from text cannot name files", "read it from its file");
   const std::string path = (fs::path(folder_) / name).lexically_normal().string();
   if (!enclosure_.holds(path))
-    return refuse(in_quotes(name) + " is a symbolic link out of the model's folder, or below one", "copy the file there");
+    return refuse(in_quotes(name) + " leads out of the model's folder through a symbolic link", "copy the file there");
   const fs::path real = real_path(path);
   if (const auto known = std::find(real_paths_.begin(), real_paths_.end(), real); known != real_paths_.end())
     return again ? files_[static_cast<std::size_t>(known - real_paths_.begin())]->root()
-                 : refuse(in_quotes(name) + " is included already", "a file stands once in a model");
+                 : refuse(in_quotes(name) + " is included already", "a model can include a file only once");
   if (files_.size() >= most_files) return refuse("more than " + std::to_string(most_files) + " files", "");
   std::string text;
   Unreadable why;
@@ -93,7 +93,7 @@ XmlElement Import::include(const std::string& name, const XmlLocation& at, XmlFi
 
 bool check_name(const std::string& name, const XmlLocation& at, std::string_view what, XmlFile& file) {
   Diagnostics unheard("", "");
-  if (check_bare_name(name, {}, what, unheard)) return true;  // no place is looked up for names that are fine
+  if (check_bare_name(name, {}, what, unheard)) return true;  // valid names need no place
   return !file.out().full() && check_bare_name(name, at.place(), what, file.out());
 }
 
@@ -101,7 +101,7 @@ void Import::read_mesh(const std::string& name, const XmlLocation& at, Shape& sh
   bool in_package = false;
   const std::string rest = without_scheme(name, in_package);
   if (rest.empty()) {
-    file.error(at, "a mesh has no file's name");
+    file.error(at, "a mesh has no file name");
     return;
   }
   if (leaves_folder(rest)) {
@@ -115,11 +115,11 @@ void Import::read_mesh(const std::string& name, const XmlLocation& at, Shape& sh
   const fs::path path(rest);
   std::vector<fs::path> tried{path};
   if (in_package && std::next(path.begin()) != path.end()) tried.push_back(path.lexically_relative(*path.begin()));
-  std::string why;  // of one that is there
+  std::string why;  // if the file exists
   for (const fs::path& each : tried) {
     const fs::path file_path = fs::path(folder_) / each;
     if (!enclosure_.holds(file_path)) {
-      why = "is a symbolic link out of the model's folder, or below one";
+      why = "leads out of the model's folder through a symbolic link";
       continue;
     }
     const auto reason = why_unreadable(file_path.string(), "mesh");
@@ -132,7 +132,7 @@ void Import::read_mesh(const std::string& name, const XmlLocation& at, Shape& sh
   file.once(
       Severity::note,
       why.empty() ? "a mesh is not in the model's folder: pictures leave it out" : "a mesh " + why + ": pictures leave it out",
-      "the motion does not need it", at);
+      "the motion does not depend on it", at);
 }
 
 }  // namespace momentree::io

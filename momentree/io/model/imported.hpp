@@ -1,6 +1,5 @@
 #pragma once
-// What an importer makes of a model file, whatever its format: bodies in the order of their trees, with the places that messages
-// about them need.
+// The result of an importer, whatever the format: bodies in tree order, with their places in the file for messages.
 #include <deque>
 #include <optional>
 #include <string>
@@ -13,37 +12,38 @@
 
 namespace momentree::io {
 
-/// Where the parts of a body stand; what a format has no place for is the body's.
+/// Places of the parts of a body; a part without its own element has the body's place.
 struct BodySpots {
   XmlFile* file = nullptr;
   XmlElement body{}, joint{}, inertia{}, limits{};
 };
 
 struct ImportedBody {
-  BodySpec spec;          ///< names without a mechanism; the parent is a number among the bodies of this model, or the ground
-  bool own_joint = true;  ///< false for a root that the file joins to nothing: `root` says how it is held
-  bool floats = false;    ///< such a root is free where `root` is not said, not fixed
-  JointLimits limits{};   ///< as the file has them; they are taken up where the mechanism says so
+  BodySpec spec;          ///< names without a mechanism; the parent is an index among the bodies of this model, or the ground
+  bool own_joint = true;  ///< false for a root without a joint in the file: `root` determines how it is attached
+  bool floats = false;    ///< such a root is free, not fixed, unless `root` is given
+  JointLimits limits{};   ///< as in the file; used if the mechanism requests it
   std::vector<Shape> shapes{};
   BodySpots spots{};
 };
 
-/// A joint that the file has follow another: q = multiplier·q(leader) + offset.
+/// A joint that follows another according to the file: q = multiplier·q(leader) + offset.
 struct Follower {
-  int body = -1, leader = -1;  ///< joints, by the bodies that they carry
+  int body = -1, leader = -1;  ///< joints, identified by the bodies that they carry
   double multiplier = 1, offset = 0;
   XmlFile* file = nullptr;
   XmlElement element{};
 };
 
-/// Files give dry friction without the speed over which it builds up: rad/s or m/s.
+/// Files give dry friction without the speed over which it builds up (rad/s or m/s); this speed is used.
 inline constexpr double imported_friction_speed = 1e-2;
 
 struct ImportedModel {
-  std::string title;                ///< what the file calls itself
-  std::deque<ImportedBody> bodies;  ///< parents before their children; large ones, that no growth should copy
+  std::string title;  ///< the model's name in the file
+  /// parents before their children; a deque, since the elements are large and should not be moved
+  std::deque<ImportedBody> bodies;
   std::vector<Follower> followers;
-  std::optional<Vec3> gravity;  ///< where the file has one
+  std::optional<Vec3> gravity;  ///< if the file has one (m/s²)
 };
 
 }  // namespace momentree::io

@@ -1,8 +1,8 @@
 #pragma once
-// What an importer works with. A format is a header in importers/ with a struct of the file's name (urdf.hpp: Urdf) that has
+// The interface for importers. A format is a header in importers/ with a struct of the file's name (urdf.hpp: Urdf) that has
 //   static constexpr const char* name = "URDF";            // for messages
-//   static constexpr const char* root = "robot";           // the root element, by which a file is known
-//   static constexpr const char* endings[] = {".urdf"};    // by which a path is taken for a model
+//   static constexpr const char* root = "robot";           // the root element, which identifies the format
+//   static constexpr const char* endings[] = {".urdf"};    // file name endings that identify a model
 //   static void read(XmlElement root, Import& import);     // fills import.model; reports in the files
 #include <filesystem>
 #include <memory>
@@ -14,10 +14,10 @@
 
 namespace momentree::io {
 
-/// One model while it is read: its file and those that it includes.
+/// One model while it is read: its file and the files that it includes.
 class Import {
  public:
-  /// `folder`: of the file; empty: no other file is looked for. `quotes`: messages show lines of the file.
+  /// `folder`: of the file; empty: no other file is accessed. `quotes`: messages may quote lines of the file.
   Import(std::string path, std::string text, std::string folder, bool quotes);
 
   static constexpr std::size_t most_bodies = 1'000'000;
@@ -25,34 +25,35 @@ class Import {
 
   XmlFile& file() { return *files_.front(); }
   const std::vector<std::unique_ptr<XmlFile>>& files() const { return files_; }
-  /// The file that an element stands in.
+  /// The file that contains an element.
   XmlFile& file_of(XmlElement element);
-  /// The root of another file in the model's folder, read once; none, with a report at `at`, where it can't be. A second time is
-  /// an error, or the same root `again`.
+  /// The root element of another file in the model's folder, read once; null, with a report at `at`, if it cannot be read.
+  /// Including a file twice is an error, unless `again` allows it: the same root is then returned.
   XmlElement include(const std::string& name, const XmlLocation& at, XmlFile& from, bool again = false);
-  /// What stands under a name in the model's folder; nothing where it is not in it, or where a symbolic link leads out of it.
+  /// What exists under a name in the model's folder; nothing if it is outside the folder, also by a symbolic link.
   enum class Found { nothing, file, folder };
   Found look(const std::string& name) const;
-  /// The folder of one of the files, as seen from the model's: "." or "parts/arm".
+  /// The folder of one of the files, relative to that of the model: "." or "parts/arm".
   std::string folder_of(const XmlFile& file) const;
   bool looks_at_files() const { return !folder_.empty(); }
   std::size_t errors() const;
 
-  /// A shape's mesh as a path in the model's folder. `package://name/` and the like are looked for there too; what is not found,
-  /// or only by a symbolic link out of the folder, is a warning, and a path that leaves the folder an error.
+  /// Sets a shape's mesh to a path in the model's folder. `package://name/` and the like are searched there, too. A file that
+  /// is not found, or only through a symbolic link out of the folder, gives a warning; a path that leaves the folder is an
+  /// error.
   void read_mesh(const std::string& name, const XmlLocation& at, Shape& shape, XmlFile& file);
 
  private:
   std::string folder_;
   Enclosure enclosure_;
   std::vector<std::unique_ptr<XmlFile>> files_;
-  std::vector<std::filesystem::path> real_paths_;  ///< of the files, without symbolic links: none is read twice
+  std::vector<std::filesystem::path> real_paths_;  ///< of the files, with symbolic links resolved: no file is read twice
 };
 
-/// Bare names of bodies and joints: what a path, a column or a wildcard could not carry is refused at `at`.
+/// Checks bare names of bodies and joints: names that a path, a column or a wildcard cannot contain are errors at `at`.
 bool check_name(const std::string& name, const XmlLocation& at, std::string_view what, XmlFile& file);
 
-/// A link of a model that names its joints' ends (URDF, SDF), and its joint once it is known.
+/// A link of a model whose joints name their links (URDF, SDF).
 struct NamedLink {
   std::string name;
   XmlElement element{};
@@ -64,13 +65,13 @@ struct NamedJoint {
   XmlLocation parent_spot{}, child_spot{};
 };
 struct LinkTree {
-  std::vector<std::size_t> order;  ///< of links, parents first, else as in the file; empty where something is wrong
-  std::vector<int> joint, parent;  ///< by link: its inboard joint and its parent's number, −1: none
+  std::vector<std::size_t> order;  ///< of links: parents first, otherwise as in the file; empty if there is an error
+  std::vector<int> joint, parent;  ///< by link: its inboard joint and its parent's index, −1: none
 };
-/// Reports duplicate names, ends that are unknown, second parents (closed loops by name) and circles. More than one root is fine.
+/// Reports duplicate names, unknown links, second parents (closed loops, by name) and cycles. More than one root is allowed.
 LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, Import& import);
 
-/// What is wrong with bodies whatever their format: at their places in the file. To be called last.
+/// Format-independent checks of bodies, reported at their places in the file. Call it last.
 void check_imported(ImportedModel& model);
 
 }  // namespace momentree::io

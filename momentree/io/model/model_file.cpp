@@ -5,7 +5,7 @@
 #include <iterator>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/all_importers.hpp>  // generated from the files in importers/, as is the list
+#include <momentree/io/all_importers.hpp>  // generated from the files in importers/, like the list of formats
 #include <momentree/io/importers/list.hpp>
 
 namespace momentree::io {

@@ -16,7 +16,7 @@ std::string circle(const Point2& at, double radius, const std::string& attribute
   return "<circle cx=\"" + pixels(at.x) + "\" cy=\"" + pixels(at.y) + "\" r=\"" + pixels(radius) + "\" " + attributes + "/>\n";
 }
 
-/// Items side by side, in as many rows as it takes.
+/// Items side by side, in as many rows as needed.
 class Row {
  public:
   Row(const Page& page, double y) : page_(page), x_(page.margin), y_(y) {}
@@ -40,7 +40,7 @@ std::string shortened(const std::string& text, std::size_t most) {
   return text.substr(0, end) + "…";
 }
 
-/// When a mechanism first was; 0 for those of the start.
+/// The time at which a mechanism appeared; 0 for those of the start.
 double appeared(const Recording& run, int mechanism) {
   for (const Phase& phase : run.phases)
     if (std::find(phase.mechanism.begin(), phase.mechanism.end(), mechanism) != phase.mechanism.end()) return phase.from;
@@ -127,7 +127,7 @@ void append_axes(std::string& svg, const View& view, const Point2& at) {
   for (std::size_t k = 0; k < 3; ++k) {
     const Point2 p = view(axes[k]);
     const double seen = std::hypot(p.x, p.y);
-    if (seen < 0.2) {  // it points at the viewer, or away
+    if (seen < 0.2) {  // it points towards or away from the viewer
       const bool towards = view.depth(axes[k]) < 0;
       svg += circle(at, 4, std::string("fill=\"#fff\" stroke=\"") + pale + "\"");
       svg += towards ? circle(at, 1.3, std::string("fill=\"") + pale + "\"")

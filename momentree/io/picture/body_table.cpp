@@ -20,8 +20,8 @@ double number(const std::string& field, const std::string& column, const std::st
   const char* end = field.data() + field.size();
   const auto [stop, error] = std::from_chars(field.data(), end, value);
   if (error != std::errc{} || stop != end)
-    throw_error(
-        {"column '" + column + "': '" + field + "' is not a number", where, "bodies.csv as `momentree run` writes it is needed"});
+    throw_error({"column '" + column + "': '" + field + "' is not a number", where,
+                 "bodies.csv as written by `momentree run` is needed"});
   if (!std::isfinite(value))
     throw_error(
         {"column '" + column + "' is " + field + ", not a finite number", where, "the run diverged here; try a smaller step"});
@@ -37,12 +37,12 @@ std::vector<PoseColumns> find_bodies(const std::vector<std::string>& columns, co
     const std::string suffix = dot == std::string::npos ? "" : columns[c].substr(dot + 1);
     const auto which = std::find(std::begin(suffixes), std::end(suffixes), suffix);
     if (which == std::end(suffixes))
-      throw_error({"column '" + columns[c] + "' is no part of a pose", where, "expected <body>.x .y .z .qw .qx .qy .qz"});
+      throw_error({"column '" + columns[c] + "' is not part of a pose", where, "expected <body>.x .y .z .qw .qx .qy .qz"});
     const std::string name = columns[c].substr(0, dot);
     const auto [body, is_new] = number_of.try_emplace(name, bodies.size());
     if (is_new) bodies.push_back({name, {}}), found.push_back(0);
     const auto k = static_cast<std::size_t>(which - std::begin(suffixes));
-    if (found[body->second] & (1U << k)) throw_error({"column '" + columns[c] + "' stands there twice", where, {}});
+    if (found[body->second] & (1U << k)) throw_error({"column '" + columns[c] + "' occurs twice", where, {}});
     found[body->second] |= 1U << k;
     bodies[body->second].at[k] = c;
   }
@@ -83,7 +83,7 @@ BodyTable::BodyTable(std::filesystem::path file) : file_(std::move(file)) {
   if (columns_.front() != "time")
     throw_error({"the first column is '" + columns_.front() + "', not 'time'", place(file_, 1), {}});
   bodies_ = find_bodies(columns_, place(file_, 1));
-  while (in.next(line) && in.is_whole()) {  // else a run that was stopped was still writing this row
+  while (in.next(line) && in.is_whole()) {  // otherwise an interrupted run was still writing this row
     if (line.empty()) continue;
     const double time = number(line.substr(0, line.find(',')), "time", place(file_, in.number()));
     if (!times_.empty() && time < times_.back()) throw_error({"time runs backwards", place(file_, in.number()), {}});
@@ -117,7 +117,7 @@ std::vector<RecordedFrame> BodyTable::read(const std::vector<std::size_t>& rows)
     const std::vector<std::string> fields = split_csv(line);
     if (fields.size() != columns_.size())
       throw_error({"the row has " + std::to_string(fields.size()) + " of " + std::to_string(columns_.size()) + " columns",
-                   place(file_, n), "the file was cut or changed: run again"});
+                   place(file_, n), "the file was truncated or modified: run again"});
     RecordedFrame frame{times_[wanted], {}};
     for (const PoseColumns& body : bodies_) {
       std::array<double, 7> v{};
@@ -136,12 +136,12 @@ std::vector<std::size_t> choose_rows(const BodyTable& table, double& every) {
   if (every < 0 || !std::isfinite(every))
     throw_error({"the time between frames must be positive", "--every", "for example --every 0.2"});
   if (every == 0) {
-    every = 0.2;  // as in the paper's Figure 3, if that is neither too few nor too many
+    every = 0.2;  // as in the paper's Figure 3, if that gives neither too few nor too many frames
     for (double unit = 1e-9; unit < 1e9 && (span < 4 * every || span > 60 * every); unit *= 10)
       for (const double step : {1.0, 2.0, 5.0})
         if (span >= 12 * step * unit && span <= 32 * step * unit) every = step * unit;
   }
-  if (span / every > 2000) throw_error({"that would be more than 2000 frames", "--every", "take a larger time between frames"});
+  if (span / every > 2000) throw_error({"that would be more than 2000 frames", "--every", "use a longer time between frames"});
   std::vector<std::size_t> rows;
   for (int k = 0; first + k * every <= last + 1e-9 * std::max(1.0, std::abs(last)); ++k) {
     const std::size_t row = table.row_near(first + k * every);

@@ -1,5 +1,5 @@
 #pragma once
-// bodies.csv: poses of all bodies at chosen instants. The file is read as a stream, for it may be larger than the memory.
+// bodies.csv: poses of all bodies at chosen instants. The file is read as a stream, since it may be larger than memory.
 #include <array>
 #include <filesystem>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace momentree::io {
 
-/// Column numbers of a body's pose.
+/// Column indices of a body's pose.
 struct PoseColumns {
   std::string name;
   std::array<std::size_t, 7> at{};  ///< x y z qw qx qy qz
@@ -17,15 +17,15 @@ struct PoseColumns {
 
 class BodyTable {
  public:
-  /// Reads the header and the times. Throws Error: missing file or columns, times that are no numbers.
+  /// Reads the header and the times. Throws Error: missing file or columns, times that are not numbers.
   explicit BodyTable(std::filesystem::path file);
 
   const std::vector<PoseColumns>& bodies() const { return bodies_; }
   const std::vector<double>& times() const { return times_; }
 
-  /// The row nearest to `time`; of several at one instant the last (after what happened then).
+  /// The row nearest to `time` (s); of several at one instant the last (after the events of that instant).
   std::size_t row_near(double time) const;
-  /// The rows of these numbers (ascending). Throws Error: a short or long row, a field that is no finite number.
+  /// The rows with these indices (ascending). Throws Error: a short or long row, a field that is not a finite number.
   std::vector<RecordedFrame> read(const std::vector<std::size_t>& rows) const;
 
  private:
@@ -38,7 +38,8 @@ class BodyTable {
 /// The fields of one line of CSV (RFC 4180 quotes allowed).
 std::vector<std::string> split_csv(const std::string& line);
 
-/// The rows for one frame every `every` seconds, from the first row on; see read_recording for 0. Sets `every` to what it took.
+/// The rows for one frame every `every` seconds, beginning with the first row; see read_recording for 0. Sets `every` to the
+/// value used.
 std::vector<std::size_t> choose_rows(const BodyTable& table, double& every);
 
 }  // namespace momentree::io

@@ -15,7 +15,7 @@ std::string colour_of(const Primitive& p) {
   return safe_colour(p.colour, mechanism_colour(static_cast<std::size_t>(p.mechanism)));
 }
 
-/// Lines of one colour that follow one another become one path: a chain of 100 links is one element.
+/// Joins successive lines of one colour into one path: a chain of 100 links is one element.
 class PathWriter {
  public:
   PathWriter(std::string& svg, double width) : svg_(svg), width_(width) {}
@@ -54,7 +54,7 @@ void append_circle(std::string& svg, const Point2& at, double radius, const std:
   svg += "<circle cx=\"" + pixels(at.x) + "\" cy=\"" + pixels(at.y) + "\" r=\"" + pixels(radius) + "\" " + attributes + "/>\n";
 }
 
-/// Points on circles about the points: their hull is the outline of a capsule.
+/// Points on circles around the points: their hull is the outline of a capsule.
 std::vector<Point2> widened(const std::vector<Point2>& points, double radius) {
   constexpr int around = 32;
   std::vector<Point2> rim;
@@ -66,7 +66,7 @@ std::vector<Point2> widened(const std::vector<Point2>& points, double radius) {
   return rim;
 }
 
-/// Shapes are filled with a light tint of their colour: where many frames lie over one another it does not get darker.
+/// Shapes are filled with a light tint of their colour, so that overlapping frames do not become darker.
 void append_area(std::string& svg, const Primitive& p, const Placement& place) {
   std::vector<Point2> points;
   for (const Point2& at : p.points) points.push_back(place(at));
@@ -104,7 +104,7 @@ void append_frame(std::string& svg, const SceneFrame& frame, const Placement& pl
         append_circle(svg, placement(p.points.front()), 0.8 * width + 1, "fill=\"" + colour_of(p) + "\"");
     }
   }
-  if (width >= 4)  // of thin links the joints would be lost
+  if (width >= 4)  // on thin links the joints would not be visible
     for (const Point2& joint : frame.joints) append_circle(svg, placement(joint), 0.3 * width, "fill=\"#fff\"");
   svg += "</g>\n";
 }
@@ -116,7 +116,7 @@ std::vector<Point2> convex_hull(std::vector<Point2> points) {
                points.end());
   if (points.size() < 3) return points;
   std::vector<Point2> hull;
-  const auto walk = [&](auto begin, auto end) {  // Andrew's monotone chain: the lower half, then the upper one
+  const auto walk = [&](auto begin, auto end) {  // Andrew's monotone chain: the lower half, then the upper half
     const std::size_t start = hull.size();
     for (auto p = begin; p != end; ++p) {
       while (hull.size() >= start + 2) {

@@ -7,17 +7,17 @@
 
 namespace momentree::io {
 
-/// From metres in the plane of the view to pixels.
+/// Maps metres in the view plane to pixels.
 struct Placement {
   double scale = 1;  ///< px per metre
-  Point2 origin{};   ///< where the view's origin lies (px)
+  Point2 origin{};   ///< position of the view's origin (px)
   Point2 operator()(const Point2& p) const { return {origin.x + scale * p.x, origin.y + scale * p.y}; }
 };
 
-/// Width of links in the picture (px): of long thin chains a visible least, of few long links not clumsy.
+/// Width of links in the picture (px): long thin chains stay visible, few long links are not too thick.
 double link_width(const Scene& scene, double scale);
 
-/// Appends a group with everything of the frame; `opacity` tells early frames from late ones.
+/// Appends a group with everything in the frame; `opacity` distinguishes early frames from late ones.
 void append_frame(std::string& svg, const SceneFrame& frame, const Placement& placement, double width, double opacity);
 
 /// Convex hull, counter-clockwise, without points on its edges.

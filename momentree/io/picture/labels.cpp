@@ -43,14 +43,14 @@ std::optional<Rect> LabelPlacer::place(const Point2& anchor, const Point2& away,
     for (int k = 0; k < directions; ++k) {
       const double turn = std::numbers::pi * (k % 2 == 0 ? k / 2 : -(k + 1) / 2) / (directions / 2);
       const double ux = std::cos(towards + turn), uy = std::sin(towards + turn);
-      // The box touches a circle of radius `gap` about the anchor: its nearest point lies in the direction (ux, uy).
+      // The box touches a circle of radius `gap` around the anchor: its nearest point is in the direction (ux, uy).
       const Rect box{anchor.x + ux * (gap + 0.5 * width) - 0.5 * width, anchor.y + uy * (gap + 0.5 * height) - 0.5 * height,
                      width, height};
       const bool inside = box.x >= picture_.x && box.y >= picture_.y && box.x + width <= picture_.x + picture_.width &&
                           box.y + height <= picture_.y + picture_.height;
       if (!inside || std::any_of(boxes_.begin(), boxes_.end(), [&](const Rect& r) { return r.meets(box); })) continue;
       const double crossed = ink(box);
-      if (crossed * cell_ * cell_ > 0.5 * width * height) continue;  // no one could read it
+      if (crossed * cell_ * cell_ > 0.5 * width * height) continue;  // it would be unreadable
       const double cost = 6.0 * crossed + gap + 4 * std::abs(turn);
       if (cost < best_cost) best_cost = cost, best = box;
     }

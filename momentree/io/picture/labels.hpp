@@ -1,5 +1,5 @@
 #pragma once
-// Where to put labels so that they cover neither each other nor what is drawn.
+// Places labels so that they cover neither each other nor the drawing.
 #include <optional>
 #include <vector>
 
@@ -12,7 +12,7 @@ struct Rect {
   bool meets(const Rect& r) const { return x < r.x + r.width && r.x < x + width && y < r.y + r.height && r.y < y + height; }
 };
 
-/// Remembers what is taken of the picture (px), coarsely.
+/// Keeps track of the occupied parts of the picture (px) on a coarse grid.
 class LabelPlacer {
  public:
   explicit LabelPlacer(const Rect& picture);
@@ -22,7 +22,7 @@ class LabelPlacer {
   /// A box that no label may touch.
   void add_box(const Rect& box) { boxes_.push_back(box); }
 
-  /// A free place near `anchor` for a box of this size, rather on the side `away`; it is taken from then on. None if there is
+  /// A free box of this size near `anchor`, preferably on the side of `away`; it is occupied from then on. Empty if there is
   /// none.
   std::optional<Rect> place(const Point2& anchor, const Point2& away, double width, double height);
 

@@ -57,7 +57,7 @@ Spread principal_axes(std::span<const Vec3> points) {
   return spread;
 }
 
-/// Of the two sides of a view the one from which the picture's right is a positive direction of the world.
+/// Of the two sides of a view, the one from which the picture's right is a positive world direction.
 View facing(const View& view) {
   const Vec3& r = view.right;
   const double largest = std::abs(r.x) >= std::abs(r.y) - 1e-9 && std::abs(r.x) >= std::abs(r.z) - 1e-9 ? r.x
@@ -96,7 +96,8 @@ View choose_view(std::span<const Vec3> points, const Vec3& gravity) {
     const bool level = norm(without(up, normal)) < 0.05;
     return level ? view_along(-up, gravity) : facing(view_along(normal, gravity));
   }
-  // The widest horizontal spread lies across: turn the two horizontal axes by the angle that makes their covariance diagonal.
+  // The widest horizontal spread goes across the picture: rotate the two horizontal axes by the angle that makes their
+  // covariance diagonal.
   const View any = view_along(std::abs(up.y) < 0.9 ? Vec3{0, 1, 0} : Vec3{0, 0, -1}, -up);
   const Vec3 e1 = normalized(without(any.right, up)), e2 = cross(up, e1);
   double a = 0, b = 0, c = 0;

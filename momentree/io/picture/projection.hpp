@@ -1,5 +1,5 @@
 #pragma once
-// Orthographic views: which way the viewer looks, and where a point lies in the picture.
+// Orthographic views: the direction of view and the projection of points.
 #include <span>
 #include <string_view>
 
@@ -19,15 +19,16 @@ struct View {
   double depth(const Vec3& p) const { return dot(look, p); }  ///< larger is farther away
 };
 
-/// The view in the direction `look`, turned so that gravity points down in the picture; without gravity, or along it, world z, y
-/// or x points up. Throws Error if `look` is zero.
+/// The view in the direction `look`, rotated so that gravity points down in the picture; without gravity, or along it, world z,
+/// y or x points up. Throws Error if `look` is zero.
 View view_along(const Vec3& look, const Vec3& gravity);
 
-/// A view of these points: along the normal of a planar motion; of a spatial one with the widest horizontal spread across, from
-/// 20 degrees above. Gravity points down in the picture, unless the motion lies in a horizontal plane: that is seen from above.
+/// A view of these points: along the normal of a planar motion; for a spatial one, from 20 degrees above with the widest
+/// horizontal spread across the picture. Gravity points down in the picture, except that motion in a horizontal plane is viewed
+/// from above.
 View choose_view(std::span<const Vec3> points, const Vec3& gravity);
 
-/// "0,0,-1" as a direction. Throws Error.
+/// Parses a direction such as "0,0,-1". Throws Error.
 Vec3 parse_direction(std::string_view text);
 
 }  // namespace momentree::io

@@ -32,7 +32,7 @@ TEST_CASE("a view projects at right angles: right is right and up is up") {
   check_right_handed(view);
   const Point2 p = view({3, 4, 5});
   CHECK(p.x == doctest::Approx(3));
-  CHECK(p.y == doctest::Approx(-4));  // y of a picture runs down
+  CHECK(p.y == doctest::Approx(-4));  // y of a picture points down
   CHECK(view.depth({0, 0, -1}) > view.depth({0, 0, 1}));
 }
 
@@ -62,7 +62,7 @@ TEST_CASE("a motion in a horizontal plane is seen from above") {
   CHECK(same(view.look, {0, 0, -1}));
 }
 
-TEST_CASE("of a spatial motion the widest horizontal spread lies across") {
+TEST_CASE("the widest horizontal spread of a spatial motion goes across the picture") {
   std::vector<Vec3> points;
   for (int k = 0; k < 50; ++k) points.push_back({std::sin(1.7 * k), 4 * std::cos(1.1 * k), 8 * std::sin(0.3 * k)});
   const View view = choose_view(points, {0, 0, -9.81});
@@ -73,7 +73,7 @@ TEST_CASE("of a spatial motion the widest horizontal spread lies across") {
   CHECK(view.look.z < -0.3);  // from above
 }
 
-TEST_CASE("a motion along a line, a point and no motion have a view too") {
+TEST_CASE("a motion along a line, a point and no motion have a view, too") {
   check_right_handed(choose_view(std::vector<Vec3>{{0, 0, 0}, {0, 0, 1}}, {0, 0, -9.81}));
   check_right_handed(choose_view(std::vector<Vec3>{{1, 2, 3}}, {0, 0, 0}));
   check_right_handed(choose_view({}, {0, 0, 0}));

@@ -16,7 +16,7 @@
 namespace momentree::io {
 namespace {
 
-constexpr const char* cut = "the file was cut or changed: run again, or remove it";
+constexpr const char* cut = "the file was truncated or modified: run again, or remove it";
 
 std::optional<JsonDocument> parse_file(const std::filesystem::path& file) {
   if (!is_there(file)) return std::nullopt;
@@ -29,7 +29,7 @@ std::optional<JsonDocument> parse_file(const std::filesystem::path& file) {
 }
 
 const JsonNode& member(const JsonDocument& document, const JsonNode& object, const char* key) {
-  const JsonNode* found = document.object(object, "what holds `" + std::string(key) + "`").find(key);
+  const JsonNode* found = document.object(object, "the object with `" + std::string(key) + "`").find(key);
   if (!found) document.fail_at(object, "`" + std::string(key) + "` is missing", cut);
   return *found;
 }
@@ -84,7 +84,7 @@ int find(const Numbers& numbers, const JsonNode& name) {
 void read_joints(const JsonDocument& document, const JsonNode& joints, const Numbers& numbers, Recording& run) {
   for (const auto& [name, joint] : document.object(joints, "`joints`").members) {
     const int child = find(numbers, member(document, joint, "child"));
-    if (child < 0) continue;  // bodies.csv may hold fewer bodies than the world
+    if (child < 0) continue;  // bodies.csv may have fewer bodies than the world
     RecordedBody& body = run.bodies[static_cast<std::size_t>(child)];
     body.joint = name;
     body.kind = document.string(member(document, joint, "kind"), "`kind`");
@@ -94,7 +94,7 @@ void read_joints(const JsonDocument& document, const JsonNode& joints, const Num
   }
 }
 
-/// By body the name of its mechanism, from a list of mechanisms with their bodies.
+/// For each body the name of its mechanism, from a list of mechanisms with their bodies.
 void read_mechanisms(const JsonDocument& document, const JsonNode& mechanisms, const Numbers& numbers,
                      std::vector<std::string>& of_body) {
   for (const JsonNode& mechanism : document.array(mechanisms, "`mechanisms`").items)
@@ -147,7 +147,7 @@ void read_events(const std::filesystem::path& file, const std::vector<std::strin
     try {
       document = parse_json(line, file.string() + ':' + std::to_string(in.number()));
     } catch (const Error&) {
-      if (!in.is_whole()) break;  // a run that was stopped was still writing this line
+      if (!in.is_whole()) break;  // an interrupted run was still writing this line
       throw_error({"the line is not JSON", file.string() + ':' + std::to_string(in.number()), cut});
     }
     const JsonNode& json = document.root;

@@ -17,11 +17,11 @@
 namespace momentree::io {
 namespace {
 
-/// A result directory that goes when the test ends.
+/// A result directory that is removed when the test ends.
 class Directory {
  public:
   Directory() {
-    std::random_device random;  // tests may run beside each other
+    std::random_device random;  // tests may run in parallel
     path_ = std::filesystem::temp_directory_path() /
             ("momentree-picture-" + std::to_string(random()) + "-" + std::to_string(random()));
     std::filesystem::create_directories(path_);
@@ -83,7 +83,7 @@ bool mentions(const std::string& text, const std::string& part) { return text.fi
 
 }  // namespace
 
-TEST_CASE("a break gives the part that comes off a mechanism of its own, from the event on") {
+TEST_CASE("a break makes the separated part a separate mechanism, from the event on") {
   Directory directory;
   std::string table = header_of_two;
   for (int k = 0; k <= 10; ++k)
@@ -122,7 +122,7 @@ TEST_CASE("a mechanism whose root joint breaks keeps its name, also where the jo
   CHECK(run.events[0].about == std::vector<int>{0});
 }
 
-TEST_CASE("bodies are joined, part again, and joints change as the events say") {
+TEST_CASE("bodies are joined and separated, and joints change, as the events define") {
   Directory directory;
   directory.write("bodies.csv", header_of_two + row(0, 1) + row(1, 2));
   directory.write("model.json", model_of_two("Two"));
@@ -161,7 +161,8 @@ TEST_CASE("bodies that do not exist cannot move to another mechanism") {
 
 TEST_CASE("poses alone are enough for a picture") {
   Directory directory;
-  directory.write("bodies.csv", header_of_two + row(0, 1) + row(0.2, 2) + "0.4,0,0");  // an interrupted run: the last row is cut
+  // an interrupted run: the last row is truncated
+  directory.write("bodies.csv", header_of_two + row(0, 1) + row(0.2, 2) + "0.4,0,0");
   const Recording run = read_recording(directory.path());
   CHECK(run.frames.size() == 2);
   CHECK(run.mechanisms == std::vector<std::string>{"a"});
@@ -198,7 +199,7 @@ TEST_CASE("a title cannot break the picture") {
   CHECK(!mentions(svg, "<script"));
 }
 
-TEST_CASE("what is wrong with the files is told with its place") {
+TEST_CASE("errors in the files are reported with their places") {
   Directory directory;
   CHECK(mentions(complaint(directory), "bodies.csv"));
   directory.write("bodies.csv", "");
@@ -210,7 +211,7 @@ TEST_CASE("what is wrong with the files is told with its place") {
   directory.write("bodies.csv", "time,a.x,a.x\n");
   CHECK(mentions(complaint(directory), "twice"));
   directory.write("bodies.csv", "time,a.mass\n");
-  CHECK(mentions(complaint(directory), "no part of a pose"));
+  CHECK(mentions(complaint(directory), "not part of a pose"));
   directory.write("bodies.csv", header_of_two);
   CHECK(mentions(complaint(directory), "no complete row"));
   directory.write("bodies.csv", header_of_two + row(0, 1) + "1,2,3\n" + row(2, 1));
@@ -239,7 +240,7 @@ TEST_CASE("fields of CSV may be quoted") {
   CHECK(split_csv("a,\"b,c\",\"d \"\"e\"\"\",") == std::vector<std::string>{"a", "b,c", "d \"e\"", ""});
 }
 
-TEST_CASE("without a wish there is a frame every 0.2 s, unless these are too few or too many") {
+TEST_CASE("by default there is a frame every 0.2 s, unless these are too few or too many") {
   Directory directory;
   const auto frames = [&](double until, double output) {
     std::string table = header_of_two;
@@ -267,10 +268,10 @@ TEST_CASE("labels cover neither each other nor leave the picture") {
     }
   CHECK(taken.size() > 3);
   CHECK(taken.size() < 60);
-  CHECK(taken.front().x > 100);  // on the side that was asked for
+  CHECK(taken.front().x > 100);  // on the requested side
 }
 
-TEST_CASE("the convex hull keeps the corners alone") {
+TEST_CASE("the convex hull keeps only the corners") {
   CHECK(convex_hull({{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0.5, 0.5}, {0.5, 0}, {0, 0}}).size() == 4);
   CHECK(convex_hull({{1, 1}, {1, 1}}).size() == 1);
 }

@@ -11,8 +11,8 @@ bool slides(const std::string& kind) {
   return kind == "prismatic" || kind == "helical" || kind == "cylindrical" || kind == "planar";
 }
 
-/// A part of a shape's outline: the hull of the points, `radius` wider. Flat parts have a normal, and are seen from outside
-/// alone.
+/// A part of a shape's outline: the hull of the points, enlarged by `radius`. Flat parts have a normal, and are visible only
+/// from outside.
 struct Patch {
   std::vector<Vec3> points;
   double radius = 0;
@@ -44,7 +44,7 @@ void add_cylinder(double radius, double length, std::vector<Patch>& patches) {
   patches.insert(patches.end(), {side, caps[0], caps[1]});
 }
 
-/// The parts of a shape, in its own axes. None for a mesh: that is not drawn.
+/// The parts of a shape, in its own axes. None for a mesh, which is not drawn.
 std::vector<Patch> patches_of(const Shape& shape) {
   std::vector<Patch> patches;
   const double half = 0.5 * shape.length;
@@ -115,7 +115,7 @@ class FrameBuilder {
     if (body.parent >= 0 && body.kind != "weld" && body.kind != "free") out_.joints.push_back(view_(here));
   }
 
-  /// Ends of what is drawn of a mechanism, for its label.
+  /// Adds the end of a mechanism's drawing, for its label.
   void add_end(int mechanism) {
     const auto member = std::find(phase_.mechanism.begin(), phase_.mechanism.end(), mechanism);
     if (member == phase_.mechanism.end()) return;
@@ -138,7 +138,7 @@ class FrameBuilder {
   bool has_area_ = false;
 };
 
-/// Middle of the lengths of all lines of the first frame: it says how thick links may be drawn.
+/// Median length of all lines of the first frame, which determines the thickness of links.
 double median_length(const SceneFrame& frame) {
   std::vector<double> lengths;
   for (const Primitive& p : frame.primitives)
@@ -185,7 +185,7 @@ Scene build_scene(const Recording& run, const View& view) {
     scene.bounds.add(scene.anchors.back());
   }
   for (const RecordedEvent& event : run.events) {
-    if (event.name == "stop") {  // joints bounce on their stops many times: they are counted, not listed
+    if (event.name == "stop") {  // joints bounce on their stops many times: these impacts are counted, not listed
       scene.hits += event.hits;
       continue;
     }

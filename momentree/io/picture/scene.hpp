@@ -1,5 +1,5 @@
 #pragma once
-// The picture in metres: what is drawn of each frame, in the plane of the view. No SVG yet.
+// The picture in metres: the primitives of each frame in the view plane, independent of SVG.
 #include <string>
 #include <vector>
 
@@ -8,23 +8,22 @@
 
 namespace momentree::io {
 
-/// One thing to draw. A line joins the points, a dot stands on one; an area is the convex hull of them, `radius` (m) wider all
-/// round.
+/// One primitive. A line joins the points, a dot marks one; an area is the convex hull of the points, enlarged by `radius` (m).
 struct Primitive {
-  enum class Kind { line, slide, area, dot };  ///< slide: the way that a sliding joint has gone
+  enum class Kind { line, slide, area, dot };  ///< slide: the path that a prismatic joint has travelled
   Kind kind = Kind::line;
   std::vector<Point2> points;
   double radius = 0;
   int mechanism = 0;
-  double depth = 0;    ///< the farthest are drawn first
-  std::string colour;  ///< of the shape's own; empty: the mechanism's
+  double depth = 0;    ///< the farthest primitives are drawn first
+  std::string colour;  ///< the shape's own colour; empty: the mechanism's
 };
 
 struct SceneFrame {
   double time = 0;
   std::vector<Primitive> primitives;
   std::vector<Point2> joints;  ///< where bodies are joined
-  std::vector<Point2> ends;    ///< of each present mechanism the point farthest from its root: a place for a label
+  std::vector<Point2> ends;    ///< for each present mechanism, the point farthest from its root, where a label can go
   std::vector<Point2> roots;   ///< the roots that belong to `ends`
 };
 
@@ -44,15 +43,15 @@ struct Box2 {
 struct Scene {
   View view;
   std::vector<SceneFrame> frames;
-  std::vector<Point2> anchors;  ///< where a mechanism is joined to the ground
+  std::vector<Point2> anchors;  ///< points where a mechanism is joined to the ground
   std::vector<SceneEvent> events;
   int hits = 0;  ///< of joints on their stops
   Box2 bounds;
-  bool has_areas = false;     ///< bodies with shapes: they cover what is behind them
-  double typical_length = 0;  ///< median of the lines' lengths in the picture (m)
+  bool has_areas = false;     ///< bodies with shapes, which cover what is behind them
+  double typical_length = 0;  ///< median length of the lines in the picture (m)
 };
 
-/// Every point in space that will be drawn, for choose_view.
+/// Every point that will be drawn (world frame, m), for choose_view.
 std::vector<Vec3> drawn_points(const Recording& run);
 
 Scene build_scene(const Recording& run, const View& view);

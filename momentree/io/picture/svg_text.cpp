@@ -8,7 +8,7 @@
 namespace momentree::io {
 namespace {
 
-/// Length of the UTF-8 sequence at the start of `text`; 0 if it is broken or a character that XML forbids.
+/// Length of the UTF-8 sequence at the start of `text`; 0 if it is invalid or a character that XML forbids.
 std::size_t character_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);
@@ -70,7 +70,7 @@ std::string frame_time(double time, double every) {
   if (dot == std::string::npos || step.find('e') != std::string::npos) return plain_number(time);
   const int decimals = static_cast<int>(step.size() - dot - 1);
   const double unit = std::pow(10.0, -decimals);
-  if (std::abs(time - std::round(time / unit) * unit) > 1e-3 * unit) return plain_number(time);  // rows stand elsewhere
+  if (std::abs(time - std::round(time / unit) * unit) > 1e-3 * unit) return plain_number(time);  // the row is at another time
   std::array<char, 64> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), time + 0.0, std::chars_format::fixed, decimals).ptr;
   return {text.data(), end};

@@ -6,7 +6,7 @@
 
 namespace momentree::io {
 
-TEST_CASE("words become XML that is well formed whatever they are") {
+TEST_CASE("any text becomes well-formed XML") {
   CHECK(xml_escaped("a<b> & \"c\" 'd'") == "a&lt;b&gt; &amp; &quot;c&quot; &apos;d&apos;");
   CHECK(xml_escaped("Gr\xC3\xB6\xC3\x9F"
                     "e \xE2\x86\x92 \xF0\x9F\x99\x82") ==

@@ -103,7 +103,7 @@ void TopologyHistory::add(const JsonDocument& line, RecordedEvent& event) {
     for (const auto& [name, ranges] : line.object(member(line, *topology, "moved"), "`moved`").members) {
       const int number = mechanism(name);
       for (const JsonNode& range : line.array(ranges, "ranges of bodies").items) {
-        if (line.array(range, "a range").items.size() != 2) line.fail_at(range, "a range has its first body and their number");
+        if (line.array(range, "a range").items.size() != 2) line.fail_at(range, "a range consists of its first body and a count");
         const double first = line.number(range.items[0], "a body"), count = line.number(range.items[1], "a number of bodies");
         const auto size = static_cast<double>(phase.mechanism.size());
         if (!(first >= 0 && count >= 0 && first + count <= size)) line.fail_at(range, "there are no such bodies");

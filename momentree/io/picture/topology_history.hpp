@@ -1,5 +1,5 @@
 #pragma once
-// Which mechanism each body belongs to between the events, from what the events recorded.
+// Determines the mechanism of each body between the events from the recorded events.
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -9,13 +9,13 @@
 
 namespace momentree::io {
 
-/// Reads `changes` and `topology` of the lines of events.jsonl, one after the other, into `run.phases`, `run.mechanisms` and the
-/// events' `broken` and `about`.
+/// Reads `changes` and `topology` of successive lines of events.jsonl into `run.phases`, `run.mechanisms` and the events'
+/// `broken` and `about`.
 class TopologyHistory {
  public:
-  /// `mechanism_of`: by body the name of its mechanism at the start.
+  /// `mechanism_of`: for each body the name of its mechanism at the start.
   TopologyHistory(Recording& run, const std::vector<std::string>& mechanism_of);
-  /// `event` is not yet in run.events. Throws Error that names the line where something is not as it should be.
+  /// `event` is not yet in run.events. Throws Error with the line number if the line is invalid.
   void add(const JsonDocument& line, RecordedEvent& event);
 
  private:

@@ -20,7 +20,7 @@ double number(std::string_view cell, const std::string& where) {
   const char* end = cell.data() + cell.size();
   const auto [stop, error] = std::from_chars(cell.data(), end, value);
   if (error != std::errc{} || stop != end)
-    throw_error({"'" + std::string(cell) + "' is not a number", where, "the file was cut or changed: run again"});
+    throw_error({"'" + std::string(cell) + "' is not a number", where, "the file was truncated or modified: run again"});
   return std::isfinite(value) ? value : HUGE_VAL;
 }
 
@@ -57,7 +57,7 @@ std::vector<double> NumberTable::read(const std::vector<std::size_t>& rows) cons
     }
     if (cells != columns_.size())
       throw_error({"the row has " + std::to_string(cells + 1) + " of " + std::to_string(columns_.size() + 1) + " columns", where,
-                   "the file was cut or changed: run again"});
+                   "the file was truncated or modified: run again"});
   }
   return numbers;
 }

@@ -7,7 +7,7 @@ namespace momentree::io {
 
 namespace {
 
-/// What stands in the page's element of JSON with that id is replaced.
+/// Replaces the content of the page's JSON element with that id.
 std::string with_data(std::string_view page, std::string_view id, std::string_view data) {
   const std::string begin = "<script type=\"application/json\" id=\"" + std::string(id) + "\">";
   const std::size_t at = page.find(begin);
@@ -26,7 +26,7 @@ std::string with_data(std::string_view page, std::string_view id, std::string_vi
 std::string json_for_page(std::string_view json) {
   std::string safe;
   safe.reserve(json.size());
-  for (const char c : json)  // '<' is in strings alone
+  for (const char c : json)  // '<' occurs only in strings
     if (c == '<')
       safe += "\\u003c";
     else

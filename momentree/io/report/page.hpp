@@ -1,11 +1,11 @@
 #pragma once
-// The pages of web/ with what they are to show: one file each, that needs nothing else.
+// The pages of web/ with the data that they show: each is a single self-contained file.
 #include <string>
 #include <string_view>
 
 namespace momentree::io {
 
-/// JSON as it can stand in a page: no name in it may end the element that it stands in.
+/// JSON that can be embedded in a page: no string in it can close the enclosing element.
 std::string json_for_page(std::string_view json);
 
 /// The report's page with the data of a run (report_data).
@@ -14,7 +14,7 @@ std::string report_page(std::string_view page, std::string_view data);
 /// The playground's page, which begins with the text of a scenario.
 std::string playground_page(std::string_view page, std::string_view scenario);
 
-/// The content policy that the page itself states: for a server that says the same.
+/// The content security policy stated in the page itself, for a server that sends the same policy.
 std::string content_policy(std::string_view page);
 
 }  // namespace momentree::io

@@ -9,7 +9,7 @@ namespace {
 
 const std::string head = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'\" />";
 
-TEST_CASE("data go into the place that a page keeps for them") {
+TEST_CASE("data are inserted into the page's placeholder") {
   const std::string page = head + "<script type=\"application/json\" id=\"recording\"></script>";
   CHECK(content_policy(page) == "default-src 'none'");
   CHECK(report_page(page, "{\"a\": 1}") == head + "<script type=\"application/json\" id=\"recording\">{\"a\": 1}</script>");

@@ -21,23 +21,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// `x` of "NAME.x" and the six after it.
+/// The names of the bodies, from `x` of "NAME.x" and the six columns after it.
 std::vector<std::string> body_names(const NumberTable& table, const std::string& file) {
   constexpr std::string_view first = ".x";
   std::vector<std::string> names;
   const std::vector<std::string>& columns = table.columns();
   if (columns.empty() || columns.size() % 7 != 0)
-    throw_error({"it has no seven columns for each body", file, "bodies.csv as `momentree run` writes it is needed"});
+    throw_error({"it does not have seven columns for each body", file, "bodies.csv as written by `momentree run` is needed"});
   for (std::size_t c = 0; c < columns.size(); c += 7) {
     if (!columns[c].ends_with(first))
       throw_error(
-          {"column '" + columns[c] + "' should be the x of a body", file, "bodies.csv as `momentree run` writes it is needed"});
+          {"column '" + columns[c] + "' should be the x of a body", file, "bodies.csv as written by `momentree run` is needed"});
     names.push_back(columns[c].substr(0, columns[c].size() - first.size()));
   }
   return names;
 }
 
-/// Every so many rows, so that at most `most` are left, and the last one.
+/// Every n-th row, so that at most `most` are left, and the last one.
 std::vector<std::size_t> thinned(std::size_t rows, std::size_t most) {
   const std::size_t step = std::max<std::size_t>(1, (rows + most - 1) / std::max<std::size_t>(most, 1));
   std::vector<std::size_t> kept;
@@ -46,7 +46,7 @@ std::vector<std::size_t> thinned(std::size_t rows, std::size_t most) {
   return kept;
 }
 
-/// A document that is JSON already, where a value is due.
+/// Writes a document that is already JSON as a value.
 void raw(JsonWriter& json, std::string& text, std::string_view document) {
   json.null();
   text.resize(text.size() - 4);
@@ -63,7 +63,7 @@ void write_some(JsonWriter& json, const char* key, const std::vector<std::string
   if (!names.empty()) write_names(json, key, names);
 }
 
-/// Equal numbers side by side as one pair of count and number.
+/// Equal adjacent numbers are written as a pair of count and number.
 void write_mechanisms(JsonWriter& json, const std::vector<int>& mechanism) {
   json.key("mechanism").begin_array();
   for (std::size_t b = 0; b < mechanism.size();) {
@@ -103,7 +103,7 @@ void write_phases(JsonWriter& json, const Recording& run) {
   json.end_array();
 }
 
-/// The lines of events.jsonl; by event the bodies that it was about.
+/// The lines of events.jsonl, and for each event the bodies concerned.
 void write_events(JsonWriter& json, std::string& text, const fs::path& file, const Recording& run) {
   const std::string lines = is_there(file) ? read_text_file(file.string(), Links::refuse) : "";
   json.key("events").begin_array();
@@ -134,7 +134,7 @@ void write_table(JsonWriter& json, std::string& text, const char* key, const Num
   json.end_object();
 }
 
-/// One of the tables that may be missing.
+/// A table that may be missing.
 std::optional<NumberTable> table_of(const fs::path& file) {
   if (!is_there(file)) return std::nullopt;
   return NumberTable(file);
@@ -157,7 +157,7 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   const std::vector<std::string> names = body_names(bodies, (directory / "bodies.csv").string());
   std::optional<NumberTable> joints = table_of(directory / "joints.csv");
   const std::optional<NumberTable> energy = table_of(directory / "energy.csv");
-  std::size_t count = bodies.times().size();  // a run that was killed may have written less of one table than of another
+  std::size_t count = bodies.times().size();  // a killed run may have written fewer rows of one table than of another
   if (joints) count = std::min(count, joints->times().size());
   if (energy) count = std::min(count, energy->times().size());
   if (count == 0) throw_error({"its tables have no complete row", directory.string(), "the run stopped before it wrote one"});

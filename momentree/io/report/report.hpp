@@ -5,19 +5,19 @@
 
 namespace momentree::io {
 
-/// More numbers than these in the tables of a report are thinned: every so many rows are kept, and the last one.
+/// Larger tables are thinned in a report: every n-th row is kept, and the last one.
 inline constexpr std::size_t most_report_numbers = 3'000'000;
 
 struct ReportOptions {
-  bool pose = false;  ///< a model to be posed by hand: its joints get sliders
+  bool pose = false;  ///< a model to be posed interactively: its joints get sliders
   std::size_t most_numbers = most_report_numbers;
-  std::string summary = {};  ///< the text of summary.json, where that is not written yet
+  std::string summary = {};  ///< the text of summary.json, if that file is not yet written
 };
 
-/// The tables and documents of a result as JSON that can stand in a page: it has no '<'. Poses and joints in single precision,
-/// times and energies in double. Joints are left out where fewer than 300 rows would be left with them. Rows from the first one
-/// whose poses are no numbers on (a run that diverged) are left out.
-/// Throws Error, with file and line, where the directory lacks model.json or bodies.csv, or a file is not as it was written.
+/// The tables and documents of a result as JSON that can be embedded in a page: it contains no '<'. Poses and joints in single
+/// precision, times and energies in double. Joints are left out if fewer than 300 rows would be left with them. If a run
+/// diverged, its rows from the first one with invalid poses on are left out. Throws Error, with file and line, if the directory
+/// lacks model.json or bodies.csv, or if a file is damaged.
 std::string report_data(const std::filesystem::path& directory, const ReportOptions& options = {});
 
 }  // namespace momentree::io

@@ -40,16 +40,16 @@ std::vector<std::string> texts(const JsonNode& list) {
   return all;
 }
 
-/// How many bytes a base64 text stands for.
+/// The number of bytes that a base64 text encodes.
 std::size_t bytes_of(const std::string& base64) {
   return base64.size() / 4 * 3 - static_cast<std::size_t>(std::count(base64.begin(), base64.end(), '='));
 }
 
-TEST_CASE("a report's data: the documents as they are, tables of the size that is told, what changed when") {
+TEST_CASE("a report's data: the documents unchanged, tables of the stated size, the changes and their times") {
   const test::TemporaryFolder folder;
   write_result(folder / "r");
   const std::string text = report_data(folder / "r");
-  CHECK(text.find('<') == std::string::npos);  // nothing in it ends the element that it stands in
+  CHECK(text.find('<') == std::string::npos);  // nothing in it can close the enclosing element
   const JsonDocument data = parse_json(text, "data");
   const auto at = [&](const char* key) -> const JsonNode& {
     const JsonNode* node = data.root.find(key);
@@ -80,7 +80,7 @@ TEST_CASE("a report's data: the documents as they are, tables of the size that i
   CHECK(made.find("child")->number == 1);
   CHECK(made.find("parent")->number == 3);
   CHECK(made.find("kind")->text == "weld");
-  // Counts and mechanisms: the arm, then the base alone and what came off it, then that with the pendulum.
+  // Counts and mechanisms: the arm, then the base alone and the separated part, then that part with the pendulum.
   const auto mechanisms = [](const JsonNode& phase) {
     std::vector<double> numbers;
     for (const JsonNode& run : phase.find("mechanism")->items)
@@ -102,7 +102,7 @@ TEST_CASE("large tables are thinned evenly, the last row stays; joints are left 
     const JsonDocument data = parse_json(report_data(folder / "r", {.most_numbers = most}), "data");
     return data.root.find(key)->number;
   };
-  CHECK(rows_of(1, "frames") == 31);  // some sixty rows there are always
+  CHECK(rows_of(1, "frames") == 31);  // there are always about sixty rows
   std::ofstream more(folder / "r/bodies.csv", std::ios::app), joints(folder / "r/joints.csv", std::ios::app),
       energy(folder / "r/energy.csv", std::ios::app);
   const auto last = [&](const char* file) {
@@ -127,7 +127,7 @@ TEST_CASE("large tables are thinned evenly, the last row stays; joints are left 
   CHECK(rows_of(100 * width, "joints_left_out") == 1);
 }
 
-TEST_CASE("a run that diverged is shown as far as it has numbers; what is not whole is an error that names the file") {
+TEST_CASE("a run that diverged is shown as far as it has numbers; a damaged file is an error that names it") {
   const test::TemporaryFolder folder;
   write_result(folder / "r");
   std::string text = read_text_file(folder / "r/bodies.csv");
@@ -161,7 +161,7 @@ TEST_CASE("a report's summary may be given before it is written; only regular fi
     CHECK_MESSAGE(refused().find("symbolic link") != std::string::npos, name);
     std::filesystem::remove(file);
     REQUIRE(mkfifo(file.c_str(), 0600) == 0);
-    CHECK_MESSAGE(refused().find("not a regular file") != std::string::npos, name);  // and it does not wait for a writer
+    CHECK_MESSAGE(refused().find("not a regular file") != std::string::npos, name);  // and it does not block until a writer comes
     std::filesystem::remove(file);
     std::filesystem::rename(folder / "kept", file);
     CHECK(refused() == "");

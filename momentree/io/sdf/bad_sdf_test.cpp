@@ -1,4 +1,4 @@
-// Broken and hostile SDF: each is refused with its place, what is wrong, and how to mend it.
+// Broken and hostile SDF: each error is reported with its place and a hint.
 #include <string>
 #include <vector>
 
@@ -24,9 +24,9 @@ std::string joint(const std::string& name, const std::string& parent, const std:
   return "<joint name='" + name + "' type='" + type + "'>\n<parent>" + parent + "</parent>\n<child>" + child + "</child>\n" +
          more + "\n</joint>\n";
 }
-/// A link with this inertial in the fourth line.
+/// A link with this inertial on the fourth line.
 std::string inertial(const std::string& text) { return head + "<link name='a'>\n<inertial>" + text + "</inertial></link>" + end; }
-/// Two links and their joint, whose own words are on its fourth line, the eighth of the file.
+/// Two links and their joint, whose content `more` is on its fourth line, the eighth of the file.
 std::string joined(const std::string& more, const std::string& type = "revolute") {
   return head + a_link("a") + a_link("b") + joint("j", "a", "b", more, type) + end;
 }
@@ -47,22 +47,23 @@ void check(const std::vector<Case>& cases) {
 
 }  // namespace
 
-TEST_CASE("SDF: numbers that are none") {
+TEST_CASE("SDF: invalid numbers are refused") {
   check({
-      {inertial("<mass>nan</mass>" + inertia), "m.sdf:4:17: error: mass: 'nan' is no finite number"},
-      {inertial("<mass>-inf</mass>" + inertia), "m.sdf:4:17: error: mass: '-inf' is no finite number"},
-      {inertial("<mass>1e999</mass>" + inertia), "m.sdf:4:17: error: mass: '1e999' is outside the range of numbers"},
+      {inertial("<mass>nan</mass>" + inertia), "m.sdf:4:17: error: mass: 'nan' is not a finite number"},
+      {inertial("<mass>-inf</mass>" + inertia), "m.sdf:4:17: error: mass: '-inf' is not a finite number"},
+      {inertial("<mass>1e999</mass>" + inertia), "m.sdf:4:17: error: mass: '1e999' is out of range"},
       {inertial("<mass>1,5</mass>" + inertia),
-       "m.sdf:4:17: error: mass: '1,5' is no number; the decimal sign is a point; blanks stand between numbers"},
+       "m.sdf:4:17: error: mass: '1,5' is not a number; use a point as the decimal sign, and separate numbers by blanks"},
       {inertial("<mass>1.0kg</mass>" + inertia),
-       "m.sdf:4:17: error: mass: '1.0kg' is no number; no unit is written here: m, kg, s and what is made of them"},
+       "m.sdf:4:17: error: mass: '1.0kg' is not a number; units are not written here: values are in m, kg, s and units derived "
+       "from them"},
       {inertial("<mass>${m}</mass>" + inertia),
-       "m.sdf:4:17: error: mass: '${m}' is no number; is this a template? expand it first (xacro)"},
-      {inertial("<mass></mass>" + inertia),
-       "m.sdf:4:11: error: mass: expected 1 number, found none; blanks stand between numbers"},
+       "m.sdf:4:17: error: mass: '${m}' is not a number; is this a template? expand it first (xacro)"},
+      {inertial("<mass></mass>" + inertia), "m.sdf:4:11: error: mass: expected 1 number, found none; separate numbers by blanks"},
       {inertial("<mass>1 2</mass>" + inertia), "m.sdf:4:17: error: mass: expected 1 number, found 2"},
       {inertial("<mass>0x10</mass>" + inertia),
-       "m.sdf:4:17: error: mass: '0x10' is no number; no unit is written here: m, kg, s and what is made of them"},
+       "m.sdf:4:17: error: mass: '0x10' is not a number; units are not written here: values are in m, kg, s and units derived "
+       "from them"},
       {joined("<pose>1 2 3</pose>" + axis), "m.sdf:8:7: error: pose: expected 6 numbers, found 3"},
       {joined("<pose rotation_format='quat_xyzw'>0 0 0 0 0 0 2</pose>" + axis),
        "m.sdf:8:35: error: pose: the length of the quaternion is not 1; the order is x y z qx qy qz qw"},
@@ -74,7 +75,7 @@ TEST_CASE("SDF: numbers that are none") {
   });
 }
 
-TEST_CASE("SDF: masses and inertias that no body has") {
+TEST_CASE("SDF: impossible masses and inertias are refused") {
   check({
       {inertial("<mass>-1</mass>" + inertia), "m.sdf:4:17: error: mass: must not be negative"},
       {inertial("<mass>0</mass>" + inertia),
@@ -88,13 +89,13 @@ TEST_CASE("SDF: masses and inertias that no body has") {
       {inertial("<mass>1</mass><mass>2</mass>" + inertia),
        "m.sdf:4:25: error: a second <mass> in <inertial>: the first is on line 4; leave one of them out"},
       {head + "<link name='a'>\n<inertial auto='true'/></link>" + end,
-       "m.sdf:4:17: error: an inertia that is computed from collisions is not supported; give mass and inertia as numbers"},
+       "m.sdf:4:17: error: computing the inertia from collisions is not supported; give mass and inertia as numbers"},
       {inertial("<pose relative_to='b'>0 0 0 0 0 0</pose><mass>1</mass>" + inertia),
-       "m.sdf:4:30: error: the pose of an <inertial> is that in its link, and names no frame; leave the attribute out"},
+       "m.sdf:4:30: error: the pose of an <inertial> is relative to its link and cannot name a frame; leave the attribute out"},
   });
 }
 
-TEST_CASE("SDF: joints that can't be") {
+TEST_CASE("SDF: impossible joints are refused") {
   check({
       {joined("<axis><xyz>0 0 0</xyz></axis>"),
        "m.sdf:8:12: error: xyz: an axis of length zero has no direction; for example <xyz>0 0 1</xyz>"},
@@ -105,8 +106,8 @@ TEST_CASE("SDF: joints that can't be") {
       {joined("<axis><xyz expresed_in='a'>0 0 1</xyz></axis>"),
        "m.sdf:8:12: error: unknown attribute 'expresed_in' of <xyz>; did you mean 'expressed_in'?"},
       {joined("<axis><limit><lower>1</lower><upper>-1</upper></limit></axis>"),
-       "m.sdf:8:21: error: limit: 'lower' is more than 'upper'; swap them"},
-      {joined("<axis><limit><lower>nan</lower></limit></axis>"), "m.sdf:8:21: error: lower: 'nan' is no finite number"},
+       "m.sdf:8:21: error: limit: 'lower' is greater than 'upper'; swap them"},
+      {joined("<axis><limit><lower>nan</lower></limit></axis>"), "m.sdf:8:21: error: lower: 'nan' is not a finite number"},
       {joined("<axis><dynamics><damping>-1</damping></dynamics></axis>"), "m.sdf:8:26: error: damping: must not be negative"},
       {joined("<axis><dynamics><friction>-1</friction></dynamics></axis>"), "m.sdf:8:27: error: friction: must not be negative"},
       {joined("<axis><dynamics><spring_stiffness>-1</spring_stiffness></dynamics></axis>"),
@@ -121,10 +122,10 @@ TEST_CASE("SDF: joints that can't be") {
        "m.sdf:5:23: error: unknown type of joint 'floating'; one of: revolute continuous prismatic fixed ball universal "
        "revolute2 screw"},
       {joined(axis, "gearbox"),
-       "m.sdf:5:23: error: a gearbox couples two joints, which is not supported yet; leave it out: what it couples then moves by "
-       "itself"},
+       "m.sdf:5:23: error: a gearbox couples two joints, which is not supported yet; leave it out: the joints then move "
+       "independently"},
       {joined(axis + "<thread_pitch>0</thread_pitch>", "screw"),
-       "m.sdf:8:44: error: thread_pitch: 0 rad/m is no thread; it is in rad/m, and positive for a left-handed thread"},
+       "m.sdf:8:44: error: thread_pitch: 0 rad/m is not a thread; it is in rad/m, and positive for a left-handed thread"},
       {head + a_link("a") + "<joint name='j' type='fixed'/>" + end,
        "m.sdf:4:1: error: <joint> has no <parent>; for example <parent>base</parent>\nm.sdf:4:1: error: <joint> has no <child>; "
        "for example <child>base</child>"},
@@ -133,20 +134,21 @@ TEST_CASE("SDF: joints that can't be") {
   });
 }
 
-TEST_CASE("SDF: links and joints that are no tree") {
+TEST_CASE("SDF: links and joints that form no tree are refused") {
   check({
-      {head + a_link("a") + a_link("a") + end, "m.sdf:4:13: error: duplicate link 'a': it is the name of another on line 3"},
+      {head + a_link("a") + a_link("a") + end,
+       "m.sdf:4:13: error: duplicate link 'a': the name is already used by another on line 3"},
       {head + a_link("a") + a_link("b") + joint("b", "a", "b") + end,
-       "m.sdf:5:14: error: duplicate joint 'b': it is the name of the <link> on line 4"},
+       "m.sdf:5:14: error: duplicate joint 'b': the name is already used by the <link> on line 4"},
       {head + a_link("base") + a_link("b") + joint("j", "bass", "b") + end,
        "m.sdf:6:9: error: parent: there is no link, joint, frame or model 'bass' here; did you mean 'base'?"},
       {head + a_link("a") + joint("j", "a", "b") + end,
        "m.sdf:6:8: error: child: there is no link, joint, frame or model 'b' here"},
       {head + a_link("a") + joint("j", "a", "world") + end,
-       "m.sdf:6:8: error: child: the world is no joint's child; swap parent and child, and turn the axis about"},
+       "m.sdf:6:8: error: child: the world cannot be a joint's child; swap parent and child, and reverse the axis"},
       {head + a_link("a") + joint("j", "a", "a") + end, "m.sdf:6:8: error: joint 'j' joins link 'a' to itself"},
       {head + a_link("a") + a_link("b") + joint("j", "a", "b") + joint("k", "b", "a") + end,
-       "m.sdf:11:9: error: the joints go round in a circle: 'a' on 'b' on 'a'; a mechanism is a tree with a root; closed loops "
+       "m.sdf:11:9: error: the joints form a cycle: 'a' on 'b' on 'a'; a mechanism is a tree with a root; closed loops "
        "are not supported yet"},
       {head + a_link("a") + a_link("b") + a_link("c") + joint("j", "a", "c") + joint("k", "b", "c") + end,
        "m.sdf:13:8: error: link 'c' has two parents: joint 'k' joins it to 'b', and 'j' on line 6 to 'a'; a mechanism is a tree: "
@@ -164,26 +166,26 @@ TEST_CASE("SDF: links and joints that are no tree") {
       {"<sdf version='1.9'/>",
        "m.sdf:1:1: error: the file has no <model> and no <world>; for example <model name=\"arm\">, with its links"},
       {"<sdf version='1.9'><model name='a'/>\n<model name='b'/></sdf>",
-       "m.sdf:2:1: error: a second <model> beside that on line 1; put models into one <world>"},
+       "m.sdf:2:1: error: a second <model> in addition to that on line 1; put models into one <world>"},
       {"<sdf version='1.9'><world><model name='a'><static>1</static>" + a_link("a") + "</model>\n<model name='b'>" + a_link("b") +
            "</model>\n" + joint("j", "b::b", "a::a") + "</world></sdf>",
        "m.sdf:7:8: error: child: 'a::a' belongs to a static model: the joint would close a loop; swap parent and child, or make "
-       "the model no static one"},
+       "the model non-static"},
   });
 }
 
-TEST_CASE("SDF: names that can't be") {
+TEST_CASE("SDF: invalid names are refused") {
   check({
       {head + "<link>" + mass + "</link>" + end, "m.sdf:3:1: error: <link> has no 'name'; for example name=\"upper_arm\""},
-      {head + a_link("") + end, "m.sdf:3:13: error: name: a link cannot be named '': that is no name"},
+      {head + a_link("") + end, "m.sdf:3:13: error: name: a link cannot be named '': it is empty"},
       {head + a_link("a/b") + end,
-       "m.sdf:3:13: error: name: a link cannot be named 'a/b': it has a character that names do not have; not in a name: / , \" "
-       "* and control characters"},
-      {head + a_link("world") + end, "m.sdf:3:13: error: name: a link cannot be named 'world': the format keeps that for itself"},
+       "m.sdf:3:13: error: name: a link cannot be named 'a/b': it has a character that is not allowed; a name has no / , \" * "
+       "and no control characters"},
+      {head + a_link("world") + end, "m.sdf:3:13: error: name: a link cannot be named 'world': the format reserves that name"},
       {head + a_link("__model__") + end,
-       "m.sdf:3:13: error: name: a link cannot be named '__model__': the format keeps that for itself"},
+       "m.sdf:3:13: error: name: a link cannot be named '__model__': the format reserves that name"},
       {head + a_link("a::b") + end,
-       "m.sdf:3:13: error: name: a link cannot be named 'a::b': '::' stands between the names of a model and its parts"},
+       "m.sdf:3:13: error: name: a link cannot be named 'a::b': '::' separates the names of a model and its parts"},
       {head + "<link nmae='a'>" + mass + "</link>" + end,
        "m.sdf:3:1: error: <link> has no 'name'; for example name=\"upper_arm\"\nm.sdf:3:7: error: unknown attribute 'nmae' of "
        "<link>; did you mean 'name'?"},
@@ -192,23 +194,23 @@ TEST_CASE("SDF: names that can't be") {
   });
 }
 
-TEST_CASE("SDF: frames that lead nowhere") {
+TEST_CASE("SDF: frames that are not attached are refused") {
   check({
       {head + a_link("a", "<pose relative_to='b'/>") + end,
        "m.sdf:3:125: error: pose: there is no link, joint, frame or model 'b' here"},
       {head + a_link("a", "<pose relative_to='world'/>") + end,
-       "m.sdf:3:125: error: pose: there is no link, joint, frame or model 'world' here; within a model only a joint's parent is "
-       "the world"},
+       "m.sdf:3:125: error: pose: there is no link, joint, frame or model 'world' here; within a model only a joint's parent can "
+       "be the world"},
       {head + a_link("a", "<pose relative_to='b'/>") + a_link("b", "<pose relative_to='a'/>") + end,
-       "m.sdf:3:13: error: frames go round in a circle: 'a' relative to 'b' relative to 'a'; one of them must lead to the model"},
+       "m.sdf:3:13: error: frames form a cycle: 'a' relative to 'b' relative to 'a'; one of them must lead to the model"},
       {head + a_link("a", "<pose relative_to='a'/>") + end,
-       "m.sdf:3:13: error: frames go round in a circle: 'a' relative to 'a'; one of them must lead to the model"},
+       "m.sdf:3:13: error: frames form a cycle: 'a' relative to 'a'; one of them must lead to the model"},
       {head + a_link("a") + "<frame name='f' attached_to='g'/>\n<frame name='g' attached_to='f'/>" + end,
-       "m.sdf:4:14: error: frames go round in a circle: 'f' attached to 'g' attached to 'f'; one of them must lead to the model"},
+       "m.sdf:4:14: error: frames form a cycle: 'f' attached to 'g' attached to 'f'; one of them must lead to the model"},
       {head + a_link("a") + "<frame name='f' attached_to='b'/>" + end,
        "m.sdf:4:30: error: attached_to: there is no link, joint, frame or model 'b' here"},
       {head + a_link("a") + "<frame name='a'/>" + end,
-       "m.sdf:4:14: error: duplicate frame 'a': it is the name of the <link> on line 3"},
+       "m.sdf:4:14: error: duplicate frame 'a': the name is already used by the <link> on line 3"},
       {"<sdf version='1.9'><model name='m' placement_frame='b' canonical_link='c'>" + a_link("a") + end,
        "m.sdf:1:72: error: canonical_link: there is no link, joint, frame or model 'c' here"},
       {head + a_link("a", "<pose frame='b'/>") + end,
@@ -218,7 +220,7 @@ TEST_CASE("SDF: frames that lead nowhere") {
   });
 }
 
-TEST_CASE("SDF: what is no SDF, or none that is read") {
+TEST_CASE("SDF: files that are not SDF, or of an unsupported version, are refused") {
   check({
       {"", "m.sdf:1:1: error: the file is empty: there is no element in it"},
       {"<sfd/>", "m.sdf:1:1: error: no model begins with '<sfd>'; did you mean <sdf>?"},
@@ -227,7 +229,8 @@ TEST_CASE("SDF: what is no SDF, or none that is read") {
        "m.sdf:5:1: error: something follows the end of the document; a file holds one root element"},
       {head + "\xff" + end, "m.sdf:3:1: error: the text is not UTF-8; save the file with the encoding UTF-8"},
       {"<!DOCTYPE sdf [<!ENTITY a SYSTEM 'file:///etc/passwd'>]>\n" + head + a_link("&a;") + end,
-       "m.sdf:1:1: error: a document type (<!DOCTYPE …>) is not read: no entity is declared, expanded or fetched; leave it out: "
+       "m.sdf:1:1: error: a document type (<!DOCTYPE …>) is not supported: no entity is declared, expanded or fetched; leave it "
+       "out: "
        "a model needs none"},
       {"<sdf></sdf>",
        "m.sdf:1:1: error: <sdf> has no 'version'; versions 1.4 to 1.10 are read, for example version=\"1.9\"\nm.sdf:1:1: error: "
@@ -258,27 +261,27 @@ TEST_CASE("SDF: meshes elsewhere") {
        "out"},
       {mesh("..\\x.stl"),
        "m.sdf:3:144: error: mesh '..\\x.stl' is not in the model's folder or below it; copy it there, or leave it out"},
-      {mesh(""), "m.sdf:3:139: error: a mesh has no file's name"},
+      {mesh(""), "m.sdf:3:139: error: a mesh has no file name"},
   });
 }
 
-TEST_CASE("SDF: all problems of a file come at once, and no more of them than can be read") {
+TEST_CASE("SDF: all problems of a file are reported at once, up to a readable number") {
   std::string text = head;
   for (int i = 0; i < 1000; ++i) text += "<link name='a'><inertial><mass>x</mass></inertial></link>\n";
   const ReadResult result = read_scenario_text(text + end, "m.sdf");
   CHECK(!result.scenario);
   CHECK(result.diagnostics.size() == 102);  // one of them a warning
-  CHECK(said(result, Severity::error).ends_with("m.sdf: error: and 1 errors more or as yet unseen"));
+  CHECK(said(result, Severity::error).ends_with("m.sdf: error: and 1 or more further errors"));
 }
 
-TEST_CASE("SDF: models in each other without end") {
+TEST_CASE("SDF: endlessly nested models are refused") {
   std::string open, close;
   for (int k = 0; k < 150; ++k) open += "<model name='m'>\n", close += "</model>";
   CHECK(errors_of("<sdf version='1.9'>" + open + a_link("a") + close + "</sdf>", "m.sdf") ==
         "m.sdf:102:1: error: models are nested more than 100 deep; no mechanism needs that");
 }
 
-TEST_CASE("SDF: a chain of 100,000 links that stand in each other's frames is read in linear time, and so are its faults") {
+TEST_CASE("SDF: a chain of 100,000 links in each other's frames is read in linear time, and so are its errors") {
   const auto chain = [](int links, const std::string& first) {
     std::string text = head;
     for (int k = 0; k < links; ++k) {
@@ -295,6 +298,5 @@ TEST_CASE("SDF: a chain of 100,000 links that stand in each other's frames is re
   CHECK(result.scenario->model.size() == 100'000);
   CHECK(result.scenario->model[{99'999}].at.position == momentree::Vec3{1, 0, 0});
   const std::string circle = errors_of(chain(100'000, "<pose relative_to='l99999'/>"), "m.sdf");
-  CHECK(circle.find("frames go round in a circle: 'l0' relative to 'l99999' relative to 'j99999' relative to") !=
-        std::string::npos);
+  CHECK(circle.find("frames form a cycle: 'l0' relative to 'l99999' relative to 'j99999' relative to") != std::string::npos);
 }

@@ -1,4 +1,4 @@
-// Links and joints as bodies: the tree, what a joint has in the frames of the two links that it joins, what is static.
+// Converts links and joints into bodies: the tree, the joints in the frames of their two links, static models.
 #include <cmath>
 #include <unordered_set>
 #include <utility>
@@ -68,7 +68,7 @@ class Builder {
         joint.parent = frames_.link_of(parent);
       }
       if (joint.child < 0) {
-        frames_.error(part.child_spot, "child: " + in_quotes(part.child) + " stands still in the world", "swap parent and child");
+        frames_.error(part.child_spot, "child: " + in_quotes(part.child) + " is fixed in the world", "swap parent and child");
         continue;
       }
       if (is_static(joint.child)) {
@@ -78,7 +78,7 @@ class Builder {
         }
         frames_.error(part.child_spot,
                       "child: " + in_quotes(part.child) + " belongs to a static model: the joint would close a loop",
-                      "swap parent and child, or make the model no static one");
+                      "swap parent and child, or make the model non-static");
         continue;
       }
       NamedJoint ends;
@@ -163,7 +163,7 @@ class Builder {
     body.floats = true;
   }
 
-  // <mimic> of later versions.
+  // <mimic> of newer versions.
   void follow(const LinkTree& tree) {
     std::unordered_map<std::string_view, int> body_of_joint;
     for (std::size_t link = 0; link < links_.size(); ++link)

@@ -43,7 +43,8 @@ int Frames::add(int scope, const std::string& name, XmlElement element, const Po
   return static_cast<int>(frames_.size()) - 1;
 }
 
-// Links, joints, frames and models share their names; before 1.7 only those of one kind do, and a link goes before a joint.
+// Links, joints, frames and models share one namespace; before 1.7 only those of the same type do, and a link takes precedence
+// over a joint.
 void Frames::note_name(int scope, const std::string& name, int frame) {
   const auto [first, fresh] = scopes_[at(scopes_[at(scope)].names)].frames.emplace(name, frame);
   if (fresh) return;
@@ -52,7 +53,7 @@ void Frames::note_name(int scope, const std::string& name, int frame) {
   XmlFile& file = import_.file_of(one.element);
   const bool elsewhere = !file.has(other.element);
   error(name_spot(other.element), "duplicate " + std::string(other.element.name()) + " " + in_quotes(name) +
-                                      ": it is the name of " +
+                                      ": the name is already used by " +
                                       (one.element.name() == other.element.name() ? "another" : "the " + one.element.tag()) +
                                       " on " + file.line_of(one.element) + (elsewhere ? " of " + in_quotes(file.path()) : ""));
 }
@@ -117,7 +118,7 @@ int Frames::look_up(int scope, const std::string& name, const XmlLocation& locat
     for (const auto& [each, frame] : names) known.emplace_back(each);
   std::sort(known.begin(), known.end());
   std::string hint = did_you_mean(name, known);
-  if (hint.empty() && name == "world") hint = "within a model only a joint's parent is the world";
+  if (hint.empty() && name == "world") hint = "within a model only a joint's parent can be the world";
   error(location, std::string(what) + ": there is no link, joint, frame or model " + in_quotes(name) + " here", hint);
   return Frame::unknown;
 }
@@ -126,7 +127,7 @@ int Frames::base(int scope, const FramedPose& pose, int otherwise) {
   return pose.relative_to.empty() ? otherwise : look_up(scope, pose.relative_to, pose.location, "pose");
 }
 
-// What each frame is relative to, and attached to.
+// Determines what each frame is relative to, and attached to.
 void Frames::relate() {
   for (int s = 0; s < static_cast<int>(scopes_.size()); ++s) {
     const Scope& scope = scopes_[at(s)];
@@ -136,9 +137,9 @@ void Frames::relate() {
     if (scope.parent >= 0) {
       own.relative_to = base(scope.parent, nested->pose, scopes_[at(scope.parent)].own_frame);
     } else if (!part.pose.relative_to.empty()) {
-      error(part.pose.location, "pose: the outermost model is placed in the world, and in no other frame");
+      error(part.pose.location, "pose: the outermost model can be placed only in the world");
     }
-    // Its canonical link: the one that it names, its first, or that of its first model.
+    // Its canonical link: the one that it names, its first link, or that of its first model.
     if (!part.canonical_link.empty())
       own.attached_to = look_up(s, part.canonical_link, part.canonical_spot, "canonical_link");
     else if (!part.links.empty())
@@ -160,7 +161,7 @@ void Frames::relate() {
       Frame& frame = frames_[at(scope.first_joint) + i];
       const JointPart& each = part.joints[i];
       if (each.child == "world") {
-        error(each.child_spot, "child: the world is no joint's child", "swap parent and child, and turn the axis about");
+        error(each.child_spot, "child: the world cannot be a joint's child", "swap parent and child, and reverse the axis");
         continue;
       }
       frame.attached_to = look_up(s, each.child, each.child_spot, "child");
@@ -178,7 +179,7 @@ void Frames::report_circle(int start, bool attached) {
     if (f == start) break;
   }
   names += shown > 8 ? "…" : in_quotes(*frames_[at(start)].name);
-  error(name_spot(frames_[at(start)].element), "frames go round in a circle: " + names, "one of them must lead to the model");
+  error(name_spot(frames_[at(start)].element), "frames form a cycle: " + names, "one of them must lead to the model");
 }
 
 namespace {
@@ -200,7 +201,7 @@ void Frames::check_attachments() {
   }
 }
 
-// A placement frame stands where the model's pose says: its model's own frame follows from that. Inner models first.
+// A placement frame is at the model's pose: the model's own frame follows from that. Inner models first.
 void Frames::place_models() {
   for (int s = static_cast<int>(scopes_.size()); s-- > 0;) {
     const Scope& scope = scopes_[at(s)];
@@ -217,7 +218,7 @@ void Frames::place_models() {
     }
     if (f != scope.own_frame) {
       error(nested ? nested->placement_spot : scope.part->placement_spot,
-            "placement_frame: the place of " + in_quotes(name) + " does not follow from the model's",
+            "placement_frame: the place of " + in_quotes(name) + " is not determined by the model's",
             "it must be relative to the model or one of its parts");
       continue;
     }
@@ -251,7 +252,7 @@ int Frames::link_of(int frame) const {
   return frame;
 }
 
-// As the file says it, where it does: nothing is lost to rounding then.
+// As written in the file, if possible, to avoid rounding errors.
 Pose Frames::between(int a, int b) const {
   const Frame &from = frames_[at(a)], &to = frames_[at(b)];
   if (a == b) return {};

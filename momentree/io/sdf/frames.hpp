@@ -1,5 +1,5 @@
 #pragma once
-// The frames of all models and what they hang on: names become numbers, placements poses. Internal to the importer.
+// The frames of all models and how they are attached: names become indices, placements become poses. Internal to the importer.
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -9,15 +9,15 @@
 
 namespace momentree::io::sdf {
 
-/// A model as often as it occurs, or the world.
+/// One instance of a model, or the world.
 struct Scope {
   const ModelPart* part = nullptr;
-  int parent = -1;     ///< the scope that holds it
-  int names = -1;      ///< the scope that its names are in: its own, or where it was merged to
-  int own_frame = -1;  ///< its __model__, or the world's frame
-  int first_link = -1, first_frame = -1, first_joint = -1;  ///< frames of its parts follow one another
+  int parent = -1;     ///< the enclosing scope
+  int names = -1;      ///< the scope of its names: its own, or the one that it was merged into
+  int own_frame = -1;  ///< its __model__ frame, or the world's frame
+  int first_link = -1, first_frame = -1, first_joint = -1;  ///< the frames of its parts are contiguous
   bool is_static = false;
-  std::string prefix;                                  ///< of its parts' full names: "a::b::"
+  std::string prefix;                                  ///< of the full names of its parts: "a::b::"
   std::unordered_map<std::string_view, int> frames;    ///< by name
   std::unordered_map<std::string_view, int> scopes{};  ///< nested models by name
 };
@@ -26,8 +26,8 @@ struct Frame {
   static constexpr int nothing = -1, unknown = -2;
   int scope = -1;
   int relative_to = nothing;
-  int attached_to = nothing;  ///< for frames that are no link's
-  int link = nothing;         ///< the number of the link that it is
+  int attached_to = nothing;  ///< for frames that do not belong to a link
+  int link = nothing;         ///< the index of the link with this frame
   Pose pose{};                ///< in `relative_to`
   Pose placed{};              ///< in the outermost frame
   const std::string* name = nullptr;
@@ -36,7 +36,7 @@ struct Frame {
 
 class Frames {
  public:
-  /// Reports in the files where names are unknown or given twice, and where frames go round in a circle; sound() is false then.
+  /// Reports unknown and duplicate names, and cycles of frames, in the files; sound() is then false.
   Frames(const ModelPart& outermost, Import& import);
 
   bool sound() const { return sound_; }
@@ -44,13 +44,13 @@ class Frames {
   const Frame& frame(int index) const { return frames_[static_cast<std::size_t>(index)]; }
   std::size_t links() const { return links_; }
 
-  /// The frame of that name as a scope knows it; `unknown` where there is none.
+  /// The frame of that name in a scope; `unknown` if there is none.
   int find(int scope, std::string_view name) const;
-  /// The same, with a report at `at`.
+  /// Like find(), with a report at `at` if there is none.
   int look_up(int scope, const std::string& name, const XmlLocation& at, const char* what);
   /// The frame of the link that a frame moves with; `nothing`: the world.
   int link_of(int frame) const;
-  /// Where frame b stands in frame a.
+  /// The pose of frame b in frame a.
   Pose between(int a, int b) const;
   void error(const XmlLocation& at, std::string what, std::string hint = {});
 

@@ -1,4 +1,4 @@
-// <include>: a model from another file in the folder, as it is written there but for its name, place and static.
+// <include>: a model from another file in the folder, unchanged except for its name, pose and static flag.
 #include <filesystem>
 
 #include <momentree/io/sdf/parts.hpp>
@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The path without model:// and the like; nothing, with a report, where it is no file of this machine.
+// The path without model:// and the like; nothing, with a report, if it is not a local file.
 std::optional<std::string> path_of(const std::string& uri, const XmlLocation& location, XmlFile& file) {
   const std::size_t colon = uri.find("://");
   if (colon == std::string::npos) return uri;
@@ -19,7 +19,7 @@ std::optional<std::string> path_of(const std::string& uri, const XmlLocation& lo
   return {};
 }
 
-// In a folder of a model, its description says which file is which version's.
+// The file of a model's folder: the folder's description lists the files and their SDF versions.
 std::string file_of_folder(const std::string& folder, const XmlLocation& location, Reading& reading, XmlFile& file) {
   const std::string config = (fs::path(folder) / "model.config").generic_string();
   std::string best = "model.sdf";
@@ -39,7 +39,7 @@ std::string file_of_folder(const std::string& folder, const XmlLocation& locatio
   return (fs::path(folder) / best).generic_string();
 }
 
-// Beside the file that includes it, or from the model's folder on.
+// Searched next to the including file, then in the model's folder.
 XmlElement open(const std::string& uri, const XmlLocation& location, Reading& reading, XmlFile& file) {
   Import& import = reading.import;
   const auto path = path_of(uri, location, file);
@@ -78,8 +78,8 @@ std::optional<NestedPart> read_include(XmlElement element, const ModelPart& into
       file.error({child}, "<experimental:params> changes the included model, which is not supported", "change a copy of it");
   fields.finish();
   if (!uri) return {};
-  if (nested.merged && into.is_world) file.error(merge, "merge: a world takes no model's parts into itself", "leave merge out");
-  if (placement && !placed) file.error(nested.placement_spot, "<placement_frame> places nothing without <pose>", "give a <pose>");
+  if (nested.merged && into.is_world) file.error(merge, "merge: a world cannot merge the parts of a model", "leave merge out");
+  if (placement && !placed) file.error(nested.placement_spot, "<placement_frame> has no effect without <pose>", "give a <pose>");
 
   const XmlElement root = open(*uri, uri_spot, reading, file);
   if (!root) return {};
@@ -94,12 +94,12 @@ std::optional<NestedPart> read_include(XmlElement element, const ModelPart& into
       std::string circle;
       for (std::size_t k = i; k < reading.open.size(); ++k)
         circle += (k == i ? "" : " – ") + in_quotes(fs::path(reading.open[k]->path()).filename().string());
-      file.error(uri_spot, "include: files include each other in a circle: " + circle, "leave one of them out");
+      file.error(uri_spot, "include: files include each other in a cycle: " + circle, "leave one of them out");
       reading.open.pop_back();
       return {};
     }
     if (root.name() != "sdf")
-      other.error({root}, "an SDF includes SDF alone, not " + in_quotes(root.tag()), "convert it (gz sdf -p)");
+      other.error({root}, "an SDF can include only SDF, not " + in_quotes(root.tag()), "convert it (gz sdf -p)");
     else
       nested.model = read_root(root, reading, other, true, depth);
     reading.open.pop_back();
@@ -109,7 +109,7 @@ std::optional<NestedPart> read_include(XmlElement element, const ModelPart& into
   const ModelPart& model = *nested.model;
   nested.name = name && !name->empty() ? *name : model.name;
   if (name && name->find("::") != std::string::npos)
-    file.error(name_spot, "name: '::' stands between the names of a model and its parts");
+    file.error(name_spot, "name: '::' separates the names of a model and its parts");
   nested.is_static = is_static.value_or(model.is_static);
   nested.placement_frame = placement.value_or(model.placement_frame);
   if (!placement) nested.placement_spot = model.placement_spot;

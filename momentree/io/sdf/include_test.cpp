@@ -1,4 +1,4 @@
-// Files that include others: names, places, copies, what stays in the folder and what goes round in a circle.
+// Files that include others: names, poses, copies, folder limits and cycles.
 #include <filesystem>
 
 #include <doctest/doctest.h>
@@ -87,13 +87,13 @@ TEST_CASE("SDF: a merged model's parts are the including model's own") {
   REQUIRE(model.size() == 3);
   CHECK(start_of(model, "a") == Vec3{1, 0, 0});
   CHECK(model[model.joint("m/j")].at.position == Vec3{0, 0, 1});
-  CHECK(norm(model[model.joint("m/j")].joint.axis - Vec3{1, 0, 0}) < 1e-15);  // of the arm's frame, which was turned with it
+  CHECK(norm(model[model.joint("m/j")].joint.axis - Vec3{1, 0, 0}) < 1e-15);  // in the arm's frame, which was rotated with it
   CHECK(model[model[model.joint("m/k")].parent].name == "m/b");
   folder.write("m.sdf", sdf("<include merge='true'><uri>arm.sdf</uri></include>" + a_link("a")));
-  CHECK(folder.errors() == "arm.sdf:1:50: error: duplicate link 'a': it is the name of another on line 3 of 'm.sdf'");
+  CHECK(folder.errors() == "arm.sdf:1:50: error: duplicate link 'a': the name is already used by another on line 3 of 'm.sdf'");
 }
 
-TEST_CASE("SDF: files are named beside the file that includes them, or from the model's folder on; folders by their model") {
+TEST_CASE("SDF: files are named relative to the including file or to the model's folder; folders by their model") {
   Folder folder;
   const auto model = [](const std::string& inside) { return "<sdf version='1.9'><model name='n'>" + inside + "</model></sdf>"; };
   folder.write("m.sdf", sdf(include("parts/arm.sdf") + include("model://hand")));
@@ -111,7 +111,7 @@ TEST_CASE("SDF: files are named beside the file that includes them, or from the 
   CHECK(all.has_body("m/hand::palm"));
 }
 
-TEST_CASE("SDF: includes that can't be are refused where they stand") {
+TEST_CASE("SDF: impossible includes are refused with their places") {
   Folder folder;
   const auto errors = [&](const std::string& inside) {
     folder.write("m.sdf", sdf(inside));
@@ -129,30 +129,30 @@ TEST_CASE("SDF: includes that can't be are refused where they stand") {
   CHECK(errors(include("")) == "m.sdf:3:10: error: include: the name of a file is missing");
   CHECK(errors("<include/>") == "m.sdf:3:1: error: <include> has no <uri>; for example <uri>arm.sdf</uri>");
   CHECK(errors(include("m.sdf")) ==
-        "m.sdf:3:15: error: include: files include each other in a circle: 'm.sdf' – 'm.sdf'; leave one of them out");
+        "m.sdf:3:15: error: include: files include each other in a cycle: 'm.sdf' – 'm.sdf'; leave one of them out");
   folder.write("a.sdf", sdf(include("b.sdf")));
   folder.write("b.sdf", sdf(include("a.sdf")));
   CHECK(errors(include("a.sdf")) ==
-        "b.sdf:3:15: error: include: files include each other in a circle: 'a.sdf' – 'b.sdf' – 'a.sdf'; leave one of them out");
+        "b.sdf:3:15: error: include: files include each other in a cycle: 'a.sdf' – 'b.sdf' – 'a.sdf'; leave one of them out");
   folder.write("robot.urdf", "<robot name='r'/>");
   CHECK(errors(include("robot.urdf")) ==
-        "robot.urdf:1:1: error: an SDF includes SDF alone, not '<robot>'; convert it (gz sdf -p)");
+        "robot.urdf:1:1: error: an SDF can include only SDF, not '<robot>'; convert it (gz sdf -p)");
   folder.write("a.sdf", "<sdf version='1.9'>\n" + a_link("x") + "</sdf>");
   CHECK(errors(include("a.sdf")) ==
         "a.sdf:1:1: error: the included file has no <model>; for example <model name=\"arm\">, with its links");
   folder.write("a.sdf", sdf("<link name='a'><inertial><mass>x</mass></inertial></link>"));
-  CHECK(errors(include("a.sdf") + include("a.sdf", "<name>n</name>")) == "a.sdf:3:32: error: mass: 'x' is no number");
+  CHECK(errors(include("a.sdf") + include("a.sdf", "<name>n</name>")) == "a.sdf:3:32: error: mass: 'x' is not a number");
   folder.write("a.sdf", sdf(a_link("a")));
   CHECK(errors(include("a.sdf") + include("a.sdf")) ==
-        "m.sdf:4:1: error: duplicate include 'm': it is the name of another on line 3");
+        "m.sdf:4:1: error: duplicate include 'm': the name is already used by another on line 3");
   CHECK(errors(include("a.sdf", "<placement_frame>a</placement_frame>")) ==
-        "m.sdf:3:43: error: <placement_frame> places nothing without <pose>; give a <pose>");
-  // A model that a text describes names no files.
+        "m.sdf:3:43: error: <placement_frame> has no effect without <pose>; give a <pose>");
+  // A model read from text cannot name files.
   CHECK(errors_of(sdf(include("a.sdf")), "m.sdf") ==
-        "m.sdf:3:15: error: include: a model that is read from a text names no files; read it from its file");
+        "m.sdf:3:15: error: include: a model read from text cannot name files; read it from its file");
 }
 
-TEST_CASE("SDF: files that double each other end at a bound, and cost nothing") {
+TEST_CASE("SDF: files that double each other are stopped at a limit, at no cost") {
   Folder folder;
   for (int k = 0; k < 40; ++k) {
     const std::string next = "f" + std::to_string(k + 1) + ".sdf";
@@ -161,7 +161,7 @@ TEST_CASE("SDF: files that double each other end at a bound, and cost nothing") 
   }
   folder.write("f40.sdf", sdf(a_link("a")));
   const std::string errors = folder.errors();
-  CHECK(
-      errors.find("more than 1000000 links or 100000 models, with those of included files; do files include each other again and "
-                  "again?") != std::string::npos);
+  CHECK(errors.find(
+            "more than 1000000 links or 100000 models, with those of included files; do files include each other repeatedly?") !=
+        std::string::npos);
 }

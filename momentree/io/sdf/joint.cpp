@@ -22,7 +22,7 @@ constexpr Type types[] = {{"revolute", Kind::revolute, 1, true},   {"continuous"
 const Type* read_type(XmlFields& fields, XmlFile& file) {
   if (fields.string("type") == "gearbox") {
     file.error(fields.location("type"), "a gearbox couples two joints, which is not supported yet",
-               "leave it out: what it couples then moves by itself");
+               "leave it out: the joints then move independently");
     return nullptr;
   }
   std::vector<std::string> names;
@@ -58,10 +58,10 @@ void read_limit(XmlElement element, const Type& type, AxisPart& axis, XmlFile& f
   texts.fields.finish();
   if (!type.limited) return;
   if (lower > upper) {
-    file.error(at, "limit: 'lower' is more than 'upper'", "swap them");
+    file.error(at, "limit: 'lower' is greater than 'upper'", "swap them");
   } else if (lower == upper) {
-    file.once(Severity::warning, "the limits of this joint are equal: it could not move; they are not taken up",
-              "a joint that does not move is type=\"fixed\"", {element});
+    file.once(Severity::warning, "the limits of this joint are equal: it could not move; they are ignored",
+              "use type=\"fixed\" for a joint that does not move", {element});
   } else {
     axis.lower = lower;
     axis.upper = upper;
@@ -94,10 +94,10 @@ AxisPart read_axis(XmlElement element, const Type& type, Version version, XmlFil
       file.error(axis.location, "xyz: an axis of length zero has no direction", "for example <xyz>0 0 1</xyz>");
       axis.xyz = {0, 0, 1};
     } else if (std::fabs(length - 1) > 1e-3) {
-      file.once(Severity::note, "an axis is not of length 1: it is taken as a direction", "", axis.location);
+      file.once(Severity::note, "the length of an axis is not 1: only its direction is used", "", axis.location);
     }
   }
-  // Axes were those of the model until 1.4, and by choice until 1.6.
+  // Until 1.4, axes are in the model's frame; until 1.6 optionally.
   if (version.minor <= 4) {
     axis.expressed_in = "__model__";
   } else if (!version.frames()) {
@@ -119,11 +119,11 @@ void read_pitch(Texts& texts, JointPart& joint, XmlFile& file) {
   if (pitch) {
     joint.pitch = *pitch;
   } else if (old && *old == 0) {
-    file.error(location, "thread_pitch: 0 rad/m is no thread", "it is in rad/m, and positive for a left-handed thread");
+    file.error(location, "thread_pitch: 0 rad/m is not a thread", "it is in rad/m, and positive for a left-handed thread");
   } else if (old) {
-    joint.pitch = -2 * std::numbers::pi / *old;  // rad/m of a left-handed thread, by which Gazebo has read it
+    joint.pitch = -2 * std::numbers::pi / *old;  // rad/m of a left-handed thread, which is how Gazebo reads it
   } else if (!texts.fields.child("thread_pitch") && !texts.fields.child("screw_thread_pitch")) {
-    file.warning({joint.element}, "a screw without <screw_thread_pitch>: by the format it is 1 m per turn");
+    file.warning({joint.element}, "a screw without <screw_thread_pitch>: the format's default is 1 m per turn");
   }
 }
 
@@ -148,7 +148,7 @@ JointPart read_joint(XmlElement element, Version version, XmlFile& file) {
   constexpr const char* names[] = {"axis", "axis2"};
   for (int i = 0; i < 2; ++i) {
     if (!type || i >= type->axes) {
-      fields.known_children({names[i]});  // of no meaning there, and often written
+      fields.known_children({names[i]});  // meaningless there, but common
     } else if (const XmlElement axis = fields.require_child(
                    names[i], "for example <" + std::string(names[i]) + "><xyz>0 0 1</xyz></" + names[i] + ">")) {
       joint.axes[static_cast<std::size_t>(i)] = read_axis(axis, *type, version, file);

@@ -14,7 +14,8 @@ void read_inertia(XmlElement inertia, const Quat& axes, LinkPart& link, XmlFile&
   const auto moment = [&](const char* name) {
     if (const auto value = texts.number(name)) return *value;
     if (!texts.fields.child(name))
-      file.once(Severity::warning, "<inertia> has no <" + std::string(name) + ">: by the format it is 1 kg m²", "", {inertia});
+      file.once(Severity::warning, "<inertia> has no <" + std::string(name) + ">: the format's default is 1 kg m²", "",
+                {inertia});
     return 1.0;
   };
   m.xx = moment("ixx"), m.yy = moment("iyy"), m.zz = moment("izz");
@@ -28,25 +29,27 @@ void read_inertial(XmlElement inertial, Version version, LinkPart& link, XmlFile
   const std::size_t errors = file.out().errors();
   Texts texts(inertial, file);
   if (texts.fields.boolean("auto").value_or(false))
-    file.error(texts.fields.location("auto"), "an inertia that is computed from collisions is not supported",
+    file.error(texts.fields.location("auto"), "computing the inertia from collisions is not supported",
                "give mass and inertia as numbers");
   const FramedPose pose = read_pose(texts.fields, version, file);
   if (!pose.relative_to.empty())
-    file.error(pose.location, "the pose of an <inertial> is that in its link, and names no frame", "leave the attribute out");
+    file.error(pose.location, "the pose of an <inertial> is relative to its link and cannot name a frame",
+               "leave the attribute out");
   link.com = pose.pose.position;
   if (const auto mass = texts.not_negative("mass"))
     link.mass = *mass;
   else if (!texts.fields.child("mass"))
-    file.once(Severity::warning, "<inertial> has no <mass>: by the format it is 1 kg", "", {inertial});
+    file.once(Severity::warning, "<inertial> has no <mass>: the format's default is 1 kg", "", {inertial});
   if (const XmlElement inertia = texts.fields.child("inertia"))
     read_inertia(inertia, pose.pose.rotation, link, file);
   else
-    file.once(Severity::warning, "<inertial> has no <inertia>: by the format it is 1 kg m² about every axis", "", {inertial});
+    file.once(Severity::warning, "<inertial> has no <inertia>: the format's default is 1 kg m² about every axis", "", {inertial});
   if (const XmlElement added = texts.fields.child("fluid_added_mass"))
-    file.once(Severity::warning, "<fluid_added_mass> is ignored: there is no fluid here", "", {added});
+    file.once(Severity::warning, "<fluid_added_mass> is ignored: fluids are not simulated", "", {added});
   texts.fields.leave_out({"density", "auto_inertia_params"}, "");
   texts.fields.finish();
-  if (errors != file.out().errors()) link.mass = 1, link.inertia = diagonal(1);  // reported: no more to say about them
+  // reported already: use values that cause no further messages
+  if (errors != file.out().errors()) link.mass = 1, link.inertia = diagonal(1);
 }
 
 double positive(Texts& texts, const char* name, XmlElement of, XmlFile& file) {
@@ -134,12 +137,12 @@ void read_visual(XmlElement visual, Version version, LinkPart& link, Import& imp
   link.shapes.push_back(std::move(shape));
 }
 
-// What moves a link otherwise than masses and joints do.
+// Warns of settings by which a link moves differently than by masses and joints.
 void warn_of_special(Texts& texts, XmlFile& file) {
   if (!texts.boolean("gravity").value_or(true))
     file.once(Severity::warning, "<gravity> of a link is ignored: gravity acts on every body", "", texts.location());
   if (texts.boolean("kinematic").value_or(false))
-    file.once(Severity::warning, "<kinematic> is ignored: the link moves as its masses do", "", texts.location());
+    file.once(Severity::warning, "<kinematic> is ignored: the link moves dynamically", "", texts.location());
   if (const XmlElement decay = texts.fields.child("velocity_decay")) {
     Texts rates(decay, file);
     const double linear = rates.number("linear").value_or(0), angular = rates.number("angular").value_or(0);
@@ -163,13 +166,13 @@ LinkPart read_link(XmlElement element, Version version, Import& import, XmlFile&
     link.inertial = inertial;
     read_inertial(inertial, version, link, file);
   } else {
-    file.once(Severity::warning, "a link without <inertial>: by the format its mass is 1 kg, its inertia 1 kg m²",
-              "a light one needs small numbers", {element});
+    file.once(Severity::warning, "a link without <inertial>: the format's defaults are a mass of 1 kg and an inertia of 1 kg m²",
+              "give a light link small numbers", {element});
   }
   for (const XmlElement visual : fields.children("visual")) read_visual(visual, version, link, import, file);
   warn_of_special(texts, file);
   fields.known_children({"self_collide", "enable_wind", "must_be_base_link"});
-  fields.leave_out({"collision"}, "bodies do not touch here");
+  fields.leave_out({"collision"}, "contact is not simulated");
   fields.leave_out({"sensor", "projector", "audio_sink", "audio_source", "battery", "light", "particle_emitter", "plugin"},
                    "it belongs to another program");
   fields.finish();

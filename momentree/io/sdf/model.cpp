@@ -35,7 +35,7 @@ void add(ModelPart& model, NestedPart nested, XmlFile& file) {
     file.error({nested.element},
                "more than " + std::to_string(most_links) + " links or " + std::to_string(most_models) +
                    " models, with those of included files",
-               "do files include each other again and again?");
+               "do files include each other repeatedly?");
     model.all_links -= nested.model->all_links;
     model.all_models -= nested.model->all_models;
     return;
@@ -68,7 +68,7 @@ void leave_out(Texts& texts, bool is_world) {
     fields.leave_out({"light", "gui", "scene", "audio", "spherical_coordinates", "road", "actor", "plugin"},
                      "it belongs to another program");
     fields.leave_out({"atmosphere", "wind", "magnetic_field"}, "a scenario's [[force]] acts on bodies");
-    fields.leave_out({"state"}, "joints start at zero: a scenario says other starts");
+    fields.leave_out({"state"}, "joints start at zero: a scenario can give other initial values");
     fields.leave_out({"population"}, "list its models one by one");
   } else {
     fields.known_children({"self_collide", "allow_auto_disable", "enable_wind"});
@@ -86,7 +86,7 @@ std::shared_ptr<ModelPart> read_model(XmlElement element, Version version, Readi
   model->is_world = element.name() == "world";
   if (depth > deepest) {
     file.error({element}, "models are nested more than " + std::to_string(deepest) + " deep", "no mechanism needs that");
-    model->levels = 0;  // said
+    model->levels = 0;  // reported
     return model;
   }
   Texts texts(element, file);

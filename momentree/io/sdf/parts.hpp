@@ -1,5 +1,5 @@
 #pragma once
-// The parts of SDF files as they say it, one reader each, before any name is looked up. Internal to the importer.
+// The parts of SDF files as they are written, one reader each, before names are resolved. Internal to the importer.
 #include <array>
 #include <limits>
 #include <memory>
@@ -19,12 +19,12 @@ struct Version {
   bool frames() const { return minor >= 7; }  ///< poses name the frames that they are relative to
 };
 
-/// Children of one element that hold a text each: SDF writes them where other formats have attributes.
+/// Children of one element that contain text: SDF uses them where other formats have attributes.
 class Texts {
  public:
   Texts(XmlElement element, XmlFile& file) : fields(element, file), file_(file) {}
 
-  /// Nothing where the child is absent, or wrong and reported.
+  /// Typed values: nothing if the child is absent, or if it is wrong and was reported.
   std::optional<std::string> string(std::string_view child);
   std::optional<double> number(std::string_view child);
   std::optional<double> not_negative(std::string_view child);
@@ -32,7 +32,7 @@ class Texts {
   std::optional<double> bound(std::string_view child);
   std::optional<Vec3> vec3(std::string_view child);
   std::optional<bool> boolean(std::string_view child);
-  /// Of the text of the child read last.
+  /// The place of the text of the child read last.
   const XmlLocation& location() const { return spot_; }
 
   XmlFields fields;
@@ -43,11 +43,11 @@ class Texts {
   XmlLocation spot_{};
 };
 
-/// A placement in a frame that is still a name; empty: the one that counts by the rules of the format.
+/// A placement in a frame that is still a name; empty: the default frame of the format.
 struct FramedPose {
   Pose pose{};
   std::string relative_to{};
-  XmlLocation location{};  ///< of relative_to, or of the pose; none where there is none
+  XmlLocation location{};  ///< of relative_to, or of the pose; null if neither exists
 };
 FramedPose read_pose(XmlFields& fields, Version version, XmlFile& file);
 
@@ -58,7 +58,7 @@ struct LinkPart {
   Vec3 com{};
   Sym3 inertia = diagonal(1);
   std::vector<Shape> shapes{};
-  std::vector<std::pair<std::size_t, FramedPose>> placed_shapes{};  ///< those whose poses name a frame
+  std::vector<std::pair<std::size_t, FramedPose>> placed_shapes{};  ///< shapes whose poses name a frame
   XmlElement element{}, inertial{};
 };
 
@@ -69,7 +69,7 @@ struct FramePart {
   XmlLocation attached_spot{};
 };
 
-/// What one freedom of a joint has.
+/// The properties of one DoF of a joint.
 struct AxisPart {
   Vec3 xyz{0, 0, 1};
   std::string expressed_in{};
@@ -82,23 +82,23 @@ struct AxisPart {
 struct JointPart {
   std::string name{}, parent{}, child{};
   Kind kind = Kind::weld;
-  bool known = false;  ///< its type
+  bool known = false;  ///< whether its type is known
   FramedPose pose{};
   std::array<AxisPart, 2> axes{};
-  int dofs = 0;      ///< with an axis each
+  int dofs = 0;      ///< each with an axis
   double pitch = 1;  ///< m per turn, right-handed
   XmlElement element{};
   XmlLocation parent_spot{}, child_spot{};
 };
 
 struct ModelPart;
-/// A model in a model or in a world, its own or from another file.
+/// A model in a model or in a world, from the same file or from another.
 struct NestedPart {
   std::shared_ptr<const ModelPart> model{};
   std::string name{}, placement_frame{};
   FramedPose pose{};
   bool is_static = false;
-  bool merged = false;  ///< its parts are those of the model that includes it
+  bool merged = false;  ///< its parts belong to the model that includes it
   XmlElement element{};
   XmlLocation placement_spot{};
 };
@@ -117,31 +117,31 @@ struct ModelPart {
   XmlElement element{};
   XmlLocation canonical_spot{}, placement_spot{};
   XmlFile* file = nullptr;
-  std::size_t all_links = 0, all_models = 1;  ///< with those of nested models
-  int levels = 1;                             ///< of models in each other
+  std::size_t all_links = 0, all_models = 1;  ///< including those of nested models
+  int levels = 1;                             ///< nesting depth of models
 };
 
-/// What is shared while one model is read.
+/// State shared while one model is read.
 struct Reading {
   Import& import;
   std::unordered_map<const XmlDocument*, std::shared_ptr<const ModelPart>> read{};  ///< files by their only model
-  std::vector<XmlFile*> open{};                                                     ///< that include each other
+  std::vector<XmlFile*> open{};                                                     ///< files being read that include each other
   std::optional<Vec3> gravity{};
 };
 
-/// The name of a link, joint, frame or model; empty, with a report, where it has none that can be.
+/// The name of a link, joint, frame or model; empty, with a report, if it is missing or invalid.
 std::string read_name(XmlFields& fields, const char* what, Version version, XmlFile& file);
 
 LinkPart read_link(XmlElement link, Version version, Import& import, XmlFile& file);
 JointPart read_joint(XmlElement joint, Version version, XmlFile& file);
-/// <model> or <world>, and all that it holds.
+/// Reads <model> or <world> with everything in it.
 std::shared_ptr<ModelPart> read_model(XmlElement model, Version version, Reading& reading, XmlFile& file, int depth);
-/// <include>: nothing, with a report, where there is no such model.
+/// Reads <include>; nothing, with a report, if there is no such model.
 std::optional<NestedPart> read_include(XmlElement include, const ModelPart& into, Reading& reading, XmlFile& file, int depth);
-/// The only model of a file whose root element is <sdf>, or its world where there is one.
+/// The only model of a file whose root element is <sdf>, or its world if there is one.
 std::shared_ptr<const ModelPart> read_root(XmlElement sdf, Reading& reading, XmlFile& file, bool included, int depth);
 
-/// Looks all names up and makes the bodies: the model of the import.
+/// Resolves all names and adds the bodies to the import's model.
 void build(const ModelPart& outermost, Import& import);
 
 }  // namespace momentree::io::sdf

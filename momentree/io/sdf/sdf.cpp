@@ -13,7 +13,7 @@ namespace {
 
 constexpr int oldest = 4, newest = 10;
 
-// Of what is no version, the newest: the rest of the file is judged all the same.
+// For an invalid version, the newest: the rest of the file is checked anyway.
 Version read_version(XmlFields& fields, XmlFile& file) {
   const std::string known = "1." + std::to_string(oldest) + " to 1." + std::to_string(newest);
   if (!fields.require("version", "versions " + known + " are read, for example version=\"1.9\"")) return {newest};
@@ -31,7 +31,7 @@ Version read_version(XmlFields& fields, XmlFile& file) {
                "gz sdf -p writes a newer one");
   } else if (minor > newest) {
     file.warning(fields.location("version"), "version: SDF " + text + " is read as 1." + std::to_string(newest),
-                 "what is new in it is left out with a note");
+                 "newer elements are left out with a note");
     return {newest};
   } else {
     return {minor};
@@ -50,13 +50,13 @@ std::shared_ptr<const ModelPart> read_root(XmlElement root, Reading& reading, Xm
   const std::size_t count = models.size() + (included ? 0 : worlds.size());
   if (count == 0) {
     file.error({root}, included ? "the included file has no <model>" : "the file has no <model> and no <world>",
-               worlds.empty() ? "for example <model name=\"arm\">, with its links" : "a world can't be included");
+               worlds.empty() ? "for example <model name=\"arm\">, with its links" : "a world cannot be included");
     return nullptr;
   }
   if (count > 1) {
     const XmlElement first = models.empty() ? worlds[0] : models[0];
     const XmlElement second = models.empty() ? worlds[1] : models.size() > 1 ? models[1] : worlds[0];
-    file.error({second}, "a second " + second.tag() + " beside that on " + file.line_of(first),
+    file.error({second}, "a second " + second.tag() + " in addition to that on " + file.line_of(first),
                included ? "an included file has one model" : "put models into one <world>");
     return nullptr;
   }

@@ -13,7 +13,7 @@ using namespace momentree::io::models;
 
 namespace {
 
-// What becomes of sound models is compared with libsdformat too, in tests/cross.
+// The results for valid models are compared with libsdformat too, in tests/cross.
 constexpr double pi = std::numbers::pi;
 
 std::string sdf(const std::string& inside, const std::string& version = "1.9") {
@@ -34,7 +34,7 @@ Pose start_of(const Model& model, const std::string& body) {
   const World world(model);
   return world.motions()[static_cast<std::size_t>(model.body("m/" + body).index)].pose;
 }
-/// Of the joint that carries a body, at the start, in the world's axes.
+/// The axis of the joint that carries a body, at the start, in the world's axes.
 Vec3 axis_of(const Model& model, const std::string& body) {
   const BodySpec& spec = model[model.body("m/" + body)];
   return rotation_matrix((start_of(model, body) * spec.child_at).rotation) * spec.joint.axis;
@@ -63,7 +63,7 @@ TEST_CASE("SDF: a link's mass, centre of mass and inertia, turned from its axes 
   const Sym3 expected{2, 1, 2.5, -0.1, -0.3, 0.2};
   for (auto m : {&Sym3::xx, &Sym3::yy, &Sym3::zz, &Sym3::xy, &Sym3::xz, &Sym3::yz})
     CHECK(a.inertia.*m == doctest::Approx(expected.*m).epsilon(1e-15));
-  CHECK(a.joint.kind == Kind::free);  // nothing holds it
+  CHECK(a.joint.kind == Kind::free);  // it is not attached to anything
 }
 
 TEST_CASE("SDF: every type of joint, with its parameters") {
@@ -116,7 +116,7 @@ TEST_CASE("SDF: every type of joint, with its parameters") {
 }
 
 TEST_CASE("SDF: one mechanism, placed in many ways") {
-  // A turned joint in the link that it carries; both links stand by themselves in the model.
+  // A rotated joint in the link that it carries; both links are independent in the model.
   const std::string axis = "<axis><xyz>0.6 0 0.8</xyz></axis>";
   const auto links = [](const std::string& of_a, const std::string& of_b) {
     return a_link("a", "<pose" + of_a + "</pose>") + a_link("b", "<pose" + of_b + "</pose>");
@@ -162,7 +162,7 @@ TEST_CASE("SDF: one mechanism, placed in many ways") {
                 "<pose>" + pose1 + "</pose><axis><xyz>0.6 0 0.8</xyz><use_parent_model_frame>1</use_parent_model_frame></axis>"),
       "1.5", false);
   check(links(plain, " frame='a'>" + pose2) + joint("j", "revolute", "a", "b", of_joint), "1.4", false);
-  // The model's own place, and that of one of its frames.
+  // The pose of the model, and that of one of its frames.
   const std::string moved = "<pose>0 0 3 0 0 1</pose>";
   const Model model = read(moved + links(plain, " relative_to='a'>" + pose2) + joint("j", "revolute", "a", "b", of_joint));
   const Pose at{{0, 0, 3}, from_rpy(0, 0, 1)};
@@ -196,7 +196,7 @@ TEST_CASE("SDF: nested models are named by '::', and their frames reached by it"
   CHECK(model[model.body("m/a")].joint.kind == Kind::free);
 }
 
-TEST_CASE("SDF: a world has gravity, models that float, models that stand still, and joints to the ground") {
+TEST_CASE("SDF: a world has gravity, floating models, static models, and joints to the ground") {
   const auto model = [](const std::string& name, const std::string& inside) {
     return "<model name='" + name + "'>" + inside + "</model>\n";
   };
@@ -225,12 +225,12 @@ TEST_CASE("SDF: a world has gravity, models that float, models that stand still,
   CHECK(all[all.joint("m/hook")].name == "m/four::a");
   CHECK(all[all[all.joint("m/hook")].parent].name == "m/two::a");
   CHECK(said(result, Severity::note).find("a joint of a static model is ignored") != std::string::npos);
-  // `root` holds what floats, and nothing else.
+  // `root` applies to floating bodies only.
   const auto held = read_scenario_text(text, "m.sdf", {"mechanism.m.root=fixed"});
   REQUIRE(held.scenario);
   CHECK(held.scenario->model[held.scenario->model.body("m/one::a")].joint.kind == Kind::weld);
   CHECK(held.scenario->model[held.scenario->model.joint("m/hook")].joint.kind == Kind::ball);
-  // Gravity as older versions wrote it, and the format's own.
+  // Gravity as written in older versions, and the default of the format.
   const auto gravity = [&](const std::string& inside) {
     return model_of("<sdf version='1.4'><world name='w'>" + inside + model("one", a_link("a")) + "</world></sdf>", "m.sdf")
         .gravity();
@@ -239,14 +239,14 @@ TEST_CASE("SDF: a world has gravity, models that float, models that stand still,
   CHECK(gravity("") == Vec3{0, 0, -9.8});
 }
 
-TEST_CASE("SDF: what the format assumes where a file is silent") {
+TEST_CASE("SDF: default values of the format") {
   const ReadResult result = read_scenario_text(sdf("<link name='a'/>"), "m.sdf");
   REQUIRE(result.scenario);
   CHECK(result.scenario->model[{0}].mass == 1);
   CHECK(result.scenario->model[{0}].inertia.yy == 1);
   CHECK(said(result, Severity::warning) ==
-        "m.sdf:3:1: warning: a link without <inertial>: by the format its mass is 1 kg, its inertia 1 kg m²; a light one needs "
-        "small numbers");
+        "m.sdf:3:1: warning: a link without <inertial>: the format's defaults are a mass of 1 kg and an inertia of 1 kg m²; give "
+        "a light link small numbers");
 }
 
 TEST_CASE("SDF: visuals are kept, where their poses say") {
@@ -277,14 +277,14 @@ TEST_CASE("SDF: visuals are kept, where their poses say") {
   CHECK(first.more[3].mesh == "m/x.dae");
 }
 
-TEST_CASE("SDF: what is left out is said once, with its lines") {
+TEST_CASE("SDF: ignored elements are reported once, with their lines") {
   const ReadResult result = read_scenario_text(
       sdf(a_link("a", "<collision name='c'/><sensor/><gravity>0</gravity>") + a_link("b", "<collision/><colision/>") +
           joint("j", "fixed", "a", "b", "<physics/>") + "<plugin/>\n<unheard/><drake:x/>\n"),
       "m.sdf");
   CAPTURE(rendered(result.diagnostics));
   CHECK(said(result, Severity::note) ==
-        "m.sdf:3:106: note: <collision> is ignored (lines 3 and 4); bodies do not touch here\n"
+        "m.sdf:3:106: note: <collision> is ignored (lines 3 and 4); contact is not simulated\n"
         "m.sdf:3:127: note: <sensor> is ignored; it belongs to another program\n"
         "m.sdf:5:64: note: <physics> is ignored; it belongs to another program\n"
         "m.sdf:6:1: note: <plugin> is ignored; it belongs to another program\n"

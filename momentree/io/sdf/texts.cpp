@@ -1,4 +1,4 @@
-// Elements that hold a text, poses and names.
+// Elements that contain text, poses and names.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -45,7 +45,7 @@ std::optional<double> Texts::bound(std::string_view child) {
   if (text == "inf" || text == "Inf" || text == "INF" || text == "infinity") return negative ? -inf : inf;
   const auto one = read_numbers(element.text(), 1, 1, spot_, child, file_);
   if (!one) return {};
-  return std::fabs((*one)[0]) >= 1e16 ? std::copysign(inf, (*one)[0]) : (*one)[0];  // what older versions wrote for it
+  return std::fabs((*one)[0]) >= 1e16 ? std::copysign(inf, (*one)[0]) : (*one)[0];  // the value that older versions used for it
 }
 
 std::optional<Vec3> Texts::vec3(std::string_view child) {
@@ -77,7 +77,7 @@ Quat rotation_of(const std::vector<double>& numbers, bool quaternion, bool degre
   const Quat given{numbers[6], numbers[3], numbers[4], numbers[5]};
   const double length = std::hypot(std::hypot(given.w, given.x), std::hypot(given.y, given.z));
   if (std::fabs(length - 1) <= 1e-3) return normalized(given);
-  file.error(location, "pose: the quaternion is not of length 1", "the order is x y z qx qy qz qw");
+  file.error(location, "pose: the length of the quaternion is not 1", "the order is x y z qx qy qz qw");
   return {};
 }
 
@@ -89,7 +89,7 @@ FramedPose read_pose(XmlFields& fields, Version version, XmlFile& file) {
   if (!pose) return result;
   XmlFields of(pose, file);
   result.location = {pose, XmlLocation::no_attribute, true};
-  // The attribute's name until 1.6; later ones have another.
+  // The attribute's name until 1.6; newer versions use another.
   const char* key = version.frames() ? "relative_to" : "frame";
   const char* other = version.frames() ? "frame" : "relative_to";
   if (of.string(other).value_or("") != "")
@@ -125,9 +125,9 @@ std::string read_name(XmlFields& fields, const char* what, Version version, XmlF
     return std::string{};
   };
   if (name == "world" || (name.size() > 3 && name.starts_with("__") && name.ends_with("__")))
-    return refuse("the format keeps that for itself", "");
+    return refuse("the format reserves that name", "");
   if (version.minor >= 8 && name.find("::") != std::string::npos)
-    return refuse("'::' stands between the names of a model and its parts", "");
+    return refuse("'::' separates the names of a model and its parts", "");
   return name;
 }
 

@@ -1,4 +1,4 @@
-// Broken and hostile URDF: each is refused with its place, what is wrong, and how to mend it.
+// Broken and hostile URDF: each error is reported with its place and a hint.
 #include <string>
 #include <vector>
 
@@ -20,11 +20,11 @@ std::string joint(const std::string& name, const std::string& parent, const std:
   return "<joint name='" + name + "' type='" + type + "'>\n<parent link='" + parent + "'/>\n<child link='" + child + "'/>\n" +
          more + "\n</joint>\n";
 }
-/// A link with this inertial in its third line.
+/// A link with this inertial on its third line.
 std::string inertial(const std::string& text) {
   return head + "<link name='a'>\n<inertial>" + text + "</inertial></link></robot>";
 }
-/// Two links and their joint, whose own words are on its fourth line, the eighth of the file.
+/// Two links and their joint, whose content `more` is on its fourth line, the eighth of the file.
 std::string joined(const std::string& more, const std::string& type = "revolute") {
   return head + a_link("a") + a_link("b") + joint("j", "a", "b", more, type) + "</robot>";
 }
@@ -41,30 +41,32 @@ void check(const std::vector<Case>& cases) {
 
 }  // namespace
 
-TEST_CASE("URDF: numbers that are none") {
+TEST_CASE("URDF: invalid numbers are refused") {
   const std::string inertia = "<inertia ixx='1' iyy='1' izz='1'/>";
   const auto of_mass = [&](const std::string& value) { return inertial("<mass value='" + value + "'/>" + inertia); };
   check({
-      {of_mass("nan"), "r.urdf:3:24: error: value: 'nan' is no finite number"},
-      {of_mass("-inf"), "r.urdf:3:24: error: value: '-inf' is no finite number"},
-      {of_mass("1e999"), "r.urdf:3:24: error: value: '1e999' is outside the range of numbers"},
+      {of_mass("nan"), "r.urdf:3:24: error: value: 'nan' is not a finite number"},
+      {of_mass("-inf"), "r.urdf:3:24: error: value: '-inf' is not a finite number"},
+      {of_mass("1e999"), "r.urdf:3:24: error: value: '1e999' is out of range"},
       {of_mass("1,5"),
-       "r.urdf:3:24: error: value: '1,5' is no number; the decimal sign is a point; blanks stand between numbers"},
+       "r.urdf:3:24: error: value: '1,5' is not a number; use a point as the decimal sign, and separate numbers by blanks"},
       {of_mass("1.0kg"),
-       "r.urdf:3:24: error: value: '1.0kg' is no number; no unit is written here: m, kg, s and what is made of them"},
-      {of_mass("${m}"), "r.urdf:3:24: error: value: '${m}' is no number; is this a template? expand it first (xacro)"},
-      {of_mass(""), "r.urdf:3:24: error: value: expected 1 number, found none; blanks stand between numbers"},
+       "r.urdf:3:24: error: value: '1.0kg' is not a number; units are not written here: values are in m, kg, s and units derived "
+       "from them"},
+      {of_mass("${m}"), "r.urdf:3:24: error: value: '${m}' is not a number; is this a template? expand it first (xacro)"},
+      {of_mass(""), "r.urdf:3:24: error: value: expected 1 number, found none; separate numbers by blanks"},
       {of_mass("1 2"), "r.urdf:3:24: error: value: expected 1 number, found 2"},
       {of_mass("0x10"),
-       "r.urdf:3:24: error: value: '0x10' is no number; no unit is written here: m, kg, s and what is made of them"},
+       "r.urdf:3:24: error: value: '0x10' is not a number; units are not written here: values are in m, kg, s and units derived "
+       "from them"},
       {joined("<origin xyz='1 2'/>"), "r.urdf:7:14: error: xyz: expected 3 numbers, found 2"},
       {joined("<origin xyz='1 2 3 4' rpy='0,0,0'/>"),
        "r.urdf:7:14: error: xyz: expected 3 numbers, found 4\n"
-       "r.urdf:7:28: error: rpy: '0,0,0' is no number; the decimal sign is a point; blanks stand between numbers"},
+       "r.urdf:7:28: error: rpy: '0,0,0' is not a number; use a point as the decimal sign, and separate numbers by blanks"},
   });
 }
 
-TEST_CASE("URDF: masses and inertias that no body has") {
+TEST_CASE("URDF: impossible masses and inertias are refused") {
   check({
       {inertial("<inertia ixx='1' iyy='1' izz='1'/>"),
        "r.urdf:3:1: error: <inertial> has no <mass>; for example <mass value=\"1.5\"/>, in kg"},
@@ -84,7 +86,7 @@ TEST_CASE("URDF: masses and inertias that no body has") {
        "meant about the centre of mass, and products of inertia as elements of the matrix (xy = −Σ m x y)"},
       {inertial("<mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixyy='0.5'/>"),
        "r.urdf:3:61: error: unknown attribute 'ixyy' of <inertia>; did you mean 'ixy'?"},
-      // What moves nothing is not for want of a mass alone.
+      // A joint can move nothing for other reasons than a missing mass.
       {head + a_link("a") + "<link name='b'/>\n" + joint("j", "a", "b") + "</robot>",
        "r.urdf:4:1: error: joint 'r/j': the joint-space mass is singular: degree of freedom 1 of 1 of this revolute joint moves "
        "no mass; "
@@ -93,7 +95,7 @@ TEST_CASE("URDF: masses and inertias that no body has") {
   });
 }
 
-TEST_CASE("URDF: joints that can't be") {
+TEST_CASE("URDF: impossible joints are refused") {
   const std::string limit = "<limit lower='0' upper='1' effort='1' velocity='1'/>";
   check({
       {joined("<axis xyz='0 0 0'/>" + limit),
@@ -101,7 +103,7 @@ TEST_CASE("URDF: joints that can't be") {
       {joined("<axis xyz='1e-12 0 0'/>" + limit),
        "r.urdf:7:12: error: xyz: an axis of length zero has no direction; for example xyz=\"0 0 1\""},
       {joined("<limit lower='1' upper='-1' effort='1' velocity='1'/>"),
-       "r.urdf:7:15: error: limit: 'lower' is more than 'upper'; swap them"},
+       "r.urdf:7:15: error: limit: 'lower' is greater than 'upper'; swap them"},
       {joined("<limit lower='0' upper='1' effort='-1' veloctiy='1'/>"),
        "r.urdf:7:36: error: effort: must not be negative\n"
        "r.urdf:7:40: error: unknown attribute 'veloctiy' of <limit>; did you mean 'velocity'?"},
@@ -114,32 +116,31 @@ TEST_CASE("URDF: joints that can't be") {
       {joined(limit + limit), "r.urdf:7:53: error: a second <limit> in <joint>: the first is on line 7; leave one of them out"},
       {joined("<mimic joint='k'/>", "continuous"), "r.urdf:7:15: error: mimic: there is no joint 'k'"},
       {joined("<mimic joint='j'/>", "continuous"),
-       "r.urdf:7:1: error: mimic: joint 'j' follows itself; one of them has to lead: it follows none"},
+       "r.urdf:7:1: error: mimic: joint 'j' follows itself; one of them must lead and follow no other"},
       {head + a_link("a") + "<joint name='j' type='fixed'/></robot>",
        "r.urdf:3:1: error: <joint> has no <parent>; for example <parent link=\"base\"/>\n"
        "r.urdf:3:1: error: <joint> has no <child>; for example <child link=\"base\"/>"},
   });
 }
 
-TEST_CASE("URDF: links and joints that are no tree") {
+TEST_CASE("URDF: links and joints that form no tree are refused") {
   check({
       {head + a_link("a") + a_link("a") + "</robot>",
-       "r.urdf:3:13: error: duplicate link 'a': it is the name of another on line 2"},
+       "r.urdf:3:13: error: duplicate link 'a': the name is already used by another on line 2"},
       {head + a_link("a") + a_link("b") + a_link("c") + joint("j", "a", "b") + joint("j", "b", "c") + "</robot>",
-       "r.urdf:10:14: error: duplicate joint 'j': it is the name of another on line 5"},
+       "r.urdf:10:14: error: duplicate joint 'j': the name is already used by another on line 5"},
       {head + a_link("base") + a_link("b") + joint("j", "bass", "b") + "</robot>",
        "r.urdf:5:15: error: parent: there is no link 'bass'; did you mean 'base'?"},
       {head + a_link("a") + joint("j", "a", "b") + "</robot>", "r.urdf:5:14: error: child: there is no link 'b'"},
       {head + a_link("a") + a_link("b") + joint("j", "b", "b") + joint("k", "a", "b") + "</robot>",
        "r.urdf:6:14: error: joint 'j' joins link 'b' to itself"},
       {head + a_link("a") + a_link("b") + joint("j", "a", "b") + joint("k", "b", "a") + "</robot>",
-       "r.urdf:10:15: error: the joints go round in a circle: 'a' on 'b' on 'a'; a mechanism is a tree with a root; closed loops "
+       "r.urdf:10:15: error: the joints form a cycle: 'a' on 'b' on 'a'; a mechanism is a tree with a root; closed loops "
        "are "
        "not supported yet"},
       {head + a_link("a") + a_link("b") + "</robot>",
-       "r.urdf:3:1: error: a second root: link 'b' is no joint's child, as 'a' on line 2; join one to the other, or make two "
-       "files of "
-       "it"},
+       "r.urdf:3:1: error: a second root: link 'b' is not the child of any joint, like 'a' on line 2; join one to the other, or "
+       "make two files"},
       {head + a_link("a") + a_link("b") + a_link("c") + joint("j", "a", "c") + joint("k", "b", "c") + "</robot>",
        "r.urdf:12:14: error: link 'c' has two parents: joint 'k' joins it to 'b', and 'j' on line 5 to 'a'; a mechanism is a "
        "tree: "
@@ -152,11 +153,10 @@ TEST_CASE("URDF: links and joints that are no tree") {
        "leave out one of its joints"},
       {head + "</robot>", "r.urdf:1:1: error: the robot has no <link>"},
       {head + "<link>" + mass + "</link></robot>", "r.urdf:2:1: error: <link> has no 'name'; for example name=\"upper_arm\""},
-      {head + a_link("") + "</robot>", "r.urdf:2:13: error: name: a link cannot be named '': that is no name"},
+      {head + a_link("") + "</robot>", "r.urdf:2:13: error: name: a link cannot be named '': it is empty"},
       {head + a_link("a/b") + "</robot>",
-       "r.urdf:2:13: error: name: a link cannot be named 'a/b': it has a character that names do not have; not in a name: / , \" "
-       "* "
-       "and control characters"},
+       "r.urdf:2:13: error: name: a link cannot be named 'a/b': it has a character that is not allowed; a name has no / , \" * "
+       "and no control characters"},
       {head + "<link nmae='a'>" + mass + "</link></robot>",
        "r.urdf:2:1: error: <link> has no 'name'; for example name=\"upper_arm\"\n"
        "r.urdf:2:7: error: unknown attribute 'nmae' of <link>; did you mean 'name'?"},
@@ -172,10 +172,10 @@ TEST_CASE("URDF: meshes elsewhere are not opened") {
                            "meshes/../../x.stl", "..\\x.stl"})
     CHECK(errors_of(visual(file)) == "r.urdf:2:122: error: mesh '" + std::string(file) +
                                          "' is not in the model's folder or below it; copy it there, or leave it out");
-  CHECK(errors_of(visual("")) == "r.urdf:2:122: error: a mesh has no file's name");
+  CHECK(errors_of(visual("")) == "r.urdf:2:122: error: a mesh has no file name");
 }
 
-TEST_CASE("what is no URDF") {
+TEST_CASE("files that are not URDF are refused") {
   check({
       {"", "r.urdf:1:1: error: the file is empty: there is no element in it"},
       {"<robt/>", "r.urdf:1:1: error: no model begins with '<robt>'; did you mean <robot>?"},
@@ -187,16 +187,16 @@ TEST_CASE("what is no URDF") {
   });
 }
 
-TEST_CASE("URDF: all problems of a file come at once, and no more of them than can be read") {
+TEST_CASE("URDF: all problems of a file are reported at once, up to a readable number") {
   std::string text = head;
   for (int i = 0; i < 1000; ++i) text += "<link name='a'><inertial><mass value='x'/></inertial></link>\n";
   const ReadResult result = read_scenario_text(text + "</robot>", "r.urdf");
   CHECK(!result.scenario);
   CHECK(result.diagnostics.size() == 101);
-  CHECK(result.diagnostics.back().message() == "r.urdf: error: and 1 errors more or as yet unseen");
+  CHECK(result.diagnostics.back().message() == "r.urdf: error: and 1 or more further errors");
 }
 
-TEST_CASE("URDF: thousands of loops are named in no time") {
+TEST_CASE("URDF: thousands of loops are reported quickly") {
   std::string text = head;
   const int n = 20'000;
   for (int i = 0; i < n; ++i) text += a_link("l" + std::to_string(i));

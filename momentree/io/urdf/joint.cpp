@@ -45,7 +45,7 @@ Quat from_z_to(const Vec3& axis) {
 
 Vec3 read_axis(XmlFields& fields, XmlFile& file) {
   const XmlElement element = fields.child("axis");
-  Vec3 axis{1, 0, 0};  // by the format
+  Vec3 axis{1, 0, 0};  // default of the format
   if (!element) return axis;
   XmlFields of(element, file);
   of.require("xyz", "for example xyz=\"0 0 1\"");
@@ -59,7 +59,7 @@ Vec3 read_axis(XmlFields& fields, XmlFile& file) {
     return axis;
   }
   if (std::fabs(length - 1) > 1e-3)
-    file.once(Severity::note, "an axis is not of length 1: it is taken as a direction", "", location);
+    file.once(Severity::note, "the length of an axis is not 1: only its direction is used", "", location);
   return *given;
 }
 
@@ -74,10 +74,10 @@ void read_limit(XmlElement limit, const Type& type, Joint& joint, XmlFile& file)
   fields.finish();
   if (!type.limited || (!fields.has("lower") && !fields.has("upper"))) return;
   if (lower > upper) {
-    file.error(fields.location("lower"), "limit: 'lower' is more than 'upper'", "swap them");
+    file.error(fields.location("lower"), "limit: 'lower' is greater than 'upper'", "swap them");
   } else if (lower == upper) {
-    file.once(Severity::warning, "the limits of this joint are equal: it could not move; they are not taken up",
-              "a joint that does not move is type=\"fixed\"", {limit});
+    file.once(Severity::warning, "the limits of this joint are equal: it could not move; they are ignored",
+              "use type=\"fixed\" for a joint that does not move", {limit});
   } else {
     joint.lower = lower;
     joint.upper = upper;
@@ -124,8 +124,8 @@ Joint read_joint(XmlElement element, XmlFile& file) {
   if (limit)
     read_limit(limit, *type, joint, file);
   else if (type->limited)
-    file.once(Severity::warning, std::string("a ") + type->name + " joint without <limit>: it has none",
-              type->kind == Kind::revolute ? "type=\"continuous\" says so" : "", {element});
+    file.once(Severity::warning, std::string("a ") + type->name + " joint without <limit>: it is not limited",
+              type->kind == Kind::revolute ? "use type=\"continuous\" for that" : "", {element});
   if (dynamics) read_dynamics(dynamics, *type, joint, file);
   return joint;
 }

@@ -18,7 +18,7 @@ Pose read_origin(XmlFields& fields, XmlFile& file) {
     const Quat given{(*q)[3], (*q)[0], (*q)[1], (*q)[2]};
     const double length = std::hypot(std::hypot(given.w, given.x), std::hypot(given.y, given.z));
     if (std::fabs(length - 1) > 1e-3)
-      file.error(of.location("quat_xyzw"), "quat_xyzw: the quaternion is not of length 1");
+      file.error(of.location("quat_xyzw"), "quat_xyzw: the length of the quaternion is not 1");
     else
       pose.rotation = normalized(given);
     if (of.has("rpy")) file.error(of.location("rpy"), "rpy and quat_xyzw give the rotation twice", "leave one of them out");
@@ -79,10 +79,11 @@ void read_inertial(XmlElement inertial, BodySpec& spec, XmlFile& file) {
   if (const XmlElement inertia = fields.child("inertia")) {
     read_inertia(inertia, spec, origin.rotation, file);
   } else if (spec.mass > 0) {
-    file.warning({inertial}, "<inertial> has no <inertia>: all the mass is in one point", "give ixx, iyy and izz");
+    file.warning({inertial}, "<inertial> has no <inertia>: all the mass is at one point", "give ixx, iyy and izz");
   }
   fields.finish();
-  if (errors != file.out().errors()) spec.mass = 1, spec.inertia = diagonal(1);  // reported: no more to say about them
+  // reported already: use values that cause no further messages
+  if (errors != file.out().errors()) spec.mass = 1, spec.inertia = diagonal(1);
 }
 
 void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& file) {
@@ -159,7 +160,7 @@ ImportedBody read_link(XmlElement link, const Materials& materials, Import& impo
     read_inertial(inertial, body.spec, file);
   }
   for (const XmlElement visual : fields.children("visual")) read_visual(visual, materials, body, import, file);
-  fields.leave_out({"collision", "self_collision_checking", "collision_checking", "contact"}, "bodies do not touch here");
+  fields.leave_out({"collision", "self_collision_checking", "collision_checking", "contact"}, "contact is not simulated");
   fields.finish();
   return body;
 }

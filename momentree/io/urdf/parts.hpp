@@ -8,25 +8,25 @@
 
 namespace momentree::io::urdf {
 
-/// Colours of the materials that the robot names, as "#rrggbb".
+/// Colours of the robot's named materials, as "#rrggbb".
 using Materials = std::unordered_map<std::string, std::string>;
 
 Pose read_origin(XmlFields& fields, XmlFile& file);
-/// `color` as "#rrggbb"; empty where a material has none.
+/// `color` as "#rrggbb"; empty if the material has none.
 std::string read_material(XmlElement material, XmlFile& file);
 
-/// Mass, centre of mass, inertia and shapes of a link, under its own name.
+/// Reads mass, centre of mass, inertia and shapes of a link, under its own name.
 ImportedBody read_link(XmlElement link, const Materials& materials, Import& import);
 
-/// A joint and what it says of itself; ends are still names. Small: a file has many, and bodies are made only in the end.
+/// A joint as read; its links are still names. It is small, since a file has many; bodies are created only at the end.
 struct Joint {
   NamedJoint ends;
   Kind kind = Kind::weld;
   Vec3 axis{0, 0, 1};
   Pose at{};
-  Quat turn{};  ///< of the joint's frame in that of the child
+  Quat turn{};  ///< rotation of the joint's frame in the child's frame
   double damping = 0, friction = 0, lower = 0, upper = 0;
-  XmlElement limit{};  ///< that of `lower` and `upper`, where there is one
+  XmlElement limit{};  ///< the element with `lower` and `upper`, if there is one
   XmlElement mimic{};
 };
 Joint read_joint(XmlElement joint, XmlFile& file);

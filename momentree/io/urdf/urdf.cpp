@@ -23,16 +23,16 @@ Materials read_materials(XmlFields& fields, XmlFile& file) {
   return materials;
 }
 
-// One tree: what else has no parent is a slip.
+// Checks that there is one tree: another link without a parent is a mistake.
 void check_roots(const std::deque<ImportedBody>& bodies, XmlFile& file) {
   const ImportedBody* first = nullptr;
   for (const ImportedBody& body : bodies) {
     if (body.spec.parent != ground) continue;
     if (first)
       file.error({body.spots.body},
-                 "a second root: link " + in_quotes(body.spec.name) + " is no joint's child, as " + in_quotes(first->spec.name) +
-                     " on " + file.line_of(first->spots.body),
-                 "join one to the other, or make two files of it");
+                 "a second root: link " + in_quotes(body.spec.name) + " is not the child of any joint, like " +
+                     in_quotes(first->spec.name) + " on " + file.line_of(first->spots.body),
+                 "join one to the other, or make two files");
     else
       first = &body;
   }
@@ -111,7 +111,7 @@ void Urdf::read(XmlElement robot, Import& import) {
     ends.push_back(std::move(joints.back().ends));
     if (file.enough()) return;
   }
-  fields.leave_out({"transmission"}, "efforts act on joints themselves");
+  fields.leave_out({"transmission"}, "efforts act on joints directly");
   fields.leave_out({"gazebo", "sensor", "ros2_control"}, "it belongs to another program");
   fields.finish();
   if (links.empty()) return file.error({robot}, "the robot has no <link>");

@@ -91,12 +91,12 @@ TEST_CASE("URDF: every type of joint, with axis, origin and dynamics") {
   for (const auto& [name, normal, where] : {std::tuple{"jf", Vec3{0, -1, 0}, placed}, {"jg", Vec3{0, 0, -1}, Pose{}}}) {
     const BodySpec& planar = of(name);
     CHECK(planar.joint.kind == Kind::planar);
-    check_near(planar.at * inverse(planar.child_at), where);  // at its zero the child stands at the origin
+    check_near(planar.at * inverse(planar.child_at), where);  // at its zero position the child is at the origin
     check_near(rotation_matrix(planar.child_at.rotation) * Vec3{0, 0, 1}, normal);
   }
 }
 
-TEST_CASE("URDF: parents may stand behind their children, trees branch, and names of links and joints are apart") {
+TEST_CASE("URDF: parents may follow their children, trees branch, and links and joints have separate names") {
   const Model model =
       model_of(robot(joint("tip", "continuous", "middle", "tip") + a_link("tip") + joint("base", "continuous", "base", "middle") +
                      a_link("middle") + a_link("base") + joint("side", "fixed", "base", "side") + a_link("side", "")));
@@ -108,7 +108,7 @@ TEST_CASE("URDF: parents may stand behind their children, trees branch, and name
   CHECK(model[model.body("r/side")].mass == 0);
 }
 
-TEST_CASE("URDF: a byte order mark, CRLF, comments, foreign namespaces and templates that are done with") {
+TEST_CASE("URDF: a byte order mark, CRLF, comments, foreign namespaces and expanded templates") {
   const ReadResult result = read_scenario_text(
       "\xEF\xBB\xBF<?xml version=\"1.0\" encoding=\"utf-8\"?>\r\n<robot name=\"r\" xmlns:drake=\"http://drake.mit.edu\">\r\n"
       "<!-- ü -->\r\n<drake:joint_filter/>\r\n" +
@@ -124,7 +124,7 @@ TEST_CASE("URDF: a byte order mark, CRLF, comments, foreign namespaces and templ
         "r.urdf:7:73: note: attribute 'drake:unit' of <origin> is ignored; it belongs to another namespace");
 }
 
-TEST_CASE("URDF: what is left out is said once, with its lines") {
+TEST_CASE("URDF: ignored elements are reported once, with their lines") {
   const std::string inside = "<collision/><visual><geometry><sphere radius='1'/></geometry></visual><colision/>";
   const ReadResult result = read_scenario_text(
       robot(a_link("a", inside) + a_link("b", inside) + joint("j", "fixed", "a", "b", "<dynamics D='1' K='2'/>") +
@@ -132,17 +132,17 @@ TEST_CASE("URDF: what is left out is said once, with its lines") {
       "r.urdf");
   REQUIRE(result.scenario);
   CHECK(said(result, Severity::note) ==
-        "r.urdf:2:16: note: <collision> is ignored (lines 2 and 3); bodies do not touch here\n"
+        "r.urdf:2:16: note: <collision> is ignored (lines 2 and 3); contact is not simulated\n"
         "r.urdf:4:75: note: unknown attribute 'D' of <dynamics> is ignored\n"
         "r.urdf:4:81: note: unknown attribute 'K' of <dynamics> is ignored\n"
-        "r.urdf:5:1: note: <transmission> is ignored (lines 5 and 7); efforts act on joints themselves\n"
+        "r.urdf:5:1: note: <transmission> is ignored (lines 5 and 7); efforts act on joints directly\n"
         "r.urdf:6:1: note: <gazebo> is ignored; it belongs to another program\n"
         "r.urdf:8:1: note: <unheard> in <robot> is ignored");
   CHECK(said(result, Severity::warning) ==
         "r.urdf:2:86: warning: <colision> in <link> is ignored (lines 2 and 3); did you mean <collision>?");
 }
 
-TEST_CASE("URDF: what is legal but odd is a warning") {
+TEST_CASE("URDF: legal but unusual input is a warning") {
   const std::string moving = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='2.01'/></inertial>";
   const ReadResult result = read_scenario_text(
       robot(a_link("a") + a_link("b", "") + a_link("c", moving) + a_link("d", "<inertial><mass value='1'/></inertial>") +
@@ -150,21 +150,20 @@ TEST_CASE("URDF: what is legal but odd is a warning") {
             joint("bc", "revolute", "b", "c", "<axis xyz='0 1 0'/>") + joint("cd", "fixed", "c", "d")),
       "r.urdf");
   REQUIRE(result.scenario);
-  CHECK(
-      said(result, Severity::warning) ==
-      "r.urdf:3:1: warning: 'b' moves, carries others, and has no mass; is its inertia missing?\n"
-      "r.urdf:4:16: warning: inertia: the largest principal moment is slightly more than the sum of the others ('c'); "
-      "rounded values? give more digits\n"
-      "r.urdf:5:16: warning: <inertial> has no <inertia>: all the mass is in one point; give ixx, iyy and izz\n"
-      "r.urdf:6:88: warning: the limits of this joint are equal: it could not move; they are not taken up; a joint that does not "
-      "move is type=\"fixed\"\n"
-      "r.urdf:7:1: warning: a revolute joint without <limit>: it has none; type=\"continuous\" says so");
+  CHECK(said(result, Severity::warning) ==
+        "r.urdf:3:1: warning: 'b' moves and carries other bodies, but has no mass; is its inertia missing?\n"
+        "r.urdf:4:16: warning: inertia: the largest principal moment is slightly more than the sum of the others ('c'); "
+        "rounded values? give more digits\n"
+        "r.urdf:5:16: warning: <inertial> has no <inertia>: all the mass is at one point; give ixx, iyy and izz\n"
+        "r.urdf:6:88: warning: the limits of this joint are equal: it could not move; they are ignored; use type=\"fixed\" for a "
+        "joint that does not move\n"
+        "r.urdf:7:1: warning: a revolute joint without <limit>: it is not limited; use type=\"continuous\" for that");
   CHECK(said(result, Severity::note) ==
-        "r.urdf:6:80: note: an axis is not of length 1: it is taken as a direction\n"
+        "r.urdf:6:80: note: the length of an axis is not 1: only its direction is used\n"
         "r.urdf:6:123: note: an effort limit of 0: nothing could drive this joint; efforts are not limited here");
 }
 
-TEST_CASE("URDF: visuals are kept, with their colours; meshes may be missing, but not elsewhere") {
+TEST_CASE("URDF: visuals are kept, with their colours; meshes may be missing, but not outside the folder") {
   const std::string text = robot(
       "<material name='steel'><color rgba='0.5 0.5 0.5 1'/></material>" +
       a_link(
@@ -192,10 +191,10 @@ TEST_CASE("URDF: visuals are kept, with their colours; meshes may be missing, bu
   const std::string noted = said(result, Severity::note);
   CAPTURE(noted);
   CHECK(noted.ends_with(
-      "r.urdf:2:350: note: a mesh is not in the model's folder: pictures leave it out; the motion does not need it"));
+      "r.urdf:2:350: note: a mesh is not in the model's folder: pictures leave it out; the motion does not depend on it"));
 }
 
-TEST_CASE("a mechanism of a scenario places, holds and starts a model, and takes up its limits") {
+TEST_CASE("a mechanism of a scenario places, attaches and initialises a model, and uses its limits") {
   const test::TemporaryFolder folder;
   write_text_file(folder / "arm.urdf", robot(a_link("base") + a_link("a") + a_link("b") +
                                              joint("shoulder", "revolute", "base", "a",
@@ -247,7 +246,7 @@ TEST_CASE("a mechanism of a scenario places, holds and starts a model, and takes
       CAPTURE(rendered(result.diagnostics));
       CHECK(rendered(result.diagnostics).find(words) != std::string::npos);
     };
-    says("", "s.toml:4:9: warning: the limits of 1 joint are not taken up; write limits = true or limits = false");
+    says("", "s.toml:4:9: warning: the limits of 1 joint are not used; write limits = true or limits = false");
     says("limits = true\nstate = { joints = { shoulder = -1.5 } }\n",
          "s.toml:5:10: error: limits: joint 'shoulder' starts at -1.5, beyond its limits of -1 and 2");
     says("state = { joints = { elbw = 1 } }\n",
@@ -258,7 +257,7 @@ TEST_CASE("a mechanism of a scenario places, holds and starts a model, and takes
   }
 }
 
-TEST_CASE("model files that are not there, or not files, are refused where they are named") {
+TEST_CASE("missing model files, and other things than files, are refused where they are named") {
   const test::TemporaryFolder folder;
   const auto says = [&](const std::string& model, const std::string& words) {
     write_text_file(folder / "s.toml",

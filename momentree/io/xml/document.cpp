@@ -36,7 +36,7 @@ std::string_view first_tag(std::string_view text) {
   return text.substr(0, text.find_first_of(" \t\r\n/>"));
 }
 
-// What expat calls back.
+// The callbacks for expat.
 class XmlBuilder {
  public:
   XmlBuilder(XmlDocument& document, SyntaxError& error, bool quotes)
@@ -69,7 +69,7 @@ class XmlBuilder {
     XmlBuilder& builder = self(user);
     const std::size_t begin = builder.document_.text_.rfind("<!DOCTYPE", builder.offset());
     builder.stop_at(begin == std::string_view::npos ? builder.offset() : begin,
-                    "a document type (<!DOCTYPE …>) is not read: no entity is declared, expanded or fetched",
+                    "a document type (<!DOCTYPE …>) is not supported: no entity is declared, expanded or fetched",
                     "leave it out: a model needs none");
   }
 
@@ -132,7 +132,7 @@ class XmlBuilder {
     open_.pop_back();
   }
 
-  // What follows the first child is layout.
+  // Text after the first child is layout.
   void add_text(std::string_view text) {
     if (open_.empty() || open_.back().last_child != XmlDocument::none) return;
     if (text_.empty()) {
@@ -176,7 +176,7 @@ class XmlBuilder {
         }
         break;
       case XML_ERROR_TAG_MISMATCH:
-        error_.what = "this closes another element than " + (open_.empty() ? std::string("is open") : opened());
+        error_.what = "this tag does not close " + (open_.empty() ? std::string("any open element") : opened());
         error_.hint = "every element is closed before the one that holds it";
         break;
       case XML_ERROR_JUNK_AFTER_DOC_ELEMENT:
@@ -186,17 +186,17 @@ class XmlBuilder {
       case XML_ERROR_DUPLICATE_ATTRIBUTE: error_.what = "an attribute is given twice in this tag"; break;
       case XML_ERROR_UNDEFINED_ENTITY:
         error_.what = "an entity that XML does not define";
-        error_.hint = "there are &lt; &gt; &amp; &quot; and &apos;";
+        error_.hint = "XML defines &lt; &gt; &amp; &quot; and &apos;";
         break;
       case XML_ERROR_MISPLACED_XML_PI:
-        error_.what = "<?xml …?> stands at the very beginning of a file only";
+        error_.what = "<?xml …?> is allowed only at the very beginning of a file";
         error_.hint = "remove what is before it";
         break;
       case XML_ERROR_UNKNOWN_ENCODING:
       case XML_ERROR_INCORRECT_ENCODING: error_.what = "the text is not UTF-8"; break;
       default:
         error_.what = "cannot read this as XML: " + std::string(XML_ErrorString(code));
-        if (size > 0 && document_.text_.find('<') == std::string_view::npos) error_.hint = "there is no tag in this file";
+        if (size > 0 && document_.text_.find('<') == std::string_view::npos) error_.hint = "this file contains no tags";
     }
   }
 
@@ -209,7 +209,7 @@ class XmlBuilder {
   std::unordered_map<std::string, std::uint32_t, StringHash, std::equal_to<>> names_;
 };
 
-// As much as the text can hold: what is not used is never touched, and what grows is never copied.
+// Reserves as much as the text can contain: unused memory is never touched, and nothing is copied by growing.
 void XmlDocument::reserve() {
   std::size_t tags = 0, values = 0;
   for (std::size_t i = 0; i + 1 < text_.size(); ++i) {
@@ -245,7 +245,7 @@ Place XmlDocument::place_at(std::size_t offset) const {
   offset = std::min(offset, text_.size());
   const std::size_t nearest = std::min(offset / block, marks_.size() - 1), from = nearest * block;
   Mark mark = after(marks_[nearest], text_.substr(from, offset - from));
-  if (mark.line == 0 && mark.column > 0 && text_.starts_with("\xEF\xBB\xBF")) --mark.column;  // no character of the line
+  if (mark.line == 0 && mark.column > 0 && text_.starts_with("\xEF\xBB\xBF")) --mark.column;  // not a character of the line
   return {static_cast<int>(mark.line) + 1, static_cast<int>(mark.column) + 1, 0};
 }
 
@@ -294,7 +294,7 @@ std::optional<std::size_t> XmlElement::find(std::string_view attribute) const {
   return {};
 }
 
-// The parser tells where a tag begins; its attributes stand there in their order, and are well-formed.
+// The parser reports only where a tag begins; its attributes follow there in order, and are well-formed.
 Place XmlElement::attribute_place(std::size_t i, bool of_value) const {
   const std::string_view text = document_->text_;
   const auto at = [&](std::size_t k) { return k < text.size() ? text[k] : '\0'; };

@@ -1,5 +1,5 @@
 #pragma once
-// XML 1.0 texts as elements that know their line and column. The parser itself (expat) is in document.cpp alone.
+// XML 1.0 text as elements with their lines and columns. The parser itself (expat) is in document.cpp alone.
 #include <cstdint>
 #include <iterator>
 #include <memory>
@@ -16,24 +16,24 @@ namespace momentree::io {
 
 class XmlDocument;
 
-/// The name in the first tag of a text, past comments and processing instructions; empty where something else comes first.
+/// The name in the first tag of a text, after comments and processing instructions; empty if anything else comes first.
 std::string_view first_tag(std::string_view text);
 
-/// One element of a document; light, to be passed by value. It is valid as long as its document stays where it is.
+/// One element of a document; cheap to copy. It is valid as long as its document exists and is not moved.
 class XmlElement {
  public:
   XmlElement() = default;
   XmlElement(const XmlDocument* document, std::uint32_t index) : document_(document), index_(index) {}
-  /// False for what a search did not find.
+  /// False for the result of an unsuccessful search.
   explicit operator bool() const { return document_ != nullptr; }
   friend bool operator==(const XmlElement&, const XmlElement&) = default;
 
   const XmlDocument* document() const { return document_; }
   std::string_view name() const;
-  /// Characters before the first child, entities resolved, without blanks around them.
+  /// Characters before the first child, with entities resolved and surrounding blanks removed.
   std::string_view text() const;
   Place place() const;
-  /// Of the first character of text(); of the element where it has none.
+  /// The place of the first character of text(), or of the element if it has none.
   Place text_place() const;
   XmlElement parent() const;
   XmlElement first_child() const;
@@ -42,9 +42,9 @@ class XmlElement {
   std::size_t attributes() const;
   std::string_view attribute_name(std::size_t i) const;
   std::string_view attribute(std::size_t i) const;
-  /// Of the attribute's name, or of its value.
+  /// The place of the attribute's name, or of its value.
   Place attribute_place(std::size_t i, bool of_value = true) const;
-  /// The place of an attribute among the element's, if it has it.
+  /// The index of an attribute in the element, if it has it.
   std::optional<std::size_t> find(std::string_view attribute) const;
 
   /// `<name>`, for messages.
@@ -88,10 +88,10 @@ class XmlDocument {
  public:
   static constexpr std::size_t deepest = 1000, most_elements = 2'000'000, most_attributes = 4'000'000, most_at_once = 100'000;
 
-  /// The document, or null with `error` set. `text` must outlive it, and be UTF-8: a byte order mark and CRLF are fine. Refused
-  /// besides what XML refuses: a document type (so that no entity is declared, expanded or fetched), depth and numbers of
-  /// elements and attributes, in all and at once, beyond any model. Time and memory are linear in the text. `quotes`: the error
-  /// may name elements.
+  /// The document, or null with `error` set. `text` must outlive it and be UTF-8; a byte order mark and CRLF are accepted. In
+  /// addition to invalid XML, these are refused: a document type (so that no entity is declared, expanded or fetched), and
+  /// depths and numbers of elements and attributes (in total and per element) beyond any model. Time and memory are linear in
+  /// the size of the text. `quotes`: the error may name elements.
   static std::unique_ptr<const XmlDocument> parse(std::string_view text, SyntaxError& error, bool quotes = true);
 
   XmlElement root() const { return {this, 0}; }
@@ -113,12 +113,12 @@ class XmlDocument {
   std::string_view kept(std::uint32_t at, std::uint32_t size) const { return std::string_view(pool_).substr(at, size); }
 
   std::string_view text_;
-  std::string pool_;  // values and texts, one after the other
+  std::string pool_;  // all values and texts, concatenated
   std::vector<std::string> names_;
   std::vector<Node> nodes_;
   std::vector<Attribute> attributes_;
-  /// Line and column (from 0, in characters) at every block of the text: places are found in no time, however lines are long or
-  /// many.
+  /// Line and column (from 0, in characters) at the start of every block of the text, so that places are found quickly even
+  /// with long or many lines.
   static constexpr std::size_t block = 4096;
   struct Mark {
     std::uint32_t line = 0, column = 0;

@@ -19,7 +19,7 @@ std::string refused(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("elements, attributes and texts know where they stand") {
+TEST_CASE("elements, attributes and texts have their places") {
   const std::string text =
       "\xEF\xBB\xBF<?xml version=\"1.0\"?>\r\n<!-- <no/> -->\r\n<robot\tname = 'ä &lt; b'\r\n       kind=\"x\">\r\n"
       "  <a/> <b c=\"1\"\td=\"2\"> öne &amp; two <e/> three</b>\r\n</robot>\r\n";
@@ -52,29 +52,30 @@ TEST_CASE("elements, attributes and texts know where they stand") {
   CHECK(count == 2);
 }
 
-TEST_CASE("what is no XML is refused where it goes wrong") {
+TEST_CASE("invalid XML is refused at its first error") {
   using namespace std::string_literals;
   CHECK(refused("") == "1:1: the file is empty: there is no element in it");
   CHECK(refused("<?xml version=\"1.0\"?>\n<!-- -->") == "2:9: the file is empty: there is no element in it");
   CHECK(refused("<a>\n  <b>\n") == "3:1: the file ends within <b>, opened on line 2; is it complete?");
   CHECK(refused("<a>\n  <b") == "2:3: the file ends within <a>, opened on line 1; is it complete?");
   CHECK(refused("<a><b></a></b>") ==
-        "1:9: this closes another element than <b>, opened on line 1; every element is closed before the one that holds it");
+        "1:9: this tag does not close <b>, opened on line 1; every element is closed before the one that holds it");
   CHECK(refused("<a/>\n<b/>") == "2:1: something follows the end of the document; a file holds one root element");
   CHECK(refused("<a x='1' x='2'/>") == "1:10: an attribute is given twice in this tag");
-  CHECK(refused("<a>&bomb;</a>") == "1:4: an entity that XML does not define; there are &lt; &gt; &amp; &quot; and &apos;");
+  CHECK(refused("<a>&bomb;</a>") == "1:4: an entity that XML does not define; XML defines &lt; &gt; &amp; &quot; and &apos;");
   CHECK(refused("\n<?xml version=\"1.0\"?><a/>") ==
-        "2:1: <?xml …?> stands at the very beginning of a file only; remove what is before it");
-  CHECK(refused("mass = 1\n") == "1:1: cannot read this as XML: syntax error; there is no tag in this file");
+        "2:1: <?xml …?> is allowed only at the very beginning of a file; remove what is before it");
+  CHECK(refused("mass = 1\n") == "1:1: cannot read this as XML: syntax error; this file contains no tags");
   CHECK(refused("<a b=1/>").starts_with("1:6: cannot read this as XML: not well-formed"));
   CHECK(refused("<a>\xff</a>") == "1:4: the text is not UTF-8; save the file with the encoding UTF-8");
-  CHECK(refused("<a>\n\0</a>"s) == "2:1: a zero byte: this is no text");
+  CHECK(refused("<a>\n\0</a>"s) == "2:1: a zero byte: this is not text");
   CHECK(refused("\xff\xfe<\0a\0/\0>\0"s).starts_with("1:1: the text is not UTF-8"));
 }
 
 TEST_CASE("no entity is declared, expanded or fetched") {
   const std::string said =
-      ": a document type (<!DOCTYPE …>) is not read: no entity is declared, expanded or fetched; leave it out: a model needs "
+      ": a document type (<!DOCTYPE …>) is not supported: no entity is declared, expanded or fetched; leave it out: a model "
+      "needs "
       "none";
   std::string bomb = "<?xml version=\"1.0\"?>\n<!DOCTYPE r [\n<!ENTITY a0 \"ha\">\n";
   for (int i = 1; i < 30; ++i)
@@ -92,7 +93,7 @@ TEST_CASE("depth and numbers are bounded, time is linear") {
   CHECK(refused(wide + "</a>") == "1:8000000: more than 2000000 elements; no model is as large as that");
 }
 
-TEST_CASE("places are right however long the lines are, and whatever stands at the bounds of blocks") {
+TEST_CASE("places are right for lines of any length and at the boundaries of blocks") {
   std::string text = "\xEF\xBB\xBF<r>";
   for (int k = 0; k < 3000; ++k) {
     text += k % 7 == 3 ? "\n" : k % 5 == 1 ? "ä" : "  ";
@@ -102,7 +103,7 @@ TEST_CASE("places are right however long the lines are, and whatever stands at t
   SyntaxError error;
   const auto document = XmlDocument::parse(text, error);
   REQUIRE(document);
-  // As they are counted by hand.
+  // Positions counted independently.
   int line = 1, column = 1;
   std::vector<Place> expected;
   for (std::size_t i = 3; i < text.size(); ++i) {
@@ -120,13 +121,13 @@ TEST_CASE("places are right however long the lines are, and whatever stands at t
   CHECK(k == 3000);
 }
 
-TEST_CASE("a file whose every name and number is wrong is judged in no time, though it is all on one line") {
+TEST_CASE("a file with every name and number wrong is checked quickly, even on one line") {
   std::string text = "<robot name='r'>";
   for (int k = 0; k < 20'000; ++k)
     text += "<link name='l" + std::to_string(k) + "'><inertial><mass value='1'/></inertial><unheard" + std::to_string(k) +
             "/></link>";
   const ReadResult result = read_scenario_text(text + "</robot>", "r.urdf");
-  CHECK(!result.scenario);  // many roots
+  CHECK(!result.scenario);  // several roots
   CHECK(has_errors(result.diagnostics));
 }
 
@@ -141,7 +142,7 @@ TEST_CASE("the first tag of a text, whatever comes before it") {
   }
 }
 
-// What takes a time that grows with the square of the size would take an hour here.
+// An algorithm of quadratic time would take an hour here.
 TEST_CASE("elements with a hundred thousand attributes, or children, are read at once") {
   const auto names = [](const std::string& before, const std::string& after) {
     std::string text;

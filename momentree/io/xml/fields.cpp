@@ -29,7 +29,7 @@ struct Issue {
   std::string what, hint;
 };
 
-// A finite number, whole and alone; any locale.
+// A finite number that is the whole word, in any locale.
 std::optional<double> number_of(std::string_view word, Issue& issue) {
   std::string_view digits = word;
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
@@ -38,26 +38,26 @@ std::optional<double> number_of(std::string_view word, Issue& issue) {
   const std::string_view rest(end, static_cast<std::size_t>(digits.data() + digits.size() - end));
   if (code == std::errc::result_out_of_range && rest.empty()) {
     if (digits.find("e-") != std::string_view::npos || digits.find("E-") != std::string_view::npos) return 0.0;
-    issue = {in_quotes(word) + " is outside the range of numbers", ""};
+    issue = {in_quotes(word) + " is out of range", ""};
     return {};
   }
   if (code == std::errc{} && rest.empty()) {
     if (std::isfinite(value)) return value;
-    issue = {in_quotes(word) + " is no finite number", ""};
+    issue = {in_quotes(word) + " is not a finite number", ""};
     return {};
   }
-  issue.what = in_quotes(word) + " is no number";
+  issue.what = in_quotes(word) + " is not a number";
   if (word.find("${") != std::string_view::npos || word.find("$(") != std::string_view::npos)
     issue.hint = "is this a template? expand it first (xacro)";
   else if (!rest.empty() && rest[0] == ',')
-    issue.hint = "the decimal sign is a point; blanks stand between numbers";
+    issue.hint = "use a point as the decimal sign, and separate numbers by blanks";
   else if (code == std::errc{} && !rest.empty() && is_letter(rest[0]))
-    issue.hint = "no unit is written here: m, kg, s and what is made of them";
+    issue.hint = "units are not written here: values are in m, kg, s and units derived from them";
   return {};
 }
 
-// The one of `known` that is one or two letters away: three letters are another word by two. Of a file that is wrong everywhere
-// only so many words are compared.
+// The name in `known` that differs by one or two letters; three-letter words must differ by one. In a file with many errors
+// only a limited number of words are compared.
 std::string slip_of(std::string_view word, const std::vector<std::string>& known, XmlFile& file) {
   if (known.empty() || !file.may_suggest()) return {};
   std::string meant;
@@ -92,7 +92,7 @@ std::optional<std::vector<double>> read_numbers(std::string_view text, std::size
   file.error(at,
              std::string(label) + ": expected " + (count == most ? "" : std::to_string(count) + " to ") + counted(most) +
                  ", found " + (words.empty() ? "none" : std::to_string(words.size())),
-             words.size() > 1 ? "" : "blanks stand between numbers");
+             words.size() > 1 ? "" : "separate numbers by blanks");
   return {};
 }
 
@@ -221,7 +221,7 @@ void XmlFields::finish() {
 }
 
 void XmlFields::finish_attributes() {
-  std::optional<std::vector<std::string>> absent;  // found once, where it is needed
+  std::optional<std::vector<std::string>> absent;  // computed once, if needed
   for (std::size_t i = 0; i < element_.attributes(); ++i) {
     const std::string_view name = element_.attribute_name(i);
     if (std::find(attributes_.begin(), attributes_.end(), name) != attributes_.end()) continue;
@@ -256,7 +256,7 @@ void XmlFields::finish_children() {
     } else if (const std::string meant = slip_of(name, known, file_); !meant.empty()) {
       hint = "did you mean <" + meant + ">?";
     }
-    // A slip of the pen in a name that matters should not hide among what is left out on purpose.
+    // A misspelled name that matters should not hide among what is ignored on purpose.
     file_.once(hint.starts_with("did") ? Severity::warning : Severity::note, each.tag() + " in " + element_.tag() + " is ignored",
                hint, {each});
   }

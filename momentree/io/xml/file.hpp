@@ -1,5 +1,5 @@
 #pragma once
-// An XML file while it is read: its text, what is wrong with it, and what was left out on purpose.
+// An XML file while it is read: its text, its diagnostics, and notes on what is ignored.
 #include <map>
 #include <memory>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace momentree::io {
 
-/// An element, or one of its attributes. Where it stands is found out only when it is asked for.
+/// An element, or one of its attributes. Its place is computed only on demand.
 struct XmlLocation {
   static constexpr std::size_t no_attribute = static_cast<std::size_t>(-1);
   XmlElement element{};
@@ -28,7 +28,8 @@ struct XmlLocation {
 
 class XmlFile {
  public:
-  /// Parses; where that fails, it is said, and there is no root. `quotes`: messages show lines of the file.
+  /// Parses the text; if that fails, the error is reported and there is no root. `quotes`: messages may quote lines of the
+  /// file.
   XmlFile(std::string path, std::string text, bool quotes = true);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;
@@ -40,10 +41,10 @@ class XmlFile {
   Diagnostics& out() { return out_; }
 
   void error(const XmlLocation& at, std::string what, std::string hint = {}) {
-    if (out_.full()) return out_.error({}, "", "");  // counted, no more
+    if (out_.full()) return out_.error({}, "", "");  // only counted
     out_.error(at.place(), std::move(what), std::move(hint));
   }
-  /// No room for more errors: a reader stops looking, and the last line says so.
+  /// The limit on errors is reached: a reader stops, and the last message says so.
   bool enough() {
     if (out_.full()) out_.error({}, "", "");
     return out_.full();
@@ -53,12 +54,12 @@ class XmlFile {
   }
   std::string line_of(XmlElement element) const { return "line " + std::to_string(element.place().line); }
 
-  /// True as long as names may yet be compared to find the nearest.
+  /// True while the budget of name comparisons for suggestions lasts.
   bool may_suggest() { return suggestions_left_ > 0 && suggestions_left_-- > 0; }
 
-  /// Something like it is said once for the whole file, with the lines: "<gazebo> is ignored (lines 3, 9 and 12)".
+  /// Reports similar problems once per file, with their lines: "<gazebo> is ignored (lines 3, 9 and 12)".
   void once(Severity severity, const std::string& what, const std::string& hint, const XmlLocation& at);
-  /// Everything, in the order of the file.
+  /// All diagnostics, in the order of the file.
   std::vector<Diagnostic> take();
 
  private:
