@@ -33,7 +33,7 @@ struct Machine {
   int some_body(Prng& random) const;
   /// Number of bodies outboard of b, including b.
   int part(int b) const;
-  /// Adds a body to a random body or to the ground, and returns that parent; evaluate afterwards.
+  /// Adds a body to a random body or to the ground, and returns its number; evaluate afterwards.
   int add(Prng& random, bool parameters, bool at_rest);
 
   Pose pose(int b) const { return user_pose(tree, workspace.bodies[static_cast<std::size_t>(b)], b); }
