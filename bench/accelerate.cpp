@@ -1,6 +1,6 @@
-// Accelerations and all joint wrenches of a state, after its evaluation and by themselves: what they add should stay below 0.8 of
-// an evaluation. Every coordinate is moved before each evaluation; before the time is believed, the wrenches at the ground are
-// those that the motion of all bodies takes.
+// Accelerations and all joint wrenches of a state, after its evaluation and separately: the additional cost should stay below 0.8
+// of an evaluation. Every coordinate is changed before each evaluation. To validate the timing, the wrenches at the ground are
+// compared with those that the motion of all bodies requires.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

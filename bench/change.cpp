@@ -1,5 +1,5 @@
-// Topology changes alone, without the evaluations before and after them, two fifths of the way along. Every repetition starts
-// from a copy of the same world, made and evaluated outside the time that counts.
+// Topology changes without the evaluations before and after them, at two fifths of the chain. Every repetition starts from a copy
+// of the same world, made and evaluated outside the measured time.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
@@ -58,7 +58,7 @@ void unlock(benchmark::State& run, Make make) {
   w.before(Lock{{w.middle}});
   measure(run, w, Unlock{{w.middle}});
 }
-/// The outer part, cut off before, is welded on again: at its root.
+/// The outer part, cut off before, is welded on again at its root.
 void weld(benchmark::State& run, Make make) {
   Worlds w(make(static_cast<int>(run.range(0))));
   const int outer = w.tree.parent(w.middle);
@@ -75,14 +75,15 @@ void stiffen(benchmark::State& run, Make make) {
   weld.joint = w.tree.inboard_joint({w.middle});
   measure(run, w, weld);
 }
-/// A chain that floats, from its first body to its last.
+/// Re-roots a floating chain from its first body to its last.
 void reroot(benchmark::State& run, Make make) {
   Worlds w(make(static_cast<int>(run.range(0))));
   w.before(Break{{0}});
   measure(run, w, Reroot{{w.tree.bodies() - 1}});
 }
 
-/// A whole event as a user has it, by name: order, refusals, evaluations and certificate included; a lock and an unlock in turn.
+/// A complete event as a user schedules it, by name: including order, refusals, evaluations and certificate; alternately a lock
+/// and an unlock.
 void event(benchmark::State& run, Make make) {
   const Model model = make(static_cast<int>(run.range(0)));
   Simulation simulation(model);
@@ -95,7 +96,7 @@ void event(benchmark::State& run, Make make) {
     const Event& done = simulation.apply(actions[turn++ % 2]);
     run.SetIterationTime(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     inside += done.duration_ns;
-    if (turn % 1000 == 0) simulation = Simulation(model);  // so that the list of events does not grow for ever
+    if (turn % 1000 == 0) simulation = Simulation(model);  // keeps the list of events short
   }
   run.counters["change_ns"] = inside / static_cast<double>(turn);
 }

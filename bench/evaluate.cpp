@@ -1,5 +1,5 @@
-// One evaluation (q, p) → (q̇, ṗ). Every coordinate is moved before each, so that nothing can be remembered from the last; the
-// velocities of the last are turned back into momenta before the time is believed.
+// One evaluation (q, p) → (q̇, ṗ). Every coordinate is changed before each one, so that no result can be cached; to validate the
+// timing, the last velocities are converted back to momenta.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace momentree::bench {
 namespace {
 
-// Largest error of the momenta that the velocities just found belong to, relative to the largest momentum.
+// Largest error of the momenta that correspond to the velocities just found, relative to the largest momentum.
 double momentum_error(const Tree& tree, const std::vector<double>& q, const std::vector<double>& p,
                       const Workspace<double>& workspace) {
   std::vector<double> again(p.size());

@@ -1,5 +1,5 @@
-// One kernel, a number of times, and nothing else that depends on that number: for valgrind, which counts instructions
-// (bench/record). Called as `momentree-instructions KERNEL MODEL BODIES COUNT`.
+// Runs one kernel a given number of times, and nothing else that depends on that number: for valgrind, which counts instructions
+// (bench/record). Call it as `momentree-instructions KERNEL MODEL BODIES COUNT`.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -39,11 +39,11 @@ void evaluate(World& w, long count) {
 }
 void accelerate(World& w, long count) {
   for (long i = 0; i < count; ++i) {
-    static_cast<void>(w.state.edit());  // nothing is remembered
+    static_cast<void>(w.state.edit());  // clears cached results
     momentree::accelerate(w.tree, w.state, w.workspace);
   }
 }
-/// The world made anew and evaluated, as before each change.
+/// The world, newly built and evaluated, as before each change.
 template <class Change>
 void anew(World& w, long count, const Change& change) {
   const Tree tree = w.tree;
@@ -67,7 +67,7 @@ void lanes(const World& w, long count, Precision precision) {
   for (long i = 0; i < count; ++i) stepper->rates(w.tree, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
 }
 
-/// Two fifths of the way along.
+/// At two fifths of the chain.
 BodyId middle(const World& w) { return {w.tree.bodies() * 2 / 5}; }
 
 struct Kernel {

@@ -1,4 +1,5 @@
-// Many worlds in lanes: one evaluation of as many as there are lanes, and whole steps of a batch. Beside `evaluate`, in one run.
+// Many worlds in SIMD lanes: one evaluation of as many worlds as there are lanes, and whole steps of a batch. Compare with
+// `evaluate` in the same run.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -41,7 +42,7 @@ void lanes(benchmark::State& run, Model (*make)(int), Precision precision) {
     benchmark::DoNotOptimize(pdot.data());
     benchmark::ClobberMemory();
   }
-  // The velocities of the last world belong to its momenta, or no time is believed.
+  // To validate the timing, the velocities of the last world must match its momenta.
   std::vector<double> one_q(start.q().size()), one_v(start.p().size()), again(start.p().size());
   for (std::size_t i = 0; i < one_q.size(); ++i) one_q[i] = q[(i + 1) * static_cast<std::size_t>(n) - 1];
   for (std::size_t i = 0; i < one_v.size(); ++i) one_v[i] = v[(i + 1) * static_cast<std::size_t>(n) - 1];

@@ -8,7 +8,8 @@
 namespace momentree::bench {
 namespace {
 
-// SplitMix64: the same numbers with every compiler and library. One draw per statement: the order of arguments is not fixed.
+// SplitMix64: the same numbers with every compiler and library. One draw per statement: the order of evaluation of arguments is
+// not defined.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : at_(seed) {}
@@ -167,7 +168,7 @@ Model arm(int bodies) {
     body.mass = part.mass, body.com = part.com;
     body.inertia = diagonal(part.inertia.x, part.inertia.y, part.inertia.z);
     body.parent = parent;
-    // Every second axis lies across the link, the others along it; lengths are along those.
+    // Every second axis is perpendicular to the link, the others are along it; lengths are along the latter.
     body.at.position = k == 0 ? Vec3{0, 0, part.length} : k % 2 == 0 ? Vec3{0, part.length, 0} : Vec3{};
     if (k > 0) body.at.rotation = from_axis_angle(x_axis, k % 2 == 0 ? -right : right);
     body.joint = Revolute{.axis = z_axis, .damping = 0.5};

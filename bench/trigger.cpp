@@ -1,6 +1,6 @@
-// What a trigger costs that does not fire: a step alone, with a trigger on a position, and with one on a reaction, which needs
-// the second recursion after each step; that recursion by itself stands beside. A trigger should cost no more than a twentieth of
-// the step beyond it.
+// The cost of a trigger that does not fire: a step without triggers, with a trigger on a position, and with one on a reaction,
+// which needs the second recursion after each step; the cost of that recursion is measured separately. Beyond it, a trigger
+// should cost at most a twentieth of the step.
 #include <benchmark/benchmark.h>
 
 #include <momentree/simulate/simulation.hpp>
@@ -22,7 +22,7 @@ void step(benchmark::State& run, Model (*make)(int), Trigger trigger) {
   double least = HUGE_VAL;
   for (auto _ : run) {
     if (sim.step(1e-5) != Status::ok) return run.SkipWithError(sim.message().c_str());
-    if (trigger == Trigger::look)  // the second recursion, by hand
+    if (trigger == Trigger::look)  // the second recursion, called directly
       least = std::min(least, norm(sim.world().joint_forces({0}).reaction.force));
   }
   benchmark::DoNotOptimize(least);

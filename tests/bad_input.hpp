@@ -1,5 +1,5 @@
 #pragma once
-// For the tests of what a scenario's reader refuses: a text, and what exactly is said about it.
+// For tests of invalid scenarios: a text, and the exact messages about it.
 #include <string>
 #include <vector>
 
@@ -23,7 +23,7 @@ inline std::string said(const ReadResult& result) {
 
 struct Case {
   std::string text;
-  std::string said;  ///< place, what and hint of every problem
+  std::string said;  ///< location, message and hint of every problem
 };
 
 inline void check(const std::vector<Case>& cases) {

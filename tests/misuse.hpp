@@ -1,6 +1,6 @@
 #pragma once
-// Misuse of the library, each in a process of its own: the program must stop with a message that says what was expected.
-// doctest has no tests of that kind; POSIX alone.
+// Misuse of the library, each in a separate process: the program must abort with a message that states the violated precondition.
+// doctest does not support such tests; POSIX only.
 #include <csignal>
 #include <cstdio>
 #include <functional>
@@ -25,13 +25,13 @@ inline End in_child(const std::function<void()>& misuse) {
   const pid_t child = fork();
   REQUIRE(child >= 0);
   if (child == 0) {
-    alarm(20);  // what never ends is no better than what goes on
+    alarm(20);  // a process that hangs is as wrong as one that continues
     dup2(ends[1], STDERR_FILENO);
     close(ends[0]);
     for (const int signal : {SIGABRT, SIGSEGV, SIGTERM}) std::signal(signal, SIG_DFL);
     try {
       misuse();
-    } catch (...) {  // else the other tests would be run in the child, too
+    } catch (...) {  // otherwise the child would run the remaining tests
       _exit(1);
     }
     _exit(0);
@@ -48,7 +48,7 @@ inline End in_child(const std::function<void()>& misuse) {
   return end;
 }
 
-/// A mistake and part of what is then said to be expected.
+/// A misuse, and part of the expected message.
 struct Misuse {
   std::string how, expected;
   std::function<void()> act;
@@ -66,7 +66,7 @@ inline void check_stopped(const std::string& how, const std::string& expected, c
   check_stopped(Misuse{how, expected, act});
 }
 
-/// The right way, so that the others fail for the reason that is meant.
+/// Correct use, to show that the misuses fail for the intended reason.
 inline void check_fine(const std::string& how, const std::function<void()>& act) {
   CAPTURE(how);
   const End end = in_child(act);

@@ -1,5 +1,5 @@
 #pragma once
-// For tests of model files: a text as a scenario of its own, and what is said about it.
+// For tests of model files: a text that is read as a separate model, and the messages about it.
 #include <string>
 
 #include <doctest/doctest.h>
@@ -16,7 +16,7 @@ inline std::string said(const ReadResult& result, Severity severity) {
   return text;
 }
 
-/// The model that a text describes, which must be sound.
+/// The model that a text describes; the text must be valid.
 inline Model model_of(const std::string& text, const std::string& name = "r.urdf") {
   const ReadResult result = read_scenario_text(text, name);
   CAPTURE(rendered(result.diagnostics));
@@ -24,7 +24,7 @@ inline Model model_of(const std::string& text, const std::string& name = "r.urdf
   return result.scenario->model;
 }
 
-/// The errors of a text, which must be refused.
+/// The errors of a text that must be refused.
 inline std::string errors_of(const std::string& text, const std::string& name = "r.urdf") {
   const ReadResult result = read_scenario_text(text, name);
   CHECK(!result.scenario);

@@ -1,5 +1,5 @@
 #pragma once
-// A folder with a scenario in it, and the program called there as a user would. For tests.
+// For tests: a folder with a scenario, in which the program is called as a user would.
 #include <doctest/doctest.h>
 #include <sys/wait.h>
 
@@ -43,7 +43,7 @@ until = "0.3 s"
 every = "20 ms"
 )";
 
-/// A folder with a scenario in it, and the program called there.
+/// A folder with a scenario, in which the program is called.
 class Workplace {
  public:
   explicit Workplace(const std::string& scenario = chain) { io::write_text_file(folder_ / "s.toml", scenario); }

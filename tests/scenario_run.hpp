@@ -1,5 +1,5 @@
 #pragma once
-// For tests of the files in scenarios/: run by the program as a user would, and read from what it writes.
+// For tests of the files in scenarios/: the program runs them as a user would, and its output files are read.
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -20,11 +20,11 @@ namespace momentree::test {
 
 using Json = nlohmann::json;
 
-/// A scenario's results, from files alone. The folder goes when the test ends.
+/// A scenario's results, read from files only. The folder is deleted at the end of the test.
 class Run {
  public:
   explicit Run(const std::string& scenario) {
-    std::random_device random;  // tests may run beside each other
+    std::random_device random;  // tests may run in parallel
     folder_ = std::filesystem::temp_directory_path() / ("momentree-" + scenario + "-" + std::to_string(random()));
     const std::string file = MOMENTREE_SOURCE_DIR "/scenarios/" + scenario + ".toml";
     REQUIRE(command("run '" + file + "' --quiet --out '" + folder_.string() + "' >/dev/null") == 0);

@@ -1,4 +1,4 @@
-// The functions of engine.h.
+// Implements engine.h.
 #include <wasm/engine.h>
 
 #include <chrono>
@@ -27,7 +27,7 @@ int status_of(MtWorld& world, Status status) {
   }
 }
 
-// An action on a joint of that number.
+// Makes an action on the joint with that number.
 template <class Make>
 int act_on_joint(MtWorld& world, int joint, Make make) {
   const std::optional<std::string> name = world.joint_name(joint);
@@ -41,7 +41,7 @@ const KindInfo* kind_of(MtWorld& world, const char* kind, size_t length) {
   return found;
 }
 
-// A world without what is outside it: no run can begin with a file that is not there.
+// A world has no access to files: a run cannot begin with a file that does not exist here.
 std::string refusal_of(const io::Scenario& scenario) {
   return scenario.state_files.empty() ? "" : "state: files can't be read here; leave the state document out";
 }

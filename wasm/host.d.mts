@@ -14,7 +14,7 @@ export type Triple = readonly [number, number, number];
 
 export interface Outcome {
   readonly status: number;
-  /** Why it was refused or diverged. */
+  /** Why the action was refused or the run diverged. */
   readonly message: string;
 }
 
@@ -105,7 +105,7 @@ export class World {
   };
   model(): unknown;
   topology(): Topology;
-  /** As lines of events.jsonl (docs/results.md). */
+  /** Lines of events.jsonl (docs/results.md). */
   events(first?: number): Record<string, unknown>[];
   readonly revision: number;
   readonly eventCount: number;

@@ -1,11 +1,11 @@
-// The module for its callers in JavaScript: browsers, workers and Node. Types stand in host.d.mts; what the functions do, their
-// units and shapes, in engine.h.
+// JavaScript interface of the module for browsers, workers and Node. Types are in host.d.mts; engine.h documents the
+// functions with their units and array layouts.
 
 export const motionSize = 13;
 export const jointSize = 28;
 export const status = { ok: 0, diverged: 1, interrupted: 2, refused: 3 };
 
-/** What the engine could not foresee. The instance that threw it is not to be used again. */
+/** An unexpected error of the engine. The instance that threw it must not be used again. */
 export class EngineFailure extends Error {
   name = "EngineFailure";
 }
@@ -13,7 +13,7 @@ export class EngineFailure extends Error {
 const wasiOk = 0;
 const wasiBadFile = 8;
 
-/** What the C library asks of its system: a clock, and where to write complaints; there are no files. */
+/** System functions that the C library needs: a clock, and output for error messages; there are no files. */
 function system(memory, log) {
   const view = () => new DataView(memory().buffer);
   return {
@@ -99,7 +99,7 @@ export class Engine {
     return result;
   }
 
-  /** Numbers in the module's memory: valid until it next runs. */
+  /** Numbers in the module's memory: valid until the module runs again. */
   numbers(at, count) {
     return new Float64Array(this.exports.memory.buffer, at, count);
   }

@@ -1,4 +1,4 @@
-// What the reader of scenarios finds where there are no files: model files can't be read here, and no model can be read.
+// Replaces the file access of the scenario reader: no text is recognised as a model, and no model can be read.
 #include <momentree/base/check.hpp>
 #include <momentree/io/model/model_file.hpp>
 #include <momentree/io/scenario_parts.hpp>
@@ -22,7 +22,7 @@ std::unique_ptr<Import> read_model_text(std::string, std::string, std::string) {
   return nullptr;
 }
 
-// Of models that were read: there are none.
+// Members of imported models, which never exist here.
 std::size_t Import::errors() const { return 0; }
 std::vector<Diagnostic> XmlFile::take() { return {}; }
 Place XmlElement::place() const { return {}; }

@@ -1,4 +1,4 @@
-// What a world has of numbers, in the arrays of engine.h.
+// Numerical data of a world, in the arrays of engine.h.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -76,7 +76,8 @@ Grip grip_on(const World& world, int body, Vec3 point, double strength) {
     if (std::find(mechanism.bodies.begin(), mechanism.bodies.end(), BodyId{body}) == mechanism.bodies.end()) continue;
     for (const BodyId each : mechanism.bodies) whole += world.model()[each].mass;
   }
-  // It swings the whole mechanism three times a second, and its damper is that of the body alone, which a step resolves.
+  // The spring oscillates the whole mechanism at three hertz; the damper is chosen for the body alone, so that a step can resolve
+  // it.
   constexpr double swing = 2 * 3.14159265358979 * 3;
   const double mass = world.model()[{body}].mass;
   Grip grip{body, point, world.motions()[static_cast<std::size_t>(body)].pose * point, 0, 0};

@@ -1,6 +1,6 @@
 #pragma once
-// toml++ has a function that opens files, which nothing calls here; libc++ for WebAssembly has file streams, but keeps them back
-// where there are no folders. Included before anything else of the one file that includes toml++.
+// toml++ has a function that opens files, which nothing calls here; libc++ for WebAssembly has file streams but disables them on
+// systems without a file system. Included before everything else in the one file that includes toml++.
 #include <__config>
 
 #undef _LIBCPP_HAS_NO_FILESYSTEM

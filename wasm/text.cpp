@@ -1,4 +1,4 @@
-// What a world has of names, as JSON.
+// Names and structure of a world, as JSON.
 #include <cmath>
 
 #include <momentree/io/json_writer.hpp>

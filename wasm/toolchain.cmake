@@ -1,5 +1,5 @@
 # clang and lld for wasm32-wasi: Debian's clang-19, lld-19, libc++-19-dev-wasm32, libc++abi-19-dev-wasm32,
-# libclang-rt-19-dev-wasm32 and wasi-libc. Another clang by -DMOMENTREE_CLANG=…
+# libclang-rt-19-dev-wasm32 and wasi-libc. Select another clang with -DMOMENTREE_CLANG=…
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR wasm32)
 set(MOMENTREE_CLANG clang++-19 CACHE STRING "The compiler for WebAssembly")

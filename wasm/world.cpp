@@ -1,4 +1,4 @@
-// A world from a scenario, and what is done to it.
+// Worlds made from scenarios, and the changes to them.
 #include <wasm/world.hpp>
 
 #include <momentree/io/schedule.hpp>

@@ -1,5 +1,5 @@
 #pragma once
-// What a world of the module is: a scenario's run with what its callers hold of it.
+// A world of the module: the run of a scenario and the data that its callers keep.
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,15 +15,15 @@
 
 namespace momentree::wasm {
 
-/// What pulls at a body while the pointer holds it; the function that the simulation calls has a copy of its own.
+/// The spring that pulls a body while the pointer holds it; the function that the simulation calls has its own copy.
 struct Grip {
   int body = -1;
-  Vec3 point{};   ///< in the body's frame
-  Vec3 target{};  ///< in the world
+  Vec3 point{};   ///< in the body's frame (m)
+  Vec3 target{};  ///< in the world (m)
   double stiffness = 0, damping = 0;
 };
 
-/// What a joint breaks at, beside its own strength: the threshold of an event's condition.
+/// A load at which a joint breaks, in addition to its own strength: the threshold of an event's condition.
 struct Threshold {
   int joint;
   Condition condition;
@@ -54,27 +54,27 @@ struct MtWorld {
   std::vector<double> motions, joints;
   double totals[mt_totals_size]{};
 
-  /// An event at this instant; a refusal's reason goes to `text`.
+  /// Carries out actions as an event at this instant; the reason for a refusal is stored in `text`.
   int act(const std::vector<momentree::Action>& actions);
-  /// The name of a present joint or body of that number; a refusal where there is none.
+  /// The name of the joint or body with that number; refused if it does not exist.
   std::optional<std::string> joint_name(int joint);
   std::optional<std::string> body_name(int body, bool ground_too = false);
-  /// Whatever may have become another topology.
+  /// Call whenever the topology may have changed.
   void changed() { ++revision; }
-  /// Puts the grip that is set into the simulation, or takes it out where its body is −1.
+  /// Applies the current grip to the simulation, or removes it if its body is −1.
   void hold(int body);
-  /// After going back: the pointer that pulled then does not now.
+  /// Call after going back: a pointer that pulled then no longer pulls.
   void came_back();
 };
 
 namespace momentree::wasm {
 
-/// The answer of mt_load. `refusal`: why a scenario without errors still makes no world here; empty: it does.
+/// The result of mt_load. `refusal`: why a scenario without errors still cannot be run here; empty: it can.
 std::string load_json(const io::ReadResult& result, const std::string& refusal);
 std::string topology_json(const World& world);
 std::string events_json(const std::vector<Event>& events, std::size_t first);
 
-/// A scenario's run, its events scheduled.
+/// A simulation of a scenario with its events scheduled.
 std::unique_ptr<Simulation> start(const io::Scenario& scenario);
 std::vector<Threshold> thresholds_of(const io::Scenario& scenario, const World& world);
 
@@ -83,7 +83,7 @@ void fill_joints(const Simulation& simulation, const std::vector<Threshold>& thr
                  std::vector<double>& all);
 void fill_totals(const Simulation& simulation, double* all);
 
-/// A spring and a damper that carry the body's mechanism, for this strength.
+/// A spring and a damper that can carry the body's mechanism, scaled by `strength`.
 Grip grip_on(const World& world, int body, Vec3 point, double strength);
 
 }  // namespace momentree::wasm

@@ -1,10 +1,11 @@
-// Writes into a built page the policy by which it may run its own script and style, by their hashes, and load nothing at all.
+// Writes a content policy into a built page: it allows the page's own script and style, by their hashes, and loads
+// nothing else.
 import { createHash } from "node:crypto";
 import type { Plugin } from "vite";
 
 const hash = (text: string) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
-/** What stands between the tags of each such element of the page; of scripts only those that run. */
+/** The text between the tags of each such element of the page; only scripts that run are included. */
 function contents(html: string, tag: string): string[] {
   const found = [...html.matchAll(new RegExp(`<${tag}([^>]*)>([\\s\\S]*?)</${tag}>`, "g"))];
   return found.filter((match) => !/type="(application|text)\/json"/.test(match[1])).map((match) => match[2]);
@@ -23,7 +24,7 @@ export function policyOf(html: string, extra = ""): string {
   ].join("; ");
 }
 
-/** Puts the policy where the page says `<meta name="content-policy">`. `extra`: more sources of scripts. */
+/** Replaces `<meta name="content-policy">` of the page by the policy. `extra`: further script sources. */
 export function contentPolicy(extra = ""): Plugin {
   return {
     name: "content-policy",

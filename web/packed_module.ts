@@ -1,6 +1,6 @@
-// The engine's module in a page: `import packed from "….wasm?packed"` is its bytes, deflated, in base64.
+// Embeds the engine's module in a page: `import packed from "….wasm?packed"` yields its bytes, deflated, in base64.
 import { readFileSync } from "node:fs";
-import { zlibSync } from "fflate"; // the bytes of the system's zlib differ from processor to processor
+import { zlibSync } from "fflate"; // the output of the system's zlib differs from processor to processor
 import type { Plugin } from "vite";
 
 export const packedModule = (): Plugin => ({

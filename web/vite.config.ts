@@ -1,4 +1,4 @@
-// Builds web/dist/report.html: one file with all that it needs, and a content policy that names its script by hash.
+// Builds web/dist/report.html: a single self-contained file, with a content policy that names its script by hash.
 import { defineConfig } from "vite";
 import { viteSingleFile } from "vite-plugin-singlefile";
 import { contentPolicy } from "./content_policy";
@@ -8,7 +8,7 @@ export default defineConfig({
   build: {
     target: "es2021",
     outDir: "dist",
-    emptyOutDir: false, // each page is a build of its own
+    emptyOutDir: false, // each page is a separate build
     reportCompressedSize: false,
     rollupOptions: { input: "report.html" },
   },

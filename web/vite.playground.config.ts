@@ -1,4 +1,5 @@
-// Builds web/dist/playground.html: one file with the engine in it. Its policy also lets it compile that, and run its own worker.
+// Builds web/dist/playground.html: a single file that contains the engine. Its policy also allows it to compile the
+// engine and to run its own worker.
 import { defineConfig } from "vite";
 import { viteSingleFile } from "vite-plugin-singlefile";
 import { contentPolicy } from "./content_policy";
@@ -10,7 +11,7 @@ export default defineConfig({
   build: {
     target: "es2021",
     outDir: "dist",
-    emptyOutDir: false, // each page is a build of its own
+    emptyOutDir: false, // each page is a separate build
     reportCompressedSize: false,
     rollupOptions: { input: "playground.html" },
   },

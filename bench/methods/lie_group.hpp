@@ -1,6 +1,6 @@
 #pragma once
-// An experiment: the classical tableau on the group (Munthe-Kaas 1998). Quaternions move as Q exp(θ), θ̇ = dexpinv(ω); all else
-// as with rk4.
+// An experiment: the classical tableau on the Lie group (Munthe-Kaas 1998). Quaternions are advanced as Q exp(θ), θ̇ =
+// dexpinv(ω); everything else as in rk4.
 #include <momentree/integrate/integrator.hpp>
 
 namespace momentree::bench {
@@ -16,7 +16,7 @@ class Rkmk4 {
     p_.resize(static_cast<std::size_t>(tree.nv())), p_sum_ = p_;
   }
 
-  /// One step; the work is of the state.
+  /// One step; the workspace is evaluated at the state.
   void step(Evaluator& evaluate, State& state, double h) {
     const Workspace<double>& workspace = evaluate.workspace();
     constexpr double weights[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}, nodes[4] = {0.5, 0.5, 1, 0};

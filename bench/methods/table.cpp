@@ -1,5 +1,5 @@
-// Which method for what: measured error against evaluations, as a table in Markdown (docs/howto/choose-a-method.md). Counts and
-// errors repeat; no time is measured.
+// Comparison of integration methods: measured error against evaluations, as a table in Markdown (docs/howto/choose-a-method.md).
+// Counts and errors are reproducible; no time is measured.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -17,7 +17,7 @@ using namespace momentree;
 
 namespace {
 
-/// A free body with spin about its middle axis, falling.
+/// A free body that spins about its middle axis, falling.
 Model tumbler() {
   Model model;
   BodySpec body{.name = "b", .mass = 1, .inertia = diagonal(1, 2, 3), .joint = Free{}};
@@ -26,7 +26,7 @@ Model tumbler() {
   return model;
 }
 
-/// Two rods on pins in full swing, without friction.
+/// A double pendulum of two rods with large swings, without friction.
 Model double_pendulum() {
   Model model({.gravity = {0, -9.81, 0}});
   BodyId last = ground;
@@ -52,7 +52,7 @@ Model spinning_top() {
   return model;
 }
 
-/// An arm of five links that sinks in its dampers: the fastest of its motions is over in tens of microseconds.
+/// An overdamped arm of five links: its fastest mode decays in tens of microseconds.
 Model damped_arm() {
   Model model;
   BodyId last = ground;

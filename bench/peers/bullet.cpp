@@ -1,6 +1,7 @@
-// Bullet, in double precision and without damping. Links of a btMultiBody are given when it is made: a break needs two others,
-// state copied; among btRigidBodies joints are constraints, and a break is removeConstraint. Locks and captures are constraints
-// that the (iterative) solver meets with impulses in the next step: btMultiBodyJointMotor, btMultiBodyFixedConstraint.
+// Bullet, in double precision and without damping. The links of a btMultiBody are fixed at its creation: a break needs two new
+// ones with the state copied; among btRigidBodies joints are constraints, and a break is removeConstraint. Locks and captures are
+// constraints that the (iterative) solver satisfies with impulses in the next step: btMultiBodyJointMotor,
+// btMultiBodyFixedConstraint.
 #include <algorithm>
 #include <cstdlib>
 #include <numeric>
@@ -41,7 +42,7 @@ struct Reduced : Trial {
     for (const auto& collider : colliders) world.bullet.removeCollisionObject(collider.get());
     for (const auto& tree : trees) world.bullet.removeMultiBody(tree->mb.get());
   }
-  /// Without shape: only what has a collider has its constraints solved.
+  /// Without shapes: constraints are only solved for bodies that have a collider.
   void add_colliders(Tree& tree) {
     for (int i = -1; i < tree.mb->getNumLinks(); ++i) {
       colliders.push_back(std::make_unique<btMultiBodyLinkCollider>(tree.mb.get(), i));
@@ -80,7 +81,7 @@ struct Reduced : Trial {
     world.bullet.addMultiBodyConstraint(constraint.get());
     world.bullet.stepSimulation(step, 0);
   }
-  /// Two trees in place of one.
+  /// Replaces one tree by two.
   void rebuild() {
     const std::vector<Motion> all = motions();
     const std::unique_ptr<Tree> old = std::move(trees[0]);
@@ -117,7 +118,7 @@ struct Reduced : Trial {
   std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders;
 };
 
-/// Rigid bodies on hinges, in maximal coordinates.
+/// Rigid bodies with hinges, in maximal coordinates.
 struct Maximal : Trial {
   explicit Maximal(const Experiment& experiment) : e(experiment) {
     const std::vector<Motion> motions = start(e);

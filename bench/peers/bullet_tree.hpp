@@ -22,7 +22,7 @@ inline btQuaternion turn(const Matrix3d& R) {
   const Eigen::Quaterniond q(R);
   return {q.x(), q.y(), q.z(), q.w()};
 }
-/// Bullet's frames stand at the centres of mass.
+/// Bullet's frames are at the centres of mass.
 inline Motion from_centre(const Link& link, const Matrix3d& R, const Vector3d& c, const Vector3d& v, const Vector3d& w) {
   const Vector3d arm = R * link.com;
   return {R, c - arm, v - w.cross(arm), w};
@@ -41,7 +41,7 @@ struct World {
 struct Tree {
   Tree(const std::vector<Link>& links, std::vector<int> bodies) : numbers(std::move(bodies)) {
     const Link& root = links[numbers[0]];
-    first = root.free ? 1 : 0;  // a grounded root is link 0 of a base that is fixed
+    first = root.free ? 1 : 0;  // a grounded root is link 0 of a fixed base
     const int moving = static_cast<int>(numbers.size()) - first;
     mb = std::make_unique<btMultiBody>(moving, root.free ? root.mass : 0, root.free ? vec(root.inertia) : btVector3(0, 0, 0),
                                        !root.free, false);
@@ -49,7 +49,7 @@ struct Tree {
       const Link& link = links[numbers[i + first]];
       const int parent = link_of(link.parent);
       const bool grounded = link.parent < 0;
-      // Its frames stand along the principal axes.
+      // Its frames are aligned with the principal axes.
       const Matrix3d own = link.axes.transpose(), outer = grounded ? Matrix3d::Identity() : links[link.parent].axes;
       const Vector3d arm = outer.transpose() * (link.at - (grounded ? Vector3d::Zero() : links[link.parent].com));
       const Matrix3d to_own = own * link.turn.transpose() * outer;
@@ -64,7 +64,7 @@ struct Tree {
     mb->setLinearDamping(0);
     mb->setAngularDamping(0);
   }
-  /// Number of a body in Bullet: −1 the base.
+  /// Number of a body in Bullet; −1: the base.
   int link_of(int body) const {
     const auto at = std::find(numbers.begin(), numbers.end(), body);
     return at == numbers.end() ? -1 : static_cast<int>(at - numbers.begin()) - first;
@@ -74,7 +74,7 @@ struct Tree {
     mb->setBaseVel(vec(centre_velocity(link, motion)));
     mb->setBaseOmega(vec(motion.w));
   }
-  /// Link transforms and all that is cached, after positions were set.
+  /// Updates link transforms and all cached data after positions were set.
   void refresh() {
     btAlignedObjectArray<btQuaternion> turns;
     btAlignedObjectArray<btVector3> places;

@@ -1,6 +1,6 @@
-// DART. Skeletons can be split and grafted at run time, which keeps poses and velocities of the joints that stay; those of the
-// joint that is made are the caller's: setTransform and setSpatialVelocity, as simulators that are built on DART do. Joints are
-// locked by their actuator type, or held with impulses by the constraint solver (SERVO, WeldJointConstraint) in the next step.
+// DART. Skeletons can be split and grafted at run time, which keeps poses and velocities of the remaining joints; the state of a
+// new joint must be set by the caller: setTransform and setSpatialVelocity, as simulators based on DART do. Joints are locked by
+// their actuator type, or held with impulses by the constraint solver (SERVO, WeldJointConstraint) in the next step.
 #include <dart/constraint/ConstraintSolver.hpp>
 #include <dart/constraint/WeldJointConstraint.hpp>
 #include <dart/dynamics/BodyNode.hpp>
@@ -73,7 +73,7 @@ struct Engine : Trial {
       }
     }
     if (how == How::locked) joint->setActuatorType(dd::Joint::LOCKED);
-    if (how == How::servo) {  // holds still with whatever force it takes
+    if (how == How::servo) {  // holds still with any force required
       joint->setActuatorType(dd::Joint::SERVO);
       joint->setForceLowerLimit(0, -dart::math::constantsd::inf());
       joint->setForceUpperLimit(0, dart::math::constantsd::inf());

@@ -5,7 +5,7 @@
 
 namespace peers {
 
-/// Numbers that every standard library draws alike.
+/// Random numbers that are the same with every standard library.
 class Draw {
  public:
   explicit Draw(unsigned seed) : engine_(seed) {}

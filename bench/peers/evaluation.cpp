@@ -11,7 +11,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-/// Forces at the joints by Newton and Euler; `largest`: the largest single term among them.
+/// Forces at the joints by Newton–Euler; `largest`: the largest single term among them.
 std::vector<double> joint_forces(const EvaluationModel& model, const std::vector<double>& q, const std::vector<double>& u,
                                  const std::vector<double>& udot, double& largest) {
   struct Body {
@@ -106,8 +106,8 @@ int evaluate(const std::string& engine, const std::vector<Evaluation>& ways, con
         const double e = imbalance(model, q[k], u[k], engine_with_model->accelerations());
         if (!(e <= error)) error = e;
       }
-      // What momenta are worth in velocities grows with a power of the chain's length (README.md); a mistake is of the order
-      // of 1.
+      // The accuracy of velocities computed from momenta decreases with a power of the chain's length (README.md); a mistake
+      // causes an error of order 1.
       if (!(error < (n <= 100 ? 1e-8 : 1e-4))) {
         std::fprintf(stderr, "%s, %s, %s: the accelerations are wrong, joints are off balance by %g\n", engine.c_str(),
                      way.name.c_str(), model.name.c_str(), error);

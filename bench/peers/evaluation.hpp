@@ -1,6 +1,7 @@
 #pragma once
-// Evaluations side by side: positions and velocities to accelerations, with gravity, on the same models. Before a time is
-// believed, the accelerations found must balance every joint: by Newton's and Euler's laws, written here for that alone.
+// Comparison of evaluations: positions and velocities to accelerations, with gravity, on the same models. To validate a timing,
+// the accelerations found must balance every joint according to the Newton–Euler equations, which are implemented here
+// independently.
 #include <functional>
 #include <memory>
 #include <string>
@@ -12,7 +13,7 @@ namespace peers {
 
 inline constexpr double gravity = -9.81;  ///< along z
 
-/// A tree of pins and slides: grounded, or on a first link that is free.
+/// A tree of revolute and prismatic joints: grounded, or on a free first link.
 struct EvaluationModel {
   std::string name;
   std::vector<Link> links;
@@ -23,31 +24,31 @@ struct EvaluationModel {
 class Evaluator {
  public:
   virtual ~Evaluator() = default;
-  /// What is timed: from these positions and velocities (in the order of the links) until the accelerations can be read. A free
-  /// link has none of its own here, and is put where the model has it, at its velocity, every time.
+  /// The timed function: from these positions and velocities (in the order of the links) until the accelerations can be read. A
+  /// free link has no entries here; it is reset to its pose and velocity in the model every time.
   virtual void evaluate(const double* q, const double* u) = 0;
-  /// Those of the last evaluation, in the order of the links: a free one has 0 here, and six at the end, the acceleration of its
-  /// origin (m/s²) and its angular acceleration, along the world's axes.
+  /// Accelerations of the last evaluation, in the order of the links: a free link has 0 here, and six numbers at the end, the
+  /// acceleration of its origin (m/s²) and its angular acceleration (rad/s²), in world axes.
   virtual std::vector<double> accelerations() = 0;
 };
 
 struct Evaluation {
-  std::string name;  ///< the calls that are made
+  std::string name;  ///< the functions that are called
   std::function<std::unique_ptr<Evaluator>(const EvaluationModel&)> make;
   bool chains_only = false;  ///< no other models
-  int most = 1 << 30;        ///< bodies; larger models are left out
+  int most = 1 << 30;        ///< maximum number of bodies; larger models are left out
 };
 
-/// The models of these files, as `momentree bench MODEL` writes them (cli/peer_links.hpp), or, where there are none, those of
-/// `momentree bench`. Stops the program where a file is none.
+/// The models of these files, as `momentree bench MODEL` writes them (cli/peer_links.hpp), or without files those of `momentree
+/// bench`. Stops the program if a file is not a model.
 std::vector<EvaluationModel> models(const std::vector<std::string>& files);
 
-/// Times the ways of an engine on every one of these models, and prints a line of JSON for each. Returns 1 where accelerations
-/// are wrong.
+/// Times all methods of an engine on each of these models, and prints a line of JSON for each. Returns 1 if accelerations are
+/// wrong.
 int evaluate(const std::string& engine, const std::vector<Evaluation>& ways, const std::vector<std::string>& files);
 
-/// Largest force (N m) that is missing at a joint for these accelerations, as a share of the largest that its bodies take. What
-/// a free link is missing counts all six.
+/// Largest imbalance of force (N m) at a joint for these accelerations, relative to the largest force that its bodies require.
+/// For a free link all six components count.
 double imbalance(const EvaluationModel& model, const std::vector<double>& q, const std::vector<double>& u,
                  const std::vector<double>& a);
 

@@ -1,4 +1,4 @@
-// The oracle: bodies in maximal coordinates, joints as constraints, one dense projection.
+// The exact solution: bodies in maximal coordinates, joints as constraints, one dense projection.
 #include <cmath>
 #include <utility>
 
@@ -14,7 +14,7 @@ std::vector<Motion> exact(const Experiment& experiment) {
   const std::vector<Link>& links = experiment.links;
   std::vector<Motion> motions = start(experiment);
   const int n = static_cast<int>(links.size());
-  // Six velocities per body: of the centre of mass, angular; scaled by roots of the mass matrix, so that the projection is
+  // Six velocities per body: of the centre of mass, and angular; scaled by roots of the mass matrix, so that the projection is
   // orthogonal.
   VectorXd u(6 * n);
   std::vector<Matrix3d> root(n), root_inverse(n);
@@ -31,7 +31,7 @@ std::vector<Motion> exact(const Experiment& experiment) {
     rows.block<1, 3>(row, 6 * body) += sign / std::sqrt(links[body].mass) * linear.transpose();
     rows.block<1, 3>(row, 6 * body + 3) += sign * (root_inverse[body] * angular).transpose();
   };
-  // No relative velocity at a point; none of rotation about the axes given.
+  // No relative velocity at a point; no rotation about the given axes.
   const auto hold = [&](int a, int b, const Vector3d& point, const Matrix3d& axes, int turns) {
     for (int k = 0; k < 3 + turns; ++k, ++m) {
       for (const auto& [body, sign] : {std::pair{a, 1.0}, std::pair{b, -1.0}}) {

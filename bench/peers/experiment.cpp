@@ -47,7 +47,7 @@ std::vector<int> all(const std::vector<Link>& links) {
   return every;
 }
 
-/// A grounded chain of pins in general position, whirling; cut in the middle.
+/// A grounded, fast-moving chain of revolute joints in general position; cut in the middle.
 Experiment cut_chain(int bodies) {
   Draw draw(static_cast<unsigned>(bodies));
   Experiment e{"break " + std::to_string(bodies), {}, Change::cut, bodies / 2, -1, {}};
@@ -58,7 +58,7 @@ Experiment cut_chain(int bodies) {
   return e;
 }
 
-/// A floating hull with an arm of four pins and a panel on a fifth; the arm's elbow jams.
+/// A floating hull with an arm of four revolute joints and a panel on a fifth; the arm's elbow jams.
 Experiment lock_elbow() {
   Draw draw(7);
   Experiment e{"lock", {}, Change::lock, 2, -1, {}};
@@ -71,7 +71,7 @@ Experiment lock_elbow() {
   return e;
 }
 
-/// A tug with an arm of three pins welds its hand to a tumbling satellite that carries a panel on a pin.
+/// A tug with an arm of three revolute joints welds its hand to a tumbling satellite that carries a panel on a revolute joint.
 Experiment capture() {
   Draw draw(11);
   Experiment e{"capture", {}, Change::capture, 4, 3, {}};

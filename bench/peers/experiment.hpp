@@ -1,6 +1,6 @@
 #pragma once
-// The experiments that every engine is put to, and what is exact in each: found in maximal coordinates, by no engine at all.
-// Nothing here allocates through Eigen: engines' packages and ours may be compiled for different CPUs.
+// The experiments carried out with every engine, and their exact results: found in maximal coordinates, without any engine.
+// Nothing here allocates through Eigen: the engines' packages and momentree may be compiled for different CPUs.
 #include <string>
 #include <vector>
 
@@ -11,8 +11,8 @@ namespace peers {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// A body and its inboard joint: free (a root), or a pin about z (evaluations have slides along z, too) of a frame that stands at
-/// (turn, at) in the parent's frame; at angle zero the body's frame is that frame. SI units.
+/// A body and its inboard joint: free (a root), or revolute about z (in evaluations also prismatic along z) of a frame at (turn,
+/// at) in the parent's frame; at angle zero the body's frame is that frame. SI units.
 struct Link {
   std::string name;
   int parent = -1;
@@ -22,9 +22,9 @@ struct Link {
   double mass = 1;
   Vector3d com = Vector3d::Zero();
   Vector3d inertia = Vector3d::Ones();   ///< principal, about the centre of mass
-  Matrix3d axes = Matrix3d::Identity();  ///< the principal axes, in the body's frame: other ones in evaluations alone
-  double angle = 0, rate = 0;            ///< of a pin, at the start
-  Vector3d linear = Vector3d::Zero();    ///< of a free body at the start, world axes, of its origin
+  Matrix3d axes = Matrix3d::Identity();  ///< the principal axes, in the body's frame: nontrivial only in evaluations
+  double angle = 0, rate = 0;            ///< of a revolute joint, at the start
+  Vector3d linear = Vector3d::Zero();    ///< of a free body's origin at the start, world axes
   Vector3d angular = Vector3d::Zero();
 };
 
@@ -40,22 +40,22 @@ struct Experiment {
   std::string name;
   std::vector<Link> links;  ///< parents before children
   Change change;
-  int body;                 ///< whose inboard joint is cut or locked; the root that is captured
-  int to = -1;              ///< capture: what it is welded to, where they are
+  int body;                 ///< the body whose inboard joint is cut or locked, or the root that is captured
+  int to = -1;              ///< capture: the body to which it is welded, in the present poses
   std::vector<int> judged;  ///< bodies whose momentum is compared: the part cut off, or all
 };
 
 std::vector<Experiment> experiments();
 
-/// Bodies' motion at the start, by forward kinematics.
+/// Motion of the bodies at the start, by forward kinematics.
 std::vector<Motion> start(const Experiment& experiment);
 
-/// Their motion at once after the change: the start's velocities projected, weighted by mass, onto those that the joints allow
-/// then. What an instantaneous change by the forces of ideal joints must give.
+/// Their motion immediately after the change: the initial velocities projected, in the mass metric, onto those that the joints
+/// allow afterwards. This is the result of any instantaneous change caused by the forces of ideal joints.
 std::vector<Motion> exact(const Experiment& experiment);
 
 struct EnergyLedger {
-  Vector3d linear = Vector3d::Zero(), angular = Vector3d::Zero();  ///< of the judged bodies, about the world's origin
+  Vector3d linear = Vector3d::Zero(), angular = Vector3d::Zero();  ///< of the compared bodies, about the world's origin
   double kinetic = 0;                                              ///< of all bodies
 };
 EnergyLedger ledger(const Experiment& experiment, const std::vector<Motion>& motions);
@@ -64,7 +64,7 @@ EnergyLedger ledger(const Experiment& experiment, const std::vector<Motion>& mot
 inline Matrix3d inertia_of(const Link& link) { return link.axes * link.inertia.asDiagonal() * link.axes.transpose(); }
 inline Vector3d centre(const Link& link, const Motion& motion) { return motion.p + motion.R * link.com; }
 inline Vector3d centre_velocity(const Link& link, const Motion& motion) { return motion.v + motion.w.cross(motion.R * link.com); }
-/// Bodies of the subtree that hangs on `body`, itself the first.
+/// Bodies of the subtree rooted at `body`, starting with it.
 std::vector<int> subtree(const std::vector<Link>& links, int body);
 
 }  // namespace peers

@@ -1,4 +1,4 @@
-// KDL: evaluations of chains alone. The Vereshchagin solver, without constraints, is its O(n) one.
+// KDL: evaluations of chains only. The Vereshchagin solver, without constraints, is its O(n) solver.
 #include <kdl/chain.hpp>
 #include <kdl/chainhdsolver_vereshchagin.hpp>
 
@@ -16,7 +16,7 @@ KDL::Chain chain_of(const EvaluationModel& model) {
     const Matrix3d& R = link.turn;
     const KDL::Frame frame(KDL::Rotation(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)),
                            vec(link.at));
-    // It takes the inertia about the centre of mass along the frame's axes; the joint is given in the parent's frame.
+    // It needs the inertia about the centre of mass along the frame's axes; the joint is given in the parent's frame.
     const Matrix3d I = inertia_of(link);
     const KDL::RigidBodyInertia inertia(link.mass, vec(link.com),
                                         KDL::RotationalInertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)));
@@ -63,7 +63,7 @@ struct Forward : Evaluator {
 }  // namespace
 
 int main(int count, char** words) {
-  if (count == 1) return 0;  // it has no changes to be measured
+  if (count == 1) return 0;  // it has no changes to measure
   Evaluation way{"ChainHdSolver_Vereshchagin", evaluator<Forward>()};
   way.chains_only = true;
   return evaluate("KDL " KDL_VERSION, {way}, {words + 2, words + count});

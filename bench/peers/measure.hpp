@@ -1,5 +1,5 @@
 #pragma once
-// How every engine is measured: one Trial per repetition, made afresh.
+// The measurement of every engine: one newly made Trial per repetition.
 #include <functional>
 #include <memory>
 #include <string>
@@ -9,32 +9,32 @@
 
 namespace peers {
 
-/// An engine with an experiment's bodies in their start state.
+/// An engine with an experiment's bodies in their initial state.
 class Trial {
  public:
   virtual ~Trial() = default;
-  /// The change, until its velocities can be read: what is timed.
+  /// The timed change, until its velocities can be read.
   virtual void change() = 0;
-  /// Simulates on, where the change needs time to act; not timed.
+  /// Continues the simulation if the change needs time to act; not timed.
   virtual void settle() {}
-  /// How far the world has been simulated since the start (s): zero where the change is one of an instant.
+  /// Simulated time since the start (s): zero if the change is instantaneous.
   virtual double elapsed() const { return 0; }
-  /// The bodies as the engine has them now, in the experiment's order.
+  /// The present motion of the bodies in the engine, in the experiment's order.
   virtual std::vector<Motion> motions() = 0;
 };
 
 struct Way {
-  std::string name;  ///< the calls that are made: "BodyNode::split<FreeJoint>"
+  std::string name;  ///< the functions that are called: "BodyNode::split<FreeJoint>"
   std::string note;
   std::function<std::unique_ptr<Trial>(const Experiment&)> make;
 };
 
-/// Prints a line of JSON. Stops the program where the engine's bodies do not start as the experiment says.
+/// Prints a line of JSON. Stops the program if the engine's bodies do not start as in the experiment.
 void measure(const std::string& engine, const Experiment& experiment, const Way& way);
 
-/// The ways of an engine to make a change.
+/// The methods with which an engine can make a change.
 using Ways = std::function<std::vector<Way>(Change)>;
-/// Puts an engine to every experiment.
+/// Runs every experiment with an engine.
 int run(const std::string& engine, const Ways& ways);
 
 template <class T, class... Arguments>

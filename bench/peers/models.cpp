@@ -1,4 +1,4 @@
-// The models of the evaluations: drawn here, or read from files of `momentree bench MODEL`.
+// The models of the evaluations: random, or read from files of `momentree bench MODEL`.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -40,7 +40,7 @@ EvaluationModel tree(const char* name, int bodies, bool planar, bool binary) {
   return model;
 }
 
-/// A free pelvis and 30 pins along the axes of a body that stands: two legs of 6, waist and neck of 2, two arms of 7.
+/// A free pelvis and 30 revolute joints along the axes of a standing body: two legs of 6, waist and neck of 2, two arms of 7.
 class Humanoid {
  public:
   EvaluationModel model() {
@@ -62,7 +62,7 @@ class Humanoid {
     for (const Offset& offset : offsets) last = add(last, *axes++, {offset.x, offset.y, offset.z});
     return last;
   }
-  /// Axis and offset from the parent's origin as seen by the world where all angles are zero.
+  /// Axis and offset from the parent's origin, in world axes at zero angles.
   int add(int parent, char axis, const Vector3d& offset) {
     const int number = static_cast<int>(links_.size());
     Link link = pin(draw_, number, parent, false);
@@ -97,7 +97,7 @@ std::vector<EvaluationModel> drawn() {
           tree("binary tree", 63, false, true),     Humanoid().model()};
 }
 
-/// A line of the file: see cli/peer_links.hpp. It starts at a state of its own.
+/// A line of the file: see cli/peer_links.hpp. Its initial state is random.
 Link read_link(std::istringstream& line, int number, Draw& draw) {
   Link link;
   std::string joint;

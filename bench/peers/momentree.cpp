@@ -1,4 +1,4 @@
-// momentree: the changes of topology/change.hpp with the evaluations around them, by themselves, and as a user's actions.
+// momentree: the changes of topology/change.hpp with the evaluations around them, the changes alone, and as a user's actions.
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/forward.hpp>
@@ -128,7 +128,7 @@ std::vector<Way> ways(Change change) {
   return found;
 }
 
-/// Momenta are the state: those of the velocities are found outside the time, as a step would have left them.
+/// Momenta are the state: they are computed from the velocities outside the measured time, as a step would have left them.
 struct Rates : Evaluator {
   explicit Rates(const EvaluationModel& m) : model(model_of(m.links, gravity)), tree(mt::compile(model)), workspace(tree) {
     for (mt::State& state : states) state = start_state(model, tree);
@@ -139,7 +139,7 @@ struct Rates : Evaluator {
     last = turn_of(q, u);
     evaluate_rates(tree, put(last, q), states[last].p().data(), workspace);
   }
-  /// Which of the two states has these momenta, and their coordinates, set.
+  /// The index of the state that has these momenta, with its coordinates set.
   int turn_of(const double* q, const double* u) {
     if (q == seen[0]) return 0;
     if (q == seen[1]) return 1;
@@ -158,7 +158,7 @@ struct Rates : Evaluator {
     for (std::size_t i = static_cast<std::size_t>(first); i < places.size(); ++i) edit.q[places[i]] = q[i];
     return states[k].q().data();
   }
-  /// By another way: of the state that the momenta are.
+  /// Computed differently, from the state with these momenta.
   std::vector<double> accelerations() override {
     mt::Workspace<double> other(tree);
     accelerate(tree, states[last], other);
@@ -175,7 +175,7 @@ struct Rates : Evaluator {
     std::vector<double> a(static_cast<std::size_t>(tree.bodies()));
     for (int b = first; b < tree.bodies(); ++b) a[b] = found.a[tree.first_p(b)];
     if (first == 0) return a;
-    const double *v = found.v.get(), *rate = found.a.get(), *q = states[last].q().data();  // along the body's axes
+    const double *v = found.v.get(), *rate = found.a.get(), *q = states[last].q().data();  // in the body's axes
     const Matrix3d turn = Eigen::Quaterniond(q[3], q[4], q[5], q[6]).toRotationMatrix();
     const Matrix3d R = mat(rotation_matrix(model.bodies()[0].at.rotation)) * turn;
     const Vector3d linear = R * (Vector3d(rate) + Vector3d(v + 3).cross(Vector3d(v))), angular = R * Vector3d(rate + 3);
@@ -191,7 +191,7 @@ struct Rates : Evaluator {
   int count = 0, last = 0, first = 0;
 };
 
-/// The same, and accelerations and the wrenches in all joints after it.
+/// The same, followed by accelerations and all joint wrenches.
 struct Accelerations : Rates {
   using Rates::Rates;
   void evaluate(const double* q, const double* u) override {

@@ -1,7 +1,8 @@
-// MuJoCo. A compiled model's topology is fixed; what shall come and go at run time is an equality constraint, declared beforehand
-// and switched by eq_active. Constraints are soft by design (here with the default solref, 0.02 s, critically damped), so a
-// switched-on one needs time to act: its result is judged 0.3 s later (free of gravity and damping, energy and momenta stay what
-// they are by then), integrated by RK4 as advised where energy matters. What was not foreseen needs another model: state copied.
+// MuJoCo. The topology of a compiled model is fixed; joints that are made or broken at run time are equality constraints,
+// declared in advance and switched by eq_active. Constraints are soft by design (here with the default solref, 0.02 s, critically
+// damped), so that an activated constraint needs time to act: its result is evaluated 0.3 s later (without gravity and damping,
+// energy and momenta are conserved until then), integrated by RK4 as recommended if energy matters. Unforeseen changes need
+// another model with the state copied.
 #include <algorithm>
 
 #include "evaluation.hpp"
@@ -19,7 +20,7 @@ struct Engine : Trial {
   Engine(const Experiment& experiment, How way) : e(experiment), how(way), links(e.links) {
     std::ostringstream equality;
     const Link& link = links[e.body];
-    if (how == How::connects) {  // the pin that will break: two points of a loose body on the axis are held
+    if (how == How::connects) {  // the revolute joint that will break: two points on the axis of a loose body are constrained
       const std::string between = "body1='" + link.name + "' body2='" + links[link.parent].name + "' anchor='";
       equality << "<connect " << between << "0 0 0'/><connect " << between << "0 0 0.1'/>";
       loosen(start(e)[e.body]);
@@ -74,12 +75,12 @@ struct Engine : Trial {
   }
   double elapsed() const override { return time; }
 
-  /// Another model, whose joints get what those of the same name had.
+  /// Another model, whose joints get the state of the joints with the same names.
   void rebuild() {
     Link& link = links[e.body];
     int fixed = -1;
     if (e.change == Change::cut) loosen(read(e.body));
-    if (e.change == Change::lock) {  // without the joint: the angle becomes part of the body's place
+    if (e.change == Change::lock) {  // without the joint: the angle becomes part of the body's pose
       link.turn = link.turn * Eigen::AngleAxisd(*now->q(link), Vector3d::UnitZ()).toRotationMatrix();
       fixed = e.body;
     }
@@ -139,7 +140,8 @@ std::vector<Way> ways(Change change) {
            maker<Engine>(How::rebuild)}};
 }
 
-/// What of mj_forward finds free accelerations: positions, inertias, bias, and a solution with the factorised mass matrix.
+/// The part of mj_forward that computes unconstrained accelerations: positions, inertias, bias, and a solution with the
+/// factorised mass matrix.
 struct Forward : Evaluator {
   explicit Forward(const EvaluationModel& m) : model(m.links, -1, ""), first(m.floating() ? 1 : 0), bias(model.model->nv) {
     model.model->opt.gravity[2] = gravity;
@@ -169,14 +171,14 @@ struct Forward : Evaluator {
     for (const int r : row) a.push_back(model.data->qacc[r]);
     if (first == 0) return a;
     a[0] = 0;
-    const double* found = model.data->qacc;  // along the world's axes, then along the body's
+    const double* found = model.data->qacc;  // in world axes, then in body axes
     const Vector3d angular = turn * Vector3d(found[3], found[4], found[5]);
     a.insert(a.end(), found, found + 3);
     a.insert(a.end(), angular.data(), angular.data() + 3);
     return a;
   }
   Model model;
-  std::size_t first;  // the first pin
+  std::size_t first;  // the first revolute joint
   Matrix3d turn;
   std::vector<int> place, row;
   std::vector<double> bias;

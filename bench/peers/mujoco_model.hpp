@@ -28,7 +28,7 @@ inline std::string pose(const Matrix3d& R, const Vector3d& p) {
   return "pos='" + text(p) + "' quat='" + text(Eigen::Quaterniond(R)) + '\'';
 }
 
-/// A compiled model of the links. A pin without freedom is a body without joint.
+/// A compiled model of the links. A locked revolute joint is a body without a joint.
 class Model {
  public:
   Model(const std::vector<Link>& links, int fixed, const std::string& equality) : files(1) {
@@ -68,7 +68,7 @@ class Model {
         write(file, links, k, fixed);
         continue;
       }
-      const int next = static_cast<int>(files.size());  // a file of MJCF nests less than a hundred elements
+      const int next = static_cast<int>(files.size());  // a file of MJCF may nest fewer than a hundred elements
       files[file] << "<include file='" << next << ".xml'/>";
       files.emplace_back().precision(17);
       files[next] << "<mujocoinclude>";

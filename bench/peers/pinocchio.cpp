@@ -1,4 +1,4 @@
-// Pinocchio: evaluations alone. A model is made once; another topology is another model.
+// Pinocchio: evaluations only. A model is built once; another topology needs another model.
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/multibody/data.hpp>
 #include <pinocchio/multibody/model.hpp>
@@ -60,8 +60,8 @@ struct Forward : Evaluator {
 }  // namespace
 
 int main(int count, char** words) {
-  if (count == 1) return 0;  // it has no changes to be measured
+  if (count == 1) return 0;  // it has no changes to measure
   Evaluation way{"aba", evaluator<Forward>()};
-  way.most = 100;  // its data for 1000 bodies, matrices that this does not need among them, want 32 GB
+  way.most = 100;  // its data for 1000 bodies need 32 GB, including matrices that are not used here
   return evaluate("Pinocchio " PINOCCHIO_VERSION, {way}, {words + 2, words + count});
 }

@@ -1,4 +1,4 @@
-// RBDL: evaluations alone. A model is made once; another topology is another model.
+// RBDL: evaluations only. A model is built once; another topology needs another model.
 #include <rbdl/rbdl.h>
 
 #include "evaluation.hpp"
@@ -48,7 +48,7 @@ struct Forward : Evaluator {
     for (const int place : places) a.push_back(found[place]);
     if (!floating) return a;
     a[0] = 0;
-    const Vector3d angular = turn * Vector3d(found.segment<3>(3));  // translations along the world's axes, turns along the body's
+    const Vector3d angular = turn * Vector3d(found.segment<3>(3));  // translations in world axes, rotations in body axes
     a.insert(a.end(), found.data(), found.data() + 3);
     a.insert(a.end(), angular.data(), angular.data() + 3);
     return a;
@@ -64,6 +64,6 @@ struct Forward : Evaluator {
 }  // namespace
 
 int main(int count, char** words) {
-  if (count == 1) return 0;  // it has no changes to be measured
+  if (count == 1) return 0;  // it has no changes to measure
   return evaluate("RBDL", {{"ForwardDynamics", evaluator<Forward>()}}, {words + 2, words + count});
 }

@@ -1,7 +1,7 @@
-// Simbody. A system's topology is fixed; what shall come and go at run time is a constraint that is declared beforehand and
-// enabled or disabled in the State. What was not foreseen needs another system: setQToFitTransform and setUToFitVelocity carry
-// bodies over. Enabling a constraint moves nothing by itself: solveForConstraintImpulses gives the impact, project() a cheaper
-// correction; MobilizedBody::lock() sets the speed to zero.
+// Simbody. A system's topology is fixed; joints that are made or broken at run time are constraints, declared in advance and
+// enabled or disabled in the State. Unforeseen changes need another system, whose bodies are initialised with setQToFitTransform
+// and setUToFitVelocity. Enabling a constraint does not change the state: solveForConstraintImpulses gives the impact, project()
+// a cheaper correction; MobilizedBody::lock() sets the speed to zero.
 #include <Simbody.h>
 
 #include <memory>
@@ -27,7 +27,7 @@ Matrix3d mat(const st::Rotation& R) {
 
 enum class How { rebuild, disable, lock, lock_impulse, weld_impulse, weld_project };
 
-/// The bodies; `loose`: one that is on a mobilizer of six freedoms to the ground, whatever it was.
+/// The bodies; `loose`: a body that is on a six-DoF mobilizer to the ground, whatever its joint was.
 struct System {
   System(const std::vector<Link>& links, int loose) : matter(system) {
     for (int i = 0; i < static_cast<int>(links.size()); ++i) {
@@ -63,7 +63,7 @@ struct System {
     }
     system.realize(state, st::Stage::Velocity);
   }
-  /// Becomes the state of a system of the same bodies.
+  /// Copies the state of a system of the same bodies.
   void copy(const System& from) {
     state = system.realizeTopology();
     for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -77,7 +77,7 @@ struct System {
     }
     system.realize(state, st::Stage::Velocity);
   }
-  /// The impact of the constraints that are enabled: as documented with solveForConstraintImpulses.
+  /// The impact of the enabled constraints, as documented for solveForConstraintImpulses.
   void impact() {
     system.realize(state, st::Stage::Velocity);
     st::Vector impulse, f, du;
@@ -100,7 +100,7 @@ struct Engine : Trial {
     now = std::make_unique<System>(e.links, how == How::disable ? e.body : -1);
     st::MobilizedBody& body = now->bodies[e.body];
     const Link& link = e.links[e.body];
-    if (how == How::disable) {  // the pin that will break is made of constraints
+    if (how == How::disable) {  // the revolute joint that will break is composed of constraints
       st::MobilizedBody& parent = now->bodies[link.parent];
       parts.push_back(st::Constraint::Ball(parent, vec(link.at), body, st::Vec3(0)));
       for (int k = 0; k < 2; ++k) {
@@ -212,7 +212,7 @@ struct Forward : Evaluator {
   System system;
   st::GeneralForceSubsystem forces;
   st::Force::UniformGravity fall;
-  std::size_t first;  // the first pin
+  std::size_t first;  // the first revolute joint
   std::vector<int> places, rows;
 };
 

@@ -48,9 +48,9 @@ class Case:
     name: str
     arguments: list
     law: Callable
-    before: dict = field(default_factory=dict)  # the tree that it starts from
+    before: dict = field(default_factory=dict)  # the file tree before the run
     environment: dict = field(default_factory=dict)
-    kills: bool = True  # whether there is something to lose
+    kills: bool = True  # whether there is data to lose
 
 
 def bounded():
@@ -70,7 +70,7 @@ def cases(program, shim, folder):
 
     with open(os.path.join(folder, "s.toml"), "w", encoding="utf-8") as file:
         file.write(SCENARIO)
-    made("run", "s.toml", "--quiet", "--out", "r", "--until", "0.07")  # an earlier result, and one that failed
+    made("run", "s.toml", "--quiet", "--out", "r", "--until", "0.07")  # an earlier result, and a failed one
     made("run", "s.toml", "--quiet", "--out", "f", "--until", "1", fails=True)
     made("convert", "s.toml", "-o", "m.urdf")
     tree = laws.read_tree(folder)

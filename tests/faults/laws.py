@@ -43,7 +43,7 @@ def normal(name, text):
     if name.endswith("report.html"):
         text = re.sub(rb'"duration_ns": [^,}]*', b'"duration_ns": 0', text)
         return re.sub(rb'"wall_clock".*?"worst_step": [^,]*', b"", text, flags=re.S)
-    if name.endswith(".momentree"):  # the order of lines is that of the files' making
+    if name.endswith(".momentree"):  # the order of lines is that of file creation
         return b"\n".join(sorted(text.split(b"\n")))
     return text
 
@@ -91,7 +91,7 @@ def unfinished(partial, good, killed, lasts=False):
             require(normal(name, whole).startswith(mine), f"{name} is not the beginning of what it should be")
             require(killed or text == b"" or text.endswith(b"\n"), f"{name} ends within a line")
         elif name in ("final.json", "model.json"):
-            try:  # a run that was stopped before its time ends in another state
+            try:  # a run that was stopped early ends in another state
                 early = name == "final.json" and json.loads(text)["time"] < json.loads(good[name])["time"]
             except ValueError:
                 early = False
@@ -140,7 +140,7 @@ def run_law(before, after, good, code, said, killed=False, lasts=False, out="r")
               if name.startswith(".momentree.former/")}
     in_place = {n: t for n, t in own_new.items() if not n.startswith(".momentree.former/")}
     replaced = same(in_place, own_wanted)
-    in_working = (killed or lasts) and not new and same(split(former)[0], own_old)  # the next run brings it back
+    in_working = (killed or lasts) and not new and same(split(former)[0], own_old)  # the next run restores it
     require(replaced or same(in_place, own_old) or in_working,
             "the result in DIR is neither the earlier one nor the new one: " + str(sorted(in_place)))
     if killed:
@@ -162,7 +162,7 @@ def run_law(before, after, good, code, said, killed=False, lasts=False, out="r")
                 "the result is in its place, but it says otherwise")
     if same(partial, left) or (lasts and partial.items() <= left.items()):
         return
-    if code == 2 and not lasts:  # what goes on to fail can't be cleaned up, but says what it is
+    if code == 2 and not lasts:  # a permanent failure can't be cleaned up, but it is reported
         require(same(in_place, own_old), "exit 2, but the result was replaced")
         own_left = {n for n, t in split(partial)[0].items() if n not in HELPERS}
         require(same(partial, left) or not own_left, f"exit 2, but something was written: {own_left}")

@@ -1,15 +1,15 @@
-// A library to be preloaded: it counts the calls that a program makes to the system, and lets one of them fail.
-//   FAULTS_CLASS  what is counted: one of `classes`, or "any" for all of them
-//   FAULTS_AT     the number of the call that fails, counted from main on; nothing or 0: none
-//   FAULTS_ERROR  the errno; 0: a write that stops half way
-//   FAULTS_STICKY 1: all calls of the class after that fail, too
-//   FAULTS_KILL   1: instead of failing the process is killed before that call
-//   FAULTS_DISK   bytes that the disk has left: what would let files grow beyond that does not fit
-//   FAULTS_NO_EXCHANGE 1: renameat2 does not know its flags, as on some file systems
-//   FAULTS_TRACE  a file that gets a line for each call that changes files, as it is made
-//   FAULTS_LOG    a file; at the end of the process it gets a line "CLASS NUMBER SITE" for each call that was the first of its
-//                 site, "failed SITE" for the call that failed, "live BLOCKS" (what was not freed), and "calls CLASS COUNT"
-// A call's site is a hash of the return addresses above it, each within its module.
+// A preloaded library that counts the program's system calls and makes one of them fail.
+// FAULTS_CLASS  calls to count: one of `classes`, or "any" for all of them
+// FAULTS_AT     the number of the call that fails, counted from main on; empty or 0: none
+// FAULTS_ERROR  the errno; 0: a write that stops halfway
+// FAULTS_STICKY 1: all later calls of the class fail, too
+// FAULTS_KILL   1: instead, the process is killed before that call
+// FAULTS_DISK   free space on the disk (bytes): calls that would let files grow beyond it fail
+// FAULTS_NO_EXCHANGE 1: renameat2 does not support its flags, as on some file systems
+// FAULTS_TRACE  a file to which each call that changes files is written
+// FAULTS_LOG    a file; at the end of the process it gets a line "CLASS NUMBER SITE" for each call that was the first of its
+// site, "failed SITE" for the call that failed, "live BLOCKS" (blocks that were not freed), and "calls CLASS COUNT"
+// A call's site is a hash of the return addresses above it, each relative to its module.
 #include <dirent.h>
 #include <dlfcn.h>
 #include <execinfo.h>
@@ -59,10 +59,10 @@ int depth = 8;
 bool sticky = false, kills = false, no_exchange = false;
 const char* log_path = nullptr;
 int trace_file = -1;
-std::atomic<long> disk_left{-1};  // −1: as it is
+std::atomic<long> disk_left{-1};  // −1: unlimited
 std::uint64_t failed_site = 0;
 
-// Sites that were seen, and where first; an open-addressing table without memory from malloc.
+// Sites that occurred, and their first calls; an open-addressing table without memory from malloc.
 struct Seen {
   std::uint64_t site;
   long number;
@@ -95,7 +95,7 @@ void remember(int of, long number, std::uint64_t site) {
   }
 }
 
-/// Counts a call; whether it is to fail.
+/// Counts a call; returns whether it must fail.
 bool fails(Class of) {
   if (!counting.load(std::memory_order_relaxed) || inside) return false;
   const long number = ++calls[of], any = ++any_calls;
@@ -154,7 +154,7 @@ void trace(const char* what, int file, const char* path = "") {
   trace(what, number, path);
 }
 
-/// How much of a write fits on the disk.
+/// How many bytes of a write fit on the disk.
 std::size_t room_for(int file, std::size_t size) {
   struct stat status {};
   if (disk_left < 0 || syscall(SYS_fstat, file, &status) != 0 || !S_ISREG(status.st_mode)) return size;
@@ -166,7 +166,7 @@ std::size_t room_for(int file, std::size_t size) {
   return size - static_cast<std::size_t>(growth - fits);
 }
 
-// What is printed goes through here, so that it can fail: the library's own streams call no function that can be replaced.
+// Output is redirected here so that it can fail: the library's own streams call no replaceable function.
 ssize_t put_out(void*, const char* data, size_t size) {
   std::size_t done = 0;
   while (done < size) {
@@ -197,9 +197,9 @@ void begin() {
   disk_left = number("FAULTS_DISK", -1);
   if (const char* path = std::getenv("FAULTS_TRACE"))
     trace_file = static_cast<int>(syscall(SYS_openat, AT_FDCWD, path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-  unsetenv("LD_PRELOAD");  // the compiler of --generate goes its own ways
+  unsetenv("LD_PRELOAD");  // the compiler of --generate is not counted
   void* frames[4];
-  backtrace(frames, 4);  // loads what it needs
+  backtrace(frames, 4);  // loads the libraries that it needs
   cookie_io_functions_t functions = {nullptr, put_out, nullptr, nullptr};
   if (std::FILE* out = fopencookie(nullptr, "w", functions)) stdout = out;
   std::atexit(write_log);
@@ -213,7 +213,7 @@ int counted_main(int argc, char** argv, char** environment) {
   return real_main(argc, argv, environment);
 }
 
-// dlsym may allocate before malloc is known.
+// dlsym may allocate before malloc has been resolved.
 alignas(16) char early[1 << 16];
 std::atomic<std::size_t> early_used{0};
 void* early_memory(std::size_t size) {

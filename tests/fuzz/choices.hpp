@@ -1,6 +1,6 @@
 #pragma once
-// Where a generator's choices come from: a seed, or the bytes of a fuzzer. Where the bytes end every choice is the first one, so
-// that each input ends.
+// The source of a generator's choices: a seed, or the bytes of a fuzzer. After the last byte every choice is the first one, so
+// that generation ends for every input.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -14,7 +14,7 @@ namespace momentree::fuzz {
 
 class Choices {
  public:
-  /// Prng walks all of its seeds in one circle, where neighbours are one draw apart: seeds are mixed first.
+  /// Prng traverses all its seeds in one cycle, where neighbouring seeds are one draw apart: seeds are therefore mixed first.
   explicit Choices(std::uint64_t seed) : random_(oracle::Prng(seed).next()), by_seed_(true) {}
   explicit Choices(std::span<const std::uint8_t> bytes) : random_(0), bytes_(bytes) {}
 
@@ -34,7 +34,7 @@ class Choices {
   }
   std::string word(std::vector<std::string> from) { return pick(from); }
 
-  /// A number as text, three digits: the same on every machine.
+  /// A number as text with three digits: the same on every machine.
   std::string number(double low, double high) {
     const double value = low + (high - low) * unit();
     char text[32];

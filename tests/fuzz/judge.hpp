@@ -1,5 +1,5 @@
 #pragma once
-// What holds for the reading of any text.
+// Properties that hold for reading any text.
 #include <algorithm>
 #include <cstdlib>
 #include <string>
@@ -13,14 +13,14 @@ inline void require(bool holds) {
   if (!holds) std::abort();
 }
 
-/// Lines that a terminal shows and does not obey.
+/// A terminal displays these lines, with no control characters to interpret.
 inline void require_visible(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\t'; }, ' ');
   require(first_invisible(text) == std::string::npos);
 }
 
-/// A scenario, or errors; messages and names that are seen.
+/// Either a scenario or errors; messages and names are printable.
 inline void judge(const io::ReadResult& result) {
   require(result.scenario.has_value() != io::has_errors(result.diagnostics));
   const std::string messages = io::rendered(result.diagnostics);

@@ -1,6 +1,6 @@
 #pragma once
-// Any text is either a model or refused with a diagnostic: nothing is thrown, nothing is read out of bounds. One target for each
-// format, because what an input begins with decides how far it gets.
+// Any text is either a model or refused with a diagnostic: nothing is thrown, nothing is read out of bounds. There is one target
+// per format, because the beginning of an input decides how far it is read.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>

@@ -1,4 +1,4 @@
-// Events: when something happens, and what.
+// Events: their triggers and actions.
 #include <cstdio>
 
 #include <tests/fuzz/random_scenario.hpp>
@@ -11,8 +11,7 @@ using Joint = Draft::DraftJoint;
 
 std::string in_braces(const char* key, const std::string& value) { return braces({{key, value}}); }
 
-// One of the joints that an action may be about, mostly one whose fate nothing has decided yet. `made`: of those that events
-// make, too.
+// A joint for an action, usually one that no event has changed yet. `made`: may also be a joint that events make.
 Joint& some_joint(
     Draft& draft, bool made, bool (*fits)(const Joint&) = [](const Joint&) { return true; }) {
   std::vector<std::size_t> good;
@@ -28,7 +27,7 @@ Joint& some_joint(
 
 bool has_dofs(const Joint& joint) { return joint.kind->nv > 0; }
 
-// A name, or several joints or bodies by a wildcard.
+// A name, or a wildcard for several joints or bodies.
 struct Named {
   std::string joint, body;
 };
@@ -67,7 +66,7 @@ std::string change(Draft& draft, const Joint& joint, const std::string& name) {
 std::string set(Draft& draft, const Joint& joint, const std::string& name) {
   Choices& choose = draft.choose;
   Entries all{{"joint", quoted(name)}};
-  if (name != joint.name) {  // several of any kind
+  if (name != joint.name) {  // several, of any kind
     if (choose.chance(0.5)) all.emplace_back("friction", "{ coulomb = 0.1, speed = 0.2 }");
   } else if (joint.kind->nv == 1 && !joint.coupled && choose.chance(joint.moves ? 0.5 : 0.1)) {
     all.emplace_back("drive", "{ motion = { rate = " + choose.number(-1, 1) + " } }");
@@ -80,7 +79,7 @@ std::string set(Draft& draft, const Joint& joint, const std::string& name) {
   return braces(all);
 }
 
-// A body of a mechanism that floats to one of another, as it is at the start; sometimes any two.
+// A body of a floating mechanism and one of another mechanism, as at the start; sometimes any two.
 std::pair<std::string, std::string> two_bodies(Draft& draft) {
   Choices& choose = draft.choose;
   const auto in = [](const std::string& body, const std::string& mechanism) { return body.starts_with(mechanism + "/"); };
@@ -127,8 +126,8 @@ std::string impulse(Draft& draft, const std::string& body) {
   return braces(all);
 }
 
-// What happens, by a key that may become another one. `late`: an instant that is not known, so that joints may be there which
-// other events make.
+// An action with its key, which may be replaced by another key. `late`: its instant is not known, so that joints which other
+// events make may exist.
 std::string action(Draft& draft, std::string& key, bool named, bool late, int number) {
   if (key == "weld" || key == "attach") return joining(draft, key == "weld", named, number);
   if (key == "unlock") {
@@ -197,7 +196,7 @@ std::string condition(Draft& draft) {
   return braces(all);
 }
 
-// Its keys; whether it waits for a condition.
+// The keys of the trigger; returns whether it depends on a condition.
 bool trigger(Draft& draft, Entries& all) {
   Choices& choose = draft.choose;
   const int what = choose.integer(0, draft.certain ? 6 : 9);
@@ -241,7 +240,7 @@ void add_event(Draft& draft) {
   for (int left = draft.choose.chance(0.7) ? 1 : draft.choose.integer(2, 3); left > 0; --left) {
     std::string key = draft.choose.pick(keys);
     const bool joins = key == "weld" || key == "attach";
-    if (joins && (has(actions, "weld") || has(actions, "attach"))) key = "impulse";  // it makes one joint, by its own name
+    if (joins && (has(actions, "weld") || has(actions, "attach"))) key = "impulse";  // it makes one joint, with its own name
     const std::string value = action(draft, key, named, waits, number);
     bool joined = false;
     for (auto& [known, list] : actions)

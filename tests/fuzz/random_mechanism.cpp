@@ -1,4 +1,4 @@
-// Mechanisms: trees of bodies, chains; couplings and forces between and on what they have.
+// Mechanisms: trees of bodies and chains, with couplings and forces.
 #include <cstdlib>
 
 #include <tests/fuzz/random_scenario.hpp>

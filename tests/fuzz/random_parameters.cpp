@@ -1,4 +1,4 @@
-// What joints have beside kind and geometry.
+// Joint parameters other than kind and geometry.
 #include <algorithm>
 
 #include <tests/fuzz/random_scenario.hpp>
@@ -7,7 +7,7 @@ namespace momentree::fuzz {
 
 namespace {
 
-// One value for all freedoms, or one for each.
+// One value for all DoFs, or one for each.
 template <class Value>
 std::string per_dof(Choices& choose, int dofs, Value value) {
   if (dofs == 1 || choose.chance(0.5)) return value();

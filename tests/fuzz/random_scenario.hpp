@@ -1,5 +1,5 @@
 #pragma once
-// Random scenarios, as text: worlds of one to ten bodies in which much happens.
+// Random scenarios, as text: worlds of one to ten bodies with many events.
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,10 +9,10 @@
 
 namespace momentree::fuzz {
 
-/// The text of a scenario: mostly a valid one, the same for the same choices.
+/// The text of a scenario: usually a valid one; equal choices yield equal texts.
 std::string random_scenario(Choices& choose);
 
-/// What has been written so far, for what refers to it.
+/// The parts written so far, for references to them.
 struct Draft {
   struct DraftJoint {
     std::string name, child;  ///< complete names
@@ -21,7 +21,7 @@ struct Draft {
     bool moves = false;   ///< prescribed
     bool strong = false;  ///< breaks by itself
     bool coupled = false;
-    bool decided = false;  ///< an event breaks it, changes it, sets it free
+    bool decided = false;  ///< an event breaks, changes or frees it
     bool locked = false;   ///< an event locks it
     bool made = false;     ///< by an event
   };
@@ -36,8 +36,8 @@ struct Draft {
   std::vector<bool> floats{};  ///< by mechanism
   std::vector<DraftEvent> events{};
   double until = 1;
-  bool certain = false;  ///< no event waits for a condition: what its events will do is known before it runs
-  bool heavy = false;    ///< resistance that only a method for it can step over
+  bool certain = false;  ///< no event depends on a condition: the effects of its events are known before the run
+  bool heavy = false;    ///< has resistance that is too stiff for explicit methods
 };
 
 /// Keys with their values.
@@ -48,18 +48,18 @@ std::string braces(const Entries& entries);
 bool has(const Entries& entries, const char* key);
 inline std::string quoted(const std::string& text) { return '"' + text + '"'; }
 
-/// A mechanism of at most so many bodies; returns how many.
+/// Adds a mechanism of at most `most` bodies; returns the number of bodies.
 int add_mechanism(Draft& draft, int most);
 void add_couplings(Draft& draft);
 void add_forces(Draft& draft);
 void add_event(Draft& draft);
 
-/// Start values: the coordinates of a kind, angles and lengths at most of this size.
+/// Start values: coordinates of a joint kind; angles and lengths up to `size`.
 std::string random_coordinates(Choices& choose, const KindInfo& kind, double size = 1);
 std::string random_velocities(Choices& choose, const KindInfo& kind);
 /// Some of the parameters of a joint.
 Entries random_parameters(Draft& draft, const KindInfo& kind, bool may_move = true);
-/// A number, or what changes with time.
+/// A number, or a time-dependent signal.
 std::string random_signal(Draft& draft, double size);
 
 }  // namespace momentree::fuzz

@@ -1,4 +1,4 @@
-// A fuzzer's bytes choose a scenario, and where its runs are stopped; all laws hold for it.
+// A fuzzer's bytes choose a scenario and the instants at which its runs are stopped; all laws must hold for it.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>

@@ -1,5 +1,5 @@
 // Random scenarios, run in many ways: `random_scenarios SEED` shows one and checks it, `random_scenarios SEED COUNT` checks many,
-// `random_scenarios --show SEED` shows one alone.
+// `random_scenarios --show SEED` only shows one.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   }
   const unsigned long first = std::strtoul(argv[1], nullptr, 10), count = argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 1;
 #ifdef __GLIBC__
-  if (argc > 2) stderr = std::fopen("/dev/null", "w");  // warnings of runs; sanitizers write to the descriptor
+  if (argc > 2) stderr = std::fopen("/dev/null", "w");  // warnings of runs; sanitizers write to the file descriptor
 #endif
   Findings all;
   int broken = 0;

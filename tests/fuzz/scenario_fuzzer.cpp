@@ -9,7 +9,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  // What follows a form feed is an override: both enter the same document.
+  // The text after a form feed is an override: both are parsed into the same document.
   const std::size_t cut = text.find('\f');
   std::vector<std::string> overrides;
   if (cut != std::string_view::npos) overrides.emplace_back(text.substr(cut + 1));

@@ -35,14 +35,14 @@ std::string rendered(const std::vector<std::string>& list) {
   return all;
 }
 
-// A document has quaternions with a positive w: where that turns their sign, zeros have one.
+// Documents store quaternions with positive w; negating one gives its zeros a sign, which is removed here.
 std::string without_signs_of_zeros(std::string text) {
   for (std::size_t at = 0; (at = text.find("-0.0", at)) != std::string::npos; ++at)
     if (at + 4 == text.size() || std::strchr("0123456789", text[at + 4]) == nullptr) text.replace(at, 4, "0");
   return text;
 }
 
-/// A document says the same whatever the order of its joints, which is that of their numbers: a line each.
+/// The content of a document is independent of the order of its joints, which is by joint number: one line each.
 std::string in_any_order(const std::string& document) {
   std::vector<std::string> all;
   std::istringstream in(document);
@@ -60,7 +60,7 @@ void require_same_document(const std::string& one, const std::string& other, con
   if (one != other) require_same(in_any_order(one), in_any_order(other), law, found);
 }
 
-/// A refusal says where and what.
+/// A refusal has a location and a reason.
 void check_refusal(const io::ReadResult& result, Findings& found) {
   found.require(io::has_errors(result.diagnostics), "a scenario that is refused has an error");
   for (const io::Diagnostic& each : result.diagnostics) {
@@ -70,7 +70,7 @@ void check_refusal(const io::ReadResult& result, Findings& found) {
   }
 }
 
-/// The energies of a run that diverged may be no numbers.
+/// The energies of a diverged run may be NaN.
 bool same_number(double one, double other) { return one == other || (std::isnan(one) && std::isnan(other)); }
 
 double kinetic_scale(const Trace& run, const io::Scenario& scenario) {
@@ -88,7 +88,7 @@ class Checker {
   void check() {
     whole_ = traced_run(scenario_, {.until = scenario_.until, .most_steps = most_steps});
     if (!whole_.refused.empty()) return found_.require(false, "a scenario that was read can begin", whole_.refused);
-    if (whole_.cut) {  // too stiff for its method: as far as it came
+    if (whole_.cut) {  // too stiff for its method: compared as far as it ran
       ++found_.counts["cut short"];
       scenario_.until = whole_.time;
       whole_ = traced_run(scenario_, {.until = scenario_.until, .most_steps = 2 * most_steps});
@@ -166,8 +166,8 @@ class Checker {
   Trace whole_;
 };
 
-// The linear impulse that an event's actions brought from outside, by what the scenario says of events with these actions:
-// several where a wildcard matches what another action names, too.
+// The external linear impulse of an event's actions, according to the scenario's events with these actions: several if a wildcard
+// matches a joint or body that another action names, too.
 std::vector<Vec3> Checker::applied_impulses(const Event& happened) const {
   std::vector<Vec3> all;
   std::vector<std::string> done = happened.action_texts();
@@ -188,29 +188,29 @@ std::vector<Vec3> Checker::applied_impulses(const Event& happened) const {
   return all;
 }
 
-// Energy and momentum of each event, by its own figures; and that they follow one another.
+// Checks the energy and momentum balance of each event, and that certificates of one instant are chained.
 void Checker::check_certificates() {
-  if (whole_.status == Status::diverged) return;  // the last events before that are of numbers without meaning
+  if (whole_.status == Status::diverged) return;  // the last events before divergence have meaningless numbers
   double mass = 0, lightest = HUGE_VAL;
   for (const BodySpec& body : scenario_.model.bodies()) {
     mass += body.mass;
     if (body.mass > 0) lightest = std::min(lightest, body.mass);
   }
-  // A mechanism that gets its root at a light body loses as many digits as that is lighter than the rest.
+  // A mechanism whose root becomes a light body loses as many digits as that body is lighter than the rest.
   const double digits = std::max(1e-11, 1e-13 * mass / lightest);
   const Event* last = nullptr;
   for (const Event& e : whole_.certificates) {
     const std::string where = e.name + " at " + std::to_string(e.time);
     const double size = std::fabs(e.before.kinetic) + std::fabs(e.before.potential) + std::fabs(e.after.kinetic) +
                         std::fabs(e.after.potential) + std::fabs(e.lost) + std::fabs(e.released) + std::fabs(e.work);
-    const double rounding = digits * size + 1e-14 * mass;  // some 10 m²/s² that cancel out
+    const double rounding = digits * size + 1e-14 * mass;  // some 10 m²/s² that cancel
     found_.within(
         std::fabs(e.after.kinetic + e.after.potential - e.before.kinetic - e.before.potential + e.lost + e.released - e.work),
         rounding, "certificate: energy", where);
     found_.within(-e.lost, rounding, "certificate: no impact gains energy", where);
     const Vec3 ground{e.ground_impulse[0], e.ground_impulse[1], e.ground_impulse[2]};
     const double speed = std::sqrt(2 * std::max(e.before.kinetic, e.after.kinetic) * mass);
-    const double standstill = 1e-14 * mass;  // the rounding of speeds of some m/s that cancel out
+    const double standstill = 1e-14 * mass;  // the rounding of velocities of some m/s that cancel
     double share = HUGE_VAL;
     for (const Vec3& applied : applied_impulses(e))
       share = std::min(share, norm(e.after.linear - e.before.linear - ground - applied) /
@@ -226,7 +226,7 @@ void Checker::check_certificates() {
   }
 }
 
-// What the events recorded of the topology, one after the other, leads from the start to the end of the run.
+// The topology records of the events, applied one after the other, lead from the start to the end of the run.
 void Checker::check_topology() {
   std::map<std::string, std::string> joints = whole_.joints_before;
   std::vector<std::string> mechanisms = whole_.mechanisms_before;
@@ -244,12 +244,13 @@ void Checker::check_topology() {
     found_.require(joints[name] == text, "the events' records lead to the joints at the end", difference(joints[name], text));
 }
 
-// What is refused before a run goes on is what it would be refused for later, maybe after its end: all events are tried. Nothing
-// can be said where the whole run does not come that far: because it fails, or is refused for something else.
+// A continued run is refused early only for reasons for which it would be refused later, possibly after its end, because all
+// events are tried. This cannot be checked if the whole run does not come that far, because it fails or is refused for another
+// reason.
 void Checker::check_early_refusal(const std::string& refusal, const std::string& at) {
   ++found_.counts["restarts refused early"];
   const Trace longer = traced_run(scenario_, {.until = 3 * scenario_.until, .most_steps = 8 * most_steps});
-  const auto reason = [](std::string text) {  // without what comes after it, and where
+  const auto reason = [](std::string text) {  // without location and the text after the reason
     text.erase(std::min(text.find("; "), text.size()));
     text.erase(std::min(text.find(", on line"), text.size()));
     text.erase(std::min(text.find(" (event"), text.size()));
@@ -263,7 +264,7 @@ void Checker::check_early_refusal(const std::string& refusal, const std::string&
     found_.require(false, at + ": refused", refusal + "\n--- but the whole run: " + longer.message);
 }
 
-// A run that was stopped, and one that goes on from its state, are the run that went through.
+// A run that was stopped, and a run that continues from its state, together equal the uninterrupted run.
 void Checker::check_restart(const Trace& first, const std::string& law) {
   const io::test::TemporaryFolder folder;
   const std::string file = folder / "state.json";
@@ -276,7 +277,7 @@ void Checker::check_restart(const Trace& first, const std::string& law) {
   events.insert(events.end(), second.events.begin(), second.events.end());
   require_same(rendered(whole_.events), rendered(events), at + ": events", found_);
   require_same(whole_.message, second.message, at + ": message", found_);
-  // Sums of work may differ by a rounding: steps are looked at again for peaks of what breaks a joint by itself.
+  // Sums of work may differ by a rounding: steps are searched again for peaks of the loads of joints with strengths.
   const auto without_work = [](std::string text) {
     const std::size_t from = text.find("\"integration\"");
     if (from == std::string::npos) return text;
@@ -302,14 +303,14 @@ void Checker::check_restarts() {
   if (whole_.rows.size() > 2) {
     for (int left = 2; left > 0; --left) {
       const double stop = whole_.times[static_cast<std::size_t>(choose_.integer(1, static_cast<int>(whole_.times.size()) - 1))];
-      if (scenario_.output_every > 0 && stop < whole_.time)  // else rows are also where conditions came true within a step
+      if (scenario_.output_every > 0 && stop < whole_.time)  // otherwise rows also occur where conditions fired within a step
         check_restart(traced_run(scenario_, {.until = stop, .most_steps = 2 * most_steps}), "restart from a row");
     }
   }
   if (whole_.steps > 2) {
     const long steps = choose_.integer(1, static_cast<int>(whole_.steps) - 1);
     const Trace first = traced_run(scenario_, {.until = scenario_.until, .most_steps = steps});
-    // Where a table bends a rounding before a row, the run that goes on takes the two for one instant.
+    // If a table has a bend within a rounding error of a row, the continued run takes the two for one instant.
     const bool beside_a_row = std::any_of(whole_.times.begin(), whole_.times.end(), [&](double time) {
       return time != first.time && std::fabs(time - first.time) < 1e-14 * (1 + time);
     });
@@ -323,7 +324,7 @@ void Checker::check_documents() {
   io::write_text_file(file, whole_.state);
   try {
     cli::Session session(scenario_, file);
-    static_cast<void>(session.schedule());  // warnings of what is over already
+    static_cast<void>(session.schedule());  // warnings about events that are already past
     const StepMemory memory = is_adaptive(scenario_.integration.method) ? session.simulation().step_memory() : StepMemory{};
     require_same_document(whole_.state, io::state_json(session.simulation().world(), session.armed(), memory),
                           "a document read and written again", found_);
@@ -344,7 +345,7 @@ void Checker::check_conversion() {
   require_same_run(traced_run(*again.scenario, {.until = scenario_.until, .most_steps = 2 * most_steps}), "converted");
 }
 
-// The balance closes, to what the method leaves; and with small steps to next to nothing.
+// The balance closes to the accuracy of the method, and almost exactly with small steps.
 void Checker::check_energy() {
   if (whole_.status != Status::ok) return;
   const double scale = kinetic_scale(whole_, scenario_);
@@ -365,10 +366,11 @@ void Checker::check_energy() {
     fine.integration.step /= 4, fine.integration.rtol /= 100, fine.integration.atol /= 100;
     const Trace finer = traced_run(fine, {.until = scenario_.until, .most_steps = 64 * most_steps});
     if (finer.cut || finer.status != Status::ok) return;
-    // What holds after each step, as that an impulse is small, happens as often as there are steps: another motion.
+    // Conditions that hold after every step, such as a small impulse, fire as often as there are steps: the motion is a different
+    // one.
     if (finer.certificates.size() != whole_.certificates.size()) return;
     error = std::fabs(finer.energy.error);
-    if (error < 0.5 * largest) return;  // at one step errors may cancel out by chance
+    if (error < 0.5 * largest) return;  // with one step errors may cancel by chance
     largest = std::max(largest, error);
   }
 }

@@ -1,5 +1,5 @@
-// Any text is either a state document of a model or refused with an Error: nothing else is thrown, and a simulation takes what
-// was read, or says why not.
+// Any text is either a state document of a model or refused with an Error: nothing else is thrown, and a simulation accepts the
+// document or refuses it with a reason.
 #include <cstddef>
 #include <cstdint>
 #include <string>

@@ -24,7 +24,7 @@ void append(std::string& text, double value) {
 
 std::string event_text(Event event) {
   event.duration_ns = 0;
-  std::sort(event.impulse.begin(), event.impulse.end());  // they are by the joints' numbers, which a restart gives anew
+  std::sort(event.impulse.begin(), event.impulse.end());  // they are ordered by joint number, which a restart reassigns
   return io::event_json(event);
 }
 
@@ -34,7 +34,7 @@ std::string row_text(const Simulation& simulation) {
   append(text, world.time());
   for (const BodyMotion& motion : world.motions()) {
     const Quat& r = motion.pose.rotation;
-    const double sign = std::signbit(r.w) ? -1 : 1;  // that of a quaternion means nothing
+    const double sign = std::signbit(r.w) ? -1 : 1;  // the sign of a quaternion is meaningless
     for (const double x : {sign * r.w, sign * r.x, sign * r.y, sign * r.z}) append(text, x);
     for (const Vec3& v : {motion.pose.position, motion.linear, motion.angular})
       for (const double x : {v.x, v.y, v.z}) append(text, x);
@@ -87,7 +87,7 @@ Trace traced_run(const io::Scenario& scenario, const RunPlan& plan) {
   }
   Simulation& simulation = session->simulation();
   simulation.observe(scenario.output_every, [&](const World& world) {
-    // Of two rows at one instant the later one counts: it is after the events.
+    // Of two rows at one instant the later one counts: it follows the events.
     if (!trace.times.empty() && trace.times.back() == world.time()) trace.times.pop_back(), trace.rows.pop_back();
     trace.times.push_back(world.time());
     trace.rows.push_back(row_text(simulation));

@@ -1,5 +1,5 @@
 #pragma once
-// A run of a scenario, with all that can be compared of it.
+// A run of a scenario, with everything that can be compared.
 #include <functional>
 #include <map>
 #include <memory>
@@ -10,24 +10,24 @@
 
 namespace momentree::fuzz {
 
-/// How a run goes.
+/// Settings of a run.
 struct RunPlan {
   std::string state{};         ///< the document to start from; empty: the scenario's start
   double until = 0;            ///< s
-  long most_steps = 1L << 40;  ///< it is interrupted after so many
+  long most_steps = 1L << 40;  ///< it is interrupted after this many steps
 };
 
 struct Trace {
   Status status = Status::ok;
   std::string message;
-  std::string refused;              ///< why it could not even begin; all else is empty then
+  std::string refused;              ///< why it could not start; all other members are empty then
   std::string state;                ///< the document at the end
   std::vector<std::string> events;  ///< as in events.jsonl, without wall-clock
   std::vector<std::string> rows;    ///< time, coordinates, momenta and energies at each row
   std::vector<double> times;        ///< of the rows
   std::vector<Event> certificates;
-  std::map<std::string, std::string> joints_before, joints_after;  ///< how its joints were at the start and at the end, by name
-  std::vector<std::string> mechanisms_before, mechanisms_after;    ///< by body the mechanism that it belonged to
+  std::map<std::string, std::string> joints_before, joints_after;  ///< its joints at the start and at the end, by name
+  std::vector<std::string> mechanisms_before, mechanisms_after;    ///< by body, its mechanism
   EnergyBalance energy;
   double time = 0, step_work = 0;
   long steps = 0;
@@ -36,13 +36,13 @@ struct Trace {
 
 Trace traced_run(const io::Scenario& scenario, const RunPlan& plan);
 
-/// One event as text, without what differs from run to run.
+/// One event as text, without values that differ from run to run.
 std::string event_text(Event event);
 /// One joint as text.
 std::string joint_text(const JointRecord& joint);
-/// What a world is at an instant, with every bit.
+/// The state of a world at an instant, exact to the last bit.
 std::string row_text(const Simulation& simulation);
-/// What two texts differ in, for messages: the first place, with what is around it.
+/// The first difference of two texts with its context, for messages.
 std::string difference(const std::string& one, const std::string& other);
 
 }  // namespace momentree::fuzz

@@ -6,7 +6,7 @@
 
 namespace momentree::memory {
 
-/// Numbers that something found, to be compared to the last bit.
+/// Numbers that a function found, to be compared to the last bit.
 class Bits {
  public:
   void add(const double* numbers, int count) { all_.insert(all_.end(), numbers, numbers + count); }

@@ -13,7 +13,7 @@ namespace {
 
 using oracle::Prng;
 
-/// Turns of 0, 90° and any angle, lengths that are zero or not; some with any placement.
+/// Rotations by 0, 90° and any angle, lengths that are zero or not; some with any placement.
 Pose place_of_pin(Prng& random) {
   if (random.chance(0.2)) {
     const Vec3 r = random.vector(0.4);

@@ -1,5 +1,5 @@
 #pragma once
-// Worlds for the tests of memory: every kind of joint in every variant, and what the sweeps have ways of their own for.
+// Worlds for the memory tests: every joint kind in every variant, and all mechanisms with special kernels.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -9,25 +9,25 @@
 
 namespace momentree::memory {
 
-/// Number `seed`. Of three, one has trees of all kinds of joint, with forces in joints and on bodies; one has limbs on a trunk,
-/// some of them alike: pins with and without rotors and stops, slides and welds; one has mechanisms in a plane beside others.
-/// Every second one is without gravity; in some, motions are prescribed.
+/// World number `seed`. A third have trees of all joint kinds, with joint forces and forces on bodies; a third have limbs on a
+/// trunk, some of them isomorphic: revolute joints with and without armature and stops, prismatic joints and welds; a third have
+/// planar mechanisms next to others. Every second world has no gravity; some have prescribed motions.
 Model random_model(std::uint64_t seed);
 
-/// Such a model after changes: joints that broke, were locked, and carry their parents.
+/// Such a model after changes: joints that broke, were locked, or were reversed.
 struct Changed {
   Tree tree;
   State state;
 };
 Changed random_world(std::uint64_t seed);
 
-/// What the worlds of a test had, so that nothing is taken for tested that never came about.
+/// The variants that a test covered, so that none is assumed tested that never occurred.
 struct Seen {
   bool kernels[9][5] = {};  ///< by kind and variant
   int planar = 0, twins = 0, forks = 0, reversed = 0, locked = 0, driven = 0, loaded = 0, weightless = 0;
 
   void note(const Tree& tree);
-  /// What is missing, in words; empty: nothing.
+  /// The variants that are missing, as text; empty: none.
   std::string missing() const;
 };
 

@@ -1,4 +1,5 @@
-// Whole runs with changes find the same to the last bit, whatever fresh memory holds: methods, changes, events, books, history.
+// Whole runs with changes give the same results to the last bit, whatever fresh memory contains: methods, changes, events, energy
+// ledger, history.
 #include <string>
 
 #include <doctest/doctest.h>

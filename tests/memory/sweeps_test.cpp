@@ -1,6 +1,6 @@
-// No sweep of any scalar computes with memory that it has not written. Fresh memory holds signalling NaNs: arithmetic on one
-// raises a flag of the processor, even where nobody reads the result. What only decides (an index, a node of an expression) makes
-// results differ, or stops the program. Under valgrind, which knows of memory itself, it is valgrind that complains.
+// No kernel of any scalar type computes with memory that it has not written. Fresh memory contains signalling NaNs: arithmetic
+// with one raises a processor flag, even if the result is never read. Values that only control decisions (an index, a node of an
+// expression) make results differ or stop the program. Under valgrind, which tracks memory itself, valgrind reports the errors.
 #include <cstring>
 #include <memory>
 #include <string>
@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::uint64_t worlds = 240;
 
-/// find(work, found) twice, in memory that held different patterns.
+/// Calls find(work, found) twice, in memory filled with different patterns.
 template <class Find>
 void check_double(const Tree& tree, const char* what, const Find& find) {
   CAPTURE(std::string(what));

@@ -17,7 +17,7 @@ double narrow(Real x) { return static_cast<double>(x); }
 Real length(const V3<Real>& a) { return std::sqrt(dot(a, a)); }
 Real length(const std::array<Real, 6>& e, unsigned from) { return length(V3<Real>{{e[from], e[from + 1], e[from + 2]}}); }
 
-/// The tree's joint with its present coordinates, alone.
+/// The tree's joint at its present coordinates, separately.
 struct Alone {
   System system;
   std::vector<double> q;
@@ -40,7 +40,7 @@ Alone joint_alone(const Tree& tree, const State& state, const Workspace<double>&
 int declared_child(const Tree& tree, int b) { return tree.reversed(b) ? tree.parent(b) : b; }
 int declared_parent(const Tree& tree, int b) { return tree.reversed(b) ? b : tree.parent(b); }
 
-/// True where the tree has the joint of `b` as the system has it: not the free joint of a root that was not one.
+/// True if the tree's joint of `b` is that of the system: false for the free joint of a body that was not a root.
 bool declared(const System& system, const Tree& tree, int b) {
   const Link& link = system.links[static_cast<std::size_t>(declared_child(tree, b))];
   return link.parent == declared_parent(tree, b);
@@ -75,7 +75,7 @@ double equations_of_motion(const System& system, const Tree& tree, const State& 
     s.torque = V3<Real>{} - inertia * angular - cross(w, inertia * w);
     s.force_summands = m * (length(system.gravity) + length(linear) + length(angular) * length(arm) + dot(w, w) * length(arm));
     s.torque_summands = length(inertia * angular) + length(cross(w, inertia * w));
-    // The body moves relative to another, which may be far wilder.
+    // The body moves relative to another, whose motion may be much faster.
     if (const int outer = tree.parent(static_cast<int>(k)); outer >= 0) {
       const BodyAcceleration by = body_acceleration(tree, state, workspace, BodyId{outer});
       const Vec3 way = workspace.bodies[k].r - workspace.bodies[static_cast<std::size_t>(outer)].r;
@@ -123,7 +123,7 @@ double work_of_reactions(const Tree& tree, const State& state, Workspace<double>
   accelerate(tree, state, workspace);
   Real worst = 0;
   for (int b = 0; b < tree.bodies(); ++b) {
-    // Summands of Tr = Mb Ω̇ + W: what hangs outboard, moved as the body is.
+    // Summands of Tr = Mb Ω̇ + W: the outboard bodies, moving with the body.
     Real felt = length(real(tree.gravity()));
     for (int k = b; k >= 0; k = k == b ? tree.parent(b) : -1) {
       const Motion<double> a = felt_acceleration(tree, state.q().data(), workspace, k);
@@ -145,7 +145,7 @@ double work_of_reactions(const Tree& tree, const State& state, Workspace<double>
         continue;
       }
       const Real along = std::fabs(dot(v, real(pure.l)) + dot(w, real(pure.h)));
-      if ((tree.link(b).driven >> i & 1u) != 0) {  // whatever it takes
+      if ((tree.link(b).driven >> i & 1u) != 0) {  // whatever it requires
         const Real summands = length(e, 0) * (length(real(W.l)) + carried) + length(e, 3) * (length(real(W.h)) + carried);
         if (summands > 0) worst = std::max(worst, along / summands);
         continue;
@@ -187,7 +187,7 @@ std::vector<Measure> measure_accelerations(const System& system, const Tree& tre
   const auto enter = [&laws](const char* law, Real error, Real scale, double within) {
     laws.push_back({law, scale > 0 ? narrow(error / scale) : narrow(error), within});
   };
-  // Where all forces but cancel, rounding is that of the summands.
+  // If the forces almost cancel, the rounding error is that of the summands.
   const double by_summands = norm(exact.v) > 0 ? 8 * epsilon * narrow(exact.summands / norm(exact.v)) : bound;
   if (nv > 0)
     enter("dv/dt", distance({workspace.a.get(), workspace.a.get() + nv}, exact.v), norm(exact.v), std::max(bound, by_summands));

@@ -1,4 +1,4 @@
-// Accelerations and joint wrenches where joints are locked, re-rooted, broken and exchanged. (Of trees as they were declared:
+// Accelerations and joint wrenches of trees whose joints were locked, re-rooted, broken and replaced. (For trees as declared:
 // random_accelerations.)
 #include <cmath>
 #include <cstdio>

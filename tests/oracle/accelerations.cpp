@@ -1,4 +1,4 @@
-// Accelerations from second derivatives of poses, wrenches from the equations of Newton and Euler, body by body.
+// Accelerations from second derivatives of poses, wrenches from the Newton–Euler equations of each body.
 #include <cmath>
 
 #include <tests/oracle/kinematics.hpp>
@@ -6,7 +6,7 @@
 namespace momentree::oracle {
 namespace {
 
-/// Bodies that move by velocities v and accelerations `a`, and the joint wrenches that this takes.
+/// Bodies that move with velocities v and accelerations `a`, and the joint wrenches that this requires.
 std::vector<Accelerations::Body> moving(const System& system, const std::vector<double>& q, const Real* v, const Real* a) {
   const std::vector<Mount> mount = mounts(system);
   const std::size_t n = system.links.size();
@@ -33,7 +33,7 @@ std::vector<Accelerations::Body> moving(const System& system, const std::vector<
     out[k].force = scaled(static_cast<Real>(link.mass), com);
     out[k].torque = inertia * alpha + cross(w, inertia * w) + cross(R * mount[k].com, out[k].force);
   }
-  for (std::size_t k = n; k-- > 0;) {  // parents stand before their children
+  for (std::size_t k = n; k-- > 0;) {  // parents come before their children
     const M3<Real> back = transposed(value(frame[k].rotation, &Curve::r));
     if (const int parent = system.links[k].parent; parent >= 0) {
       Accelerations::Body& outer = out[static_cast<std::size_t>(parent)];
@@ -51,7 +51,7 @@ std::vector<Accelerations::Body> moving(const System& system, const std::vector<
 
 Accelerations accelerate(const System& system, const std::vector<double>& q, const std::vector<Real>& v, const MassMatrix& mass,
                          const std::vector<char>& locked, const std::vector<Real>& given) {
-  // M v̇ = τ − what the motion without v̇ takes.
+  // M v̇ = τ − the forces required by the motion without v̇.
   std::vector<Real> force = joint_forces(system, q, v);
   const std::vector<Real> none(v.size(), 0);
   const std::vector<Accelerations::Body> still = moving(system, q, v.data(), none.data());

@@ -1,4 +1,4 @@
-// Neither a step nor a change allocates: counted by the program's own operator new.
+// Neither steps nor changes allocate memory: counted by the program's own operator new.
 #include <atomic>
 #include <cstdlib>
 #include <new>
@@ -207,7 +207,7 @@ TEST_CASE("steps between stops and towards conditions allocate nothing") {
         position_of(joint).exceeds(2), speed_of(joint).exceeds(100), distance_between(body, "ground").below(0.01),
         height_of(body).below(-50), kinetic_energy_of("a mechanism with a long name").exceeds(1e6)})
     sim.when(c).then(lock(joint));
-  REQUIRE(sim.run_until(0.01) == Status::ok);  // room is made
+  REQUIRE(sim.run_until(0.01) == Status::ok);  // makes room
   const long before = allocations;
   const Status status = sim.run_until(0.05);
   const long during = allocations - before;

@@ -1,5 +1,5 @@
-// Forces on bodies, drag included, on random trees: rates by the Jacobian of the oracle's own kinematics, accelerations by the
-// oracle's mass matrix, equations of motion of every body through any changes, balances of momentum and energy.
+// Forces on bodies, including drag, on random trees: rates from the Jacobian of the oracle's own kinematics, accelerations from
+// the oracle's mass matrix, equations of motion of every body after any changes, balances of momentum and energy.
 #include <cmath>
 
 #include <doctest/doctest.h>
@@ -36,7 +36,7 @@ void load(Prng& random, Model& model) {
     }
 }
 
-// What acts on each body at the time, about its frame's origin in world axes, by the words of the documentation.
+// The forces on each body at a time, about its frame's origin in world axes, as documented.
 std::vector<Load> loads_of(const Model& model, const std::vector<Evaluation::Motion>& motions, double t) {
   std::vector<Load> loads(static_cast<std::size_t>(model.size()));
   for (const BodyForce& f : model.forces()) {
@@ -53,7 +53,7 @@ std::vector<Load> loads_of(const Model& model, const std::vector<Evaluation::Mot
   return loads;
 }
 
-// Jᵀ W: columns of the Jacobian are what bodies do when one freedom moves.
+// Jᵀ W: the columns of the Jacobian are the body motions caused by single DoFs.
 std::vector<Real> generalised(const System& system, const std::vector<double>& q, const std::vector<Load>& loads) {
   std::vector<Real> sum(static_cast<std::size_t>(system.nv()));
   for (std::size_t i = 0; i < sum.size(); ++i) {
@@ -79,7 +79,7 @@ std::vector<Load> loads_now(Machine& m) {
   return loads_of(m.model, motions, m.state.time());
 }
 
-// A change of topology; bodies neither come nor leave.
+// A change of topology that neither adds nor removes bodies.
 void change_something(Prng& random, Machine& m) {
   m.evaluate();
   const int b = random.integer(0, m.size() - 1), other = random.integer(0, m.size() - 1);

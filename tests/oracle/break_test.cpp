@@ -1,4 +1,5 @@
-// Full breaks in random trees: what the momenta become, what is continuous, what is conserved; singly and in quick succession.
+// Complete breaks in random trees: the resulting momenta, continuity and conservation; one break at a time and in quick
+// succession.
 #include <algorithm>
 #include <map>
 #include <string>
@@ -45,7 +46,7 @@ struct Scene {
   }
 };
 
-/// What conservation is measured against: energies and momenta of all bodies, without their signs.
+/// Scale of conservation errors: energies and momenta of all bodies, without their signs.
 struct Scale {
   Real energy = 0, linear = 0, angular = 0, reach = 1, speed = 0, spin = 0;
   Scale(const System& system, const Evaluation& e) {
@@ -64,7 +65,7 @@ struct Scale {
   }
 };
 
-/// The worst of each figure over many breaks, for the log; the largest ratio decides.
+/// The worst value of each figure over many breaks, for the log; the largest ratio decides.
 struct Book {
   std::map<std::string, oracle::Measure> worst;
   int count = 0;
@@ -89,7 +90,7 @@ bool is_ancestor(const System& system, int ancestor, int body) {
   return false;
 }
 
-/// Velocities after the break of `body`: the others' as they were, the new root's in its own axes.
+/// Velocities after the break of `body`: those of the other bodies are unchanged, the new root's are in its own axes.
 std::vector<Real> velocities_after(const System& before, const System& after, const std::vector<Real>& v, const Evaluation& e,
                                    int body) {
   std::vector<Real> out;
@@ -107,7 +108,7 @@ std::vector<Real> velocities_after(const System& before, const System& after, co
   return out;
 }
 
-/// √M_aa Σ_b √M_bb |v_b| by freedom a: what the terms of p_a = Σ_b M_ab v_b can be, whatever the axes.
+/// √M_aa Σ_b √M_bb |v_b| per DoF a: a bound for the terms of p_a = Σ_b M_ab v_b, whatever the axes.
 std::vector<Real> sizes_of_terms(const MassMatrix& mass, const std::vector<Real>& v) {
   Real all = 0;
   for (int b = 0; b < mass.size(); ++b) all += std::sqrt(mass(b, b)) * std::fabs(v[static_cast<std::size_t>(b)]);
@@ -116,7 +117,7 @@ std::vector<Real> sizes_of_terms(const MassMatrix& mass, const std::vector<Real>
   return sizes;
 }
 
-/// Breaks the inboard joint of `body`; returns the energy that left with it.
+/// Breaks the inboard joint of `body`; returns the energy that was removed with it.
 double check_break(Scene& scene, int body, Book& book) {
   const System before = scene.system;
   const std::vector<double> q = scene.q(), p(scene.state.p().begin(), scene.state.p().end());
@@ -172,7 +173,7 @@ double check_break(Scene& scene, int body, Book& book) {
 
   const Totals then = totals(scene.tree, scene.state, scene.workspace);
   const Real kept = then.kinetic + then.potential + released.energy;
-  // Velocities are known as far as M v = p is met, to 1e-13 ‖M‖ ‖v‖, and the energy follows them.
+  // Velocities are accurate to the residual of M v = p, 1e-13 ‖M‖ ‖v‖, and so is the energy.
   Real squares = 0;
   for (const Real u : v_after) squares += u * u;
   const Real loose = 1e-13L * static_cast<Real>(masses.largest) * squares;

@@ -1,5 +1,5 @@
-// The certificate of every event, against the motion of the bodies alone: impulses through joints by Newton and Euler, momenta by
-// what the ground gave, energies by what is in the books. Random trees of all kinds, random actions, several at an instant.
+// The certificate of every event, checked against the motion of the bodies: impulses through joints by Newton–Euler, momenta by
+// the ground's impulse, energies by the ledger. Random trees of all joint kinds, random actions, several per instant.
 #include <array>
 #include <cmath>
 #include <string>
@@ -77,7 +77,7 @@ TEST_CASE("certificates: every body's momentum jumps by what its joints transmit
       try {
         sim.apply(actions);
       } catch (const Error& refusal) {
-        // Nothing is taken for massless that isn't: these trees stay sound, but for what two changes at once leave in between.
+        // Refusals for lack of mass must be justified: these trees are sound, except between two changes of one instant.
         if (refusal.what.find("to move freely") != std::string::npos)
           CHECK(refusal.what.find("impact with other actions") != std::string::npos);
         ++refusals;
@@ -85,7 +85,7 @@ TEST_CASE("certificates: every body's momentum jumps by what its joints transmit
       }
       ++done;
       const Event& e = sim.events().back();
-      // What is pushed is pushed after all topology has changed: poses are those of now.
+      // Impulses act after all topology changes: the poses are the present ones.
       for (const Action& action : actions) {
         if (action->key() != "impulse") continue;
         struct Reader : ActionFields {

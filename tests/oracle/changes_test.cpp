@@ -1,4 +1,4 @@
-// Topology changes against the projection in maximal coordinates (machine.hpp), and laws between them.
+// Topology changes against the projection in maximal coordinates (machine.hpp), and relations between changes.
 #include <string>
 
 #include <doctest/doctest.h>
@@ -79,7 +79,7 @@ TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body; nor
     if (!floats(m.tree, b) || b == root) continue;
     ++turned;
     INFO("seed ", seed, " body ", b);
-    // Of origins and attitudes; and the wrenches of all joints but free ones, on the declared child.
+    // Of origins and attitudes; and the wrenches of all joints except free ones, on the declared child.
     const auto accelerations = [](Machine& at) {
       accelerate(at.tree, at.state, at.workspace);
       Column A(6 * at.size());
@@ -108,11 +108,11 @@ TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body; nor
     apply(Reroot{{b}}, m.tree, m.state, m.workspace);
     m.evaluate();
     CHECK(root_of(m.tree, root) == b);
-    // 10 ε cond(M), M the joint-space mass of the tree as it was: what its momenta can tell of velocities.
+    // 10 ε cond(M), M the joint-space mass of the tree before: the accuracy to which momenta determine velocities.
     const auto mass = mass_matrix(system_of(model), start_q(model));
     const double bound = std::max(1e-11, 10 * 2.2e-16 * spectrum(mass).condition());
     CHECK((m.velocities() - V).cwiseAbs().maxCoeff() / std::max<long double>(1, V.cwiseAbs().maxCoeff()) < bound);
-    // Accelerations follow velocities, by their squares.
+    // Accelerations depend on velocities quadratically.
     const long double whirl = 1 + A.cwiseAbs().maxCoeff() + V.cwiseAbs2().maxCoeff();
     CHECK((accelerations(m) - A).cwiseAbs().maxCoeff() / whirl < bound);
     CHECK((wrenches(m) - W).cwiseAbs().maxCoeff() / std::max<long double>(whirl, W.cwiseAbs().maxCoeff()) < bound);
@@ -201,7 +201,7 @@ TEST_CASE("an attached joint is the same with its declared child on either side:
     CHECK(other.tree.reversed(parent));
     const Column V = one.velocities();
     CHECK((other.velocities() - V).cwiseAbs().maxCoeff() / std::max<long double>(1, V.cwiseAbs().maxCoeff()) < bound);
-    // The same coordinates and their rates: q and u belong to the joint, not to its carrier.
+    // The same coordinates and rates: q and u belong to the joint, not to the body that it carries.
     for (int i = 0; i < info(one.tree.joint(child).kind).nv; ++i) {
       const double u = one.workspace.v[static_cast<std::size_t>(one.tree.first_p(child) + i)];
       CHECK(std::fabs(other.workspace.v[static_cast<std::size_t>(other.tree.first_p(parent) + i)] - u) <

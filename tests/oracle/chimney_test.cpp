@@ -1,7 +1,7 @@
-// A chimney falls and breaks on its way down, where its bending moment is the largest: a third of its height from the ground. The
-// closed form of a uniform slender rod of length L that turns about its foot, at the angle φ from upright:
-//   φ̈ = 3g/(2L) sin φ,   M(x) = μ g sin φ / (4L) · x (L − x)²,
-// and its time an elliptic integral.
+// A chimney topples and breaks where its bending moment is largest: at a third of its height. The closed form for a
+// uniform slender rod of length L that rotates about its foot, at the angle φ from upright:
+// φ̈ = 3g/(2L) sin φ,   M(x) = μ g sin φ / (4L) · x (L − x)²;
+// the time is an elliptic integral.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -36,7 +36,7 @@ Model chimney(int pieces) {
 
 double context(double x, double angle) { return density * g * std::sin(angle) / (4 * height) * x * (height - x) * (height - x); }
 
-/// When the rod, let go at `start`, is at that angle: from φ̇² = 3g/L (cos φ0 − cos φ), with sin((π − φ)/2) = k sin ψ.
+/// Time at which the rod, released at `start`, is at that angle: from φ̇² = 3g/L (cos φ0 − cos φ), with sin((π − φ)/2) = k sin ψ.
 double time_at(double angle) {
   const double k = std::cos(start / 2), end = std::asin(1.0), begin = std::asin(std::cos(angle / 2) / k);
   constexpr int pieces = 4000;
@@ -75,14 +75,14 @@ TEST_CASE("a falling chimney breaks nearest to a third of its height, at the ins
     }
     CHECK(std::fabs(static_cast<double>(weakest) / pieces - 1.0 / 3) <= 0.5 / pieces);
     REQUIRE(sim.run_until(4.5) == Status::ok);
-    REQUIRE(sim.events().size() == 1);  // the upper part turns freely, in the lower one the moment is a ninth
+    REQUIRE(sim.events().size() == 1);  // the upper part rotates freely; in the lower one the moment is a ninth
     const Event& event = sim.events()[0];
     CHECK(event.actions[0].text() == "break chimney/" + std::to_string(weakest + 1));
     const double angle = std::asin(strength / context(weakest * height / pieces, std::asin(1.0)));
     MESSAGE(pieces << " pieces: breaks at " << weakest << "/" << pieces << " of its height, " << event.time - time_at(angle)
                    << " s late");
     CHECK(std::fabs(event.time - time_at(angle)) < 1e-9);
-    // From then on nothing bends the part that came off.
+    // After the break there is no bending moment in the upper part.
     for (int k = weakest + 1; k < pieces; ++k) CHECK(norm(sim.world().joint_forces({k}).reaction.torque) < 1e-6);
   }
 }

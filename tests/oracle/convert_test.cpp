@@ -1,5 +1,5 @@
-// What `momentree convert` writes reads back to the same world: every scenario and model of this repository, and random trees of
-// all kinds of joint with every parameter.
+// The output of `momentree convert` reads back to the same world: every scenario and model of this repository, and random trees
+// of all joint kinds with every parameter.
 #include <filesystem>
 #include <set>
 #include <string>
@@ -133,7 +133,7 @@ void check_same_shapes(const io::Scenario& a, const io::Scenario& b) {
     there.insert(there.begin(), b.shapes[i]);
     for (const io::Shape& each : a.shapes[i].more) here.push_back(each);
     here.insert(here.begin(), a.shapes[i]);
-    std::erase_if(here, [](const io::Shape& s) { return s.kind == io::Shape::Kind::mesh; });  // no mesh is in the repository
+    std::erase_if(here, [](const io::Shape& s) { return s.kind == io::Shape::Kind::mesh; });  // the repository contains no meshes
     if (here.empty()) here.emplace_back();
     REQUIRE(here.size() == there.size());
     for (std::size_t k = 0; k < here.size(); ++k) same(here[k], there[k]);
@@ -164,7 +164,7 @@ TEST_CASE("every scenario and model, as TOML and back") {
     check_same_shapes(first, second);
     check_same_dynamics(first.model, second.model, 100 + static_cast<std::uint64_t>(++count), 5);
     CHECK(io::to_toml(second, "/nowhere").text == text);
-    // Every body written out, chains and what the scenario says in its own words, too.
+    // Every body written out, including chains and everything that the scenario abbreviates.
     const std::string bodies = io::to_toml(first.model, first.shapes);
     const io::Scenario third = read(bodies);
     check_same_bits(first.model, third.model);

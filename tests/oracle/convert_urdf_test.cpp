@@ -1,5 +1,5 @@
-// What `momentree convert` writes as URDF moves alike: random trees of all kinds of joint but helical, and the models of this
-// repository, at random states; by the accelerations of centres of mass and of bodies.
+// URDF written by `momentree convert` moves identically: random trees of all joint kinds except helical, and the models of this
+// repository, at random states; compared by the accelerations of centres of mass and of bodies.
 #include <string>
 #include <unordered_map>
 
@@ -21,7 +21,7 @@ struct Start {
   Values q, v;
 };
 
-/// A random state of a joint, and the same one of the joints that URDF has for it, by their names.
+/// A random state of a joint, and the corresponding states of the joints that replace it in the URDF, by name.
 Start draw(const BodySpec& spec, Prng& random, std::unordered_map<std::string, Start>& written) {
   const std::string name = bare(spec.joint_name);
   Start start{random_coordinates(random, spec.joint.kind), random_velocities(random, spec.joint.kind)};
@@ -58,14 +58,14 @@ Accelerations accelerations(const Model& model) {
     const BodyMotion& m = world.motions()[k];
     const Vec3 arm = rotation_matrix(m.pose.rotation) * model[BodyId{number}].com;
     const Vec3 com = a.linear + cross(a.angular, arm) + cross(m.angular, cross(m.angular, arm));
-    const bool massless = model[BodyId{number}].mass == 0;  // its frame may be moved, and it has no centre
+    const bool massless = model[BodyId{number}].mass == 0;  // its frame may be moved, and it has no centre of mass
     all.of[bare(model[BodyId{number}].name)] = {massless ? Vec3{} : com, a.angular};
     all.largest = std::max({all.largest, norm(com), norm(a.angular)});
   }
   return all;
 }
 
-/// Worst difference of accelerations relative to the largest one, at one random state.
+/// Largest difference of accelerations relative to the largest acceleration, at one random state.
 double compare(const Model& model, const Model& written, Prng& random, double& bound) {
   std::unordered_map<std::string, Start> starts;
   Model here({.gravity = model.gravity()}), there({.gravity = model.gravity()});
@@ -91,7 +91,7 @@ double compare(const Model& model, const Model& written, Prng& random, double& b
     REQUIRE_MESSAGE(b.of.contains(name), name);
     worst = std::max({worst, norm(pair.first - b.of.at(name).first), norm(pair.second - b.of.at(name).second)});
   }
-  return worst == 0 ? 0 : worst / a.largest;  // trees of welds rest
+  return worst == 0 ? 0 : worst / a.largest;  // trees of welds do not move
 }
 
 io::Scenario read(const std::string& text, const std::string& name, const std::vector<std::string>& overrides) {
@@ -108,7 +108,7 @@ bool is_free(const io::Converted& converted) {
   return false;
 }
 
-/// What URDF can say of joints: damping and friction, one number for each of its joints.
+/// The joint parameters that URDF supports: damping and friction, one number for each of its joints.
 void draw_resistance(Prng& random, JointSpec& joint) {
   const int nv = info(joint.kind).nv;
   if (nv == 0 || joint.kind == Kind::ball) return;
@@ -154,12 +154,12 @@ TEST_CASE("2,000 random trees, as URDF and back") {
     for (const io::Diagnostic& each : converted.diagnostics) chains += each.what.find("written as chains") != std::string::npos;
     io::Scenario again =
         read(converted.text, "r.urdf", free ? std::vector<std::string>{"mechanism.r.root=free"} : std::vector<std::string>{});
-    again.model.set_gravity(model.gravity());  // a URDF has none
+    again.model.set_gravity(model.gravity());  // a URDF has no gravity
     double bound = 0;
     const double apart = compare(model, again.model, random, bound);
     worst = std::max(worst, apart), ratio = std::max(ratio, apart / bound);
     CHECK(apart <= bound);
-    // And once more: what was written as URDF stays what it is.
+    // A second conversion to URDF loses nothing more.
     CHECK(io::to_urdf(again, "", "").diagnostics.size() <= 2);
   }
   CHECK(roots > 100);

@@ -1,4 +1,5 @@
-// The method for strongly damped joints: closed forms, order, stability however strong the damping, energy books.
+// The integration method for strongly damped joints: closed forms, order, stability for arbitrarily strong damping, energy
+// ledger.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -12,7 +13,7 @@ using namespace momentree;
 
 namespace {
 
-/// A chain on pins, a ball and a universal joint, one of them with a rotor, in gravity; damping c on every freedom.
+/// A chain with revolute, ball and universal joints, one of them with an armature, in gravity; damping c on every DoF.
 Model chain(double c) {
   Model model;
   BodyId last = ground;
@@ -82,7 +83,7 @@ TEST_CASE("however strong the damper: what moves comes to rest, its energy is in
     Simulation run(model, {.method = "damped", .step = 0.1});
     REQUIRE(run.run_until(0.1) == Status::ok);
     CHECK(std::fabs(run.world().joint({0}).v[0]) < 50 / c);
-    // The step does not see how it came to rest: to its place it may add a part of v h.
+    // The step does not resolve how it came to rest: its position error may be a part of v h.
     CHECK(std::fabs(run.world().joint({0}).q[0]) < 0.3 * 3 * 0.1);
     CHECK(std::fabs(run.energy().dissipated - 0.5 * 0.5 * 9) < 50 / c + 1e-12);
     const double rest = run.world().joint({0}).q[0];
@@ -92,7 +93,7 @@ TEST_CASE("however strong the damper: what moves comes to rest, its energy is in
 }
 
 TEST_CASE("an overdamped chain runs at steps at which the classical method blows up") {
-  const Model model = chain(200);  // the fastest of its motions come to rest in a microsecond
+  const Model model = chain(200);  // its fastest modes come to rest in a microsecond
   Simulation wild(model, {.method = "rk4", .step = 1e-3});
   CHECK(wild.run_until(1) == Status::diverged);
   const std::vector<double> exact = end_of(model, {.method = "damped", .step = 2.5e-4}, 2);
@@ -108,7 +109,7 @@ TEST_CASE("an overdamped chain runs at steps at which the classical method blows
     CHECK(std::fabs(run.energy().error) < 1e-3 * run.energy().dissipated);
     before = off;
   }
-  // And it is the motion that an explicit method finds with steps short enough.
+  // It agrees with the motion computed by an explicit method with sufficiently short steps.
   const Model mild = chain(2);
   CHECK(apart(end_of(mild, {.method = "damped", .step = 1e-3}, 0.5),
               end_of(mild, {.method = "dop853", .rtol = 1e-10, .atol = 1e-10}, 0.5)) < 1e-5);

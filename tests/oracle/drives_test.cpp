@@ -1,4 +1,4 @@
-// Forces in joints, and prescribed motions, of random trees against the oracle.
+// Joint forces and prescribed motions of random trees, checked against the oracle.
 #include <cmath>
 #include <string>
 
@@ -21,7 +21,7 @@ void check(const std::vector<oracle::Measure>& laws) {
   }
 }
 
-// The model with motions for about half of its joints with one freedom.
+// The model with prescribed motions for about half of its joints with one DoF.
 Model with_motions(const Model& model, Prng& random, int& motions) {
   Model out({.gravity = model.gravity()});
   for (BodySpec body : model.bodies()) {
@@ -39,7 +39,7 @@ Model with_motions(const Model& model, Prng& random, int& motions) {
 
 double narrow(Real x) { return static_cast<double>(x); }
 
-// Velocities, ṗ and u̇ of a tree with motions at its state: the oracle has the driven freedoms' rates as given.
+// Velocities, ṗ and u̇ of a tree with prescribed motions: the oracle is given the rates of the driven DoFs.
 void check_motions(const System& at_rest, Machine& m) {
   System system = at_rest;
   system.time = m.state.time();
@@ -100,7 +100,7 @@ TEST_CASE("prescribed motions: velocities, momenta's rates, accelerations, wrenc
     const Model model = with_motions(random_tree(seed, {.max_bodies = 30, .drives = seed % 2 == 0}).model, random, motions);
     Machine m(model);
     check_motions(system_of(model), m);
-    // At another instant, with the momenta that it had.
+    // At another instant, with the same momenta.
     {
       const State::Edit edit = m.state.edit();
       edit.time = random.uniform(0, 1);
@@ -148,7 +148,7 @@ TEST_CASE(
             apply(Join{{b}, {to}}, m.tree, m.state, m.workspace);
           break;
         }
-        case 3:  // the motion is taken away
+        case 3:  // the motion is removed
           if (m.tree.link(b).driven != 0) apply(SetParameters{m.tree.inboard_joint({b}), {}}, m.tree, m.state, m.workspace);
           break;
         default:

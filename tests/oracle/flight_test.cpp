@@ -1,4 +1,4 @@
-// After a break the fallen part flies: its centre of mass on a parabola, its angular momentum about it constant. And the order of
+// Free flight after a break: the centre of mass follows a parabola, the angular momentum about it is constant. Also the order of
 // rk4 in the energy.
 #include <cmath>
 #include <numbers>
@@ -39,7 +39,7 @@ Part part_of(const World& world, const std::vector<BodyId>& bodies) {
   return part;
 }
 
-/// Arm of five links on pins, a ball and a universal joint, held by the ground; no friction.
+/// An arm of five links with revolute, ball and universal joints, attached to the ground; no friction.
 Model arm() {
   Model model;
   const Kind kinds[] = {Kind::revolute, Kind::ball, Kind::revolute, Kind::universal, Kind::revolute};

@@ -1,4 +1,4 @@
-// Forces of joints and energies of springs, by the contract.
+// Joint forces and spring energies, according to the documentation.
 #include <tests/oracle/kinematics.hpp>
 
 namespace momentree::oracle {
@@ -21,7 +21,7 @@ V3<Dual> rotation_from(const Real rest[4], const Dual q[4]) {
   return {{factor * x, factor * y, factor * z}};
 }
 
-/// Extension of each spring, with freedom `freedom` moved by ε; for a free joint's position along the parent-side axes.
+/// Extension of each spring, with DoF `dof` displaced by ε; for a free joint's position along the parent-side axes.
 std::vector<Dual> extensions(const JointSpec& joint, const double* q, int dof) {
   const Values& rest = joint.parameters.rest;
   const bool ball = joint.kind == Kind::ball, free = joint.kind == Kind::free;
@@ -59,7 +59,7 @@ Dual spring_energy(const JointSpec& joint, const double* q, int dof) {
   return energy;
 }
 
-/// How far a freedom is beyond its soft stops, negative below the lower one; 0 where it is not, or has none.
+/// Penetration of a DoF into its soft stops, negative at the lower one; 0 if it is within them or has none.
 Real beyond(const JointParameters& p, const double* q, int i) {
   if (p.limits.stiffness.empty()) return 0;
   if (!p.limits.upper.empty() && Real(q[i]) > value(p.limits.upper, i)) return Real(q[i]) - value(p.limits.upper, i);

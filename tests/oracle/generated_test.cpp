@@ -1,5 +1,5 @@
-// Generated kernels against the engine's own and against the oracle: the expressions themselves on random trees of all kinds of
-// joint in all variants, and what a compiler makes of their source on a few models.
+// Generated kernels against the engine's own and against the oracle: the expressions themselves on random trees of all joint
+// kinds in all variants, and their compiled source code on a few models.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -30,7 +30,7 @@ struct Rates {
   std::vector<double> v, qdot, pdot;
 };
 
-// What the expressions say, without a compiler.
+// Evaluates the expressions without a compiler.
 void interpret(const KernelExpressions& kernel, const std::vector<double>& q, const std::vector<double>& p, Rates& rates) {
   std::vector<double> x;
   const auto at = [&](int i) { return x[static_cast<std::size_t>(i)]; };
@@ -64,13 +64,13 @@ double distance(const std::vector<double>& a, const double* b) {
   double most = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const double off = std::fabs(a[i] - b[i]);
-    most = off <= most ? most : off;  // NaN stays
+    most = off <= most ? most : off;  // NaN is kept
   }
   return most;
 }
 
-// Error over what is allowed. Both compute the same in another order, so that they differ by what rounding makes of the mass:
-// velocities are known to its condition times 1e-16 (velocity_resolution), and so is what is made of them.
+// Error relative to the tolerance. Both compute the same in a different order, so that they differ by rounding errors of the
+// mass: velocities are accurate to its condition times 1e-16 (velocity_resolution), and so are the quantities derived from them.
 double error(const Tree& tree, const std::vector<double>& q, const Rates& found, const Workspace<double>& workspace) {
   const auto nv = found.v.size(), nq = found.qdot.size();
   const double allowed = std::fmax(1e-13, 30 * velocity_resolution(tree, q));
@@ -82,7 +82,7 @@ double error(const Tree& tree, const std::vector<double>& q, const Rates& found,
   return of_v >= of_p ? of_v : of_p;
 }
 
-// Near a state; quaternions need not be of length one.
+// Near a state; quaternions need not have unit length.
 std::vector<double> moved(Prng& random, std::span<const double> from, double by) {
   std::vector<double> to(from.begin(), from.end());
   for (double& x : to) x += random.uniform(-by, by);
@@ -111,7 +111,7 @@ TEST_CASE("expressions are what the kernels compute, on trees of all kinds and v
     for (const KernelRun& s : tree.kernel_runs()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
     const KernelExpressions one = kernel_expressions(tree, RevoluteOrder::reduce_first);
     const KernelExpressions other = kernel_expressions(tree, RevoluteOrder::turn_first);
-    // Nothing is added to what the kernels do, and the order that is chosen by itself is the shorter one.
+    // There are no more operations than in the kernels, and the order chosen automatically is the shorter one.
     CHECK(one.operations().total() <= count_operations(tree).total());
     CHECK(one.operations().sincos <= count_operations(tree).sincos);
     CHECK(kernel_expressions(tree).operations().total() == std::min(one.operations().total(), other.operations().total()));
@@ -186,7 +186,7 @@ TEST_CASE("compiled source finds what the engine finds, at many states") {
     Rates found(tree);
     double worst = 0;
     for (int i = 0; i < 300; ++i) {
-      const double far = i % 10 == 0 ? 4e6 : 1;  // beyond sincos_range, too
+      const double far = i % 10 == 0 ? 4e6 : 1;  // also beyond sincos_range
       const std::vector<double> q = moved(random, state.q(), tree.quaternion_joints().empty() ? far : 0.3);
       const std::vector<double> p = moved(random, state.p(), 0.5 * largest(state.p().data(), state.p().size()));
       evaluate_rates(tree, q.data(), p.data(), workspace);
@@ -221,7 +221,8 @@ TEST_CASE("compiled source with dampers, springs and efforts: the oracle's rates
   for (int i = 0; i < 20; ++i) {
     const std::vector<double> q = moved(random, start_q(model), 1), p = moved(random, std::vector<double>(7), 2);
     rates(q.data(), p.data(), found.v.data(), found.qdot.data(), found.pdot.data());
-    // The momenta that these velocities belong to, and the rates at these velocities: no solution of a system is in between.
+    // The momenta that correspond to these velocities, and the rates at these velocities, so that no linear system is solved in
+    // between.
     const std::vector<Real> v(found.v.begin(), found.v.end()), again = mass_matrix(system, q).times(v);
     const std::vector<Real> expected = oracle::evaluate(system, q, v).pdot;
     Real rate = 1;
@@ -256,7 +257,7 @@ TEST_CASE("source: identifiers, comments, constants") {
   CHECK(text.starts_with("// An arm<U+005C>\n// of seven pins\n"));
   for (const char* part : {"extern \"C\"", "void arm_rates(", "const int arm_nq = 7;", "const int arm_nv = 7;", "pdot[6] = "})
     CHECK_MESSAGE(text.find(part) != std::string::npos, part);
-  // Strict about warnings, as a user's build may be.
+  // With strict warnings, as a user's build may have.
   Library library;
   std::string why;
   library =

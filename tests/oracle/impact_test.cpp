@@ -1,4 +1,4 @@
-// Impacts with restitution on one freedom, against the projection in maximal coordinates.
+// Impacts with restitution on one DoF, against the projection in maximal coordinates.
 #include <cmath>
 
 #include <doctest/doctest.h>
@@ -75,7 +75,7 @@ TEST_CASE("an impact is the projection, overshot by the restitution; of all kind
     CHECK(std::fabs(rate(m, stop) + e * u) < bound * std::max(1.0, std::fabs(u)));
     const long double loss = energy(M, before) - energy(M, m.velocities()), most = energy(M, before) - energy(M, plastic);
     CHECK(std::fabs(loss - (1 - e * e) * most) < 1e-10L * (1 + energy(M, before)));
-    // A plastic impact leaves the velocities that a lock leaves.
+    // A plastic impact yields the same velocities as a lock.
     if (e == 0) CHECK((m.velocities() - locked.velocities()).cwiseAbs().maxCoeff() / scale < bound);
   }
   CHECK(impacts > 300);

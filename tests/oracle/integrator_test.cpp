@@ -1,4 +1,4 @@
-// Methods of integration: their order, measured; adaptive ones against their tolerance; events, stops and light links.
+// Integration methods: their measured order; adaptive methods against their tolerance; events, stops and light links.
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-/// A chain on a pin, a universal joint and a ball, with friction, a spring and an effort; all masses and lengths times `scale`.
+/// A chain with revolute, universal and ball joints, with friction, a spring and an effort; all masses and lengths times `scale`.
 Model chain(double scale = 1) {
   Model model;
   BodyId last = ground;
@@ -71,7 +71,7 @@ double apart(const Outcome& a, const Outcome& b) {
   return most;
 }
 
-/// Steps of one length all the way, by the method itself.
+/// Steps of constant length, made by the method itself.
 Outcome fixed_run(const Model& model, const std::string& method, double h, int steps) {
   Tree tree(model);
   State state = start_state(model, tree);
@@ -189,7 +189,7 @@ TEST_CASE("dense output is of order 4 for dopri5, of order 7 for dop853") {
           for (std::size_t i = 0; i < q.size(); ++i) most = std::max(most, std::abs(q[i] - exact.q()[i]));
           for (std::size_t i = 0; i < p.size(); ++i) most = std::max(most, std::abs(p[i] - exact.p()[i]));
         }
-        CHECK(evaluate.count == before + m.evaluations);  // once for a step, and only where it is asked for
+        CHECK(evaluate.count == before + m.evaluations);  // once per step, and only if it is requested
         CHECK(workspace.evaluated == end.stamp());
         return most;
       };
@@ -329,7 +329,7 @@ TEST_CASE("the midpoint rule keeps the energy of holonomic chains; its error doe
 }
 
 TEST_CASE("a tolerance that cannot be met ends the run and says so") {
-  // Each step would have to be shorter than the clock can tell.
+  // Every step would have to be shorter than the clock's resolution.
   Model model({.gravity = {0, 0, 0}});
   model.add({.name = "b", .mass = 1, .inertia = diagonal(1), .joint = Revolute{.damping = 1e-3}, .v = 1e5});
   Simulation run(model, {.method = "dopri5", .step = 1e-3, .rtol = 1e-30, .atol = 1e-30});

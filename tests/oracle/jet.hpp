@@ -1,6 +1,6 @@
 #pragma once
-// Truncated series in one or two small numbers, over long double, and the little algebra that forward kinematics needs.
-// None of it comes from the engine.
+// Truncated series in one or two infinitesimals, over long double, and the vector algebra that forward kinematics needs.
+// Independent of the engine.
 #include <array>
 #include <cmath>
 
@@ -53,7 +53,7 @@ inline Jet cos(const Jet& a) {
   return {c, -s * a.e, -s * a.t, -s * a.et - c * a.e * a.t};
 }
 
-/// A value that moves: with its first and second derivative by time.
+/// A time-dependent value with its first and second time derivative.
 struct Curve {
   Real r = 0, t = 0, tt = 0;
   constexpr Curve() = default;
@@ -98,7 +98,7 @@ inline Real dot(const V3<Real>& a, const V3<Real>& b) { return a[0] * b[0] + a[1
 inline V3<Real> cross(const V3<Real>& a, const V3<Real>& b) {
   return {{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}};
 }
-/// S is T, or Real where the factor is constant.
+/// S is T, or Real if the factor is constant.
 template <class T, class S>
 V3<T> operator*(const M3<T>& m, const V3<S>& a) {
   V3<T> out;
@@ -120,10 +120,10 @@ template <class T>
 M3<T> skew(const V3<T>& a) {
   return {{T(0), T(0) - a[2], a[1], a[2], T(0), T(0) - a[0], T(0) - a[1], a[0], T(0)}};
 }
-/// Axial part of a matrix that is skew but for round-off.
+/// Axial part of a matrix that is skew-symmetric to within round-off.
 inline V3<Real> axial(const M3<Real>& m) { return {{(m[7] - m[5]) / 2, (m[2] - m[6]) / 2, (m[3] - m[1]) / 2}}; }
 
-/// Place of a frame: x_outer = position + rotation·x_inner.
+/// Pose of a frame: x_outer = position + rotation·x_inner.
 template <class T>
 struct Frame {
   M3<T> rotation{{T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)}};

@@ -1,11 +1,12 @@
 #pragma once
-// Forward kinematics for any truncated series T: where a joint puts its child, when one freedom is moved by ε (and all by v·τ).
+// Forward kinematics for any truncated series T: the pose of a joint's child if one DoF is displaced by ε (and all by v·τ).
 #include <tests/oracle/oracle.hpp>
 
 namespace momentree::oracle {
 
-/// How a joint moves: its freedoms' velocities, the one that ε moves (−1: none), and for a Curve their accelerations.
-/// ε first: ball and free are displaced by ε and then move by τ, else the other way round. The two differ by a Lie bracket.
+/// The motion of a joint: the velocities of its DoFs, the DoF displaced by ε (−1: none), and for a Curve their accelerations. ε
+/// first: ball and free joints are displaced by ε and then move by τ, otherwise the other way round. The two differ by a Lie
+/// bracket.
 struct Perturbation {
   const Real* v = nullptr;
   int dof = -1;
@@ -20,7 +21,7 @@ M3<T> constant(const M3<Real>& m) {
   return out;
 }
 
-/// Of a quaternion of any length.
+/// For a quaternion of any length.
 inline M3<Real> matrix_of(Real w, Real x, Real y, Real z) {
   const Real n = w * w + x * x + y * y + z * z;
   return {{(w * w + x * x - y * y - z * z) / n, 2 * (x * y - w * z) / n, 2 * (x * z + w * y) / n, 2 * (x * y + w * z) / n,
@@ -48,7 +49,7 @@ M3<T> turn(const V3<Real>& n, const T& angle) {
   return out;
 }
 
-/// I + ã + ½ ã ã: all of exp(a) to second order in each small number.
+/// I + ã + ½ ã ã: exp(a) to second order in each infinitesimal.
 template <class T>
 M3<T> small_turn(const V3<T>& a) {
   M3<T> out = skew(a);
@@ -57,14 +58,14 @@ M3<T> small_turn(const V3<T>& a) {
   for (unsigned i = 0; i < 9; i += 4) out[i] = out[i] + T(1);
   return out;
 }
-/// The way of an origin whose velocity turns with it, to the same order: (I + ½ ã) s.
+/// The displacement of an origin whose velocity rotates with it, to the same order: (I + ½ ã) s.
 template <class T>
 V3<T> small_way(const V3<T>& a, const V3<T>& s) {
   const V3<T> aside = skew(a) * s;
   return {{s[0] + Real(0.5) * aside[0], s[1] + Real(0.5) * aside[1], s[2] + Real(0.5) * aside[2]}};
 }
 
-/// exp of ε·(direction `freedom`) and of τ·v in the group of the joint, in the order that `by` says.
+/// exp of ε·(direction `dof`) and of τ·v in the group of the joint, in the order given by `by`.
 template <class T>
 Frame<T> small_motion(const Perturbation& by, int linear, int nv) {
   Frame<T> epsilon, tau;

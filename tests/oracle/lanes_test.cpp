@@ -1,5 +1,5 @@
-// Evaluations of many worlds in lanes against the same one at a time: random trees of all kinds of joint in all variants, by
-// every instruction set that this CPU has.
+// Evaluations of many worlds in SIMD lanes against evaluations one at a time: random trees of all joint kinds in all variants,
+// with every instruction set that this CPU supports.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -20,7 +20,7 @@ using namespace momentree::oracle;
 namespace {
 
 struct Worst {
-  double q = 0, p = 0;  // of q̇ and v, and of ṗ: error over what is allowed
+  double q = 0, p = 0;  // of q̇ and v, and of ṗ: error relative to the tolerance
 };
 
 double largest(const double* a, int n) {
@@ -40,7 +40,7 @@ Worst compare(const Tree& tree, const State& middle, Prng& random, batch::Steppe
     for (int i = 0; i < nv; ++i)
       p[static_cast<std::size_t>(i * lanes + lane)] = middle.p()[static_cast<std::size_t>(i)] * random.uniform(0.5, 1.5);
   }
-  if (epsilon > 1e-10)  // what floats are given, the scalar is given
+  if (epsilon > 1e-10)  // the scalar evaluation gets the same rounded input
     for (auto* list : {&q, &p})
       for (double& x : *list) x = static_cast<float>(x);
   stepper.rates(tree, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
@@ -50,7 +50,7 @@ Worst compare(const Tree& tree, const State& middle, Prng& random, batch::Steppe
   for (int lane = 0; lane < lanes; ++lane) {
     for (int i = 0; i < nq; ++i) one_q[static_cast<std::size_t>(i)] = q[static_cast<std::size_t>(i * lanes + lane)];
     for (int i = 0; i < nv; ++i) one_p[static_cast<std::size_t>(i)] = p[static_cast<std::size_t>(i * lanes + lane)];
-    // Velocities are known to the condition of the mass matrix times the precision; so is what is made of them.
+    // Velocities are accurate to the condition of the mass matrix times the precision; so are the quantities derived from them.
     const double known = epsilon * velocity_resolution(tree, one_q) / 1e-16;
     evaluate_rates<double>(tree, one_q.data(), one_p.data(), workspace);
     const double speed = largest(workspace.v.get(), nv) + largest(workspace.qdot.get(), nq) + 1e-3;
@@ -80,7 +80,8 @@ TEST_CASE("a lane finds what the scalar finds, on trees of all kinds and variant
     }
     for (const Precision precision : {Precision::float64, Precision::float32}) {
       const bool wide = precision == Precision::float64;
-      // 1e-12 is allowed in double. A float tree of light and heavy bodies knows little: short ones only.
+      // The tolerance is 1e-12 in double precision. In single precision, trees of light and heavy bodies are inaccurate: only
+      // short trees.
       const double epsilon = wide ? 1e-16 : 6e-8;
       bool seen[9][5] = {};
       Worst all;

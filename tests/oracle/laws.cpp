@@ -15,14 +15,14 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon() / 2;  // unit 
 
 std::vector<Real> wide(const double* a, int n) { return {a, a + n}; }
 double narrow(Real x) { return static_cast<double>(x); }
-/// Error in terms of a size; of nothing, nothing may be wrong.
+/// Error relative to a size; if the size is zero, the error must be zero.
 double relative(Real error, Real size) { return error == 0 ? 0 : narrow(error / size); }
 Real length(const V3<Real>& a) { return std::sqrt(dot(a, a)); }
 
-/// p against EᵀPb + rotor with the oracle's columns; the largest over all freedoms. In terms of its summands: |E||Pb| and, as
-/// Pb is the sum of what all outboard bodies carry and each of them moves by the velocities of all its ancestors, |M||v|.
-/// The second measure is stricter: in terms of |E||Pb| alone, what is left after the summands of Pb have cancelled; it
-/// can only hold to the condition of the mass.
+/// p against EᵀPb + armature with the oracle's columns; the largest error over all DoFs, relative to the summands: |E||Pb| and,
+/// since Pb is the sum over all outboard bodies, each of which moves with the velocities of all its ancestors, |M||v|. The second
+/// measure is stricter: relative to |E||Pb| alone, the error is amplified by cancellation in Pb, and it can only be bounded by
+/// the condition of the mass.
 void measure_projection(const System& system, const std::vector<double>& q, const MassMatrix& mass, double condition,
                         const Tree& tree, const State& state, const Workspace<double>& workspace, std::vector<Measure>& laws) {
   double worst = 0, worst_left = 0;
@@ -30,7 +30,7 @@ void measure_projection(const System& system, const std::vector<double>& q, cons
     const auto columns = joint_columns(system, q, b);
     if (columns.empty()) continue;
     const Force<double> Pb = articulated_momentum(tree, state, workspace, b);
-    const KernelFrame& frame = tree.frame(b);  // of the kernels, in the user's frame
+    const KernelFrame& frame = tree.frame(b);  // frame of the kernels, in the user's frame
     const Frame<Real> at{
         {{frame.R.xx, frame.R.xy, frame.R.xz, frame.R.yx, frame.R.yy, frame.R.yz, frame.R.zx, frame.R.zy, frame.R.zz}},
         real(frame.r)};
@@ -53,7 +53,7 @@ void measure_projection(const System& system, const std::vector<double>& q, cons
   laws.push_back({"E^T P + rotor = p, of |E||P|", worst_left, std::max(1e-14, 10 * epsilon * condition)});
 }
 
-/// Coordinate rates: those of plain coordinates are v, of quaternions ½ Q (0, ω), of a free position R v.
+/// Coordinate rates: v for plain coordinates, ½ Q (0, ω) for quaternions, R v for a free position.
 Measure coordinate_rates(const System& system, const std::vector<double>& q, const Workspace<double>& workspace) {
   Real worst = 0;
   for (std::size_t k = 0; k < system.links.size(); ++k) {

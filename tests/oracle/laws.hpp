@@ -1,5 +1,5 @@
 #pragma once
-// The laws that every tree obeys at every state, measured against the oracle.
+// Laws that hold for every tree at every state, measured against the oracle.
 #include <cstdint>
 
 #include <vector>
@@ -9,11 +9,11 @@
 
 namespace momentree::oracle {
 
-/// One law, measured.
+/// The measured error of one law.
 struct Measure {
   const char* law;
   double error, bound;
-  bool holds() const { return error <= bound; }  ///< not for a NaN
+  bool holds() const { return error <= bound; }  ///< false for NaN
   double ratio() const { return bound > 0 ? error / bound : 0; }
 };
 
@@ -22,26 +22,26 @@ struct StateMeasures {
   Spectrum range;
 };
 
-/// All laws at one state of a tree that stands for `system`. The work is evaluated here.
+/// All laws at one state of a tree that represents `system`. Evaluates the workspace.
 StateMeasures measure_state(const System& system, const Tree& tree, const State& state, Workspace<double>& workspace);
 
 /// Laws of the second recursion at that state: accelerations and wrenches against the oracle's at the engine's own velocities,
-/// each body's equations of motion, Eᵀ Tr = τ − rotor·v̇. The work is accelerated here; `range` is that of the mass.
-/// `system` stands for the tree as it was declared: locks and re-rooting change nothing of it, but for free root joints.
+/// each body's equations of motion, Eᵀ Tr = τ − armature·v̇. Computes the workspace's accelerations; `range` is that of the mass.
+/// `system` is the tree as declared: locks and re-rooting do not affect it, except for free root joints.
 std::vector<Measure> measure_accelerations(const System& system, const Tree& tree, const State& state,
                                            Workspace<double>& workspace, const Spectrum& range);
-/// Newton's and Euler's equations of every body, with masses from `system`, by what the engine says of accelerations and joint
-/// wrenches: the largest residual in terms of the equation's summands. Any topology. `loads`: what acts on each body from
-/// outside, about its frame's origin, world axes; empty: nothing.
+/// Newton–Euler equations of every body, with masses from `system` and the engine's accelerations and joint wrenches: the largest
+/// residual relative to the equation's summands. For any topology. `loads`: external forces on each body about its frame's
+/// origin, world axes; empty: none.
 struct Load {
   V3<Real> force{}, torque{};
 };
 double equations_of_motion(const System& system, const Tree& tree, const State& state, Workspace<double>& workspace,
                            const std::vector<Load>& loads = {});
-/// Eᵀ Tr against joint forces and rotors, for unlocked freedoms, in terms of the summands; columns from the oracle.
+/// Eᵀ Tr against joint forces and armature, for unlocked DoFs, relative to the summands; columns from the oracle.
 double work_of_reactions(const Tree& tree, const State& state, Workspace<double>& workspace);
 
-/// Laws of p from velocities `given`: p = M v, and back again. `start` was made from them.
+/// Laws for p computed from velocities `given`: p = M v, and back again. `start` was made from these velocities.
 std::vector<Measure> measure_round_trip(const System& system, const std::vector<double>& given, const Tree& tree,
                                         const State& start, Workspace<double>& workspace);
 

@@ -1,4 +1,4 @@
-// A chain of a million bodies, on a thread with a stack of 1 MiB: nothing recurses along the tree.
+// A chain of a million bodies, on a thread with a stack of 1 MiB: no function recurses along the tree.
 #include <string>
 
 #include <pthread.h>
@@ -22,7 +22,7 @@ struct Outcome {
   Totals before, after;
 };
 
-/// Pins about z one metre apart, all turning about the ground as one rod.
+/// Revolute joints about z one metre apart, all rotating about the ground like one rod.
 void evaluate_chain(Outcome& out) {
   Model model({.gravity = {0, 0, 0}});
   BodyId last = ground;
@@ -70,7 +70,7 @@ TEST_CASE("a chain of a million bodies is compiled, evaluated and broken in a sm
 
   CHECK(out.bodies == links);
   CHECK(out.parts == 2);
-  // The last link: its centre moves at ω (n − ½) sideways; p = (½ (n − ½) + 1) ω.
+  // The last link: its centre moves sideways with ω (n − ½); p = (½ (n − ½) + 1) ω.
   const double n = links, w = 1e-3;
   CHECK(out.last == doctest::Approx((0.5 * (n - 0.5) + 1) * w).epsilon(1e-9));
   // Σ (k − ½)² = n (4 n² − 1) / 12.

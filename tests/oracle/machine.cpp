@@ -17,7 +17,7 @@ Column Machine::velocities() const {
 }
 
 Dense Machine::masses() const {
-  Dense M = Dense::Identity(6 * size(), 6 * size());  // what was removed is at rest
+  Dense M = Dense::Identity(6 * size(), 6 * size());  // removed bodies are at rest
   for (int b : tree.order()) {
     const BodySpec& body = model[{b}];
     const Sym3 I = rotate(rotation_matrix(pose(b).rotation), body.inertia);
@@ -96,12 +96,12 @@ unsigned some_dofs(Prng& random, int nv) {
 }
 
 namespace {
-// A joint of a random kind whose declared child stands at `now` in its parent.
+// A joint of a random kind whose declared child is at `now` in its parent.
 void random_placed_joint(Prng& random, const Pose& now, Joint& joint, Values& q) {
   const Kind kinds[] = {Kind::revolute, Kind::prismatic, Kind::helical, Kind::cylindrical, Kind::universal,
                         Kind::ball,     Kind::planar,    Kind::free,    Kind::weld};
   const JointSpec spec = random_joint(random, kinds[random.integer(0, 9 - 1)], {.parameters = false});
-  q = random_coordinates(random, spec.kind);  // any q will do: the offset takes up the rest
+  q = random_coordinates(random, spec.kind);  // any q: the offset compensates for it
   joint.kind = spec.kind, joint.axis = normalized(spec.axis), joint.pitch = spec.pitch;
   if (spec.kind == Kind::universal) joint.axis2 = normalized(spec.axis2);
   // at · motion(q) = present pose of the child in the parent

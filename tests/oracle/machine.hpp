@@ -1,6 +1,6 @@
 #pragma once
 // Topology changes against an independent projection: in maximal coordinates (velocities of all bodies, mass-weighted), with
-// constraints from the oracle's forward kinematics alone.
+// constraints derived only from the oracle's forward kinematics.
 #include <algorithm>
 #include <cmath>
 
@@ -19,7 +19,7 @@ namespace momentree::oracle {
 using Dense = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 using Column = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
 
-/// A model with its tree, state and work, seen in maximal coordinates. Evaluate before the queries.
+/// A model with its tree, state and workspace, in maximal coordinates. Evaluate before the queries.
 struct Machine {
   Model model;
   Tree tree;
@@ -29,18 +29,18 @@ struct Machine {
   void evaluate() { locate_bodies(tree, state, workspace); }
   int size() const { return tree.bodies(); }
 
-  /// A living body.
+  /// A random body that has not been removed.
   int some_body(Prng& random) const;
-  /// Bodies outboard of b and b itself.
+  /// Number of bodies outboard of b, including b.
   int part(int b) const;
-  /// A new body on any or on the ground, which it returns; evaluate afterwards.
+  /// Adds a body to a random body or to the ground, and returns its number; evaluate afterwards.
   int add(Prng& random, bool parameters, bool at_rest);
 
   Pose pose(int b) const { return user_pose(tree, workspace.bodies[static_cast<std::size_t>(b)], b); }
   /// Velocities of the centres of mass and angular velocities, world axes.
   Column velocities() const;
   Dense masses() const;
-  /// Rows C with C V = 0 for the joints as they are: what the declared child may not do relative to its parent.
+  /// Rows C with C V = 0 for the present joints: the motions of the declared child relative to its parent that are not allowed.
   Dense constraints() const;
 };
 
@@ -48,27 +48,27 @@ struct Machine {
 Column projected(const Dense& M, const Dense& C, const Column& V);
 inline long double energy(const Dense& M, const Column& V) { return V.dot(M * V) / 2; }
 
-/// Some freedoms out of `nv`, at least one.
+/// Some DoFs out of `nv`, at least one.
 unsigned some_dofs(Prng& random, int nv);
 
-/// A joint of a random kind at the present pose of b, its frame at the declared child's own; for a declared child that is b, its
-/// parent, or what it is at present.
+/// A joint of a random kind at the present pose of b, with its frame at the declared child's; the declared child is b, its
+/// parent, or the present one.
 ChangeJoint random_change(Prng& random, const Machine& m, int b, ChangeJoint::Direction direction = ChangeJoint::Direction::keep);
 
-/// A joint of a random kind between mechanisms, where the bodies are; declared either way.
+/// A joint of a random kind between mechanisms in their present poses; declared either way.
 Attach random_attach(Prng& random, const Machine& m, int b, int to);
-/// One random change of any kind of an evaluated machine, evaluated afterwards; some allow nothing.
+/// One random change of any kind to an evaluated machine, which is evaluated afterwards; some machines allow none.
 void act(Prng& random, Machine& m);
 
-/// Condition of the joint-space mass, in directions of length one that the constraints leave: what velocities can be known to.
+/// Condition of the joint-space mass, for unit directions that the constraints leave free: the accuracy of velocities.
 double condition(const Dense& M, const Dense& C);
 
 struct Outcome {
   long double difference = 0, gain = 0, carnot = 0;
-  double bound = 0;  ///< for the difference: round-off in the state, carried by the condition of the mass matrix
+  double bound = 0;  ///< for the difference: round-off of the state, amplified by the condition of the mass matrix
 };
 
-/// Runs `act` on the machine and compares with the projection onto the constraints that the machine has afterwards.
+/// Calls `act` on the machine and compares with the projection onto the machine's constraints afterwards.
 template <class Act>
 Outcome compare(Machine& m, Act act) {
   m.evaluate();

@@ -13,7 +13,7 @@ Out part(const In& in, Part which) {
   return out;
 }
 
-/// Frames of all bodies, nothing perturbed by ε.
+/// Frames of all bodies, without a perturbation ε.
 template <class T>
 std::vector<Frame<T>> all_frames(const System& system, const std::vector<Mount>& mount, const std::vector<double>& q,
                                  const Real* v) {
@@ -27,7 +27,7 @@ std::vector<Frame<T>> all_frames(const System& system, const std::vector<Mount>&
   return frame;
 }
 
-/// Calls visit(k, frame) for `link` and all its descendants, with freedom `freedom` of its joint moved by ε.
+/// Calls visit(k, frame) for `link` and all its descendants, with DoF `dof` of its joint displaced by ε.
 template <class T, class Visit>
 void moved(const System& system, const std::vector<Mount>& mount, const std::vector<Frame<T>>& still,
            const std::vector<double>& q, const Real* v, std::size_t link, int dof, bool epsilon_first,
@@ -64,7 +64,7 @@ MassMatrix mass_matrix(const System& system, const std::vector<double>& q) {
   const std::vector<Mount> mount = mounts(system);
   const std::size_t n = system.links.size();
   const std::vector<Frame<Dual>> still = all_frames<Dual>(system, mount, q, nullptr);
-  std::vector<std::vector<std::pair<int, Column>>> jacobian(n);  // per body: the freedoms that move it
+  std::vector<std::vector<std::pair<int, Column>>> jacobian(n);  // per body: the DoFs that move it
   std::vector<Frame<Dual>> frame(n);
   for (std::size_t j = 0; j < n; ++j)
     for (int i = 0; i < dofs(system.links[j].joint.kind); ++i)
@@ -98,7 +98,7 @@ MassMatrix mass_matrix(const System& system, const std::vector<double>& q) {
 }
 
 std::vector<Real> solve(const MassMatrix& mass, const std::vector<Real>& p) {
-  // M = Lᵀ D L from the last freedom on: with parents numbered before their children no zero of M fills in.
+  // M = Lᵀ D L, starting with the last DoF: since parents are numbered before their children, no zero of M fills in.
   MassMatrix f = mass;
   const int n = mass.size();
   std::vector<int> row;
@@ -157,13 +157,13 @@ Evaluation evaluate(const System& system, const std::vector<double>& q, const st
   if (!with_rates) return out;
 
   out.pdot = out.pdot_alembert = joint_forces(system, q, v);
-  std::vector<Real> momentum(out.pdot.size(), 0);  // without rotors
+  std::vector<Real> momentum(out.pdot.size(), 0);  // without armature
   std::vector<Frame<Jet>> frame(n);
   for (std::size_t j = 0; j < n; ++j) {
     const bool group = system.links[j].joint.kind == Kind::ball || system.links[j].joint.kind == Kind::free;
     for (int i = 0; i < dofs(system.links[j].joint.kind); ++i) {
       const std::size_t a = static_cast<std::size_t>(system.first_v[j] + i);
-      // ∂L/∂(freedom) with all velocities held: Σ m ċ·δċ + (Iω)·δω + m g·δc, ω in body axes.
+      // ∂L/∂(DoF) at constant velocities: Σ m ċ·δċ + (Iω)·δω + m g·δc, ω in body axes.
       const auto lagrange = [&](std::size_t k, const Frame<Jet>& f) {
         const V3<Jet> com = f.position + f.rotation * mount[k].com;
         const M3<Real> r = part<M3<Real>>(f.rotation, &Jet::r), re = part<M3<Real>>(f.rotation, &Jet::e),
@@ -199,7 +199,7 @@ Evaluation evaluate(const System& system, const std::vector<double>& q, const st
       }
     }
   }
-  // Hamel's terms: quasi-velocities of a ball and of a free joint do not commute.
+  // Hamel's terms: the quasi-velocities of ball and free joints do not commute.
   for (std::size_t j = 0; j < n; ++j) {
     const Kind kind = system.links[j].joint.kind;
     if (kind != Kind::ball && kind != Kind::free) continue;

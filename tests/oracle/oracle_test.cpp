@@ -1,4 +1,4 @@
-// The oracle itself, against closed forms and against itself derived in another way. The engine takes no part.
+// Tests of the oracle itself, against closed forms and against different derivations. Independent of the engine.
 #include <cmath>
 
 #include <doctest/doctest.h>
@@ -50,7 +50,7 @@ TEST_CASE("oracle: a pendulum") {
   const MassMatrix mass = mass_matrix(s.system, s.q);
   CHECK(mass(0, 0) == doctest::Approx(m * l * l + inertia + rotor).epsilon(1e-15));
   const Evaluation e = evaluate(s.system, s.q, s.v);
-  // A turn about +y by `angle` takes x to (cos, 0, −sin): height −l·sin(angle).
+  // A rotation about +y by `angle` takes x to (cos, 0, −sin): height −l·sin(angle).
   const double g = 9.81;
   CHECK(e.potential == doctest::Approx(-m * g * l * std::sin(angle) + 2 * 0.5 * 0.5).epsilon(1e-15));
   CHECK(e.kinetic == doctest::Approx(0.5 * (m * l * l + inertia + rotor) * speed * speed).epsilon(1e-15));
@@ -108,7 +108,7 @@ TEST_CASE("oracle: Euler's equations of a free body and of a ball") {
 TEST_CASE("oracle: the torque of a ball's spring is −k·log(rest⁻¹ q)") {
   Model model({.gravity = {0, 0, 0}});
   JointSpec ball = joint(Kind::ball);
-  // Turned by 1.1 rad about n from a rest that is itself turned by 0.4 rad about z.
+  // Rotated by 1.1 rad about n from a rest attitude that is itself rotated by 0.4 rad about z.
   const Vec3 n{2.0 / 3, -1.0 / 3, 2.0 / 3};
   const Quat rest{std::cos(0.2), 0, 0, std::sin(0.2)};
   const Quat turn{std::cos(0.55), std::sin(0.55) * n.x, std::sin(0.55) * n.y, std::sin(0.55) * n.z};
@@ -173,7 +173,7 @@ TEST_CASE("oracle: rates of energy and momenta along the motion, by differences"
     }
     const V3<Real> torque = cross(context, s.system.gravity);
     const Real scale = 1 + now.kinetic + std::sqrt(dot(context, context)) + mass;
-    // A spring or rotor at the root joint acts on the ground: then only energy is kept.
+    // A spring or armature at the root joint acts on the ground: only energy is then conserved.
     const JointParameters& root = s.system.links[0].joint.parameters;
     const bool outside = root.stiffness.any() || root.armature.any();
     CHECK(std::fabs(side[1].kinetic + side[1].potential - side[0].kinetic - side[0].potential) / (2 * h) <= 1e-7L * scale);

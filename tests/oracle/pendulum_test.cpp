@@ -12,7 +12,7 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-/// A point mass of 1 kg at 1 m below a pin, the angle from the downward vertical.
+/// A point mass of 1 kg at 1 m below a revolute joint; the angle is measured from the downward vertical.
 Model pendulum(double angle) {
   Model model({.gravity = {0, -9.81, 0}});
   model.add({.name = "p", .mass = 1, .com = {0, -1, 0}, .joint = joint_of(Kind::revolute), .q = angle});
@@ -45,7 +45,7 @@ TEST_CASE("periods of the pendulum from 1 to 179 degrees") {
     CAPTURE(name);
     const double amplitude = std::stod(name) * degree, T = row.value();
     Simulation run(pendulum(amplitude), {.step = 1e-4});
-    // Through the vertical after a quarter and after nine quarters: the angle there is the lateness times the rate.
+    // Through the vertical after a quarter and after nine quarters of a period: the angle there is the time error times the rate.
     for (const int quarters : {1, 9}) {
       REQUIRE(run.run_until(quarters * T / 4) == Status::ok);
       const double late = q(run, 0) / v(run, 0);
@@ -96,7 +96,8 @@ TEST_CASE("the spherical pendulum, from one extreme to the next") {
     const Vec3 end = m.pose * Vec3{0, 0, -1};
     check_near(-start.z, row["z_min"], 1e-12, "start");
     check_near(-end.z, row["z_max"], 1e-8, "extreme");
-    // Height is stationary there: its rate over its acceleration is the lateness. z counts down from the pivot.
+    // The height is stationary there: its rate divided by its acceleration is the time error. z is measured downwards from the
+    // pivot.
     const double z = -end.z, zdot = -cross(m.angular, end).z, energy = v0 * v0 / 2 - g * 0.5;
     const double acceleration = g * (1 - z * z) - 2 * z * (energy + g * z);
     check_near(zdot / acceleration, 0, 1e-8, "lateness");

@@ -1,4 +1,4 @@
-// Bodies that leave and bodies that come while the world moves.
+// Bodies that are removed and added while the world moves.
 #include <cmath>
 #include <vector>
 
@@ -29,7 +29,7 @@ void break_some(Prng& random, Machine& m) {
   m.evaluate();
 }
 
-// Largest difference of velocities, of the bodies that both have.
+// Largest difference of velocities between the bodies that both have.
 double difference(const Machine& a, const Column& V, const Machine& b, const Column& W) {
   double worst = 0;
   for (int k = 0; k < std::min(a.size(), b.size()); ++k)
@@ -92,7 +92,7 @@ TEST_CASE("a body that comes changes no velocity and takes no energy; its own is
       CHECK(difference(before, before.velocities(), m, V) < bound);
       for (int i = 0; i < info(m.tree.joint(b).kind).nv; ++i)
         CHECK(std::fabs(m.workspace.v[static_cast<std::size_t>(m.tree.first_p(b) + i)] - m.model[{b}].v[i]) < 10 * bound);
-      // Kinetic energy: the bodies' and the rotor's that came.
+      // Kinetic energy of the added bodies and armatures.
       const Totals was = totals(before.tree, before.state, before.workspace), now = totals(m.tree, m.state, m.workspace);
       double brought =
           static_cast<double>(V.segment(6 * b, 6).dot(m.masses().block(6 * b, 6 * b, 6, 6) * V.segment(6 * b, 6))) / 2;

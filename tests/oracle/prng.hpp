@@ -1,6 +1,6 @@
 #pragma once
-// A small generator of pseudo-random numbers whose sequence is the same on every machine. One draw per statement: the order in
-// which the arguments of a call are evaluated is not fixed.
+// A small pseudo-random number generator with the same sequence on every machine. Draw only once per statement: the order in
+// which the arguments of a call are evaluated is not defined.
 #include <cstdint>
 
 #include <cmath>

@@ -1,7 +1,7 @@
-// Usage: random_accelerations FIRST COUNT. Accelerations and joint wrenches of random trees FIRST … FIRST + COUNT − 1 of 1 … 200
-// bodies against the oracle; every other tree has joints of one freedom (and welds) alone. Those are held to 1e-12, all others to
-// 1e-10, or where that is more to ε times the condition of the mass matrix, and accelerations of joints to 8 ε of what forces
-// would give that did not cancel; prints the worst figures, and exits 1 if a law is broken.
+// Usage: random_accelerations FIRST COUNT. Checks accelerations and joint wrenches of random trees FIRST … FIRST + COUNT − 1 of 1
+// … 200 bodies against the oracle; every other tree has only single-DoF joints (and welds). The tolerance is 1e-12 for these and
+// 1e-10 for all others, or ε times the condition of the mass matrix if that is larger, plus for joint accelerations 8 ε times the
+// accelerations that the forces would cause if they did not cancel. Prints the worst figures; exits with 1 if a law is violated.
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
     RandomTreeOptions options;
     const bool single_dof = i % 2 == 0;
     if (single_dof) options.kinds = {Kind::revolute, Kind::prismatic, Kind::helical, Kind::weld};
-    options.several_mechanisms = !single_dof;  // others of them may have free roots
+    options.several_mechanisms = !single_dof;  // further mechanisms may have free roots
     options.max_bodies = i % 40 < 2 ? 200 : 25;
     const std::uint64_t seed = seed_of(i, single_dof);
     const RandomTree random = random_tree(seed, options);
@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
     const Tree tree(random.model);
     Workspace<double> workspace(tree);
     State state = start_state(random.model, tree);
-    if (i % 4 >= 2) {  // a state drawn by its momenta
+    if (i % 4 >= 2) {  // a state drawn by momenta
       Prng draw(seed + 1000000);
       for (double& p : state.edit().p) p = draw.uniform(-1, 1);
     }

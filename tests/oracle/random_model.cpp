@@ -35,7 +35,7 @@ Values positive_values(Prng& random, int count, double low, double high) {
   return values;
 }
 
-/// A moment of inertia that a cloud of mass points can have: from positive second moments along random axes.
+/// A moment of inertia that a cloud of point masses can have: from positive second moments along random axes.
 Sym3 random_inertia(Prng& random, double mass) {
   const double size = random.log_uniform(0.05, 0.5);
   const double a = random.uniform(0.1, 1) * mass * size * size;
@@ -97,7 +97,7 @@ void draw_drives(Prng& random, JointSpec& joint) {
     p.friction.speed = positive_values(random, some(), 0.01, 2);
   }
   const bool rates = coordinates_of(joint.kind) == nv;
-  if (rates && random.chance(0.4)) {  // half of all states are beyond one
+  if (rates && random.chance(0.4)) {  // half of all states are beyond a soft stop
     p.limits.lower = -random.uniform(0, 0.3);
     p.limits.upper = random.uniform(0.01, 0.3);
     p.limits.stiffness = positive_values(random, some(), 0.1, 10);

@@ -1,5 +1,5 @@
 #pragma once
-// Deterministic random worlds for the law tests: trees over all nine kinds of joint with every parameter drawn.
+// Deterministic random worlds for the law tests: trees with all nine joint kinds and every parameter.
 #include <cstdint>
 
 #include <vector>
@@ -10,7 +10,7 @@
 namespace momentree::oracle {
 
 enum class Shape { chain, bushy, mixed };
-enum class Root { welded, free, jointed };  ///< jointed: grounded by a joint other than a weld
+enum class Root { welded, free, jointed };  ///< jointed: attached to the ground by a joint other than a weld
 
 struct RandomTree {
   Model model;
@@ -21,22 +21,22 @@ struct RandomTree {
 struct RandomTreeOptions {
   int min_bodies = 1, max_bodies = 100;
   bool several_mechanisms = true;
-  bool all_free = false;  ///< every root is free, whatever the seed says
+  bool all_free = false;  ///< every root is free, whatever the seed
   bool gravity = true;
   bool parameters = true;     ///< damping, springs, armature, efforts on some joints
-  bool conservative = false;  ///< of these only springs with a potential, and rotors
-  bool drives = false;        ///< friction, soft stops, efforts that change with time and position control, too
-  std::vector<Kind> kinds{};  ///< drawn from for joints that are not free or welded roots; empty: all nine
+  bool conservative = false;  ///< of these only springs with a potential, and armatures
+  bool drives = false;        ///< also friction, soft stops, time-dependent efforts and position control
+  std::vector<Kind> kinds{};  ///< kinds of joints other than free or welded roots; empty: all nine
 };
 
-/// Tree number `seed`: a third pure chains, a third bushy; of each a third welded to the ground, free, or grounded by another
-/// joint. Masses from 0.01 to 100 kg; q at random, v within ±1.
+/// Tree number `seed`: a third are pure chains, a third are bushy; of each, a third is welded to the ground, free, or attached to
+/// the ground by another joint. Masses from 0.01 to 100 kg; random q, v within ±1.
 RandomTree random_tree(std::uint64_t seed, const RandomTreeOptions& options = {});
 
 /// A joint of `kind` with random geometry; `parameters` as in the options.
 JointSpec random_joint(Prng& random, Kind kind, const RandomTreeOptions& options);
 
-/// Coordinates of a kind, quaternions of unit length.
+/// Coordinates of a joint kind, with unit quaternions.
 Values random_coordinates(Prng& random, Kind kind);
 Values random_velocities(Prng& random, Kind kind);
 

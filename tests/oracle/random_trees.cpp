@@ -1,5 +1,5 @@
 // Usage: random_trees FIRST COUNT. Measures the laws on random trees FIRST … FIRST + COUNT − 1, each at a state drawn by
-// velocities and at one drawn by momenta; prints the worst measure of every law, and exits 1 if one is broken.
+// velocities and at one drawn by momenta. Prints the worst measure of every law; exits with 1 if one is violated.
 #include <cstdio>
 #include <cstdlib>
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-/// A model's start, accelerated. Reactions in world axes, from the poses.
+/// The start of a model with accelerations. Reactions are in world axes, computed from the poses.
 struct Instant {
   Tree tree;
   State state;
@@ -59,7 +59,7 @@ TEST_CASE("(32) what the pin of a swinging rod carries") {
                .q = angle,
                .v = row["omega"].get<double>()});
     const Instant at(model);
-    const Force<double> W = at.reaction(0);  // rod axes: y from the tip to the pin
+    const Force<double> W = at.reaction(0);  // rod axes: y from the tip to the joint
     const double w = row["omega"];           // for length and mass 1, g = 9.81
     CHECK(w * w ==
           doctest::Approx(3 * g * (std::cos(angle) - std::cos(row["theta0_deg"].get<double>() * degree))).epsilon(1e-12));
@@ -105,7 +105,7 @@ TEST_CASE("(32) a hanging chain that a force pulls sideways at its tip rests in 
                       .q = angle - turned});
     turned = angle;
   }
-  // The force: a drive pushes off from next to nothing, which flies away along x.
+  // A drive pushes against an almost massless body, which flies away along x.
   model.add({.name = "c/pushed",
              .mass = 1e-15,
              .parent = last,
@@ -113,7 +113,7 @@ TEST_CASE("(32) a hanging chain that a force pulls sideways at its tip rests in 
              .joint = Prismatic{.axis = x_axis, .effort = -H}});
   const Instant at(model);
   for (int k = 0; k < n; ++k) {
-    CHECK(std::abs(at.workspace.a[static_cast<std::size_t>(k)]) < 1e-9);  // rad/s²; 100 m/s² would be that of a joint let go
+    CHECK(std::abs(at.workspace.a[static_cast<std::size_t>(k)]) < 1e-9);  // rad/s²; 100 m/s² would be that of a released joint
     check_near(at.force(k), {-H, (n - k) * m * g, 0}, 1e-12, "joint " + std::to_string(k));
   }
   check_near(at.force(n), {-H, 0, 0}, 1e-12, "the drive");

@@ -1,12 +1,12 @@
 #pragma once
-// Random changes, so that every variant of every kind of joint comes up.
+// Random changes that exercise every variant of every joint kind.
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/topology/change.hpp>
 #include <tests/oracle/prng.hpp>
 
 namespace momentree::oracle {
 
-/// Breaks, locks and turns over what it can, four times.
+/// Breaks, locks and reverses joints at random, four times.
 inline void rearrange(Prng& random, Tree& tree, State& state, Workspace<double>& workspace) {
   for (int i = 0; i < 4; ++i) {
     const int b = random.integer(0, tree.bodies() - 1);

@@ -1,5 +1,5 @@
 #pragma once
-// Models and numbers that the tests against reference data share.
+// Models and functions shared by the tests against reference data.
 #include <fstream>
 #include <string>
 
@@ -35,7 +35,7 @@ inline Values values_of(const nlohmann::json& a) {
 inline double apart(const Vec3& a, const Vec3& b) {
   return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
 }
-/// The same for attitudes: a quaternion and its negative are one.
+/// The same for attitudes: a quaternion and its negative are equivalent.
 inline double apart(const Quat& a, const Quat& b) {
   const double s = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z < 0 ? -1 : 1;
   return std::max({std::abs(a.w - s * b.w), std::abs(a.x - s * b.x), std::abs(a.y - s * b.y), std::abs(a.z - s * b.z)});

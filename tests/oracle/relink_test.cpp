@@ -1,4 +1,4 @@
-// Tables that follow a change step by step are those of a tree made anew.
+// Incrementally updated tables must equal those of a newly built tree.
 #include <algorithm>
 #include <cstring>
 
@@ -27,7 +27,7 @@ bool same_list(const A& a, const B& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end());
 }
 
-// Compares everything that a tree shows.
+// Compares all public data of a tree.
 void check_same(const Tree& a, const Tree& b) {
   REQUIRE(a.bodies() == b.bodies());
   CHECK(a.nq() == b.nq());
@@ -81,11 +81,11 @@ TEST_CASE("after every change the tables are those of a full rebuild") {
       INFO("seed ", seed, " change ", k);
       act(random, m);
       Tree anew(start);
-      if (k % 2 == 0) anew.detach(start.size() - 1);  // there it differs from the model; the rest may be shared with it
+      if (k % 2 == 0) anew.detach(start.size() - 1);  // it differs from the model there; the rest may be shared with it
       anew.restore(m.tree.topology());
       check_same(m.tree, anew);
-      if (k % 5 == 0) m.tree = Tree(m.tree);  // goes on with a copy, whose original is gone
-      if (k % 7 == 0) {                       // and from one that was something else before
+      if (k % 5 == 0) m.tree = Tree(m.tree);  // continues with a copy whose original no longer exists
+      if (k % 7 == 0) {                       // and with an object that was another tree before
         Tree other(start);
         if (other.joint(0).kind != Kind::free) other.detach(0);
         other = m.tree;

@@ -1,5 +1,5 @@
-// Dry friction, the damping of soft stops and position control, taken implicitly by the method `damped`: closed forms, order,
-// rest however stiff they are, energy books.
+// Dry friction, the damping of soft stops and position control, integrated implicitly by the method `damped`: closed forms,
+// order, equilibrium for arbitrary stiffness, energy ledger.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -128,7 +128,7 @@ TEST_CASE("a heavily damped soft stop takes what runs into it: at rest, its ener
     REQUIRE(run.run_until(0.25) == Status::ok);
     MESSAGE("damping " << damping << ": " << place(run) - 0.5 << " m beyond, " << speed(run) << " m/s, energy error "
                        << run.energy().error << " J, dissipated " << run.energy().dissipated);
-    // The step in which it runs into the stop does not see where: up to 3 u0 m/(h c) may be left of its speed.
+    // The step that runs into the stop does not resolve where it is hit: up to 3 u0 m/(h c) of its speed may remain.
     CHECK(std::fabs(place(run) - 0.5) < 3 * 0.01 + 2 * 3 / damping);
     CHECK(std::fabs(speed(run)) < 3 * 3.0 * 2 / (0.01 * damping));
     CHECK(std::fabs(run.energy().error) < 1e-6);
@@ -167,7 +167,7 @@ TEST_CASE("a chain with sharp friction and a stiff servo runs at steps at which 
     const double wrong = off(run, exact);
     MESSAGE("step " << h << ": " << wrong << " rad, energy error " << run.energy().error << " J, dissipated "
                     << run.energy().dissipated << " J, evaluations " << run.statistics().evaluations[0]);
-    CHECK(wrong < h);  // no better: where a joint stops within a step, it does not see
+    CHECK(wrong < h);  // no better: a joint that stops within a step is not resolved
     CHECK(std::fabs(run.energy().error) < 0.05 * run.energy().dissipated);
     before = wrong;
   }

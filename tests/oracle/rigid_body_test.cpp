@@ -66,15 +66,15 @@ TEST_CASE("Dzhanibekov's flip") {
     const double eps = row["eps"], flip = row["flip_time"];
     CAPTURE(eps);
     Simulation run(turning_body(Kind::free, {0, 1, eps}), {.step = 1e-3});
-    // Half way the middle component passes zero: over its rate ẇ2 = (I3 − I1)/I2 w3 w1 it is the lateness.
+    // Halfway, the middle component passes zero: divided by its rate ẇ2 = (I3 − I1)/I2 w3 w1 it is the time error.
     REQUIRE(run.run_until(flip / 2) == Status::ok);
     const Vec3 half = spin(run, Kind::free);
     check_near(half.y / (half.z * half.x), 0, 1e-8, "lateness half way");
     REQUIRE(run.run_until(flip) == Status::ok);
     const Vec3 w = spin(run, Kind::free);
     check_near(w.y, -1, 1e-8, "turned over");
-    // There w1 passes zero, at the rate (I2 − I3)/I1 w2 w3. A round-off of half way has grown by 1/eps until then and is
-    // compared with eps: beyond 1e-3 that says nothing in double precision.
+    // There w1 passes zero, at the rate (I2 − I3)/I1 w2 w3. A round-off error from halfway has grown by 1/eps by then and is
+    // compared with eps: beyond 1e-3 this is meaningless in double precision.
     if (eps >= 1e-3) check_near(w.x / (-w.y * w.z), 0, 1e-8, "lateness");
   }
 }
@@ -110,7 +110,7 @@ TEST_CASE("nutation of a heavy top released at rest") {
     REQUIRE(run.run_until(period) == Status::ok);
     const Vec3 end = axis_of(run);
     check_near(std::acos(end.z), tilt, 1e-8, "smallest tilt");
-    // There the tilt's rate vanishes, and its acceleration is m g l sin θ / A.
+    // The tilt's rate vanishes there, and its acceleration is m g l sin θ / A.
     const double acceleration = 9.81 * 0.1 * std::sin(tilt) / 0.012;
     const double tilt_rate = -cross(run.world().motions()[0].angular, end).z / std::sin(tilt);
     check_near(tilt_rate / acceleration, 0, 1e-8, "lateness");

@@ -1,5 +1,5 @@
 #pragma once
-// Two models of the same bodies, compared by what they do at random states.
+// Compares the dynamics of two models of the same bodies at random states.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -24,7 +24,7 @@ struct Evaluated {
   }
 };
 
-/// The same bodies at another state; joints whose motion is prescribed stay where it has them.
+/// The same bodies at another state; joints with prescribed motion keep their positions.
 inline Model at_state(const Model& model, const std::vector<Values>& q, const std::vector<Values>& v) {
   Model moved({.gravity = model.gravity()});
   for (int b = 0; b < model.size(); ++b) {
@@ -56,7 +56,7 @@ inline RandomState random_state(const Model& model, Prng& random) {
   return state;
 }
 
-/// Largest difference of the joints' accelerations and momentum rates, relative to the largest of each; of two models with the
+/// Largest difference of joint accelerations and momentum rates, relative to the largest of each, between two models with the
 /// same joints in the same order.
 inline double difference(const Model& one, const Model& other, const RandomState& at) {
   const Evaluated a(at_state(one, at.q, at.v), at.time), b(at_state(other, at.q, at.v), at.time);

@@ -1,4 +1,4 @@
-// Going back: topology, coordinates and momenta, and everything that follows from them, to the last bit.
+// Restoring: topology, coordinates and momenta, and everything computed from them, to the last bit.
 #include <cstring>
 #include <vector>
 
@@ -12,7 +12,7 @@ using namespace momentree::oracle;
 
 namespace {
 
-// A step along the rates, so that restored states move on.
+// A step along the rates, so that restored states continue to move.
 void advance(Machine& m) {
   const State::Edit edit = m.state.edit();
   edit.time += 1e-3;
@@ -30,7 +30,7 @@ void step(Machine& m) {
   m.evaluate();
 }
 
-// All that an evaluation found.
+// All results of an evaluation.
 struct Found {
   std::vector<double> values;
   explicit Found(const Machine& m) {
@@ -76,7 +76,7 @@ TEST_CASE("a restored world goes on bit for bit: in the same tree, and in one co
     Prng random(seed * 5 + 3);
     for (int k = random.integer(0, 15); k > 0; --k) act(random, m), step(m);
     const Snapshot start = take_snapshot(m.tree, m.state);
-    const Model then = m.model;  // its names: what was added later is added again
+    const Model then = m.model;  // its names: bodies added later are added again
     const Prng draws = random;
     std::vector<Found> first;
     for (int k = 0; k < 12; ++k) {

@@ -1,4 +1,4 @@
-// Apart from the rest: Eigen takes long to compile.
+// A separate file because Eigen takes long to compile.
 #include <limits>
 
 #include <Eigen/Eigenvalues>

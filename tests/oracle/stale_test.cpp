@@ -1,4 +1,4 @@
-// A change that reads a work of another state stops the program: each misuse in a process of its own.
+// A change that uses a workspace of another state terminates the program: each misuse runs in a separate process.
 #include <doctest/doctest.h>
 
 #include <momentree/dynamics/acceleration.hpp>
@@ -14,7 +14,7 @@ using namespace momentree::test;
 
 namespace {
 
-/// A chain of pins with everything that a change needs, evaluated.
+/// A chain of revolute joints with everything that a change needs, evaluated.
 struct Scene {
   Model model =
       oracle::random_tree(4, {.min_bodies = 6, .max_bodies = 6, .several_mechanisms = false, .kinds = {Kind::revolute}}).model;

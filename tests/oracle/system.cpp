@@ -1,4 +1,4 @@
-// What the oracle takes from a model: numbers and topology.
+// The oracle's input from a model: numbers and topology.
 #include <tests/oracle/kinematics.hpp>
 
 namespace momentree::oracle {
@@ -94,7 +94,7 @@ std::vector<double> displaced(const System& system, const std::vector<double>& q
     const Real* vk = v.data() + system.first_v[k];
     const Kind kind = system.links[k].joint.kind;
     if (kind == Kind::ball) turn_quaternion(qk, {{h * vk[0], h * vk[1], h * vk[2]}});
-    if (kind == Kind::free) {  // the mean of the attitudes at both ends carries the origin
+    if (kind == Kind::free) {  // the mean of the attitudes at both ends transforms the origin's velocity
       const M3<Real> before = matrix_of(qk[3], qk[4], qk[5], qk[6]);
       turn_quaternion(qk + 3, {{h * vk[3], h * vk[4], h * vk[5]}});
       const M3<Real> after = matrix_of(qk[3], qk[4], qk[5], qk[6]);

@@ -1,5 +1,5 @@
-// A pendulum breaks where the tension in its pin reaches a threshold: the instant against an elliptic integral, the flight
-// against the parabola. What is left of the error of the instant is that of the trajectory.
+// A pendulum breaks when the tension in its joint reaches a threshold: the instant is checked against an elliptic integral, the
+// flight against the parabola. The remaining error of the instant is that of the trajectory.
 #include <cmath>
 #include <string>
 
@@ -31,11 +31,11 @@ struct Case {
     return model;
   }
 
-  /// How fast the tension rises at that instant (N/s): from J φ̈ = −m g l sin φ and the energy.
+  /// Rate of the tension at that instant (N/s): from J φ̈ = −m g l sin φ and the energy.
   double slope() const {
     const auto& body = data["model"]["bodies"][0];
     const double m = body["mass"], l = body["com"][0], J = body["inertia"][2][2].get<double>() + m * l * l;
-    const double start = std::acos(0.0) + data["initial"]["q"][0].get<double>();  // from hanging
+    const double start = std::acos(0.0) + data["initial"]["q"][0].get<double>();  // from the hanging position
     const double k = m * g * l / J, rate = -std::sqrt(2 * k * (std::cos(angle) - std::cos(start)));
     const double along = m * (l * rate * rate + g * std::cos(angle)), across = m * g * std::sin(angle) * (1 - m * l * l / J);
     REQUIRE(std::abs(std::hypot(along, across) - threshold) < 1e-12);
@@ -84,7 +84,7 @@ TEST_CASE("a pendulum breaks at the instant of the closed form and flies off on 
     MESSAGE(how.method << " at " << how.step << ": the break is " << run.events()[0].time - the.time
                        << " s late, the flight off by " << off << " m or m/s, " << turned << " rad/s");
     CHECK(rows > 30);
-    CHECK(off < 3e-8);  // at 5 ms that is of the steps in flight: the origin of the rod turns about its middle
+    CHECK(off < 3e-8);  // at 5 ms it is the error of the steps in flight: the rod's origin rotates about its centre
     CHECK(turned < 1e-8);
     check_near(run.world().motions()[0].pose.position +
                    rotation_matrix(run.world().motions()[0].pose.rotation) * run.world().model()[{0}].com,
@@ -102,6 +102,6 @@ TEST_CASE("at 20 ms the instant errs by what the trajectory does, and no more") 
   REQUIRE(free.run_until(the.time) == Status::ok);
   const double wrong = tension(free.world()) - the.threshold, late = located.events()[0].time - the.time;
   MESSAGE("tension wrong by " << wrong << " N, rising by " << the.slope() << " N/s; the break is " << late << " s late");
-  CHECK(std::abs(late) > 1e-9);  // else there is nothing to see
+  CHECK(std::abs(late) > 1e-9);  // otherwise there is nothing to observe
   check_near(late, -wrong / the.slope(), 2e-10, "lateness");
 }

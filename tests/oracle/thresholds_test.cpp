@@ -1,4 +1,4 @@
-// Joints that break by their own loads: which, and when, does not depend on the method or its steps.
+// Joints that break under their own loads: which ones break, and when, must not depend on the method or its steps.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -12,7 +12,7 @@ using namespace momentree;
 
 namespace {
 
-// A chain that swings from level, its links tied to one another ever more weakly.
+// A chain that swings from a horizontal position, with successively weaker links.
 std::vector<Event> breaks(const Integration& integration) {
   Model model;
   BodyId last = ground;
@@ -56,9 +56,9 @@ TEST_CASE("a chain whose joints break by tension: the same joints at the same in
 }
 
 TEST_CASE("global order through an event that waits for a condition") {
-  // A pendulum whose pin wears out to a ball when its speed passes a threshold: errors of the end against the step. An adaptive
-  // method whose tolerances are met by anything takes steps of max_step; the tolerances of one that is exact are met by nothing
-  // else.
+  // A pendulum whose revolute joint becomes a ball joint when its speed exceeds a threshold: final errors as a function of the
+  // step. Adaptive methods get very loose tolerances, so that their steps are max_step; the exact solution has tight tolerances
+  // and no step limit.
   const auto end = [](const std::string& method, double step, double tolerance) {
     Model model;
     model.add({.name = "rod",
@@ -91,12 +91,12 @@ TEST_CASE("global order through an event that waits for a condition") {
 }
 
 TEST_CASE("ten joints break at one instant, one by the other, the most overloaded first") {
-  // Ten masses ride on a carriage that a spring slows down, each held by its own weld. The first weld fails where the spring's
-  // force reaches its share; with every mass that comes off the others carry more, and each was just below what it bears.
+  // Ten masses ride on a carriage that a spring slows down, each held by its own weld. The first weld fails when the spring's
+  // force reaches its share; with every mass that breaks off the others carry more, and each was just below its strength.
   constexpr double stiffness = 40, speed = 3, own = 2, mass = 0.5;
   constexpr int count = 10;
   constexpr double all = own + count * mass;
-  const double rate = std::sqrt(stiffness / all), reach = 0.8 * speed / rate;  // of the carriage where it happens
+  const double rate = std::sqrt(stiffness / all), reach = 0.8 * speed / rate;  // of the carriage at the break
   const int order[count] = {4, 7, 1, 9, 0, 3, 8, 6, 2, 5};                     // in which they fail
   const auto run_of = [&](bool backwards) {
     Model model({.gravity = {}});
@@ -130,7 +130,7 @@ TEST_CASE("ten joints break at one instant, one by the other, the most overloade
     CHECK(norm(event.after.linear - event.before.linear) < 1e-13);
     CHECK(norm(event.after.angular - event.before.angular) < 1e-13);
     CHECK(std::fabs(event.after.kinetic - event.before.kinetic) < 1e-13);
-    // However they were scheduled, to the last bit.
+    // Independent of the order of scheduling, to the last bit.
     CHECK(other.events()[static_cast<std::size_t>(place)].name == event.name);
     CHECK(other.events()[static_cast<std::size_t>(place)].time == event.time);
   }

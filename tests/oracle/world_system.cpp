@@ -1,4 +1,4 @@
-// What the oracle takes from a world: numbers and topology, nothing computed.
+// The oracle's input from a world: numbers and topology, no computed results.
 #include <momentree/simulate/world.hpp>
 #include <tests/oracle/oracle.hpp>
 

@@ -1,4 +1,5 @@
-// What a World publishes while it runs and breaks, against the oracle, which reads topology and joints from the World too.
+// Public data of a World while it runs and breaks, checked against the oracle, which also reads topology and joints from the
+// World.
 #include <algorithm>
 #include <string>
 
@@ -106,7 +107,7 @@ TEST_CASE("each break in a free system without friction keeps energy and momenta
     std::vector<int> order;
     for (int b = 0; b < random.model.size(); ++b) order.insert(order.begin() + draw.integer(0, b), b);
     for (std::size_t i = 0; i < order.size(); ++i)
-      run.at(1e-3 * static_cast<double>(i / 2 + 1)).then(break_joint(random.model[{order[i]}].joint_name));  // two at an instant
+      run.at(1e-3 * static_cast<double>(i / 2 + 1)).then(break_joint(random.model[{order[i]}].joint_name));  // two per instant
     REQUIRE(run.run_until(1e-3 * static_cast<double>(order.size() / 2 + 2)) == Status::ok);
     CHECK(run.events().size() == order.size());
     for (const Event& e : run.events()) {

@@ -1,5 +1,6 @@
-// A run, as the viewer shows it. What implements this may be whole (a report) or grow while it is shown (a simulation that runs).
-// SI units, world axes, quaternions w, x, y, z; bodies are numbered as in `model.bodies`, and −1 is the ground.
+// A run as the viewer shows it. An implementation may be complete (a report) or grow while it is shown (a running
+// simulation). SI units, world axes, quaternions w, x, y, z; bodies are numbered as in `model.bodies`, and −1 is the
+// ground.
 
 export type Vec3 = readonly [number, number, number];
 export type Quat = readonly [number, number, number, number];
@@ -9,7 +10,7 @@ export interface Pose {
   readonly quat: Quat;
 }
 
-/** What a body looks like; lengths of cylinders and capsules lie along z of `at`, those of capsules without their caps. */
+/** The shape of a body; cylinders and capsules extend along z of `at`, the lengths of capsules exclude their caps. */
 export interface Shape {
   readonly kind: "box" | "sphere" | "cylinder" | "capsule" | "mesh";
   readonly size?: Vec3;
@@ -24,7 +25,7 @@ export interface Body {
   readonly name: string;
   readonly mass: number;
   readonly com: Vec3;
-  /** Lines in the body's axes that stand for it where it has no shape. */
+  /** Lines in the body's axes that represent a body without a shape. */
   readonly extent: readonly (readonly [Vec3, Vec3])[];
   readonly shapes: readonly Shape[];
 }
@@ -40,7 +41,7 @@ export type JointKind =
   | "free"
   | "weld";
 
-/** A joint as it was declared: its frame in the parent (or the world) and in the child. */
+/** A joint as declared: its frame in the parent (or the world) and in the child. */
 export interface Joint {
   readonly name: string;
   readonly kind: JointKind;
@@ -60,7 +61,7 @@ export interface Model {
   readonly joints: readonly Joint[];
 }
 
-/** A joint that holds at some time. `at`: the joint in the parent (or the world); `childAt`: in the child. */
+/** A joint that exists at some time. `at`: the joint in the parent (or the world); `childAt`: in the child. */
 export interface Link {
   readonly joint: string;
   readonly kind: JointKind;
@@ -71,10 +72,10 @@ export interface Link {
   readonly locked?: boolean;
 }
 
-/** Who belongs together, and by what, from a time on until the next phase. */
+/** The topology from a time on until the next phase. */
 export interface Phase {
   readonly from: number;
-  /** By body: a number in `Recording.mechanisms`. */
+  /** By body: an index into `Recording.mechanisms`. */
   readonly mechanism: ArrayLike<number>;
   readonly links: readonly Link[];
 }
@@ -86,7 +87,7 @@ export interface Totals {
   readonly angular: Vec3;
 }
 
-/** What happened, with its certificate, as a line of events.jsonl says it (docs/results.md). */
+/** An event with its certificate, as in a line of events.jsonl (docs/results.md). */
 export interface RunEvent {
   readonly time: number;
   readonly name: string;
@@ -99,18 +100,21 @@ export interface RunEvent {
   readonly work: number;
   readonly hardest: { readonly joint: string; readonly linear: number; readonly angular: number } | null;
   readonly durationNs: number;
-  /** Bodies that it was about: children of joints that broke or changed, bodies that were joined. */
+  /** Bodies affected by it: children of joints that broke or changed, bodies that were joined. */
   readonly bodies: readonly number[];
 }
 
-/** Numbers by frame; NaN where there is none at that time. Ask for it anew after frames have come: it may be another array. */
+/**
+ * Values by frame; NaN if there is none at that time. Request it again after frames were added: the array may be
+ * replaced.
+ */
 export interface Column {
   readonly label: string;
   readonly unit: string;
   readonly values: ArrayLike<number>;
 }
 
-/** What can be plotted: of the world, or of a joint. */
+/** Quantities that can be plotted: of the world, or of a joint. */
 export type WorldQuantity = "energy" | "balance" | "linear" | "angular";
 export type JointQuantity = "q" | "v" | "p" | "force" | "torque";
 
@@ -121,8 +125,7 @@ export interface Times {
   readonly total: { readonly before: number; readonly after: number };
 }
 
-/** What summary.json says (docs/results.md), as far as it is shown. */
-/** An event that did not happen: what it waited for, and how near that came. */
+/** An event that did not happen: the condition that it depended on, and how near the condition came to firing. */
 export interface Missed {
   readonly event: string;
   readonly quantity?: string;
@@ -137,6 +140,7 @@ export interface Missed {
   readonly time?: number;
 }
 
+/** The parts of summary.json (docs/results.md) that are shown. */
 export interface Summary {
   readonly status: string;
   readonly version: string;
@@ -155,24 +159,24 @@ export interface Summary {
 
 export interface Recording {
   readonly model: Model;
-  /** How many frames there are by now. */
+  /** Present number of frames. */
   readonly frames: number;
-  /** Grows whenever something that was already there has changed: frames were taken back, another branch was begun. */
+  /** Increases whenever existing data have changed: frames were removed, or another branch was begun. */
   readonly revision: number;
-  /** Of a frame (s); never falls from frame to frame. */
+  /** Time of a frame (s); never decreases from frame to frame. */
   time(frame: number): number;
   /** Of a frame: per body x, y, z, qw, qx, qy, qz of its frame in the world. Valid until the recording changes. */
   poses(frame: number): ArrayLike<number>;
-  /** Whether nothing can be said of the motion between a frame and the next: the run diverged there. */
+  /** Whether the motion between a frame and the next is unknown: the run diverged there. */
   gapAfter?(frame: number): boolean;
   readonly events: readonly RunEvent[];
-  /** At least one; the first holds from the start. */
+  /** At least one; the first is valid from the start. */
   readonly phases: readonly Phase[];
-  /** Names, in the order of appearance; their places choose their colours. */
+  /** Names in the order of appearance; their indices determine their colours. */
   readonly mechanisms: readonly string[];
   /** Joints that have columns, by name. */
   readonly joints: readonly string[];
-  /** Empty where the recording has no such numbers. */
+  /** Empty if the recording does not contain the quantity. */
   world(quantity: WorldQuantity): readonly Column[];
   joint(joint: string, quantity: JointQuantity): readonly Column[];
   readonly summary: Summary | null;

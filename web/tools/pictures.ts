@@ -1,4 +1,4 @@
-// Draws the pictures of docs/pictures from real runs: `./dev web pictures`, after the program was built.
+// Draws the pictures of docs/pictures from actual runs: `./dev web pictures`, after the program was built.
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
@@ -20,7 +20,7 @@ const pictures: readonly Picture[] = [
   { name: "report_crane", scenario: "crane.toml", time: 4.0, dark: true, width: 1280, height: 800 },
 ];
 
-/** The page as WebP, a quarter of a PNG's size: the browser's own encoder, in a page that has no content policy. */
+/** The page as WebP, a quarter of a PNG's size: encoded by the browser itself, in a page without a content policy. */
 async function webp(page: Page, png: Buffer): Promise<Buffer> {
   const text = await page.evaluate(async (data) => {
     const image = new Image();
@@ -34,7 +34,7 @@ async function webp(page: Page, png: Buffer): Promise<Buffer> {
   return Buffer.from(text, "base64");
 }
 
-/** A moment after a link of the swinging chain was cut by hand. */
+/** Just after a link of the swinging chain was cut by hand. */
 async function cutByHand(page: Page) {
   const playTo = async (time: number) => {
     await page.getByRole("button", { name: "Play", exact: true }).click();

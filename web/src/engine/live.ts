@@ -1,4 +1,4 @@
-// A recording that grows while the engine runs, is taken back, and has branches.
+// A recording that grows while the engine runs, can be truncated, and has branches.
 import type { Topology, WorldTotals } from "../../../wasm/host.mjs";
 import type { Column, JointKind, Link, Model, Phase, Recording, RunEvent, WorldQuantity } from "../recording";
 import { lastNotAfter } from "../viewer/frames";
@@ -14,7 +14,7 @@ interface Line {
 export interface Left {
   readonly number: number;
   readonly end: number;
-  /** The last thing that happened in it. */
+  /** The last event in it. */
   readonly last: string;
 }
 
@@ -74,7 +74,7 @@ export class LiveRecording implements Recording {
 
   addFrame(frame: Frame) {
     const { frames } = this.line;
-    // A change at an instant shows as it is after it.
+    // At the instant of a change, the recording shows the state after it.
     if (frames.length > 0 && frames[frames.length - 1].time >= frame.time) frames.pop();
     frames.push(frame);
   }
@@ -116,7 +116,7 @@ export class LiveRecording implements Recording {
     }
   }
 
-  /** What came after `time` goes; `left`: it is kept by that number. */
+  /** Removes everything after `time`; `left`: it is kept under that number. */
   goBack(time: number, events: number, left: number) {
     const { line } = this;
     this.saved.set(left, line);

@@ -1,7 +1,7 @@
-// What the page and the worker that runs the engine say to one another.
+// Messages between the page and the worker that runs the engine.
 import type { Diagnostic, ScenarioInfo, Topology, Triple, WorldTotals } from "../../../wasm/host.mjs";
 
-/** What a click does to a joint or a body; numbers as the engine gives them. */
+/** The effect of a click on a joint or a body; numbers as the engine gives them. */
 export type Act =
   | { do: "cut" | "free" | "lock" | "unlock"; joint: number }
   | { do: "weld"; body: number; to: number }
@@ -10,7 +10,7 @@ export type Act =
 export type ToWorker =
   | { say: "module"; bytes: ArrayBuffer }
   | { say: "load"; text: string }
-  /** What is wrong with a text; the world stays. */
+  /** Checks a text for errors; the world stays. */
   | { say: "check"; text: string }
   | { say: "play"; on: boolean }
   | { say: "speed"; factor: number }
@@ -20,18 +20,21 @@ export type ToWorker =
   | { say: "grab"; body: number; point: Triple; target: Triple }
   | { say: "pull"; target: Triple }
   | { say: "let go" }
-  /** Back to an instant; what comes then is another branch. */
+  /** Back to an instant; continuing from there makes another branch. */
   | { say: "rewind"; time: number }
-  /** Back to just before an event of this branch, which does not happen again by itself. */
+  /** Back to just before an event of this branch; the event does not happen again by itself. */
   | { say: "undo"; event: number }
-  /** On where a branch that was left ended. */
+  /** Continues a branch at its end. */
   | { say: "branch"; branch: number };
 
 export interface Frame {
   readonly time: number;
   /** Per body x, y, z, qw, qx, qy, qz. */
   readonly poses: Float32Array;
-  /** Per joint number: its load as a share of what it breaks at (NaN: nothing says that), and its reaction force (N). */
+  /**
+   * Per joint number: its load as a fraction of the load at which it breaks (NaN: unlimited), and its reaction force
+   * (N).
+   */
   readonly loads: Float32Array;
   readonly totals: WorldTotals;
 }
@@ -50,9 +53,9 @@ export type FromWorker =
   | { say: "frame"; frame: Frame; seconds: number }
   | { say: "topology"; time: number; topology: Topology }
   | { say: "events"; events: Record<string, unknown>[] }
-  /** Frames, events and phases after `time` are no more; `left` keeps the branch that ended there. */
+  /** Frames, events and phases after `time` are removed; `left` keeps the branch that ended there. */
   | { say: "went back"; time: number; events: number; left: number }
-  /** That branch goes on; the one before is kept as `left`. */
+  /** That branch continues; the previous one is kept as `left`. */
   | { say: "branched"; branch: number; left: number }
   | { say: "playing"; on: boolean }
   | { say: "refused"; message: string }

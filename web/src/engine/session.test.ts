@@ -1,4 +1,4 @@
-// The session with the engine itself, without a worker: pace, going back, branches.
+// The session with the actual engine, without a worker: pace, going back, branches.
 import { readFileSync } from "node:fs";
 import { beforeAll, beforeEach, describe, expect, it } from "vitest";
 import { Engine } from "../../../wasm/host.mjs";
@@ -33,7 +33,7 @@ const model = (file: unknown): Model => {
   return modelOf(read, Object.keys(read.bodies));
 };
 
-/** What the page does with what the worker says. */
+/** How the page handles the worker's messages. */
 function hear(message: FromWorker) {
   said.push(message);
   if (message.say === "loaded" && message.topology && message.frame)

@@ -1,12 +1,12 @@
-// A world that runs at the pace of the clock, in the worker: frames, snapshots to go back to, branches. No clock of its own: who
-// calls tick() says how much time has passed.
+// A world that runs in real time, in the worker: frames, snapshots to go back to, branches. It has no clock: the caller
+// of tick() says how much time has passed.
 import { jointSize, motionSize, status, type Engine, type Outcome, type World } from "../../../wasm/host.mjs";
 import type { Act, Frame, FromWorker, ToWorker } from "./messages";
 
-/** How often there is a snapshot (s of the simulation), and how many frames a second of it has. */
+/** Interval of snapshots (s of simulated time), and frames per second of simulated time. */
 const snapshotEvery = 0.25;
 const framesPerSecond = 60;
-/** What of a frame of the page the engine may take (s). */
+/** The part of the page's frame time that the engine may use (s). */
 const budget = 0.012;
 
 interface Kept {
@@ -23,7 +23,9 @@ interface Branch {
 export class Session {
   private world: World;
   private kept: Kept[] = [];
-  /** Of the frames: who goes back and on again stops where it stopped then, and so comes to the same bits. */
+  /**
+   * Frame times: a run that goes back and continues stops at the same instants as before, and so yields the same bits.
+   */
   private times: number[] = [];
   private left: (Branch | null)[] = [];
   private speed = 1;
@@ -84,15 +86,15 @@ export class Session {
     }
   }
 
-  /** `seconds` of the clock have passed. */
+  /** `seconds` of wall-clock time have passed. */
   tick(seconds: number) {
     if (!this.playing) return;
-    // What could not be computed in time is not made up for: the picture is slower then.
+    // Computation that was not finished in time is not caught up on: the simulation is slower then.
     this.owed = Math.min(this.owed + seconds * this.speed, 2 / framesPerSecond);
     const frame = Math.min(1, this.speed) / framesPerSecond;
     if (this.owed < 0.999 * frame) return;
     const began = performance.now();
-    // Onto whole steps, so that what runs here is what runs without a page.
+    // Stops at whole steps, so that the run is the same as without a page.
     const from = this.world.time;
     const target =
       Math.max(Math.floor((from + this.owed) / this.step + 1e-6), Math.floor(from / this.step + 1e-6) + 1) * this.step;
@@ -194,7 +196,7 @@ export class Session {
     this.tell({ say: "stopped", message });
   }
 
-  /** What there is now stays as a branch of its own; returns its number. */
+  /** Keeps the present run as a separate branch; returns its number. */
   private leave(): number {
     return this.left.push({ world: this.world.branch(), kept: [...this.kept], times: [...this.times] }) - 1;
   }

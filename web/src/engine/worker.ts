@@ -1,4 +1,4 @@
-// The worker: an engine and a session, told what to do by the page and ticking by the clock.
+// The worker: an engine and a session, controlled by messages from the page and by the clock.
 import { Engine, EngineFailure } from "../../../wasm/host.mjs";
 import type { FromWorker, ToWorker } from "./messages";
 import { Session } from "./session";
@@ -19,7 +19,9 @@ async function begin() {
   }
 }
 
-/** What the engine could not foresee costs the world, not the page: a new instance takes over. */
+/**
+ * After an unexpected error of the engine, the world is lost but the page is not: a new instance replaces the old one.
+ */
 function guarded(work: () => void) {
   try {
     work();

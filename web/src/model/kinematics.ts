@@ -1,4 +1,4 @@
-// Where the bodies of a model are, from the coordinates of its joints (docs/scenario.md says what the coordinates mean).
+// Poses of a model's bodies from the coordinates of its joints (docs/scenario.md defines the coordinates).
 import type { Joint, JointKind, Model, Pose, Vec3 } from "../recording";
 import { about, compose, inverse, product, scaled, unit } from "./rotations";
 
@@ -9,7 +9,7 @@ function direction(axis: Vec3 | undefined): Vec3 {
   return scaled(v, 1 / Math.hypot(...v));
 }
 
-/** The joint's frame on the child's side in that on the parent's side. */
+/** Pose of the joint's frame on the child's side in its frame on the parent's side. */
 export function motion(joint: Pick<Joint, "kind" | "axis" | "axis2" | "pitch">, q: ArrayLike<number>): Pose {
   const axis = direction(joint.axis);
   switch (joint.kind) {
@@ -34,7 +34,7 @@ export function motion(joint: Pick<Joint, "kind" | "axis" | "axis2" | "pitch">, 
   }
 }
 
-/** Coordinates at which a joint does not move its child. */
+/** Coordinates at which the joint's displacement is zero. */
 export function zero(kind: JointKind): number[] {
   const sizes: Record<JointKind, number> = {
     revolute: 1,
@@ -53,14 +53,14 @@ export function zero(kind: JointKind): number[] {
   return q;
 }
 
-/** Per body x, y, z, qw, qx, qy, qz of its frame in the world. `coordinates`: by joint's name; zero where there are none. */
+/** Per body x, y, z, qw, qx, qy, qz of its frame in the world. `coordinates`: by joint name; absent ones are zero. */
 export function posesOf(model: Model, coordinates: ReadonlyMap<string, ArrayLike<number>>): Float64Array {
   const inboard = new Map(model.joints.map((joint) => [joint.child, joint]));
   const placed = new Map<number, Pose>();
   const place = (body: number): Pose => {
     const known = placed.get(body);
     if (known) return known;
-    const chain: Joint[] = []; // not by recursion: chains are long
+    const chain: Joint[] = []; // not recursive, because chains may be long
     let parent = body;
     for (let joint = inboard.get(parent); joint && !placed.has(parent); joint = inboard.get(parent)) {
       chain.push(joint);

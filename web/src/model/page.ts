@@ -1,4 +1,4 @@
-// A model to be posed by hand: a slider for each freedom, the picture beside them.
+// Page for posing a model by hand: a slider for each DoF, next to the picture.
 import { listenToKeys } from "../panels/keys";
 import { count } from "../panels/numbers";
 import { h, table } from "../panels/dom";
@@ -10,7 +10,7 @@ import { Player } from "../viewer/player";
 import { posesOf } from "./kinematics";
 import { jointSliders } from "./sliders";
 
-/** `run`: the model at its start, as one frame or more; later ones are not shown. */
+/** `run`: the model at its start, with at least one frame; only the first is shown. */
 export function showModel(page: HTMLElement, run: Recording) {
   const { model } = run;
   const start = new Map(
@@ -37,7 +37,7 @@ export function showModel(page: HTMLElement, run: Recording) {
   );
   const fill = () => {
     if (!picture.stage) {
-      // nothing that sliders could move
+      // no joint that sliders could move
       const rows = model.joints.map(({ name, kind, parent }) => [
         name,
         kind,

@@ -1,4 +1,4 @@
-// Unit quaternions w, x, y, z and vectors, as far as kinematics needs them.
+// Unit quaternions w, x, y, z and vectors, as needed for kinematics.
 import type { Pose, Quat, Vec3 } from "../recording";
 
 export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
@@ -18,19 +18,19 @@ export function rotate([w, x, y, z]: Quat, [a, b, c]: Vec3): Vec3 {
   return [a + w * t[0] + y * t[2] - z * t[1], b + w * t[1] + z * t[0] - x * t[2], c + w * t[2] + x * t[1] - y * t[0]];
 }
 
-/** The turn by an angle about a unit axis. */
+/** The rotation by an angle (rad) about a unit axis. */
 export function about(axis: Vec3, angle: number): Quat {
   const s = Math.sin(angle / 2);
   return [Math.cos(angle / 2), s * axis[0], s * axis[1], s * axis[2]];
 }
 
-/** The turn about a vector, by its length (rad). */
+/** The rotation about a vector by its length (rad). */
 export function exponential(turn: Vec3): Quat {
   const angle = Math.hypot(...turn);
   return angle > 0 ? about(scaled(turn, 1 / angle), angle) : [1, 0, 0, 0];
 }
 
-/** The shortest vector of which a unit quaternion is the exponential. */
+/** The shortest rotation vector whose exponential is the unit quaternion. */
 export function logarithm([w, x, y, z]: Quat): Vec3 {
   const sign = w < 0 ? -1 : 1;
   const s = Math.hypot(x, y, z);

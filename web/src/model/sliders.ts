@@ -1,4 +1,4 @@
-// The freedoms of a joint as sliders: turns about three axes stand for quaternions.
+// Sliders for the DoFs of a joint: rotations about three axes represent quaternions.
 import { h } from "../panels/dom";
 import { digits } from "../panels/numbers";
 import type { Joint, JointKind, Vec3 } from "../recording";
@@ -25,7 +25,7 @@ const freedoms: Record<JointKind, readonly Freedom[]> = {
   weld: [],
 };
 
-/** A joint's coordinates as values of its sliders, and back. */
+/** Converts a joint's coordinates to the values of its sliders, and back. */
 export function slidersOf(kind: JointKind, q: ArrayLike<number>): number[] {
   const values = Array.from(q);
   if (kind === "ball") return [...logarithm([values[0], values[1], values[2], values[3]])];
@@ -40,7 +40,7 @@ export function coordinatesOf(kind: JointKind, values: readonly number[]): numbe
   return [...values];
 }
 
-/** Sliders of one joint; `reach`: how far lengths go (m). `changed` is called with its coordinates. */
+/** Sliders of one joint; `reach`: range of lengths (m). `changed` is called with the joint's coordinates. */
 export function jointSliders(
   joint: Joint,
   start: ArrayLike<number>,

@@ -1,11 +1,11 @@
-// What plots over time have in common: axes, curves and the legend with its values.
+// Common parts of plots: axes, curves, and the legend with values.
 import uPlot from "uplot";
 import { seriesColour, type Theme } from "../viewer/colours";
 import { h } from "./dom";
 import { digits } from "./numbers";
 import type { Range } from "./scales";
 
-/** Time below, values on the left. */
+/** Time at the bottom, values on the left. */
 export function axesOf(theme: Theme): uPlot.Axis[] {
   const axis = {
     stroke: theme.ink,
@@ -22,26 +22,29 @@ export function axesOf(theme: Theme): uPlot.Axis[] {
 /** Space to the right of the plot for half of the last label (pixels). */
 export const labelRoom = 24;
 
-/** `rows`: if there are few, each is marked by a point, since the line between them is not a result. */
+/** `rows`: if there are few, each is drawn as a point, because the line between them is not a result. */
 export const curvesOf = (theme: Theme, labels: readonly string[], rows = Infinity): uPlot.Series[] => [
   {},
   ...labels.map((label, i) => ({
     label,
     stroke: seriesColour(theme, i),
     width: 1.6,
-    pxAlign: 0, // a slope has no stairs
+    pxAlign: 0, // no staircase on slopes
     points: { show: rows <= 40, size: 6 },
   })),
 ];
 
-/** Limits of the value axis: with some room, unless all is flat. */
+/** Limits of the value axis: with a margin, unless the curve is flat. */
 export const axisRange = ({ low, high, flat }: Range): [number, number] => {
   if (flat) return [low, high];
   const [from, to] = uPlot.rangeNum(low, high, 0.1, true);
   return [from ?? low, to ?? high];
 };
 
-/** Fills the legend anew; what it returns is for the values. `flat`: says that all values are zero, or constant, to round-off. */
+/**
+ * Rebuilds the legend; returns the elements for the values. `flat`: a note that all values are zero, or constant, to
+ * round-off.
+ */
 export function fillLegend(
   legend: HTMLElement,
   theme: Theme,

@@ -1,9 +1,12 @@
-// Elements in one expression. Text is always set as text: names come from files, and none of them is ever read as HTML.
+// Creates elements in one expression. Text is always inserted as text: names come from files and are never parsed as
+// HTML.
 
 type Child = Node | string | null | undefined | false;
 type Attributes = Readonly<Record<string, string | number | boolean | ((event: never) => void) | undefined>>;
 
-/** An element; attributes that begin with `on` are listeners, `true` is an attribute without a value, `false` none. */
+/**
+ * An element; attributes that begin with `on` are listeners, `true` is an attribute without a value, `false` omits it.
+ */
 export function h<Tag extends keyof HTMLElementTagNameMap>(
   tag: Tag,
   attributes: Attributes = {},
@@ -19,7 +22,7 @@ export function h<Tag extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** A table with a head; cells after the first are numbers and stand to the right. */
+/** A table with a header; cells after the first contain numbers and are right-aligned. */
 export function table(caption: string, head: readonly string[], rows: readonly (readonly string[])[]): HTMLTableElement {
   const cell = (text: string, column: number, tag: "th" | "td") =>
     column === 0 ? h("th", { scope: "row" }, text) : h(tag, tag === "th" ? { scope: "col" } : {}, text);

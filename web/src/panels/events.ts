@@ -1,4 +1,4 @@
-// What happened: each event with its certificate, and on a click the pair of pictures before and after it.
+// The list of events: each with its certificate, and on a click the pair of pictures before and after it.
 import type { Recording, RunEvent, Vec3 } from "../recording";
 import { drawPair } from "../viewer/pair";
 import type { Player } from "../viewer/player";
@@ -11,7 +11,7 @@ const size = (v: Vec3) => Math.hypot(v[0], v[1], v[2]);
 const between = (a: Vec3, b: Vec3) => Math.hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
 const relative = (change: number, of: number) => (change === 0 ? "0" : of > 0 ? digits(change / of, 2) : "–");
 
-/** Energy and momenta before and after, and what became of the difference. */
+/** Energy and momenta before and after, and explanations of the differences. */
 export function certificate(event: RunEvent): { rows: string[][]; notes: string[] } {
   const rows: string[][] = [];
   const { before, after } = event;
@@ -35,7 +35,7 @@ export function certificate(event: RunEvent): { rows: string[][]; notes: string[
   }
   const notes: string[] = [];
   const least = before ? 1e-14 * Math.max(Math.abs(before.kinetic + before.potential), before.kinetic) : 0;
-  const matters = (energy: number) => Math.abs(energy) > least; // else it is round-off
+  const matters = (energy: number) => Math.abs(energy) > least; // otherwise it is round-off
   if (matters(event.lost)) notes.push(`Lost in the impact: ${digits(event.lost)} J`);
   if (matters(event.released)) notes.push(`Released with the degree of freedom: ${digits(event.released)} J`);
   if (matters(event.work)) notes.push(`Work of the event: ${digits(event.work)} J`);
@@ -90,7 +90,7 @@ export class EventList {
     else if (this.chosen < 0) this.detail.replaceChildren(h("p", { class: "nothing" }, "Choose an event to go there."));
   }
 
-  /** Goes to the event, stops there, and shows it from nearby. */
+  /** Goes to the event, pauses there, and shows it from nearby. */
   choose(index: number) {
     this.chosen = index;
     const event = this.run.events[index];
@@ -101,7 +101,7 @@ export class EventList {
     this.show();
   }
 
-  /** The next or the one before, from where the clock stands. */
+  /** The next or the previous event, relative to the clock. */
   step(forward: boolean) {
     const now = this.player.time;
     const { events } = this.run;
@@ -111,7 +111,7 @@ export class EventList {
     if (next >= 0) this.choose(next);
   }
 
-  /** The chosen event again: other colours, another size. */
+  /** Redraws the chosen event after a change of colours or size. */
   show() {
     const changes = this.run.events.findIndex((each) => each.mechanisms.before.join() !== each.mechanisms.after.join());
     const event = this.run.events[this.chosen >= 0 ? this.chosen : Math.max(changes, 0)];

@@ -1,10 +1,10 @@
-// The keyboard: what the buttons do, from anywhere in the page.
+// Keyboard shortcuts of buttons, anywhere in the page.
 import type { Recording } from "../recording";
 import { frameAt } from "../viewer/frames";
 import type { Player } from "../viewer/player";
 import type { EventList } from "./events";
 
-/** `buttons`: those that letters press. Keys that an element with the focus needs are left to it. */
+/** `buttons`: those that letters press. Keys that the focused element needs are left to it. */
 export function listenToKeys(
   run: Recording,
   player: Player,

@@ -1,6 +1,6 @@
-// Numbers as a reader wants them: some digits, and units that fit.
+// Number formatting for readers: few digits, and suitable units.
 
-/** Some digits, without needless zeros; powers of ten where it is very large or small. */
+/** A few digits, without needless zeros; powers of ten for very large or small numbers. */
 export function digits(value: number, count = 4): string {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
@@ -21,7 +21,7 @@ export function duration(seconds: number): string {
   return `${digits(seconds * 1e9, 3)} ns`;
 }
 
-/** A time of the run: as many decimals as `span` needs. */
+/** A time of the run, with as many decimals as `span` needs. */
 export function instant(seconds: number, span: number): string {
   const decimals = span > 0 ? Math.min(Math.max(Math.ceil(2 - Math.log10(span)) + 1, 2), 9) : 3;
   return `${seconds.toFixed(decimals).replace("-", "−")} s`;

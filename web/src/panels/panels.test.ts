@@ -64,7 +64,7 @@ describe("plots", () => {
 describe("the axis of values", () => {
   it("holds what there is, and skips gaps", () => {
     expect(rangeOf([[1, Number.NaN, 3], [-2]], 5)).toEqual({ low: -2, high: 3, flat: null });
-    expect(rangeOf([[1e-9, 2e-9]], 1)).toEqual({ low: 1e-9, high: 2e-9, flat: null }); // small, but no noise
+    expect(rangeOf([[1e-9, 2e-9]], 1)).toEqual({ low: 1e-9, high: 2e-9, flat: null }); // small, but not noise
     expect(rangeOf([[Number.NaN]], 1)).toEqual({ low: -1, high: 1, flat: null });
   });
 
@@ -73,7 +73,7 @@ describe("the axis of values", () => {
     expect(rangeOf([noise, [0, 0, 0]], 20)).toEqual({ low: -20, high: 20, flat: "zero" });
     expect(rangeOf([noise.map((x) => 5 + x)], 0)).toMatchObject({ low: 0, flat: "constant" });
     expect(rangeOf([noise.map((x) => x - 5)], 0)).toMatchObject({ high: 0, flat: "constant" });
-    expect(rangeOf([noise], 0).flat).toBeNull(); // nothing says that it is noise
+    expect(rangeOf([noise], 0).flat).toBeNull(); // nothing shows that it is noise
     expect(rangeOf([[0, 0]], 0)).toEqual({ low: -1, high: 1, flat: "zero" });
     expect(rangeOf([[5, 5 + 4e-7]], 5, 2.4e-7).flat).toBe("constant"); // in single precision
     expect(rangeOf([[5, 5 + 4e-7]], 5).flat).toBeNull();

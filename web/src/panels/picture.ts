@@ -1,5 +1,5 @@
-// The picture with what stands on it: names of mechanisms in their colours, and what can be switched on and off. Where the
-// browser can't draw it, there are words in its place, and the names.
+// The picture with its overlays: names of mechanisms in their colours, and switches. If the browser can't draw it, a
+// message and the names are shown instead.
 import type { Recording } from "../recording";
 import { mechanismColour, themeOf, type Theme } from "../viewer/colours";
 import { endTime, phaseAt, posesAt, startTime } from "../viewer/frames";
@@ -12,7 +12,7 @@ import { h } from "./dom";
 import { count, instant } from "./numbers";
 import { ownColoursSays, stageIn } from "./stage_in";
 
-/** What is drawn, and what can be switched on and off in it. */
+/** The drawing, and the parts of it that can be switched on and off. */
 interface Drawn {
   readonly stage: Stage;
   readonly ghosts: Ghosts;
@@ -28,7 +28,7 @@ export class Picture {
   private readonly poses: Float64Array;
   private named = "";
 
-  /** `choose`: a body was clicked. `still`: there is no motion, and so no ghosts and no trails. */
+  /** `choose`: called when a body is clicked. `still`: there is no motion, and therefore no ghosts and no trails. */
   constructor(
     private readonly run: Recording,
     private readonly player: Player,
@@ -46,7 +46,7 @@ export class Picture {
     stage?.fit(run);
   }
 
-  /** null where the browser can't draw it. */
+  /** null if the browser can't draw it. */
   get stage(): Stage | null {
     return this.drawn?.stage ?? null;
   }
@@ -98,7 +98,7 @@ export class Picture {
   /** Buttons by the key that presses them. */
   readonly keys = new Map<string, HTMLButtonElement>();
 
-  /** How wide all of the motion is (m). */
+  /** Width of the whole motion (m). */
   get size() {
     return this.stage?.size ?? 4 * typicalLength(this.run.model);
   }
@@ -162,7 +162,7 @@ export class Picture {
     this.stage?.turn(...turn);
   }
 
-  /** Keys turn it; a press that turned nothing is a click: it chooses a body, or none. */
+  /** Keys rotate the view; a press without rotation is a click: it selects a body, or none. */
   private listenTo(canvas: HTMLCanvasElement) {
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");

@@ -1,4 +1,5 @@
-// One plot over time, linked to the clock: a line where it stands, marks at events, values in the legend; a click goes there.
+// One plot over time, linked to the clock: a line at the current time, marks at events, values in the legend; a click
+// sets the time.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Column, Recording } from "../recording";
@@ -10,7 +11,7 @@ import { h } from "./dom";
 import { digits } from "./numbers";
 import { rangeOf, type Range } from "./scales";
 
-/** Columns that are nothing beside the largest are left out, but one stays. */
+/** Columns that are negligible compared with the largest are left out, but at least one stays. */
 export function worthShowing(columns: readonly Column[], share = 1e-7): readonly Column[] {
   const largest = columns.map((column) => {
     let most = 0;
@@ -48,7 +49,7 @@ export class Plot {
     this.show(this.title, this.columns, this.scale, this.precision);
   }
 
-  /** `scale`, `precision`: as of rangeOf(). */
+  /** `scale`, `precision`: see rangeOf(). */
   show(title: string, columns: readonly Column[], scale: number, precision: number) {
     this.title = title;
     this.columns = columns;
@@ -66,7 +67,7 @@ export class Plot {
       return;
     }
     const times = Array.from({ length: this.run.frames }, (_none, frame) => this.run.time(frame));
-    // A gap in a line is null to uPlot.
+    // uPlot uses null for a gap in a line.
     const data = columns.map((column) => Array.from(column.values, (value) => (Number.isFinite(value) ? value : null)));
     const range = rangeOf(
       columns.map(({ values }) => values),

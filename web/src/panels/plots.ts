@@ -1,4 +1,4 @@
-// The plots beside the picture: energy, momentum, and any joint's numbers; each with a choice of what it shows.
+// The plots next to the picture: energy, momentum, and the data of any joint; each with a choice of quantities.
 import type { Column, JointQuantity, Recording, WorldQuantity } from "../recording";
 import type { Theme } from "../viewer/colours";
 import type { Player } from "../viewer/player";
@@ -35,7 +35,7 @@ const readable: Record<string, string> = {
   "angular.z": "z",
 };
 
-/** What is there and what has gone, less what was put in: it keeps its value where the books are right. */
+/** Present energy plus energy lost, minus energy added: it is constant if the balance closes. */
 export function balanceOf(columns: readonly Column[]): Column | null {
   const terms = columns.map((column) => ({ values: column.values, sign: column.label === "work" ? -1 : 1 }));
   if (terms.length === 0) return null;
@@ -69,14 +69,14 @@ export class Plots {
     for (const { plot } of this.all) plot.setTheme(theme);
   }
 
-  /** The plot of joints shows this one. */
+  /** Shows this joint in the joint plot. */
   chooseJoint(name: string) {
     if (!this.run.joints.includes(name)) return;
     this.joint.value = name;
     this.joint.dispatchEvent(new Event("change"));
   }
 
-  /** More has been recorded. */
+  /** Call when more has been recorded. */
   refresh() {
     for (const { show } of this.all) show();
   }
@@ -127,7 +127,7 @@ export class Plots {
     };
     for (const name of this.run.joints) this.joint.append(h("option", {}, name));
     this.joint.addEventListener("change", fill);
-    // First the joint of what parts or joins, else of anything that happens.
+    // First the joint that breaks or joins, otherwise that of any event.
     const parting = this.run.events.filter((event) => event.mechanisms.before.join() !== event.mechanisms.after.join());
     const about = [...parting, ...this.run.events].flatMap((event) => event.bodies.map((body) => this.jointOf(body)))[0];
     if (about !== undefined) this.joint.value = about;

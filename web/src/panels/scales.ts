@@ -1,14 +1,14 @@
-// Typical sizes of the quantities in a run: a plot that holds nothing but round-off is drawn as a flat line, not as noise.
+// Typical sizes of the quantities in a run: a plot that contains only round-off is drawn as a flat line, not as noise.
 import type { Column, JointQuantity, Model, Recording, WorldQuantity } from "../recording";
 import { typicalLength } from "../viewer/mechanisms";
 
-/** Relative to the scale: of doubles that are sums over bodies and steps. */
+/** Relative to the scale: for doubles that are sums over bodies and steps. */
 const roundOff = 1e-12;
 
 export interface Range {
   readonly low: number;
   readonly high: number;
-  /** All that is shown is zero, or the same number, to round-off. */
+  /** All values shown are zero, or the same number, to round-off. */
   readonly flat: "zero" | "constant" | null;
 }
 
@@ -20,7 +20,9 @@ const largest = (values: ArrayLike<number>) => {
 };
 const largestOf = (columns: readonly Column[]) => Math.max(0, ...columns.map(({ values }) => largest(values)));
 
-/** The range of the value axis. `scale`: typical size of the quantity; `precision`: relative precision of the values. */
+/**
+ * The range of the value axis. `scale`: typical size of the quantity; `precision`: relative precision of the values.
+ */
 export function rangeOf(columns: readonly ArrayLike<number>[], scale: number, precision = 0): Range {
   let [low, high] = [Infinity, -Infinity];
   for (const values of columns)
@@ -38,10 +40,10 @@ export function rangeOf(columns: readonly ArrayLike<number>[], scale: number, pr
   return { low: Math.min(0, 2 * middle), high: Math.max(0, 2 * middle), flat: "constant" };
 }
 
-/** The largest momentum that bodies of this total mass and kinetic energy can have. */
+/** The largest momentum that bodies with this total mass and kinetic energy can have. */
 export const momentumScale = (mass: number, kinetic: number) => Math.sqrt(2 * mass * Math.max(kinetic, 0));
 
-/** The largest distance of a body from the origin at these poses, or the size of a body if that is larger. */
+/** The largest distance of a body from the origin in these poses, or the size of a body if that is larger. */
 export function reachOf(model: Model, poses: ArrayLike<number>): number {
   let most = typicalLength(model);
   for (let i = 0; i < poses.length; i += 7) most = Math.max(most, Math.hypot(poses[i], poses[i + 1], poses[i + 2]) || 0);
@@ -72,7 +74,7 @@ export class Scales {
     });
   }
 
-  /** One radian for angles, else the largest value of that quantity in any joint. */
+  /** One radian for angles, otherwise the largest value of that quantity in any joint. */
   joint(quantity: JointQuantity, unit: string): number {
     if (quantity === "q") return unit === "m" ? typicalLength(this.run.model) : 1;
     return this.once(`${quantity} ${unit}`, () => {

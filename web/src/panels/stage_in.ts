@@ -3,13 +3,13 @@ import type { Model } from "../recording";
 import { hasWebGL, Stage } from "../viewer/stage";
 import { h } from "./dom";
 
-/** Of the button that switches them on and off. */
+/** Tooltip of the button that switches between body colours and mechanism colours. */
 export const ownColoursSays =
   "Show bodies in their own colours, outlined in their mechanism's colour, or all in their mechanism's colour";
 
 const message = (...children: (Node | string)[]) => h("div", { class: "instead", role: "alert" }, ...children);
 
-/** null where the browser can't draw it: then the page says so there, and `besides` says what works without it. */
+/** null if the browser can't draw it: the page then says so in its place, and `besides` says what works without it. */
 export function stageIn(host: HTMLElement, model: Model, besides: readonly (Node | string)[]): Stage | null {
   const disable = (tools: boolean) => {
     for (const each of host.querySelectorAll<HTMLElement>(".tools")) each.inert = tools;

@@ -1,9 +1,12 @@
-// How the run was computed: times as in Table 2 of the paper, the energy balance, where it came from.
+// How the run was computed: times as in Table 2 of the paper, the energy balance, the method.
 import type { Missed, Recording, Summary } from "../recording";
 import { h, table } from "./dom";
 import { count, digits, duration } from "./numbers";
 
-/** Rows of the paper's Table 2: evaluations and all, before the first change, for changes, after it, and together. */
+/**
+ * Rows of the paper's Table 2: evaluations and total times for the whole run, before the first change, for changes, and
+ * after it.
+ */
 export function timesTable(summary: Summary): string[][] {
   const times = summary.times;
   if (!times) return [];
@@ -32,7 +35,7 @@ const energyNames: Record<string, string> = {
 
 export function energyTable(summary: Summary): string[][] {
   const all = Object.entries(summary.energy ?? {});
-  // What is round-off beside the others is nothing.
+  // Energies that are only round-off compared with the others are omitted.
   const least = 1e-14 * Math.max(0, ...all.map(([, value]) => Math.abs(value ?? 0)));
   return all
     .filter(([key, value]) => key === "error" || value === null || Math.abs(value) > least)

@@ -1,4 +1,4 @@
-// Panels of which one is seen; the arrow keys go from tab to tab.
+// Panels of which one is visible; the arrow keys move from tab to tab.
 import { h } from "./dom";
 
 export function tabs(label: string, panels: readonly { readonly name: string; readonly content: HTMLElement }[]): HTMLElement {

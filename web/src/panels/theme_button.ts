@@ -1,4 +1,4 @@
-// Dark or light: as the system says, until the reader chooses.
+// Dark or light: the system's setting, until the reader chooses.
 import { h } from "./dom";
 
 export function themeButton(): HTMLButtonElement {

@@ -1,4 +1,4 @@
-// Play, scrub, speed, and the events as marks: a click on one goes there.
+// Play button, slider, speed, and events as marks: a click on a mark goes to its time.
 import type { Recording, RunEvent } from "../recording";
 import { endTime, startTime } from "../viewer/frames";
 import type { Player } from "../viewer/player";
@@ -7,7 +7,7 @@ import { instant } from "./numbers";
 
 const speeds = [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 5];
 
-/** Marks closer than a share of the line to the one before are left out: they could not be told apart. */
+/** Marks closer to the previous one than this fraction of the line are left out: they could not be distinguished. */
 export function marked(events: readonly RunEvent[], from: number, to: number, apart = 0.008): number[] {
   const kept: number[] = [];
   let last = -Infinity;
@@ -28,7 +28,7 @@ export class Timeline {
   private readonly marks: HTMLElement;
   private shown = { events: -1, end: Number.NaN };
 
-  /** `choose`: an event's mark was clicked. */
+  /** `choose`: called when an event's mark is clicked. */
   constructor(
     private readonly run: Recording,
     private readonly player: Player,
@@ -44,7 +44,7 @@ export class Timeline {
       oninput: () => {
         const [from, to] = this.range();
         const wanted = from + (Number(this.slider.value) / 1000) * (to - from);
-        player.pause(); // which puts the slider back to where the clock stands
+        player.pause(); // this moves the slider back to the clock's time
         player.seek(wanted);
       },
     });

@@ -1,4 +1,4 @@
-// The playground: the engine's world in the worker, its recording here, and what the reader does to it.
+// The playground: the engine's world in the worker, its recording here, and the reader's actions on it.
 import type { Diagnostic, Topology } from "../../../wasm/host.mjs";
 import { LiveRecording } from "../engine/live";
 import type { Act, FromWorker, ToWorker } from "../engine/messages";
@@ -7,7 +7,7 @@ import { modelOf } from "../report/data";
 
 type Changed = "world" | "frame" | "line" | "status";
 
-/** Frames that a line keeps: five minutes at 60 a second. */
+/** Maximum number of frames of a recording: five minutes at 60 per second. */
 const mostFrames = 18_000;
 
 export class App {
@@ -15,10 +15,10 @@ export class App {
   scenario: NonNullable<Extract<FromWorker, { say: "loaded" }>["scenario"]> | null = null;
   text = "";
   playing = false;
-  /** The frame that is shown; null: the last one, whatever comes. */
+  /** The frame that is shown; null: always the last one. */
   looking: number | null = null;
   notice = "";
-  /** Seconds of the last frame that the engine took. */
+  /** Time that the engine used for the last frame (s). */
   engineSeconds = 0;
   private listeners: ((changed: Changed) => void)[] = [];
   private wanted: string | null = null;
@@ -74,7 +74,7 @@ export class App {
     this.send({ say: "speed", factor });
   }
 
-  /** Shows an instant that is past; playing from there is another branch. */
+  /** Shows a past instant; playing from there makes another branch. */
   look(time: number) {
     if (!this.run) return;
     if (this.playing) this.play(false);

@@ -1,4 +1,4 @@
-// A plot of the last seconds, drawn again a few times a second while frames come.
+// A plot of the last seconds, redrawn a few times a second while frames arrive.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { LiveRecording } from "../engine/live";
@@ -26,7 +26,7 @@ export class Chart {
   private times: [number, number] = [0, 1];
   private range: Range = { low: -1, high: 1, flat: null };
 
-  /** `scale`: how large such numbers are in these frames (rangeOf). */
+  /** `scale`: typical size of the quantity in these frames (rangeOf). */
   constructor(
     title: string,
     private readonly unit: string,
@@ -84,7 +84,7 @@ export class Chart {
     const wasFlat = this.range.flat;
     this.times = [times[0], Math.max(times[times.length - 1], times[0] + 1)];
     this.range = rangeOf(columns, this.scale(run, from, frame));
-    if (frame === 0) this.range = { ...this.range, flat: null }; // one frame says nothing of what changes
+    if (frame === 0) this.range = { ...this.range, flat: null }; // one frame does not show which values change
     if (this.range.flat !== wasFlat) this.fillLegend();
     this.chart?.setData([times, ...columns]);
     this.series.forEach((_each, k) => {

@@ -1,8 +1,8 @@
-// The scenario as a text: line numbers, and what is wrong with it at its lines.
+// The scenario's text: line numbers, and problems at their lines.
 import type { Diagnostic } from "../../../wasm/host.mjs";
 import { h } from "../panels/dom";
 
-/** Of who types, before it is checked (ms). */
+/** Delay after the last keystroke before the text is checked (ms). */
 const pause = 350;
 
 export class Editor {
@@ -14,7 +14,7 @@ export class Editor {
 
   private waiting = 0;
 
-  /** `run`: the text is to be made a world. `check`: who typed it paused; what is wrong goes to mark(). */
+  /** `run`: runs the text. `check`: called after a pause in typing; the problems found are passed to mark(). */
   constructor(
     private readonly run: (text: string) => void,
     check: (text: string) => void,
@@ -44,7 +44,7 @@ export class Editor {
     this.mark([]);
   }
 
-  /** What is wrong, with the first error in view. */
+  /** Shows problems and scrolls to the first error. */
   show(diagnostics: readonly Diagnostic[]) {
     clearTimeout(this.waiting);
     this.mark(diagnostics);
@@ -52,7 +52,7 @@ export class Editor {
     if (first) this.reveal(first.line);
   }
 
-  /** What is wrong, in its place: who types is not moved away. */
+  /** Shows problems without moving the cursor or the view. */
   mark(diagnostics: readonly Diagnostic[]) {
     this.wrong = new Map(diagnostics.map((d) => [d.line, d.severity]));
     const shown = diagnostics.filter((d) => d.severity !== "note");

@@ -1,5 +1,5 @@
-// The project's scenarios; of the breaking chain the one that keeps its energy. Those with model files are there as
-// `momentree convert` writes them (./dev web gallery).
+// The project's scenarios; for the breaking chain, the variant that conserves energy. Scenarios with model files are
+// included as `momentree convert` writes them (./dev web gallery).
 const written = import.meta.glob<string>("../../../scenarios/*.toml", { query: "?raw", import: "default", eager: true });
 const converted = import.meta.glob<string>("../../gallery/*.toml", { query: "?raw", import: "default", eager: true });
 

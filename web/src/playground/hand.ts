@@ -1,4 +1,4 @@
-// The pointer in the picture: it holds and throws bodies, or a click with a tool chooses a joint or a body.
+// The pointer in the picture: it holds and throws bodies; a click with a tool selects a joint or a body.
 import * as THREE from "three";
 import type { Triple } from "../../../wasm/host.mjs";
 import { pointOf } from "../viewer/frames";
@@ -40,13 +40,13 @@ export class Hand {
     stage.scene.add(this.line);
     stage.whenThemed((theme) => this.line.material.color.set(theme.ink));
     const { canvas } = stage;
-    // Before the controls hear of it: a press on a body is no turn of the picture.
+    // Runs before the camera controls: a press on a body must not rotate the picture.
     canvas.addEventListener("pointerdown", (event) => this.press(event), { capture: true });
     canvas.addEventListener("pointermove", (event) => this.move(event));
     for (const end of ["pointerup", "pointercancel"] as const) canvas.addEventListener(end, (event) => this.release(event));
   }
 
-  /** The child of the joint nearest to a point of the page, or −1; the joint to the ground counts, a free one does not. */
+  /** The child of the joint nearest to a point of the page, or −1; joints to the ground count, free joints do not. */
   jointAt(x: number, y: number, patience: number): number {
     const box = this.stage.canvas.getBoundingClientRect();
     let best = -1;
@@ -67,13 +67,13 @@ export class Hand {
     return this.onPage(pointOf(this.scene.poses(), link.child, link.childAt));
   }
 
-  /** Where a point of the world is on the page. */
+  /** Position of a point of the world in the page. */
   onPage(point: Triple | [number, number, number], box = this.stage.canvas.getBoundingClientRect()) {
     const p = new THREE.Vector3(...point).project(this.stage.camera);
     return { x: box.left + 0.5 * (p.x + 1) * box.width, y: box.top + 0.5 * (1 - p.y) * box.height };
   }
 
-  /** The line from the hand to what it holds. */
+  /** The line from the hand to the body that it holds. */
   show() {
     this.line.visible = this.grip !== null;
     if (!this.grip) return;

@@ -1,10 +1,11 @@
-// Joints in the colours of what they carry: the share of what they break at where that is known, else of the largest force.
+// Colours joints by load: as a fraction of the load at which they break if that is known, otherwise of the largest
+// force.
 import type { Frame } from "../engine/messages";
 import type { Topology } from "../../../wasm/host.mjs";
 
 const steps = ["#3b6fd4", "#2fa37c", "#c9a21a", "#e5761c", "#d92525"];
 
-/** From nothing (blue) to all that it bears (red). */
+/** From zero (blue) to the maximum load (red). */
 export function loadColour(share: number): string {
   const place = Math.min(Math.max(share, 0), 1) * (steps.length - 1);
   return steps[Math.min(Math.round(place), steps.length - 1)];
@@ -12,7 +13,7 @@ export function loadColour(share: number): string {
 
 export interface Loads {
   readonly colours: ReadonlyMap<string, string>;
-  /** In words: the joint that is nearest to breaking, or that carries most. */
+  /** As text: the joint that is nearest to breaking, or that carries the largest force. */
   readonly says: string;
 }
 

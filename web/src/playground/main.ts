@@ -1,4 +1,4 @@
-// The playground's page: takes a scenario that it was handed, that its address holds, or the first of the gallery.
+// The playground's page: opens the scenario that was passed to it, the one in its address, or the first of the gallery.
 import packedModule from "../../engine/momentree.wasm?packed";
 import EngineWorker from "../engine/worker?worker&inline";
 import "../panels/base.css";
@@ -19,7 +19,7 @@ async function begin(page: HTMLElement) {
   Object.assign(window, { playground: { app, placeOf: playground.placeOf } });
   const handed: unknown = JSON.parse(document.getElementById("scenario")?.textContent || "null");
   const own = typeof handed === "string" ? handed : gallery[0].text;
-  /** What the address holds, and nothing else in its place. */
+  /** Opens the scenario in the address, and nothing else in its place. */
   const follow = async (otherwise: string | null) => {
     const link = await linkOf(location.hash);
     if (link.holds === "trouble") playground.refuse(link.says, own);

@@ -1,4 +1,5 @@
-// The page: picture with its tools, timeline, plots and readouts, panel, editor. What needs a world can't be used without one.
+// The page: picture with tools, timeline, plots and readouts, panel, editor. Controls that need a world are disabled
+// without one.
 import { h } from "../panels/dom";
 import { ownColoursSays, stageIn } from "../panels/stage_in";
 import { tabs } from "../panels/tabs";
@@ -64,7 +65,7 @@ export function showPlayground(page: HTMLElement, app: App) {
   );
   const blank = new Blank();
   let source = "";
-  /** `from`: what the text is, in words that begin a sentence. */
+  /** `from`: description of the text, as the beginning of a sentence. */
   const start = (text: string, from = "The scenario") => {
     source = from;
     app.play(false);
@@ -72,7 +73,7 @@ export function showPlayground(page: HTMLElement, app: App) {
     choice.value = gallery.find((example) => example.text === text)?.name ?? "";
     app.load(text);
   };
-  /** There is no scenario to show: says why, and shows no other in its place. */
+  /** There is no scenario to show: gives the reason, and shows no other scenario instead. */
   const refuse = (says: string, other: string) => {
     if (app.run) return app.say(`${says} This is still “${app.run.model.title}”.`);
     const title = gallery.find(({ text }) => text === other)?.title ?? "the scenario of this page";
@@ -304,7 +305,7 @@ export function showPlayground(page: HTMLElement, app: App) {
   return {
     start,
     refuse,
-    // For those who write programs that play: where a joint is on the page.
+    // For programs that use the playground: position of a joint in the page.
     placeOf: (child: number) => {
       const link = scene.phase().links.find((each) => each.child === child);
       return link && hand ? hand.placeOf(link) : null;

@@ -1,9 +1,9 @@
-// What stands beside the picture: joints, sliders, events and branches.
+// The panel next to the picture: joints, sliders, events and branches.
 import { h } from "../panels/dom";
 import { typicalLength } from "../viewer/mechanisms";
 import { massOf, type App } from "./app";
 
-/** Joints by name, for those who do not point: the same as the tools do. */
+/** Joints by name, without a pointer: the same actions as the tools. */
 export function jointControls(app: App): HTMLElement {
   const choice = h("select", { "aria-label": "Joint", onchange: () => app.run && mark() });
   const button = (label: string, act: "cut" | "free" | "lock" | "unlock", title: string) =>
@@ -81,7 +81,7 @@ export function sliders(app: App): HTMLElement {
   );
 }
 
-/** What happened, each with a way back to before it; and branches that were left. */
+/** Events, each with a button to go back to just before it; and branches that were left. */
 export function happenings(app: App): HTMLElement {
   const list = h("ul", { class: "list", "aria-label": "Events" });
   const branches = h("ul", { class: "list", "aria-label": "Branches" });

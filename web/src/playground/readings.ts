@@ -1,4 +1,4 @@
-// What the running world says in numbers: plots of energy and momentum, and the momenta at the instant that is shown.
+// Numerical data of the running world: plots of energy and momentum, and the momenta at the instant shown.
 import type { LiveRecording } from "../engine/live";
 import { h } from "../panels/dom";
 import { digits } from "../panels/numbers";
@@ -7,7 +7,7 @@ import type { Theme } from "../viewer/colours";
 import { massOf } from "./app";
 import { Chart } from "./chart";
 
-/** Between two drawings while frames come (ms). */
+/** Minimum time between two redraws while frames arrive (ms). */
 const pause = 120;
 
 /** The largest kinetic energy in these frames (J). */
@@ -21,7 +21,7 @@ function largestKinetic(run: LiveRecording, from: number, to: number): number {
 const momentumIn = (run: LiveRecording, from: number, to: number) =>
   momentumScale(massOf(run.model.bodies), largestKinetic(run, from, to));
 
-/** The error of the energy balance, and what to do where it is more than a thousandth of the kinetic energy. */
+/** The error of the energy balance, with a suggested remedy if it exceeds a thousandth of the kinetic energy. */
 function balanceText(error: number, kinetic: number): string {
   const share = kinetic > 0 ? Math.abs(error) / kinetic : 0;
   const text = digits(error, 3);
@@ -62,7 +62,7 @@ export class Readings {
     this.momentum.setTheme(theme);
   }
 
-  /** Up to a frame; not more often than a reader can follow, unless that is `wanted`. */
+  /** Updates up to a frame; no more often than a reader can follow, unless it is `wanted`. */
   show(run: LiveRecording, frame: number, engineSeconds: number, wanted: boolean) {
     const now = performance.now();
     if (!wanted && now - this.drawn < pause) return;

@@ -1,4 +1,5 @@
-// Where to look from before anybody knows what will happen: all that is there, and all that what is held can reach.
+// The initial view, before the motion is known: it includes all bodies and everything that attached mechanisms can
+// reach.
 import * as THREE from "three";
 import type { LiveRecording } from "../engine/live";
 import type { Vec3 } from "../recording";
@@ -14,7 +15,7 @@ export function roomOf(run: LiveRecording, frame: number, reach: (body: number) 
   const inboard = new Map(links.map((link) => [link.child, link]));
   const view = viewOf(run, reach);
   const along = (["x", "y", "z"] as const).filter((axis) => Math.abs(view.direction[axis]) > 0.99);
-  // A box about a ball has corners that the ball has not: seen askew it is much wider.
+  // The box around a ball has corners outside the ball: seen obliquely, it is much wider.
   const corners = along.length > 0 ? 1 : 0.65;
   const box = new THREE.Box3();
   const at = new THREE.Vector3();
@@ -26,7 +27,7 @@ export function roomOf(run: LiveRecording, frame: number, reach: (body: number) 
   bodies.forEach((body, b) => {
     include(pointOf(poses, b, body.com), 0);
     for (const line of body.extent) for (const end of line) include(pointOf(poses, b, end), 0);
-    // Stretched out from the ground to here.
+    // Length of the stretched mechanism from the ground to this body.
     let length = reach(b);
     for (const line of body.extent) length = Math.max(length, apart(...line));
     let link = inboard.get(b);
@@ -36,12 +37,12 @@ export function roomOf(run: LiveRecording, frame: number, reach: (body: number) 
       length += apart(link.at, next?.childAt ?? [0, 0, 0]);
       link = next;
     }
-    // Long chains are seldom stretched out: half of it is room enough.
+    // Long chains are seldom fully stretched: half of the length is enough.
     const share = corners * (0.5 + 0.5 * Math.min(1, 4 / count));
     if (link && link.kind !== "free") include(pointOf(poses, link.child, link.childAt), share * length);
     else include(pointOf(poses, b, body.com), reach(b));
   });
-  // What moves in a plane, seen along its normal, needs no depth.
+  // A planar motion that is seen along its normal needs no depth.
   for (const axis of along) {
     box.min[axis] = view.box.min[axis];
     box.max[axis] = view.box.max[axis];

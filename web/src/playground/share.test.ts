@@ -23,7 +23,7 @@ describe("a link", () => {
     }
     for (const fragment of others) {
       const link = await linkOf(fragment);
-      // The last digit of base64 may have bits that count for nothing.
+      // The last base64 digit may have unused bits.
       if (link.holds === "scenario") expect(link.text).toBe('format = 1\ntitle = "A pendulum"\n');
       else expect(link, fragment).toMatchObject({ holds: "trouble", says: expect.stringContaining("Ask for it again") });
     }

@@ -1,12 +1,12 @@
 // A scenario as a link: compressed, in the fragment, which is never sent to a server.
 
-/** More than any scenario has; a few bytes can inflate to any size. */
+/** Larger than any scenario; a few bytes can inflate to any size. */
 const mostBytes = 32e6;
 
 const streamOf = (bytes: Uint8Array, through: GenericTransformStream) =>
   new Blob([bytes as BlobPart]).stream().pipeThrough(through as ReadableWritablePair<Uint8Array, Uint8Array>);
 
-/** Throws where the bytes are not whole, or become more than `most`. */
+/** Throws if the bytes are incomplete, or inflate to more than `most`. */
 export async function inflated(bytes: Uint8Array, most = Infinity): Promise<Uint8Array> {
   const reader = streamOf(bytes, new DecompressionStream("deflate")).getReader();
   const parts: Uint8Array[] = [];
@@ -36,7 +36,7 @@ export async function fragmentOf(text: string): Promise<string> {
   return `#s=${btoa(binary).replace(/\+/g, "-").replace(/\//g, "_").replace(/=+$/, "")}`;
 }
 
-/** What the fragment of an address holds: nothing, a scenario, or something that can't be read, and why not. */
+/** The content of an address's fragment: nothing, a scenario, or unreadable data and the reason. */
 export type Link =
   | { readonly holds: "nothing" }
   | { readonly holds: "scenario"; readonly text: string }
@@ -52,7 +52,7 @@ export async function linkOf(fragment: string): Promise<Link> {
   if (version !== "")
     return { holds: "trouble", says: "This link was made by a newer version of momentree. Open it with that." };
   try {
-    if (/[^\s.,;:!?)\]>"'*]/.test(rest)) throw new Error("not base64"); // what a sentence leaves at a link's end does no harm
+    if (/[^\s.,;:!?)\]>"'*]/.test(rest)) throw new Error("not base64"); // a sentence's punctuation is harmless
     const bytes = await inflated(bytesOf(base64.replace(/-/g, "+").replace(/_/g, "/")), mostBytes);
     return { holds: "scenario", text: new TextDecoder("utf-8", { fatal: true }).decode(bytes) };
   } catch {
@@ -60,7 +60,7 @@ export async function linkOf(fragment: string): Promise<Link> {
   }
 }
 
-/** Where a link to this page can be opened, in words; empty: anywhere. */
+/** Where a link to this page can be opened, as text; empty: anywhere. */
 export function reachOf({ protocol, hostname }: Pick<Location, "protocol" | "hostname">): string {
   if (protocol === "file:") return "it opens where this file is";
   if (hostname === "127.0.0.1" || hostname === "localhost") return "it opens on this machine until the command ends";

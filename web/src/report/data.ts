@@ -1,4 +1,4 @@
-// The data of a report, as momentree writes them into the page, become a Recording.
+// Makes a Recording from the data of a report, as momentree writes them into the page.
 import type {
   Body,
   Column,
@@ -38,7 +38,10 @@ interface ModelFile {
   >;
 }
 
-/** A phase: joints that do not exist any more, those that were made or changed; mechanisms by body as counts of equal numbers. */
+/**
+ * A phase: joints that no longer exist, joints that were made or changed; mechanisms by body as run lengths of equal
+ * numbers.
+ */
 interface PhaseData {
   from: number;
   mechanism: [count: number, mechanism: number][];
@@ -76,7 +79,7 @@ export interface ReportData {
   bodies: string[];
   model: ModelFile;
   events: EventFile[];
-  /** By event the bodies that it was about. */
+  /** By event, the bodies affected by it. */
   about: number[][];
   summary: SummaryFile | null;
   mechanisms: string[];
@@ -166,7 +169,7 @@ export function recordingOf(data: ReportData): Recording {
   const energy = data.energy && { ...data.energy, values: doubles(data.energy.rows) };
   const table = data.joints && { ...data.joints, values: floats(data.joints.rows) };
   const kindOf = new Map(model.joints.map((joint) => [joint.name, joint.kind]));
-  // Columns that are wider than the joint was at first hold more kinds than one: they have no unit.
+  // Columns that exceed the joint's initial number of coordinates may contain several kinds: they have no unit.
   const kindOfColumns = (joint: string): JointKind | undefined => {
     const wide = (places.get(joint) ?? []).filter(({ label }) => jointColumns.q.test(label)).length;
     const kind = kindOf.get(joint) ?? (wide === 7 ? "free" : undefined);

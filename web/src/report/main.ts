@@ -16,7 +16,7 @@ function notesOf(data: ReportData): string[] {
   return notes;
 }
 
-/** `#t=1.9` opens at that time and stands still; else it plays, unless the reader wants no motion. */
+/** `#t=1.9` opens at that time, paused; otherwise the run plays, unless the reader prefers reduced motion. */
 function begin(data: ReportData) {
   if (data.pose) return showModel(page, recordingOf(data));
   const player = showRun(page, recordingOf(data), notesOf(data));
@@ -25,7 +25,7 @@ function begin(data: ReportData) {
   else if (!window.matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 }
 
-/** The data in the page; null where it holds none. Throws where they are damaged. */
+/** The data in the page; null if it contains none. Throws if they are damaged. */
 function dataIn(): ReportData | null {
   const text = document.getElementById("recording")?.textContent;
   if (text === undefined || text === null) throw new Error("the file is cut off");

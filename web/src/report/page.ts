@@ -1,4 +1,4 @@
-// The page of a run: picture and clock, plots beside it, events and times below.
+// The page of a run: picture and clock, plots next to it, events and times below.
 import type { Recording } from "../recording";
 import { h } from "../panels/dom";
 import { EventList } from "../panels/events";
@@ -21,19 +21,19 @@ function subtitle(run: Recording, notes: readonly string[]): string {
   return [...parts, ...notes].join(" · ");
 }
 
-/** Of a run that is not whole: why, and what to do, all of it. */
+/** For an incomplete run: the complete reason and remedy. */
 function statusOf(run: Recording): HTMLElement | false {
   const status = run.summary ? run.summary.status : "it left no summary";
   return status !== "done" && h("p", { class: "status", role: "alert" }, h("strong", {}, "This run is not complete: "), status);
 }
 
-/** What to know before using the results: an energy balance that does not close. */
+/** Warnings about the results: an energy balance that does not close. */
 const warningsOf = (run: Recording): HTMLElement[] =>
   (run.summary?.warnings ?? []).map((text) =>
     h("p", { class: "status warning", role: "note" }, h("strong", {}, "Warning: "), text),
   );
 
-/** `notes`: what the reader should know of the data. */
+/** `notes`: remarks for the reader about the data. */
 export function showRun(page: HTMLElement, run: Recording, notes: readonly string[] = []): Player {
   const title = run.model.title || run.summary?.scenario || "A run";
   document.title = `${title} – momentree`;

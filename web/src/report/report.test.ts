@@ -9,7 +9,10 @@ const base64 = (numbers: Float32Array | Float64Array) => Buffer.from(numbers.buf
 const pose = { xyz: [0, 0, 0], quat: [1, 0, 0, 0] } as const;
 const body = { mass: 1, com: [0, 0, 0], extent: [], shape: null } as never;
 
-/** Two bodies on pins; the second comes off at 0.5 s, is welded to the ground at 1 s, and the first one is locked. */
+/**
+ * Two bodies on revolute joints; the second breaks off at 0.5 s and is welded to the ground at 1 s, when the first is
+ * locked.
+ */
 const data: ReportData = {
   format: 1,
   pose: false,

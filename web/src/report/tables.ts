@@ -1,4 +1,4 @@
-// Columns as the report's data carry them: base64 of little-endian numbers.
+// Columns as stored in the report's data: base64 of little-endian numbers.
 
 const littleEndian = new Uint8Array(new Uint16Array([1]).buffer)[0] === 1;
 
@@ -13,7 +13,7 @@ function bytesOf(base64: string, size: number): ArrayBuffer {
 export const floats = (base64: string) => new Float32Array(bytesOf(base64, 4));
 export const doubles = (base64: string) => new Float64Array(bytesOf(base64, 8));
 
-/** Of rows of `width` numbers each, the one column of that place. */
+/** The column with that index, from rows of `width` numbers. */
 export function column(rows: Float32Array | Float64Array, width: number, place: number): Float64Array {
   const values = new Float64Array(rows.length / width);
   for (let row = 0; row < values.length; row++) values[row] = rows[row * width + place];

@@ -1,9 +1,10 @@
-// The units of columns: by quantity, and for joints by kind and place (docs/scenario.md lists the coordinates of the kinds).
+// Units of columns: by quantity, and for joints by kind and index (docs/scenario.md lists the coordinates of the
+// kinds).
 import type { JointKind, JointQuantity, WorldQuantity } from "../recording";
 
 export const worldUnit = (quantity: WorldQuantity) => (quantity === "linear" ? "N s" : quantity === "angular" ? "N m s" : "J");
 
-/** By place of q: an angle, a length, or a part of a quaternion. */
+/** By index of q: an angle, a length, or a component of a quaternion. */
 const coordinates: Record<JointKind, string> = {
   revolute: "a",
   prismatic: "l",
@@ -33,10 +34,10 @@ const units: Record<"q" | "v" | "p", Record<string, string>> = {
   p: { a: "N m s", l: "N s" },
 };
 
-/** How many coordinates a joint of that kind has. */
+/** Number of coordinates of a joint of that kind. */
 export const coordinatesOf = (kind: JointKind) => coordinates[kind].length;
 
-/** Empty where the kind is not known: a joint that an event makes of several kinds. */
+/** Empty if the kind is not known: the joint is made by events in several kinds. */
 export function jointUnit(kind: JointKind | undefined, quantity: JointQuantity, place: number): string {
   if (quantity === "force") return "N";
   if (quantity === "torque") return "N m";

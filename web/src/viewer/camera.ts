@@ -1,4 +1,4 @@
-// Where to look from: the whole motion in the picture, gravity down; a motion in a plane is seen along the plane's normal.
+// The initial view: the whole motion in the picture, gravity down; planar motion is seen along the plane's normal.
 import * as THREE from "three";
 import type { Model, Recording } from "../recording";
 import { phaseAt } from "./frames";
@@ -10,7 +10,7 @@ export interface View {
   /** From the centre towards the camera. */
   readonly direction: THREE.Vector3;
   readonly up: THREE.Vector3;
-  /** Where the floor is, along `up` (m). */
+  /** Height of the floor along `up` (m). */
   readonly lowest: number;
 }
 
@@ -19,14 +19,14 @@ export function upOf(model: Model): THREE.Vector3 {
   return gravity.lengthSq() > 0 ? gravity.normalize().negate() : new THREE.Vector3(0, 0, 1);
 }
 
-/** Bodies of mechanisms that the ground holds at a time. */
+/** Bodies of mechanisms that are attached to the ground at a time. */
 function held(run: Recording, time: number): Set<number> {
   const phase = phaseAt(run, time);
   const mechanisms = new Set(phase.links.filter((l) => l.parent < 0 && l.kind !== "free").map((l) => phase.mechanism[l.child]));
   return new Set(run.model.bodies.map((_body, b) => b).filter((b) => mechanisms.has(phase.mechanism[b])));
 }
 
-/** Points that the picture should hold: bodies' origins and the ends of what is drawn of them, over some frames. */
+/** Points that the picture should include: origins of bodies and ends of their shapes, over some frames. */
 function points(run: Recording, reach: (body: number) => number, most = 40): THREE.Box3 {
   const box = new THREE.Box3();
   const flying: THREE.Vector3[] = [];
@@ -51,14 +51,14 @@ function points(run: Recording, reach: (body: number) => number, most = 40): THR
         else box.expandByPoint(end);
     });
   }
-  // What flies off is followed some way, but not so far that what stays is hardly seen.
+  // Parts that fly off are followed for some distance, but not so far that the remaining bodies become tiny.
   const centre = box.getCenter(new THREE.Vector3());
   const far = 1.6 * box.getSize(new THREE.Vector3()).length();
   for (const point of flying) if (point.distanceTo(centre) < far) box.expandByPoint(point);
   return box;
 }
 
-/** All of the run, or of the frames that there are by now. */
+/** The whole run, or the frames available so far. */
 export function viewOf(run: Recording, reach: (body: number) => number): View {
   const up = upOf(run.model);
   const box = points(run, reach);
@@ -71,7 +71,7 @@ export function viewOf(run: Recording, reach: (body: number) => number): View {
   if (flat >= 0 && Math.abs(up.getComponent(flat)) < 0.5) {
     direction.setComponent(flat, flat === 1 ? -1 : 1);
   } else {
-    // From the front, a little from above and from the right.
+    // From the front, slightly from above and from the right.
     const side = Math.abs(up.x) < 0.9 ? new THREE.Vector3(1, 0, 0) : new THREE.Vector3(0, 1, 0);
     const front = new THREE.Vector3().crossVectors(side, up).normalize();
     direction.copy(front).addScaledVector(new THREE.Vector3().crossVectors(up, front), 0.75).addScaledVector(up, 0.4);
@@ -80,7 +80,7 @@ export function viewOf(run: Recording, reach: (body: number) => number): View {
   return { box, centre, radius, direction: direction.normalize(), up, lowest: low.dot(up) };
 }
 
-/** How far from a box's middle the camera must be so that its corners are in the picture. */
+/** Distance of the camera from the centre of a box at which the box's corners are in the picture. */
 export function distanceFor(box: THREE.Box3, direction: THREE.Vector3, up: THREE.Vector3, fov: number, aspect: number): number {
   const tall = Math.tan(THREE.MathUtils.degToRad(fov) / 2);
   const right = new THREE.Vector3().crossVectors(up, direction).normalize();

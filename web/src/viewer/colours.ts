@@ -1,4 +1,5 @@
-// Colours of mechanisms, told apart also by those who see few colours (after Okabe and Ito), on a dark and a light ground.
+// Colours of mechanisms, distinguishable also for colour-blind readers (after Okabe and Ito), on a dark and a light
+// background.
 
 export interface Theme {
   readonly dark: boolean;
@@ -28,7 +29,7 @@ export const themeOf = (isDark: boolean): Theme => (isDark ? dark : light);
 
 export const mechanismColour = (theme: Theme, mechanism: number) => theme.mechanisms[mechanism % theme.mechanisms.length];
 
-/** Names of colours that scenarios know beside "#rrggbb" (docs/scenario.md), as CSS has them. */
+/** Colour names that scenarios may use in addition to "#rrggbb" (docs/scenario.md), as in CSS. */
 const named: ReadonlyMap<string, string> = new Map(
   Object.entries({
     black: "#000000",
@@ -73,10 +74,10 @@ export function mixed(a: string, b: string, share: number): string {
   return `#${parts.join("")}`;
 }
 
-/** Of series in a plot, apart from the colours of mechanisms' names. */
+/** Colours of series in a plot, different from the colours of mechanisms. */
 export const seriesColour = (theme: Theme, index: number) => theme.mechanisms[index % theme.mechanisms.length];
 
-/** Calls back at once and whenever the reader's choice between dark and light changes. */
+/** Calls back immediately and whenever the reader's choice between dark and light changes. */
 export function watchTheme(listener: (theme: Theme) => void) {
   const query = window.matchMedia("(prefers-color-scheme: dark)");
   const tell = () => {

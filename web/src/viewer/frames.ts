@@ -1,7 +1,7 @@
-// Where a recording stands at a time: frames are found by bisection, poses between two frames are interpolated.
+// Poses of a recording at any time: frames are found by bisection, poses between two frames are interpolated.
 import type { Phase, Recording } from "../recording";
 
-/** The last index of `count` ordered numbers that is not beyond `time`; 0 where all are. */
+/** The last index of `count` ordered numbers that does not exceed `time`; 0 if all exceed it. */
 export function lastNotAfter(count: number, at: (index: number) => number, time: number): number {
   let low = 0;
   let high = count;
@@ -21,10 +21,13 @@ export const phaseAt = (run: Recording, time: number): Phase =>
 export const startTime = (run: Recording) => (run.frames > 0 ? run.time(0) : 0);
 export const endTime = (run: Recording) => (run.frames > 0 ? run.time(run.frames - 1) : 0);
 
-/** A body that turns by more than this from a frame to the next (rad) may as well have turned the other way round. */
+/**
+ * A body that rotates by more than this from a frame to the next (rad) may as well have rotated in the opposite
+ * direction.
+ */
 const farthestTurn = 2.6;
 
-/** Whether poses between a frame and the next would be made up: they are those of the frame then. */
+/** Whether interpolation between a frame and the next would be misleading: the poses are then those of the frame. */
 export function isGap(run: Recording, frame: number): boolean {
   if (frame + 1 >= run.frames) return false;
   if (run.gapAfter?.(frame)) return true;
@@ -35,7 +38,10 @@ export function isGap(run: Recording, frame: number): boolean {
   return false;
 }
 
-/** Poses at a time, between the two frames around it: positions on a line, rotations on the shorter arc. Poses have no jumps. */
+/**
+ * Poses at a time, between the two frames around it: positions on a line, rotations on the shorter arc. They are
+ * continuous.
+ */
 export function posesAt(run: Recording, time: number, out: Float64Array): Float64Array {
   if (run.frames === 0) return out;
   const frame = frameAt(run, time);
@@ -53,7 +59,7 @@ export function posesAt(run: Recording, time: number, out: Float64Array): Float6
     let along = 0;
     for (let k = 3; k < 7; k++) along += a[i + k] * b[i + k];
     const sign = along < 0 ? -1 : 1;
-    // Near frames: the normalised line is as good as the arc; far ones turn evenly on the arc.
+    // For nearby frames the normalised line is as good as the arc; for distant ones the rotation is uniform on the arc.
     const angle = Math.acos(Math.min(Math.abs(along), 1));
     const small = angle < 1e-3;
     const wa = small ? 1 - share : Math.sin((1 - share) * angle) / Math.sin(angle);

@@ -1,11 +1,12 @@
-// Where the mechanisms were, at even times up to now, faded: the picture of the paper's Figure 3 as it comes about.
+// Earlier poses of the mechanisms at regular intervals up to now, faded: the picture of the paper's Figure 3 as it
+// develops.
 import type { Recording } from "../recording";
 import type { Theme } from "./colours";
 import { endTime, frameAt, phaseAt, posesAt, startTime } from "./frames";
 import { MechanismsView } from "./mechanisms";
 import type { Stage } from "./stage";
 
-/** Time between ghosts (s): 0.2 as in the paper, or a round number where that gives too few or too many of them. */
+/** Interval of ghosts (s): 0.2 as in the paper, or a round number if that gives too few or too many of them. */
 export function ghostSpacing(span: number): number {
   if (span >= 4 * 0.2 && span <= 60 * 0.2) return 0.2;
   for (let unit = 1e-9; unit < 1e9; unit *= 10)
@@ -13,7 +14,7 @@ export function ghostSpacing(span: number): number {
   return span / 10;
 }
 
-/** When they are: at frames of the run alone, the first at or after every so often. */
+/** Times of ghosts: only at frames of the run, the first one at or after each multiple of the interval. */
 export function ghostTimes(run: Recording, every: number): number[] {
   const times: number[] = [];
   const [first, last] = [startTime(run), endTime(run)];
@@ -67,7 +68,7 @@ export class Ghosts {
     }
   }
 
-  /** Those up to a time; one that is where the bodies are now is left out. */
+  /** Shows ghosts up to a time; one that coincides with the present bodies is omitted. */
   show(time: number) {
     if (!this.shown || !this.theme) return;
     for (const ghost of this.views) ghost.view.group.visible = ghost.time < time - 0.1 * this.every;

@@ -18,7 +18,7 @@ const poses = [0, 0, 0, 1, 0, 0, 0, 5, 0, 0, 1, 0, 0, 0];
 const phase = (...mechanism: number[]): Phase => ({ from: 0, mechanism, links: [] });
 const theme = themeOf(false);
 
-/** Colours of what can be picked of a body, and of the outlines that are seen. */
+/** Colours of a body's pickable meshes, and of the visible outlines. */
 function colours(view: MechanismsView) {
   const shown: string[][] = [[], []];
   const outlines: string[] = [];

@@ -1,5 +1,5 @@
-// All bodies at one instant: shapes, rods where there are none, joints, and a small disk where a mechanism is joined to the
-// ground.
+// All bodies at one instant: shapes, rods for bodies without shapes, joints, and a small disk where a mechanism is
+// attached to the ground.
 import * as THREE from "three";
 import type { Model, Phase, Vec3 } from "../recording";
 import { mechanismColour, mixed, type Theme } from "./colours";
@@ -8,23 +8,23 @@ import { outlineMaterial, type Resolution } from "./outline";
 import { pixelSize, Rods } from "./rods";
 import type { ShapeLibrary, ShapeMeshes } from "./shapes";
 
-/** What the pointer is on, at a point of the world. */
+/** The object under the pointer, at a point of the world. */
 export interface Hit {
   readonly body: number;
   readonly point: THREE.Vector3;
 }
 
 export interface Look {
-  /** 0: as it is; towards 1 it fades into the ground, as what was or will be. */
+  /** 0: unchanged; towards 1 it fades into the background, like past or future poses. */
   readonly faded: number;
-  /** Least width of rods (pixels). */
+  /** Minimum width of rods (pixels). */
   readonly pixels: number;
   readonly joints: boolean;
 }
 
 const vector = (at: readonly number[]) => new THREE.Vector3(at[0], at[1], at[2]);
 
-/** A length that rods are thin beside (m). */
+/** A length compared with which rods are thin (m). */
 export function typicalLength(model: Model): number {
   const lengths = model.bodies
     .flatMap((body) => body.extent.map(([a, b]) => Math.hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2])))
@@ -48,14 +48,16 @@ export class MechanismsView {
   private readonly circle = new THREE.CircleGeometry(1, 32);
   private readonly length: number;
   private readonly radius: number;
-  /** By body the lines that its shapes do not show. */
+  /** By body, the lines that its shapes do not show. */
   private readonly sticks: (readonly (readonly [Vec3, Vec3])[])[];
   private lines: { body: number; from: THREE.Vector3; to: THREE.Vector3 }[] = [];
   private readonly jointColours = new Map<string, string>();
-  /** Body under the pointer or chosen; −1: none. */
+  /** Body under the pointer or selected; −1: none. */
   highlighted = -1;
-  /** Shapes in colours of their own where they have them, outlined where there are several mechanisms; else all in those of
-   * their mechanisms. */
+  /**
+   * Shows shapes in their own colours if they have any, outlined if there are several mechanisms; otherwise all in the
+   * colours of their mechanisms.
+   */
   ownColours = true;
 
   constructor(
@@ -77,7 +79,7 @@ export class MechanismsView {
     for (const body of this.bodies) if (body) this.group.add(body.group);
   }
 
-  /** Joints by name in colours of their own (a load, say); an empty map gives them back. */
+  /** Gives joints individual colours by name (for their load, say); an empty map removes them. */
   colourJoints(colours: ReadonlyMap<string, string>) {
     this.jointColours.clear();
     for (const [joint, colour] of colours) this.jointColours.set(joint, colour);
@@ -87,7 +89,7 @@ export class MechanismsView {
     return mixed(mechanismColour(theme, mechanism), theme.ground, this.look.faded);
   }
 
-  /** Of shapes in a colour. */
+  /** Material of shapes in a colour. */
   private material(colour: string): THREE.MeshLambertMaterial {
     let material = this.materials.get(colour);
     if (material) return material;
@@ -105,7 +107,7 @@ export class MechanismsView {
     return material;
   }
 
-  /** What was or will be is drawn first and hides nothing; what is comes over it. */
+  /** Past and future poses are drawn first and hide nothing; the present ones are drawn over them. */
   private layer(material: THREE.Material) {
     material.transparent = true;
     material.depthWrite = this.look.faded === 0;
@@ -188,7 +190,10 @@ export class MechanismsView {
     });
   }
 
-  /** Where the ground holds it: the joint in the world, where it stays while the body may slide away from it. */
+  /**
+   * Where it is attached to the ground: the joint's position in the world, which stays although the body may slide away
+   * from it.
+   */
   private supportOf(
     poses: ArrayLike<number>,
     link: { child: number; at: Vec3; childAt: Vec3; kind: string },
@@ -198,7 +203,7 @@ export class MechanismsView {
       : [link.at[0], link.at[1], link.at[2]];
   }
 
-  /** Before each drawing: widths in pixels, disks towards the camera. */
+  /** Call before each drawing: sets widths in pixels, turns disks towards the camera. */
   fit(camera: THREE.PerspectiveCamera, height: number) {
     this.resolution.value.set(height * camera.aspect, height);
     this.rods.fit(camera, height, this.radius, this.look.pixels);
@@ -209,7 +214,7 @@ export class MechanismsView {
     });
   }
 
-  /** The rod, or the ball, that is nearest to a point of the picture (pixels from its upper left corner), or null. */
+  /** The rod or ball nearest to a point of the picture (pixels from its upper left corner), or null. */
   nearestRod(at: THREE.Vector2, camera: THREE.PerspectiveCamera, width: number, height: number, patience: number): Hit | null {
     const onPicture = (p: THREE.Vector3) => {
       const q = p.clone().project(camera);

@@ -1,7 +1,8 @@
-// Outlines of bodies that have colours of their own, in the colour of their mechanism: the shape's back faces, some pixels wider.
+// Outlines of bodies with their own colours, in the colour of their mechanism: the shape's back faces, some pixels
+// wider.
 import * as THREE from "three";
 
-/** Gives a geometry the attribute `outward`: normals that corners share, so that the widened shape has no gaps. */
+/** Adds the attribute `outward` to a geometry: normals shared at corners, so that the widened shape has no gaps. */
 export function addOutward(geometry: THREE.BufferGeometry) {
   const position = geometry.getAttribute("position");
   const normal = geometry.getAttribute("normal");
@@ -25,11 +26,11 @@ export function addOutward(geometry: THREE.BufferGeometry) {
   geometry.setAttribute("outward", new THREE.BufferAttribute(outward, 3));
 }
 
-/** The size of the picture (pixels of the page), shared by all materials of a view. */
+/** The size of the picture (CSS pixels), shared by all materials of a view. */
 export type Resolution = { value: THREE.Vector2 };
 
 export function outlineMaterial(pixels: number, resolution: Resolution): THREE.MeshBasicMaterial {
-  // Drawn among what is transparent, where the order is that of `renderOrder`.
+  // Drawn with the transparent objects, which are ordered by `renderOrder`.
   const material = new THREE.MeshBasicMaterial({ side: THREE.BackSide, transparent: true });
   material.onBeforeCompile = (shader) => {
     shader.uniforms.resolution = resolution;

@@ -1,4 +1,4 @@
-// Just before and a little after an event, from nearby: Figure 1 of the paper.
+// Two close-up pictures, just before and shortly after an event: Figure 1 of the paper.
 import * as THREE from "three";
 import type { Recording, RunEvent } from "../recording";
 import { endTime, phaseAt, pointOf, posesAt, startTime } from "./frames";
@@ -8,18 +8,21 @@ import type { Stage } from "./stage";
 export interface Pair {
   readonly before: HTMLCanvasElement;
   readonly after: HTMLCanvasElement;
-  /** How long after the event the second one is (s). */
+  /** Delay of the second picture after the event (s). */
   readonly delay: number;
 }
 
-/** How long after an event what it did is seen: a share of the run, but not beyond the next event that parts or joins. */
+/**
+ * Delay after which the effect of an event is visible: a fraction of the run, but not beyond the next event that
+ * separates or joins bodies.
+ */
 export function delayAfter(run: Recording, event: RunEvent, share = 0.04): number {
   const next = run.phases.find((phase) => phase.from > event.time)?.from ?? endTime(run);
   const wanted = share * (endTime(run) - startTime(run));
   return Math.max(0, Math.min(wanted, Math.min(next, endTime(run)) - event.time));
 }
 
-/** Where bodies that an event was about are, with what is around them. */
+/** Positions of the bodies affected by an event, with their surroundings. */
 function surroundings(run: Recording, event: RunEvent, frames: readonly ArrayLike<number>[]): THREE.Box3 {
   const box = new THREE.Box3();
   const wide = 1.6 * typicalLength(run.model);
@@ -28,7 +31,7 @@ function surroundings(run: Recording, event: RunEvent, frames: readonly ArrayLik
     for (const poses of frames) {
       const link = links.find((each) => each.child === body);
       const ends = [pointOf(poses, body, link?.childAt ?? [0, 0, 0])];
-      if (link && link.parent >= 0) ends.push(pointOf(poses, link.parent, link.at)); // the other side of what breaks
+      if (link && link.parent >= 0) ends.push(pointOf(poses, link.parent, link.at)); // the other side of the break
       for (const end of ends) {
         const at = new THREE.Vector3(...end);
         box.expandByPoint(at.clone().addScalar(wide)).expandByPoint(at.addScalar(-wide));
@@ -37,7 +40,7 @@ function surroundings(run: Recording, event: RunEvent, frames: readonly ArrayLik
   return box;
 }
 
-/** Pictures of `width` by `height` pixels of the page, seen from where the stage is looked at. */
+/** Pictures of `width` by `height` CSS pixels, seen from the stage's direction. */
 export function drawPair(stage: Stage, run: Recording, event: RunEvent, width: number, height: number): Pair {
   const delay = delayAfter(run, event);
   const size = 7 * run.model.bodies.length;

@@ -1,4 +1,4 @@
-// The clock of the picture: time, speed, playing or not. It draws nothing; those who do listen to it.
+// The clock of the picture: time, speed, playing or paused. It draws nothing; drawing code listens to it.
 
 export type Listener = (time: number) => void;
 
@@ -8,7 +8,7 @@ export class Player {
   private running = false;
   private pace = 1;
 
-  /** `range`: first and last time (s), asked for anew each time: a recording may grow. */
+  /** `range`: returns first and last time (s); called each time, because a recording may grow. */
   constructor(private readonly range: () => readonly [number, number]) {
     this.now = range()[0];
   }
@@ -27,7 +27,7 @@ export class Player {
     this.tell();
   }
 
-  /** Called with the time whenever it, or whether it runs, changes; at once, too. */
+  /** Calls back with the time immediately and whenever the time or the playing state changes. */
   listen(listener: Listener) {
     this.listeners.push(listener);
     listener(this.now);
@@ -39,7 +39,7 @@ export class Player {
     this.tell();
   }
 
-  /** From the end it begins again. */
+  /** At the end, playing restarts from the beginning. */
   play() {
     const [first, last] = this.range();
     if (this.now >= last) this.now = first;
@@ -57,7 +57,7 @@ export class Player {
     else this.play();
   }
 
-  /** `seconds` of the wall clock have passed. Stops at the end. */
+  /** `seconds` of wall-clock time have passed. Stops at the end. */
   advance(seconds: number) {
     if (!this.running) return;
     const last = this.range()[1];

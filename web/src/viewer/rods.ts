@@ -1,16 +1,16 @@
-// Rods and balls in the world, drawn as two sets of instances. Each is at least some pixels wide, however far the camera is:
-// long thin chains stay visible.
+// Rods and balls in the world, drawn as two sets of instances. Each is at least some pixels wide, however far the
+// camera is: long thin chains stay visible.
 import * as THREE from "three";
 
 const up = new THREE.Vector3(0, 1, 0);
 
-/** Metres that a pixel is wide at a point of the picture. */
+/** Width of a pixel at a point of the picture (m). */
 export function pixelSize(camera: THREE.PerspectiveCamera, height: number, point: THREE.Vector3): number {
   const depth = point.clone().applyMatrix4(camera.matrixWorldInverse).z;
   return (2 * Math.tan(THREE.MathUtils.degToRad(camera.fov) / 2) * Math.max(-depth, camera.near)) / height;
 }
 
-/** Instances of one shape that grow in number as needed. */
+/** Instances of one shape, whose number grows as needed. */
 class Instances {
   mesh: THREE.InstancedMesh;
   private count = 0;
@@ -29,7 +29,7 @@ class Instances {
     mesh.frustumCulled = false;
     mesh.renderOrder = this.order;
     mesh.count = 0;
-    mesh.setColorAt(0, new THREE.Color()); // makes the colours' buffer
+    mesh.setColorAt(0, new THREE.Color()); // creates the colour buffer
     this.parent.add(mesh);
     return mesh;
   }
@@ -70,13 +70,13 @@ interface Ball {
   readonly at: THREE.Vector3;
   readonly colour: THREE.Color;
   readonly factor: number;
-  /** Its colour where rods are as thin as can be seen: it then only fills the bend between two of them. */
+  /** Its colour if rods have the minimum visible width: it then only fills the bend between two of them. */
   readonly thin: THREE.Color | null;
-  /** Radius from which on it would hide rods (m). */
+  /** Radius above which it would hide rods (m). */
   readonly room: number;
 }
 
-/** Set the list of what there is when it changes; `fit` gives each its width before each drawing. */
+/** Set the list when it changes; `fit` sets the widths before each drawing. */
 export class Rods {
   readonly group = new THREE.Group();
   private readonly rods: Instances;
@@ -84,7 +84,7 @@ export class Rods {
   private placed: Placed[] = [];
   private ballsPlaced: Ball[] = [];
 
-  /** `order`: of drawing, among what is transparent. */
+  /** `order`: drawing order among transparent objects. */
   constructor(material: THREE.Material, order: number) {
     this.rods = new Instances(this.group, new THREE.CylinderGeometry(1, 1, 1, 14, 1), material, order);
     this.balls = new Instances(this.group, new THREE.SphereGeometry(1, 14, 10), material, order);
@@ -99,12 +99,12 @@ export class Rods {
     this.placed.push({ from, to, colour });
   }
 
-  /** `factor`: of its radius to that of rods. */
+  /** `factor`: ratio of its radius to that of rods. */
   ball(at: THREE.Vector3, colour: THREE.Color, factor: number, thin: THREE.Color | null = null, room = Infinity) {
     this.ballsPlaced.push({ at, colour, factor, thin, room });
   }
 
-  /** Radius: `radius` (m), or half of `pixels` where that is more. */
+  /** Radius: `radius` (m), or half of `pixels` if that is larger. */
   fit(camera: THREE.PerspectiveCamera, height: number, radius: number, pixels: number) {
     const matrix = new THREE.Matrix4();
     const turn = new THREE.Quaternion();

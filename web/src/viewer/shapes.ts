@@ -1,10 +1,10 @@
-// The shapes of bodies as three.js meshes; what stands in another file is not loaded.
+// The shapes of bodies as three.js meshes; shapes in separate files are not loaded.
 import * as THREE from "three";
 import type { Model, Shape } from "../recording";
 import { hexOf } from "./colours";
 import { addOutward } from "./outline";
 
-/** A mesh in its body's frame, or null where there is nothing to draw. */
+/** A mesh in its body's frame, or null if there is nothing to draw. */
 function meshOf(shape: Shape, material: THREE.Material): THREE.Mesh | null {
   const radius = shape.radius ?? 0;
   const length = shape.length ?? 0;
@@ -34,14 +34,14 @@ function meshOf(shape: Shape, material: THREE.Material): THREE.Mesh | null {
   return mesh;
 }
 
-/** What the view of a body's shapes holds: `own`: their own colours, where they have any; `outlines`: of those that have. */
+/** Data of a view of body shapes: `own`: their own colours, if any; `outlines`: of the shapes that have one. */
 export interface ShapeMeshes {
   readonly group: THREE.Group;
   readonly meshes: readonly { readonly mesh: THREE.Mesh; readonly own: string | null }[];
   readonly outlines: readonly THREE.Mesh[];
 }
 
-/** By body: a group with its shapes, or null where it has none that can be drawn. Geometries are shared between copies. */
+/** By body: a group with its shapes, or null if none can be drawn. Geometries are shared between copies. */
 export class ShapeLibrary {
   private readonly parts: THREE.Mesh[][];
 
@@ -56,12 +56,12 @@ export class ShapeLibrary {
     return this.parts[body].length > 0;
   }
 
-  /** Whether any shape has a colour of its own. */
+  /** Whether any shape has its own colour. */
   get coloured(): boolean {
     return this.parts.some((parts) => parts.some((part) => part.userData.colour !== undefined));
   }
 
-  /** New meshes over the same geometries; `userData.body` of those that can be picked tells whose they are. */
+  /** New meshes that share the geometries; `userData.body` of pickable meshes is the body's number. */
   copy(body: number, material: THREE.Material, outlined: boolean): ShapeMeshes {
     const group = new THREE.Group();
     const outlines: THREE.Mesh[] = [];
@@ -77,7 +77,7 @@ export class ShapeLibrary {
     return { group, meshes, outlines };
   }
 
-  /** How far a body's shapes reach from its origin (m). */
+  /** Distance that a body's shapes reach from its origin (m). */
   reach(body: number): number {
     let reach = 0;
     for (const part of this.parts[body]) {

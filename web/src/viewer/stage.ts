@@ -1,4 +1,5 @@
-// The picture: a canvas with the mechanisms, ghosts and trails; the reader turns it with the pointer or the arrow keys.
+// The picture: a canvas with the mechanisms, ghosts and trails; the reader rotates it with the pointer or the arrow
+// keys.
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Model, Phase, Recording } from "../recording";
@@ -39,7 +40,7 @@ export class Stage {
   private disposed = false;
   private contextLost = false;
 
-  /** Throws where the browser has no WebGL: see hasWebGL(). */
+  /** Throws if the browser has no WebGL: see hasWebGL(). */
   constructor(
     private readonly host: HTMLElement,
     model: Model,
@@ -52,7 +53,7 @@ export class Stage {
     this.camera.add(this.light);
     this.light.position.set(-0.6, 0.9, 1);
     this.scene.add(this.camera, this.sky, this.mechanisms.group);
-    this.camera.up.copy(upOf(model)); // before the controls, which ask for it once
+    this.camera.up.copy(upOf(model)); // before the controls, which read it only once
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener("change", () => this.draw());
     for (const [name, lost] of [
@@ -69,12 +70,12 @@ export class Stage {
     return this.renderer.domElement;
   }
 
-  /** Called when the browser has taken the graphics context away (true), and when it is back. */
+  /** Calls back when the browser has taken the graphics context away (true), and when it is restored. */
   whenLost(listener: (lost: boolean) => void) {
     this.onLost.push(listener);
   }
 
-  /** There is nothing to draw on, for now. */
+  /** There is currently nothing to draw on. */
   get lost() {
     return this.contextLost;
   }
@@ -87,7 +88,7 @@ export class Stage {
     for (const listener of this.onLost) listener(lost);
   }
 
-  /** Bodies in colours of their own where they have them, or all in those of their mechanisms. */
+  /** Bodies in their own colours if they have any, or all in the colours of their mechanisms. */
   get ownColours() {
     return this.mechanisms.ownColours;
   }
@@ -104,23 +105,23 @@ export class Stage {
     if (this.state) this.show(this.state.poses, this.state.phase);
   }
 
-  /** How wide what it was fitted to is (m). */
+  /** Width of the region that the view was fitted to (m). */
   get size(): number {
     return this.view ? 2 * this.view.radius : 1;
   }
 
-  /** Called when the colours change, and at once. */
+  /** Calls back when the colours change, and immediately. */
   whenThemed(listener: (theme: Theme) => void) {
     this.onTheme.push(listener);
     listener(this.theme);
   }
 
-  /** Called before each drawing, with the height of the picture in pixels. */
+  /** Calls back before each drawing, with the height of the picture in pixels. */
   whenDrawn(listener: (camera: THREE.PerspectiveCamera, height: number) => void) {
     this.beforeDraw.push(listener);
   }
 
-  /** The bodies where they are now. `poses` is kept until the next call. */
+  /** Sets the present poses of the bodies. `poses` is used until the next call. */
   show(poses: ArrayLike<number>, phase: Phase) {
     this.state = { poses, phase };
     this.mechanisms.place(poses, phase, this.theme);
@@ -153,14 +154,16 @@ export class Stage {
     this.drawNow();
   }
 
-  /** The whole motion in the picture; `direction`: from where, else as it is fit for the motion. */
+  /**
+   * Fits the whole motion into the picture; `direction`: the viewing direction, by default one that suits the motion.
+   */
   fit(run: Recording, direction?: THREE.Vector3) {
     this.view = viewOf(run, (body) => this.shapes.reach(body));
     this.layFloor(this.view);
     this.lookAt(direction ? { ...this.view, direction } : this.view);
   }
 
-  /** A grid below all that moves, in round squares; seen from its own height it would be a line, and is left out. */
+  /** A grid below all moving bodies, with squares of a round size; hidden when seen edge-on, as it would be a line. */
   private layFloor(view: View) {
     this.floor?.removeFromParent();
     this.floor?.dispose();
@@ -196,7 +199,7 @@ export class Stage {
     camera.updateMatrixWorld();
   }
 
-  /** Turns about the target by angles (rad), or nears it: for the keyboard. */
+  /** Rotates about the target by angles (rad), or zooms: for the keyboard. */
   turn(sideways: number, upwards: number, nearer = 1) {
     const offset = this.camera.position.clone().sub(this.controls.target);
     const right = new THREE.Vector3().crossVectors(this.camera.up, offset).normalize();
@@ -208,7 +211,7 @@ export class Stage {
     this.draw();
   }
 
-  /** The body under a point of the page, rods with some pixels of patience; null: none. */
+  /** The body under a point of the page, with a tolerance of some pixels for rods; null: none. */
   pick(clientX: number, clientY: number, patience = 8): Hit | null {
     if (!this.state) return null;
     const box = this.canvas.getBoundingClientRect();
@@ -221,7 +224,7 @@ export class Stage {
     return this.mechanisms.nearestRod(at, this.camera, box.width, box.height, patience);
   }
 
-  /** A picture apart from that on the page, of bodies without ghosts and trails, from the same direction. */
+  /** A separate picture of bodies without ghosts and trails, from the same direction. */
   snapshot(
     poses: ArrayLike<number>,
     phase: Phase,
@@ -256,7 +259,7 @@ export class Stage {
     return object === this.sky || object === this.camera;
   }
 
-  /** A colour for what is quiet: grids, trails of what is past. */
+  /** A subdued colour: for grids and past trails. */
   quiet(share: number) {
     return mixed(this.theme.ink, this.theme.ground, share);
   }

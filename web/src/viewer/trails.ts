@@ -1,4 +1,4 @@
-// The paths of some points up to now: of the ends of mechanisms, and of a body that was chosen.
+// The paths of some points up to now: of the ends of mechanisms, and of a selected body.
 import { Line2 } from "three/examples/jsm/lines/Line2.js";
 import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
@@ -14,7 +14,7 @@ export function endOf(model: Model, body: number): Vec3 {
   return extent.length > 0 ? extent[extent.length - 1][1] : com;
 }
 
-/** Bodies that no other hangs on; those with the most below the root first, no more than `most`. */
+/** Bodies that carry no other body; the ones farthest from the root first, at most `most`. */
 export function endBodies(model: Model, most = 6): number[] {
   const parents = new Map(model.joints.map((joint) => [joint.child, joint.parent]));
   const isParent = new Set(parents.values());
@@ -35,7 +35,7 @@ export function endBodies(model: Model, most = 6): number[] {
 /** Lines from frame to frame. */
 const pieces = 4;
 
-/** On a smooth curve through four points one after the other, between the second and the third (Catmull and Rom). */
+/** A point on a smooth curve through four successive points, between the second and the third (Catmull and Rom). */
 export function between([a, b, c, d]: readonly (readonly number[])[], share: number): number[] {
   const s = share;
   return [0, 1, 2].map(
@@ -48,7 +48,7 @@ export function between([a, b, c, d]: readonly (readonly number[])[], share: num
   );
 }
 
-/** The point as far on the other side of `a` as `b` is. */
+/** The reflection of `b` at `a`. */
 const mirrored = (a: readonly number[], b: readonly number[]) => a.map((x, k) => 2 * x - b[k]);
 
 interface Trail {
@@ -82,7 +82,7 @@ export class Trails {
     this.show(Number.NaN);
   }
 
-  /** A body whose path is shown, too; −1: none. */
+  /** An additional body whose path is shown; −1: none. */
   choose(body: number) {
     this.chosen = body;
     this.build();
@@ -109,7 +109,7 @@ export class Trails {
     const positions: number[] = [];
     const shades: number[] = [];
     for (let frame = 0; frame < this.run.frames; frame++) {
-      // Straight where the run has a gap, which bends nothing beside it.
+      // Straight at a gap in the run, which must not bend the adjacent curve.
       const [here, next] = [at(frame), at(frame + 1)];
       const gap = this.run.gapAfter ?? (() => false);
       const around = gap(frame)
@@ -134,7 +134,7 @@ export class Trails {
     return line;
   }
 
-  /** Up to a time; NaN: as far as they were shown last. */
+  /** Shows paths up to a time; NaN: up to the last time shown. */
   show(time: number) {
     if (!Number.isNaN(time)) this.frame = frameAt(this.run, time);
     for (const { line } of this.trails) {

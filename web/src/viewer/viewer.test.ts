@@ -10,7 +10,9 @@ import { between, endBodies } from "./trails";
 
 const half = Math.SQRT1_2;
 
-/** One body that goes along x and turns by 90° about z within a second; another pair of frames shares an instant. */
+/**
+ * One body that moves along x and rotates by 90° about z within a second; another pair of frames has the same instant.
+ */
 function recording(): Recording {
   const frames = [
     [0, 0, 0, 1, 0, 0, 0],
@@ -73,7 +75,7 @@ describe("frames", () => {
     expect(posesAt(wild, 0.5, new Float64Array(7))[0]).toBe(1);
     expect(posesAt(wild, 1.9, new Float64Array(7))[0]).toBe(2);
     expect(posesAt(wild, 2, new Float64Array(7))[0]).toBe(4);
-    // By 160°, it may as well have turned the other way round.
+    // After 160°, it may as well have rotated in the opposite direction.
     const [c, s] = [Math.cos((80 * Math.PI) / 180), Math.sin((80 * Math.PI) / 180)];
     const fast: Recording = { ...recording(), poses: (frame) => [frame, 0, 0, frame === 1 ? c : 1, 0, 0, frame === 1 ? s : 0] };
     expect([isGap(recording(), 0), isGap(fast, 0), isGap(fast, 2)]).toEqual([false, true, false]);
