@@ -103,8 +103,8 @@ std::optional<Pose> read_pose(const Value& value, std::string_view label, Diagno
       const double length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
       if (errors == out.errors() && !(std::fabs(length - 1) <= 1e-6))
         out.error(quat->place,
-                  length == 0 ? "quat: a quaternion of zeros is no rotation" : "quat: the quaternion is not of length 1",
-                  length == 0 ? "no rotation is [1, 0, 0, 0]" : "scale it: w² + x² + y² + z² = 1");
+                  length == 0 ? "quat: a quaternion of zeros is not a rotation" : "quat: the length of the quaternion is not 1",
+                  length == 0 ? "the identity is [1, 0, 0, 0]" : "scale it: w² + x² + y² + z² = 1");
       else if (errors == out.errors())
         pose.rotation = unit(Quat{q[0], q[1], q[2], q[3]});
     }

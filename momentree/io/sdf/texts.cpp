@@ -77,7 +77,7 @@ Quat rotation_of(const std::vector<double>& numbers, bool quaternion, bool degre
   const Quat given{numbers[6], numbers[3], numbers[4], numbers[5]};
   const double length = std::hypot(std::hypot(given.w, given.x), std::hypot(given.y, given.z));
   if (std::fabs(length - 1) <= 1e-3) return normalized(given);
-  file.error(location, "pose: the quaternion is not of length 1", "the order is x y z qx qy qz qw");
+  file.error(location, "pose: the length of the quaternion is not 1", "the order is x y z qx qy qz qw");
   return {};
 }
 

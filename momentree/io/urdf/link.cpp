@@ -18,7 +18,7 @@ Pose read_origin(XmlFields& fields, XmlFile& file) {
     const Quat given{(*q)[3], (*q)[0], (*q)[1], (*q)[2]};
     const double length = std::hypot(std::hypot(given.w, given.x), std::hypot(given.y, given.z));
     if (std::fabs(length - 1) > 1e-3)
-      file.error(of.location("quat_xyzw"), "quat_xyzw: the quaternion is not of length 1");
+      file.error(of.location("quat_xyzw"), "quat_xyzw: the length of the quaternion is not 1");
     else
       pose.rotation = normalized(given);
     if (of.has("rpy")) file.error(of.location("rpy"), "rpy and quat_xyzw give the rotation twice", "leave one of them out");
