@@ -135,7 +135,7 @@ TEST_CASE("wrong types, units and degrees of freedom are refused") {
        "s.toml:44:8: error: lock has no 'joint'; a name, or for example { joint = \"arm/elbow\", freedoms = [0] }\n"
        "s.toml:44:10: error: unknown key 'joints' in lock; did you mean 'joint'?"},
       {first + "lock = { joint = \"m/j\", freedoms = [0, 3] }\n",
-       "s.toml:44:8: error: lock: joint 'm/j' has no freedom 3; a ball joint has degrees of freedom 0 to 2"},
+       "s.toml:44:8: error: lock: joint 'm/j' has no degree of freedom 3; a ball joint has degrees of freedom 0 to 2"},
       {first + "lock = { joint = \"m/j\", freedoms = [9] }\n",
        "s.toml:44:37: error: freedoms: expected a number from 0 to 5, not 9" + count},
       {first + "lock = { joint = \"m/j\", freedoms = [1, 1] }\n", "s.toml:44:40: error: freedoms: 1 is given twice"},

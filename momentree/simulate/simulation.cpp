@@ -9,8 +9,7 @@ namespace {
 constexpr const char* moved_from = "the simulation has not been moved from";
 constexpr const char* callback_changes =
     "callbacks do not change their simulation: schedule the change with at(), or return false from observe() or watch() and "
-    "change it after "
-    "run_until()";
+    "change it after run_until()";
 constexpr const char* callback_schedules = "of the callbacks, only those of observe() and watch() schedule events";
 
 }  // namespace
