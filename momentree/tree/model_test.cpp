@@ -120,7 +120,7 @@ TEST_CASE("names of bodies and of joints are unique") {
   BodySpec first = link("m/a");
   first.joint_name = "m/hinge";
   model.add(first);
-  CHECK(contains(refusal(link("m/a"), model), "body of that name"));
+  CHECK(contains(refusal(link("m/a"), model), "body with that name"));
   BodySpec second = link("m/b");
   second.joint_name = "m/hinge";
   CHECK(contains(refusal(second, model), "already a joint 'm/hinge'"));

@@ -40,7 +40,7 @@ assert.match(world.load("format = 1\na = [").diagnostics[0].what, /read this/);
 assert.match(
   world.load('format = 1\n[[mechanism]]\nname="m"\nmodel = "m.urdf"')
     .diagnostics[0].what,
-  /model files are not read/,
+  /model files can't be read here/,
 );
 const unknown = world
   .load(chain(6, '[[event]]\nat = 1\nbreak = "chain/9"\n'))

@@ -70,11 +70,7 @@ export class Picture {
   }
 
   private tools({ stage, ghosts, trails }: Drawn): HTMLElement {
-    const fit = h(
-      "button",
-      { type: "button", title: "Show the whole motion (F)", onclick: () => this.fit() },
-      "Fit",
-    );
+    const fit = h("button", { type: "button", title: "Show the whole motion (F)", onclick: () => this.fit() }, "Fit");
     this.keys.set("f", fit);
     const tools = h("div", { class: "tools" });
     const own = {
@@ -139,10 +135,7 @@ export class Picture {
     const span = endTime(this.run) - startTime(this.run);
     const bodies = count(this.run.model.bodies.length, "body", "bodies");
     const text = `${bodies} in ${count(there, "mechanism", "mechanisms")} at ${instant(time, span)}`;
-    this.stage?.canvas.setAttribute(
-      "aria-label",
-      `3D picture: ${text}. Arrow keys rotate it, plus and minus zoom.`,
-    );
+    this.stage?.canvas.setAttribute("aria-label", `3D picture: ${text}. Arrow keys rotate it, plus and minus zoom.`);
     this.spoken.textContent = text;
   }
 
