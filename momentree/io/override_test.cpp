@@ -57,5 +57,6 @@ TEST_CASE("errors in an override point to it") {
 }
 
 TEST_CASE("an override cannot smuggle in a second key") {
-  CHECK(said(read({"title=\"a\"\nformat = 2"})).find("error: title: '\"a\"\\nformat = 2' has an invisible character") != std::string::npos);
+  const std::string text = said(read({"title=\"a\"\nformat = 2"}));
+  CHECK(text.find("error: title: '\"a\"\\nformat = 2' has an invisible character") != std::string::npos);
 }

@@ -23,7 +23,8 @@ TopologyHistory::TopologyHistory(Recording& run, const std::vector<std::string>&
   Phase phase;
   for (std::size_t b = 0; b < run.bodies.size(); ++b) {
     bodies_.emplace(run.bodies[b].name, static_cast<int>(b));
-    links_[run.bodies[b].joint] = {run.bodies[b].parent, static_cast<int>(b), true};
+    const bool floats = run.bodies[b].kind == "free" && run.bodies[b].parent < 0;  // nothing breaks when it is grasped
+    links_[run.bodies[b].joint] = {run.bodies[b].parent, static_cast<int>(b), !floats};
     phase.mechanism.push_back(mechanism(mechanism_of[b]));
   }
   phase.joined.assign(run.bodies.size(), 1);
