@@ -336,12 +336,17 @@ struct Simulation::Impl {
       if (a.time != b.time || !std::isfinite(a.time)) return a.time < b.time;
       return std::pair(a.follows, agenda.entries[a.entry].rank) < std::pair(b.follows, agenda.entries[b.entry].rank);
     });
-    std::vector<DueEvent> breaks;  // what joints that can break by themselves then come to be
-    for (const Strength& s : strengths(world)) {
-      breaks.push_back({event_name(world, s), false, {break_joint(std::string(world.joint_name({s.joint})))}});
-      order.push_back({HUGE_VAL, false, agenda.entries.size() + breaks.size() - 1});
-      certain = false;
-    }
+    std::vector<DueEvent> breaks;  // of joints that can break by themselves, those that events make or make weaker among them
+    const auto add_breaks = [&] {
+      for (const Strength& s : strengths(world)) {
+        std::string name = event_name(world, s);
+        if (std::any_of(breaks.begin(), breaks.end(), [&](const DueEvent& known) { return known.name == name; })) continue;
+        breaks.push_back({std::move(name), false, {break_joint(std::string(world.joint_name({s.joint})))}});
+        order.push_back({HUGE_VAL, false, agenda.entries.size() + breaks.size() - 1});
+        certain = false;
+      }
+    };
+    add_breaks();
     const std::size_t n = agenda.entries.size();
     const auto event_at = [&](std::size_t k) { return k < n ? agenda.entries[k].event : breaks[k - n]; };
     found.complete = order.size() * static_cast<std::size_t>(world.tree_.bodies()) <= detail::most_rehearsed;
@@ -359,6 +364,7 @@ struct Simulation::Impl {
           found.troubles.push_back({order[begin + action.event].entry, action.action, action.verdict,
                                     action.verdict.outcome == Verdict::Outcome::refused ? report.message : ""});
       found.complete = !report.lost;
+      add_breaks();
       look_at_joints();
     }
     world.restore(start);

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <doctest/doctest.h>
 
 #include <momentree/joint/kinds.hpp>
@@ -106,6 +108,18 @@ TEST_CASE("a strength changes at run time, comes back with a snapshot, and is no
   bool found = false;
   for (const auto& [name, kind] : rehearsal.joints) found = found || (name == "link0" && kind == Kind::free);
   CHECK(found);
+}
+
+TEST_CASE("a rehearsal breaks joints that events make with a strength, and is sure of nothing after them") {
+  Simulation sim(chain({{}, {}}));
+  Ball hook;
+  hook.strength = {.force = 2};
+  sim.at(0.1).then(break_joint("link1"));
+  sim.at(0.2).named("hook").then(attach("link1", "ground", hook));
+  sim.at(0.3).then(weld("link1", "link0"));  // closes a loop, unless the hook broke
+  const Rehearsal found = sim.rehearse();
+  CHECK(found.troubles.empty());
+  CHECK(std::count(found.joints.begin(), found.joints.end(), std::pair<std::string, Kind>("link1", Kind::free)) == 1);
 }
 
 TEST_CASE("a joint that takes the place of one that broke has the same strength anew") {
