@@ -77,8 +77,9 @@ void TopologyEditor::book_impulses(const Impulse* applied) {
 }
 
 void TopologyEditor::certify(Event& event) {
-  for (const auto& [joint, name] : touched_[&event]) {
-    if (world_.find_joint(name) < 0) event.topology.gone.push_back(name);
+  for (const int joint : touched_[&event]) {
+    std::string& name = names_at_start_[joint];  // empty: another event at this instant has reported it
+    if (!name.empty() && world_.find_joint(name) < 0) event.topology.gone.push_back(std::exchange(name, {}));
     if (tree().carrier(joint) >= 0) event.topology.joints.push_back(joint_record(world_, {joint}));
   }
   const auto found = impulses_.find(&event);

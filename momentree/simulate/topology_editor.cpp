@@ -125,7 +125,10 @@ int TopologyEditor::joint(std::string_view name) const {
   return broke ? -1 : found;
 }
 
-void TopologyEditor::touch(int joint) { touched_[event_].emplace(joint, joint_name(joint)); }
+void TopologyEditor::touch(int joint) {
+  touched_[event_].insert(joint);
+  names_at_start_.emplace(joint, joint_name(joint));
+}
 
 void TopologyEditor::break_off(int joint) {
   touch(joint);
