@@ -105,8 +105,8 @@ class TopologyEditor {
   std::string made_name_;
   std::vector<Force<double>> before_;                            // Pb by body, user frames
   std::map<const Event*, std::vector<Force<double>>> impulses_;  // by joint number, declared child's frame
-  std::map<const Event*, std::set<int>> touched_;  // numbers of joints that the event makes or changes
-  std::map<int, std::string> names_at_start_;      // of these joints, before the first of all events
+  std::map<const Event*, std::set<int>> touched_;                // numbers of joints that the event makes or changes
+  std::map<int, std::string> names_at_start_;                    // of these joints, before the first of all events
 };
 
 }  // namespace momentree
