@@ -108,7 +108,7 @@ Link read_link(std::istringstream& line, int number, Draw& draw) {
   line >> inertia(0, 0) >> inertia(1, 1) >> inertia(2, 2) >> inertia(1, 0) >> inertia(2, 0) >> inertia(2, 1);
   const bool whole = !line.fail() && (joint == "pin" || joint == "slide" || joint == "free") && link.parent < number;
   if (!whole || (joint == "free") != (link.free = joint == "free" && number == 0)) {
-    std::fprintf(stderr, "link %d is none: %s\n", number, line.str().c_str());
+    std::fprintf(stderr, "link %d is not valid: %s\n", number, line.str().c_str());
     std::exit(1);
   }
   link.name = "b" + std::to_string(number);

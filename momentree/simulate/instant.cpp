@@ -150,7 +150,8 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
   }
   const WorldSnapshot start = world.snapshot();
   const Totals totals_at_start = world.totals();
-  const Membership members_at_start(world);
+  std::optional<Membership> members_at_start;
+  if (!dry_run) members_at_start.emplace(world);
   const bool thin = !dry_run && has_thin_bodies(world.model());
   std::vector<Step> steps;
   std::vector<char> begun(due.size(), 0);
@@ -242,8 +243,8 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
     report.events[e].mechanisms_before = report.events[e].mechanisms_after = world.mechanism_names();
   }
   for (Event& event : report.events) editor.certify(event);
-  if (!report.events.empty() && report.changes != 0)
-    report.events.back().topology.moved = members_at_start.moved(Membership(world));
+  if (members_at_start && !report.events.empty() && report.changes != 0)
+    report.events.back().topology.moved = members_at_start->moved(Membership(world));
   return report;
 }
 

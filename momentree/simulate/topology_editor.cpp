@@ -10,7 +10,7 @@
 
 namespace momentree {
 
-TopologyEditor::TopologyEditor(World& world, bool dry_run) : world_(world), rehearsal_(dry_run) {}
+TopologyEditor::TopologyEditor(World& world, bool dry_run) : world_(world), dry_run_(dry_run) {}
 
 void TopologyEditor::begin(Event& event, std::string made_name) {
   event_ = &event;
@@ -195,7 +195,7 @@ JointParameters TopologyEditor::begun(int joint, JointParameters parameters) con
 }
 
 ActionResult TopologyEditor::can_follow(int joint, const JointParameters& parameters) const {
-  if (rehearsal_ || parameters.drive == nullptr || !parameters.drive->moves()) return ActionResult::done();
+  if (dry_run_ || parameters.drive == nullptr || !parameters.drive->moves()) return ActionResult::done();
   const double at = parameters.drive->motion[0].at(world_.time()).value, is = coordinates(joint)[0];
   if (std::fabs(at - is) <= motion_tolerance) return ActionResult::done();
   const auto text = [](double x) {

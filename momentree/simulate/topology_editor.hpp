@@ -100,7 +100,7 @@ class TopologyEditor {
   double work_of_motions();
 
   World& world_;
-  bool rehearsal_;
+  bool dry_run_;
   Event* event_ = nullptr;
   std::string made_name_;
   std::vector<Force<double>> before_;                            // Pb by body, user frames
