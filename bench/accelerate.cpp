@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <momentree/dynamics/acceleration.hpp>
-#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 
 #include "models.hpp"
 
@@ -29,7 +29,7 @@ double force_error(const Model& model, const Tree& tree, const State& state, Wor
     missing += force;
     largest = std::max(largest, norm(force));
     if (tree.parent(b) < 0)
-      missing -= rotation_matrix(pose.rotation) * reaction(tree, state, workspace, tree.inboard_joint({b})).l;
+      missing -= rotation_matrix(pose.rotation) * reaction(tree, state, workspace, tree.inboard_joint({b})).force;
   }
   return norm(missing) / largest;
 }

@@ -3,7 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include <chrono>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/topology/change.hpp>

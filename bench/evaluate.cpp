@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <vector>
 

@@ -5,8 +5,7 @@
 #include <cstring>
 #include <functional>
 #include <momentree/batch/stepper.hpp>
-#include <momentree/dynamics/acceleration.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/topology/change.hpp>
 #include <string>

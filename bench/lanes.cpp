@@ -4,7 +4,7 @@
 
 #include <cmath>
 #include <momentree/batch/batch.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <vector>
 

@@ -21,7 +21,7 @@ void step(benchmark::State& run, Model (*make)(int), Trigger trigger) {
   if (trigger == Trigger::reaction) sim.when(reaction_force(joint).exceeds(1e12)).then(break_joint(joint));
   double least = HUGE_VAL;
   for (auto _ : run) {
-    if (sim.step(1e-5) != Status::ok) return run.SkipWithError(sim.message().c_str());
+    if (sim.step(1e-5) != Status::ok) return run.SkipWithError(sim.result().reason.c_str());
     if (trigger == Trigger::look)  // the second recursion, called directly
       least = std::min(least, norm(sim.world().joint_forces({0}).reaction.force));
   }

@@ -5,10 +5,10 @@
 #include <cli/bench_own.hpp>
 #include <cli/bench_peers.hpp>
 #include <cli/commands.hpp>
+#include <cli/input.hpp>
 #include <cli/interrupt.hpp>
 #include <cli/peer_links.hpp>
 #include <cli/record.hpp>
-#include <cli/session.hpp>
 #include <cli/text.hpp>
 #include <momentree/io/json_writer.hpp>
 #include <momentree/io/text_file.hpp>
@@ -105,7 +105,7 @@ int bench_models(const BenchOptions& options, const std::vector<std::string>& pe
   std::vector<std::string> files;
   if (!peers.empty()) folder.emplace();
   for (const std::string& path : options.models) {  // all are read before the first is measured
-    std::optional<io::Scenario> scenario = load(path, {}, Notes::counted, io::Severity::error);
+    std::shared_ptr<const io::Scenario> scenario = load(path, {}, Notes::counted, io::Severity::error);
     if (!scenario) return bad_input;
     if (compile(scenario->model).nv() == 0) throw_error({"nothing in it moves: there is nothing to measure", path, ""});
     if (!peers.empty()) {
@@ -117,7 +117,7 @@ int bench_models(const BenchOptions& options, const std::vector<std::string>& pe
         throw;
       }
     }
-    scenarios.push_back(std::move(*scenario));
+    scenarios.push_back(*scenario);
   }
   try {
     return measure(options, scenarios, peers, files);

@@ -7,7 +7,7 @@
 #include <cli/bench_timing.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/batch/batch.hpp>
-#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 
 namespace momentree::cli {
@@ -61,7 +61,7 @@ class Own {
     try {
       batch.emplace(model_, worlds);
     } catch (const Error& error) {
-      row.batch_message = error.what;
+      row.batch_message = error.problem;
       return;
     }
     row.batch = shortest(budget, [&] { batch->step(1e-6); }) / (4 * worlds);

@@ -129,7 +129,7 @@ std::vector<PeerRow> measure_peers(const std::vector<std::string>& programs, con
       try {
         peer_evaluations(program, {file}, keep);
       } catch (const Error& error) {  // an engine may not support every model, for example bodies without mass
-        show(stderr, "momentree bench: left out: " + printable(error.what) + '\n');
+        show(stderr, "momentree bench: left out: " + printable(error.problem) + '\n');
       }
     }
   }

@@ -16,9 +16,9 @@
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/count.hpp>
-#include <momentree/dynamics/energy.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/generate/kernel.hpp>
 #include <momentree/generate/kernel_cache.hpp>
 #include <momentree/simulate/simulation.hpp>
@@ -186,7 +186,7 @@ BreakingChain breaking_chain(int repeats) {
   for (int repeat = 0; repeat < repeats && (repeat == 0 || since(start) < 3); ++repeat) {
     Simulation simulation(bench::breaking_chain());
     simulation.at(1.8).then(break_joint("b/41"));
-    if (simulation.run_until(3) != Status::ok) throw Error{simulation.message(), "", ""};
+    if (simulation.run_until(3) != Status::ok) throw Error{simulation.result().reason, "", ""};
     const RunStatistics& s = simulation.statistics();
     for (const int i : {0, 1}) {
       best.evaluations[i] = s.evaluations[i];

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include <momentree/dynamics/energy.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/topology/change.hpp>
 
 namespace momentree::cli {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include <cli/commands.hpp>
-#include <cli/session.hpp>
+#include <cli/input.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/io/diagnostic_json.hpp>
@@ -25,7 +25,7 @@ struct Checked {
 
 // The place of a thrown error is `file:line:column`, as far as it is known.
 io::Diagnostic diagnostic_of(const Error& error, const std::string& file) {
-  io::Diagnostic found{io::Severity::error, file, 0, 0, error.what, error.hint, ""};
+  io::Diagnostic found{io::Severity::error, file, 0, 0, error.problem, error.hint, ""};
   std::string where = error.where;
   int numbers[2] = {0, 0}, count = 0;  // from the end
   while (count < 2) {
@@ -41,7 +41,7 @@ io::Diagnostic diagnostic_of(const Error& error, const std::string& file) {
   if (count > 0 || (!where.empty() && where.find_first_of("./") != std::string::npos))
     found.file = where;
   else if (!where.empty())
-    found.what = where + ": " + error.what;  // a body or a joint
+    found.what = where + ": " + error.problem;  // a body or a joint
   return found;
 }
 
@@ -54,7 +54,7 @@ Checked check_one(const std::string& file, Notes notes) {
     if (notes == Notes::counted) count_notes(result);
     checked.diagnostics = std::move(result.diagnostics);
     if (!result.scenario) return checked;
-    Session session(*result.scenario);
+    io::Session session(*result.scenario);
     for (io::Diagnostic& warning : session.schedule()) checked.diagnostics.push_back(std::move(warning));
     const World& world = session.simulation().world();
     checked.counts = {static_cast<long>(world.mechanisms().size()), world.model().size(), world.tree().nv(),

@@ -2,7 +2,7 @@
 #include <optional>
 
 #include <cli/commands.hpp>
-#include <cli/session.hpp>
+#include <cli/input.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/count.hpp>
@@ -61,10 +61,10 @@ void require_plain_forces(const World& world, const std::string& path) {
 }  // namespace
 
 int compile(const CompileOptions& options) {
-  const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
+  const std::shared_ptr<const io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
   refuse_to_overwrite(options.out, *scenario);
-  const Session session(*scenario);
+  const io::Session session(scenario);
   const World& world = session.simulation().world();
   const Tree& tree = world.tree();
   if (tree.nv() == 0) throw_error({"nothing in it moves: there is no kernel to write", scenario->path, ""});

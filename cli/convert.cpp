@@ -4,7 +4,7 @@
 #include <optional>
 
 #include <cli/commands.hpp>
-#include <cli/session.hpp>
+#include <cli/input.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/io/convert/convert.hpp>
@@ -33,7 +33,7 @@ Format format_of(const std::string& path) {
 
 int convert(const ConvertOptions& options) {
   const Format format = format_of(options.out);
-  const std::optional<io::Scenario> scenario = load(options.source, options.overrides, notes_of(options.verbose));
+  const std::shared_ptr<const io::Scenario> scenario = load(options.source, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
   refuse_to_overwrite(options.out, *scenario);
   if (format == Format::toml && !options.mechanism.empty())

@@ -3,7 +3,7 @@
 #include <span>
 
 #include <cli/commands.hpp>
-#include <cli/session.hpp>
+#include <cli/input.hpp>
 #include <cli/text.hpp>
 
 namespace momentree::cli {
@@ -50,9 +50,9 @@ std::string evaluation_text(const World& world, const Style& style) {
 }  // namespace
 
 int evaluate(const EvaluateOptions& options) {
-  const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
+  const std::shared_ptr<const io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
-  const Session session(*scenario, options.state);
+  const io::Session session(scenario, documents_of(options.state, scenario->model));
   const World& world = session.simulation().world();
   if (options.json)
     std::fputs(io::state_json(world, session.armed()).c_str(), stdout);

@@ -4,9 +4,10 @@
 #include <vector>
 
 #include <cli/commands.hpp>
-#include <cli/session.hpp>
+#include <cli/input.hpp>
 #include <cli/text.hpp>
 #include <momentree/dynamics/count.hpp>
+#include <momentree/tree/kernel_run.hpp>
 
 namespace momentree::cli {
 
@@ -182,9 +183,9 @@ std::string when_text(const io::ScenarioEvent& event) {
 }  // namespace
 
 int explain(const ExplainOptions& options) {
-  const std::optional<io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
+  const std::shared_ptr<const io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
-  const Session session(*scenario);
+  const io::Session session(scenario);
   const World& world = session.simulation().world();
   const Style style = Style::of_output();
 

@@ -4,11 +4,13 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <new>
 
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
+#include <momentree/io/text_file.hpp>
 
 namespace momentree::cli {
 
@@ -47,6 +49,38 @@ void count_notes(io::ReadResult& result) {
     result.diagnostics.push_back({io::Severity::note, file, 0, 0,
                                   count_text(count, "note on this model is", "notes on this model are") + " not shown",
                                   count == 1 ? "-v shows it" : "-v lists them", ""});
+}
+
+std::shared_ptr<const io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides, Notes notes,
+                                         io::Severity least) {
+  io::ReadResult result = read_input(path, overrides);
+  if (notes == Notes::counted) count_notes(result);
+  std::erase_if(result.diagnostics, [least](const io::Diagnostic& d) { return d.severity > least; });
+  show(stderr, io::rendered(result.diagnostics));
+  return result.scenario ? std::make_shared<const io::Scenario>(std::move(*result.scenario)) : nullptr;
+}
+
+void refuse_to_overwrite(const std::string& out, const io::Scenario& scenario) {
+  namespace fs = std::filesystem;
+  const auto refuse = [&out](const fs::path& source) {
+    std::error_code ignored;
+    if (fs::equivalent(out, source, ignored))
+      throw_error({"this is an input file: it would be overwritten", out, "give another name after -o"});
+  };
+  if (out == "-") return;
+  refuse(scenario.path);
+  for (const io::StateFile& state : scenario.state_files) refuse(state.file);
+  const Value::Entry* const mechanisms = scenario.document->find("mechanism");
+  if (mechanisms == nullptr || mechanisms->value.array() == nullptr) return;
+  for (const Value& mechanism : *mechanisms->value.array())
+    if (const Value::Entry* model = mechanism.find("model"); model != nullptr && model->value.string() != nullptr)
+      refuse(fs::path(scenario.path).parent_path() / *model->value.string());
+}
+
+std::vector<io::RestoredState> documents_of(const std::string& state, const Model& model) {
+  if (state.empty()) return {};
+  const bool piped = is_standard_input(state);
+  return {io::read_state(piped ? read_standard_input() : io::read_text_file(state), piped ? standard_input : state, model)};
 }
 
 }  // namespace momentree::cli

@@ -1,9 +1,10 @@
 #pragma once
 // The input of a command: files, or standard input under the name -.
+#include <memory>
 #include <string>
 #include <vector>
 
-#include <momentree/io/scenario.hpp>
+#include <momentree/io/session.hpp>
 
 namespace momentree::cli {
 
@@ -21,5 +22,17 @@ std::string read_standard_input();
 enum class Notes { counted, listed };
 /// Replaces the notes on model files by one line with their number.
 void count_notes(io::ReadResult& result);
+
+/// Reads a scenario or a model, from standard input if the path is "-". Prints diagnostics of severity `least` or worse to
+/// standard error; of notes on model files only the number, unless they are to be `listed`. Null if there are errors.
+std::shared_ptr<const io::Scenario> load(const std::string& path, const std::vector<std::string>& overrides,
+                                         Notes notes = Notes::counted, io::Severity least = io::Severity::note);
+inline Notes notes_of(bool verbose) { return verbose ? Notes::listed : Notes::counted; }
+
+/// Throws Error if the output file is the scenario, or a model or state document that it names. "-" is standard output.
+void refuse_to_overwrite(const std::string& out, const io::Scenario& scenario);
+
+/// The documents for a Session: that of `state`, "-" for standard input; empty: none.
+std::vector<io::RestoredState> documents_of(const std::string& state, const Model& model);
 
 }  // namespace momentree::cli

@@ -24,7 +24,7 @@ void say_error(const Error& error) {
   try {
     cli::show(stderr, (placed ? "" : "momentree: ") + error.message() + '\n');
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "%s: error: %s%s%s\n", placed ? error.where.c_str() : "momentree", error.what.c_str(),
+    std::fprintf(stderr, "%s: error: %s%s%s\n", placed ? error.where.c_str() : "momentree", error.problem.c_str(),
                  hinted ? "; " : "", error.hint.c_str());
   }
 }

@@ -182,7 +182,7 @@ TEST_CASE("server: a port in use is an error that names a free one, and a port i
       FAIL("two on one port");
     } catch (const Error& error) {
       CHECK(error.where == "--port");
-      CHECK(error.what == "port " + std::to_string(port) + " is in use");
+      CHECK(error.problem == "port " + std::to_string(port) + " is in use");
       const int other = std::stoi(error.hint.substr(5));
       CHECK(listen_on(other).port == other);
     }

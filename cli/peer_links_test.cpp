@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/io/scenario.hpp>
 #include <momentree/joint/kinds.hpp>
@@ -133,7 +133,7 @@ TEST_CASE("links for other engines: unsupported joints are refused by name") {
   try {
     peer_links("it", model);
   } catch (const Error& error) {
-    CHECK(error.what == "other engines do not support this model: a has a ball joint");
+    CHECK(error.problem == "other engines do not support this model: a has a ball joint");
     CHECK(error.hint.find("--peers") != std::string::npos);
   }
   Model two;

@@ -1,9 +1,9 @@
 #include <optional>
 
 #include <cli/commands.hpp>
+#include <cli/input.hpp>
 #include <cli/page.hpp>
 #include <cli/serve.hpp>
-#include <cli/session.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/io/convert/convert.hpp>
 #include <momentree/io/report/page.hpp>
@@ -35,7 +35,7 @@ int play(const PlayOptions& options) {
   if (options.source.empty() && !options.overrides.empty())
     throw_error({"--set needs a scenario", "", "name the scenario that it changes"});
   if (!options.source.empty()) {
-    const std::optional<io::Scenario> scenario = load(options.source, options.overrides, notes_of(options.verbose));
+    const std::shared_ptr<const io::Scenario> scenario = load(options.source, options.overrides, notes_of(options.verbose));
     if (!scenario) return bad_input;
     page = io::playground_page(page, text_of(*scenario, options.overrides));
   }

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include <cli/exit_codes.hpp>
+#include <cli/input.hpp>
 #include <cli/interrupt.hpp>
 #include <cli/progress.hpp>
-#include <cli/session.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/io/model_json.hpp>
@@ -31,7 +31,7 @@ TemporaryFolder::TemporaryFolder() {
 TemporaryFolder::~TemporaryFolder() { io::remove_tree(path_); }
 
 Recorded record(const io::Scenario& scenario, const std::string& folder, double until, Purpose purpose) {
-  Session session(scenario);
+  io::Session session(scenario);
   show(stderr, io::rendered(session.schedule()));
   Simulation& simulation = session.simulation();
   const double start = simulation.time();
@@ -55,7 +55,7 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, double 
   progress.clear();
   std::string says = "done";
   if (status == Status::interrupted) says = "interrupted at t = " + std::to_string(simulation.time()) + " s";
-  if (status != Status::ok && status != Status::interrupted) says = simulation.message();
+  if (status != Status::ok && status != Status::interrupted) says = simulation.result().reason;
   recorder.finish(says, session.armed());
   if (recorder.error()) throw_error(*recorder.error());
   if (status != Status::ok && status != Status::interrupted) show(stderr, printable(scenario.path) + ": error: " + says + '\n');

@@ -4,14 +4,14 @@
 
 #include <doctest/doctest.h>
 
-#include <cli/session.hpp>
+#include <cli/input.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/io/state_document.hpp>
 #include <momentree/io/test_support.hpp>
 #include <momentree/io/text_file.hpp>
 
 using namespace momentree;
-using momentree::cli::Session;
+using momentree::io::Session;
 
 namespace {
 
@@ -27,7 +27,8 @@ struct Run {
   bool adaptive;
   std::vector<std::string> events;
   Run(const io::Scenario& scenario, const std::string& state, double until)
-      : session(scenario, state), adaptive(is_adaptive(scenario.integration.method)) {
+      : session(scenario, momentree::cli::documents_of(state, scenario.model)),
+        adaptive(is_adaptive(scenario.integration.method)) {
     static_cast<void>(session.schedule());
     session.simulation().observe(scenario.output_every, [](const World&) { return true; });
     REQUIRE(session.simulation().run_until(until) == Status::ok);
@@ -294,7 +295,7 @@ TEST_CASE("the events of a document must fit the scenario") {
   const std::string file = folder / "state.json";
   const auto refused = [&](const std::string& armed) {
     io::write_text_file(file, "{\"armed\": " + armed + "}");
-    return io::test::error_of([&] { const Session session(scenario, file); });
+    return io::test::error_of([&] { const Session session(scenario, momentree::cli::documents_of(file, scenario.model)); });
   };
   CHECK(refused(R"({"agai": {"fired": 1}})").find("names an unknown event 'agai'; did you mean 'again'?") != std::string::npos);
   CHECK(refused(R"({"watch": {"fired": 1, "each": [{"fired": 1}]}})")

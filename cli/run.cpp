@@ -5,11 +5,11 @@
 #include <optional>
 
 #include <cli/commands.hpp>
+#include <cli/input.hpp>
 #include <cli/interrupt.hpp>
 #include <cli/page.hpp>
 #include <cli/progress.hpp>
 #include <cli/run_report.hpp>
-#include <cli/session.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/generate/kernel_cache.hpp>
@@ -33,7 +33,7 @@ void refuse_unsupported(const RunOptions& options) {
 std::string status_text(Status status, const Simulation& simulation) {
   if (status == Status::ok) return "done";
   if (status == Status::interrupted) return format("interrupted at t = %.9g s", simulation.time());
-  return simulation.message();
+  return simulation.result().reason;
 }
 
 // Reports the result of --generate.
@@ -62,7 +62,7 @@ int run(const RunOptions& options) {
       load(options.scenario, overrides, notes_of(options.verbose), options.quiet ? io::Severity::warning : io::Severity::note);
   if (!scenario) return bad_input;
 
-  Session session(*scenario);
+  io::Session session(scenario);
   show(stderr, io::rendered(session.schedule()));
   Simulation& simulation = session.simulation();
   const double start = simulation.time();

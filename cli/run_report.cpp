@@ -132,7 +132,7 @@ std::string report_text(const RunReport& report, const Simulation& simulation, c
   if (!missed.empty()) text += '\n' + style.heading("Events that did not happen") + '\n';
   for (std::size_t i = 0; i < std::min(missed.size(), most); ++i) text += missed_text(missed[i]);
   if (missed.size() > most) text += format("  … and %zu more, in summary.json\n", missed.size() - most);
-  if (!simulation.message().empty()) return text;  // diverged: the last energies are meaningless
+  if (!simulation.result().reason.empty()) return text;  // diverged: the last energies are meaningless
   return text + '\n' + energy_text(simulation.energy(), style);
 }
 

@@ -4,10 +4,10 @@
 #include <optional>
 
 #include <cli/commands.hpp>
+#include <cli/input.hpp>
 #include <cli/page.hpp>
 #include <cli/record.hpp>
 #include <cli/serve.hpp>
-#include <cli/session.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/io/model/model_file.hpp>
@@ -56,7 +56,7 @@ int draw(const ViewOptions& options) {
     draw_result(options.source);
     return done;
   }
-  const std::optional<io::Scenario> scenario = load(options.source, {}, notes_of(options.verbose));
+  const std::shared_ptr<const io::Scenario> scenario = load(options.source, {}, notes_of(options.verbose));
   if (!scenario) return bad_input;
   const TemporaryFolder folder;
   const Recorded recorded = record(*scenario, folder.result(), scenario->until, Purpose::picture);
@@ -68,7 +68,7 @@ int draw(const ViewOptions& options) {
 /// model at its start, to be posed interactively.
 std::optional<std::string> data_of(const std::string& source, Notes notes, int& code) {
   if (is_folder(source)) return io::report_data(source);
-  const std::optional<io::Scenario> scenario = load(source, {}, notes);
+  const std::shared_ptr<const io::Scenario> scenario = load(source, {}, notes);
   code = bad_input;
   if (!scenario) return std::nullopt;
   const bool pose = io::is_model(scenario->path, scenario->text);

@@ -1,30 +1,36 @@
-# Two groups of flags. Those that affect inline code are PUBLIC on the core library, so that all translation units of a program,
-# including a consumer's, compile the shared templates in the same way (one-definition rule). Warnings apply only to this project.
+# Nothing here reaches consumers: public headers contain no kernels, so user code may be compiled with any flags.
 
 include(CheckCXXCompilerFlag)
 
-function(momentree_shared_flags target)
-  target_compile_features(${target} PUBLIC cxx_std_20)
-  # sqrt must not set errno; otherwise the compiler adds a library call to every square root.
-  target_compile_options(${target} PUBLIC -fno-math-errno)
-  if(MOMENTREE_NATIVE)
-    check_cxx_compiler_flag(-march=native MOMENTREE_HAS_MARCH_NATIVE)
-    if(MOMENTREE_HAS_MARCH_NATIVE)
-      target_compile_options(${target} PUBLIC -march=native)
-    endif()
+# For the library and everything in this project that includes its kernels: all must compile them alike (one-definition rule).
+add_library(momentree_kernels INTERFACE)
+target_compile_definitions(momentree_kernels INTERFACE MOMENTREE_KERNELS)
+# sqrt must not set errno; otherwise the compiler adds a library call to every square root.
+target_compile_options(momentree_kernels INTERFACE -fno-math-errno)
+if(MOMENTREE_NATIVE)
+  check_cxx_compiler_flag(-march=native MOMENTREE_HAS_MARCH_NATIVE)
+  if(MOMENTREE_HAS_MARCH_NATIVE)
+    target_compile_options(momentree_kernels INTERFACE -march=native)
   endif()
-  if(MOMENTREE_DETERMINISTIC)
-    target_compile_options(${target} PUBLIC -ffp-contract=off)
-  else()
-    target_compile_options(${target} PUBLIC -ffp-contract=fast)
-  endif()
-  if(MOMENTREE_SANITIZE)
-    target_compile_options(${target} PUBLIC -fsanitize=${MOMENTREE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
-    target_link_options(${target} PUBLIC -fsanitize=${MOMENTREE_SANITIZE})
-  endif()
+endif()
+if(MOMENTREE_DETERMINISTIC)
+  target_compile_options(momentree_kernels INTERFACE -ffp-contract=off)
+else()
+  target_compile_options(momentree_kernels INTERFACE -ffp-contract=fast)
+endif()
+if(MOMENTREE_SANITIZE)
+  add_compile_options(-fsanitize=${MOMENTREE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${MOMENTREE_SANITIZE})
+endif()
+
+# For targets that include kernels.
+function(momentree_flags target)
+  momentree_warnings(${target})
+  target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:momentree_kernels>)
 endfunction()
 
-function(momentree_flags target)
+# For targets that include public headers only, as consumers do.
+function(momentree_warnings target)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
   # -Wrestrict of g++ 12 reports false overlaps in std::string's operator+. clang warns that packs wider than the CPU's registers
   # are passed through memory, even if everything is inlined.

@@ -21,7 +21,7 @@ int main() {
 
   Simulation sim(chain, {.method = "rk4", .step = 1e-3});
   sim.at(1.8).then(break_joint("chain/41"));
-  if (sim.run_until(3.0) != Status::ok) return std::fprintf(stderr, "%s\n", sim.message().c_str()), 1;
+  if (const RunResult run = sim.run_until(3.0); !run) return std::fprintf(stderr, "%s\n", run.reason.c_str()), 1;
 
   for (const Event& e : sim.events())
     std::printf("%g s: %s, %zu mechanisms\n", e.time, e.actions[0].text().c_str(), e.mechanisms_after.size());

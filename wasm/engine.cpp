@@ -22,8 +22,8 @@ int status_of(MtWorld& world, Status status) {
     case Status::ok: return mt_ok;
     case Status::interrupted: return mt_interrupted;
     case Status::stalled:
-    case Status::diverged: world.text = world.simulation->message(); return mt_diverged;
-    default: world.text = world.simulation->message(); return mt_refused;
+    case Status::diverged: world.text = world.simulation->result().reason; return mt_diverged;
+    default: world.text = world.simulation->result().reason; return mt_refused;
   }
 }
 

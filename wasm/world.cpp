@@ -31,8 +31,8 @@ using namespace momentree;
 
 int MtWorld::act(const std::vector<Action>& actions) {
   changed();
-  const Status status = simulation->attempt(actions);
-  if (status == Status::refused) text = simulation->message();
+  const Status status = simulation->try_apply(actions);
+  if (status == Status::refused) text = simulation->result().reason;
   return status == Status::refused ? mt_refused : mt_ok;
 }
 

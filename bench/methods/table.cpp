@@ -8,8 +8,8 @@
 
 #include <bench/methods/lie_group.hpp>
 #include <bench/models.hpp>
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
 

@@ -1,8 +1,7 @@
 // momentree: the changes of topology/change.hpp with the evaluations around them, the changes alone, and as a user's actions.
-#include <momentree/dynamics/acceleration.hpp>
-#include <momentree/dynamics/energy.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/topology/change.hpp>

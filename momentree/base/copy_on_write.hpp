@@ -3,7 +3,7 @@
 #include <atomic>
 #include <utility>
 
-namespace momentree {
+namespace momentree::detail {
 
 /// Copies cost nothing; the first change of a shared one copies the value. Two copies may be used in two threads, like two
 /// separate values.
@@ -41,4 +41,4 @@ class CopyOnWrite {
   Shared* shared_;
 };
 
-}  // namespace momentree
+}  // namespace momentree::detail

@@ -15,9 +15,17 @@ extern "C" [[noreturn]] __attribute__((import_module("momentree"), import_name("
 
 namespace momentree {
 
+Error::Error(std::string the_problem, std::string the_place, std::string the_hint)
+    : problem(std::move(the_problem)), where(std::move(the_place)), hint(std::move(the_hint)), line_(message()) {}
+
+Error::Error(std::string the_problem, std::string the_place, std::string the_hint, std::string the_line)
+    : problem(std::move(the_problem)), where(std::move(the_place)), hint(std::move(the_hint)), line_(std::move(the_line)) {}
+
+const char* Error::what() const noexcept { return line_.c_str(); }
+
 std::string Error::message() const {
   std::string text = where.empty() ? "error: " : printable(where) + ": error: ";
-  text += printable(what);
+  text += printable(problem);
   if (!hint.empty()) text += "; " + printable(hint);
   return text;
 }

@@ -1,5 +1,6 @@
 #pragma once
 // A user's mistake: what is wrong, where, and how to correct it. (For programming errors see MT_REQUIRE, base/check.hpp.)
+#include <exception>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,13 +9,23 @@ namespace momentree {
 
 /// Thrown at set-up (model, scenario, command line), never inside a step. `where` is empty or names a location: `file:line:col`,
 /// a body or a joint.
-struct Error {
-  std::string what;
+class Error : public std::exception {
+ public:
+  Error(std::string the_problem, std::string the_place, std::string the_hint);
+  std::string problem;
   std::string where;
   std::string hint;
 
-  /// One line, `where: error: what; hint`, safe for a terminal (see printable()).
+  /// One line, `where: error: problem; hint`, safe for a terminal (see printable()).
   std::string message() const;
+  /// The same line, as of the construction.
+  const char* what() const noexcept override;
+
+ protected:
+  Error(std::string the_problem, std::string the_place, std::string the_hint, std::string the_line);
+
+ private:
+  std::string line_;
 };
 
 /// Throws `error`; in builds without exceptions (WebAssembly) it stops the program, so callers must validate first.

@@ -9,9 +9,9 @@
 #include <momentree/base/error.hpp>
 #include <momentree/batch/group.hpp>
 #include <momentree/batch/pool.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
-#include <momentree/dynamics/workspace.hpp>
+#include <momentree/dynamics/workspace_data.hpp>
 
 namespace momentree {
 

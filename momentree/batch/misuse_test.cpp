@@ -8,8 +8,8 @@
 #include <doctest/doctest.h>
 
 #include <momentree/batch/batch.hpp>
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <tests/misuse.hpp>
 
 using namespace momentree;

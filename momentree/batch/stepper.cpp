@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/effort.hpp>
 #include <momentree/dynamics/forces/friction.hpp>
 #include <momentree/dynamics/forces/position_control.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
-#include <momentree/dynamics/forward.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree::batch {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include <momentree/math/pack.hpp>
+#include <momentree/math/isa.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {

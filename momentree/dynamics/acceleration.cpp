@@ -1,8 +1,8 @@
-#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 
 #include <momentree/dynamics/body_forces.hpp>
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -10,14 +10,15 @@ namespace momentree {
 namespace {
 
 // Transforms a wrench on body b through its inboard joint, in b's kernel frame, to the declared child's user frame.
-Force<double> on_declared_child(const Tree& tree, const State& state, const Workspace<double>& workspace, int b,
-                                const Force<double>& W) {
-  if (!tree.reversed(b)) return to_user_frame(tree.frame(b), W);
+Wrench on_declared_child(const Tree& tree, const State& state, const Workspace<double>& workspace, int b,
+                         const Force<double>& W) {
+  const auto wrench = [](const Force<double>& force) { return Wrench{force.l, force.h}; };
+  if (!tree.reversed(b)) return wrench(to_user_frame(tree.frame(b), W));
   const int child = tree.parent(b);
   MT_REQUIRE(child >= 0, "the ground is not a joint's child");
   Force<double> back{-W.l, -W.h};
   joint_transform_of(tree, state, workspace, b).inboard(back);
-  return to_user_frame(tree.frame(child), back);
+  return wrench(to_user_frame(tree.frame(child), back));
 }
 
 }  // namespace
@@ -49,13 +50,13 @@ Force<double> transmitted_wrench(const Tree& tree, const Workspace<double>& work
   return Tr;
 }
 
-Force<double> reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint) noexcept {
+Wrench reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint) noexcept {
   const int b = tree.carrier(joint).index;
   MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
   return on_declared_child(tree, state, workspace, b, transmitted_wrench(tree, workspace, b));
 }
 
-Force<double> pure_reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint) noexcept {
+Wrench pure_reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint) noexcept {
   const int b = tree.carrier(joint).index;
   MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
   const Force<double> Tr = transmitted_wrench(tree, workspace, b);

@@ -2,6 +2,7 @@
 // Accelerations and joint wrenches: the paper's second recursion (30)–(51), with its corrections. It reuses M̂, G and the factors
 // of Mj from the first recursion; O(n), one inward and one outward pass.
 #include <momentree/dynamics/forward.hpp>
+#include <momentree/tree/body_force.hpp>
 
 namespace momentree {
 
@@ -11,22 +12,10 @@ namespace momentree {
 /// unchanged. Neither allocates nor throws.
 void accelerate(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 
-/// The same passes for any scalar, at coordinates q. Requires evaluate_motions at q and p, the joint forces τ (s̈ for a
-/// prescribed motion) in workspace.a and, if forces act on bodies, T of every body in workspace.loads.
-template <class T>
-void evaluate_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace) noexcept;
-
-/// Ω̇ of body b less gravity, in its kernel frame (39). Requires accelerate or evaluate_accelerations.
-Motion<double> felt_acceleration(const Tree& tree, const double* q, const Workspace<double>& workspace, int b) noexcept;
-
-/// Tr, the whole wrench of b's inboard joint on b, in b's kernel frame (44), (32). The same requirement.
-Force<double> transmitted_wrench(const Tree& tree, const Workspace<double>& workspace, int b) noexcept;
-
-/// A joint's wrench on its declared child: force (N) in `l`, torque (N m) in `h`, about the origin of the child's user frame, in
+/// A joint's wrench on its declared child, about the origin of the child's user frame, in
 /// its axes. `reaction` is everything that the declared parent exerts through the joint: constraint, drive, spring and damping.
 /// Requires `accelerate` on this state.
-[[nodiscard]] Force<double> reaction(const Tree& tree, const State& state, const Workspace<double>& workspace,
-                                     JointId joint) noexcept;
+[[nodiscard]] Wrench reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint) noexcept;
 
 /// The part of `reaction` that does no work on the joint's DoFs: the load on its bearings. It is `reaction` less the force that
 /// the joint transmits along its DoFs, Eᵀ Tr = τ − armature·u̇, whatever causes it (drive, spring, damper, armature). That force
@@ -34,8 +23,8 @@ Force<double> transmitted_wrench(const Tree& tree, const Workspace<double>& work
 /// (prismatic, cylindrical), as a torque in the plane of the two axes (universal), as any torque (ball); planar: a force in the
 /// plane through the origin of the joint's child side and a torque normal to the plane; free: force and torque about that origin.
 /// The force that holds a locked DoF is a constraint force and remains.
-[[nodiscard]] Force<double> pure_reaction(const Tree& tree, const State& state, const Workspace<double>& workspace,
-                                          JointId joint) noexcept;
+[[nodiscard]] Wrench pure_reaction(const Tree& tree, const State& state, const Workspace<double>& workspace,
+                                   JointId joint) noexcept;
 
 /// Effort along each DoF of a joint, of drive, spring, damping and friction together (nv numbers, N m or N): Eᵀ Tr +
 /// armature·u̇ = τ. For a prescribed motion it is the effort that the motion needs; for a locked DoF, the effort that holds it.
@@ -50,7 +39,5 @@ struct BodyAcceleration {
 /// Requires `locate_bodies` and `accelerate` on this state.
 [[nodiscard]] BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Workspace<double>& workspace,
                                                  BodyId body) noexcept;
-
-extern template void evaluate_accelerations<double>(const Tree&, const double*, Workspace<double>&) noexcept;
 
 }  // namespace momentree

@@ -5,7 +5,7 @@
 // The paper propagates Ṗb outward and computes Tr = Ṗb + Ω × Pb − Tb from it (32), a difference that nearly cancels if the
 // outboard bodies are heavy and fast. Tr itself obeys the same recursion: Tr = Mb Ω̇ + W, with the bias wrench W = Ω × P of the
 // body plus the contributions of its children, and Ω̇ less gravity. No digits are lost that way.
-#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/revolute_dispatch.hpp>
 #include <momentree/dynamics/sweep_buffers.hpp>
 #include <momentree/joint/dispatch.hpp>

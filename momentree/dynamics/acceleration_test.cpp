@@ -1,14 +1,14 @@
 // The second recursion on small machines with results that can be derived by hand. (Random trees of all kinds against an
 // independent oracle: tests/oracle.)
-#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 
 #include <cmath>
 #include <string>
 
 #include <doctest/doctest.h>
 
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/kinds.hpp>
 
 using namespace momentree;
@@ -49,10 +49,10 @@ TEST_CASE("(30) (32) (47) a rod on a pin: acceleration, and what the pin carries
   const double a = (tau + m * g * l * std::cos(q)) / (I + m * l * l + rotor);
   CHECK(at.a(0) == doctest::Approx(a).epsilon(1e-14));
   // Rod axes: x along it, z perpendicular and upward; gravity is g (sin q, 0, −cos q) there.
-  const Force<double> W = reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({0}));
+  const Force<double> W = as_force(reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({0})));
   check_near(W.l, {-m * l * w * w - m * g * std::sin(q), 0, -m * l * a + m * g * std::cos(q)});
   check_near(W.h, {0, tau - rotor * a, 0});
-  const Force<double> pure = pure_reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({0}));
+  const Force<double> pure = as_force(pure_reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({0})));
   check_near(pure.l, W.l);
   check_near(pure.h, {});
   const BodyAcceleration b = body_acceleration(at.tree, at.state, at.workspace, BodyId{0});
@@ -74,7 +74,7 @@ TEST_CASE("(45) (51) what hangs outboard pulls at every joint inboard of it: a c
   const Machine hanging(model);
   double outboard = 15;
   for (int k = 0; k < 5; ++k) {
-    const Force<double> W = reaction(hanging.tree, hanging.state, hanging.workspace, hanging.tree.inboard_joint({k}));
+    const Force<double> W = as_force(reaction(hanging.tree, hanging.state, hanging.workspace, hanging.tree.inboard_joint({k})));
     check_near(W.l, {0, 0, 10 * outboard}, 1e-11);
     check_near(W.h, {}, 1e-11);
     outboard -= 1 + k;
@@ -85,7 +85,7 @@ TEST_CASE("(45) (51) what hangs outboard pulls at every joint inboard of it: a c
       {.name = "d/1", .mass = 3, .inertia = diagonal(0.2), .parent = base, .at = {1, 2, 3}, .joint = Prismatic{}, .q = 0.2});
   const Machine falling(model);
   for (const int k : {5, 6}) {
-    const Force<double> W = reaction(falling.tree, falling.state, falling.workspace, falling.tree.inboard_joint({k}));
+    const Force<double> W = as_force(reaction(falling.tree, falling.state, falling.workspace, falling.tree.inboard_joint({k})));
     check_near(W.l, {}, 1e-14);
     check_near(W.h, {}, 1e-14);
     const BodyAcceleration b = body_acceleration(falling.tree, falling.state, falling.workspace, BodyId{k});
@@ -104,7 +104,7 @@ TEST_CASE("(39) (44) a bead that slides outward on a turning rod") {
   const double turning = -2 * m * r * s * w / (J + m * r * r);  // d(J + m r²)w/dt = 0
   CHECK(at.a(0) == doctest::Approx(turning).epsilon(1e-13));
   CHECK(at.a(1) == doctest::Approx(r * w * w).epsilon(1e-13));
-  const Force<double> W = reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({1}));
+  const Force<double> W = as_force(reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({1})));
   check_near(W.l, {0, m * (2 * s * w + r * turning), 0});
   check_near(W.h, {});
   const BodyAcceleration b = body_acceleration(at.tree, at.state, at.workspace, BodyId{1});
@@ -132,8 +132,8 @@ TEST_CASE("what a drive transmits is taken from the reaction as it acts: along t
   add("hooke", Universal{.axis = x_axis, .axis2 = normalized(Vec3{1, 1, 0}), .effort = {7.0, 3.0}}, {0.3, 0.2});
   const Machine at(model);
   const auto drive = [&](int b) {  // joint's child-side axes, about its origin
-    const Force<double> W = reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({b})) -
-                            pure_reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({b}));
+    const Force<double> W = as_force(reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({b}))) -
+                            as_force(pure_reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({b})));
     const Pose& side = model[{b}].child_at;
     const Mat3 R = rotation_matrix(side.rotation);
     return Force<double>{transpose_times(R, W.l), transpose_times(R, W.h - cross(side.position, W.l))};

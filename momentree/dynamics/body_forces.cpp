@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/evaluation_context.hpp>
-#include <momentree/dynamics/forward.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {

@@ -2,7 +2,7 @@
 // Forces on bodies (BodyForce) in both recursions. They may depend on velocities, which are known only after the forward
 // recursion. So they are added by a separate inward pass, Tb = T + Σ Xᵀ Tb_child, ṗ += Eᵀ Tb, restricted to the paths from the
 // loaded bodies to their roots.
-#include <momentree/dynamics/workspace.hpp>
+#include <momentree/dynamics/workspace_data.hpp>
 
 namespace momentree {
 

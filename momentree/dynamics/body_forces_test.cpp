@@ -6,8 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/dynamics/acceleration.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
@@ -51,8 +50,8 @@ TEST_CASE("(20) a force at a point turns and pushes a body; it stands in world a
     CHECK(workspace.pdot[5] == doctest::Approx(body_axes ? 2.5 : 1));
     accelerate(tree, state, workspace);
     CHECK(workspace.a[5] == doctest::Approx((body_axes ? 2.5 : 1) / 0.3));
-    CHECK(norm(reaction(tree, state, workspace, tree.inboard_joint({0})).l) < 1e-14);  // unconstrained
-    CHECK(norm(reaction(tree, state, workspace, tree.inboard_joint({0})).h) < 1e-14);
+    CHECK(norm(reaction(tree, state, workspace, tree.inboard_joint({0})).force) < 1e-14);  // unconstrained
+    CHECK(norm(reaction(tree, state, workspace, tree.inboard_joint({0})).torque) < 1e-14);
   }
 }
 
@@ -68,9 +67,9 @@ TEST_CASE("a pendulum in the wind: the joint gets the moment, and its reaction h
   CHECK(workspace.pdot[0] == doctest::Approx(-10));
   accelerate(tree, state, workspace);
   CHECK(workspace.a[0] == doctest::Approx(-10 / 1.1));
-  const Force<double> R = reaction(tree, state, workspace, tree.inboard_joint({0}));
-  CHECK(R.l.x == doctest::Approx(10 / 1.1 - 5));  // m·a of the centre of mass, less the force
-  CHECK(R.l.z == doctest::Approx(-2));
+  const Wrench R = reaction(tree, state, workspace, tree.inboard_joint({0}));
+  CHECK(R.force.x == doctest::Approx(10 / 1.1 - 5));  // m·a of the centre of mass, less the force
+  CHECK(R.force.z == doctest::Approx(-2));
 }
 
 TEST_CASE("a locked joint gets nothing, what carries it does; a removed body takes its force along") {

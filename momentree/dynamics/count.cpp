@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {

@@ -1,7 +1,7 @@
-#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
-#include <momentree/dynamics/forward.hpp>
 
 namespace momentree {
 

@@ -1,7 +1,7 @@
 #include <momentree/dynamics/evaluation_context.hpp>
 
-#include <momentree/dynamics/energy.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 
 namespace momentree {
 

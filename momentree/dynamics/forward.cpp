@@ -1,8 +1,7 @@
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 
 #include <algorithm>
 
-#include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/body_forces.hpp>
 #include <momentree/dynamics/evaluation_context.hpp>
 #include <momentree/dynamics/forces/friction.hpp>

@@ -1,81 +1,21 @@
 #pragma once
 // (q, p) → (q̇, ṗ) in two recursions, O(n): backward (22)–(26), forward (27), (17), (21), (20).
-#include <momentree/dynamics/rates_function.hpp>
 #include <momentree/dynamics/workspace.hpp>
-#include <momentree/tree/unchecked_tree.hpp>
+#include <momentree/tree/model.hpp>
+#include <momentree/tree/state.hpp>
 
 namespace momentree {
 
-/// One evaluation at packed arrays q (nq numbers) and p (nv), which are not checked: writes workspace.v, qdot and pdot. Neither
-/// allocates nor throws. The workspace then belongs to no state, and its records and angles must not be read by others: use
-/// `forward_dynamics` for topology changes and readers.
-template <class T>
-void evaluate_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept;
+/// The state with a model's start values q and v at time 0; joints with prescribed motion start at its values. The tree must be
+/// as compiled from this model.
+[[nodiscard]] State start_state(const Model& model, const Tree& tree);
 
-/// The same, with kernels that also store the motion of every body in workspace.motions, the records, and sines and cosines of
-/// the joints.
-template <class T>
-void evaluate_motions(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept;
-
-/// The same for a state of this tree, with the joint and body forces at its time; the workspace then carries the state's stamp. A
-/// workspace that carries it already is left unchanged. Stops the program for a state of another tree, or a workspace made for a
-/// smaller one.
+/// One evaluation of a state of this tree, with the joint and body forces at its time: writes workspace.v, qdot and pdot, and the
+/// workspace then carries the state's stamp. A workspace that carries it already is left unchanged. Neither allocates nor throws.
+/// Stops the program for a state of another tree, or a workspace made for a smaller one.
 void forward_dynamics(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
-
-/// evaluate_rates, or evaluate_motions if forces will read poses or motions of joints and bodies.
-void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Workspace<double>& workspace) noexcept;
-
-/// One stage of an integrator at time t (s), with all forces: completes pdot and power. The workspace then belongs to no state.
-/// With prescribed motion it runs the second recursion, too, for the power of the drives. `generated`: code for this topology
-/// that replaces evaluate_rates where possible; may be null.
-void evaluate_stage(const Tree& tree, double t, const double* q, const double* p, Workspace<double>& workspace,
-                    RatesFunction generated = nullptr) noexcept;
-
-/// Adds the joint forces of dampers, springs, efforts and all other elements at time t to pdot (for driven DoFs pdot becomes s̈);
-/// workspace.power is their power, except that of prescribed motions. `resisting` false: without the forces of resistance.hpp.
-void add_joint_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, bool resisting = true) noexcept;
-
-/// The same forces τ (nv numbers), for the velocities in workspace.v; zero for locked DoFs, s̈ for driven ones.
-void joint_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, double* tau) noexcept;
-
-/// Forces of springs and drives on the DoFs of b's joint (nv numbers) as if none were locked: the load on a stop.
-void unlocked_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, int b, double* force) noexcept;
-
-/// Spring of body b's joint, which must have one: writes the generalised force (nv numbers) and returns the energy (J).
-double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept;
-/// The same, with only that joint's coordinates q.
-double joint_spring_at(const Tree& tree, const double* q, int b, double* force) noexcept;
-
-/// Effort of the prescribed motion of b's joint, in addition to springs, dampers and friction (N m, N). Requires the
-/// accelerations of this evaluation.
-double motion_effort(const Tree& tree, const double* q, const Workspace<double>& workspace, int b) noexcept;
 
 /// Writes world poses and velocities of all bodies (kernel frames) to workspace.bodies; evaluates the state first if needed.
 void locate_bodies(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
-
-/// The same after a stage, at coordinates q that belong to no state, with the velocities of that evaluation. Writes only
-/// workspace.bodies.
-void locate_stage(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept;
-
-/// Coordinates and trigonometry of b's joint, from the last evaluation of the workspace.
-inline JointState<double> joint_state(UncheckedTree tree, const double* q, const Workspace<double>& workspace, int b) noexcept {
-  return {q + tree.first_q(b), workspace.cos.get() + tree.first_angle(b), workspace.sin.get() + tree.first_angle(b)};
-}
-inline JointState<double> joint_state(const Tree& tree, const double* q, const Workspace<double>& workspace, int b) noexcept {
-  static_cast<void>(tree.index(b));
-  return joint_state(UncheckedTree(tree), q, workspace, b);
-}
-inline JointState<double> joint_state(const Tree& tree, const State& state, const Workspace<double>& workspace, int b) noexcept {
-  return joint_state(tree, state.q().data(), workspace, b);
-}
-/// Transform of b's joint including its placement, from the last evaluation of the workspace.
-DenseTransform<double> joint_transform_of(const Tree& tree, const double* q, const Workspace<double>& workspace, int b) noexcept;
-inline DenseTransform<double> joint_transform_of(const Tree& tree, const State& state, const Workspace<double>& workspace,
-                                                 int b) noexcept {
-  return joint_transform_of(tree, state.q().data(), workspace, b);
-}
-
-extern template void evaluate_rates<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
-extern template void evaluate_motions<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
 
 }  // namespace momentree

@@ -3,7 +3,7 @@
 //
 // The passes run along the tree's order with their sums in local variables. The first child of a body follows it directly, so
 // sums pass through memory only for later children. Kernel runs, consecutive bodies with the same kernels, are one loop.
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/in_plane.ipp>
 #include <momentree/dynamics/pair_sweep.hpp>
 #include <momentree/dynamics/revolute_dispatch.hpp>

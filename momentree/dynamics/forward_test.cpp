@@ -1,6 +1,6 @@
 // The recursions against their own equations, on small trees that show each of them. (Random trees of all kinds against an
 // independent oracle: tests/oracle.)
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 
 #include <array>
 #include <cmath>
@@ -9,8 +9,8 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/kinds.hpp>
 
 using namespace momentree;

@@ -2,7 +2,7 @@
 // Plane mechanisms: grounded trees of revolute joints with parallel axes. A velocity has only three components, and in the
 // plane's axes with absolute angles nothing is rotated from body to body. Included only by forward.ipp.
 #include <momentree/dynamics/sweep_buffers.hpp>
-#include <momentree/dynamics/workspace.hpp>
+#include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/joint/kinds.hpp>
 
 namespace momentree {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
-#include <momentree/dynamics/forward.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/sincos.hpp>
 

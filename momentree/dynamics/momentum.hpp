@@ -2,8 +2,7 @@
 // Momenta: of bodies, articulated, and conjugate to the joint velocities (12), (14), (19).
 #include <span>
 
-#include <momentree/dynamics/forward.hpp>
-#include <momentree/tree/model.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 
 namespace momentree {
 
@@ -14,10 +13,6 @@ void project_momentum(const Tree& tree, const double* q, const double* v, double
 /// For a new body b: sets p of its joint and adds b's momentum to p of all joints inboard, so that no velocity changes. `parent`:
 /// velocity of the parent in the parent's kernel frame; v: of the new joint. Reads q but no workspace; p is the packed array.
 void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>& parent, const double* v, double* p) noexcept;
-
-/// The state with a model's start values q and v at time 0; joints with prescribed motion start at its values. The tree must be
-/// as compiled from this model.
-[[nodiscard]] State start_state(const Model& model, const Tree& tree);
 
 /// Articulated momentum Pb (14), of body b and all outboard bodies, in b's kernel frame. Requires a workspace evaluated on this
 /// state.

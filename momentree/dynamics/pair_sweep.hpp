@@ -1,5 +1,7 @@
 #pragma once
 #include <momentree/joint/link_constants.hpp>
+#include <momentree/joint/pass_data.hpp>
+#include <momentree/tree/kernel_run.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {

@@ -4,7 +4,7 @@
 #include <momentree/dynamics/pair_sweep.hpp>
 #include <momentree/dynamics/revolute_dispatch.hpp>
 #include <momentree/dynamics/sweep_buffers.hpp>
-#include <momentree/dynamics/workspace.hpp>
+#include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/joint/kinds.hpp>
 
 namespace momentree {
@@ -17,8 +17,8 @@ struct PairSweep {
   const int* order = tree.order().data();
   const unsigned char* node_flags = tree.node_flags().data();
   const PairedLinks* links = tree.paired_links().data() + first.links;
-  SweepBuffers<Inboard<BodyPair>, Outboard<BodyPair>> within{tree, workspace.pairs.child_sums.get(),
-                                                             workspace.pairs.parent_states.get()};
+  SweepBuffers<Inboard<BodyPair>, Outboard<BodyPair>> within{tree, workspace.pairs->child_sums.get(),
+                                                             workspace.pairs->parent_states.get()};
   SweepBuffers<Inboard<double>, Outboard<double>> outside{tree, workspace.child_sums.get(), workspace.parent_states.get()};
 
   MOMENTREE_INLINE BodySweep<double>& motion_of(int b) const { return workspace.motions[static_cast<std::size_t>(b)]; }
@@ -40,7 +40,7 @@ struct PairSweep {
       const unsigned flags = flags_at(i);
       const PairedLinks& k = links[i];
       const int angle = tree.first_angle(b), there = tree.first_angle(c), at = tree.first_p(b), other = tree.first_p(c);
-      ArmatureRecord<BodyPair>& record = workspace.pairs.records[static_cast<std::size_t>(b)];
+      ArmatureRecord<BodyPair>& record = workspace.pairs->records[static_cast<std::size_t>(b)];
       BodyPair armature(0);
       if constexpr (Steps::rotor) armature = of(tree.armature(), at, other);
       const auto step = [&](auto shape, auto children, auto way) MOMENTREE_INLINE_LAMBDA {
@@ -86,7 +86,7 @@ struct PairSweep {
         workspace.v[at] = workspace.qdot[tree.first_q(b)] = u[0], workspace.v[other] = workspace.qdot[tree.first_q(c)] = u[1];
         workspace.pdot[at] = pdot[0], workspace.pdot[other] = pdot[1];
       };
-      const ArmatureRecord<BodyPair>& record = workspace.pairs.records[static_cast<std::size_t>(b)];
+      const ArmatureRecord<BodyPair>& record = workspace.pairs->records[static_cast<std::size_t>(b)];
       const BodyPair& momentum = of(p, at, other);
       if ((flags & node::root) != 0)
         step([&](const BodyPair& cosine, const BodyPair& sine, BodyPair& u, BodyPair& pdot, BodySweep<BodyPair>& motion)

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/topology/test_support.hpp>

@@ -1,6 +1,7 @@
 #pragma once
 // Selects the inward step of a revolute body: by the shape of its link, its children and the destination of its output.
 #include <momentree/joint/revolute_steps.hpp>
+#include <momentree/tree/kernel_run.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {

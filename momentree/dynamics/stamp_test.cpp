@@ -7,10 +7,9 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/dynamics/acceleration.hpp>
-#include <momentree/dynamics/energy.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/snapshot.hpp>
 

@@ -59,8 +59,8 @@ inline void poison(const Tree& tree, Workspace<double>& workspace) {
   fill(workspace.records.get(), tree.record_capacity());
   fill(workspace.child_sums.get(), bodies), fill(workspace.parent_states.get(), bodies), fill(workspace.motions.get(), bodies);
   if (!has_pair_lanes) return;
-  fill(workspace.pairs.records.get(), bodies), fill(workspace.pairs.child_sums.get(), bodies),
-      fill(workspace.pairs.parent_states.get(), bodies);
+  fill(workspace.pairs->records.get(), bodies), fill(workspace.pairs->child_sums.get(), bodies),
+      fill(workspace.pairs->parent_states.get(), bodies);
 }
 
 /// Largest difference relative to the largest number; infinite if any number is not finite.

@@ -2,6 +2,8 @@
 
 #include <type_traits>
 
+#include <momentree/tree/kernel_run.hpp>
+
 namespace momentree {
 
 namespace {

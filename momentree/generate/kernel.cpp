@@ -2,7 +2,7 @@
 
 #include <new>
 
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/generate/symbolic.hpp>
 #include <momentree/joint/dispatch.hpp>
 

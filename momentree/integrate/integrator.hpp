@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 
 namespace momentree {
 

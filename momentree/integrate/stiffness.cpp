@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <vector>
 
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/integrate/method_list.hpp>
 #include <momentree/integrate/methods.hpp>
 

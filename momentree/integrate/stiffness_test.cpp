@@ -122,16 +122,16 @@ TEST_CASE("what can't move by itself is not too stiff") {
 TEST_CASE("a run that diverges on a servo names the method for it") {
   Simulation simulation(arm(servo(100, 8)), {.method = "rk4", .step = 1e-3});
   CHECK(simulation.run_until(5) == Status::diverged);
-  CHECK(simulation.message().find("the servo of joint 'hand' (kd = 8 N m s/rad on 0.000") != std::string::npos);
-  CHECK(simulation.message().find("is too stiff for steps of 0.001 s; use method = \"damped\", or a step below ") !=
+  CHECK(simulation.result().reason.find("the servo of joint 'hand' (kd = 8 N m s/rad on 0.000") != std::string::npos);
+  CHECK(simulation.result().reason.find("is too stiff for steps of 0.001 s; use method = \"damped\", or a step below ") !=
         std::string::npos);
   Model fast({.gravity = {}});
   fast.add(
       {.name = "a", .mass = 1, .com = {0.3, 0, 0}, .inertia = diagonal(0.1), .joint = Free{}, .v = {0, 0, 0, 1e5, 2e5, 3e5}});
   Simulation wild(fast, {.method = "rk4", .step = 1});
   CHECK(wild.run_until(5) == Status::diverged);
-  CHECK(wild.message().find("a smaller step") != std::string::npos);
-  CHECK(wild.message().find("damped") == std::string::npos);
+  CHECK(wild.result().reason.find("a smaller step") != std::string::npos);
+  CHECK(wild.result().reason.find("damped") == std::string::npos);
 }
 
 }  // namespace momentree

@@ -71,7 +71,7 @@ void check_periods(Reading& reading) {
     if (!(event.period > 0) || (i > 0 && events[i - 1].name == event.name)) continue;
     const double clock = std::max(event.time, reading.scenario.integration.step);
     if (const std::optional<Error> wrong = wrong_period(event.period, clock, "every: a period"))
-      reading.out.error(event.place, wrong->what, wrong->hint);
+      reading.out.error(event.place, wrong->problem, wrong->hint);
   }
 }
 

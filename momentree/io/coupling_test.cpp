@@ -97,7 +97,7 @@ TEST_CASE("the Panda's second finger follows the first if the scenario requests 
   couple(coupled, read.scenario->couplings);
   const auto apart = [&](Simulation& run) {
     const Status status = run.run_until(0.2);
-    REQUIRE_MESSAGE(status == Status::ok, run.message());
+    REQUIRE_MESSAGE(status == Status::ok, run.result().reason);
     return std::abs(q(run, pair.joint.index) - q(run, pair.leader.index));
   };
   CHECK(apart(coupled) < 1e-4);

@@ -162,7 +162,7 @@ class Reader {
       }
     } catch (const Error& error) {
       if (!error.where.empty()) throw;
-      doc_.fail_at(node, error.what, error.hint);
+      doc_.fail_at(node, error.problem, error.hint);
     }
     doc_.fail_at(node, "a value that changes with time should be a number, a `table`, a `sine` or a `rate`");
   }

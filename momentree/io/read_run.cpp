@@ -98,7 +98,7 @@ void read_output(const Value& table, Reading& reading) {
     reading.integrate.every = fields.place_of("every");
     const std::optional<Error> wrong =
         *every > 0 ? wrong_period(*every, reading.scenario.integration.step, "every: a period") : std::nullopt;
-    if (wrong) reading.out.error(fields.place_of("every"), wrong->what, wrong->hint);
+    if (wrong) reading.out.error(fields.place_of("every"), wrong->problem, wrong->hint);
   }
   fields.finish();
 }

@@ -62,7 +62,7 @@ std::vector<std::string> retire(const fs::path& folder, const ResultMarker& mark
     try {
       action();
     } catch (const Error& error) {
-      warn(error.where, error.what.c_str());
+      warn(error.where, error.problem.c_str());
     } catch (const std::bad_alloc&) {
       warn(folder.native(), "out of memory: the earlier result is still here");
     }

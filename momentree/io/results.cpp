@@ -161,7 +161,7 @@ void Recorder::seal(const std::string& status, const ReportPage& report) {
 std::string Recorder::reason() const {
   if (!error_) return "out of memory";
   if (!error_->where.empty()) return error_->message();
-  return error_->what;
+  return error_->problem;
 }
 
 void Recorder::finish(const std::string& status, const Armed& armed, const ReportPage& report) {

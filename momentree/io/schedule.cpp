@@ -182,8 +182,8 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
     }();
     scheduled.named(event->name, event->named).ranked(ranks.at(event));
     for (std::size_t a = 0; a < event->actions.size(); ++a) {
-      if (const std::optional<Error> error = simulation.unknown_name(event->actions[a]))
-        all.problems.push_back({event->places[a], std::string(event->actions[a]->key()) + ": " + error->what, error->hint});
+      if (const std::optional<Error> error = simulation.check(event->actions[a]))
+        all.problems.push_back({event->places[a], std::string(event->actions[a]->key()) + ": " + error->problem, error->hint});
       else
         scheduled.then(event->actions[a]);
     }

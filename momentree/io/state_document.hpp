@@ -17,7 +17,7 @@ struct ArmedEvent {
   int fired = 0;  ///< how often it has happened
   /// For each match of its wildcard, in the order of the model, or for the one event: the state of its condition, and when it
   /// is due. Empty: only the count is known.
-  std::vector<EventQueue::Armed> each{};
+  std::vector<EventStatus> each{};
   friend bool operator==(const ArmedEvent&, const ArmedEvent&) = default;
 };
 /// In the order of the file.

@@ -118,8 +118,8 @@ class Reader {
     return given != nullptr && given->number != 0;
   }
 
-  EventQueue::Armed read_condition(const JsonNode& node) const {
-    EventQueue::Armed armed;
+  EventStatus read_condition(const JsonNode& node) const {
+    EventStatus armed;
     armed.fired = read_count(node);
     armed.done = truth(node, "done"), armed.resting = truth(node, "resting");
     const JsonNode *due = node.find("due"), *since = node.find("since"), *looked = node.find("looked");

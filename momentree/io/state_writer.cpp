@@ -60,7 +60,7 @@ void write_body(JsonWriter& json, const std::string& name, const BodyMotion& mot
 }
 
 // The state of a condition; values as at the start are omitted.
-void write_condition(JsonWriter& json, const EventQueue::Armed& armed) {
+void write_condition(JsonWriter& json, const EventStatus& armed) {
   if (armed.done) json.member("done", true);
   if (std::isfinite(armed.time)) json.member("due", armed.time);
   if (armed.since >= 0) json.member("since", armed.since);
@@ -76,7 +76,7 @@ void write_armed(JsonWriter& json, const ArmedEvent& event) {
   if (event.each.size() == 1) write_condition(json, event.each.front());
   if (event.each.size() > 1) {
     json.key("each").begin_array();
-    for (const EventQueue::Armed& armed : event.each) {
+    for (const EventStatus& armed : event.each) {
       json.begin_object().member("fired", armed.fired);
       write_condition(json, armed);
       json.end_object();

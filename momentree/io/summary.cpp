@@ -198,7 +198,8 @@ std::string summary_json(const RunOrigin& origin, const std::string& status, con
   write_missed(json, simulation);
   json.key("warnings").begin_array();
   const std::string advice = energy.advice(origin.integration);
-  if (simulation.message().empty() && !advice.empty()) json.value(advice);  // the last energies of a diverged run are meaningless
+  if (simulation.result().reason.empty() && !advice.empty())
+    json.value(advice);  // the last energies of a diverged run are meaningless
   json.end_array().end_object();
   text += '\n';
   return text;

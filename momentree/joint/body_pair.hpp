@@ -1,6 +1,7 @@
 #pragma once
 // Two isomorphic branches of one mechanism, such as the legs of a robot, in the two lanes of one scalar.
 #include <momentree/joint/link_constants.hpp>
+#include <momentree/joint/pass_data.hpp>
 #include <momentree/math/pack.hpp>
 
 namespace momentree {

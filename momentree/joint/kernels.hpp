@@ -33,7 +33,9 @@
 #include <type_traits>
 
 #include <momentree/joint/joint.hpp>
+#include <momentree/joint/joint_transforms.hpp>
 #include <momentree/joint/link_constants.hpp>
+#include <momentree/joint/pass_data.hpp>
 #include <momentree/math/joint_mass.hpp>
 #include <momentree/math/spatial.hpp>
 
@@ -145,10 +147,6 @@ MOMENTREE_INLINE DenseTransform<T> dense_transform(const LinkConstants& k, const
   const Mat3 R0 = K::turns_about_z ? tilt_rotation(k) : placement_rotation(k);
   return {R0 * R, Vector3<T>{T(k.r.x), T(k.r.y), T(k.r.z)} + R0 * r};
 }
-
-/// How a joint is used, which selects its kernels: as declared, with armature, with locked DoFs, with parent and child exchanged,
-/// or exchanged and locked.
-enum class Variant : unsigned char { plain, armature, locked, reversed, reversed_locked };
 
 /// Defaults for a kind with NQ coordinates and NV DoFs that moves in any way. A derived class provides `pose`, `columns` and, if
 /// E changes, `columns_rate`.

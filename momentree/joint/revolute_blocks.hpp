@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <momentree/joint/link_constants.hpp>
+#include <momentree/joint/pass_data.hpp>
 
 namespace momentree::detail {
 

@@ -163,7 +163,7 @@ TEST_CASE(
   sim.at(0.03).then(weld("tug/upper", "tug/hull")).named("loop");
   CHECK(sim.run_until(1) == Status::refused);
   CHECK(sim.time() == 0.03);
-  CHECK(sim.message().find("event 'loop' at t = 0.03 s: weld tug/upper to tug/hull: ") == 0);
+  CHECK(sim.result().reason.find("event 'loop' at t = 0.03 s: weld tug/upper to tug/hull: ") == 0);
   REQUIRE(sim.events().size() == 3);
   CHECK(sim.events()[1].actions[0].text().find("break tug/hand skipped: ") == 0);
   CHECK(sim.events()[2].actions[0].text().find("lock tug/hand skipped: ") ==

@@ -1,7 +1,7 @@
 // Adding bodies to a running world and removing them.
 #include <cmath>
 
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree {
@@ -53,7 +53,7 @@ void World::remove(BodyId body) {
   evaluate();
   std::vector<int> gone;
   for (const int x : tree_.order())
-    if (root_of(tree_, x) == b) gone.push_back(x);
+    if (root_of(tree_, {x}).index == b) gone.push_back(x);
   std::vector<int> joints;
   for (const int x : gone) joints.push_back(tree_.joint_of(x));
   apply(Remove{body}, tree_, state_, workspace_);

@@ -92,7 +92,7 @@ const std::vector<Change> changes = {
     {"step", [](Simulation& sim, const World&) { static_cast<void>(sim.step(1)); }},
     {"apply", [](Simulation& sim, const World&) { sim.apply(break_joint("m/lower")); }},
     {"apply nothing", [](Simulation& sim, const World&) { sim.apply(std::span<const Action>()); }},
-    {"attempt", [](Simulation& sim, const World&) { static_cast<void>(sim.attempt(break_joint("m/lower"))); }},
+    {"try_apply", [](Simulation& sim, const World&) { static_cast<void>(sim.try_apply(break_joint("m/lower"))); }},
     {"set_gravity", [](Simulation& sim, const World&) { sim.set_gravity({}); }},
     {"use_generated", [](Simulation& sim, const World&) { sim.use_generated({}); }},
     {"observe", [](Simulation& sim, const World&) { sim.observe(0, {}); }},

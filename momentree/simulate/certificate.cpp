@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/simulate/topology_editor.hpp>
 #include <momentree/simulate/topology_record.hpp>
 

@@ -243,7 +243,7 @@ TEST_CASE("snapshots know what is armed; a runaway is stopped with its story; im
   runaway.after("a").then(impulse("ball", {})).named("b");
   runaway.after("b").then(impulse("ball", {})).named("a");
   CHECK(runaway.run_until(1) == Status::refused);
-  CHECK(runaway.message().find("more than 10000 events at t = 0.1 s") != std::string::npos);
+  CHECK(runaway.result().reason.find("more than 10000 events at t = 0.1 s") != std::string::npos);
 
   Simulation jerk(hanging(3));
   jerk.when(reaction_impulse("rod/2").exceeds(0.5)).then(break_joint("rod/2"));

@@ -96,4 +96,15 @@ struct MissedEvent {
   double lasts = 0, held = 0;  ///< s
 };
 
+/// Status of a scheduled event in a snapshot.
+struct EventStatus {
+  double time = 0;       ///< when it is due (s), if known
+  int fired = 0;         ///< how often it has happened
+  bool done = false;     ///< it will not happen again
+  double since = -1;     ///< time (s) since which its condition holds; −1: it does not hold
+  bool resting = false;  ///< it repeats, and is not armed again yet
+  double excess = 0, excess_before = 0, looked = -1, looked_before = -1;  ///< at the last two evaluations, and their times
+  friend bool operator==(const EventStatus&, const EventStatus&) = default;
+};
+
 }  // namespace momentree

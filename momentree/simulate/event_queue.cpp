@@ -157,14 +157,14 @@ void EventQueue::forget_looks() {
   for (std::size_t k = 0; k < count(); ++k) at(k).looked = at(k).looked_before = -1;
 }
 
-std::vector<EventQueue::Armed> EventQueue::armed() const {
-  std::vector<Armed> all;
+std::vector<EventStatus> EventQueue::armed() const {
+  std::vector<EventStatus> all;
   for (const Entry& e : entries)
     all.push_back({e.time, e.fired, e.done, e.since, e.resting, e.excess, e.excess_before, e.looked, e.looked_before});
   return all;
 }
 
-void EventQueue::restore(std::span<const Armed> armed, double now) {
+void EventQueue::restore(std::span<const EventStatus> armed, double now) {
   strengths_.clear();
   strengths_of_.reset();
   for (std::size_t k = 0; k < entries.size(); ++k) {
@@ -172,7 +172,7 @@ void EventQueue::restore(std::span<const Armed> armed, double now) {
     e.looked = e.looked_before = -1;
     e.nearest = {};
     if (k < armed.size()) {
-      const Armed& a = armed[k];
+      const EventStatus& a = armed[k];
       e.time = a.time, e.fired = a.fired, e.done = a.done, e.since = a.since, e.resting = a.resting;
       e.excess = a.excess, e.excess_before = a.excess_before, e.looked = a.looked, e.looked_before = a.looked_before;
     } else {

@@ -78,19 +78,10 @@ class EventQueue {
   /// An entry happened: it is done or armed again; the times of entries that follow it are now known.
   void happened(std::size_t place, double time);
 
-  /// The state of each entry in a snapshot.
-  struct Armed {
-    double time = 0;
-    int fired = 0;
-    bool done = false;
-    double since = -1;
-    bool resting = false;
-    double excess = 0, excess_before = 0, looked = -1, looked_before = -1;
-    friend bool operator==(const Armed&, const Armed&) = default;
-  };
-  std::vector<Armed> armed() const;
+  /// The status of each entry, for a snapshot.
+  std::vector<EventStatus> armed() const;
   /// Entries that are not in the list stay scheduled unless their time is before `now`.
-  void restore(std::span<const Armed> armed, double now);
+  void restore(std::span<const EventStatus> armed, double now);
 
  private:
   struct Borne {

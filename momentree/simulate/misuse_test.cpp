@@ -99,12 +99,12 @@ TEST_CASE("a clock that can't resolve the steps says so") {
   std::vector<JointStart> none;
   sim.restore(1e14, {}, none);  // where the clock's resolution is 0.016 s
   CHECK(sim.run_until(1e14 + 1) == Status::stalled);
-  CHECK(sim.message().find("too short to move the clock") != std::string::npos);
+  CHECK(sim.result().reason.find("too short to move the clock") != std::string::npos);
   check_error("is shorter than the clock can resolve", [&] { static_cast<void>(sim.every(1e-3, 1e14)); });
   check_error("is shorter than the clock can resolve", [&] { sim.observe(1e-3, [](const World&) { return true; }); });
   sim.restore(0, {}, none);  // from a state from which it can continue
   CHECK(sim.run_until(0.01) == Status::ok);
-  CHECK(sim.message().empty());
+  CHECK(sim.result().reason.empty());
 }
 
 TEST_CASE("how to integrate") {
@@ -165,8 +165,8 @@ TEST_CASE("actions with what no joint, impulse or placement has") {
   Simulation sim(model());
   const auto refuses = [&](const char* what, const Action& action) {
     CAPTURE(what);
-    CHECK(sim.attempt(action) == Status::refused);
-    CHECK(sim.message().find(what) != std::string::npos);
+    CHECK(sim.try_apply(action) == Status::refused);
+    CHECK(sim.result().reason.find(what) != std::string::npos);
     check_error(what, [&] { sim.apply(action); });
     CHECK(sim.events().empty());
   };
@@ -277,7 +277,7 @@ TEST_CASE("a simulation that is gone, or was another") {
       {"a snapshot of another model", "compiled from the same model",
        [] { Simulation(model()).restore(Simulation(model(2)).snapshot()); }},
       {"resumed with more events than there are", "at most as many events as are scheduled",
-       [] { Simulation(model()).resume(std::vector<EventQueue::Armed>(3)); }},
+       [] { Simulation(model()).resume(std::vector<EventStatus>(3)); }},
       {"resumed with a step that is no number", "a StepMemory returned by step_memory()",
        [] { Simulation(model(), {.method = "dopri5"}).resume({}, {.next_step = no_number}); }},
   };

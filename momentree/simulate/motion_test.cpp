@@ -344,7 +344,7 @@ TEST_CASE("a rehearsal judges no motion by where joints stand before it") {
   CHECK(sim.dry_run().issues.empty());
   CHECK(q == std::vector<double>(sim.world().state().q().begin(), sim.world().state().q().end()));
   CHECK(sim.run_until(1) == Status::refused);
-  CHECK(sim.message().find("its motion is at 5 now") != std::string::npos);
+  CHECK(sim.result().reason.find("its motion is at 5 now") != std::string::npos);
   CHECK(sim.time() == 0.2);
 }
 

@@ -54,7 +54,7 @@ class Names {
   }
   std::vector<std::string> joints_;
   std::vector<std::string> mechanisms_;  // by root body
-  std::unordered_map<std::string, int, NameHash, std::equal_to<>> numbers_;
+  std::unordered_map<std::string, int, detail::NameHash, std::equal_to<>> numbers_;
 };
 
 }  // namespace momentree

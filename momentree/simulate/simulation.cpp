@@ -46,25 +46,20 @@ Simulation::Impl& Simulation::steady() const {
   return *impl_;
 }
 
-Simulation::Scheduled Simulation::scheduled(EventQueue::Entry entry) {
-  const std::size_t place = scheduling().schedule(std::move(entry));
-  return Scheduled(impl_, place);
-}
-
 Simulation::Scheduled Simulation::at(double time) {
   const double now = scheduling().world.time();
   if (!std::isfinite(time) || time < now)
     throw_error({"an event at " + detail::text(time) + " s cannot happen: the time is " + detail::text(now) + " s", "", ""});
   EventQueue::Entry entry;
   entry.time = time;
-  return scheduled(std::move(entry));
+  return Scheduled(impl_, impl_->schedule(std::move(entry)));
 }
 
 Simulation::Scheduled Simulation::when(Condition condition) {
   check_condition(scheduling().world, impl_->queue, condition);
   EventQueue::Entry entry;
   entry.condition = std::move(condition);
-  return scheduled(std::move(entry));
+  return Scheduled(impl_, impl_->schedule(std::move(entry)));
 }
 
 Simulation::Scheduled Simulation::after(std::string event, double delay) {
@@ -81,7 +76,7 @@ Simulation::Scheduled Simulation::after(std::string event, double delay) {
     throw_error({"the delay after an event can't be " + detail::text(delay) + " s", "", ""});
   EventQueue::Entry entry;
   entry.after = std::move(event), entry.delay = delay;
-  return scheduled(std::move(entry));
+  return Scheduled(impl_, impl_->schedule(std::move(entry)));
 }
 
 Simulation::Scheduled Simulation::every(double period, double from) {
@@ -92,7 +87,7 @@ Simulation::Scheduled Simulation::every(double period, double from) {
   if (std::optional<Error> wrong = wrong_period(period, clock, "the period of an event")) throw_error(std::move(*wrong));
   EventQueue::Entry entry;
   entry.time = from, entry.period = period;
-  return scheduled(std::move(entry));
+  return Scheduled(impl_, impl_->schedule(std::move(entry)));
 }
 
 std::shared_ptr<Simulation::Impl> Simulation::Scheduled::impl() const {
@@ -137,17 +132,18 @@ Event Simulation::apply(std::span<const Action> actions, std::string name) {
   return impl_->events[place];
 }
 
-Status Simulation::attempt(std::span<const Action> actions, std::string name) {
+RunResult Simulation::try_apply(std::span<const Action> actions, std::string name) {
   Impl& impl = changing();
   for (const Action& action : actions)
-    if (const std::optional<Error> error = unknown_name(action)) {
-      impl.message = std::string(action->key()) + ": " + error->what + (error->hint.empty() ? "" : "; " + error->hint);
-      return Status::refused;
+    if (const std::optional<Error> error = check(action)) {
+      const std::string reason = std::string(action->key()) + ": " + error->problem;
+      return impl.result = {Status::refused, reason + (error->hint.empty() ? "" : "; " + error->hint)};
     }
-  return impl.act(actions, name) ? Status::ok : Status::refused;
+  if (!impl.act(actions, name)) return impl.result = {Status::refused, impl.message};
+  return impl.result = {};
 }
 
-std::optional<Error> Simulation::unknown_name(const Action& action) const {
+std::optional<Error> Simulation::check(const Action& action) const {
   return impl().unknown_name(action->joints(), action->bodies());
 }
 
@@ -200,15 +196,17 @@ Simulation Simulation::branch() const {
   return other;
 }
 
-Status Simulation::run_until(double time) {
+RunResult Simulation::run_until(double time) {
   Impl& impl = changing();
   if (std::isnan(time)) throw_error({"the time to run to is not a number", "", ""});
   if (time == HUGE_VAL && !impl.observer && !impl.watcher)
     throw_error(
         {"nothing ends a run with infinite end time", "", "give it an observer or a watcher that eventually returns false"});
-  return impl.run(time);
+  const Status status = impl.run(time);
+  const bool explained = status != Status::ok && status != Status::interrupted;
+  return impl.result = {status, explained ? impl.message : std::string()};
 }
-Status Simulation::step(double dt) {
+RunResult Simulation::step(double dt) {
   const double now = changing().world.time();
   if (!(dt >= 0)) throw_error({"a step can't be " + detail::text(dt) + " s", "", ""});
   if (dt > 0 && now + dt == now)
@@ -270,7 +268,7 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
 }
 
 StepMemory Simulation::step_memory() const { return {impl().method->proposal(), impl_->ledger.work}; }
-void Simulation::resume(std::span<const EventQueue::Armed> armed, const StepMemory& memory) {
+void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& memory) {
   MT_REQUIRE(armed.size() <= changing().queue.entries.size(), "at most as many events as are scheduled");
   MT_REQUIRE(std::isfinite(memory.next_step) && std::isfinite(memory.work), "a StepMemory returned by step_memory()");
   if (impl_->method->adaptive() && memory.next_step > 0) {
@@ -278,7 +276,7 @@ void Simulation::resume(std::span<const EventQueue::Armed> armed, const StepMemo
     impl_->balance.work -= memory.work - impl_->ledger.work;  // it was done before this run
     impl_->ledger.work = memory.work;
   }
-  std::vector<EventQueue::Armed> all = impl_->queue.armed();
+  std::vector<EventStatus> all = impl_->queue.armed();
   std::copy_n(armed.begin(), std::min(armed.size(), all.size()), all.begin());
   impl_->queue.restore(all, impl_->world.time());
 }
@@ -287,7 +285,7 @@ double Simulation::time() const { return impl().world.time(); }
 const World& Simulation::world() const { return impl().world; }
 const std::vector<Event>& Simulation::events() const { return impl().events; }
 const RunStatistics& Simulation::statistics() const { return impl().statistics; }
-const std::string& Simulation::message() const { return impl().message; }
+const RunResult& Simulation::result() const { return impl().result; }
 
 std::vector<MissedEvent> Simulation::missed() const {
   std::vector<MissedEvent> all;

@@ -14,7 +14,6 @@
 #include <momentree/simulate/action.hpp>
 #include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/event.hpp>
-#include <momentree/simulate/event_queue.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
@@ -30,10 +29,17 @@ struct Integration {
   double max_step = HUGE_VAL;  ///< s
 };
 
-/// `refused`: an action was impossible; the world is as it was before that instant, and message() says which action and why.
-/// `stalled`: hundreds of thousands of steps or an endless sequence of events made next to no progress; message() suggests a
-/// remedy.
+/// How a run ended. `refused`: an action was impossible; the world is as it was before that instant. `stalled`: hundreds of
+/// thousands of steps or an endless sequence of events made next to no progress.
 enum class [[nodiscard]] Status{ok, diverged, interrupted, refused, stalled};
+
+/// How a run ended, and why: `if (const RunResult run = sim.run_until(3); !run) std::puts(run.reason.c_str());`
+struct [[nodiscard]] RunResult {
+  Status status = Status::ok;
+  std::string reason{};  ///< for `diverged`, `refused` and `stalled`: the cause and a remedy; otherwise empty
+  explicit operator bool() const { return status == Status::ok; }
+  operator Status() const { return status; }  // NOLINT(google-explicit-constructor): `sim.run_until(3) != Status::ok`
+};
 
 /// Wall-clock times and counts as in the paper's Table 2: [0] before and [1] after the first topology change.
 struct RunStatistics {
@@ -68,9 +74,9 @@ struct JointDriver {
 /// State of a run at an instant.
 struct SimulationSnapshot {
   WorldSnapshot world;
-  std::vector<EventQueue::Armed> armed;  ///< by scheduled event, in the order of scheduling
-  std::size_t events = 0;                ///< number of events that had happened
-  EnergyBalance balance;                 ///< with the energy dissipated and the work done by forces since the start
+  std::vector<EventStatus> armed;  ///< by scheduled event, in the order of scheduling
+  std::size_t events = 0;          ///< number of events that had happened
+  EnergyBalance balance;           ///< with the energy dissipated and the work done by forces since the start
   double impulsive_work = 0;
   double proposal = 0;  ///< the next step of an adaptive method (s)
 };
@@ -89,6 +95,10 @@ struct DryRun {
                          ///< now
 };
 
+/// Errors: set-up, scheduling and apply() throw Error for a user's mistake. A run does not throw: run_until(), step() and
+/// try_apply() return a RunResult. Where exceptions are unwanted, check() and try_apply() report the same errors without
+/// throwing.
+///
 /// Callbacks, and what they may do with the simulation that calls them:
 ///
 /// - observe(), watch(): may read everything, take a snapshot(), make a branch(), and schedule events with at(), when(), after()
@@ -153,11 +163,11 @@ class Simulation {
   /// if one of them is impossible; nothing has then happened.
   Event apply(std::span<const Action> actions, std::string name = {});
   Event apply(const Action& action, std::string name = {}) { return apply(std::span(&action, 1), std::move(name)); }
-  /// Like apply(), but returns Status::refused instead of throwing if an action is impossible; message() says why.
-  Status attempt(std::span<const Action> actions, std::string name = {});
-  Status attempt(const Action& action, std::string name = {}) { return attempt(std::span(&action, 1), std::move(name)); }
+  /// Like apply(), but returns Status::refused with the reason instead of throwing: for an unknown name, too.
+  RunResult try_apply(std::span<const Action> actions, std::string name = {});
+  RunResult try_apply(const Action& action, std::string name = {}) { return try_apply(std::span(&action, 1), std::move(name)); }
   /// The error that then() and apply() would throw for an unknown name in an action; nothing if all names are known.
-  [[nodiscard]] std::optional<Error> unknown_name(const Action& action) const;
+  [[nodiscard]] std::optional<Error> check(const Action& action) const;
 
   /// Changes gravity from now on (m/s², world axes). The resulting change of potential energy counts as work. The history that
   /// keep_history() kept is discarded; snapshots taken before do not restore the former gravity. Throws Error for values that are
@@ -165,13 +175,13 @@ class Simulation {
   void set_gravity(Vec3 gravity);
 
   /// Steps to `time` (s), landing exactly on every scheduled event and on `time`; events at `time` happen. Does nothing if `time`
-  /// is past. On divergence the state is the last good one, and message() says which joint diverged, when, and how to prevent it.
-  /// An infinite `time` requests a run that an observer or a watcher ends. Throws Error for NaN, and for an infinite time if
+  /// is past. On divergence the state is the last good one, and the reason says which joint diverged, when, and how to prevent
+  /// it. An infinite `time` requests a run that an observer or a watcher ends. Throws Error for NaN, and for an infinite time if
   /// nothing can end the run.
-  Status run_until(double time);
+  RunResult run_until(double time);
   /// Makes one step of `dt` seconds, for user-written loops (events within it happen at their instants). Throws Error for a step
   /// that is negative, not a number, or shorter than the clock can resolve; for infinity see run_until().
-  Status step(double dt);
+  RunResult step(double dt);
 
   /// Stages of steps run code that was generated for the topology instead of the kernels, if the provider has such code (see
   /// KernelCache); the provider is called before the first step after each change. Results agree to round-off, and depend on
@@ -240,7 +250,7 @@ class Simulation {
   StepMemory step_memory() const;
   /// Continues as another run would have: with the state of its adaptive method (a next step of 0: keep the present one) and the
   /// state of its events, in the order of scheduling (the list may be shorter than the list of events scheduled here).
-  void resume(std::span<const EventQueue::Armed> armed, const StepMemory& memory = {});
+  void resume(std::span<const EventStatus> armed, const StepMemory& memory = {});
 
   double time() const;
   const World& world() const;
@@ -249,15 +259,14 @@ class Simulation {
   std::vector<MissedEvent> missed() const;
   const RunStatistics& statistics() const;
   EnergyBalance energy() const;
-  /// The reason for a Status other than ok.
-  const std::string& message() const;
+  /// The result of the last run_until(), step() or try_apply().
+  const RunResult& result() const;
 
  private:
   Impl& impl() const;
   Impl& changing() const;
   Impl& scheduling() const;
   Impl& steady() const;
-  Scheduled scheduled(EventQueue::Entry entry);
   std::shared_ptr<Impl> impl_;  // shared only during a call: handles merely check whether it still exists
 };
 

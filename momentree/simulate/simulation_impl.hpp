@@ -10,7 +10,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/base/restored.hpp>
-#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/arguments.hpp>
 #include <momentree/simulate/event_queue.hpp>
@@ -436,7 +436,8 @@ struct Simulation::Impl {
   bool keeps_history = false;
   std::vector<Past> history;
   std::vector<Event> events;
-  std::string message;
+  std::string message;  // the reason, as soon as it is known
+  RunResult result;     // of the last call that returned one
   bool diverged = false, stalled = false;
   ProgressMonitor progress;
   double every = 0, next_look = 0, observed_at = 0;

@@ -138,9 +138,9 @@ TEST_CASE("a run that diverges stops at its last good state and says which joint
   Simulation sim(model, {.step = 0.05});
   CHECK(sim.run_until(1000) == Status::diverged);
   CHECK(sim.time() < 1000);
-  CHECK(sim.message().find("joint 'chain/") != std::string::npos);
-  CHECK(sim.message().find("t = ") != std::string::npos);
-  CHECK(sim.message().find("smaller step") != std::string::npos);
+  CHECK(sim.result().reason.find("joint 'chain/") != std::string::npos);
+  CHECK(sim.result().reason.find("t = ") != std::string::npos);
+  CHECK(sim.result().reason.find("smaller step") != std::string::npos);
   for (double q : sim.world().state().q()) CHECK(std::fabs(q) < 1e9);  // detected before the numbers become meaningless
   CHECK(std::isfinite(sim.energy().error));
   CHECK(sim.run_until(2000) == Status::diverged);
@@ -207,7 +207,7 @@ TEST_CASE("a coordinate that runs away in the first step is named, with how far 
   Simulation sim(model, {.step = 1e-3});
   CHECK(sim.run_until(1) == Status::diverged);
   CHECK(sim.time() == 0);
-  CHECK(sim.message().find("diverged at t = 0 s: the spring of joint 'stiff'") == 0);
+  CHECK(sim.result().reason.find("diverged at t = 0 s: the spring of joint 'stiff'") == 0);
   // A spring within a function cannot be recognised as one: the message reports what happened instead.
   Model driven({.gravity = {}});
   driven.add({.name = "calm", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}, .v = 1.0});
@@ -215,14 +215,14 @@ TEST_CASE("a coordinate that runs away in the first step is named, with how far 
   Simulation other(driven, {.step = 1e-3});
   other.drive("swing", [swing](const EvaluationContext& at) { return -1e12 * at.q({swing.index})[0]; });
   CHECK(other.run_until(1) == Status::diverged);
-  CHECK(other.message().find("diverged at t = 0 s: joint 'swing' would move by ") == 0);
-  CHECK(other.message().find("within a step of 0.001 s; use a smaller step") != std::string::npos);
+  CHECK(other.result().reason.find("diverged at t = 0 s: joint 'swing' would move by ") == 0);
+  CHECK(other.result().reason.find("within a step of 0.001 s; use a smaller step") != std::string::npos);
   Model sharp({.gravity = {}});
   const BodyId needle = sharp.add({.name = "sharp", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}, .q = 0.1});
   Simulation beyond(sharp, {.step = 1});
   beyond.drive("sharp", [needle](const EvaluationContext& at) { return -1e308 * at.q({needle.index})[0]; });
   CHECK(beyond.run_until(1) == Status::diverged);
-  CHECK(beyond.message().find("joint 'sharp' overflowed") != std::string::npos);
+  CHECK(beyond.result().reason.find("joint 'sharp' overflowed") != std::string::npos);
 }
 
 TEST_CASE("a run that gets nowhere stops and says why") {

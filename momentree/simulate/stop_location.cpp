@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/simulate/stops.hpp>
 
 namespace momentree {

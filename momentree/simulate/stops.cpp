@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/motion.hpp>
 

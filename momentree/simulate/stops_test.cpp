@@ -113,7 +113,7 @@ TEST_CASE("bouncing ends, whatever the load, the mass, the restitution, the rest
     const double fall = std::sqrt(2 * height / a), end = fall * (1 + 2 * e / (1 - e));  // the limit of infinitely many bounces
     Simulation sim(model, {.method = k % 2 == 0 ? "rk4" : "dopri5", .step = fall / 8, .rtol = 1e-9, .atol = 1e-12});
     const Status status = sim.run_until(1.01 * end);
-    CAPTURE(sim.message());
+    CAPTURE(sim.result().reason);
     REQUIRE(status == Status::ok);
     const auto rests = of(sim, "rest ball lower");
     REQUIRE(rests.size() == 1);

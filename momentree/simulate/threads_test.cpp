@@ -7,8 +7,8 @@
 #include <doctest/doctest.h>
 
 #include <momentree/batch/batch.hpp>
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/simulate/simulation.hpp>
 
 using namespace momentree;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/motion.hpp>
 
 namespace momentree {
@@ -25,7 +25,7 @@ int TopologyEditor::body(std::string_view name) const {
 }
 
 std::string TopologyEditor::body_name(int body) const { return body < 0 ? "ground" : world_.model_[BodyId{body}].name; }
-std::string TopologyEditor::mechanism_of(int body) const { return world_.names_.mechanism(root_of(tree(), body)); }
+std::string TopologyEditor::mechanism_of(int body) const { return world_.names_.mechanism(root_of(tree(), {body}).index); }
 
 Values TopologyEditor::coordinates(int joint) const {
   const int b = tree().carrier(joint);
@@ -174,7 +174,7 @@ void TopologyEditor::become(int joint, const JointPlan& plan) {
 }
 
 void TopologyEditor::reroot(int body) {
-  const int root = root_of(tree(), body);
+  const int root = root_of(tree(), {body}).index;
   touch(tree().joint_of(root));
   carry_out(Reroot{{body}}, Nature::workless);
   world_.names_.move_mechanism(root, body);
@@ -209,13 +209,13 @@ ActionResult TopologyEditor::can_follow(int joint, const JointParameters& parame
 }
 
 bool TopologyEditor::drifts(int body) const {
-  return floats(tree(), body) && !loosened.contains(tree().joint_of(root_of(tree(), body)));
+  return floats(tree(), {body}) && !loosened.contains(tree().joint_of(root_of(tree(), {body}).index));
 }
 
 ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {
   if (body == to) return ActionResult::refused("body '" + body_name(body) + "' can't be joined to itself");
-  const int root = root_of(tree(), body);
-  if (to >= 0 && root_of(tree(), to) == root) {
+  const int root = root_of(tree(), {body}).index;
+  if (to >= 0 && root_of(tree(), {to}).index == root) {
     const bool below = tree().parent(body) == to, above = tree().parent(to) == body;
     if (below || above)
       return ActionResult::refused("'" + body_name(body) + "' and '" + body_name(to) + "' are already joined by joint '" +
@@ -225,7 +225,7 @@ ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, con
                                      mechanism_of(body) + "': that would close a loop",
                                  "loops are not supported: break a joint between them first");
   }
-  const auto held_by = [this](int b) { return joint_name(tree().joint_of(root_of(tree(), b))); };
+  const auto held_by = [this](int b) { return joint_name(tree().joint_of(root_of(tree(), {b}).index)); };
   const bool floats_here = drifts(body), floats_there = to >= 0 && drifts(to);
   if (!floats_here && !floats_there) {
     const std::string one = "mechanism '" + mechanism_of(body) + "' is attached to the ground by joint '" + held_by(body) + "'";
@@ -238,7 +238,7 @@ ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, con
     return ActionResult::refused("there is already a joint '" + made_name_ + "'", "give the event another name");
 
   const int carrier = floats_here ? body : to, other = floats_here ? to : body;
-  const int old_root = root_of(tree(), carrier);
+  const int old_root = root_of(tree(), {carrier}).index;
   const Pose present = inverse(pose(to)) * pose(body);
   ChangeJoint change;
   change.direction = carrier == body ? ChangeJoint::Direction::declared : ChangeJoint::Direction::reversed;

@@ -6,10 +6,12 @@
 #include <string_view>
 #include <vector>
 
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/simulate/action.hpp>
 #include <momentree/simulate/event.hpp>
 #include <momentree/simulate/world.hpp>
 #include <momentree/topology/change.hpp>
+#include <momentree/topology/new_joint.hpp>
 
 namespace momentree {
 

@@ -1,9 +1,9 @@
 #include <momentree/simulate/world.hpp>
 
-#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
-#include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/motion.hpp>
 
 namespace momentree {
@@ -132,6 +132,11 @@ const std::vector<BodyAcceleration>& World::accelerations() const {
   return accelerations_;
 }
 
+const State& World::state() const {
+  MT_REQUIRE(!workspace_.in_function, inside_function);
+  return state_;
+}
+
 int World::carrier(JointId number) const {
   MT_REQUIRE(number.index >= 0 && number.index < tree_.bodies() && tree_.carrier(number.index) >= 0,
              "the joint is in this world");
@@ -141,23 +146,20 @@ int World::carrier(JointId number) const {
 JointForces World::joint_forces(JointId number) const {
   const int b = carrier(number);
   accelerate(tree_, state_, workspace_);
-  const Force<double> whole = momentree::reaction(tree_, state_, workspace_, number),
-                      pure = pure_reaction(tree_, state_, workspace_, number);
   Values effort;
   double along[6];
   joint_effort(tree_, state_, workspace_, number, along);
   for (int i = 0; i < info(tree_.joint(b).kind).nv; ++i) effort.push_back(along[i]);
   return {{workspace_.a.get() + tree_.first_p(b), static_cast<std::size_t>(info(tree_.joint(b).kind).nv)},
-          {whole.l, whole.h},
-          {pure.l, pure.h},
+          momentree::reaction(tree_, state_, workspace_, number),
+          pure_reaction(tree_, state_, workspace_, number),
           effort};
 }
 
 Wrench World::reaction(JointId number) const {
   static_cast<void>(carrier(number));  // terminates the program if the joint is not in this world
   accelerate(tree_, state_, workspace_);
-  const Force<double> whole = momentree::reaction(tree_, state_, workspace_, number);
-  return {whole.l, whole.h};
+  return momentree::reaction(tree_, state_, workspace_, number);
 }
 
 std::optional<std::pair<double, double>> World::single_dof(JointId number) const {

@@ -100,10 +100,7 @@ class World {
   /// The model without the bodies that were added to the world.
   Model first_model() const;
   const Tree& tree() const { return tree_; }
-  const State& state() const {
-    MT_REQUIRE(!workspace_.in_function, inside_function);
-    return state_;
-  }
+  const State& state() const;
   double time() const { return state().time(); }
 
   /// These functions evaluate the state first if that has not been done.

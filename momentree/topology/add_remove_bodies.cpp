@@ -9,7 +9,7 @@ namespace momentree {
 Released apply(const Remove& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   const int b = change.body.index;
   MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
-  MT_REQUIRE(floats(tree, b) && tree.parent(b) < 0, "the body is the root of a mechanism that floats: break it off first");
+  MT_REQUIRE(floats(tree, {b}) && tree.parent(b) < 0, "the body is the root of a mechanism that floats: break it off first");
   MT_REQUIRE(tree.bodies() <= workspace.capacity(), "the workspace has room for the tree's bodies: construct a new one");
   for (int x : tree.order()) {  // inboard before outboard
     const int outer = tree.parent(x);

@@ -1,5 +1,5 @@
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/topology/change.hpp>
 
 namespace momentree {

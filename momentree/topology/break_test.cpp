@@ -3,9 +3,9 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/dynamics/energy.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/topology/change.hpp>
 

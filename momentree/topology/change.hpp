@@ -127,17 +127,12 @@ Released apply(const Remove& change, Tree& tree, State& state, Workspace<double>
 /// Returns the new body.
 BodyId apply(const Add& change, Tree& tree, State& state, const Workspace<double>& workspace);
 
-/// The same with a given Pb of the body's joint (user frame of the body), for several joints that change in one impact: Pb is
-/// then the value before any of these changes.
-Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, State& state,
-               Workspace<double>& workspace) noexcept;
-
 /// Root of the mechanism that a body belongs to.
-[[nodiscard]] int root_of(const Tree& tree, int b) noexcept;
+[[nodiscard]] BodyId root_of(const Tree& tree, BodyId body) noexcept;
 /// True for a mechanism whose root has a free joint to the ground without spring, damper, friction, drive or armature: it can be
 /// re-rooted.
-[[nodiscard]] bool floats(const Tree& tree, int b) noexcept;
-/// True if `body` has an inboard joint that can break: any but a free joint to the ground without locks and parameters.
+[[nodiscard]] bool floats(const Tree& tree, BodyId body) noexcept;
+/// True if the joint can break: any but a free joint to the ground without locks and parameters.
 [[nodiscard]] bool can_break(const Tree& tree, JointId joint) noexcept;
 
 }  // namespace momentree

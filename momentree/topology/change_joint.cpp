@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/unit.hpp>
 #include <momentree/topology/change.hpp>

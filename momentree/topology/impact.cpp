@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/topology/change.hpp>
 
 namespace momentree {

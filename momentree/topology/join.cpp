@@ -1,5 +1,5 @@
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/new_joint.hpp>
 #include <momentree/topology/reverse_path.hpp>
@@ -15,11 +15,11 @@ void attach(int b, int to, const Joint& joint, bool reversed, Coordinates coordi
             Workspace<double>& workspace) noexcept {
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   MT_REQUIRE(to == ground.index || tree.alive(to), "the other body is the ground or in the tree");
-  MT_REQUIRE(floats(tree, b), floating);
-  MT_REQUIRE(to < 0 || root_of(tree, b) != root_of(tree, to), "the bodies belong to different mechanisms");
+  MT_REQUIRE(floats(tree, {b}), floating);
+  MT_REQUIRE(to < 0 || root_of(tree, {b}).index != root_of(tree, {to}).index, "the bodies belong to different mechanisms");
   Pose relative = user_pose(tree, locate_body(tree, state, workspace, b), b);
   if (to >= 0) relative = inverse(user_pose(tree, locate_body(tree, state, workspace, to), to)) * relative;
-  const int root = root_of(tree, b), first_q = tree.first_q(root), first_p = tree.first_p(root);
+  const int root = root_of(tree, {b}).index, first_q = tree.first_q(root), first_p = tree.first_p(root);
   Force<double> Pb;
   {
     const State::Edit edit = state.edit();

@@ -4,11 +4,12 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/dynamics/acceleration.hpp>
-#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/topology/change.hpp>
+#include <momentree/topology/new_joint.hpp>
 #include <momentree/topology/snapshot.hpp>
 #include <tests/misuse.hpp>
 
@@ -88,9 +89,9 @@ TEST_CASE("changes of a body that is not there") {
     };
     for (const Misuse& misuse : all) check_stopped(misuse);
     CHECK_FALSE(can_break(Scene().tree, joint));
-    CHECK_FALSE(floats(Scene().tree, b));
+    CHECK_FALSE(floats(Scene().tree, {b}));
     if (b != -1) check_stopped(of_change("Join to no body", "the ground or in the tree", Join{{2}, body}));
-    check_stopped(of_scene("root_of", no_body, [b](Scene& s) { static_cast<void>(root_of(s.tree, b)); }));
+    check_stopped(of_scene("root_of", no_body, [b](Scene& s) { static_cast<void>(root_of(s.tree, {b})); }));
   }
 }
 

@@ -1,18 +1,18 @@
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/reverse_path.hpp>
 
 namespace momentree {
 
-int root_of(const Tree& tree, int b) noexcept {
-  while (tree.parent(b) >= 0) b = tree.parent(b);
-  return b;
+BodyId root_of(const Tree& tree, BodyId body) noexcept {
+  while (tree.parent(body.index) >= 0) body = {tree.parent(body.index)};
+  return body;
 }
 
-bool floats(const Tree& tree, int b) noexcept {
-  if (!tree.alive(b)) return false;
-  const int root = root_of(tree, b);
+bool floats(const Tree& tree, BodyId body) noexcept {
+  if (!tree.alive(body.index)) return false;
+  const int root = root_of(tree, body).index;
   const JointParameters* p = tree.parameters(root);
   return tree.joint(root).kind == Kind::free && tree.joint(root).locked == 0 && tree.joint(root).function < 0 &&
          (p == nullptr || !(p->stiffness.any() || p->damping.any() || p->armature.any() || p->effort.any() || p->friction.any() ||
@@ -38,9 +38,9 @@ Force<double> turn_over_momenta(const Tree& tree, const State& state, Workspace<
 Released apply(const Reroot& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   const int b = change.body.index;
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
-  MT_REQUIRE(floats(tree, b), floating);
+  MT_REQUIRE(floats(tree, {b}), floating);
   const Pose pose = user_pose(tree, locate_body(tree, state, workspace, b), b);
-  const int root = root_of(tree, b), first_q = tree.first_q(root), first_p = tree.first_p(root);
+  const int root = root_of(tree, {b}).index, first_q = tree.first_q(root), first_p = tree.first_p(root);
   const Force<double> P = [&] {
     const State::Edit edit = state.edit();
     return turn_over_momenta(tree, state, workspace, b, edit.p.data());

@@ -1,7 +1,7 @@
 #include <momentree/topology/snapshot.hpp>
 
 #include <momentree/base/check.hpp>
-#include <momentree/dynamics/workspace.hpp>
+#include <momentree/dynamics/workspace_data.hpp>
 
 namespace momentree {
 

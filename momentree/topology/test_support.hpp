@@ -12,7 +12,7 @@ inline void change_at_random(Tree& tree, State& state, Workspace<double>& worksp
   forward_dynamics(tree, state, workspace);
   if (random.chance(breaks) && can_break(tree, tree.inboard_joint(b)))
     apply(Break{tree.inboard_joint(b)}, tree, state, workspace);
-  else if (floats(tree, b.index) && tree.parent(b.index) >= 0)
+  else if (floats(tree, b) && tree.parent(b.index) >= 0)
     apply(Reroot{b}, tree, state, workspace);
 }
 

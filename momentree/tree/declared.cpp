@@ -5,9 +5,10 @@
 #include <cstdint>
 #include <functional>
 
+#include <momentree/tree/kernel_run.hpp>
 #include <momentree/tree/model.hpp>
 
-namespace momentree {
+namespace momentree::detail {
 
 namespace {
 
@@ -159,4 +160,4 @@ bool LinkCollector::finish() {
   return fewer_links || fewer_frames;
 }
 
-}  // namespace momentree
+}  // namespace momentree::detail

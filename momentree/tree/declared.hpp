@@ -38,6 +38,8 @@ struct MassProperties {
   Sym3 inertia{};
 };
 
+namespace detail {
+
 /// Parameters expanded to one value per DoF, ready to be copied when a topology is relinked.
 struct DofParameters {
   std::array<double, 6> armature{}, damping{}, effort{};
@@ -81,4 +83,5 @@ class LinkCollector {
   Distinct numbers_;
 };
 
+}  // namespace detail
 }  // namespace momentree

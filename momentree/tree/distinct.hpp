@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace momentree {
+namespace momentree::detail {
 
 /// Finds the index of a value in a list of distinct values. The list itself belongs to the caller.
 class Distinct {
@@ -53,4 +53,4 @@ class Distinct {
   std::uint32_t count_ = 0;
 };
 
-}  // namespace momentree
+}  // namespace momentree::detail

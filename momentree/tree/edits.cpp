@@ -190,7 +190,7 @@ int Tree::add(const BodySpec& spec) {
   parent_[at(b)] = outer;
   joint_of_[at(b)] = carrier_[at(b)] = b;
   joint_at_[at(b)] = no_joint;
-  Joint joint = momentree::joint_of(spec);
+  Joint joint = detail::joint_of(spec);
   if (const JointParameters& p = spec.joint.parameters; p.any()) joint.parameters = give_parameters(b, p);
   own_joint(b).joint = joint;
   hang(b, outer);
@@ -226,7 +226,7 @@ int Tree::give_parameters(int joint, const JointParameters& parameters) {
     own_dofs_.emplace_back();
   }
   own_parameters_[at(own.parameters)] = parameters;
-  own_dofs_[at(own.parameters)] = spread(parameters);
+  own_dofs_[at(own.parameters)] = detail::spread(parameters);
   return shared_parameters() + own.parameters;
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <momentree/joint/dispatch.hpp>
+#include <momentree/tree/kernel_run.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
@@ -281,7 +282,7 @@ bool Tree::renew_child_changed(int b) {
 }
 
 // Replaces a link that was just made by one in the model's shared list.
-void Tree::collect(int b, LinkCollector& collector) {
+void Tree::collect(int b, detail::LinkCollector& collector) {
   links_.give_back(at(b), at(collector.take(b, first_child_[at(b)], links_[at(b)], frame(b))));
 }
 

@@ -1,8 +1,39 @@
 #include <momentree/tree/links.hpp>
 
-#include <momentree/base/check.hpp>
+#include <functional>
 
-namespace momentree {
+#include <momentree/base/check.hpp>
+#include <momentree/joint/link_constants.hpp>
+#include <momentree/tree/kernel_frame.hpp>
+
+namespace momentree::detail {
+
+SharedLinks::SharedLinks() = default;
+SharedLinks::~SharedLinks() = default;
+
+LinkTable::LinkTable() = default;
+LinkTable::LinkTable(const LinkTable& other) { *this = other; }
+LinkTable::LinkTable(LinkTable&&) noexcept = default;
+LinkTable& LinkTable::operator=(LinkTable&&) noexcept = default;
+LinkTable::~LinkTable() = default;
+
+bool LinkTable::is_own(const LinkConstants* link) const {
+  const std::less<> before;
+  return !before(link, own_.data()) && before(link, own_.data() + own_.size());
+}
+
+const KernelFrame& LinkTable::frame(std::size_t body) const {
+  const LinkConstants* const link = at_[body];
+  return is_own(link) ? own_frames_[static_cast<std::size_t>(link - own_.data())]
+                      : shared_->frames[static_cast<std::size_t>(link - shared_->links.data())];
+}
+
+KernelFrame& LinkTable::own_frame(std::size_t body) {
+  const LinkConstants& link = own(body);
+  return own_frames_[static_cast<std::size_t>(&link - own_.data())];
+}
+
+void LinkTable::share(std::size_t body, std::size_t number) { at_[body] = shared_->links.data() + number; }
 
 // Updates pointers to own links after these moved away from `from`.
 void LinkTable::move(const LinkConstants* from, std::size_t count) {
@@ -52,4 +83,4 @@ void LinkTable::clear(std::shared_ptr<const SharedLinks> shared) {
   own_.clear(), own_frames_.clear();
 }
 
-}  // namespace momentree
+}  // namespace momentree::detail

@@ -1,22 +1,23 @@
 #pragma once
 // The links of a tree: those of the model's topology are shared by all its trees, those that changes made belong to the tree.
-#include <functional>
 #include <memory>
 #include <vector>
 
-#include <momentree/joint/link_constants.hpp>
 #include <momentree/tree/reserved.hpp>
 
 namespace momentree {
+struct KernelFrame;
+struct LinkConstants;
+}  // namespace momentree
 
-/// Pose of a body's kernel frame in its user frame. `R`: kernel axes to user axes; `r`: the kernel frame's origin (m).
-struct KernelFrame {
-  Mat3 R = identity3<double>();
-  Vec3 r{};
-};
+namespace momentree::detail {
 
 /// Distinct pairs of link and frame: a rope of a million bodies has three.
 struct SharedLinks {
+  SharedLinks();
+  ~SharedLinks();
+  SharedLinks(const SharedLinks&) = delete;
+  SharedLinks& operator=(const SharedLinks&) = delete;
   std::vector<LinkConstants> links;
   std::vector<KernelFrame> frames;
 };
@@ -24,42 +25,32 @@ struct SharedLinks {
 /// Link and frame by body: a single pointer per body, until a change gives the body its own link.
 class LinkTable {
  public:
-  LinkTable() = default;
-  LinkTable(const LinkTable& other) { *this = other; }
-  LinkTable(LinkTable&&) noexcept = default;
+  LinkTable();
+  LinkTable(const LinkTable& other);
+  LinkTable(LinkTable&&) noexcept;
   LinkTable& operator=(const LinkTable& other);
-  LinkTable& operator=(LinkTable&&) noexcept = default;
-  ~LinkTable() = default;
+  LinkTable& operator=(LinkTable&&) noexcept;
+  ~LinkTable();
 
   bool has(std::size_t body) const { return at_[body] != nullptr; }
   const LinkConstants& operator[](std::size_t body) const { return *at_[body]; }
-  const KernelFrame& frame(std::size_t body) const {
-    const LinkConstants* const link = at_[body];
-    return is_own(link) ? own_frames_[static_cast<std::size_t>(link - own_.data())]
-                        : shared_->frames[static_cast<std::size_t>(link - shared_->links.data())];
-  }
+  const KernelFrame& frame(std::size_t body) const;
 
   /// The body's own link, initially a copy of the shared one. Does not allocate.
   LinkConstants& own(std::size_t body);
-  KernelFrame& own_frame(std::size_t body) {
-    const LinkConstants& link = own(body);
-    return own_frames_[static_cast<std::size_t>(&link - own_.data())];
-  }
+  KernelFrame& own_frame(std::size_t body);
 
   /// Reserves space for that many bodies, each with its own link. Links move if the number grows.
   void resize(std::size_t bodies);
   /// Sets the shared list. Afterwards no body has a link; assign each one with `share`.
   void clear(std::shared_ptr<const SharedLinks> shared);
-  void share(std::size_t body, std::size_t number) { at_[body] = shared_->links.data() + number; }
+  void share(std::size_t body, std::size_t number);
   void leave(std::size_t body) { at_[body] = nullptr; }
   /// Like `share`, for a body whose own link was made last; its storage is freed.
   void give_back(std::size_t body, std::size_t number);
 
  private:
-  bool is_own(const LinkConstants* link) const {
-    const std::less<> before;
-    return !before(link, own_.data()) && before(link, own_.data() + own_.size());
-  }
+  bool is_own(const LinkConstants* link) const;
   void move(const LinkConstants* from, std::size_t count);
 
   std::vector<const LinkConstants*> at_;
@@ -68,4 +59,4 @@ class LinkTable {
   Reserved<KernelFrame> own_frames_;
 };
 
-}  // namespace momentree
+}  // namespace momentree::detail

@@ -34,11 +34,13 @@ struct BodySpec {
   std::string joint_name{};  ///< "mechanism/joint"; empty: the body's name
 };
 
+namespace detail {
 /// Hash that allows look-up of names without copying them.
 struct NameHash {
   using is_transparent = void;
   std::size_t operator()(std::string_view name) const { return std::hash<std::string_view>{}(name); }
 };
+}  // namespace detail
 
 /// The mechanisms of one world. Copies share their bodies until one of them changes. `add` throws Error for faults of a single
 /// body; faults of the whole model (a singular joint-space mass) are found by `singular_joints`.
@@ -100,12 +102,12 @@ class Model {
   std::string mechanism_name(BodyId root) const;
 
  private:
-  using Numbers = std::unordered_map<std::string, int, NameHash, std::equal_to<>>;
+  using Numbers = std::unordered_map<std::string, int, detail::NameHash, std::equal_to<>>;
 
   Vec3 gravity_{0, 0, -9.81};
-  CopyOnWrite<std::vector<BodySpec>> bodies_;
+  detail::CopyOnWrite<std::vector<BodySpec>> bodies_;
   std::vector<BodyForce> forces_;
-  CopyOnWrite<Numbers> by_body_, by_joint_, by_mechanism_;  // the last: the first root with that name
+  detail::CopyOnWrite<Numbers> by_body_, by_joint_, by_mechanism_;  // the last: the first root with that name
 };
 
 /// A fault of a single body other than its inertia. `field` is the scenario key at fault, of the body or of its joint.

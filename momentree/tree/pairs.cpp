@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include <momentree/tree/kernel_run.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {

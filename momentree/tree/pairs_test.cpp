@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/joint/kinds.hpp>
+#include <momentree/tree/kernel_run.hpp>
 #include <momentree/tree/tree.hpp>
 
 using namespace momentree;

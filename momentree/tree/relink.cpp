@@ -4,6 +4,7 @@
 
 #include <momentree/base/check.hpp>
 #include <momentree/joint/dispatch.hpp>
+#include <momentree/tree/kernel_run.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
@@ -42,7 +43,7 @@ void shift_tail(std::vector<T>& all, int first, int by) {
 
 }  // namespace
 
-void Tree::link_all(LinkCollector* collector) {
+void Tree::link_all(detail::LinkCollector* collector) {
   first_root_ = -1;
   for (int& child : first_child_) child = -1;
   int living = 0;
@@ -60,7 +61,7 @@ void Tree::link_all(LinkCollector* collector) {
   MT_REQUIRE(place == living, "every body is joined to the ground");
   // Where the topology is the model's, so are frames and links.
   const bool known = declared_ && collector == nullptr;
-  links_.clear(declared_ ? std::shared_ptr<const SharedLinks>(declared_, &declared_->links) : nullptr);
+  links_.clear(declared_ ? std::shared_ptr<const detail::SharedLinks>(declared_, &declared_->links) : nullptr);
   for (int b = 0; b < bodies(); ++b) links_.leave(at(b));
   for (int b : order_) {
     class_[at(b)].as_declared = known && frame_as_declared(b);
@@ -106,8 +107,8 @@ void Tree::assign_offsets(int b) {
   for (auto* list : {&armature_, &damping_, &effort_}) list->resize(at(nv_));
 }
 
-const DofParameters& Tree::dof_parameters(const Joint& joint) const {
-  static constexpr DofParameters none{};
+const detail::DofParameters& Tree::dof_parameters(const Joint& joint) const {
+  static constexpr detail::DofParameters none{};
   const int own = joint.parameters - shared_parameters();
   if (joint.parameters < 0) return none;
   return own < 0 ? declared_->dofs[at(joint.parameters)] : own_dofs_[at(own)];
@@ -131,7 +132,7 @@ void Tree::put_locks(int b) {
 void Tree::pack(int b) {
   const Joint& joint = this->joint(b);
   const KindShape& kind = shape(joint.kind);
-  const DofParameters& given = dof_parameters(joint);
+  const detail::DofParameters& given = dof_parameters(joint);
   const Locks locks = locks_of(b);
   if (links_.has(at(b))) put_locks(b);
   for (int i = 0; i < kind.angles; ++i) {

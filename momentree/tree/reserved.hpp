@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace momentree {
+namespace momentree::detail {
 
 /// A vector whose copies keep its capacity, so that a copied tree also changes without allocating.
 template <class T>
@@ -27,4 +27,4 @@ void reserve(std::vector<T>& list, std::size_t count) {
   if (list.capacity() < count) list.reserve(std::max(count, list.capacity() + list.capacity() / 2));
 }
 
-}  // namespace momentree
+}  // namespace momentree::detail

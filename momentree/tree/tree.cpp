@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include <momentree/joint/dispatch.hpp>
+#include <momentree/tree/kernel_frame.hpp>
+#include <momentree/tree/kernel_run.hpp>
 
 namespace momentree {
 
@@ -15,11 +17,12 @@ void Tree::resize(int bodies) {
   links_.resize(n);
   for (auto* list :
        {&order_, &end_, &pair_, &spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_})
-    reserve(*list, n);
-  reserve(runs_, n), reserve(paired_runs_, n), reserve(paired_links_, n / 2), reserve(node_flags_, n);
-  reserve(own_joints_, n), reserve(own_parameters_, n), reserve(own_dofs_, n);
-  reserve(angle_q_, 2 * n), reserve(angle_offset_, 2 * n);
-  for (auto* list : {&armature_, &damping_, &effort_}) reserve(*list, 6 * n);
+    detail::reserve(*list, n);
+  detail::reserve(runs_, n), detail::reserve(paired_runs_, n), detail::reserve(paired_links_, n / 2),
+      detail::reserve(node_flags_, n);
+  detail::reserve(own_joints_, n), detail::reserve(own_parameters_, n), detail::reserve(own_dofs_, n);
+  detail::reserve(angle_q_, 2 * n), detail::reserve(angle_offset_, 2 * n);
+  for (auto* list : {&armature_, &damping_, &effort_}) detail::reserve(*list, 6 * n);
   static const std::size_t largest = [] {
     std::size_t scalars = 0;
     for (const KindInfo& k : all_kinds())
@@ -29,8 +32,17 @@ void Tree::resize(int bodies) {
   record_capacity_ = largest * n;
 }
 
+Tree::Tree() = default;
+Tree::Tree(const Tree&) = default;
+Tree::Tree(Tree&&) noexcept = default;
+Tree& Tree::operator=(const Tree&) = default;
+Tree& Tree::operator=(Tree&&) noexcept = default;
+Tree::~Tree() = default;
+
+const KernelFrame& Tree::frame(int b) const { return links_.frame(index(b)); }
+
 Tree::Tree(const Model& model) : gravity_(model.gravity()) {
-  const std::shared_ptr<Declared> declared = declare(model);
+  const std::shared_ptr<detail::Declared> declared = detail::declare(model);
   declared_ = declared;
   resize(model.size());
   for (int b = 0; b < model.size(); ++b) {
@@ -39,7 +51,7 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
     joint_at_[at(b)] = declared->bodies[at(b)].joint;
   }
   revision_.renew();
-  LinkCollector links(*declared);
+  detail::LinkCollector links(*declared);
   link_all(&links);
   if (links.finish())
     for (int b = 0; b < bodies(); ++b) links_.share(at(b), at(declared->bodies[at(b)].link));

@@ -1,8 +1,6 @@
 #pragma once
 // The compiled topology: one forest of flat arrays. Body numbers never change; a change relinks order and offsets. A mechanism
 // breaks off by making the ground the parent of its root.
-#include <array>
-#include <bit>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -12,9 +10,8 @@
 
 #include <momentree/base/check.hpp>
 #include <momentree/base/unique_number.hpp>
-#include <momentree/joint/body_pair.hpp>
 #include <momentree/joint/joint.hpp>
-#include <momentree/joint/kernels.hpp>
+#include <momentree/joint/variant.hpp>
 #include <momentree/tree/declared.hpp>
 #include <momentree/tree/model.hpp>
 
@@ -65,39 +62,19 @@ inline Joint floating_root_joint() {
   return joint;
 }
 
-/// A run of bodies in the order whose joints use the same kernels: order[begin] … order[end − 1], including branching bodies and
-/// leaves.
-struct KernelRun {
-  int begin = 0, end = 0;
-  Kind kind = Kind::weld;
-  Variant variant = Variant::plain;
-  bool planar = false;  ///< the run is one complete plane mechanism: a grounded tree of plain revolute joints with parallel axes
-  int pair = -1;        ///< start of the corresponding run in the isomorphic branch paired with this one; −1: none
-  bool branch = false;  ///< the run starts such a branch
-  int links = 0;        ///< index in Tree::paired_links of the constants of its first body and that body's partner
-};
-/// The run that is processed together with this one.
-inline KernelRun pair_of(const KernelRun& s) {
-  return {s.pair, s.pair + s.end - s.begin, s.kind, s.variant, s.planar, s.begin, s.branch, s.links};
-}
-
-/// Flags of a body in the order. The order is depth-first, so the first child follows its parent directly: its contribution is
-/// still in local variables in the inward pass, as is its parent's output in the outward pass. Only other children use memory.
-namespace node {
-enum : unsigned char {
-  leaf = 1,         ///< it has no child
-  branching = 2,    ///< it has several
-  first_child = 4,  ///< the parent's first child, directly after it in the order
-  root = 8,         ///< attached to the ground
-  last_child = 16,  ///< the parent's last of several children: the first to be processed in the inward pass
-  aligned = 32,     ///< its link needs no rotation about the parent's z
-};
-}
+struct KernelRun;
+struct LinkConstants;
+struct PairedLinks;
 
 /// A value type: copies are independent, and several threads may read a const tree at once.
 class Tree {
  public:
-  Tree() = default;
+  Tree();
+  Tree(const Tree& other);
+  Tree(Tree&& other) noexcept;
+  Tree& operator=(const Tree& other);
+  Tree& operator=(Tree&& other) noexcept;
+  ~Tree();
   /// Compiles a model. Reserves storage for every later topology: no change allocates.
   explicit Tree(const Model& model);
 
@@ -149,7 +126,7 @@ class Tree {
   JointId inboard_joint(BodyId body) const { return {joint_of(body.index)}; }
   bool reversed(int b) const { return reversed_[index(b)] != 0; }
   Variant variant(int b) const { return class_[index(b)].variant; }
-  const KernelFrame& frame(int b) const { return links_.frame(index(b)); }
+  const KernelFrame& frame(int b) const;
   /// Parameters of b's joint, or null.
   const JointParameters* parameters(int b) const {
     const int i = joint(b).parameters;
@@ -164,13 +141,13 @@ class Tree {
 
   /// Depth-first, inboard before outboard; siblings and roots in ascending order of numbers.
   std::span<const int> order() const { return order_; }
-  std::span<const KernelRun> kernel_runs() const { return runs_; }
+  std::span<const KernelRun> kernel_runs() const;
   /// The kernel runs cut where paired branches begin and end: branches of one body, or mechanisms, with revolute joints and welds
   /// in the same order and the same branching, such as the legs of a robot. The passes for a single world process two such
   /// branches at once.
-  std::span<const KernelRun> paired_runs() const { return has_pairs_ ? paired_runs_ : runs_; }
+  std::span<const KernelRun> paired_runs() const;
   /// The constants of paired bodies, by the place of the first one in its branch: see KernelRun::links.
-  std::span<const PairedLinks> paired_links() const { return paired_links_; }
+  std::span<const PairedLinks> paired_links() const;
   /// Flags of the bodies in the order: see namespace node.
   std::span<const unsigned char> node_flags() const { return node_flags_; }
   std::size_t record_scalars() const { return record_scalars_; }
@@ -294,11 +271,11 @@ class Tree {
   void resize(int bodies);
 
   // relink.cpp: everything that follows from parents, joints and directions.
-  void link_all(LinkCollector* collector = nullptr);
+  void link_all(detail::LinkCollector* collector = nullptr);
   void pack_all();
   void assign_offsets(int b);
   void pack(int b);
-  const DofParameters& dof_parameters(const Joint& joint) const;
+  const detail::DofParameters& dof_parameters(const Joint& joint) const;
   struct Locks {
     unsigned char locked, driven;
   };
@@ -348,13 +325,13 @@ class Tree {
   bool joint_as_declared(int b) const;
   bool frame_as_declared(int b) const;
   const MassProperties& mass(int b) const;
-  void collect(int b, LinkCollector& collector);
+  void collect(int b, detail::LinkCollector& collector);
 
   Vec3 gravity_{};
   int nq_ = 0, nv_ = 0, angles_ = 0, first_root_ = -1;
   std::size_t record_scalars_ = 0, record_capacity_ = 0;
   detail::Version revision_;
-  std::shared_ptr<const Declared> declared_;
+  std::shared_ptr<const detail::Declared> declared_;
   // By body, or by joint if stated.
   std::vector<int> parent_, first_child_, next_sibling_;
   struct Offsets {  // together, because a step needs all of them
@@ -362,8 +339,8 @@ class Tree {
     std::uint32_t record = 0;
   };
   std::vector<Offsets> offsets_;
-  Reserved<int> order_;     // alive bodies only
-  std::vector<int> place_;  // place in the order
+  detail::Reserved<int> order_;  // alive bodies only
+  std::vector<int> place_;       // place in the order
   std::vector<int> joint_of_;
   std::vector<int> carrier_, joint_at_;  // by joint; the second: index of the declared joint, or ~index of the tree's own
   std::vector<unsigned char> reversed_;
@@ -377,24 +354,24 @@ class Tree {
   };
   std::vector<Class> class_;
   std::vector<double> subtree_mass_;
-  LinkTable links_;
-  Reserved<OwnJoint> own_joints_;
+  detail::LinkTable links_;
+  detail::Reserved<OwnJoint> own_joints_;
   std::vector<MassProperties> added_masses_;
-  Reserved<JointParameters> own_parameters_;  // set by changes for one joint, in the order in which they were set
-  Reserved<DofParameters> own_dofs_;
-  Reserved<KernelRun> runs_, paired_runs_;
-  Reserved<PairedLinks> paired_links_;
-  Reserved<int> end_, pair_;  // while branches are compared, by place: end of the subtree; place of the partner, or −1
-  Reserved<unsigned char> node_flags_;
-  Reserved<int> spring_joints_, quaternion_joints_, forced_joints_, driven_joints_, strength_joints_;
+  detail::Reserved<JointParameters> own_parameters_;  // set by changes for one joint, in the order in which they were set
+  detail::Reserved<detail::DofParameters> own_dofs_;
+  detail::Reserved<KernelRun> runs_, paired_runs_;
+  detail::Reserved<PairedLinks> paired_links_;
+  detail::Reserved<int> end_, pair_;  // while branches are compared, by place: end of the subtree; place of the partner, or −1
+  detail::Reserved<unsigned char> node_flags_;
+  detail::Reserved<int> spring_joints_, quaternion_joints_, forced_joints_, driven_joints_, strength_joints_;
   std::vector<std::shared_ptr<const JointFunction>> functions_;  // in the order in which they were set
   std::vector<unsigned char> special_;                           // by joint: a bit each for a spring, a quaternion, a force, …
   // Packed, by angle and by DoF.
-  Reserved<int> angle_q_;
-  Reserved<double> angle_offset_, armature_, damping_, effort_;
+  detail::Reserved<int> angle_q_;
+  detail::Reserved<double> angle_offset_, armature_, damping_, effort_;
   bool has_forces_ = false, has_functions_ = false, has_pairs_ = false;
   std::vector<Topology::Loaded> body_functions_;
-  Reserved<int> loaded_;
+  detail::Reserved<int> loaded_;
   std::vector<unsigned char> loaded_mark_;  // scratch, by body
 };
 

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/joint/kinds.hpp>
+#include <momentree/tree/kernel_run.hpp>
 #include <momentree/tree/state.hpp>
 
 using namespace momentree;

@@ -1,7 +1,7 @@
 #pragma once
 // A tree as the recursions read it: by numbers from its own order, without checking that such bodies exist; the checks would take
 // a tenth of an evaluation.
-#include <momentree/tree/tree.hpp>
+#include <momentree/tree/kernel_run.hpp>
 
 namespace momentree {
 

@@ -326,7 +326,7 @@ void Checker::check_documents() {
   const std::string file = folder / "state.json";
   io::write_text_file(file, whole_.state);
   try {
-    cli::Session session(scenario_, file);
+    io::Session session(scenario_, cli::documents_of(file, scenario_.model));
     static_cast<void>(session.schedule());  // warnings about events that are already past
     const StepMemory memory = is_adaptive(scenario_.integration.method) ? session.simulation().step_memory() : StepMemory{};
     require_same_document(whole_.state, io::state_json(session.simulation().world(), session.armed(), memory),

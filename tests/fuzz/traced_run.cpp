@@ -77,9 +77,9 @@ std::string difference(const std::string& one, const std::string& other) {
 
 Trace traced_run(const io::Scenario& scenario, const RunPlan& plan) {
   Trace trace;
-  std::unique_ptr<cli::Session> session;
+  std::unique_ptr<io::Session> session;
   try {
-    session = std::make_unique<cli::Session>(scenario, plan.state);
+    session = std::make_unique<io::Session>(scenario, cli::documents_of(plan.state, scenario.model));
     static_cast<void>(session->schedule());
   } catch (const Error& error) {
     trace.refused = error.message();
@@ -97,7 +97,7 @@ Trace traced_run(const io::Scenario& scenario, const RunPlan& plan) {
   simulation.watch([&](double) { return ++trace.steps < plan.most_steps; });
   trace.status = simulation.run_until(plan.until);
   trace.cut = trace.status == Status::interrupted;
-  if (trace.status != Status::ok) trace.message = simulation.message();
+  if (trace.status != Status::ok) trace.message = simulation.result().reason;
   describe(simulation.world(), trace.joints_after, trace.mechanisms_after);
   trace.certificates = simulation.events();
   for (const Event& event : trace.certificates) trace.events.push_back(event_text(event));

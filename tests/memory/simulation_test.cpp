@@ -61,16 +61,16 @@ Outcome run(std::uint64_t seed, const std::string& method) {
   if (seed % 2 == 0)
     sim.force(model[{0}].name, [](const EvaluationContext& context) { return Wrench{{context.time(), 0, 1}, {}}; });
   for (int k = 1; k <= 5; ++k) {
-    outcome.bits.add(static_cast<double>(sim.run_until(2e-3 * k)));
+    outcome.bits.add(static_cast<double>(sim.run_until(2e-3 * k).status));
     add(sim.world(), outcome.bits);
     const BodyId body{random.integer(0, model.size() - 1)};
     const Action actions[] = {random_action(random, model[body].name)};
-    if (sim.attempt(actions) == Status::refused) ++outcome.refused;
+    if (sim.try_apply(actions) == Status::refused) ++outcome.refused;
   }
   const BodyId parent = sim.world().alive({0}) ? BodyId{0} : ground;
   const BodyId added =
       sim.add({.name = "added", .mass = 1, .inertia = diagonal(0.1), .parent = parent, .at = {0.1, 0, 0}, .joint = Ball{}});
-  outcome.bits.add(static_cast<double>(sim.run_until(0.012)));
+  outcome.bits.add(static_cast<double>(sim.run_until(0.012).status));
   add(sim.world(), outcome.bits);
   sim.remove(added);
   for (const Event& event : sim.events()) {
@@ -81,7 +81,7 @@ Outcome run(std::uint64_t seed, const std::string& method) {
   outcome.changes = static_cast<int>(sim.events().size());
   add(sim.energy(), outcome.bits);
   Simulation branch = sim.branch();
-  outcome.bits.add(static_cast<double>(branch.run_until(0.014)));
+  outcome.bits.add(static_cast<double>(branch.run_until(0.014).status));
   add(branch.world(), outcome.bits);
   if (!sim.events().empty() && sim.can_undo(0)) {
     sim.undo(0);

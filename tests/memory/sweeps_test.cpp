@@ -10,9 +10,9 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/batch/group.hpp>
-#include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/count.hpp>
-#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/generate/kernel.hpp>
 #include <tests/memory/bits.hpp>
 #include <tests/memory/filled_memory.hpp>

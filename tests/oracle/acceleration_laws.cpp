@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include <momentree/dynamics/acceleration.hpp>
-#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <tests/oracle/kinematics.hpp>
 
 namespace momentree::oracle {
@@ -94,7 +94,7 @@ double equations_of_motion(const System& system, const Tree& tree, const State& 
     coms.push_back(frame.position + arm);
   }
   for (int b = 0; b < tree.bodies(); ++b) {
-    const Force<double> W = reaction(tree, state, workspace, tree.inboard_joint({b}));
+    const Force<double> W = as_force(reaction(tree, state, workspace, tree.inboard_joint({b})));
     const int child = declared_child(tree, b), parent = declared_parent(tree, b);
     const Frame<Real>& at = frames[static_cast<std::size_t>(child)];
     const V3<Real> f = at.rotation * real(W.l), t = at.rotation * real(W.h);
@@ -133,8 +133,8 @@ double work_of_reactions(const Tree& tree, const State& state, Workspace<double>
     const Alone one = joint_alone(tree, state, workspace, b);
     const auto E = joint_columns(one.system, one.q, 0);
     const std::vector<Real> force = joint_forces(one.system, one.q, one.v);
-    const Force<double> W = reaction(tree, state, workspace, tree.inboard_joint({b})),
-                        pure = pure_reaction(tree, state, workspace, tree.inboard_joint({b}));
+    const Force<double> W = as_force(reaction(tree, state, workspace, tree.inboard_joint({b}))),
+                        pure = as_force(pure_reaction(tree, state, workspace, tree.inboard_joint({b})));
     for (std::size_t i = 0; i < E.size(); ++i) {
       const auto& e = E[i];
       const int k = tree.first_p(b) + static_cast<int>(i);
@@ -203,7 +203,7 @@ std::vector<Measure> measure_accelerations(const System& system, const Tree& tre
     weight = std::max(weight, system.links[static_cast<std::size_t>(b)].mass * length(system.gravity - e.linear));
     if (!declared(system, tree, b)) continue;
     const Accelerations::Body& child = exact.bodies[static_cast<std::size_t>(declared_child(tree, b))];
-    const Force<double> W = reaction(tree, state, workspace, tree.inboard_joint({b}));
+    const Force<double> W = as_force(reaction(tree, state, workspace, tree.inboard_joint({b})));
     force = std::max(force, length(real(W.l) - child.force));
     torque = std::max(torque, length(real(W.h) - child.torque));
     most = std::max(most, length(child.force));

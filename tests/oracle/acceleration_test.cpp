@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <tests/oracle/laws.hpp>
 #include <tests/oracle/machine.hpp>
 
@@ -75,12 +75,12 @@ TEST_CASE("after any changes every body's equations of motion close, and a joint
         case 2: apply(random_change(random, m, b), m.tree, m.state, m.workspace); break;
         case 3: {
           const int to = random.integer(0, m.size() - 1);
-          if (root_of(m.tree, to) != root_of(m.tree, b) && floats(m.tree, b))
+          if (root_of(m.tree, {to}).index != root_of(m.tree, {b}).index && floats(m.tree, {b}))
             apply(Join{{b}, {to}}, m.tree, m.state, m.workspace);
           break;
         }
         default:
-          if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
+          if (floats(m.tree, {b})) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
       }
       const double off = equations_of_motion(system, m.tree, m.state, m.workspace);
       const double loose = work_of_reactions(m.tree, m.state, m.workspace);

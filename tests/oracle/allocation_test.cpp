@@ -5,10 +5,9 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/dynamics/acceleration.hpp>
-#include <momentree/dynamics/energy.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
@@ -95,7 +94,7 @@ TEST_CASE("stepping and breaking allocate nothing, with all kinds of joints, unt
       }
       sum += totals(tree, state, workspace).kinetic;
       accelerate(tree, state, workspace);
-      sum += norm(reaction(tree, state, workspace, tree.inboard_joint({first})).l) +
+      sum += norm(reaction(tree, state, workspace, tree.inboard_joint({first})).force) +
              norm(body_acceleration(tree, state, workspace, BodyId{first}).linear);
     }
     const long during = allocations - before;
@@ -129,14 +128,14 @@ TEST_CASE("no change allocates, in a copy either") {
         break;
       case 2: apply(Unlock{tree.inboard_joint(body)}, tree, state, workspace), ++changes; break;
       case 3:
-        if (floats(tree, body.index)) apply(Reroot{body}, tree, state, workspace), ++changes;
+        if (floats(tree, body)) apply(Reroot{body}, tree, state, workspace), ++changes;
         break;
       case 4:
         if (tree.parent(body.index) >= 0)
           apply(SetParameters{tree.inboard_joint(body), parameters}, tree, state, workspace), ++changes;
         break;
       default:
-        if (floats(tree, body.index) && root_of(tree, body.index) != root_of(tree, to.index))
+        if (floats(tree, body) && root_of(tree, body).index != root_of(tree, to).index)
           apply(Join{body, to}, tree, state, workspace), ++changes;
     }
   }

@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <tests/oracle/kinematics.hpp>
 #include <tests/oracle/laws.hpp>
 #include <tests/oracle/machine.hpp>
@@ -93,11 +93,11 @@ void change_something(Prng& random, Machine& m) {
       break;
     case 2: apply(random_change(random, m, b), m.tree, m.state, m.workspace); break;
     case 3:
-      if (root_of(m.tree, other) != root_of(m.tree, b) && floats(m.tree, b))
+      if (root_of(m.tree, {other}).index != root_of(m.tree, {b}).index && floats(m.tree, {b}))
         apply(Join{{b}, {other}}, m.tree, m.state, m.workspace);
       break;
     default:
-      if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
+      if (floats(m.tree, {b})) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
   }
 }
 

@@ -8,7 +8,7 @@
 
 #include <bench/models.hpp>
 #include <momentree/dynamics/count.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/generate/compiler.hpp>
 #include <momentree/generate/source.hpp>

@@ -46,7 +46,7 @@ TEST_CASE("an impact is the projection, overshot by the restitution; of all kind
     options.max_bodies = 10, options.parameters = false, options.all_free = seed % 2 == 0;
     Machine m(random_tree(seed, options).model);
     const int root = m.some_body(random);
-    if (floats(m.tree, root)) apply(Reroot{{root}}, m.tree, m.state, m.workspace);
+    if (floats(m.tree, {root})) apply(Reroot{{root}}, m.tree, m.state, m.workspace);
     m.evaluate();
     const Stop stop = some_stop(random, m);
     if (stop.body < 0) continue;

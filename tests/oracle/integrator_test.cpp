@@ -334,5 +334,5 @@ TEST_CASE("a tolerance that cannot be met ends the run and says so") {
   model.add({.name = "b", .mass = 1, .inertia = diagonal(1), .joint = Revolute{.damping = 1e-3}, .v = 1e5});
   Simulation run(model, {.method = "dopri5", .step = 1e-3, .rtol = 1e-30, .atol = 1e-30});
   CHECK(run.run_until(1) == Status::diverged);
-  CHECK(run.message().find("larger tolerances rtol and atol") != std::string::npos);
+  CHECK(run.result().reason.find("larger tolerances rtol and atol") != std::string::npos);
 }

@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/batch/stepper.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/joint/joint.hpp>

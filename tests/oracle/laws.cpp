@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include <momentree/dynamics/energy.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <tests/oracle/kinematics.hpp>
 
 namespace momentree::oracle {

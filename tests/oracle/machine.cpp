@@ -185,7 +185,7 @@ void act(Prng& random, Machine& m) {
     case 2: apply(Unlock{m.tree.inboard_joint({b})}, m.tree, m.state, m.workspace); break;
     case 3: apply(random_change(random, m, b), m.tree, m.state, m.workspace); break;
     case 4:
-      if (floats(m.tree, b)) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
+      if (floats(m.tree, {b})) apply(Reroot{{b}}, m.tree, m.state, m.workspace);
       break;
     case 5: {
       JointParameters parameters;
@@ -198,11 +198,11 @@ void act(Prng& random, Machine& m) {
       if (living < 25) m.add(random, true, false);
       break;
     case 7:
-      if (m.tree.parent(b) < 0 && floats(m.tree, b) && living - m.part(b) > 2) apply(Remove{{b}}, m.tree, m.state, m.workspace);
+      if (m.tree.parent(b) < 0 && floats(m.tree, {b}) && living - m.part(b) > 2) apply(Remove{{b}}, m.tree, m.state, m.workspace);
       break;
     default: {
       const int to = m.some_body(random);
-      if (root_of(m.tree, to) == root_of(m.tree, b) || !floats(m.tree, b)) break;
+      if (root_of(m.tree, {to}).index == root_of(m.tree, {b}).index || !floats(m.tree, {b})) break;
       if (random.chance(0.3)) {
         apply(Join{{b}, {to}}, m.tree, m.state, m.workspace);
       } else {

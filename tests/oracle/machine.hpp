@@ -6,9 +6,9 @@
 
 #include <Eigen/Dense>
 
-#include <momentree/dynamics/energy.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/topology/change.hpp>
 #include <tests/oracle/oracle.hpp>

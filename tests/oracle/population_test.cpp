@@ -50,7 +50,7 @@ TEST_CASE("what is left moves as if the part that was removed were still there")
     Machine m(random_tree(seed, options).model);
     break_some(random, m);
     break_some(random, m);
-    const int root = root_of(m.tree, m.some_body(random));
+    const int root = root_of(m.tree, {m.some_body(random)}).index;
     if (!m.tree.detached(root) || m.part(root) == static_cast<int>(m.tree.order().size())) continue;
     ++removed;
     INFO("seed ", seed, " root ", root);
@@ -135,7 +135,7 @@ TEST_CASE("worlds that come, go, break and join: the projection holds throughout
         }
         default: {
           const int to = m.some_body(random);
-          if (!floats(m.tree, b) || root_of(m.tree, b) == root_of(m.tree, to)) break;
+          if (!floats(m.tree, {b}) || root_of(m.tree, {b}).index == root_of(m.tree, {to}).index) break;
           const Outcome o = compare(m, [&] { apply(random_attach(random, m, b, to), m.tree, m.state, m.workspace); });
           CHECK(o.difference < o.bound);
           CHECK(o.gain < 1e-10L);

@@ -3,9 +3,9 @@
 #include <numbers>
 #include <string>
 
-#include <momentree/dynamics/acceleration.hpp>
-#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <tests/oracle/reference.hpp>
 
@@ -25,7 +25,7 @@ struct Instant {
     locate_bodies(tree, state, workspace);
     accelerate(tree, state, workspace);
   }
-  Force<double> reaction(int b) const { return momentree::reaction(tree, state, workspace, tree.inboard_joint({b})); }
+  Force<double> reaction(int b) const { return as_force(momentree::reaction(tree, state, workspace, tree.inboard_joint({b}))); }
   Vec3 force(int b) const {
     return rotation_matrix(user_pose(tree, workspace.bodies[static_cast<std::size_t>(b)], b).rotation) * reaction(b).l;
   }

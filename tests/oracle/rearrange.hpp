@@ -1,6 +1,6 @@
 #pragma once
 // Random changes that exercise every variant of every joint kind.
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/topology/change.hpp>
 #include <tests/oracle/prng.hpp>
 
@@ -14,7 +14,7 @@ inline void rearrange(Prng& random, Tree& tree, State& state, Workspace<double>&
     forward_dynamics(tree, state, workspace);
     if (what == 0 && can_break(tree, tree.inboard_joint({b})))
       apply(Break{tree.inboard_joint({b})}, tree, state, workspace);
-    else if (what == 1 && floats(tree, b))
+    else if (what == 1 && floats(tree, {b}))
       apply(Reroot{{b}}, tree, state, workspace);
     else
       apply(Lock{tree.inboard_joint({b}), 1u << random.integer(0, 2)}, tree, state, workspace);

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include <momentree/dynamics/acceleration.hpp>
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <tests/oracle/random_model.hpp>
 
 namespace momentree::oracle {

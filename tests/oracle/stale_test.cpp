@@ -1,8 +1,7 @@
 // A change that uses a workspace of another state terminates the program: each misuse runs in a separate process.
 #include <doctest/doctest.h>
 
-#include <momentree/dynamics/acceleration.hpp>
-#include <momentree/dynamics/forward.hpp>
+#include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/topology/change.hpp>

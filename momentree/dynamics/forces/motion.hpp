@@ -1,7 +1,7 @@
 #pragma once
 // Prescribed motion: the DoF follows a curve s(t) with whatever effort that needs. It has no momentum of its own; in its place p
 // holds ṡ and ṗ holds s̈, which the integration method integrates like any other. After every step q and ṡ are set to the curve.
-#include <momentree/dynamics/workspace.hpp>
+#include <momentree/dynamics/workspace_data.hpp>
 
 namespace momentree {
 

@@ -1,6 +1,6 @@
 #pragma once
 // The joint and instant at which a force element acts.
-#include <momentree/dynamics/workspace.hpp>
+#include <momentree/dynamics/workspace_data.hpp>
 
 namespace momentree::forces {
 

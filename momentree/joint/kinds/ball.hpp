@@ -2,6 +2,26 @@
 // Ball (spherical): a unit quaternion; u = ω relative to the parent, in child axes. E = (0; I), constant.
 // p is a quasi-momentum: (20) holds unchanged, because Ω × Pb contains the structure constants.
 #include <momentree/joint/joint.hpp>
+
+namespace momentree {
+
+struct BallKernels;
+
+/// Rotates freely about a point: q = unit quaternion (w, x, y, z), v = relative angular velocity in child-side axes.
+struct Ball {
+  static constexpr Kind kind = Kind::ball;
+  static constexpr KindInfo info{Kind::ball, "ball", 4, 3, false, false, false, "nnnn", "rrr"};
+  using Kernels = BallKernels;
+
+  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
+};
+
+}  // namespace momentree
+
+#ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
 #include <momentree/joint/kernels.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/quaternion_spring.hpp>
@@ -40,16 +60,5 @@ struct BallKernels : GenericKernels<BallKernels, 4, 3> {
   }
 };
 
-/// Rotates freely about a point: q = unit quaternion (w, x, y, z), v = relative angular velocity in child-side axes.
-struct Ball {
-  static constexpr Kind kind = Kind::ball;
-  static constexpr KindInfo info{Kind::ball, "ball", 4, 3, false, false, false, "nnnn", "rrr"};
-  using Kernels = BallKernels;
-
-  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
-  JointFriction friction{};
-  std::shared_ptr<const JointDrive> drive{};
-  JointStrength strength{};
-};
-
 }  // namespace momentree
+#endif

@@ -1,6 +1,28 @@
 #pragma once
 // Cylindrical: an angle about z and a displacement along z. E = (0 e_z; e_z 0), constant.
 #include <momentree/joint/joint.hpp>
+
+namespace momentree {
+
+struct CylindricalKernels;
+
+/// Rotates about `axis` and translates along it, independently: q = (angle, displacement).
+struct Cylindrical {
+  static constexpr Kind kind = Kind::cylindrical;
+  static constexpr KindInfo info{Kind::cylindrical, "cylindrical", 2, 2, true, false, false, "rm", "rm"};
+  using Kernels = CylindricalKernels;
+
+  Vec3 axis{0, 0, 1};
+  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointLimits limits{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
+};
+
+}  // namespace momentree
+
+#ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
@@ -22,18 +44,5 @@ struct CylindricalKernels : ScrewKernels<CylindricalKernels, 2, 2> {
   }
 };
 
-/// Rotates about `axis` and translates along it, independently: q = (angle, displacement).
-struct Cylindrical {
-  static constexpr Kind kind = Kind::cylindrical;
-  static constexpr KindInfo info{Kind::cylindrical, "cylindrical", 2, 2, true, false, false, "rm", "rm"};
-  using Kernels = CylindricalKernels;
-
-  Vec3 axis{0, 0, 1};
-  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
-  JointLimits limits{};
-  JointFriction friction{};
-  std::shared_ptr<const JointDrive> drive{};
-  JointStrength strength{};
-};
-
 }  // namespace momentree
+#endif

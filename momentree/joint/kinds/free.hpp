@@ -3,6 +3,29 @@
 // = Pb, the whole articulated momentum. Only p passes inboard: M̂ = 0 exactly. The generic subtraction would leave round-off
 // there and couple bodies that are uncoupled.
 #include <momentree/joint/joint.hpp>
+
+namespace momentree {
+
+struct FreeKernels;
+struct GenericFree;
+
+/// No constraint: q = position of the child-side origin in the parent-side frame and a unit quaternion (w, x, y, z); v = linear
+/// velocity of that origin and angular velocity relative to the parent, both in child-side axes.
+struct Free {
+  static constexpr Kind kind = Kind::free;
+  static constexpr KindInfo info{Kind::free, "free", 7, 6, false, false, false, "mmmnnnn", "mmmrrr"};
+  using Kernels = FreeKernels;
+  using Generic = GenericFree;
+
+  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
+};
+
+}  // namespace momentree
+
+#ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
 #include <momentree/joint/kernels.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/quaternion_spring.hpp>
@@ -119,18 +142,5 @@ struct FreeKernels : SixDofs<FreeKernels> {
   MOMENTREE_INLINE static void add_reduced(const Record<T>&, const Motion<T>&, Force<T>&) {}
 };
 
-/// No constraint: q = position of the child-side origin in the parent-side frame and a unit quaternion (w, x, y, z); v = linear
-/// velocity of that origin and angular velocity relative to the parent, both in child-side axes.
-struct Free {
-  static constexpr Kind kind = Kind::free;
-  static constexpr KindInfo info{Kind::free, "free", 7, 6, false, false, false, "mmmnnnn", "mmmrrr"};
-  using Kernels = FreeKernels;
-  using Generic = GenericFree;
-
-  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
-  JointFriction friction{};
-  std::shared_ptr<const JointDrive> drive{};
-  JointStrength strength{};
-};
-
 }  // namespace momentree
+#endif

@@ -1,9 +1,32 @@
 #pragma once
 // Helical (screw): an angle about z, with a displacement of `pitch` per revolution. E = (h e_z; e_z), constant, h in metres per
 // radian.
+#include <momentree/joint/joint.hpp>
+
+namespace momentree {
+
+struct HelicalKernels;
+
+/// A screw: rotates about `axis` and translates along it by `pitch` metres per revolution.
+struct Helical {
+  static constexpr Kind kind = Kind::helical;
+  static constexpr KindInfo info{Kind::helical, "helical", 1, 1, true, false, true, "r", "r"};
+  using Kernels = HelicalKernels;
+
+  Vec3 axis{0, 0, 1};
+  double pitch = 0;
+  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointLimits limits{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
+};
+
+}  // namespace momentree
+
+#ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
 #include <numbers>
 
-#include <momentree/joint/joint.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
@@ -33,19 +56,5 @@ struct HelicalKernels : ScrewKernels<HelicalKernels, 1, 1> {
   }
 };
 
-/// A screw: rotates about `axis` and translates along it by `pitch` metres per revolution.
-struct Helical {
-  static constexpr Kind kind = Kind::helical;
-  static constexpr KindInfo info{Kind::helical, "helical", 1, 1, true, false, true, "r", "r"};
-  using Kernels = HelicalKernels;
-
-  Vec3 axis{0, 0, 1};
-  double pitch = 0;
-  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
-  JointLimits limits{};
-  JointFriction friction{};
-  std::shared_ptr<const JointDrive> drive{};
-  JointStrength strength{};
-};
-
 }  // namespace momentree
+#endif

@@ -1,6 +1,27 @@
 #pragma once
 // Planar: x, y in the parent-side axes, then an angle about z. E = [Rᵀe_x, Rᵀe_y; e_z], Ė = [−ω × Rᵀe_x, −ω × Rᵀe_y; 0].
 #include <momentree/joint/joint.hpp>
+
+namespace momentree {
+
+struct PlanarKernels;
+
+/// Translates in the x-y plane of the joint's frame and rotates about its z axis.
+struct Planar {
+  static constexpr Kind kind = Kind::planar;
+  static constexpr KindInfo info{Kind::planar, "planar", 3, 3, false, false, false, "mmr", "mmr"};
+  using Kernels = PlanarKernels;
+
+  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointLimits limits{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
+};
+
+}  // namespace momentree
+
+#ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
 #include <momentree/joint/kernels.hpp>
 #include <momentree/joint/motion.hpp>
 
@@ -31,17 +52,5 @@ struct PlanarKernels : GenericKernels<PlanarKernels, 3, 3> {
   }
 };
 
-/// Translates in the x-y plane of the joint's frame and rotates about its z axis.
-struct Planar {
-  static constexpr Kind kind = Kind::planar;
-  static constexpr KindInfo info{Kind::planar, "planar", 3, 3, false, false, false, "mmr", "mmr"};
-  using Kernels = PlanarKernels;
-
-  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
-  JointLimits limits{};
-  JointFriction friction{};
-  std::shared_ptr<const JointDrive> drive{};
-  JointStrength strength{};
-};
-
 }  // namespace momentree
+#endif

@@ -1,6 +1,30 @@
 #pragma once
 // Prismatic (slider): one displacement along z. E = (e_z; 0), constant.
 #include <momentree/joint/joint.hpp>
+
+namespace momentree {
+
+struct PrismaticKernels;
+struct GenericPrismatic;
+
+/// Prismatic joint: translates along `axis`.
+struct Prismatic {
+  static constexpr Kind kind = Kind::prismatic;
+  static constexpr KindInfo info{Kind::prismatic, "prismatic", 1, 1, true, false, false, "m", "m"};
+  using Kernels = PrismaticKernels;
+  using Generic = GenericPrismatic;
+
+  Vec3 axis{0, 0, 1};
+  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointLimits limits{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
+};
+
+}  // namespace momentree
+
+#ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
@@ -203,19 +227,5 @@ struct PrismaticKernels : PrismaticKernelsBase<PrismaticKernels> {
   }
 };
 
-/// Prismatic joint: translates along `axis`.
-struct Prismatic {
-  static constexpr Kind kind = Kind::prismatic;
-  static constexpr KindInfo info{Kind::prismatic, "prismatic", 1, 1, true, false, false, "m", "m"};
-  using Kernels = PrismaticKernels;
-  using Generic = GenericPrismatic;
-
-  Vec3 axis{0, 0, 1};
-  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
-  JointLimits limits{};
-  JointFriction friction{};
-  std::shared_ptr<const JointDrive> drive{};
-  JointStrength strength{};
-};
-
 }  // namespace momentree
+#endif

@@ -1,6 +1,32 @@
 #pragma once
 // Revolute (hinge): one angle about z. E = (0; e_z), constant. The kind of the paper's tables, and the most specialised one.
 #include <momentree/joint/joint.hpp>
+
+namespace momentree {
+
+template <bool Rotor>
+struct RevoluteKernelsWith;
+struct GenericRevolute;
+
+/// Revolute joint: rotates about `axis` through the joint's origin.
+struct Revolute {
+  static constexpr Kind kind = Kind::revolute;
+  static constexpr KindInfo info{Kind::revolute, "revolute", 1, 1, true, false, false, "r", "r"};
+  using Kernels = RevoluteKernelsWith<false>;
+  using ArmatureKernels = RevoluteKernelsWith<true>;
+  using Generic = GenericRevolute;
+
+  Vec3 axis{0, 0, 1};
+  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointLimits limits{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
+};
+
+}  // namespace momentree
+
+#ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/revolute_steps.hpp>
 #include <momentree/joint/screw_kernels.hpp>
@@ -100,20 +126,5 @@ struct RevoluteKernelsWith : RevoluteKernelsBase<RevoluteKernelsWith<Rotor>> {
 using RevoluteKernels = RevoluteKernelsWith<false>;
 using ArmatureKernels = RevoluteKernelsWith<true>;
 
-/// Revolute joint: rotates about `axis` through the joint's origin.
-struct Revolute {
-  static constexpr Kind kind = Kind::revolute;
-  static constexpr KindInfo info{Kind::revolute, "revolute", 1, 1, true, false, false, "r", "r"};
-  using Kernels = RevoluteKernels;
-  using ArmatureKernels = momentree::ArmatureKernels;
-  using Generic = GenericRevolute;
-
-  Vec3 axis{0, 0, 1};
-  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
-  JointLimits limits{};
-  JointFriction friction{};
-  std::shared_ptr<const JointDrive> drive{};
-  JointStrength strength{};
-};
-
 }  // namespace momentree
+#endif

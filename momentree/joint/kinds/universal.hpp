@@ -2,6 +2,28 @@
 // Universal (Hooke, Cardan): R = R(n1, a) R(n2, b). The frame is chosen so that n2 = z and n1 lies in the x-z plane.
 // E = [R2ᵀ n1, n2] in its angular part; Ė = [−(ḃ n2) × R2ᵀ n1, 0].
 #include <momentree/joint/joint.hpp>
+
+namespace momentree {
+
+struct UniversalKernels;
+
+/// Two intersecting axes: rotates about `axis`, then about `axis2`, which the first rotation carries along.
+struct Universal {
+  static constexpr Kind kind = Kind::universal;
+  static constexpr KindInfo info{Kind::universal, "universal", 2, 2, true, true, false, "rr", "rr"};
+  using Kernels = UniversalKernels;
+
+  Vec3 axis{1, 0, 0}, axis2{0, 1, 0};
+  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
+  JointLimits limits{};
+  JointFriction friction{};
+  std::shared_ptr<const JointDrive> drive{};
+  JointStrength strength{};
+};
+
+}  // namespace momentree
+
+#ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
 #include <momentree/joint/kernels.hpp>
 #include <momentree/joint/motion.hpp>
 
@@ -54,18 +76,5 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
   }
 };
 
-/// Two intersecting axes: rotates about `axis`, then about `axis2`, which the first rotation carries along.
-struct Universal {
-  static constexpr Kind kind = Kind::universal;
-  static constexpr KindInfo info{Kind::universal, "universal", 2, 2, true, true, false, "rr", "rr"};
-  using Kernels = UniversalKernels;
-
-  Vec3 axis{1, 0, 0}, axis2{0, 1, 0};
-  Values damping{}, stiffness{}, rest{}, armature{}, effort{};
-  JointLimits limits{};
-  JointFriction friction{};
-  std::shared_ptr<const JointDrive> drive{};
-  JointStrength strength{};
-};
-
 }  // namespace momentree
+#endif

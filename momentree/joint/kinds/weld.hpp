@@ -2,6 +2,23 @@
 // Weld: no DoF. E has no columns, M̂ = Mb, D̂ = Db. The kernel frame of a welded body is that of its carrier (Tree::make_frame),
 // so its mass is simply added there.
 #include <momentree/joint/joint.hpp>
+
+namespace momentree {
+
+struct WeldKernels;
+
+/// Rigid: the child stays at its placement.
+struct Weld {
+  static constexpr Kind kind = Kind::weld;
+  static constexpr KindInfo info{Kind::weld, "weld", 0, 0, false, false, false, "", ""};
+  using Kernels = WeldKernels;
+
+  JointStrength strength{};
+};
+
+}  // namespace momentree
+
+#ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
@@ -47,13 +64,5 @@ struct WeldKernels : ScrewKernels<WeldKernels, 0, 0> {
   MOMENTREE_INLINE static void add_reduced_bias(const Record<T>&, const Motion<T>&, Force<T>&) {}
 };
 
-/// Rigid: the child stays at its placement.
-struct Weld {
-  static constexpr Kind kind = Kind::weld;
-  static constexpr KindInfo info{Kind::weld, "weld", 0, 0, false, false, false, "", ""};
-  using Kernels = WeldKernels;
-
-  JointStrength strength{};
-};
-
 }  // namespace momentree
+#endif

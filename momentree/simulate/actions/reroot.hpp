@@ -16,7 +16,7 @@ struct Reroot : ActionBase {
   ActionResult apply(TopologyEditor& editor) const override {
     const int b = editor.body(body);
     if (b < 0) return ActionResult::refused("there is no body '" + body + "'");
-    if (!floats(editor.tree(), b))
+    if (!floats(editor.tree(), {b}))
       return ActionResult::refused("mechanism '" + editor.mechanism_of(b) + "' is attached to the ground: its root can't change",
                                    "break its root joint first");
     if (editor.tree().parent(b) < 0) return ActionResult::skipped("it is already the root");

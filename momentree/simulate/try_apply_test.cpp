@@ -39,21 +39,21 @@ TEST_CASE("an attempt that is impossible changes nothing and says why; a possibl
   const std::vector<double> p(simulation.world().state().p().begin(), simulation.world().state().p().end());
 
   const Action loop = weld("m/hand", "m/arm");  // two bodies of one mechanism
-  CHECK(simulation.attempt({&loop, 1}) == Status::refused);
-  CHECK(simulation.message().find("weld") != std::string::npos);
+  CHECK(simulation.try_apply({&loop, 1}) == Status::refused);
+  CHECK(simulation.result().reason.find("weld") != std::string::npos);
   CHECK(simulation.events().empty());
   CHECK_FALSE(simulation.can_undo(0));
 
   const Action unknown = break_joint("m/hnd");
-  CHECK(simulation.attempt({&unknown, 1}) == Status::refused);
-  CHECK(simulation.message() == "break: there is no joint 'm/hnd'; did you mean 'm/hand'?");
-  REQUIRE(simulation.unknown_name(unknown));
-  CHECK(simulation.unknown_name(unknown)->what == "there is no joint 'm/hnd'");
-  CHECK_FALSE(simulation.unknown_name(break_joint("m/hand")));
+  CHECK(simulation.try_apply({&unknown, 1}) == Status::refused);
+  CHECK(simulation.result().reason == "break: there is no joint 'm/hnd'; did you mean 'm/hand'?");
+  REQUIRE(simulation.check(unknown));
+  CHECK(simulation.check(unknown)->problem == "there is no joint 'm/hnd'");
+  CHECK_FALSE(simulation.check(break_joint("m/hand")));
   CHECK(std::vector<double>(simulation.world().state().p().begin(), simulation.world().state().p().end()) == p);
 
   const Action cut = break_joint("m/hand");
-  CHECK(simulation.attempt({&cut, 1}) == Status::ok);
+  CHECK(simulation.try_apply({&cut, 1}) == Status::ok);
   REQUIRE(simulation.events().size() == 1);
   CHECK(simulation.world().mechanisms().size() == 2);
   REQUIRE(simulation.can_undo(0));

@@ -1,0 +1,73 @@
+#pragma once
+// The memory of a Workspace, for the recursions.
+#include <new>
+#include <type_traits>
+
+#include <momentree/base/inline.hpp>
+#include <momentree/dynamics/requirements.hpp>
+#include <momentree/dynamics/workspace.hpp>
+#include <momentree/joint/pass_data.hpp>
+#include <momentree/joint/revolute_record.hpp>
+#include <momentree/tree/kernel_run.hpp>
+
+namespace momentree {
+
+/// Pose and motion of a body's kernel frame. `R`: body axes to world axes; `r`: origin in the world (m); `velocity` in body axes.
+template <class T>
+struct Kinematics {
+  Matrix3<T> R;
+  Vector3<T> r;
+  Motion<T> velocity;
+};
+
+namespace detail {
+template <class T>
+MOMENTREE_INLINE Untouched<T> untouched(std::size_t count) {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+  constexpr std::align_val_t alignment{alignof(T) > 16 ? alignof(T) : 16};
+  void* const memory = ::operator new((count > 0 ? count : 1) * sizeof(T), alignment);
+  return Untouched<T>(static_cast<T*>(memory), FreeUntouched{alignment});
+}
+}  // namespace detail
+
+/// Buffers for paired branches, indexed by the first one's body.
+struct PairWorkspace {
+  detail::Untouched<ArmatureRecord<BodyPair>> records;
+  detail::Untouched<Inboard<BodyPair>> child_sums;
+  detail::Untouched<Outboard<BodyPair>> parent_states;
+};
+
+template <class T>
+Workspace<T>::Workspace(const Tree& tree)
+    : WorkspaceStamps(tree.bodies()), records(detail::untouched<T>(tree.record_capacity())) {
+  const auto bodies_count = static_cast<std::size_t>(tree.bodies());
+  const auto numbers = [&](std::size_t each, std::size_t more = 0) { return detail::untouched<T>(each * bodies_count + more); };
+  const auto by_body = [&]<class U>(detail::Untouched<U>& list) { list = detail::untouched<U>(bodies_count); };
+  cos = numbers(2, 3), sin = numbers(2, 3);
+  v = numbers(6), qdot = numbers(7), pdot = numbers(6), a = numbers(6);
+  impulse = numbers(6), passive = numbers(1);
+  by_body(child_sums), by_body(parent_states), by_body(child_wrenches), by_body(parent_accelerations);
+  by_body(in_plane_child_sums), by_body(in_plane_parent_states);
+  by_body(motions), by_body(inboard_accelerations), by_body(reduced_bias_wrenches), by_body(loads), by_body(path);
+  by_body(bodies);
+  if constexpr (has_pair_lanes && std::is_same_v<T, double>) {
+    pairs = {new PairWorkspace, [](PairWorkspace* all) { delete all; }};
+    by_body(pairs->records), by_body(pairs->child_sums), by_body(pairs->parent_states);
+  }
+}
+
+template <class T>
+template <class K, class AnyTree>
+typename K::template Record<T>& Workspace<T>::record(const AnyTree& tree, int b) const {
+  using Record = typename K::template Record<T>;
+  static_assert(sizeof(Record) % sizeof(T) == 0 && alignof(Record) <= alignof(T) && std::is_trivially_copyable_v<Record>);
+  return *reinterpret_cast<Record*>(records.get() + tree.record(b));
+}
+
+template <class T>
+template <class K, class AnyTree>
+typename K::template Record<T>* Workspace<T>::records_of(const AnyTree& tree, const KernelRun& run) const {
+  return &record<K>(tree, tree.order()[static_cast<std::size_t>(run.begin)]);
+}
+
+}  // namespace momentree

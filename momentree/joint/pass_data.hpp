@@ -1,0 +1,70 @@
+#pragma once
+// The quantities that the inward and the outward pass hand from body to body.
+#include <momentree/base/inline.hpp>
+#include <momentree/math/spatial.hpp>
+
+namespace momentree {
+
+/// Contribution of one child to its parent: reduced mass and remainder momentum (25), (26), and the first moment of the subtree
+/// (kg m) for gravity.
+template <class T>
+struct Inboard {
+  SpatialMass<T> M;
+  Force<T> D;
+  Vector3<T> mc;
+};
+template <class T>
+MOMENTREE_INLINE void operator+=(Inboard<T>& a, const Inboard<T>& b) {
+  a.M += b.M;
+  a.D += b.D;
+  a.mc += b.mc;
+}
+/// Without gravity the revolute steps do not write first moments; a sum to which other contributions are added must still start
+/// from zero.
+template <bool Gravity, class T>
+MOMENTREE_INLINE void begin_moments(Inboard<T>& sum) {
+  if constexpr (!Gravity) sum.mc.x = T(0), sum.mc.y = T(0), sum.mc.z = T(0);
+}
+/// Input of a child from its parent: velocity, and gravity in the parent's axes (m/s²).
+template <class T>
+struct Outboard {
+  Motion<T> velocity;
+  Vector3<T> gravity;
+};
+
+/// Spatial velocity and articulated momentum of a body, in its kernel frame.
+template <class T>
+struct BodySweep {
+  Motion<T> velocity;    ///< Ω
+  Force<T> articulated;  ///< Pb (14)
+};
+
+/// Contribution of one child to its parent in a plane mechanism, in the plane's axes.
+template <class T>
+struct InPlaneInboard {
+  T axx, axy, ayy, bx, by, J;  ///< l = A v + b ω, h = b·v + J ω
+  T lx, ly, h;
+  T mx, my;  ///< first moment of the subtree
+};
+template <class T>
+MOMENTREE_INLINE void operator+=(InPlaneInboard<T>& a, const InPlaneInboard<T>& b) {
+  a.axx = a.axx + b.axx, a.axy = a.axy + b.axy, a.ayy = a.ayy + b.ayy;
+  a.bx = a.bx + b.bx, a.by = a.by + b.by, a.J = a.J + b.J;
+  a.lx = a.lx + b.lx, a.ly = a.ly + b.ly, a.h = a.h + b.h;
+  a.mx = a.mx + b.mx, a.my = a.my + b.my;
+}
+template <class T>
+struct InPlaneOutboard {
+  T vx, vy, w;
+};
+/// Quantities of a body in a plane mechanism that the inward pass stores; kept in the memory of a revolute record.
+template <class T>
+struct InPlaneRecord {
+  T axx, axy, ayy, lx, ly, gx, gy, u0, rx, ry, mx, my;
+};
+struct InPlaneKernels {
+  template <class T>
+  using Record = InPlaneRecord<T>;
+};
+
+}  // namespace momentree
