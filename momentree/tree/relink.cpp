@@ -161,15 +161,6 @@ void Tree::copy_with_armatures(const Tree& other) {
   build_runs();
 }
 
-void Tree::copy_with_generic_kernels(const Tree& other) {
-  *this = other;
-  revision_.renew();
-  for (const int b : order_)
-    if (class_[at(b)].variant == Variant::plain || class_[at(b)].variant == Variant::armature)
-      class_[at(b)].variant = Variant::locked;
-  build_runs();
-}
-
 // Updates the packed data after b's joint changed from kind `before`: data behind it moves. Returns whether the lists of special
 // joints must be renewed.
 bool Tree::repack(int b, Kind before) {

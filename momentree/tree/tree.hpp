@@ -228,9 +228,6 @@ class Tree {
   /// rotors() then holds the whole inertia of these joints apart from the bodies'. O(bodies); copying the same bodies again
   /// allocates nothing.
   void copy_with_armatures(const Tree& other);
-  /// Becomes a copy of `other` in which joints with specialised kernels use the generic functions, as locked joints do, although
-  /// nothing is locked: the reference for those kernels. The same cost.
-  void copy_with_generic_kernels(const Tree& other);
   /// Write access to armature(), for an integration method that changes it between evaluations at bare arrays: no state belongs
   /// to this tree afterwards. Valid until the tree is next changed or copied to.
   double* rotors() {
@@ -273,6 +270,7 @@ class Tree {
 
  private:
   friend class UncheckedTree;
+  friend struct TestAccess;  // dynamics/test_support.hpp
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   static constexpr const char* known_body = "the tree has a body of that number, and it was not removed";
 
