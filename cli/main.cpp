@@ -10,6 +10,7 @@
 #include <new>
 
 #include <cli/command_line.hpp>
+#include <cli/exit_codes.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
@@ -43,7 +44,7 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // exceeding the limit on file sizes then gives a write error
   int code = cli::failed;
   try {
-    code = cli::CommandLine().call(argc, argv);
+    code = cli::call(argc, argv);
   } catch (const Error& error) {
     code = cli::bad_input;
     say_error(error);

@@ -7,7 +7,7 @@
 #include <cli/commands.hpp>
 #include <cli/interrupt.hpp>
 #include <cli/page.hpp>
-#include <cli/progress.hpp>
+#include <cli/record.hpp>
 #include <cli/run_report.hpp>
 #include <cli/session.hpp>
 #include <cli/text.hpp>
@@ -16,25 +16,10 @@
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
-#include <momentree/io/results.hpp>
 
 namespace momentree::cli {
 
 namespace {
-
-void refuse_unsupported(const RunOptions& options) {
-  const auto refuse = [](bool given, const char* option) {
-    if (given) throw_error({"`" + std::string(option) + "` is not supported yet", "", ""});
-  };
-  refuse(options.format == "hdf5", "--format hdf5");
-  if (options.format != "csv") throw_error({"unknown format '" + options.format + "'", "", "there are csv and, later, hdf5"});
-}
-
-std::string status_text(Status status, const Simulation& simulation) {
-  if (status == Status::ok) return "done";
-  if (status == Status::interrupted) return format("interrupted at t = %.9g s", simulation.time());
-  return simulation.message();
-}
 
 // Reports the result of --generate.
 void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool quiet) {
@@ -55,7 +40,6 @@ void tell_where(const io::Recorder& recorder) {
 }  // namespace
 
 int run(const RunOptions& options) {
-  refuse_unsupported(options);
   std::vector<std::string> overrides = options.overrides;
   if (!options.until.empty()) overrides.push_back("integrate.until=" + options.until);
   const std::optional<io::Scenario> scenario =
@@ -79,11 +63,7 @@ int run(const RunOptions& options) {
        .report = options.report});
 
   Progress progress(start, scenario->until, !options.quiet && errors_on_terminal());
-  simulation.observe(scenario->output_every, [&](const World& world) { return recorder.observe(world); });
-  simulation.watch([&progress](double time) {
-    progress.at(time);
-    return !InterruptGuard::interrupted();
-  });
+  watch_run(simulation, recorder, scenario->output_every, progress);
   std::optional<KernelCache> kernels;
   if (options.generate) simulation.use_generated(kernels.emplace().provider());
   Status ended = Status::refused;
