@@ -10,7 +10,6 @@
 #include <utility>
 
 #include <cli/arguments.hpp>
-#include <cli/commands.hpp>
 #include <cli/completion.hpp>
 #include <cli/man_page.hpp>
 #include <momentree/base/error.hpp>
@@ -29,7 +28,7 @@ std::string quoted(const std::string& words) { return "`momentree " + words + "`
 
 class CommandLine {
  public:
-  CommandLine();
+  explicit CommandLine(Bench bench);
   int call(int argc, char** argv);
 
  private:
@@ -64,6 +63,7 @@ class CommandLine {
   ViewOptions view_;
   PlayOptions play_;
   BenchOptions bench_;
+  Bench measure_;
   std::string help_on_, shell_;
   std::vector<std::pair<CLI::App*, std::function<int()>>> actions_;
 };
@@ -99,7 +99,7 @@ CLI::Option* CommandLine::source(CLI::App* sub, const char* name, std::string& v
   return sub->add_option(name, value, does)->type_name(type);
 }
 
-CommandLine::CommandLine() {
+CommandLine::CommandLine(Bench bench) : measure_(bench) {
   app_.set_version_flag("-V,--version", "momentree " MOMENTREE_VERSION);
   app_.footer(closing);
   app_.require_subcommand(0, 1);
@@ -207,7 +207,7 @@ void CommandLine::add_pages() {
   verbose(play_command, play_.verbose);
 
   CLI::App* bench_command =
-      command("bench", "Measure this machine: the tables of the paper, or your own models", [this] { return bench(bench_); });
+      command("bench", "Measure this machine: the tables of the paper, or your own models", [this] { return measure_(bench_); });
   bench_command
       ->add_option("models", bench_.models, "Scenarios (.toml) or models (.urdf, .sdf, .xml) to measure instead of the tables")
       ->type_name("SCENARIO|MODEL");
@@ -361,6 +361,6 @@ int CommandLine::call(int argc, char** argv) {
 
 }  // namespace
 
-int call(int argc, char** argv) { return CommandLine().call(argc, argv); }
+int call(int argc, char** argv, Bench bench) { return CommandLine(bench).call(argc, argv); }
 
 }  // namespace momentree::cli

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <cli/commands.hpp>
+
 namespace momentree::cli {
 
 /// An option, or a positional argument.
@@ -22,7 +24,7 @@ struct CommandTable {
   std::vector<CommandInfo> commands;
 };
 
-/// Parses and runs the command line. Throws Error if it is invalid.
-int call(int argc, char** argv);
+/// Parses and runs the command line; `bench`: that command. Throws Error if it is invalid.
+int call(int argc, char** argv, Bench bench);
 
 }  // namespace momentree::cli

@@ -80,8 +80,9 @@ struct BenchOptions {
   int bodies = 1000000;           ///< of the largest chains
   char** command_line = nullptr;  ///< the arguments of main, for the program that does the measurements
 };
-/// Returns `failed` if a result is wrong: its time is not printed. Defined once in each program: momentree starts
+/// Returns `failed` if a result is wrong: its time is not printed. Each program has its own definition: momentree starts
 /// momentree-measure (bench.cpp), which measures (bench/bench.cpp).
 int bench(const BenchOptions& options);
+using Bench = int (*)(const BenchOptions& options);
 
 }  // namespace momentree::cli

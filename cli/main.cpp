@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // exceeding the limit on file sizes then gives a write error
   int code = cli::failed;
   try {
-    code = cli::call(argc, argv);
+    code = cli::call(argc, argv, cli::bench);
   } catch (const Error& error) {
     code = cli::bad_input;
     say_error(error);

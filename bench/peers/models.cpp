@@ -97,7 +97,7 @@ std::vector<EvaluationModel> drawn() {
           tree("binary tree", 63, false, true),     Humanoid().model()};
 }
 
-/// A line of the file: see cli/peer_links.hpp. Its initial state is random.
+/// A line of the file: see cli/bench/peer_links.hpp. Its initial state is random.
 Link read_link(std::istringstream& line, int number, Draw& draw) {
   Link link;
   std::string joint;

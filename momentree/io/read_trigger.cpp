@@ -100,7 +100,7 @@ class QuantityReader final : public QuantityFields {
 };
 
 // Sets the unit of a coordinate from the joint's kind, if the model of the file has the joint.
-void know_unit(Quantity& quantity, const Value& value, Reading& reading) {
+void know_unit(momentree::Quantity& quantity, const Value& value, Reading& reading) {
   auto* of_joint = dynamic_cast<quantities::SingleDof*>(&quantity);
   const Model& model = reading.scenario.model;
   if (of_joint == nullptr || !model.has_joint(of_joint->joint)) return;
@@ -123,7 +123,7 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
   const std::size_t errors = out.errors();
   const std::vector<std::string> keys = quantity_keys();  // they outlive the fields, which store views of them
   Fields fields(when, "when", out);
-  std::shared_ptr<Quantity> quantity;
+  std::shared_ptr<momentree::Quantity> quantity;
   std::string all = "one of:";
   for (const std::string& key : keys) {
     all += " " + key;

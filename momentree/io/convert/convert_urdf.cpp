@@ -25,8 +25,6 @@ bool is_identity(const Pose& pose) { return is_zero(pose.position) && is_identit
 Pose times(const Pose& a, const Pose& b) { return is_identity(a) ? b : is_identity(b) ? a : a * b; }
 Pose undone(const Pose& a) { return is_identity(a) ? a : inverse(a); }
 
-std::string bare(const std::string& name) { return name.substr(name.find('/') + 1); }
-
 std::string parent_folder(const std::string& file) {
   const std::string folder = std::filesystem::path(file).parent_path().string();
   return folder.empty() ? "." : folder;
@@ -102,8 +100,8 @@ class Writer {
   }
 
   void note_names(const BodySpec& spec) {
-    link_names_.insert(bare(spec.name));
-    joint_names_.insert(bare(spec.joint_name));
+    link_names_.insert(pieces::bare(spec.name));
+    joint_names_.insert(pieces::bare(spec.joint_name));
   }
   static std::string fresh(std::unordered_set<std::string>& names, const std::string& wanted) {
     std::string name = wanted;
@@ -139,7 +137,7 @@ class Writer {
     const auto k = static_cast<std::size_t>(b);
     std::vector<Part> parts = parts_of(spec.joint);
     const bool root = spec.parent == ground;
-    std::string parent = root ? "" : bare(model_[spec.parent].name);
+    std::string parent = root ? "" : pieces::bare(model_[spec.parent].name);
     Pose at = root ? spec.at : times(undone(shift_[static_cast<std::size_t>(spec.parent.index)]), spec.at);
     note_lost(spec);
     if (plain_root(spec)) {
@@ -155,7 +153,7 @@ class Writer {
       links_.push_back({parent, ""});
     }
     if (parts.size() > 1) chains_[spec.joint.kind].push_back(spec.joint_name);
-    const std::string joint_name = bare(spec.joint_name);
+    const std::string joint_name = pieces::bare(spec.joint_name);
     for (std::size_t i = 0; i < parts.size(); ++i) {
       const Part& part = parts[i];
       const bool last = i + 1 == parts.size();
@@ -169,10 +167,10 @@ class Writer {
       joint.origin = at;
       take_parameters(spec, part, joint);
       if (last) {
-        joint.child = bare(spec.name);
+        joint.child = pieces::bare(spec.name);
         links_.push_back(link_of(spec, k));
       } else {
-        joint.child = parent = fresh(link_names_, bare(spec.name) + part.suffix);
+        joint.child = parent = fresh(link_names_, pieces::bare(spec.name) + part.suffix);
         links_.push_back({parent, "no mass: one of the joints that represent " + joint_name});
       }
       joints_.push_back(std::move(joint));
@@ -183,7 +181,7 @@ class Writer {
   WrittenLink link_of(const BodySpec& spec, std::size_t k) {
     WrittenLink link;
     const Pose &shift = shift_[k], back = undone(shift);
-    link.name = bare(spec.name);
+    link.name = pieces::bare(spec.name);
     link.mass = spec.mass;
     link.com = is_identity(shift) ? spec.com : back * spec.com;
     link.inertia = is_identity(shift.rotation) ? spec.inertia : rotate(rotation_matrix(back.rotation), spec.inertia);
@@ -319,7 +317,7 @@ class Writer {
         const Value::Entry* joint = body.find("joint");
         const Value::Entry* named = joint ? joint->value.find("name") : nullptr;
         if (!named) named = body.find("name");
-        if (!joint || !named || !named->value.string() || *named->value.string() != bare(lost.joint)) continue;
+        if (!joint || !named || !named->value.string() || *named->value.string() != pieces::bare(lost.joint)) continue;
         return place_in(joint->value, lost.key);
       }
     }

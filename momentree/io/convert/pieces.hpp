@@ -28,6 +28,9 @@ struct Rpy {
 };
 Rpy rpy_of(const Quat& rotation);
 
+/// A name without its mechanism.
+inline std::string bare(const std::string& name) { return name.substr(name.find('/') + 1); }
+
 /// { xyz, rpy or quat } without zero entries; an empty table for the identity.
 Value::Table placement(const Pose& pose);
 

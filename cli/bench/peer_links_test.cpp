@@ -1,5 +1,5 @@
 // A model and its text for other engines: equal momenta give equal velocities and equal rates.
-#include <cli/peer_links.hpp>
+#include <cli/bench/peer_links.hpp>
 
 #include <doctest/doctest.h>
 

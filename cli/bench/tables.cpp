@@ -1,4 +1,4 @@
-#include <cli/bench_tables.hpp>
+#include <cli/bench/tables.hpp>
 
 #ifdef __linux__
 #include <unistd.h>
@@ -12,7 +12,7 @@
 #include <cstdio>
 
 #include <bench/models.hpp>
-#include <cli/bench_timing.hpp>
+#include <cli/bench/timing.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/count.hpp>

@@ -1,4 +1,4 @@
-#include <cli/peer_links.hpp>
+#include <cli/bench/peer_links.hpp>
 
 #include <vector>
 

@@ -1,10 +1,10 @@
-#include <cli/bench_own.hpp>
+#include <cli/bench/own.hpp>
 
 #include <algorithm>
 #include <optional>
 
-#include <cli/bench_tables.hpp>
-#include <cli/bench_timing.hpp>
+#include <cli/bench/tables.hpp>
+#include <cli/bench/timing.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/batch/batch.hpp>
 #include <momentree/dynamics/acceleration.hpp>
