@@ -22,7 +22,7 @@ namespace momentree::cli {
 namespace {
 
 // Reports the result of --generate.
-void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool quiet) {
+void report_generated_code(const KernelCache& kernels, const io::Scenario& scenario, bool quiet) {
   const KernelCacheStatistics s = kernels.statistics();
   std::string why = kernels.message();
   if (scenario.integration.method == "damped")
@@ -33,7 +33,7 @@ void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool q
               count_text(s.found_again, "time", "times").c_str(), duration_text(s.seconds).c_str());
 }
 
-void tell_where(const io::Recorder& recorder) {
+void report_location(const io::Recorder& recorder) {
   show(stderr, "the results so far are kept in " + printable(recorder.directory()) + '\n');
 }
 
@@ -73,7 +73,7 @@ int run(const RunOptions& options) {
     progress.clear();
     recorder.abandon("failed: out of memory");
     show(stderr, printable(scenario->path) + ": error: out of memory\n");
-    tell_where(recorder);
+    report_location(recorder);
     return failed;
   }
   progress.clear();
@@ -94,7 +94,7 @@ int run(const RunOptions& options) {
 
   if (const std::string advice = simulation.energy().advice(scenario->integration); ended == Status::ok && !advice.empty())
     show(stderr, printable(scenario->path) + ": warning: " + advice + '\n');
-  if (kernels) tell_about(*kernels, *scenario, options.quiet || options.json);
+  if (kernels) report_generated_code(*kernels, *scenario, options.quiet || options.json);
   for (const std::string& warning : recorder.warnings()) show(stderr, warning + '\n');
   if (recorder.is_published()) return done;
   const std::optional<Error>& error = recorder.error();
@@ -102,7 +102,7 @@ int run(const RunOptions& options) {
     show(stderr, (error->where.empty() ? "momentree: " : "") + error->message() + '\n');
   else
     show(stderr, printable(scenario->path) + (ended == Status::interrupted ? ": " : ": error: ") + recorder.status() + '\n');
-  tell_where(recorder);
+  report_location(recorder);
   return error || ended != Status::interrupted ? failed : interrupted;
 }
 

@@ -194,7 +194,7 @@ TEST_CASE("momentree bench MODEL: a user's own models, in momentree and other en
 
   // A program is given the models one by one; a model that it does not support is left out there.
   const std::string program = folder / "peer-a";
-  std::ofstream(program) << "#!/bin/sh\n[ \"$1\" = evaluate ] && grep -q slide \"$2\" || exit 1\n"
+  std::ofstream(program) << "#!/bin/sh\n[ \"$1\" = evaluate ] && grep -q prismatic \"$2\" || exit 1\n"
                             "echo '{\"model\": \"'$(head -1 \"$2\")'\", \"engine\": \"E 1\", \"way\": \"f\", \"imbalance\": 0, "
                             "\"ns_per_body\": '$(wc -l <\"$2\")'}'\n";
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);

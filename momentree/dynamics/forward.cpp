@@ -226,7 +226,7 @@ void locate_bodies(const Tree& tree, const State& state, Workspace<double>& work
 DenseTransform<double> joint_transform_of(const Tree& tree, const double* q, const Workspace<double>& workspace, int b) noexcept {
   return dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) -> DenseTransform<double> {
     using K = typename decltype(tag)::type;
-    if constexpr (K::turns_about_z) {
+    if constexpr (K::rotates_about_z) {
       return dense_transform<K, double>(tree.link(b), joint_state(tree, q, workspace, b));
     } else {
       return workspace.record<K>(tree, b).x;

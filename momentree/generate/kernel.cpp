@@ -16,9 +16,9 @@ extern template void evaluate_rates<Symbolic<true>>(const Tree&, const Symbolic<
 
 namespace {
 
-template <bool Late>
+template <bool RotatesFirst>
 KernelExpressions expressions_of(const Tree& tree) {
-  using T = Symbolic<Late>;
+  using T = Symbolic<RotatesFirst>;
   KernelExpressions kernel;
   Expressions& all = kernel.expressions;
   T::graph() = &all;
@@ -48,7 +48,7 @@ std::vector<int> KernelExpressions::results() const {
 }
 
 KernelExpressions kernel_expressions(const Tree& tree, RevoluteOrder order) {
-  if (order == RevoluteOrder::turn_first) return expressions_of<true>(tree);
+  if (order == RevoluteOrder::rotate_first) return expressions_of<true>(tree);
   KernelExpressions one = expressions_of<false>(tree);
   if (order == RevoluteOrder::reduce_first) return one;
   KernelExpressions other = expressions_of<true>(tree);

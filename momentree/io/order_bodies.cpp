@@ -92,10 +92,10 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
     }
     const bool circle = at != no_body && walking[at] && !placed[at] && !reported[at];
     if (circle) report_circle(bodies, parent, at, reported, out);
-    const bool hangs = at == no_body || placed[at];
+    const bool connected = at == no_body || placed[at];
     for (auto i = path.rbegin(); i != path.rend(); ++i) {
       walking[*i] = 0;
-      if (hangs) {
+      if (connected) {
         placed[*i] = 1;
         order.push_back(*i);
       } else {

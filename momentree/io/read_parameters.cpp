@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <momentree/io/freedom_values.hpp>
+#include <momentree/io/dof_values.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {

@@ -41,7 +41,7 @@ struct MassProperties {
 /// Parameters expanded to one value per DoF, ready to be copied when a topology is relinked.
 struct DofParameters {
   std::array<double, 6> armature{}, damping{}, effort{};
-  bool rotor = false, spring = false, force = false, drive = false, motion = false, strength = false;
+  bool has_armature = false, spring = false, force = false, drive = false, motion = false, strength = false;
 };
 DofParameters spread(const JointParameters& parameters);
 

@@ -9,7 +9,7 @@ namespace momentree::io {
 
 namespace {
 
-using namespace pieces;
+using namespace document_values;
 namespace fs = std::filesystem;
 
 Value inertia_value(const Sym3& i) {
