@@ -190,12 +190,12 @@ Model humanoid(int /*bodies*/) {
     if (joint.kind == Kind::free) body.q = {0, 0, 1, 1, 0, 0, 0}, body.v = {0.1, -0.2, 0.3, 0.4, -0.5, 0.6};
     return model.add(body);
   };
-  struct Pin {
+  struct RevoluteAt {
     Vec3 axis, at;
   };
-  const auto limb = [&](BodyId last, std::initializer_list<Pin> pins, double side) {
-    for (const Pin& pin : pins)
-      last = add(last, Revolute{.axis = pin.axis, .damping = 1e-3}, {pin.at.x, side * pin.at.y, pin.at.z});
+  const auto limb = [&](BodyId last, std::initializer_list<RevoluteAt> joints, double side) {
+    for (const RevoluteAt& joint : joints)
+      last = add(last, Revolute{.axis = joint.axis, .damping = 1e-3}, {joint.at.x, side * joint.at.y, joint.at.z});
     return last;
   };
   const BodyId pelvis = add(ground, Free{}, {});

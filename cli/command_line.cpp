@@ -1,7 +1,13 @@
 #include <cli/command_line.hpp>
 
+#include <CLI/CLI.hpp>
+
 #include <algorithm>
 #include <cstdio>
+#include <functional>
+#include <iterator>
+#include <string_view>
+#include <utility>
 
 #include <cli/arguments.hpp>
 #include <cli/completion.hpp>
@@ -20,7 +26,47 @@ bool offered(const std::string& group) { return !group.empty(); }
 
 std::string quoted(const std::string& words) { return "`momentree " + words + "`"; }
 
-}  // namespace
+class CommandLine {
+ public:
+  explicit CommandLine(Bench bench);
+  int call(int argc, char** argv);
+
+ private:
+  CLI::App* command(const char* name, const char* does, std::function<int()> action);
+  void add_run();
+  void add_readers();
+  void add_writers();
+  void add_pages();
+  void add_helpers();
+  void overrides(CLI::App* sub, std::vector<std::string>& values);
+  void verbose(CLI::App* sub, bool& value);
+  void served(CLI::App* sub, int& port, bool& no_browser);
+  CLI::Option* source(CLI::App* sub, const char* name, std::string& value, const char* type, const char* does);
+
+  CommandTable table() const;
+  /// The commands that help offers, in their order.
+  std::vector<const CLI::App*> commands() const;
+  /// The help of a command, or of the program if no command has that name.
+  std::string help(std::string_view command) const;
+  const CLI::App* parsed() const;
+  void require_known_arguments() const;
+  void require_one_standard_input() const;
+  int print_help() const;
+
+  CLI::App app_{"momentree: dynamics of mechanisms whose topology changes while they move", "momentree"};
+  RunOptions run_;
+  CheckOptions check_;
+  EvaluateOptions evaluate_;
+  ExplainOptions explain_;
+  ConvertOptions convert_;
+  CompileOptions compile_;
+  ViewOptions view_;
+  PlayOptions play_;
+  BenchOptions bench_;
+  Bench measure_;
+  std::string help_on_, shell_;
+  std::vector<std::pair<CLI::App*, std::function<int()>>> actions_;
+};
 
 CLI::App* CommandLine::command(const char* name, const char* does, std::function<int()> action) {
   CLI::App* sub = app_.add_subcommand(name, does);
@@ -53,22 +99,7 @@ CLI::Option* CommandLine::source(CLI::App* sub, const char* name, std::string& v
   return sub->add_option(name, value, does)->type_name(type);
 }
 
-void CommandLine::later(const char* name) {
-  CLI::App* sub = command(name, "", [name]() -> int { throw Error{quoted(name) + " is not supported yet", "", ""}; });
-  sub->group("");
-  later_commands_.push_back(sub);
-}
-
-void CommandLine::later(CLI::App* sub, const char* option, bool takes_value) {
-  CLI::Option* added = sub->add_option(option)->group("");
-  if (takes_value)
-    added->expected(0, 1);
-  else
-    added->expected(0);
-  later_options_.emplace_back(option, added);
-}
-
-CommandLine::CommandLine() {
+CommandLine::CommandLine(Bench bench) : measure_(bench) {
   app_.set_version_flag("-V,--version", "momentree " MOMENTREE_VERSION);
   app_.footer(closing);
   app_.require_subcommand(0, 1);
@@ -78,7 +109,6 @@ CommandLine::CommandLine() {
   add_writers();
   add_pages();
   add_helpers();
-  for (const char* name : {"sweep", "gradient", "replay"}) later(name);
 }
 
 void CommandLine::add_run() {
@@ -96,9 +126,6 @@ void CommandLine::add_run() {
   sub->add_flag("--quiet", run_.quiet, "Print nothing but warnings and errors");
   verbose(sub, run_.verbose);
   sub->add_flag("--json", run_.json, "Print summary.json and nothing else");
-  sub->add_option("--format", run_.format)->group("");  // there is only one
-  later(sub, "--checkpoint", true);
-  later(sub, "--resume", false);
 }
 
 void CommandLine::add_readers() {
@@ -170,7 +197,6 @@ void CommandLine::add_pages() {
       ->type_name("overlay|multiples");
   served(view_command, view_.port, view_.no_browser);
   verbose(view_command, view_.verbose);
-  later(view_command, "--export", true);
 
   CLI::App* play_command =
       command("play", "Play with a scenario or a model in the browser: cut, lock, weld, throw", [this] { return play(play_); });
@@ -181,7 +207,7 @@ void CommandLine::add_pages() {
   verbose(play_command, play_.verbose);
 
   CLI::App* bench_command =
-      command("bench", "Measure this machine: the tables of the paper, or your own models", [this] { return bench(bench_); });
+      command("bench", "Measure this machine: the tables of the paper, or your own models", [this] { return measure_(bench_); });
   bench_command
       ->add_option("models", bench_.models, "Scenarios (.toml) or models (.urdf, .sdf, .xml) to measure instead of the tables")
       ->type_name("SCENARIO|MODEL");
@@ -200,13 +226,13 @@ void CommandLine::add_helpers() {
   help_command->add_option("command", help_on_, "The command; default: all of them")->type_name("COMMAND");
 
   CLI::App* completion_command = command("completion", "Print a script that completes command lines in a shell", [this] {
-    std::fputs(completion_script(*this, shell_).c_str(), stdout);
+    std::fputs(completion_script(table(), shell_).c_str(), stdout);
     return done;
   });
   completion_command->add_option("shell", shell_, "The shell")->required()->type_name("bash|zsh|fish");
 
   CLI::App* page = command("man-page", "", [this] {  // for the build
-    std::fputs(man_page(*this).c_str(), stdout);
+    std::fputs(man_page(table()).c_str(), stdout);
     return done;
   });
   page->group("");
@@ -219,18 +245,27 @@ std::vector<const CLI::App*> CommandLine::commands() const {
   return all;
 }
 
-std::vector<const CLI::Option*> CommandLine::options_of(const CLI::App& command) {
-  std::vector<const CLI::Option*> all;
-  for (const CLI::Option* option : command.get_options())
-    if (!option->get_positional() && offered(option->get_group())) all.push_back(option);
-  return all;
+CommandInfo info_on(const CLI::App& command) {
+  CommandInfo info{command.get_name(), command.get_description(), {}, {}};
+  for (const CLI::Option* option : command.get_options()) {
+    OptionInfo each{{},
+                    option->get_type_name(),
+                    option->get_description(),
+                    option->get_items_expected_max() > 0,
+                    option->get_items_expected_max() > 1,
+                    option->get_required(),
+                    option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll};
+    for (const std::string& name : option->get_snames()) each.flags.push_back("-" + name);
+    for (const std::string& name : option->get_lnames()) each.flags.push_back("--" + name);
+    (each.positional() ? info.arguments : info.options).push_back(std::move(each));
+  }
+  return info;
 }
 
-std::vector<const CLI::Option*> CommandLine::arguments_of(const CLI::App& command) {
-  std::vector<const CLI::Option*> all;
-  for (const CLI::Option* option : command.get_options())
-    if (option->get_positional()) all.push_back(option);
-  return all;
+CommandTable CommandLine::table() const {
+  CommandTable table{info_on(app_), {}};
+  for (const CLI::App* sub : commands()) table.commands.push_back(info_on(*sub));
+  return table;
 }
 
 std::string CommandLine::help(std::string_view command) const {
@@ -262,7 +297,6 @@ const CLI::App* CommandLine::parsed() const {
 
 void CommandLine::require_known_arguments() const {
   const CLI::App* sub = parsed();
-  if (std::ranges::count(later_commands_, sub) > 0) return;  // they accept any arguments
   const std::string help = "see " + quoted(sub == &app_ ? "help" : "help " + sub->get_name());
   const auto suggestion = [&help](const std::string& word, const std::vector<std::string>& known) {
     const std::string guess = did_you_mean(word, known);
@@ -277,8 +311,8 @@ void CommandLine::require_known_arguments() const {
     if (word.size() > 1 && word.starts_with('-')) {
       word = word.substr(0, word.find('='));
       std::vector<std::string> known;
-      for (const CLI::Option* option : options_of(*sub))
-        for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+      for (const OptionInfo& option : info_on(*sub).options)
+        std::ranges::copy_if(option.flags, std::back_inserter(known), [](const auto& flag) { return flag.starts_with("--"); });
       throw Error{"unknown option '" + word + "'", "", suggestion(word, known)};
     }
     if (sub != &app_)
@@ -291,10 +325,7 @@ void CommandLine::require_known_arguments() const {
   if (sub == &app_) throw Error{"no command given", "", help};
 }
 
-// Refuses options that are parsed but not supported yet, and more than one use of standard input.
-void CommandLine::require_what_there_is() const {
-  for (const auto& [name, option] : later_options_)
-    if (option->count() > 0) throw Error{"`" + name + "` is not supported yet", "", ""};
+void CommandLine::require_one_standard_input() const {
   long inputs = 0;
   for (const CLI::Option* option : parsed()->get_options())
     if (option->get_positional() || option->get_name() == "--state") inputs += std::ranges::count(option->results(), "-");
@@ -302,6 +333,7 @@ void CommandLine::require_what_there_is() const {
 }
 
 int CommandLine::call(int argc, char** argv) {
+  bench_.command_line = argv;
   try {
     app_.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
@@ -315,15 +347,20 @@ int CommandLine::call(int argc, char** argv) {
     std::string what = e.what();
     if (const std::size_t colon = what.find(": 1 required "); colon != std::string::npos)  // "--until: 1 required T missing"
       what = "`" + what.substr(0, colon) + "` needs a value";
-    for (const CLI::Option* argument : arguments_of(*sub))
-      if (what == argument->get_name() + " is required") what = argument->get_type_name() + " is required";
+    for (const CLI::Option* option : sub->get_options())
+      if (option->get_positional() && what == option->get_name() + " is required")
+        what = option->get_type_name() + " is required";
     throw Error{what, "", "see " + quoted(sub == &app_ ? "help" : "help " + sub->get_name())};
   }
   require_known_arguments();
-  require_what_there_is();
+  require_one_standard_input();
   for (const auto& [sub, action] : actions_)
     if (sub->parsed()) return action();
   return bad_input;
 }
+
+}  // namespace
+
+int call(int argc, char** argv, Bench bench) { return CommandLine(bench).call(argc, argv); }
 
 }  // namespace momentree::cli

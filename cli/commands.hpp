@@ -12,7 +12,7 @@ struct RunOptions {
   std::string scenario;
   std::string out;                     ///< empty: results/<scenario's name>
   std::vector<std::string> overrides;  ///< KEY=VALUE
-  std::string until, format = "csv";
+  std::string until;
   bool report = false, reactions = false, quiet = false, json = false, generate = false, verbose = false;
 };
 int run(const RunOptions& options);
@@ -74,14 +74,15 @@ int play(const PlayOptions& options);
 struct BenchOptions {
   std::vector<std::string> models{};  ///< scenarios or models to measure instead of the tables
   bool json = false;
-  double budget = 0.15;  ///< s for each figure
-  int repeats = 5;       ///< of the breaking chain
-  std::string peers{};   ///< folder of the programs peer-*; empty: none
-  int bodies = 1000000;  ///< of the largest chains
+  double budget = 0.15;           ///< s for each figure
+  int repeats = 5;                ///< of the breaking chain
+  std::string peers{};            ///< folder of the programs peer-*; empty: none
+  int bodies = 1000000;           ///< of the largest chains
+  char** command_line = nullptr;  ///< the arguments of main, for the program that does the measurements
 };
-/// Returns `failed` if a result is wrong: its time is not printed.
+/// Returns `failed` if a result is wrong: its time is not printed. Each program has its own definition: momentree starts
+/// momentree-measure (bench.cpp), which measures (bench/bench.cpp).
 int bench(const BenchOptions& options);
-/// Like bench(), for `options.models`; `peers`: paths of the programs of other engines.
-int bench_models(const BenchOptions& options, const std::vector<std::string>& peers);
+using Bench = int (*)(const BenchOptions& options);
 
 }  // namespace momentree::cli

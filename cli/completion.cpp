@@ -8,21 +8,21 @@
 
 namespace momentree::cli {
 
-std::string completion_script(const CommandLine& line, std::string_view shell) {
-  if (shell == "bash") return bash_completion(line);
-  if (shell == "zsh") return zsh_completion(line);
-  if (shell == "fish") return fish_completion(line);
+std::string completion_script(const CommandTable& table, std::string_view shell) {
+  if (shell == "bash") return bash_completion(table);
+  if (shell == "zsh") return zsh_completion(table);
+  if (shell == "fish") return fish_completion(table);
   const std::string name(shell);
   const std::string guess = did_you_mean(name, {"bash", "zsh", "fish"});
   throw Error{"there is no completion for '" + name + "'", "", guess.empty() ? "one of: bash, zsh, fish" : guess};
 }
 
-Completed completed(const CLI::Option& option) {
+Completed completed(const OptionInfo& option) {
   using What = Completed::What;
-  const std::string type = option.get_type_name();
+  const std::string& type = option.type;
   const auto has = [&type](const char* word) { return type.find(word) != std::string::npos; };
-  if (!takes_value(option)) return {};
-  if (has("SCENARIO") || (type == "FILE" && option.get_positional())) return {What::sources};
+  if (!option.takes_value) return {};
+  if (has("SCENARIO") || (type == "FILE" && option.positional())) return {What::sources};
   if (has("DIR")) return {What::folders};
   if (has("STATE")) return {What::states};
   if (has("FILE")) return {What::files};
@@ -58,13 +58,6 @@ std::string spaced(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
   return text;
-}
-
-std::vector<std::string> flags_of(const CLI::Option& option) {
-  std::vector<std::string> flags;
-  for (const std::string& name : option.get_snames()) flags.push_back("-" + name);
-  for (const std::string& name : option.get_lnames()) flags.push_back("--" + name);
-  return flags;
 }
 
 }  // namespace momentree::cli

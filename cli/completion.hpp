@@ -9,7 +9,7 @@
 namespace momentree::cli {
 
 /// The script for "bash", "zsh" or "fish"; throws Error for any other shell.
-std::string completion_script(const CommandLine& line, std::string_view shell);
+std::string completion_script(const CommandTable& table, std::string_view shell);
 
 /// The possible values of an argument or an option.
 struct Completed {
@@ -17,7 +17,7 @@ struct Completed {
   What what = What::nothing;
   std::vector<std::string> words{};  ///< of What::words
 };
-Completed completed(const CLI::Option& option);
+Completed completed(const OptionInfo& option);
 
 /// Endings of scenario and model files, without the dot.
 std::vector<std::string> source_endings();
@@ -25,14 +25,11 @@ std::vector<std::string> source_endings();
 std::vector<std::string> setting_keys();
 std::vector<std::string> method_names();
 
-std::string bash_completion(const CommandLine& line);
-std::string zsh_completion(const CommandLine& line);
-std::string fish_completion(const CommandLine& line);
+std::string bash_completion(const CommandTable& table);
+std::string zsh_completion(const CommandTable& table);
+std::string fish_completion(const CommandTable& table);
 
 /// "A B C"
 std::string spaced(const std::vector<std::string>& words);
-/// "--long" and "-s" of an option.
-std::vector<std::string> flags_of(const CLI::Option& option);
-inline bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
 
 }  // namespace momentree::cli

@@ -49,9 +49,9 @@ _momentree_settings() {
 
 }  // namespace
 
-std::string bash_completion(const CommandLine& line) {
+std::string bash_completion(const CommandTable& table) {
   std::vector<std::string> names;
-  for (const CLI::App* sub : line.commands()) names.push_back(sub->get_name());
+  for (const CommandInfo& command : table.commands) names.push_back(command.name);
   std::string text = "# bash completion for momentree: `momentree completion bash`\n\n" + std::string(functions);
   text += R"(
 _momentree() {
@@ -72,27 +72,25 @@ _momentree() {
   text += "    _momentree_words '" + spaced(method_names()) + "'\n    return\n  fi\n";
   text += "  if ((COMP_CWORD == 1)); then\n    if [[ $cur == -* ]]; then\n";
   std::vector<std::string> top;
-  for (const CLI::Option* option : CommandLine::options_of(line.app()))
-    for (const std::string& flag : flags_of(*option)) top.push_back(flag);
+  for (const OptionInfo& option : table.program.options) top.insert(top.end(), option.flags.begin(), option.flags.end());
   text +=
       "      _momentree_words '" + spaced(top) + "'\n    else\n      _momentree_words \"$commands\"\n    fi\n    return\n  fi\n";
   text += "  case ${COMP_WORDS[1]} in\n";
-  for (const CLI::App* sub : line.commands()) {
+  for (const CommandInfo& command : table.commands) {
     std::vector<std::string> flags;
     std::string values;
-    for (const CLI::Option* option : CommandLine::options_of(*sub)) {
+    for (const OptionInfo& option : command.options) {
       std::string pattern;
-      for (const std::string& flag : flags_of(*option)) {
+      for (const std::string& flag : option.flags) {
         flags.push_back(flag);
         pattern += (pattern.empty() ? "" : " | ") + flag;
       }
-      if (takes_value(*option)) values += "        " + pattern + ") " + call_for(completed(*option)) + "; return ;;\n";
+      if (option.takes_value) values += "        " + pattern + ") " + call_for(completed(option)) + "; return ;;\n";
     }
-    text += "    " + sub->get_name() + ")\n";
+    text += "    " + command.name + ")\n";
     if (!values.empty()) text += "      case $before in\n" + values + "      esac\n";
     text += "      if [[ $cur == -* && -z $prefix ]]; then\n        _momentree_words '" + spaced(flags) + "'\n";
-    const auto arguments = CommandLine::arguments_of(*sub);
-    if (!arguments.empty()) text += "      else\n        " + call_for(completed(*arguments.front())) + "\n";
+    if (!command.arguments.empty()) text += "      else\n        " + call_for(completed(command.arguments.front())) + "\n";
     text += "      fi ;;\n";
   }
   text += "  esac\n}\n\ncomplete -F _momentree momentree\n";

@@ -70,23 +70,23 @@ bool is_path(std::string_view path, std::string_view key) {
   return differs == 0;
 }
 
-struct Status {
+struct StatusLine {
   int code;
   std::string_view name, says;
 };
 constexpr std::array statuses = {
-    Status{200, "OK", ""},
-    Status{303, "See Other", ""},
-    Status{400, "Bad Request", "This is not a request that a browser would send.\n"},
-    Status{403, "Forbidden", "The server accepts only same-origin requests from this machine.\n"},
-    Status{404, "Not Found", "Open the full address that momentree printed, including the key at its end.\n"},
-    Status{405, "Method Not Allowed", "Only GET and HEAD are supported.\n"},
-    Status{413, "Content Too Large", "Requests with a body are not accepted.\n"},
-    Status{431, "Request Header Fields Too Large", "The head of the request is too large.\n"},
+    StatusLine{200, "OK", ""},
+    StatusLine{303, "See Other", ""},
+    StatusLine{400, "Bad Request", "This is not a request that a browser would send.\n"},
+    StatusLine{403, "Forbidden", "The server accepts only same-origin requests from this machine.\n"},
+    StatusLine{404, "Not Found", "Open the full address that momentree printed, including the key at its end.\n"},
+    StatusLine{405, "Method Not Allowed", "Only GET and HEAD are supported.\n"},
+    StatusLine{413, "Content Too Large", "Requests with a body are not accepted.\n"},
+    StatusLine{431, "Request Header Fields Too Large", "The head of the request is too large.\n"},
 };
 
 Reply make_reply(const Site& site, int code, std::string_view body, std::string_view type, const std::string& more = "") {
-  const auto* status = std::ranges::find(statuses, code, &Status::code);
+  const auto* status = std::ranges::find(statuses, code, &StatusLine::code);
   MT_REQUIRE(status != statuses.end(), "a status that has a name");
   if (body.empty()) body = status->says;
   std::string head = "HTTP/1.1 " + std::to_string(code) + ' ' + std::string(status->name) + "\r\n";

@@ -10,6 +10,7 @@
 #include <new>
 
 #include <cli/command_line.hpp>
+#include <cli/exit_codes.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
@@ -19,7 +20,7 @@ namespace {
 using namespace momentree;
 
 // Prints the parts separately, since there may be no memory to join them.
-void say_error(const Error& error) {
+void print_error(const Error& error) {
   const bool placed = !error.where.empty(), hinted = !error.hint.empty();
   try {
     cli::show(stderr, (placed ? "" : "momentree: ") + error.message() + '\n');
@@ -43,10 +44,10 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // exceeding the limit on file sizes then gives a write error
   int code = cli::failed;
   try {
-    code = cli::CommandLine().call(argc, argv);
+    code = cli::call(argc, argv, cli::bench);
   } catch (const Error& error) {
     code = cli::bad_input;
-    say_error(error);
+    print_error(error);
   } catch (const std::bad_alloc&) {
     std::fputs("momentree: error: out of memory; a model takes about 3 kB for each body\n", stderr);
   } catch (const std::exception& error) {

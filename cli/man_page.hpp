@@ -7,6 +7,6 @@
 namespace momentree::cli {
 
 /// momentree(1) as troff text, with the macros of man(7).
-std::string man_page(const CommandLine& line);
+std::string man_page(const CommandTable& table);
 
 }  // namespace momentree::cli

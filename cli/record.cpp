@@ -10,11 +10,9 @@
 #include <cli/exit_codes.hpp>
 #include <cli/input.hpp>
 #include <cli/interrupt.hpp>
-#include <cli/progress.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/io/model_json.hpp>
-#include <momentree/io/results.hpp>
 #include <momentree/io/system_file.hpp>
 
 namespace momentree::cli {
@@ -29,6 +27,20 @@ TemporaryFolder::TemporaryFolder() {
 }
 
 TemporaryFolder::~TemporaryFolder() { io::remove_tree(path_); }
+
+void watch_run(Simulation& simulation, io::Recorder& recorder, double every, Progress& progress) {
+  simulation.observe(every, [&recorder](const World& world) { return recorder.observe(world); });
+  simulation.watch([&progress](double time) {
+    progress.at(time);
+    return !InterruptGuard::interrupted();
+  });
+}
+
+std::string status_text(Status status, const Simulation& simulation) {
+  if (status == Status::ok) return "done";
+  if (status == Status::interrupted) return format("interrupted at t = %.9g s", simulation.time());
+  return simulation.result().reason;
+}
 
 Recorded record(const io::Scenario& scenario, const std::string& folder, double until, Purpose purpose) {
   io::Session session(scenario);
@@ -46,16 +58,10 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, double 
        .energy = purpose == Purpose::report,
        .lasting = false});
   Progress progress(start, until, errors_on_terminal());
-  simulation.observe(scenario.output_every, [&](const World& world) { return recorder.observe(world); });
-  simulation.watch([&](double time) {
-    progress.at(time);
-    return !InterruptGuard::interrupted();
-  });
+  watch_run(simulation, recorder, scenario.output_every, progress);
   const Status status = simulation.run_until(until);
   progress.clear();
-  std::string says = "done";
-  if (status == Status::interrupted) says = "interrupted at t = " + std::to_string(simulation.time()) + " s";
-  if (status != Status::ok && status != Status::interrupted) says = simulation.result().reason;
+  const std::string says = status_text(status, simulation);
   recorder.finish(says, session.armed());
   if (recorder.error()) throw_error(*recorder.error());
   if (status != Status::ok && status != Status::interrupted) show(stderr, printable(scenario.path) + ": error: " + says + '\n');

@@ -1,7 +1,9 @@
 #pragma once
-// Runs a scenario for a picture only: the results are written to a temporary folder.
+// What all commands that run a scenario share; runs for a picture only, with results in a temporary folder.
 #include <string>
 
+#include <cli/progress.hpp>
+#include <momentree/io/results.hpp>
 #include <momentree/io/scenario.hpp>
 
 namespace momentree::cli {
@@ -27,6 +29,11 @@ struct Recorded {
 
 /// The results needed: those for a picture, or everything in the report, including joint reactions and energy.
 enum class Purpose { picture, report };
+
+/// Writes a row of the recorder every `every` seconds of the run and shows its progress; the run ends if the user interrupts it.
+void watch_run(Simulation& simulation, io::Recorder& recorder, double every, Progress& progress);
+/// How a run ended, as in summary.json.
+std::string status_text(Status status, const Simulation& simulation);
 
 /// Runs a scenario into a folder. `until`: an earlier end of the run (s).
 Recorded record(const io::Scenario& scenario, const std::string& folder, double until, Purpose purpose);

@@ -8,7 +8,7 @@
 #include <cli/input.hpp>
 #include <cli/interrupt.hpp>
 #include <cli/page.hpp>
-#include <cli/progress.hpp>
+#include <cli/record.hpp>
 #include <cli/run_report.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
@@ -16,28 +16,13 @@
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
-#include <momentree/io/results.hpp>
 
 namespace momentree::cli {
 
 namespace {
 
-void refuse_unsupported(const RunOptions& options) {
-  const auto refuse = [](bool given, const char* option) {
-    if (given) throw_error({"`" + std::string(option) + "` is not supported yet", "", ""});
-  };
-  refuse(options.format == "hdf5", "--format hdf5");
-  if (options.format != "csv") throw_error({"unknown format '" + options.format + "'", "", "there are csv and, later, hdf5"});
-}
-
-std::string status_text(Status status, const Simulation& simulation) {
-  if (status == Status::ok) return "done";
-  if (status == Status::interrupted) return format("interrupted at t = %.9g s", simulation.time());
-  return simulation.result().reason;
-}
-
 // Reports the result of --generate.
-void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool quiet) {
+void report_generated_code(const KernelCache& kernels, const io::Scenario& scenario, bool quiet) {
   const KernelCacheStatistics s = kernels.statistics();
   std::string why = kernels.message();
   if (scenario.integration.method == "damped")
@@ -48,14 +33,13 @@ void tell_about(const KernelCache& kernels, const io::Scenario& scenario, bool q
               count_text(s.found_again, "time", "times").c_str(), duration_text(s.seconds).c_str());
 }
 
-void tell_where(const io::Recorder& recorder) {
+void report_location(const io::Recorder& recorder) {
   show(stderr, "the results so far are kept in " + printable(recorder.directory()) + '\n');
 }
 
 }  // namespace
 
 int run(const RunOptions& options) {
-  refuse_unsupported(options);
   std::vector<std::string> overrides = options.overrides;
   if (!options.until.empty()) overrides.push_back("integrate.until=" + options.until);
   const std::optional<io::Scenario> scenario =
@@ -79,11 +63,7 @@ int run(const RunOptions& options) {
        .report = options.report});
 
   Progress progress(start, scenario->until, !options.quiet && errors_on_terminal());
-  simulation.observe(scenario->output_every, [&](const World& world) { return recorder.observe(world); });
-  simulation.watch([&progress](double time) {
-    progress.at(time);
-    return !InterruptGuard::interrupted();
-  });
+  watch_run(simulation, recorder, scenario->output_every, progress);
   std::optional<KernelCache> kernels;
   if (options.generate) simulation.use_generated(kernels.emplace().provider());
   Status ended = Status::refused;
@@ -93,7 +73,7 @@ int run(const RunOptions& options) {
     progress.clear();
     recorder.abandon("failed: out of memory");
     show(stderr, printable(scenario->path) + ": error: out of memory\n");
-    tell_where(recorder);
+    report_location(recorder);
     return failed;
   }
   progress.clear();
@@ -114,7 +94,7 @@ int run(const RunOptions& options) {
 
   if (const std::string advice = simulation.energy().advice(scenario->integration); ended == Status::ok && !advice.empty())
     show(stderr, printable(scenario->path) + ": warning: " + advice + '\n');
-  if (kernels) tell_about(*kernels, *scenario, options.quiet || options.json);
+  if (kernels) report_generated_code(*kernels, *scenario, options.quiet || options.json);
   for (const std::string& warning : recorder.warnings()) show(stderr, warning + '\n');
   if (recorder.is_published()) return done;
   const std::optional<Error>& error = recorder.error();
@@ -122,7 +102,7 @@ int run(const RunOptions& options) {
     show(stderr, (error->where.empty() ? "momentree: " : "") + error->message() + '\n');
   else
     show(stderr, printable(scenario->path) + (ended == Status::interrupted ? ": " : ": error: ") + recorder.status() + '\n');
-  tell_where(recorder);
+  report_location(recorder);
   return error || ended != Status::interrupted ? failed : interrupted;
 }
 

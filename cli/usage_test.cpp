@@ -44,13 +44,8 @@ TEST_CASE("usage") {
   refused("run", "required");
   refused("run none.toml", "none.toml");
   refused("run robot.urdf", "robot.urdf: error: there is no such file");
-  refused("run s.toml --format hdf5", "not supported yet");
-  refused("run s.toml --checkpoint 60s", "`--checkpoint` is not supported yet");
-  refused("run s.toml --resume", "`--resume` is not supported yet");
-  refused("view s.toml --export s.glb", "`--export` is not supported yet");
-  refused("gradient s.toml --of x --by y", "`momentree gradient` is not supported yet");
-  refused("replay a b", "`momentree replay` is not supported yet");
-  refused("run s.toml --resum", "unknown option '--resum'; see `momentree help run`");  // and not --resume
+  refused("run s.toml --format hdf5", "unknown option '--format'; see `momentree help run`");
+  refused("gradient s.toml --of x --by y", "unknown command 'gradient'; see `momentree help`");
   refused("swep s.toml", "unknown command 'swep'; see `momentree help`");
   refused("run s.toml s.toml", "one argument too many: 's.toml'; a call runs one scenario: call it once for each");
   refused("run s.toml --until abc", "--until abc: error: expected a time, not 'abc'; for example --until 2, or --until \"2 s\"");
@@ -63,16 +58,14 @@ TEST_CASE("usage") {
   refused("view s.toml --port http", "--port http: error: expected a whole number from 0 to 65535");
   refused("bench --bodies 3", "--bodies 3: error: expected a whole number from 1000 to 100000000");
   refused("help rnu", "unknown command 'rnu'; did you mean 'run'?");
-  refused("help sweep", "unknown command 'sweep'");
+  refused("help view play", "one argument too many: 'play'");
   refused("completion", "bash|zsh|fish is required");
   refused("completion csh", "there is no completion for 'csh'; did you mean 'zsh'?");
   refused("evaluate - --state -", "standard input can be read only once; give one of them as a file");
-  refused("run s.toml --format cvs", "unknown format");
   refused("view s.toml --every 0.1", "--svg");
   refused("view s.toml --port 65536", "--port");
   refused("view none", "none");
   refused("bench --jsn", "did you mean '--json'?");
-  refused("sweep s.toml --jobs 3", "not supported yet");
   refused("convert s.toml", "--out is required");
   refused("convert s.toml -o s.mjcf", "'.mjcf' files cannot be written; use .toml (a scenario) or .urdf");
   refused("convert s.toml -o s", "the format is unknown: the file name has no ending");
@@ -82,7 +75,7 @@ TEST_CASE("usage") {
   CHECK(here.files() == 1);
 }
 
-TEST_CASE("help covers the program or a command, and hides what is not supported yet") {
+TEST_CASE("help covers the program or a command") {
   const Workplace here;
   CHECK(here.call("-V").output == here.call("--version").output);
   CHECK(here.call("help").output == here.call("--help").output);
@@ -95,8 +88,7 @@ TEST_CASE("help covers the program or a command, and hides what is not supported
     const Outcome shown = here.call(text);
     CHECK(shown.code == 0);
     CHECK(shown.errors == "");
-    for (const char* absent : {"sweep", "gradient", "replay", "hdf5", "checkpoint", "resume", "--export", "not supported"})
-      CHECK_FALSE_MESSAGE(shown.says(absent), text << " has " << absent);
+    CHECK(shown.output != "");
   }
 }
 

@@ -1,9 +1,9 @@
-# cmake --install: headers, libraries, the program with its shell completion and manual page, and the files that
+# cmake --install: headers, libraries, the programs with shell completion and manual page, and the files that
 # find_package(momentree) reads.
 include(CMakePackageConfigHelpers)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/momentree")
-set(library_targets momentree)
+set(library_targets momentree momentree_core momentree_batch)
 if(TARGET momentree_generate)
   list(APPEND library_targets momentree_generate)
 endif()
@@ -14,6 +14,7 @@ install(TARGETS ${library_targets} EXPORT momentreeTargets
   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 if(TARGET momentree-cli)
   install(TARGETS momentree-cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  install(TARGETS momentree-measure RUNTIME DESTINATION "${CMAKE_INSTALL_LIBEXECDIR}")
   if(NOT CMAKE_CROSSCOMPILING)
     set(shell "${PROJECT_BINARY_DIR}/shell")
     install(FILES "${shell}/momentree.bash" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME momentree)

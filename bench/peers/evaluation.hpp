@@ -39,8 +39,8 @@ struct Evaluation {
   int most = 1 << 30;        ///< maximum number of bodies; larger models are left out
 };
 
-/// The models of these files, as `momentree bench MODEL` writes them (cli/peer_links.hpp), or without files those of `momentree
-/// bench`. Stops the program if a file is not a model.
+/// The models of these files, as `momentree bench MODEL` writes them (cli/bench/peer_links.hpp), or without files those of
+/// `momentree bench`. Stops the program if a file is not a model.
 std::vector<EvaluationModel> models(const std::vector<std::string>& files);
 
 /// Times all methods of an engine on each of these models, and prints a line of JSON for each. Returns 1 if accelerations are

@@ -97,7 +97,7 @@ std::vector<EvaluationModel> drawn() {
           tree("binary tree", 63, false, true),     Humanoid().model()};
 }
 
-/// A line of the file: see cli/peer_links.hpp. Its initial state is random.
+/// A line of the file: see cli/bench/peer_links.hpp. Its initial state is random.
 Link read_link(std::istringstream& line, int number, Draw& draw) {
   Link link;
   std::string joint;
@@ -106,13 +106,13 @@ Link read_link(std::istringstream& line, int number, Draw& draw) {
   for (int i = 0; i < 9; ++i) line >> link.turn(i / 3, i % 3);
   line >> link.at.x() >> link.at.y() >> link.at.z() >> link.mass >> link.com.x() >> link.com.y() >> link.com.z();
   line >> inertia(0, 0) >> inertia(1, 1) >> inertia(2, 2) >> inertia(1, 0) >> inertia(2, 0) >> inertia(2, 1);
-  const bool whole = !line.fail() && (joint == "pin" || joint == "slide" || joint == "free") && link.parent < number;
+  const bool whole = !line.fail() && (joint == "revolute" || joint == "prismatic" || joint == "free") && link.parent < number;
   if (!whole || (joint == "free") != (link.free = joint == "free" && number == 0)) {
     std::fprintf(stderr, "link %d is not valid: %s\n", number, line.str().c_str());
     std::exit(1);
   }
   link.name = "b" + std::to_string(number);
-  link.slides = joint == "slide";
+  link.slides = joint == "prismatic";
   const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(inertia);  // of the lower triangle
   link.inertia = principal.eigenvalues().cwiseMax(0);
   link.axes = principal.eigenvectors();

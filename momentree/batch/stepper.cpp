@@ -3,32 +3,16 @@
 #include <algorithm>
 
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/forces/effort.hpp>
-#include <momentree/dynamics/forces/friction.hpp>
-#include <momentree/dynamics/forces/position_control.hpp>
-#include <momentree/dynamics/forces/soft_stop.hpp>
+#include <momentree/dynamics/forces/elements.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree::batch {
 
-namespace {
-bool has_quaternion(const Tree& tree, int b) {
-  const auto joints = tree.quaternion_joints();
-  return std::find(joints.begin(), joints.end(), b) != joints.end();
-}
-}  // namespace
-
-ForcePlan::ForcePlan(const Tree& tree) : elements(tree.forced_joints().begin(), tree.forced_joints().end()) {
-  for (const int b : tree.spring_joints()) {
-    if (has_quaternion(tree, b)) {
-      if (std::find(elements.begin(), elements.end(), b) == elements.end()) elements.push_back(b);
-      continue;
-    }
-    const JointParameters& p = *tree.parameters(b);
-    for (int i = 0; i < info(tree.kind(b)).nv; ++i)
-      if ((tree.joint(b).locked >> i & 1u) == 0 && p.stiffness.of(i) != 0)
-        springs.push_back({tree.first_q(b) + i, tree.first_p(b) + i, p.stiffness.of(i), p.rest.empty() ? 0.0 : p.rest[i]});
-  }
+ForcePlan::ForcePlan(const Tree& tree)
+    : springs(forces::linear_springs(tree)), elements(tree.forced_joints().begin(), tree.forced_joints().end()) {
+  for (const int b : tree.spring_joints())
+    if (!forces::has_linear_springs(tree.kind(b)) && std::find(elements.begin(), elements.end(), b) == elements.end())
+      elements.push_back(b);
 }
 
 Stepper::~Stepper() = default;
@@ -76,19 +60,14 @@ void add_element_forces(const Tree& tree, int b, double t, const double* q, cons
   const JointParameters& p = *tree.parameters(b);
   const int nv = info(tree.kind(b)).nv;
   const unsigned locked = tree.joint(b).locked;
-  if (p.stiffness.any() && has_quaternion(tree, b)) {
+  if (p.stiffness.any() && !forces::has_linear_springs(tree.kind(b))) {
     double spring[6];
     joint_spring_at(tree, q, b, spring);
     for (int i = 0; i < nv; ++i)
       if ((locked >> i & 1u) == 0) force[i] += spring[i];
   }
   Power power;
-  const forces::Site site{p, nv, ~locked, t, q, u, force, &power};
-  if (p.friction.any()) forces::add_friction(site);
-  if (p.limits.soft()) forces::add_soft_stop(site);
-  if (p.drive == nullptr) return;
-  if (!p.drive->effort.empty()) forces::add_efforts(site, *p.drive);
-  if (p.drive->pd.any()) forces::add_position_control(site, p.drive->pd);
+  forces::add_elements({p, nv, ~locked, t, q, u, force, &power});
 }
 
 void motion_at(const Tree& tree, int b, double t, double* point) noexcept {

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include <momentree/dynamics/forces/linear_spring.hpp>
 #include <momentree/math/isa.hpp>
 #include <momentree/tree/tree.hpp>
 
@@ -15,12 +16,8 @@ namespace batch {
 
 /// The elements from which the joint forces of one topology are computed.
 struct ForcePlan {
-  struct Spring {
-    int q, p;                ///< packed indices
-    double stiffness, rest;  ///< N m/rad, rad; N/m, m
-  };
-  std::vector<Spring> springs;  ///< of DoFs that have one, are not locked, and are rates of coordinates
-  std::vector<int> elements;    ///< bodies whose joint has other forces, which are evaluated lane by lane
+  std::vector<forces::LinearSpring> springs;
+  std::vector<int> elements;  ///< bodies whose joint has other forces, which are evaluated lane by lane
   ForcePlan() = default;
   explicit ForcePlan(const Tree& tree);
 };

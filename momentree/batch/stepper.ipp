@@ -4,6 +4,7 @@
 #include <momentree/batch/stepper.hpp>
 #include <momentree/dynamics/forward.ipp>
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/integrate/rk4_stages.hpp>
 
 namespace momentree::batch {
 
@@ -30,7 +31,6 @@ class PackStepper final : public Stepper {
   void evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q, const T* p) noexcept;
   void add_elements(const Tree& tree, int b, const double* t, const T* q) noexcept;
   void end_step(const Tree& tree, const double* t) noexcept;
-  static void advance(int n, const T* start, const T* rate, double weight, const T& h, T* sum, T* stage) noexcept;
 
   Workspace<T> workspace_;
   Array q0_, p0_, q_, p_, q_sum_, p_sum_;
@@ -71,7 +71,7 @@ void PackStepper<T>::evaluate(const Tree& tree, const ForcePlan& plan, const dou
     for (int i = 0; i < nv; ++i) pdot[i] += tree.effort()[i] - tree.damping()[i] * v[i];
   if (effort != nullptr)
     for (int i = 0; i < nv; ++i) pdot[i] += T::load(effort + i * N);
-  for (const ForcePlan::Spring& s : plan.springs) pdot[s.p] -= s.stiffness * (q[s.q] - s.rest);
+  for (const forces::LinearSpring& s : plan.springs) pdot[s.p] -= s.stiffness * (q[s.q] - s.rest);
   for (const int b : plan.elements) add_elements(tree, b, t, q);
   for (const int b : tree.driven_joints())
     for (int lane = 0; lane < N; ++lane) {
@@ -79,14 +79,6 @@ void PackStepper<T>::evaluate(const Tree& tree, const ForcePlan& plan, const dou
       motion_at(tree, b, t[lane], point);
       pdot[tree.first_p(b)].set(lane, point[2]);
     }
-}
-
-template <class T>
-void PackStepper<T>::advance(int n, const T* start, const T* rate, double weight, const T& h, T* sum, T* stage) noexcept {
-  for (int i = 0; i < n; ++i) {
-    sum[i] += weight * rate[i];
-    stage[i] = start[i] + h * rate[i];
-  }
 }
 
 template <class T>
@@ -111,21 +103,14 @@ void PackStepper<T>::end_step(const Tree& tree, const double* t) noexcept {
 template <class T>
 void PackStepper<T>::step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept {
   const int nq = tree.nq(), nv = tree.nv();
-  const T h = T::load(block.h), zero(0);
-  for (int i = 0; i < nq; ++i) q0_[i] = T::load(block.q + i * N), q_sum_[i] = zero;
-  for (int i = 0; i < nv; ++i) p0_[i] = T::load(block.p + i * N), p_sum_[i] = zero;
-  constexpr double weights[4] = {1, 2, 2, 1}, nodes[4] = {0.5, 0.5, 1, 0};
+  for (int i = 0; i < nq; ++i) q0_[i] = T::load(block.q + i * N);
+  for (int i = 0; i < nv; ++i) p0_[i] = T::load(block.p + i * N);
   double t[N];
-  for (int stage = 0; stage < 4; ++stage) {
-    for (int lane = 0; lane < N; ++lane) t[lane] = block.time[lane] + (stage > 0 ? nodes[stage - 1] : 0.0) * block.h[lane];
-    evaluate(tree, plan, block.effort, t, stage > 0 ? q_.get() : q0_.get(), stage > 0 ? p_.get() : p0_.get());
-    const T to_next = nodes[stage] * h;
-    advance(nq, q0_.get(), workspace_.qdot.get(), weights[stage], to_next, q_sum_.get(), q_.get());
-    advance(nv, p0_.get(), workspace_.pdot.get(), weights[stage], to_next, p_sum_.get(), p_.get());
-  }
-  const T h6 = h / 6.0;
-  for (int i = 0; i < nq; ++i) q_[i] = q0_[i] + h6 * q_sum_[i];
-  for (int i = 0; i < nv; ++i) p_[i] = p0_[i] + h6 * p_sum_[i];
+  rk4_stages<T>(T::load(block.h), {nq, q0_.get(), workspace_.qdot.get(), q_.get(), q_sum_.get()},
+                {nv, p0_.get(), workspace_.pdot.get(), p_.get(), p_sum_.get()}, [&](double node, double, const T* q, const T* p) {
+                  for (int lane = 0; lane < N; ++lane) t[lane] = block.time[lane] + node * block.h[lane];
+                  evaluate(tree, plan, block.effort, t, q, p);
+                });
   for (int lane = 0; lane < N; ++lane) t[lane] = block.time[lane] + block.h[lane];
   end_step(tree, t);
 

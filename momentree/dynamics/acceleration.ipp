@@ -44,7 +44,7 @@ struct RateSweep {
       const Motion<T>& velocity = workspace.motions[body].velocity;
       if ((flags & node::leaf) != 0) W = {};
       buffers.gather_children(b, flags, W);
-      W += turning_wrench(link.body, velocity);
+      W += gyroscopic_wrench(link.body, velocity);
       if (loads != nullptr) W = W - loads[body];
       if constexpr (K::rigid) {
         put(W, workspace.reduced_bias_wrenches[body]);
@@ -61,10 +61,10 @@ struct RateSweep {
       else
         put(bias, workspace.inboard_accelerations[body]);
       if constexpr (requires { typename K::Steps; })  // (45)
-        dispatch_link<K::Steps::rotor>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+        dispatch_link<K::Steps::has_armature>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
           K::Steps::template cross_inboard<shape()>(link, joint.c[0], joint.s[0], W);
         });
-      else if (K::turns_about_z && (flags & node::aligned) != 0)
+      else if (K::rotates_about_z && (flags & node::aligned) != 0)
         K::template cached_transform<true, T>(link, joint, record).inboard(W);
       else
         K::template cached_transform<false, T>(link, joint, record).inboard(W);
@@ -96,13 +96,13 @@ struct RateSweep {
         continue;
       }
       if constexpr (requires { typename K::Steps; }) {
-        dispatch_link<K::Steps::rotor>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+        dispatch_link<K::Steps::has_armature>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
           K::Steps::template rate_outboard<shape()>(link, joint.c[0], joint.s[0], record, workspace.motions[body].velocity,
                                                     workspace.v[tree.first_p(b)], udot[0], a,
                                                     workspace.inboard_accelerations[body]);
         });
       } else {
-        if (K::turns_about_z && (flags & node::aligned) != 0)
+        if (K::rotates_about_z && (flags & node::aligned) != 0)
           K::template cached_transform<true, T>(link, joint, record).outboard(a);
         else
           K::template cached_transform<false, T>(link, joint, record).outboard(a);

@@ -4,10 +4,9 @@
 
 #include <momentree/dynamics/body_forces.hpp>
 #include <momentree/dynamics/evaluation_context.hpp>
-#include <momentree/dynamics/forces/friction.hpp>
+#include <momentree/dynamics/forces/elements.hpp>
+#include <momentree/dynamics/forces/linear_spring.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
-#include <momentree/dynamics/forces/position_control.hpp>
-#include <momentree/dynamics/forces/soft_stop.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -27,13 +26,7 @@ void add_springs(const Tree& tree, const double* q, double* force) noexcept {
 // All force elements except springs, dampers and constant efforts.
 void add_elements(const EvaluationContext& context, const forces::Site& site, const JointFunction* function,
                   bool resisting = true) noexcept {
-  const JointParameters& p = site.parameters;
-  if (resisting && p.friction.any()) forces::add_friction(site);
-  if (resisting && p.limits.soft()) forces::add_soft_stop(site);
-  if (p.drive != nullptr) {
-    if (!p.drive->effort.empty()) forces::add_efforts(site, *p.drive);
-    if (resisting && p.drive->pd.any()) forces::add_position_control(site, p.drive->pd);
-  }
+  forces::add_elements(site, resisting);
   if (function == nullptr) return;
   double effort[6] = {};
   (*function)(context, {effort, static_cast<std::size_t>(site.nv)});
@@ -145,6 +138,17 @@ double motion_effort(const Tree& tree, const double* q, const Workspace<double>&
   return through + tree.armature()[at] * workspace.a[at] - workspace.passive[static_cast<std::size_t>(b)];
 }
 
+std::vector<forces::LinearSpring> forces::linear_springs(const Tree& tree) {
+  std::vector<LinearSpring> springs;
+  for (const int b : tree.spring_joints()) {
+    const JointParameters& p = *tree.parameters(b);
+    for (int i = 0; has_linear_springs(tree.kind(b)) && i < info(tree.kind(b)).nv; ++i)
+      if ((tree.joint(b).locked >> i & 1u) == 0 && p.stiffness.of(i) != 0)
+        springs.push_back({tree.first_q(b) + i, tree.first_p(b) + i, p.stiffness.of(i), p.rest.empty() ? 0.0 : p.rest[i]});
+  }
+  return springs;
+}
+
 double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept {
   return joint_spring_at(tree, q + tree.first_q(b), b, force);
 }
@@ -180,52 +184,48 @@ void forward_dynamics(const Tree& tree, const State& state, Workspace<double>& w
   workspace.evaluated = state.stamp();
 }
 
-void locate_stage(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept {
+namespace {
+
+// Poses and velocities of all bodies; velocity(b, x, outer): that of b, with the transform of its joint and the parent's
+// kinematics, which is null for the ground.
+template <class Velocity>
+void locate(const Tree& tree, const double* q, Workspace<double>& workspace, const Velocity& velocity) noexcept {
   for (int b : tree.order()) {
     const int parent = tree.parent(b);
     const DenseTransform<double> x = joint_transform_of(tree, q, workspace, b);
     Kinematics<double>& own = workspace.bodies[static_cast<std::size_t>(b)];
-    Motion<double> velocity{};
-    if (parent < 0) {
-      own.R = x.R, own.r = x.r;
-    } else {
-      const Kinematics<double>& outer = workspace.bodies[static_cast<std::size_t>(parent)];
-      own.R = outer.R * x.R;
-      own.r = outer.r + outer.R * x.r;
-      velocity = outer.velocity;
-    }
+    const Kinematics<double>* outer = parent < 0 ? nullptr : &workspace.bodies[static_cast<std::size_t>(parent)];
+    own.R = outer == nullptr ? x.R : outer->R * x.R;
+    own.r = outer == nullptr ? x.r : outer->r + outer->R * x.r;
+    own.velocity = velocity(b, x, outer);
+  }
+}
+
+}  // namespace
+
+void locate_stage(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept {
+  locate(tree, q, workspace, [&](int b, const DenseTransform<double>& x, const Kinematics<double>* outer) {
+    Motion<double> velocity = outer == nullptr ? Motion<double>{} : outer->velocity;
     x.outboard(velocity);
-    own.velocity = dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
+    return dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
       return decltype(tag)::type::template spatial_velocity<double>(tree.link(b), joint_state(tree, q, workspace, b), velocity,
                                                                     workspace.v.get() + tree.first_p(b));
     });
-  }
+  });
 }
 
 void locate_bodies(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
   forward_dynamics(tree, state, workspace);
   if (workspace.located == state.stamp()) return;
-  for (int b : tree.order()) {
-    const auto i = static_cast<std::size_t>(b);
-    const int parent = tree.parent(b);
-    const DenseTransform<double> x = joint_transform_of(tree, state, workspace, b);
-    Kinematics<double>& own = workspace.bodies[i];
-    own.velocity = workspace.motions[i].velocity;
-    if (parent < 0) {
-      own.R = x.R, own.r = x.r;
-    } else {
-      const Kinematics<double>& outer = workspace.bodies[static_cast<std::size_t>(parent)];
-      own.R = outer.R * x.R;
-      own.r = outer.r + outer.R * x.r;
-    }
-  }
+  locate(tree, state.q().data(), workspace,
+         [&](int b, const auto&, const auto*) { return workspace.motions[static_cast<std::size_t>(b)].velocity; });
   workspace.located = state.stamp();
 }
 
 DenseTransform<double> joint_transform_of(const Tree& tree, const double* q, const Workspace<double>& workspace, int b) noexcept {
   return dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) -> DenseTransform<double> {
     using K = typename decltype(tag)::type;
-    if constexpr (K::turns_about_z) {
+    if constexpr (K::rotates_about_z) {
       return dense_transform<K, double>(tree.link(b), joint_state(tree, q, workspace, b));
     } else {
       return workspace.record<K>(tree, b).x;

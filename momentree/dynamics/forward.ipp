@@ -56,7 +56,7 @@ struct Sweep {
           transform.inboard(a.D);
           transform.inboard(a.mc, tree.subtree_mass(b));
         };
-        if (K::turns_about_z && (flags & node::aligned) != 0)
+        if (K::rotates_about_z && (flags & node::aligned) != 0)
           over(K::template joint_transform<true, T>(link, joint, record));
         else
           over(K::template joint_transform<false, T>(link, joint, record));
@@ -91,7 +91,7 @@ struct Sweep {
           transform.outboard(a.velocity);
           transform.outboard(a.gravity);
         };
-        if (K::turns_about_z && (flags & node::aligned) != 0)
+        if (K::rotates_about_z && (flags & node::aligned) != 0)
           over(K::template cached_transform<true, T>(link, joint, record));
         else
           over(K::template cached_transform<false, T>(link, joint, record));
@@ -125,21 +125,21 @@ struct Sweep {
       const LinkConstants& link = tree.link(b);
       const int angle = tree.first_angle(b), at = tree.first_p(b);
       --record;
-      const auto step = [&](auto shape, auto children, auto way) MOMENTREE_INLINE_LAMBDA {
+      const auto step = [&](auto shape, auto children, auto destination) MOMENTREE_INLINE_LAMBDA {
         const auto to = [&](Inboard<T>& out) MOMENTREE_INLINE_LAMBDA {
-          K::Steps::template inboard<shape(), Gravity, Keep, children(), way() == Way::root>(
-              link, tree.subtree_mass(b), K::Steps::rotor ? armature[at] : 0.0, workspace.cos[angle], workspace.sin[angle], p[at],
-              a, buffers.child_sums[b], *record, out);
+          K::Steps::template inboard<shape(), Gravity, Keep, children(), destination() == Destination::none>(
+              link, tree.subtree_mass(b), K::Steps::has_armature ? armature[at] : 0.0, workspace.cos[angle], workspace.sin[angle],
+              p[at], a, buffers.child_sums[b], *record, out);
         };
-        if constexpr (way() == Way::aside) {
-          Inboard<T>& inlet = buffers.child_sums[tree.parent(b)];
-          to(inlet);
-          begin_moments<Gravity>(inlet);
+        if constexpr (destination() == Destination::parent_sum) {
+          Inboard<T>& parent_sum = buffers.child_sums[tree.parent(b)];
+          to(parent_sum);
+          begin_moments<Gravity>(parent_sum);
         } else {
           to(a);
         }
       };
-      dispatch_inboard<K::Steps::rotor>(link.shape, flags, step);
+      dispatch_inboard<K::Steps::has_armature>(link.shape, flags, step);
       buffers.add_sibling(b, flags, a);
     }
     buffers.suspend_inward(run, a);
@@ -164,7 +164,7 @@ struct Sweep {
                                                         workspace.v[at], workspace.pdot[at], kept);
       } else {
         buffers.load_parent(b, flags, base, a);
-        dispatch_link<K::Steps::rotor>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+        dispatch_link<K::Steps::has_armature>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
           K::Steps::template outboard<shape(), Gravity, Keep>(link, workspace.cos[angle], workspace.sin[angle], *record, p[at],
                                                               (flags & node::leaf) != 0, a, workspace.v[at], workspace.pdot[at],
                                                               kept);

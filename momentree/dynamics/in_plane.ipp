@@ -11,8 +11,8 @@ namespace momentree {
 inline Vec3 gravity_in_plane(UncheckedTree tree, int root) {
   Vec3 g = tree.gravity();
   const LinkConstants& k = tree.link(root);
-  turn_z(g, k.cos_b, -k.sin_b);
-  turn_x(g, k.cos_a, -k.sin_a);
+  rotate_z(g, k.cos_b, -k.sin_b);
+  rotate_x(g, k.cos_a, -k.sin_a);
   return g;
 }
 
@@ -99,13 +99,13 @@ struct InPlaneSweep {
       const InPlaneRecord<T>& w = records[i - run.begin];
       buffers.load_parent(b, flags, {}, a);
       if ((flags & node::root) == 0) a.vx = a.vx - a.w * w.ry, a.vy = a.vy + a.w * w.rx;         // (17)
-      const T turning = w.u0 - (w.gx * a.vx + w.gy * a.vy);                                      // (27)
+      const T total = w.u0 - (w.gx * a.vx + w.gy * a.vy);                                        // (27)
       const T lx = w.axx * a.vx + w.axy * a.vy + w.lx, ly = w.axy * a.vx + w.ayy * a.vy + w.ly;  // (21)
       T pdot = a.vy * lx - a.vx * ly;                                                            // (20)
       if constexpr (Gravity) pdot = pdot + (w.mx * gravity.y - w.my * gravity.x);
-      const T u = turning - a.w;
+      const T u = total - a.w;
       workspace.v[at] = u, workspace.qdot[tree.first_q(b)] = u, workspace.pdot[at] = pdot;
-      a.w = turning;
+      a.w = total;
       buffers.store_for_children(b, flags, a);
     }
   }

@@ -34,7 +34,7 @@ void with_joint(UncheckedTree tree, const double* q, int b, F&& f) {
     double c[2], s[2];
     const auto angles = K::angles;
     for (std::size_t i = 0; i < angles.size(); ++i)
-      sincos(q[tree.first_q(b) + angles[i]] + (K::turns_about_z ? tree.link(b).angle_0 : 0.0), s[i], c[i]);
+      sincos(q[tree.first_q(b) + angles[i]] + (K::rotates_about_z ? tree.link(b).angle_0 : 0.0), s[i], c[i]);
     f(tag, JointState<double>{q + tree.first_q(b), c, s});
   });
 }

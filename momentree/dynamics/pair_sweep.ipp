@@ -42,22 +42,22 @@ struct PairSweep {
       const int angle = tree.first_angle(b), there = tree.first_angle(c), at = tree.first_p(b), other = tree.first_p(c);
       ArmatureRecord<BodyPair>& record = workspace.pairs->records[static_cast<std::size_t>(b)];
       BodyPair armature(0);
-      if constexpr (Steps::rotor) armature = of(tree.armature(), at, other);
-      const auto step = [&](auto shape, auto children, auto way) MOMENTREE_INLINE_LAMBDA {
+      if constexpr (Steps::has_armature) armature = of(tree.armature(), at, other);
+      const auto step = [&](auto shape, auto children, auto destination) MOMENTREE_INLINE_LAMBDA {
         const auto to = [&](Inboard<BodyPair>& out) MOMENTREE_INLINE_LAMBDA {
-          Steps::template inboard<shape(), Gravity, Keep, children(), way() == Way::root>(
+          Steps::template inboard<shape(), Gravity, Keep, children(), destination() == Destination::none>(
               k, pairs(tree.subtree_mass(b), tree.subtree_mass(c)), armature, of(workspace.cos.get(), angle, there),
               of(workspace.sin.get(), angle, there), of(p, at, other), a, within.child_sums[b], record, out);
         };
-        if constexpr (way() == Way::aside) {
-          Inboard<BodyPair>& inlet = within.child_sums[tree.parent(b)];
-          to(inlet);
-          begin_moments<Gravity>(inlet);
+        if constexpr (destination() == Destination::parent_sum) {
+          Inboard<BodyPair>& parent_sum = within.child_sums[tree.parent(b)];
+          to(parent_sum);
+          begin_moments<Gravity>(parent_sum);
         } else {
           to(a);
         }
       };
-      dispatch_inboard<Steps::rotor>(k.shape, flags, step);
+      dispatch_inboard<Steps::has_armature>(k.shape, flags, step);
       if constexpr (Keep) {
         const typename Steps::template Record<BodyPair>& both = record;
         part(both, workspace.record<K>(tree, b), workspace.record<K>(tree, c));
@@ -94,7 +94,7 @@ struct PairSweep {
                    Steps::template outboard_root<Gravity, Keep>(k, cosine, sine, record, momentum, a, u, pdot, &motion);
                  });
       else
-        dispatch_link<Steps::rotor>(k.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+        dispatch_link<Steps::has_armature>(k.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
           step([&](const BodyPair& cosine, const BodyPair& sine, BodyPair& u, BodyPair& pdot, BodySweep<BodyPair>& motion)
                    MOMENTREE_INLINE_LAMBDA {
                      Steps::template outboard<shape(), Gravity, Keep>(k, cosine, sine, record, momentum,
@@ -169,11 +169,11 @@ struct PairSweep {
     if (outer < 0) return;
     const bool is_first = (node_flags[first.begin] & node::first_child) != 0,
                is_last = (node_flags[second.begin] & node::last_child) != 0;
-    Inboard<double>&inlet = outside.child_sums[outer], &one = outside.child_sums[b],
-    &other = is_last ? inlet : outside.child_sums[c];
+    Inboard<double>&parent_sum = outside.child_sums[outer], &one = outside.child_sums[b],
+    &other = is_last ? parent_sum : outside.child_sums[c];
     part(sum, one, other);  // a first child's stays in child_sums[b]
-    if (!is_last) inlet += other;
-    if (!is_first) inlet += one;
+    if (!is_last) parent_sum += other;
+    if (!is_first) parent_sum += one;
   }
 };
 

@@ -94,8 +94,8 @@ void compare(const Tree& tree, const State& state, Seen& seen) {
   Workspace<Counted> early(tree);
   const std::vector<Counted> cq(q.begin(), q.end()), cp(p.begin(), p.end());
   evaluate_rates(tree, cq.data(), cp.data(), early);
-  Tree with_rotors, in_pieces;
-  with_rotors.copy_with_armatures(tree), in_pieces.copy_with_generic_kernels(tree);
+  Tree with_rotors, in_pieces = tree;
+  with_rotors.copy_with_armatures(tree), TestAccess::use_generic_kernels(in_pieces);
   Workspace<double> rotors(with_rotors), pieces(in_pieces);
   poison(with_rotors, rotors), poison(in_pieces, pieces);
   evaluate_rates(with_rotors, q.data(), p.data(), rotors);

@@ -6,44 +6,45 @@
 
 namespace momentree {
 
-/// Destination of an inward step's output: none, the accumulator with which the next step continues, or elsewhere in memory.
-enum class Way : unsigned char { root, on, aside };
-/// Calls f(shape, children, way), integral constants, for the inward step of a body with these node flags. A root has nothing to
-/// transform; last children, for which the parent's x axis was not chosen, write elsewhere.
-template <bool Rotor, class F>
+/// Destination of the output of an inward step: none (a root), the accumulator with which the next step continues, or the sum of
+/// the parent in memory.
+enum class Destination : unsigned char { none, accumulator, parent_sum };
+/// Calls f(shape, children, destination), integral constants, for the inward step of a body with these node flags. A root has
+/// nothing to transform; last children, for which the parent's x axis was not chosen, write elsewhere.
+template <bool Armature, class F>
 MOMENTREE_INLINE void dispatch_inboard(PlacementShape shape, unsigned flags, F&& f) {
   constexpr std::integral_constant<Children, Children::none> none{};
   constexpr std::integral_constant<Children, Children::one> one{};
   constexpr std::integral_constant<Children, Children::several> several{};
-  constexpr std::integral_constant<Way, Way::on> on{};
-  const auto by_children = [&](auto way, auto s) MOMENTREE_INLINE_LAMBDA {
+  constexpr std::integral_constant<Destination, Destination::accumulator> accumulator{};
+  const auto by_children = [&](auto destination, auto s) MOMENTREE_INLINE_LAMBDA {
     if ((flags & node::leaf) != 0)
-      f(s, none, way);
+      f(s, none, destination);
     else if ((flags & node::branching) != 0)
-      f(s, several, way);
+      f(s, several, destination);
     else
-      f(s, one, way);
+      f(s, one, destination);
   };
   if ((flags & (node::root | node::last_child)) == 0) {
     if ((flags & (node::leaf | node::branching)) == 0)  // most bodies
-      dispatch_link<Rotor>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, one, on); });
+      dispatch_link<Armature>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, one, accumulator); });
     else if ((flags & node::leaf) != 0)
-      dispatch_link<Rotor>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, none, on); });
-    else if constexpr (Rotor)
-      dispatch_link<Rotor>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, several, on); });
+      dispatch_link<Armature>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, none, accumulator); });
+    else if constexpr (Armature)
+      dispatch_link<Armature>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, several, accumulator); });
     else
-      dispatch_main_shape(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, several, on); });
+      dispatch_main_shape(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, several, accumulator); });
   } else if ((flags & node::root) == 0) {
     // With rotate_then_reduce a record refers to the frame before the shift along z: the shape used here must split off that
     // shift as the link's own does, by which the outward step goes.
-    constexpr std::integral_constant<Way, Way::aside> aside{};
+    constexpr std::integral_constant<Destination, Destination::parent_sum> parent_sum{};
     if (shape == PlacementShape::general || shape == PlacementShape::tilted)
-      by_children(aside, std::integral_constant<PlacementShape, PlacementShape::general>{});
+      by_children(parent_sum, std::integral_constant<PlacementShape, PlacementShape::general>{});
     else
-      by_children(aside, std::integral_constant<PlacementShape, PlacementShape::screw>{});
+      by_children(parent_sum, std::integral_constant<PlacementShape, PlacementShape::screw>{});
   } else {
-    constexpr std::integral_constant<Way, Way::root> root{};
-    by_children(root, std::integral_constant<PlacementShape, PlacementShape::parallel>{});
+    constexpr std::integral_constant<Destination, Destination::none> no_output{};
+    by_children(no_output, std::integral_constant<PlacementShape, PlacementShape::parallel>{});
   }
 }
 

@@ -37,11 +37,11 @@ struct SweepBuffers {
   /// Inward, after a body: adds its contribution to its parent, unless it is a first child, whose parent comes next.
   MOMENTREE_INLINE void add_to_parent(int b, unsigned flags, const In& sum) const {
     if ((flags & (node::first_child | node::root)) != 0) return;
-    In& inlet = child_sums[tree.parent(b)];
+    In& parent_sum = child_sums[tree.parent(b)];
     if ((flags & node::last_child) != 0)
-      inlet = sum;
+      parent_sum = sum;
     else
-      inlet += sum;
+      parent_sum += sum;
   }
   /// The same for steps that collect for themselves and write a last child's contribution directly: only middle children are
   /// left.

@@ -10,6 +10,23 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/tree/model.hpp>
 
+namespace momentree {
+
+struct TestAccess {
+  /// Joints with specialised kernels use the generic functions, as locked joints do, although nothing is locked: the reference
+  /// for those kernels.
+  static void use_generic_kernels(Tree& tree) {
+    tree.revision_.renew();
+    for (const int b : tree.order_) {
+      Variant& variant = tree.class_[Tree::at(b)].variant;
+      if (variant == Variant::plain || variant == Variant::armature) variant = Variant::locked;
+    }
+    tree.build_runs();
+  }
+};
+
+}  // namespace momentree
+
 namespace momentree::test {
 
 class Random {

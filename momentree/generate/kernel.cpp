@@ -3,6 +3,7 @@
 #include <new>
 
 #include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/forces/linear_spring.hpp>
 #include <momentree/generate/symbolic.hpp>
 #include <momentree/joint/dispatch.hpp>
 
@@ -15,9 +16,9 @@ extern template void evaluate_rates<Symbolic<true>>(const Tree&, const Symbolic<
 
 namespace {
 
-template <bool Late>
+template <bool RotatesFirst>
 KernelExpressions expressions_of(const Tree& tree) {
-  using T = Symbolic<Late>;
+  using T = Symbolic<RotatesFirst>;
   KernelExpressions kernel;
   Expressions& all = kernel.expressions;
   T::graph() = &all;
@@ -37,9 +38,6 @@ KernelExpressions expressions_of(const Tree& tree) {
   return kernel;
 }
 
-// True for kinds whose spring force is −stiffness·(q − rest): those whose velocities are the rates of their coordinates.
-bool plain(Kind kind) { return info(kind).nq == info(kind).nv; }
-
 }  // namespace
 
 std::vector<int> KernelExpressions::results() const {
@@ -50,7 +48,7 @@ std::vector<int> KernelExpressions::results() const {
 }
 
 KernelExpressions kernel_expressions(const Tree& tree, RevoluteOrder order) {
-  if (order == RevoluteOrder::turn_first) return expressions_of<true>(tree);
+  if (order == RevoluteOrder::rotate_first) return expressions_of<true>(tree);
   KernelExpressions one = expressions_of<false>(tree);
   if (order == RevoluteOrder::reduce_first) return one;
   KernelExpressions other = expressions_of<true>(tree);
@@ -63,16 +61,10 @@ void add_plain_forces(const Tree& tree, KernelExpressions& kernel) {
     const int damper = all.product(all.constant(tree.damping()[i]), kernel.v[i]);
     kernel.pdot[i] = all.difference(all.sum(kernel.pdot[i], all.constant(tree.effort()[i])), damper);
   }
-  for (const int b : tree.spring_joints()) {
-    const Joint& joint = tree.joint(b);
-    const JointParameters& p = *tree.parameters(b);
-    for (int i = 0; i < info(joint.kind).nv; ++i) {
-      if (!plain(joint.kind) || (joint.locked >> i & 1u) != 0) continue;
-      const int q = all.input(Operation::q, tree.first_q(b) + i);
-      const int stretch = all.difference(q, all.constant(p.rest.empty() ? 0.0 : p.rest[i]));
-      int& pdot = kernel.pdot[static_cast<std::size_t>(tree.first_p(b) + i)];
-      pdot = all.difference(pdot, all.product(all.constant(p.stiffness.of(i)), stretch));
-    }
+  for (const forces::LinearSpring& spring : forces::linear_springs(tree)) {
+    const int stretch = all.difference(all.input(Operation::q, spring.q), all.constant(spring.rest));
+    int& pdot = kernel.pdot[static_cast<std::size_t>(spring.p)];
+    pdot = all.difference(pdot, all.product(all.constant(spring.stiffness), stretch));
   }
 }
 
@@ -85,7 +77,7 @@ std::vector<OtherForce> other_forces(const Tree& tree) {
     has(tree.function(b) != nullptr, "a function that drives it");
     const JointParameters* p = tree.parameters(b);
     if (p == nullptr) continue;
-    has(p->stiffness.any() && !plain(tree.joint(b).kind), "a spring about a quaternion");
+    has(p->stiffness.any() && !forces::has_linear_springs(tree.kind(b)), "a spring about a quaternion");
     has(p->friction.any(), "dry friction");
     has(p->limits.soft(), "soft stops");
     if (p->drive == nullptr) continue;

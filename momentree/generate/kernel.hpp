@@ -20,7 +20,7 @@ struct KernelExpressions {
 
 /// The order of reduction (25) and rotation (16) about a revolute joint's axis in the kernels; see
 /// RevoluteSteps::rotate_then_reduce. `fewest`: the order with fewer operations after folding, which differs from model to model.
-enum class RevoluteOrder { fewest, reduce_first, turn_first };
+enum class RevoluteOrder { fewest, reduce_first, rotate_first };
 
 /// Runs evaluate_rates on symbols: the recursions with gravity, armatures and locked or driven DoFs, without joint forces.
 /// Allocates; time and memory are proportional to the number of bodies.

@@ -8,8 +8,8 @@
 
 namespace momentree {
 
-/// `Late`: use the order of reduction and rotation of a single world (RevoluteSteps::rotate_then_reduce).
-template <bool Late>
+/// `RotatesFirst`: use the order of reduction and rotation of a single world (RevoluteSteps::rotate_then_reduce).
+template <bool RotatesFirst>
 class Symbolic {
  public:
   Symbolic() = default;

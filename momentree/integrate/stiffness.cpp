@@ -112,7 +112,7 @@ std::optional<StiffJoint> too_stiff(const Tree& tree, std::span<const double> q,
     };
     const Limits damped = limits_of("damped");
     const bool helps = swing(true) * step <= damped.spring;
-    const auto judge = [&](bool damper, double rate, double limit) {
+    const auto consider = [&](bool damper, double rate, double limit) {
       const double excess = rate * step / limit;
       if (!(excess > worst_excess)) return;
       worst_excess = excess;
@@ -125,8 +125,8 @@ std::optional<StiffJoint> too_stiff(const Tree& tree, std::span<const double> q,
                          limit / rate,
                          method != "damped" && helps && damping > 0};
     };
-    judge(true, damping * mobility, limits.damper);
-    judge(false, swing(method == "damped"), limits.spring);
+    consider(true, damping * mobility, limits.damper);
+    consider(false, swing(method == "damped"), limits.spring);
   }
   return worst;
 }

@@ -22,9 +22,9 @@ std::string text(double x) {
   return buffer;
 }
 
-class ScheduleChecker {
+class IntegrationChecker {
  public:
-  explicit ScheduleChecker(Reading& reading)
+  explicit IntegrationChecker(Reading& reading)
       : scenario_(reading.scenario), how_(scenario_.integration), at_(reading.integrate), out_(reading.out) {}
 
   void times() const {
@@ -163,10 +163,10 @@ class ScheduleChecker {
 
 void check_integration(Reading& reading) {
   const std::size_t errors = reading.out.errors();
-  const ScheduleChecker judge(reading);
-  judge.times();
-  judge.tolerances();
-  if (errors == reading.out.errors()) judge.model();
+  const IntegrationChecker checker(reading);
+  checker.times();
+  checker.tolerances();
+  if (errors == reading.out.errors()) checker.model();
 }
 
 }  // namespace momentree::io

@@ -97,7 +97,7 @@ std::string_view Diagnostics::line_text(int line) {
 
 void Diagnostics::add(Severity severity, Place place, std::string what, std::string hint) {
   // The same problem found by several readers of one value is reported once.
-  for (std::size_t i = diagnostics_.size(), look = 8; i-- > 0 && look-- > 0;)
+  for (std::size_t i = diagnostics_.size(), remaining = 8; i-- > 0 && remaining-- > 0;)
     if (places_[i] == place && diagnostics_[i].severity == severity && diagnostics_[i].what == what && place != Place{}) return;
   if (severity == Severity::error && errors_++ >= most) return;
   if (severity == Severity::warning && warnings_++ >= most) return;

@@ -5,7 +5,7 @@ namespace momentree::io {
 
 namespace {
 
-constexpr std::size_t none = static_cast<std::size_t>(-1);
+constexpr std::size_t no_body = static_cast<std::size_t>(-1);
 
 // A parent's name without the prefix of its own mechanism, which is optional.
 std::string_view bare(std::string_view name, const std::string& mechanism) {
@@ -44,14 +44,14 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
   for (std::size_t b = 0; b < bodies.size(); ++b)
     if (!bodies[b].bare_name.empty()) by_name.emplace(bodies[b].bare_name, b);
 
-  std::vector<std::size_t> parent(bodies.size(), none);
-  std::size_t root = none, found_roots = 0;
+  std::vector<std::size_t> parent(bodies.size(), no_body);
+  std::size_t root = no_body, found_roots = 0;
   bool sound = true;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const BodyEntry& body = bodies[b];
     if (body.rooted) {
       ++found_roots;
-      if (root == none)
+      if (root == no_body)
         root = b;
       else if (found_roots > roots)
         out.error(body.name_place,
@@ -85,17 +85,17 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     path.clear();
     std::size_t at = b;
-    while (at != none && !placed[at] && !reported[at] && !walking[at]) {
+    while (at != no_body && !placed[at] && !reported[at] && !walking[at]) {
       walking[at] = 1;
       path.push_back(at);
       at = parent[at];
     }
-    const bool circle = at != none && walking[at] && !placed[at] && !reported[at];
+    const bool circle = at != no_body && walking[at] && !placed[at] && !reported[at];
     if (circle) report_circle(bodies, parent, at, reported, out);
-    const bool hangs = at == none || placed[at];
+    const bool connected = at == no_body || placed[at];
     for (auto i = path.rbegin(); i != path.rend(); ++i) {
       walking[*i] = 0;
-      if (hangs) {
+      if (connected) {
         placed[*i] = 1;
         order.push_back(*i);
       } else {
@@ -103,10 +103,10 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
       }
     }
   }
-  if (root == none && sound && errors == out.errors())
+  if (root == no_body && sound && errors == out.errors())
     out.error(place, "mechanism " + in_quotes(mechanism) + " has no root",
               "join one body to the ground: its joint names no parent");
-  else if (sound && root != none && found_roots < roots)
+  else if (sound && root != no_body && found_roots < roots)
     out.error(place, "roots: " + std::to_string(found_roots) + " bodies of mechanism " + in_quotes(mechanism) +
                          " are joined to the ground, not " + std::to_string(roots));
   if (!sound || errors != out.errors()) return {};

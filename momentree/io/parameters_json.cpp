@@ -77,9 +77,9 @@ void write_drive(JsonWriter& json, const JointDrive& drive) {
   json.end_object();
 }
 
-class Reader {
+class ParameterReader {
  public:
-  explicit Reader(const JsonDocument& document) : doc_(document) {}
+  explicit ParameterReader(const JsonDocument& document) : doc_(document) {}
 
   JointParameters read(const JsonNode& node) const {
     doc_.require_known(doc_.object(node, "`parameters`"),
@@ -214,6 +214,6 @@ void write_parameters(JsonWriter& json, const JointParameters& p) {
   json.end_object();
 }
 
-JointParameters parameters_of(const JsonDocument& document, const JsonNode& node) { return Reader(document).read(node); }
+JointParameters parameters_of(const JsonDocument& document, const JsonNode& node) { return ParameterReader(document).read(node); }
 
 }  // namespace momentree::io

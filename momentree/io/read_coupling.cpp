@@ -45,8 +45,9 @@ JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
 
 }  // namespace
 
-CouplingSpring read_coupling_spring(Fields& fields, bool slides) {
-  const Dimension effort = slides ? dimension::force : dimension::torque, way = slides ? dimension::length : dimension::angle;
+CouplingSpring read_coupling_spring(Fields& fields, bool prismatic) {
+  const Dimension effort = prismatic ? dimension::force : dimension::torque,
+                  way = prismatic ? dimension::length : dimension::angle;
   CouplingSpring spring;
   fields.require("stiffness", "of the spring by which one joint follows the other: stiffness = 1e4");
   spring.stiffness = fields.positive("stiffness", effort / way).value_or(0);
@@ -78,11 +79,11 @@ void read_coupling(const Value& table, Reading& reading) {
   const std::size_t errors = out.errors();
   const JointId joint = joint_value ? coupled_joint(*joint_value, "joint", reading) : JointId{-1};
   const JointId leader = leader_value ? coupled_joint(*leader_value, "follows", reading) : JointId{-1};
-  const bool slides = joint.index >= 0 && reading.scenario.model[joint].joint.kind == Kind::prismatic;
+  const bool prismatic = joint.index >= 0 && reading.scenario.model[joint].joint.kind == Kind::prismatic;
   JointCoupling coupling;
   coupling.multiplier = fields.number("multiplier", dimension::number).value_or(1);
-  coupling.offset = fields.number("offset", slides ? dimension::length : dimension::angle).value_or(0);
-  const CouplingSpring spring = read_coupling_spring(fields, slides);
+  coupling.offset = fields.number("offset", prismatic ? dimension::length : dimension::angle).value_or(0);
+  const CouplingSpring spring = read_coupling_spring(fields, prismatic);
   fields.finish();
   if (joint.index >= 0 && joint == leader)
     out.error(leader_value->place, "follows: a joint cannot follow itself", "name another one of the same world");

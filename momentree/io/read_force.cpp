@@ -1,5 +1,5 @@
 // [[force]]: external forces on bodies.
-#include <momentree/io/freedom_values.hpp>
+#include <momentree/io/dof_values.hpp>
 #include <momentree/io/read_action.hpp>
 
 namespace momentree::io {

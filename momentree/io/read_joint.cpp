@@ -5,7 +5,7 @@
 #include <optional>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/freedom_values.hpp>
+#include <momentree/io/dof_values.hpp>
 #include <momentree/io/mistakes/shapes.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
@@ -168,10 +168,10 @@ void read_description(Fields& fields, bool keeps_axes, JointDescription& joint, 
   warn_of_rest(fields, out);
   if (errors != out.errors()) return;
   // An axis that stays unchanged is known only later, so it is not checked for being parallel.
-  JointSpec judged = joint.spec;
+  JointSpec checked = joint.spec;
   if (keeps_axes && kind->axis2 && joint.axis2_given && !joint.axis_given)
-    judged.axis = std::fabs(judged.axis2.x) < std::fabs(judged.axis2.y) + std::fabs(judged.axis2.z) ? x_axis : y_axis;
-  report_problems(judged, fields, out);
+    checked.axis = std::fabs(checked.axis2.x) < std::fabs(checked.axis2.y) + std::fabs(checked.axis2.z) ? x_axis : y_axis;
+  report_problems(checked, fields, out);
 }
 
 bool report_problems(const JointSpec& joint, const Fields& fields, Diagnostics& out) {

@@ -3,17 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include <momentree/io/freedom_values.hpp>
+#include <momentree/io/dof_values.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
 
 namespace {
 
-class Reader {
+class ParameterFields {
  public:
   /// `kind`: null if it is unknown.
-  Reader(const KindInfo* kind, Diagnostics& out) : kind_(kind), out_(out) {}
+  ParameterFields(const KindInfo* kind, Diagnostics& out) : kind_(kind), out_(out) {}
 
   void read(Fields& fields, JointParameters& p) {
     take(fields, "damping", Quantity::damping, p.damping);
@@ -281,11 +281,11 @@ class Reader {
 }  // namespace
 
 void read_parameters(Fields& fields, const KindInfo& kind, JointParameters& parameters, Diagnostics& out) {
-  Reader(&kind, out).read(fields, parameters);
+  ParameterFields(&kind, out).read(fields, parameters);
 }
 
 void read_plain_parameters(Fields& fields, JointParameters& parameters, Diagnostics& out) {
-  Reader(nullptr, out).read(fields, parameters);
+  ParameterFields(nullptr, out).read(fields, parameters);
 }
 
 }  // namespace momentree::io

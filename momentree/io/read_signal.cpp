@@ -1,7 +1,7 @@
 // Values that change with time: a number, a table, a sine, a ramp.
 #include <cmath>
 
-#include <momentree/io/freedom_values.hpp>
+#include <momentree/io/dof_values.hpp>
 
 namespace momentree::io {
 

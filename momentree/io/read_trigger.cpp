@@ -100,7 +100,7 @@ class QuantityReader final : public QuantityFields {
 };
 
 // Sets the unit of a coordinate from the joint's kind, if the model of the file has the joint.
-void know_unit(Quantity& quantity, const Value& value, Reading& reading) {
+void set_unit(momentree::Quantity& quantity, const Value& value, Reading& reading) {
   auto* of_joint = dynamic_cast<quantities::SingleDof*>(&quantity);
   const Model& model = reading.scenario.model;
   if (of_joint == nullptr || !model.has_joint(of_joint->joint)) return;
@@ -123,7 +123,7 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
   const std::size_t errors = out.errors();
   const std::vector<std::string> keys = quantity_keys();  // they outlive the fields, which store views of them
   Fields fields(when, "when", out);
-  std::shared_ptr<Quantity> quantity;
+  std::shared_ptr<momentree::Quantity> quantity;
   std::string all = "one of:";
   for (const std::string& key : keys) {
     all += " " + key;
@@ -138,7 +138,7 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
     QuantityReader reader(*value, key, match, reading);
     quantity->fields(reader);
     reader.finish();
-    if (out.errors() == errors) know_unit(*quantity, *value, reading);
+    if (out.errors() == errors) set_unit(*quantity, *value, reading);
   }
   fields.later({"touch", "gap", "contact_force", "contact_impulse", "slip"},
                "there is no contact: bodies pass through each other");
@@ -163,8 +163,8 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
 }
 
 // False if the unit of the threshold does not fit prismatic joints, or revolute ones.
-bool fits_unit(const Value& when, bool slides, bool of_speed) {
-  const Dimension way = slides ? dimension::length : dimension::angle, dimension = of_speed ? way / dimension::time : way;
+bool fits_unit(const Value& when, bool prismatic, bool of_speed) {
+  const Dimension way = prismatic ? dimension::length : dimension::angle, dimension = of_speed ? way / dimension::time : way;
   for (const char* key : {"exceeds", "below"})
     if (const Value::Entry* threshold = when.find(key); threshold && threshold->value.string()) {
       QuantityProblem ignored;
@@ -180,7 +180,7 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
   const Value *pattern = nullptr, *another = nullptr;
   bool bodies = false, of_one = false, speed = false;
   if (!when || !when->value.table()) return std::nullopt;
-  const auto look = [&](const Value& name) {
+  const auto visit = [&](const Value& name) {
     if (!name.string() || name.string()->find('*') == std::string::npos) return;
     if (pattern && *pattern->string() != *name.string()) another = &name;
     if (!pattern) pattern = &name;
@@ -191,14 +191,14 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
     bodies = key == "distance" || key == "height";
     of_one = key == "position" || key == "speed";
     speed = key == "speed";
-    const auto look_in = [&look](const Value& entry) {
-      look(entry);
+    const auto visit_entries = [&visit](const Value& entry) {
+      visit(entry);
       for (const char* field : {"joint", "body"})
-        if (const Value::Entry* name = entry.find(field)) look(name->value);
+        if (const Value::Entry* name = entry.find(field)) visit(name->value);
     };
-    look_in(quantity->value);
+    visit_entries(quantity->value);
     if (quantity->value.array())
-      for (const Value& entry : *quantity->value.array()) look_in(entry);
+      for (const Value& entry : *quantity->value.array()) visit_entries(entry);
     if (pattern) break;
   }
   if (!pattern) return std::nullopt;

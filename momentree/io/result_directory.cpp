@@ -17,8 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::error_code last_error() { return {errno, std::generic_category()}; }
-
 Descriptor make_new(const fs::path& path) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   if (!file) fail_with_reason("cannot make this file", path.string(), last_error());

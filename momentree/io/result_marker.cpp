@@ -19,8 +19,6 @@ namespace {
 constexpr std::string_view first_line =
     "A result of momentree. The next run into this folder replaces these files, and no others:\n";
 
-std::error_code last_error() { return {errno, std::generic_category()}; }
-
 bool is_empty_or_gone(const fs::path& folder) { return !is_there(folder) || names_in(folder).empty(); }
 
 }  // namespace

@@ -159,8 +159,8 @@ std::vector<std::string> matching_bodies(const std::string& pattern, Reading& re
 void read_force(const Value& table, Reading& reading);
 
 void read_coupling(const Value& table, Reading& reading);
-/// Reads stiffness and damping; `slides`: of a prismatic joint, in N/m and N s/m.
-CouplingSpring read_coupling_spring(Fields& fields, bool slides);
+/// Reads stiffness and damping; `prismatic`: of a prismatic joint, in N/m and N s/m.
+CouplingSpring read_coupling_spring(Fields& fields, bool prismatic);
 /// Adds the coupling, with a warning if the joint does not start at the position that the coupling requires.
 void add_coupling(const JointCoupling& coupling, Place place, Reading& reading);
 /// Reports joints that follow themselves through others, and events that change coupled joints: the effect of such a change on

@@ -17,7 +17,7 @@ using At = std::pair<std::size_t, std::size_t>;  // an event in the order of the
 class ScheduleChecker {
  public:
   ScheduleChecker(const DryRun& dry_run, const Schedule& schedule, const std::function<std::string(Place)>& name_of)
-      : rehearsal_(dry_run), schedule_(schedule), name_of_(name_of) {
+      : dry_run_(dry_run), schedule_(schedule), name_of_(name_of) {
     for (const DryRun::Issue& issue : dry_run.issues) {
       idle_.insert({issue.event, issue.action});
       if (issue.result.outcome == ActionResult::Outcome::refused) first_refused_ = std::min(first_refused_, issue.event);
@@ -29,7 +29,7 @@ class ScheduleChecker {
   }
 
   std::vector<EventProblem> problems() {
-    for (const DryRun::Issue& issue : rehearsal_.issues) judge(issue);
+    for (const DryRun::Issue& issue : dry_run_.issues) check(issue);
     return std::move(found_);
   }
 
@@ -37,7 +37,7 @@ class ScheduleChecker {
   const ScenarioEvent& event(std::size_t e) const { return *schedule_.events[e]; }
   const ActionBase& action(const At& at) const { return *event(at.first).actions[at.second]; }
   std::string key(const At& at) const { return std::string(action(at).key()); }
-  std::string told(const At& at) const {
+  std::string described(const At& at) const {
     const ScenarioEvent& e = event(at.first);
     return e.actions[at.second].text() + " (event " + in_quotes(e.name) + ", " + name_of_(e.places[at.second]) + ")";
   }
@@ -45,9 +45,9 @@ class ScheduleChecker {
     found_.push_back({event(at.first).places[at.second], key(at) + ": " + std::move(what), std::move(hint)});
   }
 
-  void judge(const DryRun::Issue& issue) {
+  void check(const DryRun::Issue& issue) {
     const At at{issue.event, issue.action};
-    if (issue.result.outcome == ActionResult::Outcome::refused) return judge_refused(at, issue.result);
+    if (issue.result.outcome == ActionResult::Outcome::refused) return check_refused(at, issue.result);
     // After a refused action, problems of later ones may be consequences.
     if (event(at.first).wild || issue.event > first_refused_) return;
     const std::size_t first = found_.size();
@@ -58,10 +58,10 @@ class ScheduleChecker {
       add(at, "joint " + in_quotes(action(at).joints().front()) + " is broken already on " + place(*before),
           "a joint can break only once");
     else if (before != nullptr && key(*before) == "break" && (key(at) == "lock" || key(at) == "change"))
-      add(at, "joint " + in_quotes(action(at).joints().front()) + " will be broken by then, by " + told(*before),
+      add(at, "joint " + in_quotes(action(at).joints().front()) + " will be broken by then, by " + described(*before),
           "to hold the separated part where it is, weld its body to the ground");
     else if (before != nullptr)
-      add(at, "does nothing: " + issue.result.why + ", after " + told(*before));
+      add(at, "does nothing: " + issue.result.why + ", after " + described(*before));
     else
       add(at, "does nothing: " + issue.result.why + made_later(at));
     for (std::size_t i = first; i < found_.size(); ++i) found_[i].idle = true;
@@ -87,11 +87,11 @@ class ScheduleChecker {
         for (std::size_t a = 0; a < event(e).actions.size(); ++a)
           if (!event(e).actions[a]->makes().empty() &&
               made_joint_name({event(e).name, event(e).named, event(e).actions}, a) == joint)
-            return " yet: it is made by " + told({e, a});
+            return " yet: it is made by " + described({e, a});
     return "";
   }
 
-  void judge_refused(const At& at, const ActionResult& result) {
+  void check_refused(const At& at, const ActionResult& result) {
     std::string why = result.why;
     for (const std::string& joint : action(at).joints()) {
       const auto found = decided_.find(joint);
@@ -107,7 +107,7 @@ class ScheduleChecker {
     add(at, why, result.hint);
   }
 
-  const DryRun& rehearsal_;
+  const DryRun& dry_run_;
   const Schedule& schedule_;
   const std::function<std::string(Place)>& name_of_;
   std::set<At> idle_;

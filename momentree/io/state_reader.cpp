@@ -128,13 +128,13 @@ class Reader {
     if (looked == nullptr) return armed;
     const auto& looks = doc_.array(*looked, "`looked`").items;
     if (looks.empty() || looks.size() > 2) doc_.fail_at(*looked, "`looked` should have one or two entries: [time, excess]");
-    const auto look = [&](const JsonNode& item, double& time, double& excess) {
+    const auto read_sample = [&](const JsonNode& item, double& time, double& excess) {
       const std::vector<double> pair = doc_.numbers(item, "an entry of `looked`");
       if (pair.size() != 2) doc_.fail_at(item, "an entry of `looked` should be [time, excess]");
       time = pair[0], excess = pair[1];
     };
-    look(looks.back(), armed.looked, armed.excess);
-    if (looks.size() == 2) look(looks.front(), armed.looked_before, armed.excess_before);
+    read_sample(looks.back(), armed.looked, armed.excess);
+    if (looks.size() == 2) read_sample(looks.front(), armed.looked_before, armed.excess_before);
     return armed;
   }
 
@@ -157,7 +157,7 @@ class Reader {
 
   void read_forest(const JsonNode& mechanisms) {
     const std::vector<int> numbers = number_joints();
-    hang(numbers, mechanisms);
+    attach_bodies(numbers, mechanisms);
     for (std::size_t k = 0; k < described_.size(); ++k) take(described_[k], numbers[k]);
     std::sort(result_.forest.changed.begin(), result_.forest.changed.end(),
               [](const Forest::Changed& a, const Forest::Changed& b) { return a.joint < b.joint; });
@@ -186,7 +186,7 @@ class Reader {
   }
 
   /// Determines the carrying body of each joint, and the parent of that body.
-  void hang(const std::vector<int>& numbers, const JsonNode& mechanisms) {
+  void attach_bodies(const std::vector<int>& numbers, const JsonNode& mechanisms) {
     const std::size_t n = model_.bodies().size();
     std::vector<Topology::Place>& places = result_.forest.places;
     std::vector<const JsonNode*> joint_of(n, nullptr);

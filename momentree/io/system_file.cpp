@@ -17,8 +17,6 @@ namespace momentree::io {
 
 namespace {
 
-std::error_code last_error() { return {errno, std::generic_category()}; }
-
 bool is_one_of(std::error_code error, std::initializer_list<std::errc> kinds) {
   for (const std::errc kind : kinds)
     if (error == kind) return true;
@@ -39,6 +37,8 @@ std::error_code sync_number(int number) {
 }
 
 }  // namespace
+
+std::error_code last_error() { return {errno, std::generic_category()}; }
 
 std::error_code Descriptor::close() {
   const int number = std::exchange(number_, -1);

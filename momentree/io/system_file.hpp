@@ -32,6 +32,9 @@ class Descriptor {
   int number_ = -1;
 };
 
+/// The reason for which the last call of the system failed: errno.
+std::error_code last_error();
+
 /// Throws Error: `what`, the reason given by the system, and a hint if there is one.
 [[noreturn]] void fail_with_reason(const std::string& what, const std::string& path, std::error_code reason);
 

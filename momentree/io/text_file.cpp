@@ -17,8 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::error_code last_error() { return {errno, std::generic_category()}; }
-
 Descriptor make_new(const std::string& path, unsigned mode = 0666) {
   return Descriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
 }

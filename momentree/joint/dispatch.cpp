@@ -12,7 +12,7 @@ template <class K>
 KindShape shape_of() {
   KindShape s;
   s.nq = K::info.nq, s.nv = K::info.nv;
-  s.turns_about_z = K::Kernels::turns_about_z;
+  s.rotates_about_z = K::Kernels::rotates_about_z;
   for (int a : K::Kernels::angles) s.angle[s.angles++] = a;
   for (Variant v : variants)
     dispatch_kernels(K::kind, v, [&](auto tag) {

@@ -44,12 +44,12 @@ struct ArmatureKernelsOf<K> {
 template <class K, Variant V>
 struct KernelsFor {
   using Generic = typename detail::GenericKernelsOf<K>::type;
-  using Rotor = typename detail::ArmatureKernelsOf<K>::type;
-  using Reversed = std::conditional_t<Generic::turns_about_z, Generic, ReversedKernels<Generic, K::info.nq, K::info.nv>>;
+  using WithArmature = typename detail::ArmatureKernelsOf<K>::type;
+  using Reversed = std::conditional_t<Generic::rotates_about_z, Generic, ReversedKernels<Generic, K::info.nq, K::info.nv>>;
   using type = std::conditional_t<
       V == Variant::plain, typename K::Kernels,
       std::conditional_t<
-          V == Variant::armature, Rotor,
+          V == Variant::armature, WithArmature,
           std::conditional_t<V == Variant::locked, LockedKernels<Generic, K::info.nv>,
                              std::conditional_t<V == Variant::reversed, Reversed, LockedKernels<Reversed, K::info.nv>>>>>;
 };
@@ -67,7 +67,7 @@ MOMENTREE_INLINE decltype(auto) dispatch_kernels(Kind kind, Variant variant, F&&
     }
     if constexpr (K::info.nv > 0) {
       if (variant == Variant::locked) return f(std::type_identity<KernelsOf<K, Variant::locked>>{});
-      if constexpr (!Generic::turns_about_z) {
+      if constexpr (!Generic::rotates_about_z) {
         if (variant == Variant::reversed) return f(std::type_identity<KernelsOf<K, Variant::reversed>>{});
         if (variant == Variant::reversed_locked) return f(std::type_identity<KernelsOf<K, Variant::reversed_locked>>{});
       }
@@ -80,7 +80,7 @@ MOMENTREE_INLINE decltype(auto) dispatch_kernels(Kind kind, Variant variant, F&&
 struct KindShape {
   int nq = 0, nv = 0, angles = 0;
   int angle[2] = {0, 0};
-  bool turns_about_z = false;
+  bool rotates_about_z = false;
   std::size_t record[5] = {};  ///< size of the record in scalars, by variant
 };
 const KindShape& shape(Kind kind);

@@ -9,31 +9,31 @@ namespace momentree {
 /// Across the placement, after the child's joint: rotation about x by α, about z by β unless the frames are aligned, shift by r.
 template <bool Aligned, class T>
 MOMENTREE_INLINE void placement_inboard(const LinkConstants& k, Force<T>& P) {
-  turn_x(P.l, k.cos_a, k.sin_a);
-  turn_x(P.h, k.cos_a, k.sin_a);
+  rotate_x(P.l, k.cos_a, k.sin_a);
+  rotate_x(P.h, k.cos_a, k.sin_a);
   if constexpr (!Aligned) {
-    turn_z(P.l, k.cos_b, k.sin_b);
-    turn_z(P.h, k.cos_b, k.sin_b);
+    rotate_z(P.l, k.cos_b, k.sin_b);
+    rotate_z(P.h, k.cos_b, k.sin_b);
   }
   shift(P, k.r);
 }
 template <bool Aligned, class T>
 MOMENTREE_INLINE void placement_inboard(const LinkConstants& k, Vector3<T>& mc, double mass) {
-  turn_x(mc, k.cos_a, k.sin_a);
-  if constexpr (!Aligned) turn_z(mc, k.cos_b, k.sin_b);
+  rotate_x(mc, k.cos_a, k.sin_a);
+  if constexpr (!Aligned) rotate_z(mc, k.cos_b, k.sin_b);
   mc += Vector3<T>{T(mass * k.r.x), T(mass * k.r.y), T(mass * k.r.z)};
 }
 template <bool Aligned, class T>
 MOMENTREE_INLINE void placement_inboard(const LinkConstants& k, SpatialMass<T>& M) {
-  turn_x(M, k.cos_a, k.sin_a);
-  if constexpr (!Aligned) turn_z(M, k.cos_b, k.sin_b);
+  rotate_x(M, k.cos_a, k.sin_a);
+  if constexpr (!Aligned) rotate_z(M, k.cos_b, k.sin_b);
   shift(M, k.r);
 }
 /// The inverse for a direction: components in the parent's axes to components before the joint's own motion.
 template <bool Aligned, class T>
 MOMENTREE_INLINE void placement_outboard(const LinkConstants& k, Vector3<T>& a) {
-  if constexpr (!Aligned) turn_z(a, k.cos_b, -k.sin_b);
-  turn_x(a, k.cos_a, -k.sin_a);
+  if constexpr (!Aligned) rotate_z(a, k.cos_b, -k.sin_b);
+  rotate_x(a, k.cos_a, -k.sin_a);
 }
 template <bool Aligned, class T>
 MOMENTREE_INLINE void placement_outboard(const LinkConstants& k, Motion<T>& a) {
@@ -44,16 +44,16 @@ MOMENTREE_INLINE void placement_outboard(const LinkConstants& k, Motion<T>& a) {
 
 /// R ← Rz R and R ← Rx R.
 template <class T, class C>
-MOMENTREE_INLINE void turn_z(Matrix3<T>& R, const C& c, const C& s) {
-  turn(R.xx, R.yx, c, s);
-  turn(R.xy, R.yy, c, s);
-  turn(R.xz, R.yz, c, s);
+MOMENTREE_INLINE void rotate_z(Matrix3<T>& R, const C& c, const C& s) {
+  rotate(R.xx, R.yx, c, s);
+  rotate(R.xy, R.yy, c, s);
+  rotate(R.xz, R.yz, c, s);
 }
 template <class T, class C>
-MOMENTREE_INLINE void turn_x(Matrix3<T>& R, const C& c, const C& s) {
-  turn(R.yx, R.zx, c, s);
-  turn(R.yy, R.zy, c, s);
-  turn(R.yz, R.zz, c, s);
+MOMENTREE_INLINE void rotate_x(Matrix3<T>& R, const C& c, const C& s) {
+  rotate(R.yx, R.zx, c, s);
+  rotate(R.yy, R.zy, c, s);
+  rotate(R.yz, R.zz, c, s);
 }
 
 /// Transform of a joint that rotates about z and translates along z (revolute, prismatic, helical, cylindrical): c, s of the
@@ -64,46 +64,46 @@ struct ScrewTransform {
   T c, s, d;
 
   MOMENTREE_INLINE void inboard(Force<T>& P) const {
-    turn_z(P.l, c, s);
-    turn_z(P.h, c, s);
+    rotate_z(P.l, c, s);
+    rotate_z(P.h, c, s);
     P.h.x = P.h.x - d * P.l.y;
     P.h.y = P.h.y + d * P.l.x;
     placement_inboard<Aligned>(link, P);
   }
   /// A first moment of a subtree with that mass.
   MOMENTREE_INLINE void inboard(Vector3<T>& mc, double mass) const {
-    turn_z(mc, c, s);
+    rotate_z(mc, c, s);
     mc.z = mc.z + d * T(mass);
     placement_inboard<Aligned>(link, mc, mass);
   }
   MOMENTREE_INLINE void inboard(SpatialMass<T>& M) const {
-    turn_z(M, c, s);
+    rotate_z(M, c, s);
     shift(M, Vector3<T>{T(0), T(0), d});
     placement_inboard<Aligned>(link, M);
   }
   /// A frame with the pose (R, r) in the child's frame: its pose in the parent's.
   MOMENTREE_INLINE void place(Matrix3<T>& R, Vector3<T>& r) const {
-    turn_z(R, c, s);
-    turn_z(r, c, s);
+    rotate_z(R, c, s);
+    rotate_z(r, c, s);
     r.z = r.z + d;
-    turn_x(R, link.cos_a, link.sin_a);
-    turn_x(r, link.cos_a, link.sin_a);
+    rotate_x(R, link.cos_a, link.sin_a);
+    rotate_x(r, link.cos_a, link.sin_a);
     if constexpr (!Aligned) {
-      turn_z(R, link.cos_b, link.sin_b);
-      turn_z(r, link.cos_b, link.sin_b);
+      rotate_z(R, link.cos_b, link.sin_b);
+      rotate_z(r, link.cos_b, link.sin_b);
     }
     r += Vector3<T>{T(link.r.x), T(link.r.y), T(link.r.z)};
   }
   MOMENTREE_INLINE void outboard(Vector3<T>& a) const {
     placement_outboard<Aligned>(link, a);
-    turn_z(a, c, -s);
+    rotate_z(a, c, -s);
   }
   MOMENTREE_INLINE void outboard(Motion<T>& a) const {
     placement_outboard<Aligned>(link, a);
     a.v.x = a.v.x + d * a.w.y;
     a.v.y = a.v.y - d * a.w.x;
-    turn_z(a.v, c, -s);
-    turn_z(a.w, c, -s);
+    rotate_z(a.v, c, -s);
+    rotate_z(a.w, c, -s);
   }
 };
 

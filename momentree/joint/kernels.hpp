@@ -144,7 +144,7 @@ MOMENTREE_INLINE DenseTransform<T> dense_transform(const LinkConstants& k, const
   Matrix3<T> R;
   Vector3<T> r;
   K::template pose<T>(k, j, R, r);
-  const Mat3 R0 = K::turns_about_z ? tilt_rotation(k) : placement_rotation(k);
+  const Mat3 R0 = K::rotates_about_z ? tilt_rotation(k) : placement_rotation(k);
   return {R0 * R, Vector3<T>{T(k.r.x), T(k.r.y), T(k.r.z)} + R0 * r};
 }
 
@@ -158,7 +158,7 @@ struct GenericKernels {
   using Column = Columns<T, NV>;
 
   /// True if the joint rotates about z, so that the x axis may be chosen freely and θ0 is added to the joint angle.
-  static constexpr bool turns_about_z = false;
+  static constexpr bool rotates_about_z = false;
   /// True if the body is rigidly attached to its parent: the frames coincide and X = I.
   static constexpr bool rigid = false;
   /// Axes of the kernel frame in the joint's frame; stores constants of the kind in LinkConstants::geometry.

@@ -39,7 +39,8 @@ struct Sample {
   }
   void turn() {
     for (std::size_t i = 0; i < K::Kernels::angles.size(); ++i) {
-      const double angle = q[static_cast<std::size_t>(K::Kernels::angles[i])] + (K::Kernels::turns_about_z ? link.angle_0 : 0.0);
+      const double angle =
+          q[static_cast<std::size_t>(K::Kernels::angles[i])] + (K::Kernels::rotates_about_z ? link.angle_0 : 0.0);
       c[i] = std::cos(angle), s[i] = std::sin(angle);
     }
   }
@@ -184,7 +185,7 @@ TEST_CASE("(16) (17) (18) the crossing of a kind is that of its pose, in both di
         CHECK(dot(e, M1 * e) == doctest::Approx(dot(x, M * x)).epsilon(1e-11));  // Xᵀ M X
       }
     };
-    if (L::turns_about_z && aligned) {
+    if (L::rotates_about_z && aligned) {
       law(std::true_type{});
     } else {
       law(std::false_type{});

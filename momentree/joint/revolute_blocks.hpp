@@ -44,23 +44,23 @@ struct ReducedMass {
 
 // (16), the rotation about z by (c, s) and the shift along it by d: B ← B − A r̃, J ← J + r̃ B_new + (r̃ B_old)ᵀ with r = d e_z.
 
-template <bool Slides, class T, class C>
+template <bool Shifts, class T, class C>
 MOMENTREE_INLINE void cross_z(RevoluteColumn<T>& e, const T& c, const T& s, const C& d) {
-  turn(e.lx, e.ly, c, s);
-  turn(e.hx, e.hy, c, s);
-  if constexpr (Slides) e.hx = e.hx - d * e.ly, e.hy = e.hy + d * e.lx;
+  rotate(e.lx, e.ly, c, s);
+  rotate(e.hx, e.hy, c, s);
+  if constexpr (Shifts) e.hx = e.hx - d * e.ly, e.hy = e.hy + d * e.lx;
 }
-template <bool Slides, class T, class C>
+template <bool Shifts, class T, class C>
 MOMENTREE_INLINE void cross_z(Force<T>& D, const T& c, const T& s, const C& d) {
-  turn_z(D.l, c, s);
-  turn_z(D.h, c, s);
-  if constexpr (Slides) D.h.x = D.h.x - d * D.l.y, D.h.y = D.h.y + d * D.l.x;
+  rotate_z(D.l, c, s);
+  rotate_z(D.h, c, s);
+  if constexpr (Shifts) D.h.x = D.h.x - d * D.l.y, D.h.y = D.h.y + d * D.l.x;
 }
 /// B with A before the shift; returns B before the shift.
-template <bool Slides, class T, class C>
-MOMENTREE_INLINE PlaneMatrix<T> cross_z(PlaneMatrix<T>& B, const PlaneSymmetric<T>& A, const Turn<T>& by, const C& d) {
-  if constexpr (!Slides) {
-    turn_block(B.xx, B.xy, B.yx, B.yy, by);
+template <bool Shifts, class T, class C>
+MOMENTREE_INLINE PlaneMatrix<T> cross_z(PlaneMatrix<T>& B, const PlaneSymmetric<T>& A, const PlaneRotation<T>& by, const C& d) {
+  if constexpr (!Shifts) {
+    rotate_block(B.xx, B.xy, B.yx, B.yy, by);
     return {};
   } else {
     const T p = B.xx - B.yy, q = B.xy + B.yx;
@@ -72,11 +72,11 @@ MOMENTREE_INLINE PlaneMatrix<T> cross_z(PlaneMatrix<T>& B, const PlaneSymmetric<
     return turned;
   }
 }
-template <bool Slides, class T, class C>
-MOMENTREE_INLINE void cross_z(PlaneSymmetric<T>& J, const PlaneMatrix<T>& B, const PlaneMatrix<T>& turned, const Turn<T>& by,
-                              const C& d) {
-  turn_block(J.xx, J.xy, J.yy, by);
-  if constexpr (Slides) {
+template <bool Shifts, class T, class C>
+MOMENTREE_INLINE void cross_z(PlaneSymmetric<T>& J, const PlaneMatrix<T>& B, const PlaneMatrix<T>& turned,
+                              const PlaneRotation<T>& by, const C& d) {
+  rotate_block(J.xx, J.xy, J.yy, by);
+  if constexpr (Shifts) {
     J.xx = J.xx - d * (B.yx + turned.yx), J.yy = J.yy + d * (B.xy + turned.xy);
     J.xy = J.xy + d * (B.xx - turned.yy);
   }
@@ -87,18 +87,18 @@ MOMENTREE_INLINE void cross_z(PlaneSymmetric<T>& J, const PlaneMatrix<T>& B, con
 /// Rotation of A about x, by the twist of the shape.
 enum class Twist { any, right, none };
 template <Twist W, class L, class T>
-MOMENTREE_INLINE Symmetric3<T> turn_x(const L& k, const PlaneSymmetric<T>& A, const PlaneVector<T>& Az, const T& Azz) {
+MOMENTREE_INLINE Symmetric3<T> rotate_x(const L& k, const PlaneSymmetric<T>& A, const PlaneVector<T>& Az, const T& Azz) {
   Symmetric3<T> R{A.xx, A.yy, Azz, A.xy, Az.x, Az.y};
   if constexpr (W == Twist::right) {
     R = {A.xx, Azz, A.yy, -Az.x, A.xy, -Az.y};
   } else if constexpr (W == Twist::any) {
-    turn_block(R.yy, R.yz, R.zz, Turn<ConstantOf<L>>::of_products(k.cs_a, k.ss_a));
-    turn(R.xy, R.xz, k.cos_a, k.sin_a);
+    rotate_block(R.yy, R.yz, R.zz, PlaneRotation<ConstantOf<L>>::of_products(k.cs_a, k.ss_a));
+    rotate(R.xy, R.xz, k.cos_a, k.sin_a);
   }
   return R;
 }
 template <Twist W, class L, class T>
-MOMENTREE_INLINE Matrix3<T> turn_x(const L& k, const PlaneMatrix<T>& B, const PlaneVector<T>& Bz) {
+MOMENTREE_INLINE Matrix3<T> rotate_x(const L& k, const PlaneMatrix<T>& B, const PlaneVector<T>& Bz) {
   const ConstantOf<L> c = k.cos_a, s = k.sin_a;
   if constexpr (W == Twist::none) return {B.xx, B.xy, T(0), B.yx, B.yy, T(0), Bz.x, Bz.y, T(0)};
   if constexpr (W == Twist::right) return {B.xx, T(0), B.xy, -Bz.x, T(0), -Bz.y, B.yx, T(0), B.yy};
@@ -107,18 +107,18 @@ MOMENTREE_INLINE Matrix3<T> turn_x(const L& k, const PlaneMatrix<T>& B, const Pl
 }
 /// The same for a B without zeros.
 template <Twist W, class L, class T>
-MOMENTREE_INLINE Matrix3<T> turn_x(const L& k, const PlaneMatrix<T>& B, const PlaneVector<T>& Bz, const Vector3<T>& z) {
+MOMENTREE_INLINE Matrix3<T> rotate_x(const L& k, const PlaneMatrix<T>& B, const PlaneVector<T>& Bz, const Vector3<T>& z) {
   if constexpr (W == Twist::right) return {B.xx, -z.x, B.xy, -Bz.x, z.z, -Bz.y, B.yx, -z.y, B.yy};
   Matrix3<T> R{B.xx, B.xy, z.x, B.yx, B.yy, z.y, Bz.x, Bz.y, z.z};
   if constexpr (W == Twist::any) {
-    turn_block(R.yy, R.yz, R.zy, R.zz, Turn<ConstantOf<L>>::of_products(k.cs_a, k.ss_a));
-    turn(R.xy, R.xz, k.cos_a, k.sin_a);
-    turn(R.yx, R.zx, k.cos_a, k.sin_a);
+    rotate_block(R.yy, R.yz, R.zy, R.zz, PlaneRotation<ConstantOf<L>>::of_products(k.cs_a, k.ss_a));
+    rotate(R.xy, R.xz, k.cos_a, k.sin_a);
+    rotate(R.yx, R.zx, k.cos_a, k.sin_a);
   }
   return R;
 }
 template <Twist W, class L, class T>
-MOMENTREE_INLINE Symmetric3<T> turn_x(const L& k, const PlaneSymmetric<T>& J) {
+MOMENTREE_INLINE Symmetric3<T> rotate_x(const L& k, const PlaneSymmetric<T>& J) {
   if constexpr (W == Twist::none) return {J.xx, J.yy, T(0), J.xy, T(0), T(0)};
   if constexpr (W == Twist::right) return {J.xx, T(0), J.yy, T(0), J.xy, T(0)};
   return {J.xx, (1 - k.ss_a) * J.yy, k.ss_a * J.yy, k.cos_a * J.xy, k.sin_a * J.xy, k.cs_a * J.yy};

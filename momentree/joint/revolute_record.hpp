@@ -18,11 +18,11 @@ struct RevoluteRecord {
   Vector3<T> mc;
 };
 /// With armature these are not zero: M̂ E = armature · G, D̂·E, G·E. The armature may be arbitrarily large, since `damped` turns
-/// dampers into armature; so u is not computed from u + ω_z, nor D̂·E from p less the rotor's momentum, where digits would
+/// dampers into armature; so u is not computed from u + ω_z, nor D̂·E from p less the armature's momentum, where digits would
 /// cancel.
 template <class T>
 struct ArmatureRecord : RevoluteRecord<T> {
-  T rotor, hz, ghz;
+  T armature, hz, ghz;
 };
 
 MOMENTREE_INLINE void part(const RevoluteRecord<BodyPair>& from, RevoluteRecord<double>& one, RevoluteRecord<double>& other) {
@@ -37,7 +37,7 @@ MOMENTREE_INLINE void part(const RevoluteRecord<BodyPair>& from, RevoluteRecord<
 MOMENTREE_INLINE void part(const ArmatureRecord<BodyPair>& from, ArmatureRecord<double>& one, ArmatureRecord<double>& other) {
   part(static_cast<const RevoluteRecord<BodyPair>&>(from), static_cast<RevoluteRecord<double>&>(one),
        static_cast<RevoluteRecord<double>&>(other));
-  part(from.rotor, one.rotor, other.rotor), part(from.hz, one.hz, other.hz), part(from.ghz, one.ghz, other.ghz);
+  part(from.armature, one.armature, other.armature), part(from.hz, one.hz, other.hz), part(from.ghz, one.ghz, other.ghz);
 }
 
 }  // namespace momentree

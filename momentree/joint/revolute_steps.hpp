@@ -14,11 +14,11 @@ inline constexpr bool one_world_at_a_time = std::is_same_v<T, double> || std::is
 /// the others'.
 enum class Children : unsigned char { none, one, several };
 
-template <bool Rotor>
+template <bool Armature>
 struct RevoluteStepsOf {
-  static constexpr bool rotor = Rotor;
+  static constexpr bool has_armature = Armature;
   template <class T>
-  using Record = std::conditional_t<Rotor, ArmatureRecord<T>, RevoluteRecord<T>>;
+  using Record = std::conditional_t<Armature, ArmatureRecord<T>, RevoluteRecord<T>>;
 
   /// True if the mass is rotated about z before it is reduced, while the division 1 / Mj is in flight: more operations, but a
   /// shorter dependency chain for a single world. E, and everything about z, is the same on both sides of the rotation. The
@@ -29,7 +29,7 @@ struct RevoluteStepsOf {
   /// The terms that a shape has.
   template <PlacementShape S>
   struct Has {
-    static constexpr bool turn_b = S == PlacementShape::general;
+    static constexpr bool beta = S == PlacementShape::general;
     static constexpr bool any_offset = S == PlacementShape::general || S == PlacementShape::tilted;
     static constexpr bool right = S >= PlacementShape::right && S <= PlacementShape::right_meeting;
     static constexpr bool parallel = S >= PlacementShape::parallel;
@@ -47,35 +47,35 @@ struct RevoluteStepsOf {
                                        [[maybe_unused]] const detail::ConstantOf<L>& armature, const T& cosine, const T& sine,
                                        const T& momentum, const Inboard<T>& in, const Inboard<T>& others, Record<T>& w,
                                        Inboard<T>& out) {
-    constexpr bool rotates_first = rotate_then_reduce<T, Keep>, crosses_z = rotates_first || !Root, slides = Has<S>::d;
+    constexpr bool rotates_first = rotate_then_reduce<T, Keep>, crosses_z = rotates_first || !Root, shifts = Has<S>::d;
     const T c = cosine, s = sine, p = momentum;
     const auto& b = k.body;
     const T Jzz = with<N>(in.M.J.zz, others.M.J.zz, b.J.zz);
     T Mj = Jzz;  // (24)
-    if constexpr (Rotor) Mj = Mj + armature;
+    if constexpr (Armature) Mj = Mj + armature;
     const T inverse = T(1) / Mj;
     if constexpr (Root && !Keep) return inboard_root<Gravity, N>(k, c, s, inverse, p, in, others, w);
     detail::RevoluteColumn<T> e{with<N>(in.M.B.xz, others.M.B.xz, -b.mc.y), with<N>(in.M.B.yz, others.M.B.yz, b.mc.x),
                                 alone<N>(in.M.B.zz, others.M.B.zz), with<N>(in.M.J.xz, others.M.J.xz, b.J.xz),
                                 with<N>(in.M.J.yz, others.M.J.yz, b.J.yz)};
-    if constexpr (rotates_first) detail::cross_z<slides>(e, c, s, k.d);
-    constexpr bool tip = N == Children::none;  // known zeros are not computed
-    const detail::RevoluteColumn<T> g{inverse * e.lx, inverse * e.ly, tip ? T(0) : inverse * e.lz, inverse * e.hx,
+    if constexpr (rotates_first) detail::cross_z<shifts>(e, c, s, k.d);
+    constexpr bool leaf = N == Children::none;  // known zeros are not computed
+    const detail::RevoluteColumn<T> g{inverse * e.lx, inverse * e.ly, leaf ? T(0) : inverse * e.lz, inverse * e.hx,
                                       inverse * e.hy};
     w.gl.x = g.lx, w.gl.y = g.ly, w.gl.z = g.lz, w.ghx = g.hx, w.ghy = g.hy;
     if constexpr (Keep) w.inverse_mass = inverse;
-    if constexpr (Rotor) w.rotor = T(armature), w.ghz = inverse * Jzz;
+    if constexpr (Armature) w.armature = T(armature), w.ghz = inverse * Jzz;
     T u = p;
-    if constexpr (!tip) u = p - alone<N>(in.D.h.z, others.D.h.z);
+    if constexpr (!leaf) u = p - alone<N>(in.D.h.z, others.D.h.z);
     if constexpr (!rotates_first) w.u0 = inverse * u;  // frees a register here; compilers do not find this order
 
     detail::ReducedMass<T> m;
-    reduce_mass<slides, rotates_first, crosses_z, N>(k, c, s, e, g, in.M, others.M, m, w);
+    reduce_mass<shifts, rotates_first, crosses_z, N>(k, c, s, e, g, in.M, others.M, m, w);
     if constexpr (Keep) w.A.zz = m.Azz;
     if constexpr (!Root) {
-      if constexpr (Rotor) {
+      if constexpr (Armature) {
         detail::RevoluteColumn<T> z{armature * g.lx, armature * g.ly, armature * g.lz, armature * g.hx, armature * g.hy};
-        if constexpr (!rotates_first) detail::cross_z<slides>(z, c, s, k.d);
+        if constexpr (!rotates_first) detail::cross_z<shifts>(z, c, s, k.d);
         const T zz = armature * w.ghz;
         mass_inboard<S>(k, m, z, zz, out.M);
       } else {
@@ -85,22 +85,22 @@ struct RevoluteStepsOf {
 
     if constexpr (rotates_first) w.u0 = inverse * u;
     T hz = p;  // D̂·E
-    if constexpr (Rotor) w.hz = hz = alone<N>(in.D.h.z, others.D.h.z) + u * w.ghz;
+    if constexpr (Armature) w.hz = hz = alone<N>(in.D.h.z, others.D.h.z) + u * w.ghz;
     Force<T> D{{alone<N>(in.D.l.x, others.D.l.x), alone<N>(in.D.l.y, others.D.l.y), alone<N>(in.D.l.z, others.D.l.z)},
                {alone<N>(in.D.h.x, others.D.h.x), alone<N>(in.D.h.y, others.D.h.y), hz}};
     Vector3<T> mc;
     if constexpr (Gravity)
       mc.x = with<N>(in.mc.x, others.mc.x, b.mc.x), mc.y = with<N>(in.mc.y, others.mc.y, b.mc.y),
       mc.z = with<N>(in.mc.z, others.mc.z, b.mc.z);
-    const auto turn = [&]() MOMENTREE_INLINE_LAMBDA {
-      detail::cross_z<slides>(D, c, s, k.d);
-      if constexpr (Gravity) turn_z(mc, c, s);
+    const auto rotate = [&]() MOMENTREE_INLINE_LAMBDA {
+      detail::cross_z<shifts>(D, c, s, k.d);
+      if constexpr (Gravity) rotate_z(mc, c, s);
     };
-    if constexpr (rotates_first && tip)
+    if constexpr (rotates_first && leaf)
       mc.x = e.ly, mc.y = -e.lx;  // already rotated there
     else if constexpr (rotates_first)
-      turn();
-    if constexpr (tip)  // (26)
+      rotate();
+    if constexpr (leaf)  // (26)
       D = {{u * g.lx, u * g.ly, T(0)}, {u * g.hx, u * g.hy, hz}};
     else
       D.l.x += u * g.lx, D.l.y += u * g.ly, D.l.z += u * g.lz, D.h.x += u * g.hx, D.h.y += u * g.hy;
@@ -108,7 +108,7 @@ struct RevoluteStepsOf {
     if constexpr (Keep) w.l.z = D.l.z;
     if constexpr (Gravity) w.mc.x = mc.x, w.mc.y = mc.y;
     if constexpr (Root) return;
-    if constexpr (!rotates_first) turn();
+    if constexpr (!rotates_first) rotate();
     momentum_inboard<S, Gravity>(k, mass, D, mc);
     out.D.l.x = D.l.x, out.D.l.y = D.l.y, out.D.l.z = D.l.z, out.D.h.x = D.h.x, out.D.h.y = D.h.y, out.D.h.z = D.h.z;
     if constexpr (Gravity) out.mc.x = mc.x, out.mc.y = mc.y, out.mc.z = mc.z;
@@ -117,7 +117,7 @@ struct RevoluteStepsOf {
   /// Outward step of one body. In: the parent's velocity and gravity in its axes. Out: those of the body, except for a leaf,
   /// which needs no output. Writes u and ṗ of the joint and, with Keep, Ω and Pb.
   template <PlacementShape S, bool Gravity, bool Keep, class L, class T>
-  MOMENTREE_INLINE static void outboard(const L& k, const T& c, const T& s, const Record<T>& w, const T& p, bool tip,
+  MOMENTREE_INLINE static void outboard(const L& k, const T& c, const T& s, const Record<T>& w, const T& p, bool leaf,
                                         Outboard<T>& out, T& u, T& pdot, BodySweep<T>* kept) {
     Vector3<T>&v = out.velocity.v, &o = out.velocity.w, &g = out.gravity;
     // (17): into the joint's frame
@@ -127,33 +127,33 @@ struct RevoluteStepsOf {
       turned(v), turned(o);
       if constexpr (Gravity) turned(g);
     };
-    if constexpr (Has<S>::turn_b) each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { turn_z(x, k.cos_b, -k.sin_b); });
+    if constexpr (Has<S>::beta) each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { rotate_z(x, k.cos_b, -k.sin_b); });
     if constexpr (Has<S>::right)
       each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { x = {x.x, x.z, -x.y}; });
     else if constexpr (!Has<S>::parallel)
-      each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { turn_x(x, k.cos_a, -k.sin_a); });
+      each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { rotate_x(x, k.cos_a, -k.sin_a); });
     const auto cross_joint = [&]() MOMENTREE_INLINE_LAMBDA {
       if constexpr (Has<S>::d) v.x = v.x + k.d * o.y, v.y = v.y - k.d * o.x;
-      each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { turn_z(x, c, -s); });
+      each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { rotate_z(x, c, -s); });
     };
     if constexpr (!rotate_then_reduce<T, Keep>) cross_joint();
     // (27): u + ω_z directly, which is all that the outboard joint needs
     const T along = (w.gl.x * v.x + w.ghx * o.x) + (w.gl.y * v.y + w.ghy * o.y) + w.gl.z * v.z;
-    T turning;
-    if constexpr (Rotor)
-      u = w.u0 - (along + w.ghz * o.z), turning = u + o.z;
+    T total;
+    if constexpr (Armature)
+      u = w.u0 - (along + w.ghz * o.z), total = u + o.z;
     else
-      turning = w.u0 - along, u = turning - o.z;
+      total = w.u0 - along, u = total - o.z;
     // (21), only the four components that (20) needs for a rotation about z
     T lx = (w.A.xx * v.x + w.Bxx * o.x) + (w.A.xy * v.y + w.Bxy * o.y) + (w.A.xz * v.z + w.l.x);
     T ly = (w.A.xy * v.x + w.Byx * o.x) + (w.A.yy * v.y + w.Byy * o.y) + (w.A.yz * v.z + w.l.y);
     T hx = (w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y) + (w.Bzx * v.z + w.hx);
     T hy = (w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y) + (w.Bzy * v.z + w.hy);
-    T turned(0);  // M̂ E ω_z = turned · G
-    if constexpr (Rotor) {
-      turned = w.rotor * o.z;
-      lx = lx + turned * w.gl.x, ly = ly + turned * w.gl.y;
-      hx = hx + turned * w.ghx, hy = hy + turned * w.ghy;
+    T scaled(0);  // M̂ E ω_z = scaled · G
+    if constexpr (Armature) {
+      scaled = w.armature * o.z;
+      lx = lx + scaled * w.gl.x, ly = ly + scaled * w.gl.y;
+      hx = hx + scaled * w.ghx, hy = hy + scaled * w.ghy;
     }
     // (20): e_z·(Tb − Ω × Pb)
     const T gyroscopic = (v.y * lx - v.x * ly) + (o.y * hx - o.x * hy);
@@ -161,14 +161,14 @@ struct RevoluteStepsOf {
       pdot = gyroscopic + (w.mc.x * g.y - w.mc.y * g.x);
     else
       pdot = gyroscopic;
-    o.z = turning;
+    o.z = total;
     if constexpr (Keep) {
       T lz = (w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y) + (w.A.zz * v.z + w.l.z), hz = p;
-      if constexpr (Rotor) lz = lz + turned * w.gl.z, hz = w.hz + (w.rotor * along + turned * w.ghz);
+      if constexpr (Armature) lz = lz + scaled * w.gl.z, hz = w.hz + (w.armature * along + scaled * w.ghz);
       *kept = {out.velocity, {{lx, ly, lz}, {hx, hy, hz}}};
     }
     if constexpr (rotate_then_reduce<T, Keep>)
-      if (!tip) cross_joint();
+      if (!leaf) cross_joint();
   }
 
   /// The same for a body on the ground, which does not move: u = u0, Pb = D̂, Ω = u e_z.
@@ -176,21 +176,21 @@ struct RevoluteStepsOf {
   MOMENTREE_INLINE static void outboard_root(const L& k, const T& c, const T& s, const Record<T>& w, const T& p, Outboard<T>& out,
                                              T& u, T& pdot, BodySweep<T>* kept) {
     Vector3<T>& g = out.gravity;
-    const T o(0), turning = w.u0;
-    u = turning;
+    const T o(0), total = w.u0;
+    u = total;
     if constexpr (Gravity) {
-      turn_z(g, k.cos_b, -k.sin_b);
-      turn_x(g, k.cos_a, -k.sin_a);
-      if constexpr (!rotate_then_reduce<T, Keep>) turn_z(g, c, -s);
+      rotate_z(g, k.cos_b, -k.sin_b);
+      rotate_x(g, k.cos_a, -k.sin_a);
+      if constexpr (!rotate_then_reduce<T, Keep>) rotate_z(g, c, -s);
       pdot = w.mc.x * g.y - w.mc.y * g.x;
-      if constexpr (rotate_then_reduce<T, Keep>) turn_z(g, c, -s);
+      if constexpr (rotate_then_reduce<T, Keep>) rotate_z(g, c, -s);
     } else {
       pdot = o;
     }
-    out.velocity = {{o, o, o}, {o, o, turning}};
+    out.velocity = {{o, o, o}, {o, o, total}};
     if constexpr (Keep) {
       T hz = p;
-      if constexpr (Rotor) hz = w.hz;
+      if constexpr (Armature) hz = w.hz;
       *kept = {out.velocity, {w.l, {w.hx, w.hy, hz}}};
     }
   }
@@ -200,18 +200,18 @@ struct RevoluteStepsOf {
   /// (45): a wrench, to the parent's frame.
   template <PlacementShape S, class T>
   MOMENTREE_INLINE static void cross_inboard(const LinkConstants& k, const T& c, const T& s, Force<T>& W) {
-    turn_z(W.l, c, s);
-    turn_z(W.h, c, s);
+    rotate_z(W.l, c, s);
+    rotate_z(W.h, c, s);
     if constexpr (Has<S>::d) W.h.x = W.h.x - k.d * W.l.y, W.h.y = W.h.y + k.d * W.l.x;
     if constexpr (Has<S>::right) {
       W = {{W.l.x, -W.l.z, W.l.y}, {W.h.x, -W.h.z, W.h.y}};
     } else if constexpr (!Has<S>::parallel) {
-      turn_x(W.l, k.cos_a, k.sin_a);
-      turn_x(W.h, k.cos_a, k.sin_a);
+      rotate_x(W.l, k.cos_a, k.sin_a);
+      rotate_x(W.h, k.cos_a, k.sin_a);
     }
-    if constexpr (Has<S>::turn_b) {
-      turn_z(W.l, k.cos_b, k.sin_b);
-      turn_z(W.h, k.cos_b, k.sin_b);
+    if constexpr (Has<S>::beta) {
+      rotate_z(W.l, k.cos_b, k.sin_b);
+      rotate_z(W.h, k.cos_b, k.sin_b);
     }
     if constexpr (Has<S>::any_offset)
       shift(W, k.r);
@@ -223,45 +223,45 @@ struct RevoluteStepsOf {
   template <PlacementShape S, class T>
   MOMENTREE_INLINE static void rate_outboard(const LinkConstants& k, const T& c, const T& s, const Record<T>& w,
                                              const Motion<T>& velocity, const T& u, T& udot, Motion<T>& a, Motion<T>& approach) {
-    constexpr bool rotates_first = one_world_at_a_time<T>, slides = Has<S>::d;
+    constexpr bool rotates_first = one_world_at_a_time<T>, shifts = Has<S>::d;
     Vector3<T>&v = a.v, &o = a.w;
     if constexpr (Has<S>::any_offset)
       shift_outboard(a, k.r);
     else if constexpr (Has<S>::a)
       v.y = v.y + k.r.x * o.z, v.z = v.z - k.r.x * o.y;
-    if constexpr (Has<S>::turn_b) {
-      turn_z(v, k.cos_b, -k.sin_b);
-      turn_z(o, k.cos_b, -k.sin_b);
+    if constexpr (Has<S>::beta) {
+      rotate_z(v, k.cos_b, -k.sin_b);
+      rotate_z(o, k.cos_b, -k.sin_b);
     }
     if constexpr (Has<S>::right) {
       a = {{v.x, v.z, -v.y}, {o.x, o.z, -o.y}};
     } else if constexpr (!Has<S>::parallel) {
-      turn_x(v, k.cos_a, -k.sin_a);
-      turn_x(o, k.cos_a, -k.sin_a);
+      rotate_x(v, k.cos_a, -k.sin_a);
+      rotate_x(o, k.cos_a, -k.sin_a);
     }
     const auto cross_joint = [&]() MOMENTREE_INLINE_LAMBDA {
-      if constexpr (slides) v.x = v.x + k.d * o.y, v.y = v.y - k.d * o.x;
-      turn_z(v, c, -s);
-      turn_z(o, c, -s);
+      if constexpr (shifts) v.x = v.x + k.d * o.y, v.y = v.y - k.d * o.x;
+      rotate_z(v, c, -s);
+      rotate_z(o, c, -s);
     };
     // u̇ + ω̇_z directly, which is all that the outboard joint needs; G is transformed to the parent's side to shorten the
     // dependency chain.
     detail::RevoluteColumn<T> g{w.gl.x, w.gl.y, w.gl.z, w.ghx, w.ghy};
     if constexpr (rotates_first)
-      detail::cross_z<slides>(g, c, s, k.d);
+      detail::cross_z<shifts>(g, c, s, k.d);
     else
       cross_joint();
     const T along = (g.lx * v.x + g.hx * o.x) + (g.ly * v.y + g.hy * o.y) + g.lz * v.z;
-    T turning;
-    if constexpr (Rotor)
-      udot = udot - (along + w.ghz * o.z), turning = udot + o.z;
+    T total;
+    if constexpr (Armature)
+      udot = udot - (along + w.ghz * o.z), total = udot + o.z;
     else
-      turning = udot - along, udot = turning - o.z;
+      total = udot - along, udot = total - o.z;
     if constexpr (rotates_first) cross_joint();
     v.x = v.x + u * velocity.v.y, v.y = v.y - u * velocity.v.x;
     o.x = o.x + u * velocity.w.y, o.y = o.y - u * velocity.w.x;
     put(a, approach);
-    o.z = turning;
+    o.z = total;
   }
 
  private:
@@ -274,7 +274,7 @@ struct RevoluteStepsOf {
     w.u0 = inverse * u;
     if constexpr (Gravity) {
       T x = with<N>(in.mc.x, others.mc.x, k.body.mc.x), y = with<N>(in.mc.y, others.mc.y, k.body.mc.y);
-      if constexpr (rotate_then_reduce<T, false>) turn(x, y, c, s);
+      if constexpr (rotate_then_reduce<T, false>) rotate(x, y, c, s);
       w.mc.x = x, w.mc.y = y;
     }
   }
@@ -297,25 +297,26 @@ struct RevoluteStepsOf {
       return first + others;
   }
 
-  // (25), M̂ = Mb − G (Mb E)ᵀ, and the part of (16) up to the parent's side of the joint, after the reduction or (`Late`) before
-  // it. Block by block, so that few values are live at a time; writes the entries that the outward step reads to the record.
-  template <bool Slides, bool Late, bool CrossesZ, Children N, class L, class T>
+  // (25), M̂ = Mb − G (Mb E)ᵀ, and the part of (16) up to the parent's side of the joint, after the reduction or (`RotatesFirst`)
+  // before it. Block by block, so that few values are live at a time; writes the entries that the outward step reads to the
+  // record.
+  template <bool Shifts, bool RotatesFirst, bool CrossesZ, Children N, class L, class T>
   MOMENTREE_INLINE static void reduce_mass(const L& k, const T& c, const T& s, const detail::RevoluteColumn<T>& e,
                                            const detail::RevoluteColumn<T>& g, const SpatialMass<T>& in,
                                            const SpatialMass<T>& others, detail::ReducedMass<T>& m, Record<T>& w) {
     const auto by = [&]() MOMENTREE_INLINE_LAMBDA {
       if constexpr (CrossesZ)
-        return Turn<T>(c, s);
+        return PlaneRotation<T>(c, s);
       else
         return nullptr;
     }();
-    constexpr bool tip = N == Children::none;
+    constexpr bool leaf = N == Children::none;
     const detail::ConstantOf<L> d = k.d;
     const auto& b = k.body;
     const auto in_order = [&](auto cross, auto reduce) MOMENTREE_INLINE_LAMBDA {
-      if constexpr (Late) cross(by);
+      if constexpr (RotatesFirst) cross(by);
       reduce();
-      if constexpr (!Late && CrossesZ) cross(by);
+      if constexpr (!RotatesFirst && CrossesZ) cross(by);
     };
     detail::PlaneSymmetric<T> A;  // rotated but not shifted, like B; reduced or not, depending on the order
     detail::PlaneMatrix<T> B, slid;
@@ -323,7 +324,8 @@ struct RevoluteStepsOf {
     m.A = {with<N>(in.A.xx, others.A.xx, b.m), alone<N>(in.A.xy, others.A.xy), with<N>(in.A.yy, others.A.yy, b.m)};
     in_order(
         [&](const auto& turned) MOMENTREE_INLINE_LAMBDA {
-          if constexpr (!(Late && tip)) turn_block(m.A.xx, m.A.xy, m.A.yy, turned);  // m times the identity is invariant
+          if constexpr (!(RotatesFirst && leaf))
+            rotate_block(m.A.xx, m.A.xy, m.A.yy, turned);  // m times the identity is invariant
           A = m.A;
         },
         [&]() MOMENTREE_INLINE_LAMBDA {
@@ -334,11 +336,11 @@ struct RevoluteStepsOf {
            alone<N>(in.B.yy, others.B.yy)};
     in_order(
         [&](const auto& turned) MOMENTREE_INLINE_LAMBDA {
-          if constexpr (Late && tip) {  // so is m c_z
+          if constexpr (RotatesFirst && leaf) {  // so is m c_z
             B = m.B;
-            if constexpr (Slides) m.B.xy += d * A.xx, m.B.yx -= d * A.yy;
+            if constexpr (Shifts) m.B.xy += d * A.xx, m.B.yx -= d * A.yy;
           } else {
-            B = detail::cross_z<Slides>(m.B, A, turned, d);
+            B = detail::cross_z<Shifts>(m.B, A, turned, d);
           }
           slid = m.B;
         },
@@ -347,7 +349,7 @@ struct RevoluteStepsOf {
           w.Bxx = m.B.xx, w.Bxy = m.B.xy, w.Byx = m.B.yx, w.Byy = m.B.yy;
         });
     m.J = {with<N>(in.J.xx, others.J.xx, b.J.xx), with<N>(in.J.xy, others.J.xy, b.J.xy), with<N>(in.J.yy, others.J.yy, b.J.yy)};
-    in_order([&](const auto& turned) MOMENTREE_INLINE_LAMBDA { detail::cross_z<Slides>(m.J, slid, B, turned, d); },
+    in_order([&](const auto& turned) MOMENTREE_INLINE_LAMBDA { detail::cross_z<Shifts>(m.J, slid, B, turned, d); },
              [&]() MOMENTREE_INLINE_LAMBDA {
                m.J.xx -= e.hx * g.hx, m.J.xy -= e.hx * g.hy, m.J.yy -= e.hy * g.hy;
                w.Jxx = m.J.xx, w.Jxy = m.J.xy, w.Jyy = m.J.yy;
@@ -355,28 +357,28 @@ struct RevoluteStepsOf {
     m.Az = {alone<N>(in.A.xz, others.A.xz), alone<N>(in.A.yz, others.A.yz)};
     in_order(
         [&](const auto&) MOMENTREE_INLINE_LAMBDA {
-          if constexpr (!tip) turn(m.Az.x, m.Az.y, c, s);
+          if constexpr (!leaf) rotate(m.Az.x, m.Az.y, c, s);
           Az = m.Az;
         },
         [&]() MOMENTREE_INLINE_LAMBDA {
-          if constexpr (!tip) m.Az.x -= e.lx * g.lz, m.Az.y -= e.ly * g.lz;
+          if constexpr (!leaf) m.Az.x -= e.lx * g.lz, m.Az.y -= e.ly * g.lz;
           w.A.xz = m.Az.x, w.A.yz = m.Az.y;
         });
     m.Bz = {with<N>(in.B.zx, others.B.zx, b.mc.y), with<N>(in.B.zy, others.B.zy, -b.mc.x)};
     in_order(
         [&](const auto&) MOMENTREE_INLINE_LAMBDA {
-          if constexpr (Late && tip)
+          if constexpr (RotatesFirst && leaf)
             m.Bz = {-e.lx, -e.ly};
           else
-            turn(m.Bz.x, m.Bz.y, c, s);
-          if constexpr (Slides && !tip) m.Bz.x = m.Bz.x - d * Az.y, m.Bz.y = m.Bz.y + d * Az.x;
+            rotate(m.Bz.x, m.Bz.y, c, s);
+          if constexpr (Shifts && !leaf) m.Bz.x = m.Bz.x - d * Az.y, m.Bz.y = m.Bz.y + d * Az.x;
         },
         [&]() MOMENTREE_INLINE_LAMBDA {
-          if constexpr (!tip) m.Bz.x -= e.hx * g.lz, m.Bz.y -= e.hy * g.lz;
+          if constexpr (!leaf) m.Bz.x -= e.hx * g.lz, m.Bz.y -= e.hy * g.lz;
           w.Bzx = m.Bz.x, w.Bzy = m.Bz.y;
         });
     m.Azz = with<N>(in.A.zz, others.A.zz, b.m);
-    if constexpr (!tip) m.Azz -= e.lz * g.lz;
+    if constexpr (!leaf) m.Azz -= e.lz * g.lz;
   }
 
   // (16) from the parent's side of the joint to the parent's frame. With armature, M̂ E and its last entry are not zero.
@@ -386,19 +388,19 @@ struct RevoluteStepsOf {
     using detail::Twist;
     constexpr Twist twist = Has<S>::right ? Twist::right : Has<S>::parallel ? Twist::none : Twist::any;
     SpatialMass<T> M;
-    M.A = detail::turn_x<twist>(k, m.A, m.Az, m.Azz);
-    if constexpr (Rotor) {
-      M.B = detail::turn_x<twist>(k, m.B, m.Bz, Vector3<T>{z.lx, z.ly, z.lz});
-      M.J = detail::turn_x<twist>(k, m.J, detail::PlaneVector<T>{z.hx, z.hy}, zz);
+    M.A = detail::rotate_x<twist>(k, m.A, m.Az, m.Azz);
+    if constexpr (Armature) {
+      M.B = detail::rotate_x<twist>(k, m.B, m.Bz, Vector3<T>{z.lx, z.ly, z.lz});
+      M.J = detail::rotate_x<twist>(k, m.J, detail::PlaneVector<T>{z.hx, z.hy}, zz);
     } else {
-      M.B = detail::turn_x<twist>(k, m.B, m.Bz);
-      M.J = detail::turn_x<twist>(k, m.J);
+      M.B = detail::rotate_x<twist>(k, m.B, m.Bz);
+      M.J = detail::rotate_x<twist>(k, m.J);
     }
-    if constexpr (Has<S>::turn_b) turn_z(M, k.cos_b, k.sin_b);
+    if constexpr (Has<S>::beta) rotate_z(M, k.cos_b, k.sin_b);
     if constexpr (Has<S>::any_offset)
       shift(M, k.r);
     else if constexpr (Has<S>::a)
-      detail::shift_x<Rotor ? Twist::any : twist>(M, k.r.x);
+      detail::shift_x<Armature ? Twist::any : twist>(M, k.r.x);
     // One by one: compilers split copies of whole structs of packs into bytes.
     out.A.xx = M.A.xx, out.A.yy = M.A.yy, out.A.zz = M.A.zz, out.A.xy = M.A.xy, out.A.xz = M.A.xz, out.A.yz = M.A.yz;
     out.B.xx = M.B.xx, out.B.xy = M.B.xy, out.B.xz = M.B.xz, out.B.yx = M.B.yx, out.B.yy = M.B.yy, out.B.yz = M.B.yz;
@@ -407,15 +409,15 @@ struct RevoluteStepsOf {
   }
   template <PlacementShape S, bool Gravity, class L, class T>
   MOMENTREE_INLINE static void momentum_inboard(const L& k, const detail::ConstantOf<L>& mass, Force<T>& D, Vector3<T>& mc) {
-    const auto each = [&](auto turn) MOMENTREE_INLINE_LAMBDA {
-      turn(D.l), turn(D.h);
-      if constexpr (Gravity) turn(mc);
+    const auto each = [&](auto rotate) MOMENTREE_INLINE_LAMBDA {
+      rotate(D.l), rotate(D.h);
+      if constexpr (Gravity) rotate(mc);
     };
     if constexpr (Has<S>::right)
       each([](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { x = {x.x, -x.z, x.y}; });
     else if constexpr (!Has<S>::parallel)
-      each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { turn_x(x, k.cos_a, k.sin_a); });
-    if constexpr (Has<S>::turn_b) each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { turn_z(x, k.cos_b, k.sin_b); });
+      each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { rotate_x(x, k.cos_a, k.sin_a); });
+    if constexpr (Has<S>::beta) each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { rotate_z(x, k.cos_b, k.sin_b); });
     if constexpr (Has<S>::any_offset)
       shift(D, k.r);
     else if constexpr (Has<S>::a)
@@ -470,9 +472,9 @@ MOMENTREE_INLINE void dispatch_main_shape(PlacementShape shape, F&& f) {
 }
 /// Calls f with the link's shape for revolute joints without armature; with armature, which is less frequent, with one of three
 /// shapes.
-template <bool Rotor, class F>
+template <bool Armature, class F>
 MOMENTREE_INLINE void dispatch_link(PlacementShape shape, F&& f) {
-  if constexpr (!Rotor)
+  if constexpr (!Armature)
     dispatch_shape(shape, f);
   else if (shape == PlacementShape::general || shape == PlacementShape::tilted)
     f(std::integral_constant<PlacementShape, PlacementShape::general>{});

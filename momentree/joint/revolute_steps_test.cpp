@@ -40,12 +40,12 @@ LinkConstants link_of_shape(PlacementShape shape, Draw& draw) {
 template <class Steps, PlacementShape S, bool Gravity, bool Keep, Children N, bool Root>
 void step_laws(Draw& draw, PlacementShape of = S) {
   using L = GenericRevolute;
-  using K = std::conditional_t<Steps::rotor, ArmatureKernels, RevoluteKernels>;
+  using K = std::conditional_t<Steps::has_armature, ArmatureKernels, RevoluteKernels>;
   const LinkConstants k = link_of_shape(of, draw);
   const double mass = 2 + draw(), q = 3 * draw(), p = draw(), c = std::cos(q), s = std::sin(q),
-               armature = !Steps::rotor ? 0
-                          : draw() < 0  ? 1.5 + draw()
-                                        : 1e9;  // as with `damped`
+               armature = !Steps::has_armature ? 0
+                          : draw() < 0         ? 1.5 + draw()
+                                               : 1e9;  // as with `damped`
   const JointState<double> joint{&q, &c, &s};
   const auto some = [&] { return Inboard<double>{random_mass(draw), {draw.vector(), draw.vector()}, draw.vector()}; };
   Inboard<double> in = some(), others = some(), expected{};
@@ -79,7 +79,7 @@ void step_laws(Draw& draw, PlacementShape of = S) {
   if constexpr (Root)
     Steps::template outboard_root<Gravity, Keep>(k, c, s, w, p, out, u, pdot, &kept);
   else
-    dispatch_link<Steps::rotor>(
+    dispatch_link<Steps::has_armature>(
         of, [&](auto own) { Steps::template outboard<own(), Gravity, Keep>(k, c, s, w, p, false, out, u, pdot, &kept); });
   x.outboard(far.velocity), x.outboard(far.gravity);
   L::joint_velocity(record, far.velocity, &u_expected);                                                   // (27)
@@ -136,7 +136,7 @@ TEST_CASE_TEMPLATE(
     constexpr PlacementShape few = S < PlacementShape::screw                                    ? PlacementShape::general
                                    : S >= PlacementShape::right && S < PlacementShape::parallel ? PlacementShape::right
                                                                                                 : PlacementShape::screw;
-    constexpr PlacementShape own = Steps::rotor ? few : S, fork = Steps::rotor ? few : main;
+    constexpr PlacementShape own = Steps::has_armature ? few : S, fork = Steps::has_armature ? few : main;
     for (int trial = 0; trial < 20; ++trial) {
       step_laws<Steps, own, true, false, Children::one, false>(draw, S);
       step_laws<Steps, own, true, false, Children::none, false>(draw, S);

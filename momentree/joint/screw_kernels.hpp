@@ -34,7 +34,7 @@ template <class K, int NQ, int NV>
 struct ScrewKernels : GenericKernels<K, NQ, NV> {
   template <class T>
   using Record = ScrewRecord<T, NV>;
-  static constexpr bool turns_about_z = true;
+  static constexpr bool rotates_about_z = true;
   static Mat3 frame(const JointSpec& joint, double*) { return frame_with_z(joint.axis); }
 
   template <class T>

@@ -116,7 +116,7 @@ MOMENTREE_INLINE constexpr Force<T> momentum(const RigidMass& b, const Motion<T>
 
 /// Ω × M Ω (9) of a rigid body: the wrench that changes the direction of its momentum.
 template <class T>
-MOMENTREE_INLINE constexpr Force<T> turning_wrench(const RigidMass& b, const Motion<T>& a) {
+MOMENTREE_INLINE constexpr Force<T> gyroscopic_wrench(const RigidMass& b, const Motion<T>& a) {
   const Vector3<T> s = cross(a.w, a.v);
   return {b.m * s + dot(a.w, b.mc) * a.w - dot(a.w, a.w) * b.mc, cross(b.mc, s) + cross(a.w, b.J * a.w)};
 }
@@ -125,35 +125,35 @@ MOMENTREE_INLINE constexpr Force<T> turning_wrench(const RigidMass& b, const Mot
 
 /// Rotates (x, y) by the angle of (c, s): the two components that a rotation about the third axis mixes.
 template <class T, class C>
-MOMENTREE_INLINE constexpr void turn(T& x, T& y, const C& c, const C& s) {
+MOMENTREE_INLINE constexpr void rotate(T& x, T& y, const C& c, const C& s) {
   const T t = c * x - s * y;
   y = s * x + c * y;
   x = t;
 }
 template <class T, class C>
-MOMENTREE_INLINE constexpr void turn_z(Vector3<T>& a, const C& c, const C& s) {
-  turn(a.x, a.y, c, s);
+MOMENTREE_INLINE constexpr void rotate_z(Vector3<T>& a, const C& c, const C& s) {
+  rotate(a.x, a.y, c, s);
 }
 template <class T, class C>
-MOMENTREE_INLINE constexpr void turn_x(Vector3<T>& a, const C& c, const C& s) {
-  turn(a.y, a.z, c, s);
+MOMENTREE_INLINE constexpr void rotate_x(Vector3<T>& a, const C& c, const C& s) {
+  rotate(a.y, a.z, c, s);
 }
 /// The effect of a rotation on products of two components: c·s, s², and cosine and sine of the double angle.
 template <class C>
-struct Turn {
+struct PlaneRotation {
   C cs, ss, c2, s2;
-  MOMENTREE_INLINE constexpr Turn(const C& c, const C& s) : Turn(c * s, s * s, 0) {}
+  MOMENTREE_INLINE constexpr PlaneRotation(const C& c, const C& s) : PlaneRotation(c * s, s * s, 0) {}
   /// From c·s and s², if these are known.
-  MOMENTREE_INLINE static constexpr Turn of_products(const C& cs, const C& ss) { return {cs, ss, 0}; }
+  MOMENTREE_INLINE static constexpr PlaneRotation of_products(const C& cs, const C& ss) { return {cs, ss, 0}; }
 
  private:
-  MOMENTREE_INLINE constexpr Turn(const C& product, const C& square, int)
+  MOMENTREE_INLINE constexpr PlaneRotation(const C& product, const C& square, int)
       : cs(product), ss(square), c2(C(1) - (square + square)), s2(product + product) {}
 };
 /// Rotates the 2x2 block (xx, xy; xy, yy) of a symmetric matrix in its plane: the trace is invariant, the rest rotates by the
 /// double angle.
 template <class T, class C>
-MOMENTREE_INLINE constexpr void turn_block(T& xx, T& xy, T& yy, const Turn<C>& by) {
+MOMENTREE_INLINE constexpr void rotate_block(T& xx, T& xy, T& yy, const PlaneRotation<C>& by) {
   const T d = xx - yy;
   const T t = by.ss * d + by.s2 * xy;
   xy = by.cs * d + by.c2 * xy;
@@ -162,7 +162,7 @@ MOMENTREE_INLINE constexpr void turn_block(T& xx, T& xy, T& yy, const Turn<C>& b
 }
 /// The same for a general block (xx, xy; yx, yy): trace and skew part are invariant.
 template <class T, class C>
-MOMENTREE_INLINE constexpr void turn_block(T& xx, T& xy, T& yx, T& yy, const Turn<C>& by) {
+MOMENTREE_INLINE constexpr void rotate_block(T& xx, T& xy, T& yx, T& yy, const PlaneRotation<C>& by) {
   const T d = xx - yy, e = xy + yx;
   const T t = by.ss * d + by.cs * e;
   const T o = by.cs * d - by.ss * e;
@@ -172,26 +172,26 @@ MOMENTREE_INLINE constexpr void turn_block(T& xx, T& xy, T& yx, T& yy, const Tur
   yx = yx + o;
 }
 template <class T, class C>
-MOMENTREE_INLINE constexpr void turn_z(SpatialMass<T>& M, const C& c, const C& s) {
-  const Turn<C> products(c, s);
-  turn_block(M.A.xx, M.A.xy, M.A.yy, products);
-  turn(M.A.xz, M.A.yz, c, s);
-  turn_block(M.B.xx, M.B.xy, M.B.yx, M.B.yy, products);
-  turn(M.B.xz, M.B.yz, c, s);
-  turn(M.B.zx, M.B.zy, c, s);
-  turn_block(M.J.xx, M.J.xy, M.J.yy, products);
-  turn(M.J.xz, M.J.yz, c, s);
+MOMENTREE_INLINE constexpr void rotate_z(SpatialMass<T>& M, const C& c, const C& s) {
+  const PlaneRotation<C> products(c, s);
+  rotate_block(M.A.xx, M.A.xy, M.A.yy, products);
+  rotate(M.A.xz, M.A.yz, c, s);
+  rotate_block(M.B.xx, M.B.xy, M.B.yx, M.B.yy, products);
+  rotate(M.B.xz, M.B.yz, c, s);
+  rotate(M.B.zx, M.B.zy, c, s);
+  rotate_block(M.J.xx, M.J.xy, M.J.yy, products);
+  rotate(M.J.xz, M.J.yz, c, s);
 }
 template <class T, class C>
-MOMENTREE_INLINE constexpr void turn_x(SpatialMass<T>& M, const C& c, const C& s) {
-  const Turn<C> products(c, s);
-  turn_block(M.A.yy, M.A.yz, M.A.zz, products);
-  turn(M.A.xy, M.A.xz, c, s);
-  turn_block(M.B.yy, M.B.yz, M.B.zy, M.B.zz, products);
-  turn(M.B.xy, M.B.xz, c, s);
-  turn(M.B.yx, M.B.zx, c, s);
-  turn_block(M.J.yy, M.J.yz, M.J.zz, products);
-  turn(M.J.xy, M.J.xz, c, s);
+MOMENTREE_INLINE constexpr void rotate_x(SpatialMass<T>& M, const C& c, const C& s) {
+  const PlaneRotation<C> products(c, s);
+  rotate_block(M.A.yy, M.A.yz, M.A.zz, products);
+  rotate(M.A.xy, M.A.xz, c, s);
+  rotate_block(M.B.yy, M.B.yz, M.B.zy, M.B.zz, products);
+  rotate(M.B.xy, M.B.xz, c, s);
+  rotate(M.B.yx, M.B.zx, c, s);
+  rotate_block(M.J.yy, M.J.yz, M.J.zz, products);
+  rotate(M.J.xy, M.J.xz, c, s);
 }
 /// R M Rᵀ for any rotation.
 template <class T>

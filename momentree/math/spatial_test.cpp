@@ -42,7 +42,7 @@ TEST_CASE("(4) momentum of a rigid body is that of its centre of mass and of its
 TEST_CASE("(9) what turning the momentum of a rigid body takes is the cross product of its velocity and momentum") {
   const RigidMass body = some_body();
   const Motion<double> O{a, b};
-  const Force<double> W = turning_wrench(body, O), X = cross(O, momentum(body, O));
+  const Force<double> W = gyroscopic_wrench(body, O), X = cross(O, momentum(body, O));
   CHECK(norm(W.l - X.l) < 1e-14);
   CHECK(norm(W.h - X.h) < 1e-14);
 }
@@ -76,19 +76,19 @@ TEST_CASE("(16) moving and turning a mass matrix keeps its kinetic energy and it
   SUBCASE("turns about x and z, and any rotation") {
     const double cos = std::cos(0.7), sin = std::sin(0.7);
     SpatialMass<double> z = M, x = M, any = M;
-    turn_z(z, cos, sin);
-    turn_x(x, cos, sin);
+    rotate_z(z, cos, sin);
+    rotate_x(x, cos, sin);
     rotate(any, Mat3{cos, -sin, 0, sin, cos, 0, 0, 0, 1});
     const auto turned_back = [&](Motion<double> m, bool about_z) {
-      about_z ? turn_z(m.v, cos, -sin) : turn_x(m.v, cos, -sin);
-      about_z ? turn_z(m.w, cos, -sin) : turn_x(m.w, cos, -sin);
+      about_z ? rotate_z(m.v, cos, -sin) : rotate_x(m.v, cos, -sin);
+      about_z ? rotate_z(m.w, cos, -sin) : rotate_x(m.w, cos, -sin);
       return m;
     };
     for (bool about_z : {true, false}) {
       const Motion<double> in = turned_back(outer, about_z);
       Force<double> P = M * in;
-      about_z ? turn_z(P.l, cos, sin) : turn_x(P.l, cos, sin);
-      about_z ? turn_z(P.h, cos, sin) : turn_x(P.h, cos, sin);
+      about_z ? rotate_z(P.l, cos, sin) : rotate_x(P.l, cos, sin);
+      about_z ? rotate_z(P.h, cos, sin) : rotate_x(P.h, cos, sin);
       const Force<double> Q = (about_z ? z : x) * outer;
       CHECK(norm(P.l - Q.l) < 1e-14);
       CHECK(norm(P.h - Q.h) < 1e-14);

@@ -14,14 +14,16 @@ namespace {
 constexpr double tolerated = 1e-3;
 constexpr double rounding = 1e-12;
 
-std::string text(const char* pattern, double a) {
+std::string formatted(const char* pattern, double a) {
   char buffer[64];
   std::snprintf(buffer, sizeof buffer, pattern, a);
   return buffer;
 }
 
 // A fraction of the kinetic energy: "11 % of", "12 times".
-std::string share_text(double share) { return share < 10 ? text("%.2g %% of", 100 * share) : text("%.0f times", share); }
+std::string share_text(double share) {
+  return share < 10 ? formatted("%.2g %% of", 100 * share) : formatted("%.0f times", share);
+}
 
 }  // namespace
 
@@ -31,12 +33,12 @@ std::string EnergyBalance::advice(const Integration& how) const {
   double turned_over = 0;  // its rounding is not an integration error
   for (const double part : {initial, final, work, dissipated, lost_in_impacts, released}) turned_over += std::fabs(part);
   if (!(std::fabs(error) > std::max(tolerated * largest_kinetic, rounding * turned_over))) return {};
-  std::string what = "the energy balance is off by " + text("%.3g J", error) + ", " +
+  std::string what = "the energy balance is off by " + formatted("%.3g J", error) + ", " +
                      (largest_kinetic > 0 ? share_text(std::fabs(error) / largest_kinetic) + " the largest kinetic energy"
                                           : std::string("although nothing moves")) +
                      ": the motion is not computed accurately";
-  if (is_adaptive(how.method)) return what + "; use smaller tolerances, such as " + text("rtol = %.0e", how.rtol / 100);
-  what += "; use a smaller step, such as " + text("%.3g s", how.step / 4);
+  if (is_adaptive(how.method)) return what + "; use smaller tolerances, such as " + formatted("rtol = %.0e", how.rtol / 100);
+  what += "; use a smaller step, such as " + formatted("%.3g s", how.step / 4);
   return how.method == "damped" ? what : what + ", or an adaptive method: dop853";
 }
 

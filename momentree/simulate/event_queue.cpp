@@ -62,14 +62,14 @@ void EventQueue::renew_strengths(const World& world) {
 namespace {
 
 // The maximum of the parabola through three evaluations, if it is between them.
-void look_between(Approach& nearest, const EventQueue::Entry& e, double time, double excess) {
+void note_between(Approach& nearest, const EventQueue::Entry& e, double time, double excess) {
   if (e.looked_before < 0 || !(e.excess >= e.excess_before && e.excess >= excess)) return;
   const double before = e.looked - e.looked_before, after = time - e.looked;
   const double rise = (e.excess - e.excess_before) / before, fall = (excess - e.excess) / after;
   const double curvature = (fall - rise) / (before + after), slope = rise + curvature * before;  // where the parabola is highest
   if (!(curvature < 0)) return;
   const double offset = -slope / (2 * curvature);
-  nearest.look(e.looked + offset, std::min(e.excess + offset * (slope + curvature * offset), std::max(0.0, e.excess)));
+  nearest.note(e.looked + offset, std::min(e.excess + offset * (slope + curvature * offset), std::max(0.0, e.excess)));
 }
 
 }  // namespace
@@ -91,8 +91,8 @@ std::optional<std::size_t> EventQueue::urgent(const World& world, std::span<cons
       continue;
     }
     const double excess = c.above ? *value - c.threshold : c.threshold - *value;
-    e.nearest.look(world.time(), excess);
-    if (e.looked >= 0 && world.time() > e.looked) look_between(e.nearest, e, world.time(), excess);
+    e.nearest.note(world.time(), excess);
+    if (e.looked >= 0 && world.time() > e.looked) note_between(e.nearest, e, world.time(), excess);
     if (world.time() > e.looked) e.excess_before = e.excess, e.looked_before = e.looked, e.looked = world.time();
     e.excess = excess;
     if (e.resting && excess < -c.width()) e.resting = false;

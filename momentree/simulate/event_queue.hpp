@@ -20,7 +20,7 @@ struct Approach {
   double excess = -HUGE_VAL, time = 0;  ///< −infinity: the quantity never had a value
   double held = 0;                      ///< the longest time that it held without interruption (s)
 
-  void look(double time_now, double excess_now) {
+  void note(double time_now, double excess_now) {
     if (excess_now > excess) excess = excess_now, time = time_now;
   }
 };

@@ -189,14 +189,14 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
     ActionResult result = prepares ? action.prepare(editor) : action.apply(editor);
     const Totals after = world.totals();
     // In a dry run the coordinates are not those of the instant: a mass may be missing there and not at the instant itself.
-    const bool judged = !dry_run || item.phase >= ActionPhase::impulse;
-    if (!judged && !is_finite(after)) {
+    const bool checked = !dry_run || item.phase >= ActionPhase::impulse;
+    if (!checked && !is_finite(after)) {
       world.restore(start);
       report.lost = true;
       report.events.clear();
       return false;
     }
-    if (result.outcome == ActionResult::Outcome::done && judged) {
+    if (result.outcome == ActionResult::Outcome::done && checked) {
       const bool driven = !world.tree().driven_joints().empty();
       const ActionResult sound = check_energy(before, after, item.phase, driven, editor.brought - brought);
       if (sound.outcome != ActionResult::Outcome::done) result = sound;

@@ -42,7 +42,7 @@ void new_joint_momenta(const Tree& tree, int b, const double* q, const Force<dou
   dispatch(tree.joint(b).kind, [&](auto tag) {
     using K = typename decltype(tag)::type::Kernels;
     for (std::size_t i = 0; i < K::angles.size(); ++i) {
-      const double angle = q[K::angles[i]] + (K::turns_about_z ? tree.link(b).angle_0 : 0.0);
+      const double angle = q[K::angles[i]] + (K::rotates_about_z ? tree.link(b).angle_0 : 0.0);
       c[i] = std::cos(angle), s[i] = std::sin(angle);
     }
   });

@@ -24,7 +24,7 @@ void attach(int b, int to, const Joint& joint, bool reversed, Coordinates coordi
   {
     const State::Edit edit = state.edit();
     double* p = edit.p.data();
-    Pb = turn_over_momenta(tree, state, workspace, b, p);
+    Pb = reverse_momenta(tree, state, workspace, b, p);
     if (to >= 0) {  // to the kernel frame of `to`, whose own joint absorbs it first
       const Mat3 R = rotation_matrix(relative.rotation);
       Force<double> W{R * Pb.l, R * Pb.h};

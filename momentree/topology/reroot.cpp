@@ -21,7 +21,7 @@ bool floats(const Tree& tree, BodyId body) noexcept {
 
 // total = Pb of the root; along the path, total ← X⁻ᵀ total, and each reversed joint keeps the momentum of its other side: p ← p
 // − Eᵀ total.
-Force<double> turn_over_momenta(const Tree& tree, const State& state, Workspace<double>& workspace, int b, double* p) noexcept {
+Force<double> reverse_momenta(const Tree& tree, const State& state, Workspace<double>& workspace, int b, double* p) noexcept {
   int length = 0, root = b;
   for (; tree.parent(root) >= 0; root = tree.parent(root)) workspace.path[static_cast<std::size_t>(length++)] = root;
   const double* r = state.p().data() + tree.first_p(root);
@@ -43,7 +43,7 @@ Released apply(const Reroot& change, Tree& tree, State& state, Workspace<double>
   const int root = root_of(tree, {b}).index, first_q = tree.first_q(root), first_p = tree.first_p(root);
   const Force<double> P = [&] {
     const State::Edit edit = state.edit();
-    return turn_over_momenta(tree, state, workspace, b, edit.p.data());
+    return reverse_momenta(tree, state, workspace, b, edit.p.data());
   }();
   tree.reroot(b);
   double q[7];

@@ -13,7 +13,7 @@ inline constexpr const char* floating =
 /// Momenta of a floating mechanism as if b were its root: changes in `p` those of the joints between its root and b, which are to
 /// be reversed. Returns the momentum of the whole mechanism in the user frame of b. The tree does not change; workspace.path is
 /// scratch.
-Force<double> turn_over_momenta(const Tree& tree, const State& state, Workspace<double>& workspace, int b, double* p) noexcept;
+Force<double> reverse_momenta(const Tree& tree, const State& state, Workspace<double>& workspace, int b, double* p) noexcept;
 
 /// Coordinates of a free joint at a pose: position (m), then the quaternion.
 inline void free_coordinates(const Pose& pose, double* q) {

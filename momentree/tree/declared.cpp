@@ -102,7 +102,7 @@ DofParameters spread(const JointParameters& parameters) {
     f.damping[i] = parameters.damping.of(dof);
     f.effort[i] = parameters.effort.of(dof);
   }
-  f.rotor = parameters.armature.any();
+  f.has_armature = parameters.armature.any();
   f.spring = parameters.stiffness.any();
   f.force = parameters.damping.any() || parameters.effort.any();
   const JointDrive* drive = parameters.drive.get();

@@ -43,7 +43,7 @@ namespace detail {
 /// Parameters expanded to one value per DoF, ready to be copied when a topology is relinked.
 struct DofParameters {
   std::array<double, 6> armature{}, damping{}, effort{};
-  bool rotor = false, spring = false, force = false, drive = false, motion = false, strength = false;
+  bool has_armature = false, spring = false, force = false, drive = false, motion = false, strength = false;
 };
 DofParameters spread(const JointParameters& parameters);
 

@@ -14,7 +14,7 @@ void Tree::unlink(int b) {
 }
 
 // Siblings and roots are in ascending order, so that the order of evaluation depends on the topology, not on its history.
-void Tree::hang(int b, int parent) {
+void Tree::add_child(int b, int parent) {
   int* head = parent < 0 ? &first_root_ : &first_child_[at(parent)];
   while (*head >= 0 && *head < b) head = &next_sibling_[at(*head)];
   next_sibling_[at(b)] = *head;
@@ -51,12 +51,12 @@ void Tree::detach(int b) {
   const bool was_first = outer >= 0 && first_child_[at(outer)] == b;
   const int begin = place_[at(b)], end = end_of(b);
   unlink(b);
-  hang(b, -1);
+  add_child(b, -1);
   if (replace_joint(b, floating_root_joint(), false)) list_special_joints();
   update_frames(b);
   if (was_first) renew_child_changed(outer);
   move_tree(b, begin, end);
-  weigh_path(outer);
+  update_subtree_masses(outer);
   revision_.renew();
 }
 
@@ -74,17 +74,17 @@ int Tree::reverse_path(int b) {
     return {joint_of_[at(a)], offsets_[at(a)].q, offsets_[at(a)].p, offsets_[at(a)].angle, reversed_[at(a)]};
   };
   Carried below = carried(root);
-  for (int hung = -1, body = b; body >= 0;) {
+  for (int joined = -1, body = b; body >= 0;) {
     const int outer = parent_[at(body)];
     const Carried own = carried(body);
     unlink(body);
-    hang(body, hung);
+    add_child(body, joined);
     joint_of_[at(body)] = below.joint, carrier_[at(below.joint)] = body;
     offsets_[at(body)].q = below.first_q, offsets_[at(body)].p = below.first_p, offsets_[at(body)].angle = below.first_angle;
     reversed_[at(body)] = below.reversed;
     below = own;
     below.reversed = own.reversed != 0 ? 0 : 1;
-    hung = body;
+    joined = body;
     body = outer;
   }
   return root;
@@ -99,7 +99,7 @@ void Tree::attach(int b, int parent, const Joint& joint, bool reversed) {
   reverse_path(b);
   if (parent >= 0) {
     unlink(b);
-    hang(b, parent);
+    add_child(b, parent);
   }
   if (replace_joint(b, joint, reversed) || root != b) list_special_joints();
   // Kernel frames are located at the carried joints: renew them from the old root to b, then all links that depend on them.
@@ -116,7 +116,7 @@ void Tree::attach(int b, int parent, const Joint& joint, bool reversed) {
   update_frames(b);
   number_depth_first(b, begin);
   move_tree(b, begin, end);
-  weigh_path(root);
+  update_subtree_masses(root);
   revision_.renew();
 }
 
@@ -193,7 +193,7 @@ int Tree::add(const BodySpec& spec) {
   Joint joint = detail::joint_of(spec);
   if (const JointParameters& p = spec.joint.parameters; p.any()) joint.parameters = give_parameters(b, p);
   own_joint(b).joint = joint;
-  hang(b, outer);
+  add_child(b, outer);
   order_.insert(order_.begin() + end_of(b), b);
   assign_offsets(b);
   pack(b);
@@ -201,7 +201,7 @@ int Tree::add(const BodySpec& spec) {
   update_frames(b);
   put_locks(b);  // it had no link before
   build_runs();
-  weigh_path(b);
+  update_subtree_masses(b);
   revision_.renew();
   return b;
 }

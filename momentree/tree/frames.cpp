@@ -13,7 +13,7 @@ Mat3 joint_axes(const Joint& joint, double* geometry) {
   return dispatch(joint.kind, [&](auto tag) { return decltype(tag)::type::Kernels::frame(spec_of(joint), geometry); });
 }
 
-bool turns_about_z(Kind kind) { return shape(kind).turns_about_z; }
+bool rotates_about_z(Kind kind) { return shape(kind).rotates_about_z; }
 
 Mat3 turned_z(const Mat3& R, double c, double s) {
   return {R.xx * c + R.xy * s, R.xy * c - R.xx * s, R.xz, R.yx * c + R.yy * s, R.yy * c - R.yx * s, R.yz,
@@ -65,7 +65,7 @@ struct Carried {
 Carried carried(const Joint& joint, bool reversed, double* geometry) {
   const Mat3 C = joint_axes(joint, geometry);
   if (!reversed) return {joint.child_at, joint.at, C};
-  if (!turns_about_z(joint.kind)) return {joint.at, joint.child_at, C};
+  if (!rotates_about_z(joint.kind)) return {joint.at, joint.child_at, C};
   return {joint.at, joint.child_at, {C.xx, -C.xy, -C.xz, C.yx, -C.yy, -C.yz, C.zx, -C.zy, -C.zz}};
 }
 
@@ -87,7 +87,7 @@ double foot(const Vec3& d, const Vec3& r) {
 }
 
 // Zeroes lengths that are zero up to rounding, and finds the shape of the link.
-void find_shape(LinkConstants& k, bool turns, double scale) {
+void find_shape(LinkConstants& k, bool rotates, double scale) {
   const double smallest = 8e-16 * scale;
   const auto zero = [smallest](double x) { return std::fabs(x) <= smallest; };
   k.cs_a = k.cos_a * k.sin_a, k.ss_a = k.sin_a * k.sin_a;
@@ -95,7 +95,7 @@ void find_shape(LinkConstants& k, bool turns, double scale) {
   k.shape = PlacementShape::general;
   if (k.sin_b != 0 || k.cos_b != 1) return;
   k.shape = PlacementShape::tilted;
-  if (!turns) return;
+  if (!rotates) return;
   // The child's axis is (0, −sin α, cos α).
   const double d = k.cos_a * k.r.z - k.sin_a * k.r.y;
   if (!zero(k.r.y + d * k.sin_a) || !zero(k.r.z - d * k.cos_a)) return;
@@ -133,8 +133,8 @@ void Tree::make_frame(int b) {
   }
   Carried mine = carried(joint(b), reversed(b), link.geometry);
   const Mat3 side = rotation_matrix(mine.own.rotation);
-  double slide = 0;
-  if (turns_about_z(joint(b).kind)) {
+  double shift_z = 0;
+  if (rotates_about_z(joint(b).kind)) {
     // x is free: choose it so that the first child's link needs no rotation about z (β = 0) or, if the axes are parallel, so that
     // it points to the child's axis. A welded child has no axis: use the first joint on it instead.
     int c = first_child_[at(b)];
@@ -154,11 +154,11 @@ void Tree::make_frame(int b) {
         unit_pair(cosine, sine);
         mine.C = turned_z(mine.C, cosine, sine);
       }
-      if (turns_about_z(joint(c).kind)) slide = foot(d, r);
+      if (rotates_about_z(joint(c).kind)) shift_z = foot(d, r);
     }
   }
   const Mat3 R = side * mine.C;
-  links_.own_frame(at(b)) = {R, mine.own.position + slide * Vec3{R.xz, R.yz, R.zz}};
+  links_.own_frame(at(b)) = {R, mine.own.position + shift_z * Vec3{R.xz, R.yz, R.zz}};
   set_mass_properties(b, link);
 }
 
@@ -186,13 +186,13 @@ void Tree::make_link(int b) {
   const Mat3 C = transpose(rotation_matrix(mine.own.rotation)) * own.R;
   const Mat3 axes = rotation_matrix(mine.outer.rotation) * C;
   factorise(transpose(outer.R) * axes, k);
-  // The frame is shifted by `slide` along the joint's axis.
+  // The frame is shifted by `shift_z` along the joint's axis.
   const Vec3 off = own.r - mine.own.position, at_joint = mine.outer.position;
-  const double slide = dot(off, Vec3{own.R.xz, own.R.yz, own.R.zz});
-  k.r = transpose_times(outer.R, at_joint + slide * Vec3{axes.xz, axes.yz, axes.zz} - outer.r);
-  find_shape(k, turns_about_z(joint(b).kind), norm(at_joint) + norm(outer.r) + std::fabs(slide));
+  const double shift_z = dot(off, Vec3{own.R.xz, own.R.yz, own.R.zz});
+  k.r = transpose_times(outer.R, at_joint + shift_z * Vec3{axes.xz, axes.yz, axes.zz} - outer.r);
+  find_shape(k, rotates_about_z(joint(b).kind), norm(at_joint) + norm(outer.r) + std::fabs(shift_z));
   classify(b);
-  if (turns_about_z(joint(b).kind))
+  if (rotates_about_z(joint(b).kind))
     for (int i = 0; i < shape(joint(b).kind).angles; ++i) angle_offset_[at(offsets_[at(b)].angle + i)] = k.angle_0;
 }
 
@@ -274,7 +274,7 @@ void Tree::update_frames(int b) {
 // Updates after another child became b's first, or that child's joint changed. Returns false if no frame depends on it.
 bool Tree::renew_child_changed(int b) {
   const int carrier = carrier_of(b);
-  if (is_welded(carrier) || !turns_about_z(kind(carrier))) return false;
+  if (is_welded(carrier) || !rotates_about_z(kind(carrier))) return false;
   make_frames(carrier);
   make_link(carrier);
   make_outboard_links(carrier);

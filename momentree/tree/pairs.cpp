@@ -14,18 +14,19 @@ constexpr int few = 3;  // bodies: shorter branches gain nothing from being pair
 
 /// True if the `count` bodies from `place` on, a body and all outboard of it, are isomorphic to those from `other` on.
 bool Tree::are_isomorphic(int place, int other, int count) const {
-  bool any_pin = false;
+  bool any_revolute = false;
   for (int i = 0; i < count; ++i) {
     const Class& a = class_[at(order_[at(place + i)])];
     const Class& b = class_[at(order_[at(other + i)])];
-    const bool pin = a.kind == Kind::revolute && (a.variant == Variant::plain || a.variant == Variant::armature);
-    any_pin = any_pin || pin;
+    const bool revolute = a.kind == Kind::revolute && (a.variant == Variant::plain || a.variant == Variant::armature);
+    any_revolute = any_revolute || revolute;
     const unsigned what =
         i == 0 ? node::leaf | node::branching : node::leaf | node::branching | node::first_child | node::last_child;
-    if (!(a == b) || !(pin || a.kind == Kind::weld) || ((node_flags_[at(place + i)] ^ node_flags_[at(other + i)]) & what) != 0)
+    if (!(a == b) || !(revolute || a.kind == Kind::weld) ||
+        ((node_flags_[at(place + i)] ^ node_flags_[at(other + i)]) & what) != 0)
       return false;
   }
-  return any_pin;
+  return any_revolute;
 }
 
 /// Pairs a body and its next siblings: each with the nearest earlier isomorphic one, among the last few that are not paired yet.
@@ -57,12 +58,12 @@ void Tree::pair_siblings(int first, int end) {
   }
 }
 
-/// Uses the order, node flags and kernel runs. `forks`: whether any body is branching.
-void Tree::find_pairs(bool forks) {
+/// Uses the order, node flags and kernel runs. `any_branching`: whether any body is branching.
+void Tree::find_pairs(bool any_branching) {
   const int count = static_cast<int>(order_.size());
   has_pairs_ = false;
   pair_siblings(first_root_, count);
-  if (forks) pair_branches();
+  if (any_branching) pair_branches();
   if (has_pairs_)
     cut_runs();
   else
@@ -97,7 +98,7 @@ void Tree::cut_runs() {
   paired_runs_.clear(), paired_links_.clear();
   int begin = 0, end = 0, pair = 0, links = 0;  // of the current branch; place of its partner; index of its first constants
   for (const KernelRun& whole : runs_) {
-    KernelRun piece = whole;
+    KernelRun part = whole;
     for (int place = whole.begin; place < whole.end; ++place) {
       const bool branch = place >= end && pair_[at(place)] >= 0;
       if (branch) {
@@ -106,15 +107,15 @@ void Tree::cut_runs() {
         if (place < pair) of_first = static_cast<int>(paired_links_.size());
         links = of_first;
       }
-      if (place > whole.begin && (branch || place == end)) piece.end = place, paired_runs_.push_back(piece), piece = whole;
+      if (place > whole.begin && (branch || place == end)) part.end = place, paired_runs_.push_back(part), part = whole;
       if (place == whole.begin || branch || place == end) {
-        piece.begin = place, piece.branch = branch;
-        if (place < end) piece.pair = pair + place - begin, piece.links = links + place - begin;
+        part.begin = place, part.branch = branch;
+        if (place < end) part.pair = pair + place - begin, part.links = links + place - begin;
       }
       if (place < end && place < pair)
         paired_links_.emplace_back(links_[at(order_[at(place)])], links_[at(order_[at(pair + place - begin)])]);
     }
-    paired_runs_.push_back(piece);
+    paired_runs_.push_back(part);
   }
 }
 

@@ -21,11 +21,11 @@ enum Special : unsigned char {
   function_driven = 64
 };
 
-Variant variant_of(unsigned locked, bool rotor, bool reversed, bool turns_about_z) {
-  const bool turned = reversed && !turns_about_z;  // other kinds are reversed by flipping their frame
-  if (locked != 0) return turned ? Variant::reversed_locked : Variant::locked;
-  if (turned) return Variant::reversed;
-  return rotor ? Variant::armature : Variant::plain;
+Variant variant_of(unsigned locked, bool armature, bool reversed, bool rotates_about_z) {
+  const bool exchanged = reversed && !rotates_about_z;  // other kinds are reversed by flipping their frame
+  if (locked != 0) return exchanged ? Variant::reversed_locked : Variant::locked;
+  if (exchanged) return Variant::reversed;
+  return armature ? Variant::armature : Variant::plain;
 }
 
 // Moves the entries from `first` on by `by` places, in a list with sufficient capacity.
@@ -137,7 +137,7 @@ void Tree::pack(int b) {
   if (links_.has(at(b))) put_locks(b);
   for (int i = 0; i < kind.angles; ++i) {
     angle_q_[at(offsets_[at(b)].angle + i)] = offsets_[at(b)].q + kind.angle[i];
-    angle_offset_[at(offsets_[at(b)].angle + i)] = kind.turns_about_z && links_.has(at(b)) ? links_[at(b)].angle_0 : 0.0;
+    angle_offset_[at(offsets_[at(b)].angle + i)] = kind.rotates_about_z && links_.has(at(b)) ? links_[at(b)].angle_0 : 0.0;
   }
   for (int i = 0; i < kind.nv; ++i) {
     const auto p = at(offsets_[at(b)].p + i);
@@ -147,7 +147,7 @@ void Tree::pack(int b) {
     effort_[p] = moves ? given.effort[at(i)] : 0.0;
   }
   class_[at(b)].kind = joint.kind;
-  class_[at(b)].variant = variant_of(locks.locked, given.rotor, reversed_[at(b)] != 0, kind.turns_about_z);
+  class_[at(b)].variant = variant_of(locks.locked, given.has_armature, reversed_[at(b)] != 0, kind.rotates_about_z);
   const bool drives = given.drive || joint.function >= 0;
   special_[at(joint_of_[at(b)])] = static_cast<unsigned char>(
       (given.spring ? spring : 0) | (given.force ? force : 0) | (kind.nq > kind.nv ? quaternion : 0) | (drives ? drive : 0) |
@@ -159,15 +159,6 @@ void Tree::copy_with_armatures(const Tree& other) {
   revision_.renew();
   for (const int b : order_)
     if (parameters(b) != nullptr && class_[at(b)].variant == Variant::plain) class_[at(b)].variant = Variant::armature;
-  build_runs();
-}
-
-void Tree::copy_with_generic_kernels(const Tree& other) {
-  *this = other;
-  revision_.renew();
-  for (const int b : order_)
-    if (class_[at(b)].variant == Variant::plain || class_[at(b)].variant == Variant::armature)
-      class_[at(b)].variant = Variant::locked;
   build_runs();
 }
 
@@ -322,7 +313,7 @@ void Tree::update_subtree_mass(int b) {
   subtree_mass_[at(b)] = sum;
 }
 
-void Tree::weigh_path(int b) {
+void Tree::update_subtree_masses(int b) {
   for (; b >= 0; b = parent_[at(b)]) update_subtree_mass(b);
 }
 

@@ -202,15 +202,12 @@ class Tree {
   /// The difference from the compiled model.
   [[nodiscard]] Topology topology() const;
   /// Becomes a copy of `other` in which every joint with parameters uses armature kernels, whether or not it has armature:
-  /// rotors() then holds the whole inertia of these joints apart from the bodies'. O(bodies); copying the same bodies again
-  /// allocates nothing.
+  /// mutable_armature() then holds the whole inertia of these joints apart from the bodies'. O(bodies); copying the same bodies
+  /// again allocates nothing.
   void copy_with_armatures(const Tree& other);
-  /// Becomes a copy of `other` in which joints with specialised kernels use the generic functions, as locked joints do, although
-  /// nothing is locked: the reference for those kernels. The same cost.
-  void copy_with_generic_kernels(const Tree& other);
   /// Write access to armature(), for an integration method that changes it between evaluations at bare arrays: no state belongs
   /// to this tree afterwards. Valid until the tree is next changed or copied to.
-  double* rotors() {
+  double* mutable_armature() {
     revision_.renew();
     return armature_.data();
   }
@@ -250,6 +247,7 @@ class Tree {
 
  private:
   friend class UncheckedTree;
+  friend struct TestAccess;  // dynamics/test_support.hpp
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   static constexpr const char* known_body = "the tree has a body of that number, and it was not removed";
 
@@ -288,13 +286,13 @@ class Tree {
   bool in_a_plane(int place) const;
 
   // pairs.cpp
-  void find_pairs(bool forks);
+  void find_pairs(bool any_branching);
   void pair_siblings(int first, int end);
   void pair_branches();
   void cut_runs();
   bool are_isomorphic(int place, int other, int count) const;
   void update_subtree_mass(int b);
-  void weigh_path(int b);
+  void update_subtree_masses(int b);
   int end_of(int b) const;
   void move_block(int begin, int end, int to);
 
@@ -302,7 +300,7 @@ class Tree {
 
   // edits.cpp
   void unlink(int b);
-  void hang(int b, int parent);
+  void add_child(int b, int parent);
   void move_tree(int b, int begin, int end);
   bool replace_joint(int b, const Joint& joint, bool reversed);
   int reverse_path(int b);

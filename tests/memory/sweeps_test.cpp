@@ -176,7 +176,7 @@ TEST_CASE("the counter and symbols") {
     }
     counted[1] = count_operations(tree);
     CHECK(counted[0].total() == counted[1].total());
-    for (const RevoluteOrder order : {RevoluteOrder::reduce_first, RevoluteOrder::turn_first}) {
+    for (const RevoluteOrder order : {RevoluteOrder::reduce_first, RevoluteOrder::rotate_first}) {
       KernelExpressions one;
       {
         const Filled fill(Fill::quiet);

@@ -110,7 +110,7 @@ TEST_CASE("expressions are what the kernels compute, on trees of all kinds and v
     if (seed % 2 == 1) rearrange(draw, tree, state, workspace);
     for (const KernelRun& s : tree.kernel_runs()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
     const KernelExpressions one = kernel_expressions(tree, RevoluteOrder::reduce_first);
-    const KernelExpressions other = kernel_expressions(tree, RevoluteOrder::turn_first);
+    const KernelExpressions other = kernel_expressions(tree, RevoluteOrder::rotate_first);
     // There are no more operations than in the kernels, and the order chosen automatically is the shorter one.
     CHECK(one.operations().total() <= count_operations(tree).total());
     CHECK(one.operations().sincos <= count_operations(tree).sincos);

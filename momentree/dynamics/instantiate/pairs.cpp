@@ -6,9 +6,9 @@ namespace {
 
 /// Calls f(tag of the kernels, std::bool_constant<has gravity>).
 template <class F>
-void dispatch_revolutes(const KernelRun& pins, bool has_gravity, F&& f) {
+void dispatch_revolutes(const KernelRun& run, bool has_gravity, F&& f) {
   const auto with = [&](auto gravity) {
-    if (pins.variant == Variant::armature)
+    if (run.variant == Variant::armature)
       f(std::type_identity<ArmatureKernels>{}, gravity);
     else
       f(std::type_identity<RevoluteKernels>{}, gravity);

@@ -50,7 +50,7 @@ class Damped final : public Integrator {
   Array dissipating_, giving_;             // of the stages: forces of friction and soft stops, and of position control
   Array damping_, slope_, point_, force_, at_point_;  // the resisting forces and their slopes at the velocities `point_`
   Tree massive_;                                      // the same tree with γ h C added to the armatures
-  double* rotors_ = nullptr;                          // its armatures
+  double* massive_armature_ = nullptr;                // its armatures
   std::optional<std::uint64_t> revision_;
 };
 
@@ -64,7 +64,7 @@ inline Damped::Damped(const Tree& tree, const StepControl& control)
 
 inline void Damped::follow(const Tree& tree) {
   massive_.copy_with_armatures(tree);
-  rotors_ = massive_.rotors();
+  massive_armature_ = massive_.mutable_armature();
   revision_ = tree.revision();
 }
 
@@ -75,7 +75,7 @@ inline void Damped::evaluate_stage(Evaluator& evaluate, int stage, double t, dou
   const Workspace<double>& workspace = evaluate.workspace();
   const int nv = tree.nv();
   const double *armature = tree.armature(), *u = workspace.v.get();
-  double *rotors = rotors_, *resist = rate(resist_, stage), *dissipating = rate(dissipating_, stage),
+  double *massive_armature = massive_armature_, *resist = rate(resist_, stage), *dissipating = rate(dissipating_, stage),
          *giving = rate(giving_, stage);
   const bool linear = tree.forced_joints().empty();
   std::copy_n(rate(velocity_, stage - 1), nv, point_.get());
@@ -83,7 +83,7 @@ inline void Damped::evaluate_stage(Evaluator& evaluate, int stage, double t, dou
     resisting_forces(tree, t, q_.get(), point_.get(), {force_.get(), at_point_.get(), slope_.get()});
     for (std::size_t i = 0; i < static_cast<std::size_t>(nv); ++i) {
       at_point_[i] += force_[i];
-      rotors[i] = armature[i] + gamma * h * (damping_[i] + slope_[i]);
+      massive_armature[i] = armature[i] + gamma * h * (damping_[i] + slope_[i]);
       p_[i] = known_[i] + gamma * h * (at_point_[i] + slope_[i] * point_[i]);
     }
     evaluate.without_resistance(massive_, t, q_.get(), p_.get());

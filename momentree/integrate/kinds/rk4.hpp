@@ -3,18 +3,9 @@
 #include <algorithm>
 
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/integrate/rk4_stages.hpp>
 
 namespace momentree {
-
-namespace detail {
-// sum += weight·rate, stage = start + h·rate
-inline void advance(int n, const double* start, const double* rate, double weight, double h, double* sum, double* stage) {
-  for (int i = 0; i < n; ++i) {
-    sum[i] += weight * rate[i];
-    stage[i] = start[i] + h * rate[i];
-  }
-}
-}  // namespace detail
 
 class Rk4 final : public Integrator {
  public:
@@ -42,21 +33,14 @@ inline bool Rk4::step(Evaluator& evaluate, State& state, EnergyLedger& ledger, d
   require_ready(evaluate, state, h);
   const int nq = evaluate.tree().nq(), nv = evaluate.tree().nv();
   const double *q = state.q().data(), *p = state.p().data(), t = state.time();
-  std::fill_n(q_sum_.get(), nq, 0.0);
-  std::fill_n(p_sum_.get(), nv, 0.0);
   Power sum{};
-  constexpr double weights[4] = {1, 2, 2, 1}, nodes[4] = {0.5, 0.5, 1, 0};
-  for (int stage = 0; stage < 4; ++stage) {
-    if (stage > 0) evaluate(t + nodes[stage - 1] * h, q_.get(), p_.get());
-    const double w = weights[stage], to_next = nodes[stage] * h;
-    detail::advance(nq, q, workspace.qdot.get(), w, to_next, q_sum_.get(), q_.get());
-    detail::advance(nv, p, workspace.pdot.get(), w, to_next, p_sum_.get(), p_.get());
-    sum.dissipated += w * workspace.power.dissipated;
-    sum.work += w * workspace.power.work;
-  }
-  const double h6 = h / 6;
-  for (int i = 0; i < nq; ++i) q_[static_cast<std::size_t>(i)] = q[i] + h6 * q_sum_[static_cast<std::size_t>(i)];
-  for (int i = 0; i < nv; ++i) p_[static_cast<std::size_t>(i)] = p[i] + h6 * p_sum_[static_cast<std::size_t>(i)];
+  rk4_stages<double>(h, {nq, q, workspace.qdot.get(), q_.get(), q_sum_.get()},
+                     {nv, p, workspace.pdot.get(), p_.get(), p_sum_.get()},
+                     [&](double node, double weight, const double* stage_q, const double* stage_p) {
+                       if (node > 0) evaluate(t + node * h, stage_q, stage_p);  // the start is already evaluated
+                       sum.dissipated += weight * workspace.power.dissipated;
+                       sum.work += weight * workspace.power.work;
+                     });
   end_step(evaluate.tree(), t + h, q_.get(), p_.get());
   if (!sound(evaluate.tree(), q, q_.get(), p_.get())) return false;
   take_stored(evaluate.tree(), q, q_.get(), ledger);
@@ -64,8 +48,8 @@ inline bool Rk4::step(Evaluator& evaluate, State& state, EnergyLedger& ledger, d
   std::copy_n(q_.get(), nq, edit.q.begin());
   std::copy_n(p_.get(), nv, edit.p.begin());
   edit.time += h;
-  ledger.dissipated += h6 * sum.dissipated;
-  ledger.work += h6 * sum.work;
+  ledger.dissipated += h / 6 * sum.dissipated;
+  ledger.work += h / 6 * sum.work;
   return true;
 }
 

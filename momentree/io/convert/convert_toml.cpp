@@ -13,7 +13,7 @@ namespace momentree::io {
 
 namespace {
 
-using namespace pieces;
+using namespace document_values;
 namespace fs = std::filesystem;
 
 // Indices of bodies by the mechanism prefix of their names, in the order of the model.

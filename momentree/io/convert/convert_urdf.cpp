@@ -23,9 +23,7 @@ bool is_zero(const Vec3& a) { return a.x == 0 && a.y == 0 && a.z == 0; }
 bool is_identity(const Pose& pose) { return is_zero(pose.position) && is_identity(pose.rotation); }
 // A product that leaves the digits of one placement unchanged if the other is the identity.
 Pose times(const Pose& a, const Pose& b) { return is_identity(a) ? b : is_identity(b) ? a : a * b; }
-Pose undone(const Pose& a) { return is_identity(a) ? a : inverse(a); }
-
-std::string bare(const std::string& name) { return name.substr(name.find('/') + 1); }
+Pose inverted(const Pose& a) { return is_identity(a) ? a : inverse(a); }
 
 std::string parent_folder(const std::string& file) {
   const std::string folder = std::filesystem::path(file).parent_path().string();
@@ -72,7 +70,7 @@ class Writer {
     for (const int b : members_) note_names(model_[BodyId{b}]);
     for (const int b : members_) add(b);
     note_world();
-    say_all();
+    report_losses();
     std::string text = "<?xml version=\"1.0\"?>\n<robot name=\"" + escaped(mechanism) + "\">\n";
     for (const WrittenLink& link : links_) urdf::write(text, link);
     text += "\n";
@@ -102,8 +100,8 @@ class Writer {
   }
 
   void note_names(const BodySpec& spec) {
-    link_names_.insert(bare(spec.name));
-    joint_names_.insert(bare(spec.joint_name));
+    link_names_.insert(document_values::bare(spec.name));
+    joint_names_.insert(document_values::bare(spec.joint_name));
   }
   static std::string fresh(std::unordered_set<std::string>& names, const std::string& wanted) {
     std::string name = wanted;
@@ -117,11 +115,11 @@ class Writer {
     const Pose& c = spec.child_at;
     const std::string_view type = last.type;
     if (is_identity(c)) return {};
-    const bool turns_about = type == "revolute" && is_zero(c.position);
+    const bool rotates_about = type == "revolute" && is_zero(c.position);
     // A planar joint is read with its frame turned by the shortest rotation that takes z to the axis.
     const bool normal = type == "planar" && is_zero(c.position) && std::fabs(c.rotation.z) < 1e-15 && c.rotation.w > 0;
-    if (type != "fixed" && type != "prismatic" && !turns_about && !normal) return c;
-    at = times(at, undone(c));
+    if (type != "fixed" && type != "prismatic" && !rotates_about && !normal) return c;
+    at = times(at, inverted(c));
     if (!is_identity(c.rotation)) axis = rotation_matrix(c.rotation) * axis;
     return {};
   }
@@ -129,7 +127,7 @@ class Writer {
   // A root that is written as a link without a joint: the reader fixes it or leaves it free.
   bool plain_root(const BodySpec& spec) const {
     if (spec.parent != ground) return false;
-    if (spec.joint.kind == Kind::weld) return is_identity(times(spec.at, undone(spec.child_at)));
+    if (spec.joint.kind == Kind::weld) return is_identity(times(spec.at, inverted(spec.child_at)));
     return spec.joint.kind == Kind::free && is_identity(spec.at) && !spec.joint.parameters.damping.any() &&
            !spec.joint.parameters.friction.any();
   }
@@ -139,8 +137,8 @@ class Writer {
     const auto k = static_cast<std::size_t>(b);
     std::vector<Part> parts = parts_of(spec.joint);
     const bool root = spec.parent == ground;
-    std::string parent = root ? "" : bare(model_[spec.parent].name);
-    Pose at = root ? spec.at : times(undone(shift_[static_cast<std::size_t>(spec.parent.index)]), spec.at);
+    std::string parent = root ? "" : document_values::bare(model_[spec.parent].name);
+    Pose at = root ? spec.at : times(inverted(shift_[static_cast<std::size_t>(spec.parent.index)]), spec.at);
     note_lost(spec);
     if (plain_root(spec)) {
       shift_[k] = spec.joint.kind == Kind::free ? spec.child_at : Pose{};
@@ -155,7 +153,7 @@ class Writer {
       links_.push_back({parent, ""});
     }
     if (parts.size() > 1) chains_[spec.joint.kind].push_back(spec.joint_name);
-    const std::string joint_name = bare(spec.joint_name);
+    const std::string joint_name = document_values::bare(spec.joint_name);
     for (std::size_t i = 0; i < parts.size(); ++i) {
       const Part& part = parts[i];
       const bool last = i + 1 == parts.size();
@@ -169,10 +167,10 @@ class Writer {
       joint.origin = at;
       take_parameters(spec, part, joint);
       if (last) {
-        joint.child = bare(spec.name);
+        joint.child = document_values::bare(spec.name);
         links_.push_back(link_of(spec, k));
       } else {
-        joint.child = parent = fresh(link_names_, bare(spec.name) + part.suffix);
+        joint.child = parent = fresh(link_names_, document_values::bare(spec.name) + part.suffix);
         links_.push_back({parent, "no mass: one of the joints that represent " + joint_name});
       }
       joints_.push_back(std::move(joint));
@@ -182,13 +180,13 @@ class Writer {
 
   WrittenLink link_of(const BodySpec& spec, std::size_t k) {
     WrittenLink link;
-    const Pose &shift = shift_[k], back = undone(shift);
-    link.name = bare(spec.name);
+    const Pose &shift = shift_[k], back = inverted(shift);
+    link.name = document_values::bare(spec.name);
     link.mass = spec.mass;
     link.com = is_identity(shift) ? spec.com : back * spec.com;
     link.inertia = is_identity(shift.rotation) ? spec.inertia : rotate(rotation_matrix(back.rotation), spec.inertia);
     if (!is_identity(shift)) {
-      const Vec3 &p = shift.position, rpy = pieces::rpy_of(shift.rotation).angles;
+      const Vec3 &p = shift.position, rpy = document_values::rpy_of(shift.rotation).angles;
       char where[160];
       std::snprintf(where, sizeof where, "xyz %.6g %.6g %.6g rpy %.6g %.6g %.6g", p.x, p.y, p.z, rpy.x, rpy.y, rpy.z);
       link.comment = link.name + ": the frame is moved to its joint, by " + where;
@@ -272,7 +270,7 @@ class Writer {
     const char* key;
   };
 
-  void say_all() {
+  void report_losses() {
     for (const auto& [what, joints] : lost_) {
       std::string names;
       for (std::size_t i = 0; i < joints.size() && i < 5; ++i) names += (i ? ", " : "") + in_quotes(joints[i].joint);
@@ -319,7 +317,7 @@ class Writer {
         const Value::Entry* joint = body.find("joint");
         const Value::Entry* named = joint ? joint->value.find("name") : nullptr;
         if (!named) named = body.find("name");
-        if (!joint || !named || !named->value.string() || *named->value.string() != bare(lost.joint)) continue;
+        if (!joint || !named || !named->value.string() || *named->value.string() != document_values::bare(lost.joint)) continue;
         return place_in(joint->value, lost.key);
       }
     }

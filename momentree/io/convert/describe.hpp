@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <momentree/io/convert/pieces.hpp>
+#include <momentree/io/convert/document_values.hpp>
 #include <momentree/io/shape.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/tree/model.hpp>

@@ -10,7 +10,7 @@ namespace momentree::io {
 
 namespace {
 
-using namespace pieces;
+using namespace document_values;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 

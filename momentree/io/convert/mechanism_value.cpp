@@ -9,12 +9,8 @@ namespace momentree::io {
 
 namespace {
 
-using namespace pieces;
+using namespace document_values;
 namespace fs = std::filesystem;
-
-std::string bare(const std::string& name) { return name.substr(name.find('/') + 1); }
-
-bool is_identity(const Pose& pose) { return placement(pose).empty(); }
 
 Value inertia_value(const Sym3& i) {
   if (i.xy != 0 || i.xz != 0 || i.yz != 0)
@@ -71,8 +67,8 @@ Value::Table one_shape(const Shape& shape, const MeshFolders& folders, LeftOut& 
 
 // A root body that needs no joint table, because the mechanism's `root` describes it: fixed or free.
 bool plain_root(const BodySpec& spec) {
-  if (spec.joint_name != spec.name || spec.joint.parameters.any() || !is_identity(spec.child_at)) return false;
-  return spec.joint.kind == Kind::weld || (spec.joint.kind == Kind::free && is_identity(spec.at));
+  if (spec.joint_name != spec.name || spec.joint.parameters.any() || !placement(spec.child_at).empty()) return false;
+  return spec.joint.kind == Kind::weld || (spec.joint.kind == Kind::free && placement(spec.at).empty());
 }
 
 void hold(Value::Table& table, const BodySpec& root, bool with_velocity) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t widest = 110;  // longer lists of lists get one line per entry
 
-std::string quoted(std::string_view text) {
+std::string toml_string(std::string_view text) {
   std::string out = "\"";
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = character_length(text, i);
@@ -39,7 +39,7 @@ std::string key_text(const std::string& key) {
   const auto plain = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   };
-  return !key.empty() && std::all_of(key.begin(), key.end(), plain) ? key : quoted(key);
+  return !key.empty() && std::all_of(key.begin(), key.end(), plain) ? key : toml_string(key);
 }
 
 std::string real_text(double x) {
@@ -81,7 +81,7 @@ std::string value_text(const Value& value, const std::string& indent) {
   if (const bool* b = value.boolean()) return *b ? "true" : "false";
   if (const std::int64_t* n = value.integer()) return std::to_string(*n);
   if (const double* x = value.real()) return real_text(*x);
-  if (const std::string* text = value.string()) return quoted(*text);
+  if (const std::string* text = value.string()) return toml_string(*text);
   if (const Value::Array* entries = value.array()) return list_text(*entries, indent);
   if (const Value::Table* entries = value.table()) return table_text(*entries, indent);
   return "\"\"";

@@ -17,7 +17,7 @@ std::string three(const Vec3& a) { return number(a.x) + " " + number(a.y) + " " 
 bool is_zero(const Vec3& a) { return a.x == 0 && a.y == 0 && a.z == 0; }
 
 void write_origin(std::string& text, const char* indent, const Pose& pose) {
-  const Vec3 rpy = pieces::rpy_of(pose.rotation).angles;
+  const Vec3 rpy = document_values::rpy_of(pose.rotation).angles;
   if (is_zero(pose.position) && is_zero(rpy)) return;
   text += indent;
   text += "<origin xyz=\"" + three(pose.position) + '"';

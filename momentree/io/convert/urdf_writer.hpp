@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <momentree/io/convert/pieces.hpp>
+#include <momentree/io/convert/document_values.hpp>
 #include <momentree/io/shape.hpp>
 
 namespace momentree::io::urdf {

@@ -8,7 +8,7 @@ namespace {
 constexpr const char* above_or_below =
     "write the quantity and what it passes: when = { reaction_force = \"arm/elbow\", exceeds = \"4 kN\" }";
 
-constexpr Mistake table[] = {
+constexpr Mistake mistakes_in_events[] = {
     {"[[event]]", "id label", "name", "name = \"snap\""},
     {"[[event]]", "time t instant attime when0", "at", "at = \"1.8 s\""},
     {"[[event]]", "condition trigger if on triggers conditions", "when",
@@ -96,6 +96,6 @@ constexpr Mistake table[] = {
 
 }  // namespace
 
-std::span<const Mistake> of_events() { return table; }
+std::span<const Mistake> of_events() { return mistakes_in_events; }
 
 }  // namespace momentree::io::mistakes

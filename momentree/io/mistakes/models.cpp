@@ -12,7 +12,7 @@ constexpr const char* shaped = "bodies are drawn with a shape: shape = { box = [
 constexpr const char* in_joint = "it belongs to the body's joint, in [mechanism.body.joint]";
 constexpr const char* of_model = "the model file defines it; an event may `change` the joint";
 
-constexpr Mistake table[] = {
+constexpr Mistake mistakes_in_models[] = {
     {"[[mechanism]]", "id label", "name", "name = \"arm\""},
     {"[[mechanism]]", "urdf sdf mjcf file path source filename xml robot modelfile uri", "model", "model = \"robot.urdf\""},
     {"[[mechanism]]", "position pos placement transform origin at frame location basepose where", "pose",
@@ -169,6 +169,6 @@ constexpr Mistake table[] = {
 
 }  // namespace
 
-std::span<const Mistake> of_models() { return table; }
+std::span<const Mistake> of_models() { return mistakes_in_models; }
 
 }  // namespace momentree::io::mistakes

@@ -7,7 +7,7 @@ namespace {
 
 constexpr const char* in_integrate = "it belongs in [integrate]: method = \"rk4\", step = \"1 ms\", until = \"3 s\"";
 
-constexpr Mistake table[] = {
+constexpr Mistake mistakes_in_runs[] = {
     {"[integrate]", "dt h timestep stepsize steplength fixedstep maxtimestep initialstep deltat", "step", "step = \"1 ms\""},
     {"[integrate]",
      "end duration tend endtime stoptime stop tstop time t tmax finaltime tfinal simulationtime simtime length runtime horizon "
@@ -69,6 +69,6 @@ constexpr Mistake table[] = {
 
 }  // namespace
 
-std::span<const Mistake> of_runs() { return table; }
+std::span<const Mistake> of_runs() { return mistakes_in_runs; }
 
 }  // namespace momentree::io::mistakes

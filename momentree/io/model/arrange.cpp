@@ -185,10 +185,10 @@ class Arranger {
         at = tree_.parent[static_cast<std::size_t>(at)];
       }
       if (at >= 0 && state[static_cast<std::size_t>(at)] == walking) report_circle(at, state);
-      const bool hangs = at < 0 || state[static_cast<std::size_t>(at)] == placed;
+      const bool connected = at < 0 || state[static_cast<std::size_t>(at)] == placed;
       for (auto link = path.rbegin(); link != path.rend(); ++link) {
-        state[*link] = hangs ? placed : gone;
-        if (hangs) tree_.order.push_back(*link);
+        state[*link] = connected ? placed : gone;
+        if (connected) tree_.order.push_back(*link);
       }
     }
   }

@@ -51,7 +51,7 @@ XmlFile& Import::file_of(XmlElement element) {
   return *files_.front();
 }
 
-Import::Found Import::look(const std::string& name) const {
+Import::Found Import::probe(const std::string& name) const {
   if (!looks_at_files() || name.empty() || leaves_folder(name)) return Found::nothing;
   const fs::path path = fs::path(folder_) / name;
   if (!enclosure_.holds(path)) return Found::nothing;

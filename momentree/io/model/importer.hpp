@@ -32,7 +32,7 @@ class Import {
   XmlElement include(const std::string& name, const XmlLocation& at, XmlFile& from, bool again = false);
   /// What exists under a name in the model's folder; nothing if it is outside the folder, also by a symbolic link.
   enum class Found { nothing, file, folder };
-  Found look(const std::string& name) const;
+  Found probe(const std::string& name) const;
   /// The folder of one of the files, relative to that of the model: "." or "parts/arm".
   std::string folder_of(const XmlFile& file) const;
   bool looks_at_files() const { return !folder_.empty(); }

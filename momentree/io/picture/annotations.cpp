@@ -136,12 +136,12 @@ void append_axes(std::string& svg, const View& view, const Point2& at) {
       svg += svg_words(names[k], {at.x - 13, at.y + 13}, {.size = 12, .colour = pale});
       continue;
     }
-    const Point2 tip{at.x + length * p.x, at.y + length * p.y}, u{p.x / seen, p.y / seen};
-    const Point2 left{tip.x - 6 * u.x - 3 * u.y, tip.y - 6 * u.y + 3 * u.x},
-        right{tip.x - 6 * u.x + 3 * u.y, tip.y - 6 * u.y - 3 * u.x};
-    svg += "<path d=\"M" + pixels(at) + "L" + pixels(tip) + "M" + pixels(left) + "L" + pixels(tip) + " " + pixels(right) +
+    const Point2 head{at.x + length * p.x, at.y + length * p.y}, u{p.x / seen, p.y / seen};
+    const Point2 left{head.x - 6 * u.x - 3 * u.y, head.y - 6 * u.y + 3 * u.x},
+        right{head.x - 6 * u.x + 3 * u.y, head.y - 6 * u.y - 3 * u.x};
+    svg += "<path d=\"M" + pixels(at) + "L" + pixels(head) + "M" + pixels(left) + "L" + pixels(head) + " " + pixels(right) +
            "\" stroke=\"" + pale + "\" stroke-width=\"1.3\"/>\n";
-    svg += svg_words(names[k], {tip.x + 9 * u.x, tip.y + 9 * u.y + 4}, {.size = 12, .colour = pale, .anchor = "middle"});
+    svg += svg_words(names[k], {head.x + 9 * u.x, head.y + 9 * u.y + 4}, {.size = 12, .colour = pale, .anchor = "middle"});
   }
 }
 

@@ -7,7 +7,7 @@
 namespace momentree::io {
 namespace {
 
-bool slides(const std::string& kind) {
+bool is_prismatic(const std::string& kind) {
   return kind == "prismatic" || kind == "helical" || kind == "cylindrical" || kind == "planar";
 }
 
@@ -111,7 +111,7 @@ class FrameBuilder {
     if (!phase_.joined[b]) return;
     const Vec3 here = pose * body.child_at;
     const Vec3 there = body.parent < 0 ? body.at : frame_.poses[static_cast<std::size_t>(body.parent)] * body.at;
-    if (slides(body.kind) && norm(here - there) > 1e-9) add(Primitive::Kind::slide, b, {there, here});
+    if (is_prismatic(body.kind) && norm(here - there) > 1e-9) add(Primitive::Kind::travel, b, {there, here});
     if (body.parent >= 0 && body.kind != "weld" && body.kind != "free") out_.joints.push_back(view_(here));
   }
 

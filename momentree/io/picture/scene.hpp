@@ -10,7 +10,7 @@ namespace momentree::io {
 
 /// One primitive. A line joins the points, a dot marks one; an area is the convex hull of the points, enlarged by `radius` (m).
 struct Primitive {
-  enum class Kind { line, slide, area, dot };  ///< slide: the path that a prismatic joint has travelled
+  enum class Kind { line, travel, area, dot };  ///< travel: the path that a prismatic joint has travelled
   Kind kind = Kind::line;
   std::vector<Point2> points;
   double radius = 0;

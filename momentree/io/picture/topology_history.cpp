@@ -5,14 +5,14 @@
 namespace momentree::io {
 namespace {
 
-const JsonNode& member(const JsonDocument& line, const JsonNode& node, const char* key) {
+const JsonNode& required(const JsonDocument& line, const JsonNode& node, const char* key) {
   const JsonNode* const found = node.find(key);
   if (found == nullptr) line.fail_at(node, '`' + std::string(key) + "` is missing");
   return *found;
 }
 
 Vec3 origin(const JsonDocument& line, const JsonNode& pose) {
-  const JsonNode& xyz = member(line, pose, "xyz");
+  const JsonNode& xyz = required(line, pose, "xyz");
   if (line.array(xyz, "`xyz`").items.size() != 3) line.fail_at(xyz, "`xyz` should have three numbers");
   return {line.number(xyz.items[0], "x"), line.number(xyz.items[1], "y"), line.number(xyz.items[2], "z")};
 }
@@ -49,7 +49,7 @@ void TopologyHistory::note_changes(const JsonDocument& line, RecordedEvent& even
   if (changes == nullptr) return;
   for (const JsonNode& change : line.array(*changes, "`changes`").items) {
     if (change.find("skipped") != nullptr) continue;
-    event.hits += member(line, change, "kind").text == "hit";
+    event.hits += required(line, change, "kind").text == "hit";
     if (const JsonNode* name = change.find("body")) {
       if (const int b = body(line, *name); b >= 0) event.about.push_back(b);
     } else if (const JsonNode* joint = change.find("joint")) {
@@ -72,11 +72,11 @@ void TopologyHistory::put(const JsonDocument& line, const std::string& name, con
                           Phase& phase) {
   RecordedJoint now;
   now.name = name;
-  now.kind = line.string(member(line, joint, "kind"), "`kind`");
-  now.parent = body(line, member(line, joint, "parent"));
-  now.child = body(line, member(line, joint, "child"));
-  now.at = origin(line, member(line, joint, "at"));
-  now.child_at = origin(line, member(line, joint, "child_at"));
+  now.kind = line.string(required(line, joint, "kind"), "`kind`");
+  now.parent = body(line, required(line, joint, "parent"));
+  now.child = body(line, required(line, joint, "child"));
+  now.at = origin(line, required(line, joint, "at"));
+  now.child_at = origin(line, required(line, joint, "child_at"));
   if (const JsonNode* locked = joint.find("locked")) now.locked = locked->is(JsonNode::Type::boolean) && locked->number == 1;
   if (now.child < 0) return;
   const auto link = links_.find(name);
@@ -95,13 +95,13 @@ void TopologyHistory::add(const JsonDocument& line, RecordedEvent& event) {
   phase.joined = run_.phases.back().joined;
   note_changes(line, event);
   if (const JsonNode* topology = line.root.find("topology")) {
-    for (const JsonNode& name : line.array(member(line, *topology, "gone"), "`gone`").items) {
+    for (const JsonNode& name : line.array(required(line, *topology, "gone"), "`gone`").items) {
       phase.gone.push_back(line.string(name, "the name of a joint"));
       remove(phase.gone.back(), event, phase);
     }
-    for (const auto& [name, joint] : line.object(member(line, *topology, "joints"), "`joints`").members)
+    for (const auto& [name, joint] : line.object(required(line, *topology, "joints"), "`joints`").members)
       put(line, name, joint, event, phase);
-    for (const auto& [name, ranges] : line.object(member(line, *topology, "moved"), "`moved`").members) {
+    for (const auto& [name, ranges] : line.object(required(line, *topology, "moved"), "`moved`").members) {
       const int number = mechanism(name);
       for (const JsonNode& range : line.array(ranges, "ranges of bodies").items) {
         if (line.array(range, "a range").items.size() != 2) line.fail_at(range, "a range consists of its first body and a count");

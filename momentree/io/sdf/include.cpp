@@ -23,7 +23,7 @@ std::optional<std::string> path_of(const std::string& uri, const XmlLocation& lo
 std::string file_of_folder(const std::string& folder, const XmlLocation& location, Reading& reading, XmlFile& file) {
   const std::string config = (fs::path(folder) / "model.config").generic_string();
   std::string best = "model.sdf";
-  if (reading.import.look(config) != Import::Found::file) return (fs::path(folder) / best).generic_string();
+  if (reading.import.probe(config) != Import::Found::file) return (fs::path(folder) / best).generic_string();
   const XmlElement root = reading.import.include(config, location, file, true);
   int newest = -1;
   if (root)
@@ -47,8 +47,8 @@ XmlElement open(const std::string& uri, const XmlLocation& location, Reading& re
   std::string found = *path;
   if (import.looks_at_files() && !found.empty()) {
     const std::string beside = (fs::path(import.folder_of(file)) / *path).lexically_normal().generic_string();
-    if (fs::path(*path).is_relative() && import.look(beside) != Import::Found::nothing) found = beside;
-    if (import.look(found) == Import::Found::folder) found = file_of_folder(found, location, reading, file);
+    if (fs::path(*path).is_relative() && import.probe(beside) != Import::Found::nothing) found = beside;
+    if (import.probe(found) == Import::Found::folder) found = file_of_folder(found, location, reading, file);
   }
   return import.include(found, location, file, true);
 }

@@ -10,17 +10,6 @@
 
 namespace momentree::io {
 
-namespace {
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-
-struct StringHash {
-  using is_transparent = void;
-  std::size_t operator()(std::string_view s) const { return std::hash<std::string_view>{}(s); }
-};
-
-}  // namespace
-
 std::string_view first_tag(std::string_view text) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   for (;;) {
@@ -199,6 +188,11 @@ class XmlBuilder {
         if (size > 0 && document_.text_.find('<') == std::string_view::npos) error_.hint = "this file contains no tags";
     }
   }
+
+  struct StringHash {
+    using is_transparent = void;
+    std::size_t operator()(std::string_view s) const { return std::hash<std::string_view>{}(s); }
+  };
 
   XmlDocument& document_;
   SyntaxError& error_;

@@ -16,6 +16,8 @@ namespace momentree::io {
 
 class XmlDocument;
 
+inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
 /// The name in the first tag of a text, after comments and processing instructions; empty if anything else comes first.
 std::string_view first_tag(std::string_view text);
 

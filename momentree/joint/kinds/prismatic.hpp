@@ -74,47 +74,47 @@ struct PrismaticTransform {
     if constexpr (!Aligned) r.x = k.r.x + (k.sin_b * k.sin_a) * d;
   }
   template <class V>
-  MOMENTREE_INLINE void turn_inboard(V& a) const {
-    turn_z(a, link.cos_0, link.sin_0);
-    turn_x(a, link.cos_a, link.sin_a);
-    if constexpr (!Aligned) turn_z(a, link.cos_b, link.sin_b);
+  MOMENTREE_INLINE void rotate_inboard(V& a) const {
+    rotate_z(a, link.cos_0, link.sin_0);
+    rotate_x(a, link.cos_a, link.sin_a);
+    if constexpr (!Aligned) rotate_z(a, link.cos_b, link.sin_b);
   }
   MOMENTREE_INLINE void inboard(Force<T>& P) const {
-    turn_inboard(P.l), turn_inboard(P.h);
+    rotate_inboard(P.l), rotate_inboard(P.h);
     shift(P, r);
   }
   MOMENTREE_INLINE void inboard(Vector3<T>& mc, double mass) const {
-    turn_inboard(mc);
+    rotate_inboard(mc);
     mc += mass * r;
   }
   /// A reduced mass, of which only A.xx, A.xy, A.yy, the upper rows of B, and J are nonzero.
   MOMENTREE_INLINE void inboard(SpatialMass<T>& M) const {
-    const Turn<double> by(link.cos_0, link.sin_0);
-    turn_block(M.A.xx, M.A.xy, M.A.yy, by);
-    turn_block(M.B.xx, M.B.xy, M.B.yx, M.B.yy, by);
-    turn(M.B.xz, M.B.yz, link.cos_0, link.sin_0);
-    turn_block(M.J.xx, M.J.xy, M.J.yy, by);
-    turn(M.J.xz, M.J.yz, link.cos_0, link.sin_0);
+    const PlaneRotation<double> by(link.cos_0, link.sin_0);
+    rotate_block(M.A.xx, M.A.xy, M.A.yy, by);
+    rotate_block(M.B.xx, M.B.xy, M.B.yx, M.B.yy, by);
+    rotate(M.B.xz, M.B.yz, link.cos_0, link.sin_0);
+    rotate_block(M.J.xx, M.J.xy, M.J.yy, by);
+    rotate(M.J.xz, M.J.yz, link.cos_0, link.sin_0);
 
     const double c = link.cos_a, s = link.sin_a;
     const T yy = M.A.yy, xy = M.A.xy;
     M.A.yy = (c * c) * yy, M.A.yz = link.cs_a * yy, M.A.zz = link.ss_a * yy, M.A.xy = c * xy, M.A.xz = s * xy;
-    turn(M.B.xy, M.B.xz, c, s);
-    turn(M.B.yy, M.B.yz, c, s);
+    rotate(M.B.xy, M.B.xz, c, s);
+    rotate(M.B.yy, M.B.yz, c, s);
     M.B.zx = s * M.B.yx, M.B.zy = s * M.B.yy, M.B.zz = s * M.B.yz;
     M.B.yx = c * M.B.yx, M.B.yy = c * M.B.yy, M.B.yz = c * M.B.yz;
-    turn_block(M.J.yy, M.J.yz, M.J.zz, Turn<double>::of_products(link.cs_a, link.ss_a));
-    turn(M.J.xy, M.J.xz, c, s);
-    if constexpr (!Aligned) turn_z(M, link.cos_b, link.sin_b);
+    rotate_block(M.J.yy, M.J.yz, M.J.zz, PlaneRotation<double>::of_products(link.cs_a, link.ss_a));
+    rotate(M.J.xy, M.J.xz, c, s);
+    if constexpr (!Aligned) rotate_z(M, link.cos_b, link.sin_b);
     shift(M, r);
   }
   MOMENTREE_INLINE void place(Matrix3<T>& R, Vector3<T>& at) const {
-    turn_inboard(R), turn_inboard(at);
+    rotate_inboard(R), rotate_inboard(at);
     at += r;
   }
   MOMENTREE_INLINE void outboard(Vector3<T>& a) const {
     placement_outboard<Aligned>(link, a);
-    turn_z(a, link.cos_0, -link.sin_0);
+    rotate_z(a, link.cos_0, -link.sin_0);
   }
   MOMENTREE_INLINE void outboard(Motion<T>& a) const {
     shift_outboard(a, r);

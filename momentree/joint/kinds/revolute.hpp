@@ -4,7 +4,7 @@
 
 namespace momentree {
 
-template <bool Rotor>
+template <bool Armature>
 struct RevoluteKernelsWith;
 struct GenericRevolute;
 
@@ -58,11 +58,11 @@ struct RevoluteKernelsBase : ScrewKernels<K, 1, 1> {
 struct GenericRevolute : RevoluteKernelsBase<GenericRevolute> {};
 
 /// Without armature, or with it: then the reduced mass has no structural zeros.
-template <bool Rotor>
-struct RevoluteKernelsWith : RevoluteKernelsBase<RevoluteKernelsWith<Rotor>> {
+template <bool Armature>
+struct RevoluteKernelsWith : RevoluteKernelsBase<RevoluteKernelsWith<Armature>> {
   /// Whole steps of both passes by the shape of the link, in place of the separate functions of other kinds: (24)–(27), (21),
   /// (20).
-  using Steps = RevoluteStepsOf<Rotor>;
+  using Steps = RevoluteStepsOf<Armature>;
   template <class T>
   using Record = typename Steps::template Record<T>;
 
@@ -72,13 +72,13 @@ struct RevoluteKernelsWith : RevoluteKernelsBase<RevoluteKernelsWith<Rotor>> {
                                                      const T* u) {
     return {in.v, {in.w.x, in.w.y, in.w.z + u[0]}};
   }
-  /// (51): the last component becomes τ, just as that of D̂ becomes p; with armature, less the part that accelerates the rotor.
+  /// (51): the last component becomes τ, just as that of D̂ becomes p; with armature, less the part that accelerates it.
   template <class T>
   MOMENTREE_INLINE static void reduce_wrench(const LinkConstants&, const JointState<T>&, const Record<T>& w, const T* tau,
                                              Force<T>& W, T* udot) {
     const T r = tau[0] - W.h.z;
     T z = tau[0];
-    if constexpr (Rotor) z = W.h.z + w.ghz * r;
+    if constexpr (Armature) z = W.h.z + w.ghz * r;
     W.l += r * w.gl;
     W.h = {W.h.x + w.ghx * r, W.h.y + w.ghy * r, z};
     udot[0] = w.inverse_mass * r;
@@ -91,13 +91,13 @@ struct RevoluteKernelsWith : RevoluteKernelsBase<RevoluteKernelsWith<Rotor>> {
     F.l.z = F.l.z + ((w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y));
     F.h.x = F.h.x + ((w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y));
     F.h.y = F.h.y + ((w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y));
-    if constexpr (Rotor) F.h.z = F.h.z + w.rotor * along(w, bias);
+    if constexpr (Armature) F.h.z = F.h.z + w.armature * along(w, bias);
   }
   /// (47)
   template <class T>
   MOMENTREE_INLINE static void joint_acceleration(const Record<T>& w, const Motion<T>& in, T* udot) {
     T last = in.w.z;
-    if constexpr (Rotor) last = w.ghz * last;
+    if constexpr (Armature) last = w.ghz * last;
     udot[0] = udot[0] - along(w, in) - last;
   }
   template <class T>
@@ -108,11 +108,11 @@ struct RevoluteKernelsWith : RevoluteKernelsBase<RevoluteKernelsWith<Rotor>> {
     F.l.z = F.l.z + ((w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y) + w.A.zz * v.z);
     F.h.x = F.h.x + ((w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y) + w.Bzx * v.z);
     F.h.y = F.h.y + ((w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y) + w.Bzy * v.z);
-    if constexpr (Rotor) {
-      const T turned = w.rotor * o.z;
+    if constexpr (Armature) {
+      const T turned = w.armature * o.z;
       F.l += turned * w.gl;
       F.h.x = F.h.x + turned * w.ghx, F.h.y = F.h.y + turned * w.ghy;
-      F.h.z = F.h.z + (w.rotor * along(w, a) + turned * w.ghz);
+      F.h.z = F.h.z + (w.armature * along(w, a) + turned * w.ghz);
     }
   }
 

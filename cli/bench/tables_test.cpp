@@ -1,6 +1,6 @@
 // The tables of `momentree bench`, with minimal time per figure: checks their contents, never the speed.
-#include <cli/bench_peers.hpp>
-#include <cli/bench_tables.hpp>
+#include <cli/bench/peers.hpp>
+#include <cli/bench/tables.hpp>
 
 #include <doctest/doctest.h>
 
@@ -194,7 +194,7 @@ TEST_CASE("momentree bench MODEL: a user's own models, in momentree and other en
 
   // A program is given the models one by one; a model that it does not support is left out there.
   const std::string program = folder / "peer-a";
-  std::ofstream(program) << "#!/bin/sh\n[ \"$1\" = evaluate ] && grep -q slide \"$2\" || exit 1\n"
+  std::ofstream(program) << "#!/bin/sh\n[ \"$1\" = evaluate ] && grep -q prismatic \"$2\" || exit 1\n"
                             "echo '{\"model\": \"'$(head -1 \"$2\")'\", \"engine\": \"E 1\", \"way\": \"f\", \"imbalance\": 0, "
                             "\"ns_per_body\": '$(wc -l <\"$2\")'}'\n";
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
@@ -212,6 +212,15 @@ TEST_CASE("momentree bench MODEL: a user's own models, in momentree and other en
   CHECK(call("--peers '" + (folder / "") + "' '" + sources + "capture.toml'") == 2);  // it has a universal joint
   CHECK(text("err").find("capture.toml: error: other engines do not support this model: tug/upper has a universal joint") !=
         std::string::npos);
+}
+
+TEST_CASE("momentree bench: an installation without momentree-measure") {
+  const io::test::TemporaryFolder folder;
+  std::filesystem::copy_file(MOMENTREE_PROGRAM, folder / "momentree");
+  CHECK(std::system(("'" + (folder / "momentree") + "' bench 2>'" + (folder / "said") + "'").c_str()) == 2 << 8);
+  std::ostringstream said;
+  said << std::ifstream(folder / "said").rdbuf();
+  CHECK(said.str().find("cannot start momentree-measure") != std::string::npos);
 }
 
 }  // namespace momentree::cli

@@ -1,4 +1,4 @@
-#include <momentree/io/freedom_values.hpp>
+#include <momentree/io/dof_values.hpp>
 
 namespace momentree::io {
 

@@ -1,4 +1,4 @@
-#include <cli/peer_links.hpp>
+#include <cli/bench/peer_links.hpp>
 
 #include <vector>
 
@@ -14,7 +14,7 @@ namespace {
 struct Link {
   int parent = -1;
   const char* joint = "";
-  Mat3 turn{};
+  Mat3 rotation{};
   Vec3 at{};
   double mass = 0;
   Vec3 first_moment{};  // about the frame's origin
@@ -64,8 +64,8 @@ class Links {
     const Kind kind = body.joint.kind;
     links_.push_back({outer.link,
                       kind == Kind::free       ? "free"
-                      : kind == Kind::revolute ? "pin"
-                                               : "slide",
+                      : kind == Kind::revolute ? "revolute"
+                                               : "prismatic",
                       outer.R * axes, outer.r, 0, Vec3{}, Sym3{}});
     return Place{number, transpose(axes), Vec3{}} * inverse(body.child_at);
   }
@@ -89,7 +89,7 @@ std::string peer_links(const std::string& name, const Model& model) {
     const Vec3 com = link.mass > 0 ? (1 / link.mass) * link.first_moment : Vec3{};
     const Sym3 inertia = link.inertia + point_inertia(-link.mass, com);
     text += format("%d %s", link.parent, link.joint);
-    const Mat3& R = link.turn;
+    const Mat3& R = link.rotation;
     for (const double x :
          {R.xx,      R.xy,      R.xz,  R.yx,  R.yy,  R.yz,       R.zx,       R.zy,       R.zz,       link.at.x,  link.at.y,
           link.at.z, link.mass, com.x, com.y, com.z, inertia.xx, inertia.yy, inertia.zz, inertia.xy, inertia.xz, inertia.yz})

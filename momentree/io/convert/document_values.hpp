@@ -8,7 +8,7 @@
 #include <momentree/math/values.hpp>
 #include <momentree/math/vec.hpp>
 
-namespace momentree::io::pieces {
+namespace momentree::io::document_values {
 
 template <class T>
 Value value(T data) {
@@ -28,7 +28,10 @@ struct Rpy {
 };
 Rpy rpy_of(const Quat& rotation);
 
+/// A name without its mechanism.
+inline std::string bare(const std::string& name) { return name.substr(name.find('/') + 1); }
+
 /// { xyz, rpy or quat } without zero entries; an empty table for the identity.
 Value::Table placement(const Pose& pose);
 
-}  // namespace momentree::io::pieces
+}  // namespace momentree::io::document_values

@@ -2,12 +2,13 @@
 #include <cstdio>
 #include <optional>
 
-#include <cli/bench_own.hpp>
-#include <cli/bench_peers.hpp>
+#include <cli/bench/models.hpp>
+#include <cli/bench/own.hpp>
+#include <cli/bench/peer_links.hpp>
+#include <cli/bench/peers.hpp>
 #include <cli/commands.hpp>
 #include <cli/input.hpp>
 #include <cli/interrupt.hpp>
-#include <cli/peer_links.hpp>
 #include <cli/record.hpp>
 #include <cli/text.hpp>
 #include <momentree/io/json_writer.hpp>

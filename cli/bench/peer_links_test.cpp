@@ -1,5 +1,5 @@
 // A model and its text for other engines: equal momenta give equal velocities and equal rates.
-#include <cli/peer_links.hpp>
+#include <cli/bench/peer_links.hpp>
 
 #include <doctest/doctest.h>
 
@@ -45,8 +45,8 @@ Model read_links(const std::string& text, const Vec3& gravity) {
     body.at.rotation = quaternion_of(R);
     body.name = "b" + std::to_string(model.size());
     if (joint == "free") body.joint = Free{};
-    if (joint == "pin") body.joint = Revolute{.axis = z_axis};
-    if (joint == "slide") body.joint = Prismatic{.axis = z_axis};
+    if (joint == "revolute") body.joint = Revolute{.axis = z_axis};
+    if (joint == "prismatic") body.joint = Prismatic{.axis = z_axis};
     CHECK(body.joint.kind != Kind::weld);
     model.add_unjudged(body);
   }

@@ -1,4 +1,4 @@
-#include <cli/bench_tables.hpp>
+#include <cli/bench/tables.hpp>
 
 #ifdef __linux__
 #include <unistd.h>
@@ -12,7 +12,7 @@
 #include <cstdio>
 
 #include <bench/models.hpp>
-#include <cli/bench_timing.hpp>
+#include <cli/bench/timing.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/count.hpp>
@@ -59,11 +59,11 @@ EvaluationRow evaluation_time(const std::string& name, const Tree& tree, const S
   Workspace<double> work(tree);
   const std::vector<double> p(start.p().begin(), start.p().end());
   const std::vector<double> first(start.q().begin(), start.q().end()), q[2] = {first, moved(tree, first)};
-  int turn = 0;
+  int which = 0;
   EvaluationRow row{name, tree.bodies(), tree.nv(), 0, 0};
   row.seconds = shortest(budget, [&] {
-    turn ^= 1;
-    evaluate_stage(tree, 0, q[turn].data(), p.data(), work);
+    which ^= 1;
+    evaluate_stage(tree, 0, q[which].data(), p.data(), work);
     keep(work.pdot.get());
   });
   for (const int i : {0, 1}) {
@@ -83,15 +83,15 @@ GeneratedRow generated_time(const std::string& name, const Tree& tree, const Sta
   const RatesFunction rates = kernels.find(tree);
   if (rates == nullptr) throw Error{name + ": no code was generated: " + kernels.message(), "", ""};
   GeneratedRow row{name, tree.bodies(), {count_operations(tree).total(), kernel_expressions(tree).operations().total()}, {}, 0};
-  int turn = 0;
+  int which = 0;
   const auto kernel = [&] {
-    turn ^= 1;
-    evaluate_rates(tree, q[turn].data(), p.data(), work);
+    which ^= 1;
+    evaluate_rates(tree, q[which].data(), p.data(), work);
     keep(work.pdot.get());
   };
   const auto generated = [&] {
-    turn ^= 1;
-    rates(q[turn].data(), p.data(), other.v.get(), other.qdot.get(), other.pdot.get());
+    which ^= 1;
+    rates(q[which].data(), p.data(), other.v.get(), other.qdot.get(), other.pdot.get());
     keep(other.pdot.get());
   };
   row.seconds[0] = row.seconds[1] = HUGE_VAL;
@@ -100,8 +100,8 @@ GeneratedRow generated_time(const std::string& name, const Tree& tree, const Sta
     row.seconds[0] = std::min(row.seconds[0], shortest(0, kernel));
     row.seconds[1] = std::min(row.seconds[1], shortest(0, generated));
   } while (since(begin) < budget);
-  turn = 0, kernel();
-  turn = 0, generated();
+  which = 0, kernel();
+  which = 0, generated();
   double largest = 0, error = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
     const double off = std::fabs(other.pdot[i] - work.pdot[i]);

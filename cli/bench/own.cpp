@@ -1,10 +1,10 @@
-#include <cli/bench_own.hpp>
+#include <cli/bench/own.hpp>
 
 #include <algorithm>
 #include <optional>
 
-#include <cli/bench_tables.hpp>
-#include <cli/bench_timing.hpp>
+#include <cli/bench/tables.hpp>
+#include <cli/bench/timing.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/batch/batch.hpp>
 #include <momentree/dynamics/evaluate.hpp>
@@ -19,7 +19,7 @@ constexpr int worlds = 64;
 bool locked(const Tree& tree, int b, int dof) { return (tree.joint(b).locked >> dof & 1u) != 0; }
 
 /// The model's initial state, with motion added.
-State stirred(const Model& model, const Tree& tree) {
+State with_motion(const Model& model, const Tree& tree) {
   State state = start_state(model, tree);
   std::vector<double> v(static_cast<std::size_t>(tree.nv()));
   for (int b = 0; b < tree.bodies(); ++b)
@@ -35,7 +35,7 @@ State stirred(const Model& model, const Tree& tree) {
 class Own {
  public:
   Own(const std::string& name, const Model& model)
-      : model_(model), tree_(compile(model)), workspace_(tree_), states_{stirred(model, tree_), stirred(model, tree_)} {
+      : model_(model), tree_(compile(model)), workspace_(tree_), states_{with_motion(model, tree_), with_motion(model, tree_)} {
     row.model = name, row.bodies = tree_.bodies(), row.dofs = tree_.nv();
     const std::vector<double> near = moved(tree_, {states_[0].q().begin(), states_[0].q().end()});
     const State::Edit edit = states_[1].edit();
@@ -45,13 +45,13 @@ class Own {
   void evaluate(double budget) {
     const EvaluationRow evaluation = evaluation_time(row.model, tree_, states_[0], budget);
     row.evaluation = evaluation.seconds, row.error = evaluation.error;
-    int turn = 0;
+    int which = 0;
     row.accelerations = shortest(budget, [&] {
-      turn ^= 1;
-      accelerate(tree_, states_[turn], workspace_);
+      which ^= 1;
+      accelerate(tree_, states_[which], workspace_);
       keep(workspace_.a.get());
     });
-    const double error = momentum_error(tree_, states_[turn].q().data(), states_[turn].p().data(), workspace_);
+    const double error = momentum_error(tree_, states_[which].q().data(), states_[which].p().data(), workspace_);
     if (!(error < 1e-9)) wrong("the velocities found with the accelerations do not match the momenta");
     row.error = std::max(row.error, error);
   }

@@ -1,14 +1,14 @@
-#include <momentree/io/convert/pieces.hpp>
+#include <momentree/io/convert/document_values.hpp>
 
 #include <charconv>
 #include <cmath>
 
-namespace momentree::io::pieces {
+namespace momentree::io::document_values {
 
 namespace {
 
 bool same(const Quat& a, const Quat& b) { return a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z; }
-bool turns_to(const Vec3& angles, const Quat& rotation) { return same(from_rpy(angles.x, angles.y, angles.z), rotation); }
+bool gives(const Vec3& angles, const Quat& rotation) { return same(from_rpy(angles.x, angles.y, angles.z), rotation); }
 
 double rounded(double x, int decimals) {
   char text[64];
@@ -28,9 +28,9 @@ Rpy rpy_of(const Quat& rotation) {
   const Vec3 full{std::atan2(s * R.xz - c * R.yz, c * R.yy - s * R.xy), pitch, yaw};
   for (int decimals = 0; decimals <= 16; ++decimals) {
     const Vec3 few{rounded(full.x, decimals), rounded(full.y, decimals), rounded(full.z, decimals)};
-    if (turns_to(few, rotation)) return {few, true};
+    if (gives(few, rotation)) return {few, true};
   }
-  return {full, turns_to(full, rotation)};
+  return {full, gives(full, rotation)};
 }
 
 Value::Table placement(const Pose& pose) {
@@ -47,4 +47,4 @@ Value::Table placement(const Pose& pose) {
   return table;
 }
 
-}  // namespace momentree::io::pieces
+}  // namespace momentree::io::document_values

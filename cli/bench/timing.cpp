@@ -1,4 +1,4 @@
-#include <cli/bench_timing.hpp>
+#include <cli/bench/timing.hpp>
 
 #include <momentree/dynamics/momentum.hpp>
 

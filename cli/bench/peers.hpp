@@ -19,8 +19,8 @@ struct PeerRow {
 std::vector<std::string> peer_programs(const std::string& folder);
 
 /// Runs `program evaluate FILE…` and calls `row` with each line of its output, until that returns false. The files are models
-/// (cli/peer_links.hpp); without files, the program uses its built-in models. Throws Error if it cannot be started, fails, or
-/// prints anything else.
+/// (cli/bench/peer_links.hpp); without files, the program uses its built-in models. Throws Error if it cannot be started, fails,
+/// or prints anything else.
 void peer_evaluations(const std::string& program, const std::vector<std::string>& files,
                       const std::function<bool(const PeerRow&)>& row);
 

@@ -1,8 +1,6 @@
-#include <momentree/dynamics/acceleration.ipp>
 #include <momentree/dynamics/forward.ipp>
 
 namespace momentree {
 template void evaluate_rates<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
 template void evaluate_motions<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
-template void evaluate_accelerations<double>(const Tree&, const double*, Workspace<double>&) noexcept;
 }  // namespace momentree

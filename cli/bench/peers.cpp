@@ -1,4 +1,4 @@
-#include <cli/bench_peers.hpp>
+#include <cli/bench/peers.hpp>
 
 #include <fcntl.h>
 #include <spawn.h>

@@ -1,0 +1,35 @@
+# Compiles the sources of each folder together, a few per compiler run: most of the time goes into headers and templates that
+# they share. File-local names must therefore be unique within a folder.
+option(MOMENTREE_UNITY "Compile several source files at once; off: for clang-tidy and editors, which want a command per file" ON)
+
+# momentree_unity(TARGET [EXCLUDED]): at most 8 files per compiler run, except sources whose path matches. Sources with their own
+# options are left out by CMake.
+function(momentree_unity target)
+  if(NOT MOMENTREE_UNITY)
+    return()
+  endif()
+  set(most 8)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  get_target_property(sources ${target} SOURCES)
+  if(ARGC GREATER 1)
+    list(FILTER sources EXCLUDE REGEX "${ARGV1}")
+  endif()
+  set(folders "")
+  foreach(source IN LISTS sources)
+    cmake_path(GET source PARENT_PATH folder)
+    string(MAKE_C_IDENTIFIER "${folder}" folder)
+    list(APPEND folders "${folder}")
+    list(APPEND in_${folder} "${source}")
+  endforeach()
+  list(REMOVE_DUPLICATES folders)
+  foreach(folder IN LISTS folders)
+    list(LENGTH in_${folder} count)
+    math(EXPR runs "(${count} + ${most} - 1) / ${most}")
+    set(i 0)
+    foreach(source IN LISTS in_${folder})  # runs of about the same length
+      math(EXPR run "${i} * ${runs} / ${count}")
+      set_source_files_properties("${source}" PROPERTIES UNITY_GROUP "${folder}_${run}")
+      math(EXPR i "${i} + 1")
+    endforeach()
+  endforeach()
+endfunction()
