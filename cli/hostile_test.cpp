@@ -53,7 +53,7 @@ void check_seen(std::string text) {
   CHECK_MESSAGE(first_invisible(text) == std::string::npos, printable(text));
 }
 
-TEST_CASE("whatever is in names of files, only text is printed") {
+TEST_CASE("whatever is in file names, only plain text is printed") {
   const Program program;
   const std::string file = hostile + ".toml";
   program.write(file, scenario);

@@ -27,7 +27,7 @@ double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
 }  // namespace
 
-TEST_CASE("panda_lets_go: the hand separates when its coupling bears 6 N m, and keeps energy and momentum") {
+TEST_CASE("panda_lets_go: the hand separates when its joint transmits 6 N m, and keeps energy and momentum") {
   const Run run("panda_lets_go");
   const auto overload = events_named(run, "overload");
   REQUIRE(overload.size() == 1);

@@ -65,7 +65,7 @@ TEST_CASE("breaking_chain: 40 links stay, 60 fly off; the paper's step costs abo
   CHECK(svg.size() < 100'000);
 }
 
-TEST_CASE("breaking_chain_accurate: the free end is where it should be, the energy balance closes") {
+TEST_CASE("breaking_chain_accurate: the free end is at its reference position, the energy balance closes") {
   const Run run("breaking_chain_accurate");
   check_break_of_the_chain(run);
   const auto bodies = run.table("bodies.csv");
@@ -89,7 +89,7 @@ TEST_CASE("pendulum: it swings for as long as the elliptic integral says") {
   CHECK(crossings[1] - crossings[0] == doctest::Approx(0.5 * 2.248704928854736).epsilon(1e-5));
 }
 
-TEST_CASE("spinning_top: its spin and its angular momentum about the vertical stay; it goes round") {
+TEST_CASE("spinning_top: its spin and its angular momentum about the vertical are constant; it precesses") {
   const Run run("spinning_top");
   CHECK(std::abs(run.energy("error")) < 1e-8);
   const auto joints = run.table("joints.csv");

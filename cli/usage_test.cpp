@@ -122,7 +122,7 @@ TEST_CASE("- is standard input, wherever a scenario, a model or a state is read"
   CHECK(here.call("check - </dev/null").code == 2);
 }
 
-TEST_CASE("joints of a model are given drives on the command line, and every command has them") {
+TEST_CASE("joints of a model are given drives on the command line, in every command") {
   const Workplace here;
   const std::string inertial = "<inertial><mass value='2'/><inertia ixx='1' iyy='1' izz='1'/></inertial>";
   io::write_text_file(here.path("arm.urdf"),

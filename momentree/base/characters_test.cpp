@@ -19,7 +19,7 @@ std::string encoded(char32_t c) {
 
 }  // namespace
 
-TEST_CASE("what a terminal would obey is shown as an escape") {
+TEST_CASE("terminal control sequences are shown as escapes") {
   CHECK(printable("\x1b[31mred\x07") == "\\x1b[31mred\\x07");
   CHECK(printable(std::string("a\0b", 3)) == "a\\x00b");
   CHECK(printable("a\nb\r\tc\x7f") == "a\\nb\\r\tc\\x7f");
@@ -38,7 +38,7 @@ TEST_CASE("a byte that is not UTF-8 is shown as the replacement character") {
   CHECK(printable("\xC0\xAF") == replacement + replacement);                    // overlong
 }
 
-TEST_CASE("what people write stays as it is") {
+TEST_CASE("ordinary text is unchanged") {
   for (const char* text : {"", "left arm #1 \\ ~", "Gelenk für Öl", "関節 1", "مفصل", "рука", "🦾", "👩‍🔧", "1️⃣",
                            "é", "a\u00a0b", "می‌خواهم"}) {
     CAPTURE(text);
@@ -47,13 +47,13 @@ TEST_CASE("what people write stays as it is") {
   }
 }
 
-TEST_CASE("joiners are seen between letters that they shape, and nowhere else") {
+TEST_CASE("joiners are allowed between letters that they shape, and nowhere else") {
   CHECK(printable("arm" + encoded(0x200d) + "1") == "arm\\u200d1");
   CHECK(printable(encoded(0x200d)) == "\\u200d");
   CHECK(printable("é" + encoded(0x200c)) == "é\\u200c");
 }
 
-TEST_CASE("the first character that is not seen, and every class of them") {
+TEST_CASE("the first invisible character is found, of every class") {
   CHECK(first_invisible("ab\x1b") == 2);
   CHECK(first_invisible("é\xFF") == 2);
   for (const char32_t c : {U'\0', U'\x1f', U'\x7f', U'\x80', U'\x9f', U'\xad', U'\u061c', U'\u200b', U'\u200e', U'\u2028',
@@ -64,7 +64,7 @@ TEST_CASE("the first character that is not seen, and every class of them") {
     CHECK_MESSAGE(is_visible(c), static_cast<unsigned long>(c));
 }
 
-TEST_CASE("an error's message is one line that commands nothing") {
+TEST_CASE("an error's message is one line without control characters") {
   const Error error{"no body 'a\x1b]0;x\x07'", "r\xFF.toml", "did you mean\n'b'?"};
   CHECK(error.message() == "r\xEF\xBF\xBD.toml: error: no body 'a\\x1b]0;x\\x07'; did you mean\\n'b'?");
 }

@@ -51,7 +51,7 @@ TEST_CASE("units multiply by space or star, divide by one slash, and take powers
   CHECK(value("2 µm", dimension::length) == 2e-6);
 }
 
-TEST_CASE("radians may be left out beside a mass, and only there") {
+TEST_CASE("radians may be left out next to a mass, and only there") {
   CHECK(value("3 N m", dimension::torque / dimension::angle) == 3);
   CHECK(value("3 N m/rad", dimension::torque / dimension::angle) == 3);
   CHECK(refusal("3 N m/rad", dimension::torque).find("not a torque") != std::string::npos);
@@ -59,7 +59,7 @@ TEST_CASE("radians may be left out beside a mass, and only there") {
   CHECK(refusal("3 rad", dimension::number).find("is an angle (rad), not a number without unit") != std::string::npos);
 }
 
-TEST_CASE("what is not a number with the right unit is refused, with what to write") {
+TEST_CASE("values that are not a number with the right unit are refused, with a suggestion") {
   struct Case {
     const char* text;
     Dimension expected;

@@ -131,7 +131,7 @@ double difference(const State& a, const State& b) {
 
 }  // namespace
 
-TEST_CASE("worlds of a batch move as they do alone, each with its change at an instant of its own") {
+TEST_CASE("worlds of a batch move as they do alone, each with a change at its own time") {
   const Model model = mobile();
   constexpr int worlds = 13;
   for (const Isa isa : all_sets) {
@@ -163,7 +163,7 @@ TEST_CASE("worlds of a batch move as they do alone, each with its change at an i
   }
 }
 
-TEST_CASE("no bit of a world depends on who stands beside it, nor on the number of threads") {
+TEST_CASE("no bit of a world depends on the other lanes or on the number of threads") {
   const Model model = mobile();
   for (const Precision precision : {Precision::float64, Precision::float32}) {
     for (const Isa isa : all_sets) {
@@ -180,7 +180,7 @@ TEST_CASE("no bit of a world depends on who stands beside it, nor on the number 
   }
 }
 
-TEST_CASE("worlds in float stay near those in double") {
+TEST_CASE("worlds in float stay close to those in double") {
   const Model model = mobile();
   Batch exact(model, 9), coarse(model, 9, {.precision = Precision::float32});
   CHECK(coarse.lanes() == 2 * exact.lanes());
@@ -192,7 +192,7 @@ TEST_CASE("worlds in float stay near those in double") {
   CHECK(worst > 1e-9);  // they were indeed computed in float
 }
 
-TEST_CASE("worlds that came to the same topology share lanes again") {
+TEST_CASE("worlds that reach the same topology share lanes again") {
   Batch batch(mobile(), 6);
   for (int i = 0; i < 6; ++i) {
     batch.step(h);
@@ -225,7 +225,7 @@ TEST_CASE("bodies can be added to worlds of a batch") {
   CHECK_FALSE(batch.ran_away(1));
 }
 
-TEST_CASE("an effort of a world's own is the effort that its model might have") {
+TEST_CASE("an effort set for one world acts as the same effort in its model") {
   Model model = mobile(false);
   Batch batch(model, 5);
   batch.set_effort(3, {4}, 0, 0.7);
@@ -250,7 +250,7 @@ TEST_CASE("an effort of a world's own is the effort that its model might have") 
   CHECK(difference(batch.state(3), with.state(0)) < 1e-13);
 }
 
-TEST_CASE("a world that runs away stays where it was, and the others go on") {
+TEST_CASE("a world that diverges keeps its last state, and the others continue") {
   Batch batch(mobile(), 4), other(mobile(), 4);
   State state = batch.state(2);
   state.edit().p[0] = 1e13;
@@ -266,7 +266,7 @@ TEST_CASE("a world that runs away stays where it was, and the others go on") {
   CHECK(difference(batch.state(2), batch.state(1)) == 0);
 }
 
-TEST_CASE("what batches do not have is refused, and an edit that asks for it leaves the world as it was") {
+TEST_CASE("features that batches do not have are refused, and such an edit leaves the world unchanged") {
   const auto refused = [](const Model& model, const char* what) {
     std::string said;
     try {

@@ -44,7 +44,7 @@ std::string error_of(const std::function<void()>& act) {
 
 }  // namespace
 
-TEST_CASE("the worlds of a batch, looked at one after the other with one work, have energies of their own") {
+TEST_CASE("the worlds of a batch, read one after the other with one workspace, have separate energies") {
   constexpr int worlds = 9;
   Batch batch(chain(), worlds);
   for (int i = 0; i < worlds; ++i) batch.edit(i, [i](Tree&, State& state, Workspace<double>&) { state.edit().p[0] = i + 1; });
@@ -71,7 +71,7 @@ TEST_CASE("the worlds of a batch, looked at one after the other with one work, h
   for (int i = 1; i < worlds; ++i) CHECK(apart[static_cast<std::size_t>(i)] != apart[static_cast<std::size_t>(i - 1)]);
 }
 
-TEST_CASE("a state of one world is one of all worlds of its topology, and of no others") {
+TEST_CASE("a state of one world fits all worlds of its topology, and no others") {
   Batch batch(chain(), 4);
   batch.apply(3, Break{{2}});
   State state = batch.state(0);
@@ -89,7 +89,7 @@ TEST_CASE("a state of one world is one of all worlds of its topology, and of no 
   });
 }
 
-TEST_CASE("worlds, steps and efforts that are none") {
+TEST_CASE("misuse: invalid worlds, steps and efforts") {
   Batch batch(chain(), 3);
   const char* const no_world = "the batch has this world";
   for (const int world : {-1, 3, 1 << 30}) {
@@ -135,7 +135,7 @@ TEST_CASE("worlds, steps and efforts that are none") {
     CHECK(error_of([threads] { Batch(chain(), 1, {.threads = threads}); }).find("threads") != std::string::npos);
 }
 
-TEST_CASE("edits") {
+TEST_CASE("misuse: edits") {
   Batch batch(chain(), 3);
   const char* const only = "an edit of a batch only reads the batch";
   const auto in_edit = [&](auto act) {

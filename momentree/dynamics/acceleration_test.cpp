@@ -33,7 +33,7 @@ void check_near(const Vec3& a, const Vec3& b, double bound = 1e-12) {
 
 }  // namespace
 
-TEST_CASE("(30) (32) (47) a rod on a pin: acceleration, and what the pin carries") {
+TEST_CASE("(30) (32) (47) a rod on a revolute joint: acceleration, and the wrench that the joint transmits") {
   // Of length 2l, on a revolute joint about y at its end, rotated by q from +x downwards.
   const double m = 1.5, l = 0.4, q = 0.7, w = 2.3, g = 9.81, rotor = 0.2, damping = 0.3, effort = 1.1, I = m * l * l / 3;
   Model model({.gravity = {0, 0, -g}});
@@ -60,7 +60,7 @@ TEST_CASE("(30) (32) (47) a rod on a pin: acceleration, and what the pin carries
   check_near(b.angular, {0, a, 0});
 }
 
-TEST_CASE("(45) (51) what hangs outboard pulls at every joint inboard of it: a chain at rest, and in free fall") {
+TEST_CASE("(45) (51) outboard bodies load every joint inboard of them: a chain at rest, and in free fall") {
   Model model({.gravity = {0, 0, -10}});
   BodyId last = ground;
   for (int k = 0; k < 5; ++k)
@@ -94,7 +94,7 @@ TEST_CASE("(45) (51) what hangs outboard pulls at every joint inboard of it: a c
   }
 }
 
-TEST_CASE("(39) (44) a bead that slides outward on a turning rod") {
+TEST_CASE("(39) (44) a bead that slides outward on a rotating rod") {
   // The rod rotates about z at the rate w; the bead moves along x at the distance r with the speed s.
   const double w = 3, r = 0.5, s = 0.8, m = 0.2, J = 0.7;
   Model model({.gravity = {}});
@@ -112,7 +112,7 @@ TEST_CASE("(39) (44) a bead that slides outward on a turning rod") {
   check_near(b.angular, {0, 0, turning});
 }
 
-TEST_CASE("what a drive transmits is taken from the reaction as it acts: along the joint's own freedoms") {
+TEST_CASE("the drive's effort is subtracted from the reaction along the joint's own DoFs") {
   // Some joints hold their body against gravity, some do not; the body's frame is not the joint's.
   const Vec3 to{0.3, -0.2, 0.1};
   const double m = 2, g = 10;

@@ -31,7 +31,7 @@ std::string error_of(F&& f) {
 
 }  // namespace
 
-TEST_CASE("(20) a force at a point turns and pushes a body; it stands in world axes, or turns with the body") {
+TEST_CASE("(20) a force at a point gives a force and a moment, in world axes or in body axes") {
   for (const bool body_axes : {false, true}) {
     Model model({.gravity = {}});
     const double half = std::sqrt(0.5);
@@ -55,7 +55,7 @@ TEST_CASE("(20) a force at a point turns and pushes a body; it stands in world a
   }
 }
 
-TEST_CASE("a pendulum in the wind: the joint gets the moment, and its reaction holds the force") {
+TEST_CASE("a pendulum in the wind: the joint receives the moment, and its reaction balances the force") {
   Model model({.gravity = {}});
   const BodyId a = model.add(
       {.name = "m/a", .mass = 1, .com = {0, 0, -1}, .inertia = diagonal(0.1), .joint = Revolute{.axis = {0, 1, 0}}, .q = 0.0});
@@ -72,7 +72,7 @@ TEST_CASE("a pendulum in the wind: the joint gets the moment, and its reaction h
   CHECK(R.force.z == doctest::Approx(-2));
 }
 
-TEST_CASE("a locked joint gets nothing, what carries it does; a removed body takes its force along") {
+TEST_CASE("a force acts through a locked joint on the joints that carry it; a removed body takes its force along") {
   Model model({.gravity = {}});
   const BodyId a = model.add({.name = "m/a", .mass = 1, .inertia = diagonal(1), .joint = Prismatic{.axis = {1, 0, 0}}});
   const BodyId b =
@@ -97,7 +97,7 @@ TEST_CASE("a locked joint gets nothing, what carries it does; a removed body tak
   CHECK(sim.world().joint({b.index}).pdot[0] == doctest::Approx(4));
 }
 
-TEST_CASE("a body falls to its terminal speed as tanh says; drag is dissipated, and the books close") {
+TEST_CASE("a body falls to its terminal speed as tanh; drag is dissipated, and the energy ledger closes") {
   for (const bool quadratic : {false, true}) {
     Model model({.gravity = {0, 0, -9.81}});
     const double m = 2, k = quadratic ? 0.4 : 0.9;
@@ -134,7 +134,7 @@ TEST_CASE("forces that change with time: impulse and work") {
   CHECK(std::fabs(sim.energy().error) < 1e-9);
 }
 
-TEST_CASE("what is wrong with a force names its field") {
+TEST_CASE("errors in a force name the field") {
   Model model;
   const BodyId a = model.add(ball("m/a"));
   CHECK(error_of([&] { model.add_force({.body = {7}}); }).find("acts on no body of this model") != std::string::npos);
@@ -146,7 +146,7 @@ TEST_CASE("what is wrong with a force names its field") {
   CHECK(error_of([&] { model.add_force({.body = a, .point = {0, NAN, 0}}); }).find("point: must be finite") != std::string::npos);
 }
 
-TEST_CASE("a function of the world acts on a body as the same force told in numbers does") {
+TEST_CASE("a function of the world acts on a body as the same force given by numbers") {
   const auto model = [](bool told) {
     Model m({.gravity = {0, 0, -9.81}});
     const BodyId a = m.add({.name = "m/a",
@@ -203,7 +203,7 @@ TEST_CASE("a function of the world acts on a body as the same force told in numb
   CHECK(error_of([&] { asked.force("m/c", {}); }).find("there is no body 'm/c'") != std::string::npos);
 }
 
-TEST_CASE("bodies that prescribed motions carry: the drive's effort holds the force on what it moves") {
+TEST_CASE("forces on bodies moved by a prescribed motion: the drive's effort balances them") {
   Model model({.gravity = {}});
   const BodyId a =
       model.add({.name = "m/a",

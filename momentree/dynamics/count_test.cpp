@@ -111,7 +111,7 @@ long of_a_link(Kind kind, Variant variant, const Vec3& gravity) {
 
 }  // namespace
 
-TEST_CASE("Table 1: pins in general position take no more than 316 n - 177 operations") {
+TEST_CASE("Table 1: revolute joints in general position take no more than 316 n - 177 operations") {
   int tilted_links = 0;
   for (int n = 2; n <= 50; ++n) {
     CAPTURE(n);
@@ -144,7 +144,7 @@ TEST_CASE("an addition or a multiplication by a constant counts, a change of sig
   CHECK(x.value() == doctest::Approx(-6 - 0.25 + 1));
 }
 
-TEST_CASE("budgets by the shape of a link") {
+TEST_CASE("operation counts by the shape of a link") {
   struct Budget {
     PlacementShape shape;
     long still, falling;
@@ -179,7 +179,7 @@ TEST_CASE("budgets by the shape of a link") {
   }
 }
 
-TEST_CASE("budgets of mechanisms in a plane") {
+TEST_CASE("operation counts of planar mechanisms") {
   const auto chain = [](int links, const Vec3& gravity) {
     Model model({.gravity = gravity});
     BodyId last = ground;
@@ -193,7 +193,7 @@ TEST_CASE("budgets of mechanisms in a plane") {
   }
 }
 
-TEST_CASE("budgets by the kind of a joint: as it is, with a rotor, locked, against its direction") {
+TEST_CASE("operation counts by the kind of a joint: plain, with armature, locked, reversed") {
   struct Budget {
     Kind kind;
     long plain, rotor, locked, reversed, reversed_locked;
@@ -223,7 +223,7 @@ TEST_CASE("budgets by the kind of a joint: as it is, with a rotor, locked, again
   }
 }
 
-TEST_CASE("mechanisms add up; another branch costs what it has, and the sum at the fork") {
+TEST_CASE("counts of mechanisms add up; a branch costs its own count and the sum at the branching body") {
   for (const Vec3& gravity : {nothing, down}) {
     CAPTURE(gravity.z);
     Model both = general_chain(7, gravity);

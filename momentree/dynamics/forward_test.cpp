@@ -73,7 +73,7 @@ struct Fixture {
 
 }  // namespace
 
-TEST_CASE("(12) (19) velocities to momenta and back, for every kind and with rotors") {
+TEST_CASE("(12) (19) velocities to momenta and back, for every kind and with armature") {
   Fixture f;
   for (int b = 0; b < f.tree.bodies(); ++b) {
     const Values& v = f.model[{b}].v;
@@ -91,7 +91,7 @@ TEST_CASE("(14) (21) (22) (23) the articulated momentum is the sum over all outb
   }
 }
 
-TEST_CASE("the path to one body finds the place that the pass over all bodies finds") {
+TEST_CASE("the path to one body gives the same pose as the pass over all bodies") {
   Fixture f;
   Workspace<double> other(f.tree);
   forward_dynamics(f.tree, f.state, other);
@@ -104,7 +104,7 @@ TEST_CASE("the path to one body finds the place that the pass over all bodies fi
   }
 }
 
-TEST_CASE("(11) kinetic energy is half of p.v, for a world that rests on fixed ground") {
+TEST_CASE("(11) kinetic energy is half of p.v, on fixed ground") {
   Fixture f;
   double pv = 0;
   for (int i = 0; i < f.tree.nv(); ++i)
@@ -112,7 +112,7 @@ TEST_CASE("(11) kinetic energy is half of p.v, for a world that rests on fixed g
   CHECK(totals(f.tree, f.state, f.workspace).kinetic == doctest::Approx(pv / 2).epsilon(1e-13));
 }
 
-TEST_CASE("(15) (20) energy is conserved along the rates: gravity does the work that the potential gives") {
+TEST_CASE("(15) (20) energy is conserved along the rates: gravity does the work that the potential loses") {
   // d(T + V)/dt by differences along (qdot, pdot), which must be zero by (20) and the accumulated weight (15).
   Fixture f;
   const auto energy_at = [&](double h) {
@@ -127,7 +127,7 @@ TEST_CASE("(15) (20) energy is conserved along the rates: gravity does the work 
   CHECK(std::fabs(energy_at(h) - energy_at(-h)) / (2 * h) < 1e-6);
 }
 
-TEST_CASE("a free root's rate of momentum is its weight, in its own turning axes") {
+TEST_CASE("a free root's rate of momentum is its weight, in its own rotating axes") {
   Fixture f;
   const int base = f.model.body("b/base").index, at = f.tree.first_p(base);
   locate_bodies(f.tree, f.state, f.workspace);
@@ -168,7 +168,7 @@ TEST_CASE("damping, springs and efforts: forces and power") {
   CHECK(joint_energy(tree, state, workspace, 0) == doctest::Approx(0.5 * 4 * 0.75 * 0.75).epsilon(1e-14));
 }
 
-TEST_CASE("stamps: what was evaluated on one state is not taken for another's") {
+TEST_CASE("stamps: results evaluated at one state are not used for another") {
   Fixture f;
   CHECK(f.workspace.evaluated == f.state.stamp());
   State copy = f.state;

@@ -133,7 +133,7 @@ void compare(const Tree& tree, const State& state, Seen& seen) {
 
 }  // namespace
 
-TEST_CASE("two branches at once move as each does by itself, whatever changes") {
+TEST_CASE("paired branches move as they do one by one, whatever changes") {
   Seen seen;
   for (unsigned seed = 0; seed < 400; ++seed) {
     CAPTURE(seed);

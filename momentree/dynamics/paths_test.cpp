@@ -121,7 +121,7 @@ void compare(const Tree& tree, const State& state, Seen& seen) {
 
 }  // namespace
 
-TEST_CASE("steps by shape, the sweep in a plane and the generic pieces find the same rates, whatever changes") {
+TEST_CASE("steps by shape, planar kernels and generic kernels give the same rates, whatever changes") {
   Seen seen;
   for (unsigned seed = 0; seed < 400; ++seed) {
     CAPTURE(seed);

@@ -45,7 +45,7 @@ concept gives_iterator = requires(S& state) {
 
 }  // namespace
 
-TEST_CASE("states that live one after the other at one address are distinguished") {
+TEST_CASE("states at one address, one after the other, are distinguished") {
   const Tree tree(pendulum(1));
   Workspace<double> workspace(tree);
   for (int i = 1; i <= 3; ++i) {
@@ -175,7 +175,7 @@ TEST_CASE("a moved state keeps its stamp, and leaves none behind") {
   CHECK(moved.p()[0] == 1);
 }
 
-TEST_CASE("an edit makes stale what was evaluated before it and while it lived") {
+TEST_CASE("an edit invalidates what was evaluated before and during it") {
   const Tree tree(pendulum(1));
   Workspace<double> workspace(tree);
   State state(tree);
@@ -213,7 +213,7 @@ TEST_CASE("an edit makes stale what was evaluated before it and while it lived")
   CHECK_FALSE(gives_iterator<State>);
 }
 
-TEST_CASE("a state that went back to a snapshot is another one, be it to the same numbers") {
+TEST_CASE("a restored state counts as another one, even with the same numbers") {
   Tree tree(pendulum(1));
   Workspace<double> workspace(tree);
   State state = with_momentum(tree, 1);
@@ -226,7 +226,7 @@ TEST_CASE("a state that went back to a snapshot is another one, be it to the sam
   CHECK(speed(tree, state, workspace) == doctest::Approx(1 / 0.35));
 }
 
-TEST_CASE("a work knows locations and accelerations of one state too, and a moved-from work knows nothing") {
+TEST_CASE("a workspace has locations and accelerations of one state only, and none after it was moved from") {
   const Tree tree(pendulum(1));
   Workspace<double> workspace(tree);
   State one = with_momentum(tree, 1), two = with_momentum(tree, 2);

@@ -103,7 +103,7 @@ TEST_CASE("printable ASCII stays, everything else is a number in brackets") {
   CHECK(comment("a\n\nb") == "// a\n//\n// b\n");
 }
 
-TEST_CASE("whatever a comment says, each of its lines is one comment") {
+TEST_CASE("whatever a comment contains, each of its lines is one comment") {
   for (const std::string& text : hostile()) {
     CAPTURE(text);
     const std::string found = comment(text);
@@ -117,7 +117,7 @@ TEST_CASE("whatever a comment says, each of its lines is one comment") {
   }
 }
 
-TEST_CASE("compilers find the same code, whatever the comment says") {
+TEST_CASE("compilers produce the same code, whatever the comment contains") {
   const KernelExpressions kernel = kernel_expressions(Tree(pendulum()));
   const std::string plain = kernel_source(kernel);
   for (const char c : plain) REQUIRE(((c >= ' ' && c <= '~') || c == '\n'));

@@ -11,7 +11,7 @@ struct Two : Expressions {
 };
 }  // namespace
 
-TEST_CASE("constants are folded, zeros and ones left out") {
+TEST_CASE("constants are folded, zeros and ones are left out") {
   Two e;
   CHECK(e.zero == e.c(0));
   CHECK(e.c(-0.0) == e.zero);
@@ -51,7 +51,7 @@ TEST_CASE("signs move outward") {
   CHECK(e.quotient(minus, e.y) == e.negative(e.quotient(e.x, e.y)));
 }
 
-TEST_CASE("equal expressions are one node; only what results need is counted") {
+TEST_CASE("equal expressions are one node; only nodes that the results need are counted") {
   Two e;
   CHECK(e.sum(e.x, e.y) == e.sum(e.y, e.x));
   CHECK(e.product(e.x, e.y) == e.product(e.y, e.x));

@@ -64,7 +64,7 @@ long calls = 0;  // of the code below
 
 }  // namespace
 
-TEST_CASE("locks, unlocks, a break: the same motion, three topologies compiled, two found again") {
+TEST_CASE("locks, unlocks, a break: the same motion, three topologies compiled, two reused") {
   Simulation plain = moving(arm()), generated = moving(arm());
   const KernelCache kernels = cache();
   generated.use_generated(kernels.provider());
@@ -85,7 +85,7 @@ TEST_CASE("locks, unlocks, a break: the same motion, three topologies compiled, 
   CHECK(generated.statistics().evaluations[0] == plain.statistics().evaluations[0]);
 }
 
-TEST_CASE("the same run gives the same bits, a branch and a world taken back too") {
+TEST_CASE("the same run gives the same bits, and so do a branch and an undone world") {
   const KernelCache kernels = cache();
   Simulation one = moving(arm()), other = moving(arm());
   one.use_generated(kernels.provider());
@@ -105,7 +105,7 @@ TEST_CASE("the same run gives the same bits, a branch and a world taken back too
   CHECK(kernels.statistics().compiled == 3);
 }
 
-TEST_CASE("stages of steps run what the provider gives, until the tree changes") {
+TEST_CASE("stages use the provider's function until the tree changes") {
   Simulation sim(arm(), {.method = "rk4", .step = 1e-3});
   long asked = 0;
   const KernelCache kernels = cache();
@@ -131,7 +131,7 @@ TEST_CASE("stages of steps run what the provider gives, until the tree changes")
   CHECK(calls == 60);
 }
 
-TEST_CASE("forces on bodies and functions: the kernels themselves, and why") {
+TEST_CASE("forces on bodies and functions: the kernels are used, with the reason") {
   Model model = arm();
   Simulation plain(model), generated(model);
   const KernelCache kernels = cache();
@@ -146,7 +146,7 @@ TEST_CASE("forces on bodies and functions: the kernels themselves, and why") {
   CHECK(kernels.message().find("functions") != std::string::npos);
 }
 
-TEST_CASE("no compiler, one that fails, one that makes no library: the kernels themselves, and one reason") {
+TEST_CASE("no compiler, one that fails, one that makes no library: the kernels are used, with one reason") {
   const auto run = [](const std::string& compiler) {
     const KernelCache kernels({.compiler = compiler});
     Simulation plain = moving(arm()), generated = moving(arm());
@@ -168,7 +168,7 @@ TEST_CASE("no compiler, one that fails, one that makes no library: the kernels t
   CHECK(wrong.message().find("no_such_header.h") != std::string::npos);
 }
 
-TEST_CASE("too large, or too many: left to the kernels") {
+TEST_CASE("too large or too many topologies: the kernels are used") {
   const KernelCache small({.compiler = MOMENTREE_COMPILER, .most_operations = 100});
   CHECK((small.find(Tree(arm())) == nullptr));
   CHECK(small.statistics().left == 1);
@@ -185,7 +185,7 @@ TEST_CASE("too large, or too many: left to the kernels") {
   CHECK(few.statistics().found_again == 2);
 }
 
-TEST_CASE("what the recursion reads tells topologies apart, and nothing else") {
+TEST_CASE("topologies are distinguished by exactly what the recursion reads") {
   const std::string one = fingerprint(Tree(arm()));
   CHECK(fingerprint(Tree(arm())) == one);
   CHECK(fingerprint(Tree(arm(0.7))) == one);  // dampers are not part of it
@@ -199,7 +199,7 @@ TEST_CASE("what the recursion reads tells topologies apart, and nothing else") {
   CHECK(fingerprint(Tree(light)) != one);
 }
 
-TEST_CASE("the compiler: what is asked for, else the environment, else PATH") {
+TEST_CASE("the compiler: as requested, else from the environment, else from PATH") {
   const char* const names[] = {"MOMENTREE_CXX", "CXX"};
   std::string before[2];
   for (int i = 0; i < 2; ++i) before[i] = std::getenv(names[i]) != nullptr ? std::getenv(names[i]) : "";
@@ -218,7 +218,7 @@ TEST_CASE("the compiler: what is asked for, else the environment, else PATH") {
   for (int i = 0; i < 2; ++i) before[i].empty() ? unsetenv(names[i]) : setenv(names[i], before[i].c_str(), 1);
 }
 
-TEST_CASE("a compiler and a temporary folder whose paths have spaces, quotes and what a shell would run") {
+TEST_CASE("a compiler and a temporary folder whose paths have spaces, quotes and shell commands") {
   namespace fs = std::filesystem;
   const fs::path odd = fs::temp_directory_path() / ("momentree 'test' $(id) \"-" + std::to_string(std::rand()));
   fs::create_directory(odd);
@@ -236,7 +236,7 @@ TEST_CASE("a compiler and a temporary folder whose paths have spaces, quotes and
   fs::remove_all(odd);
 }
 
-TEST_CASE("nothing stays in the temporary folder, whatever happens") {
+TEST_CASE("nothing is left in the temporary folder, whatever happens") {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / ("momentree-cache-test-" + std::to_string(std::rand()));
   fs::create_directory(folder);

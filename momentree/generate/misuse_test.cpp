@@ -10,7 +10,7 @@
 using namespace momentree;
 using namespace momentree::test;
 
-TEST_CASE("expressions, sources and compilers") {
+TEST_CASE("misuse: expressions, sources and compilers") {
   const char* const no_node = "a node of these expressions";
   const Misuse all[] = {
       {"a sum of no node", no_node, [] { Expressions().sum(0, 7); }},
@@ -34,7 +34,7 @@ TEST_CASE("expressions, sources and compilers") {
   for (const Misuse& misuse : all) check_stopped(misuse);
 }
 
-TEST_CASE("a cache that can do nothing says why, and simulations run all the same") {
+TEST_CASE("a cache that cannot compile reports the reason, and simulations run without it") {
   Model model;
   model.add({.name = "bob", .mass = 1, .com = {0.1, 0, 0}, .inertia = diagonal(0.1), .joint = Revolute{}});
   KernelCacheOptions no_compiler, no_operations, no_topologies;

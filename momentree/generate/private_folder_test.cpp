@@ -46,7 +46,7 @@ class Place {
 
 }  // namespace
 
-TEST_CASE("a folder for this user alone, gone with its files") {
+TEST_CASE("the folder is private to this user, and is removed with its files") {
   const Place place;
   std::string path;
   {
@@ -80,7 +80,7 @@ TEST_CASE("paths are absolute, and no symbolic link is part of them") {
   fs::current_path(here);
 }
 
-TEST_CASE("no folder where others can exchange it") {
+TEST_CASE("no folder is made where other users could replace it") {
   const Place place;
   const fs::path open = place.folder("open", 0777), sticky = place.folder("sticky", 01777);
   fs::create_directory(open / "within");

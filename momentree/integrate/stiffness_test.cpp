@@ -56,7 +56,7 @@ JointParameters servo(double kp, double kd) {
 
 }  // namespace
 
-TEST_CASE("a damper that is too strong for steps makes them unstable, and the step that is named does not") {
+TEST_CASE("a damper that is too strong for the step makes it unstable, and the suggested step is stable") {
   for (const bool by_servo : {false, true}) {
     JointParameters p;
     if (by_servo)
@@ -81,7 +81,7 @@ TEST_CASE("a damper that is too strong for steps makes them unstable, and the st
   }
 }
 
-TEST_CASE("a spring that swings too fast for steps makes them unstable") {
+TEST_CASE("a spring that is too stiff for the step makes it unstable") {
   JointParameters p;
   p.stiffness = 4000;
   const Model model = arm(p);
@@ -100,7 +100,7 @@ TEST_CASE("a spring that swings too fast for steps makes them unstable") {
             .starts_with("the spring of joint 'arm/hand' (stiffness = 4e+03 N m/rad on"));
 }
 
-TEST_CASE("with a strong damper beside it a servo's spring is no reason for small steps by the method damped") {
+TEST_CASE("with the method damped, a servo's spring next to a strong damper needs no small steps") {
   const Model model = arm(servo(4000, 80));
   const auto stiff = judged(model, "rk4", 2e-3);
   REQUIRE(stiff);
@@ -110,7 +110,7 @@ TEST_CASE("with a strong damper beside it a servo's spring is no reason for smal
   CHECK(largest_speed(model, "damped", 2e-3) < 0.011);
 }
 
-TEST_CASE("what can't move by itself is not too stiff") {
+TEST_CASE("joints that cannot move independently are not reported as too stiff") {
   CHECK_FALSE(judged(arm({}), "rk4", 1));
   JointParameters moved;
   moved.drive = motion_drive(Signal::sine(0.1, 1));

@@ -122,11 +122,26 @@ TEST_CASE("later events find joints that earlier ones make, wherever they are in
 }
 
 TEST_CASE("the free joint of a separated part has its body's name") {
-  read(arm + "[[event]]\nat = 1\nbreak = \"m/j\"\n[[event]]\nat = 2\nset = { joint = \"m/b\", damping = [1, 1, 1, 1, 1, 1] }\n");
-  read(one_body +
-       "[mechanism.body.joint]\nname = \"h\"\nkind = \"revolute\"\n[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n"
-       "[mechanism.body.joint]\nname = \"a\"\nkind = \"revolute\"\nparent = \"a\"\n[[event]]\nat = 1\nbreak = \"m/h\"\n"
-       "[[event]]\nat = 2\nlock = \"m/a~free\"\n");
+  const auto done = [](const std::string& text) {
+    const Scenario s = read(text);
+    Simulation simulation(s.model, s.integration);
+    std::vector<const ScenarioEvent*> events;
+    for (const ScenarioEvent& event : s.events) events.push_back(&event);
+    CHECK(schedule(simulation, events).problems.empty());
+    REQUIRE(simulation.run_until(2) == Status::ok);
+    std::vector<std::string> all;
+    for (const Event& event : simulation.events())
+      for (const std::string& action : event.action_texts()) all.push_back(action);
+    return all;
+  };
+  CHECK(done(arm + "[[event]]\nat = 1\nbreak = \"m/j\"\n"
+                   "[[event]]\nat = 2\nset = { joint = \"m/b\", damping = [1, 1, 1, 1, 1, 1] }\n") ==
+        std::vector<std::string>{"break m/j", "set m/b"});
+  // A joint has the body's name already.
+  CHECK(done(one_body +
+             "[mechanism.body.joint]\nname = \"h\"\nkind = \"revolute\"\n[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = "
+             "1\n[mechanism.body.joint]\nname = \"a\"\nkind = \"revolute\"\nparent = \"a\"\n[[event]]\nat = 1\nbreak = \"m/h\"\n"
+             "[[event]]\nat = 2\nlock = \"m/a~free\"\n") == std::vector<std::string>{"break m/h", "lock m/a~free"});
 }
 
 TEST_CASE("matches of an event with an unknown instant happen together") {

@@ -127,7 +127,7 @@ TEST_CASE("bodies are in any order in the file; the model has parents first") {
   CHECK(s.model[BodyId{2}].parent == BodyId{1});
 }
 
-TEST_CASE("a pose places the mechanism; a root joint stands in it") {
+TEST_CASE("a pose places the mechanism and its root joint") {
   const std::string posed = head + "pose = { xyz = [1, 0, 0], rpy = [0, 0, \"90 deg\"] }\n";
   const Scenario pinned_at = read(posed + pinned.substr(head.size()) + "at = { xyz = [1, 0, 0] }\n");
   CHECK(pinned_at.model[BodyId{0}].at.position.x == doctest::Approx(1));
@@ -227,7 +227,7 @@ TEST_CASE("several roots make several mechanisms, if the file allows it") {
   CHECK(s.model[BodyId{1}].parent == ground);
 }
 
-TEST_CASE("state documents are named, relative to the scenario") {
+TEST_CASE("state documents are named relative to the scenario") {
   const Scenario s = read("state = \"a.json\"\n" + head + "state = \"b.json\"\n" + one_body.substr(head.size()));
   REQUIRE(s.state_files.size() == 2);
   CHECK(s.state_files[0].file == "folder/a.json");

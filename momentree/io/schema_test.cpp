@@ -141,7 +141,7 @@ TEST_CASE("the schema of scenarios has the reader's keys, in every table") {
   }
 }
 
-TEST_CASE("no key is taken for another that is written wrongly") {
+TEST_CASE("no valid key is mistaken for a misspelt one") {
   const Json whole = schema();
   const std::map<std::string, std::string> contexts{
       {"'at'", "placement"}, {"effort", "signal"}, {"'a'", "start"}, {"[mechanism.joint.2]", "override"}};

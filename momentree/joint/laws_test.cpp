@@ -76,20 +76,39 @@ void for_every_generic_kind(Law law) {
   });
 }
 
+// Functions of the kernels that several laws need, each compiled once, with everything inlined.
+template <class L>
+[[gnu::noinline]] DenseTransform<double> transform_of(const LinkConstants& link, const JointState<double>& joint) {
+  return dense_transform<L, double>(link, joint);
+}
+template <class L>
+[[gnu::noinline]] auto columns_of(const LinkConstants& link, const JointState<double>& joint) {
+  return L::template columns<double>(link, joint);
+}
+template <class L>
+[[gnu::noinline]] Motion<double> velocity_of(const LinkConstants& link, const JointState<double>& joint, const Motion<double>& in,
+                                             const double* u) {
+  return L::template spatial_velocity<double>(link, joint, in, u);
+}
+template <class L, class K, class Record>
+[[gnu::noinline]] void reduce(const Sample<K>& at, SpatialMass<double>& M, Force<double>& D, Record& record) {
+  L::template reduce<double>(at.link, at.joint(), at.p.data(), at.armature.data(), M, D, record);
+}
+
 // The record of a body with the given Mb and Db.
 template <class K, class L>
-void reduce_body(const Sample<K>& at, const SpatialMass<double>& Mb, const Force<double>& Db, auto& record) {
+[[gnu::noinline]] void reduce_body(const Sample<K>& at, const SpatialMass<double>& Mb, const Force<double>& Db, auto& record) {
   Inboard<double> in{Mb, Db, {}};
   if constexpr (has_steps<L>)
     L::Steps::template inboard<PlacementShape::general, true, true, Children::one, true>(at.link, 1.0, at.armature[0], at.c[0],
                                                                                          at.s[0], at.p[0], in, in, record, in);
   else
-    L::template reduce<double>(at.link, at.joint(), at.p.data(), at.armature.data(), in.M, in.D, record);
+    reduce<L>(at, in.M, in.D, record);
 }
 
 }  // namespace
 
-TEST_CASE("every kind says how many coordinates and freedoms it has") {
+TEST_CASE("every kind has as many units as coordinates and DoFs, and is found by its name") {
   CHECK(all_kinds().size() >= 9);
   for (const KindInfo& k : all_kinds()) {
     CHECK(find_kind(k.name)->kind == k.kind);
@@ -117,9 +136,8 @@ TEST_CASE("(6) E is the derivative of the pose, and Edot that of E") {
         return m;
       };
       const Sample<K> ahead = moved(h), behind = moved(-h);
-      const auto x0 = dense_transform<L, double>(at.link, at.joint());
-      const auto x1 = dense_transform<L, double>(at.link, ahead.joint()),
-                 x2 = dense_transform<L, double>(at.link, behind.joint());
+      const auto x0 = transform_of<L>(at.link, at.joint());
+      const auto x1 = transform_of<L>(at.link, ahead.joint()), x2 = transform_of<L>(at.link, behind.joint());
       const auto over = [&](double a, double b) { return (a - b) / (2 * h); };
       const Vec3 rdot{over(x1.r.x, x2.r.x), over(x1.r.y, x2.r.y), over(x1.r.z, x2.r.z)};
       const Mat3 Rdot{over(x1.R.xx, x2.R.xx), over(x1.R.xy, x2.R.xy), over(x1.R.xz, x2.R.xz),
@@ -127,13 +145,12 @@ TEST_CASE("(6) E is the derivative of the pose, and Edot that of E") {
                       over(x1.R.zx, x2.R.zx), over(x1.R.zy, x2.R.zy), over(x1.R.zz, x2.R.zz)};
       const Mat3 W = transpose(x0.R) * Rdot;
       const Motion<double> measured{transpose_times(x0.R, rdot), {W.zy, W.xz, W.yx}};
-      const auto E = L::template columns<double>(at.link, at.joint());
+      const auto E = columns_of<L>(at.link, at.joint());
       Motion<double> expected{};
       for (std::size_t i = 0; i < E.size(); ++i) expected = expected + Motion<double>{at.u[i] * E[i].v, at.u[i] * E[i].w};
       CHECK(distance(flat(measured), flat(expected)) < 1e-8);
-      CHECK(distance(flat(L::template spatial_velocity<double>(at.link, at.joint(), {}, at.u.data())), flat(expected)) < 1e-14);
-      const auto E1 = L::template columns<double>(at.link, ahead.joint()),
-                 E2 = L::template columns<double>(at.link, behind.joint());
+      CHECK(distance(flat(velocity_of<L>(at.link, at.joint(), {}, at.u.data())), flat(expected)) < 1e-14);
+      const auto E1 = columns_of<L>(at.link, ahead.joint()), E2 = columns_of<L>(at.link, behind.joint());
       for (std::size_t i = 0; i < E.size(); ++i) {
         const auto a = flat(E1[i]), b = flat(E2[i]);
         std::array<double, 6> rate{}, claimed{};
@@ -146,7 +163,7 @@ TEST_CASE("(6) E is the derivative of the pose, and Edot that of E") {
   });
 }
 
-TEST_CASE("(16) (17) (18) the crossing of a kind is that of its pose, in both directions") {
+TEST_CASE("(16) (17) (18) the joint transform of a kind is that of its pose, in both directions") {
   Draw draw;
   for_every_generic_kind([&](auto kind, auto kernels, bool rotor, bool aligned) {
     using K = typename decltype(kind)::type;
@@ -158,8 +175,8 @@ TEST_CASE("(16) (17) (18) the crossing of a kind is that of its pose, in both di
         typename L::template Record<double> record{};
         SpatialMass<double> M = random_mass(draw);
         Force<double> D{draw.vector(), draw.vector()};
-        L::template reduce<double>(at.link, at.joint(), at.p.data(), at.armature.data(), M, D, record);
-        const auto dense = dense_transform<L, double>(at.link, at.joint());
+        reduce<L>(at, M, D, record);
+        const auto dense = transform_of<L>(at.link, at.joint());
         SpatialMass<double> M1 = M, M2 = M;
         Force<double> D1 = D, D2 = D;
         Vec3 c1 = draw.vector(), c2 = c1;
@@ -193,7 +210,7 @@ TEST_CASE("(16) (17) (18) the crossing of a kind is that of its pose, in both di
   });
 }
 
-TEST_CASE("(24) (25) (26) (27) (21) (20) override equals generic") {
+TEST_CASE("(24) (25) (26) (27) (21) (20) the functions of a kind equal the generic ones") {
   Draw draw;
   for_every_generic_kind([&](auto kind, auto kernels, bool rotor, bool) {
     using K = typename decltype(kind)::type;
@@ -203,12 +220,12 @@ TEST_CASE("(24) (25) (26) (27) (21) (20) override equals generic") {
       const Sample<K> at(draw, false, rotor);
       const SpatialMass<double> Mb = random_mass(draw);
       const Force<double> Db{draw.vector(), draw.vector()};
-      const auto E = L::template columns<double>(at.link, at.joint());
+      const auto E = columns_of<L>(at.link, at.joint());
       SpatialMass<double> M1 = Mb, M2 = Mb;
       Force<double> D1 = Db, D2 = Db;
       typename L::template Record<double> own{};
       GenericRecord<double, N> generic{};
-      L::template reduce<double>(at.link, at.joint(), at.p.data(), at.armature.data(), M1, D1, own);
+      reduce<L>(at, M1, D1, own);
       reduce_generic<double, N>(E, at.p.data(), at.armature.data(), M2, D2, generic);
       CHECK(distance(flat(M1), flat(M2)) < 1e-12);
       CHECK(distance(flat(D1), flat(D2)) < 1e-12);
@@ -220,7 +237,7 @@ TEST_CASE("(24) (25) (26) (27) (21) (20) override equals generic") {
             generic.u0[static_cast<std::size_t>(i)] - dot(in, generic.G[static_cast<std::size_t>(i)]);
       CHECK(distance(u1, u2) < 1e-11);
       const Force<double> P1 = L::articulated_momentum(own, at.p.data(), in);
-      const Motion<double> out = L::template spatial_velocity<double>(at.link, at.joint(), in, u1.data());
+      const Motion<double> out = velocity_of<L>(at.link, at.joint(), in, u1.data());
       CHECK(distance(flat(P1), flat(Mb * out + Db)) < 1e-11);  // (21) by definition
       for (int i = 0; i < N; ++i) {                            // (19): p = Eᵀ Pb + armature · u
         const auto k = static_cast<std::size_t>(i);
@@ -265,7 +282,7 @@ TEST_CASE("a spring's force is the gradient of its energy along the joint's moti
   });
 }
 
-TEST_CASE("zero is no motion; normalising keeps what is normal") {
+TEST_CASE("at zero a joint's frames coincide; normalising keeps normalised coordinates") {
   Draw draw;
   for_every_kind([&](auto kind, auto kernels, bool, bool) {
     using K = typename decltype(kind)::type;
@@ -273,7 +290,7 @@ TEST_CASE("zero is no motion; normalising keeps what is normal") {
     Sample<K> at(draw, false, false);
     L::zero(at.q.data());
     at.turn();
-    const auto x = dense_transform<L, double>(at.link, at.joint());
+    const auto x = transform_of<L>(at.link, at.joint());
     const Mat3 R = placement_rotation(at.link);
     CHECK(norm(x.r - at.link.r) < 1e-15);
     const Vec3 v = draw.vector();
@@ -285,7 +302,7 @@ TEST_CASE("zero is no motion; normalising keeps what is normal") {
   });
 }
 
-TEST_CASE("(24) (27) (20) locked freedoms have no velocity and no rate; the others are those of a joint without them") {
+TEST_CASE("(24) (27) (20) locked DoFs have no velocity and no rate; the others satisfy the equations of the unlocked ones") {
   Draw draw;
   for_every_kind([&](auto kind, auto, bool, bool) {
     using K = typename decltype(kind)::type;
@@ -302,15 +319,15 @@ TEST_CASE("(24) (27) (20) locked freedoms have no velocity and no rate; the othe
         SpatialMass<double> M = Mb;
         Force<double> D = Db;
         typename L::template Record<double> record{};
-        L::template reduce<double>(at.link, at.joint(), at.p.data(), at.armature.data(), M, D, record);
+        reduce<L>(at, M, D, record);
         const Motion<double> in{draw.vector(), draw.vector()};
         std::array<double, 8> u{}, rate{};
         L::joint_velocity(record, in, u.data());
-        const Motion<double> out = L::template spatial_velocity<double>(at.link, at.joint(), in, u.data());
+        const Motion<double> out = velocity_of<L>(at.link, at.joint(), in, u.data());
         const Force<double> P = Mb * out + Db;
         CHECK(distance(flat(L::articulated_momentum(record, at.p.data(), in)), flat(P)) < 1e-11);
         L::template momentum_rate<double>(at.link, at.joint(), u.data(), P, P, rate.data());
-        const auto E = L::template columns<double>(at.link, at.joint());
+        const auto E = columns_of<L>(at.link, at.joint());
         for (int i = 0; i < N; ++i) {
           const auto k = static_cast<std::size_t>(i);
           if ((locked >> i & 1u) != 0) {
@@ -334,7 +351,7 @@ namespace {
 template <class K, class L>
 void acceleration_laws(Draw& draw, const Sample<K>& at) {
   constexpr int N = K::info.nv;
-  const auto columns = L::template columns<double>(at.link, at.joint());
+  const auto columns = columns_of<L>(at.link, at.joint());
   const auto locked = [&](std::size_t i) { return (at.link.locked >> i & 1u) != 0; };
   const SpatialMass<double> Mb = random_mass(draw);
   const Force<double> Db{draw.vector(), draw.vector()};
@@ -370,7 +387,7 @@ void acceleration_laws(Draw& draw, const Sample<K>& at) {
   L::template reduce_wrench<double>(at.link, at.joint(), record, tau.data(), Tr, udot.data());
   L::joint_acceleration(record, in, udot.data());
   L::add_reduced(record, in, Tr);
-  const Motion<double> out = L::template spatial_velocity<double>(at.link, at.joint(), in, udot.data());
+  const Motion<double> out = velocity_of<L>(at.link, at.joint(), in, udot.data());
   CHECK(distance(flat(Tr), flat(Mb * out + W)) < 1e-10);
   std::array<double, 8> force{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(N); ++i) {
@@ -388,7 +405,7 @@ void acceleration_laws(Draw& draw, const Sample<K>& at) {
 }
 }  // namespace
 
-TEST_CASE("(39) (47) (51) accelerations and the wrench of a joint, by every kind's kernels, with freedoms locked or not") {
+TEST_CASE("(39) (47) (51) accelerations and the wrench of a joint, by every kind's kernels, with and without locked DoFs") {
   Draw draw;
   for_every_kind([&](auto kind, auto kernels, bool rotor, bool) {
     using K = typename decltype(kind)::type;

@@ -43,7 +43,7 @@ double distance(const Pose& a, const Pose& b) {
 
 }  // namespace
 
-TEST_CASE("every kind finds its coordinates back from the motion that they make") {
+TEST_CASE("every kind recovers its coordinates from the relative pose that they produce") {
   for (const KindInfo& kind : all_kinds()) {
     CAPTURE(kind.name);
     const JointSpec joint = example(kind.kind);
@@ -58,16 +58,16 @@ TEST_CASE("every kind finds its coordinates back from the motion that they make"
   }
 }
 
-TEST_CASE("what a kind can't represent it refuses; a free joint represents everything") {
+TEST_CASE("a kind refuses relative poses that it can't represent; a free joint represents all of them") {
   const Pose askew{{0.1, 0.2, 0.3}, normalized(Quat{1, 0.2, -0.3, 0.4})};
   for (const KindInfo& kind : all_kinds())
     CHECK_MESSAGE(joint_coordinates(example(kind.kind), askew, 0).has_value() == (kind.kind == Kind::free), kind.name);
 }
 
-TEST_CASE("turns are kept: the angle nearest to the hint") {
-  const JointSpec pin = example(Kind::revolute);
+TEST_CASE("full turns are kept: the recovered angle is the one nearest to the hint") {
+  const JointSpec hinge = example(Kind::revolute);
   const double turns = 0.5 + 6 * std::numbers::pi;
-  const auto q = joint_coordinates(pin, joint_motion(pin, &turns), turns);
+  const auto q = joint_coordinates(hinge, joint_motion(hinge, &turns), turns);
   REQUIRE(q);
   CHECK((*q)[0] == turns);
   JointSpec screw = example(Kind::helical);
@@ -77,7 +77,7 @@ TEST_CASE("turns are kept: the angle nearest to the hint") {
   CHECK_FALSE(joint_coordinates(screw, joint_motion(screw, &turns), 0));  // displaced by three turns more
 }
 
-TEST_CASE("freedoms are the motion's derivative") {
+TEST_CASE("the columns of DoFs are derivatives of the relative pose") {
   for (const KindInfo& kind : all_kinds()) {
     CAPTURE(kind.name);
     if (kind.nq != kind.nv) continue;  // kinds with quaternions: laws_test

@@ -77,7 +77,7 @@ TEST_CASE("arithmetic of packs is that of their scalar in every lane") {
   check_arithmetic<Floats>();
 }
 
-TEST_CASE("what is not a number is within nothing") {
+TEST_CASE("NaN is within no bounds") {
   Doubles a(0);
   a.set(1, std::numeric_limits<double>::quiet_NaN());
   const auto mask = within(a, std::numeric_limits<double>::infinity());
@@ -85,7 +85,7 @@ TEST_CASE("what is not a number is within nothing") {
   CHECK(mask[1] == 0);
 }
 
-TEST_CASE("sine and cosine of doubles are those of one angle, but for how multiply-adds are contracted") {
+TEST_CASE("sine and cosine of doubles equal those of one angle, except for contracted multiply-adds") {
   Random random;
   for (int round = 0; round < 20000; ++round) {
     const double range = round % 3 == 0 ? 3.2 : round % 3 == 1 ? 100.0 : sincos_range;
@@ -102,7 +102,7 @@ TEST_CASE("sine and cosine of doubles are those of one angle, but for how multip
   }
 }
 
-TEST_CASE("sine and cosine of floats are right to their last digits") {
+TEST_CASE("sine and cosine of floats are accurate to their last digits") {
   Random random;
   double worst = 0;
   for (int round = 0; round < 20000; ++round) {
@@ -118,7 +118,7 @@ TEST_CASE("sine and cosine of floats are right to their last digits") {
   CHECK(worst < 1.2e-7);
 }
 
-TEST_CASE("one lane with a wide angle, or one that is not a number, changes no bit of the others") {
+TEST_CASE("a lane with a large angle or NaN changes no bit of the others") {
   Doubles x[2], s[2], c[2], alone_s[2], alone_c[2];
   x[0] = Doubles(0.5), x[1] = Doubles(-2.5);
   sincos(2, x, alone_s, alone_c);

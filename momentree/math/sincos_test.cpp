@@ -43,7 +43,7 @@ TEST_CASE("sincos is right to an ulp over its range, also near multiples of pi/2
   }
 }
 
-TEST_CASE("many angles by fours are these angles one by one, wide ones and what is no number among them") {
+TEST_CASE("angles in groups of four give the same bits as one by one, with large angles and NaN among them") {
   std::vector<double> x(150);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = 0.37 * static_cast<double>(i) - 20;
   x[5] = 1e9, x[66] = std::numeric_limits<double>::quiet_NaN(), x[148] = std::numeric_limits<double>::infinity();

@@ -25,7 +25,7 @@ RigidMass some_body() {
 
 TEST_CASE("(5) the cross product is the skew matrix times the vector") { CHECK(norm(cross(a, b) - skew(a) * b) < 1e-15); }
 
-TEST_CASE("(4) momentum of a rigid body is that of its centre of mass and of its spin") {
+TEST_CASE("(4) the momentum of a rigid body is that of its centre of mass and of its rotation") {
   const RigidMass body = some_body();
   const Motion<double> O{a, b};
   const Force<double> P = momentum(body, O);
@@ -39,7 +39,7 @@ TEST_CASE("(4) momentum of a rigid body is that of its centre of mass and of its
   CHECK(norm(P.h - Q.h) < 1e-14);
 }
 
-TEST_CASE("(9) what turning the momentum of a rigid body takes is the cross product of its velocity and momentum") {
+TEST_CASE("(9) the rate at which a rigid body's momentum rotates is the cross product of its velocity and momentum") {
   const RigidMass body = some_body();
   const Motion<double> O{a, b};
   const Force<double> W = gyroscopic_wrench(body, O), X = cross(O, momentum(body, O));
@@ -47,7 +47,7 @@ TEST_CASE("(9) what turning the momentum of a rigid body takes is the cross prod
   CHECK(norm(W.h - X.h) < 1e-14);
 }
 
-TEST_CASE("(9) the two cross products are each other's negative transposes") {
+TEST_CASE("(9) the cross products of motions and of forces are negative transposes of each other") {
   const Motion<double> O{a, b}, V{c, d};
   const Force<double> P{d, a};
   CHECK(dot(cross(O, V), P) == doctest::Approx(-dot(V, cross(O, P))).epsilon(1e-14));
@@ -56,7 +56,7 @@ TEST_CASE("(9) the two cross products are each other's negative transposes") {
   CHECK(norm(Q.h - (cross(a, d) + cross(b, a))) < 1e-15);
 }
 
-TEST_CASE("(16) moving and turning a mass matrix keeps its kinetic energy and its momentum") {
+TEST_CASE("(16) shifting and rotating a mass matrix keeps its kinetic energy and momentum") {
   SpatialMass<double> M{};
   add_rigid_mass(M, some_body());
   // An articulated mass: not that of any rigid body.

@@ -73,7 +73,7 @@ double furthest_change(const std::vector<BodyMotion>& a, const std::vector<BodyM
 
 }  // namespace
 
-TEST_CASE("a capture, a lock and a release: names, mechanisms, who joins whom") {
+TEST_CASE("a capture, a lock and a release: names, mechanisms, parent and child") {
   Simulation sim(yard());
   const Event grasp = sim.apply(weld("sat/panel", "tug/hand"), "grasp");
   CHECK(grasp.mechanisms_before == std::vector<std::string>{"crane", "tug", "sat"});
@@ -102,7 +102,7 @@ TEST_CASE("a capture, a lock and a release: names, mechanisms, who joins whom") 
   CHECK(world.find_joint("sat/panel") == world.model().joint("sat/panel").index);
 }
 
-TEST_CASE("the grounded partner's root is kept, whichever is named first; the joint is seen as declared") {
+TEST_CASE("the grounded partner's root is kept, whichever is named first; the joint has its declared direction") {
   for (const bool crane_first : {false, true}) {
     Simulation sim(yard());
     const Event e = crane_first ? sim.apply(attach("crane/boom", "sat/panel", Ball{}), "hook")
@@ -121,7 +121,7 @@ TEST_CASE("the grounded partner's root is kept, whichever is named first; the jo
   }
 }
 
-TEST_CASE("loops and nonsense are refused, name both sides, and leave the world as it was, to the bit") {
+TEST_CASE("loops and impossible actions are refused, name both sides, and change no bit of the world") {
   Simulation sim(yard({0, 0, -9.81}));
   CHECK(sim.run_until(0.05) == Status::ok);
   const std::vector<double> before = bits(sim.world());
@@ -155,7 +155,7 @@ TEST_CASE("loops and nonsense are refused, name both sides, and leave the world 
 }
 
 TEST_CASE(
-    "an impossible action of a run stops it before its instant, with a message; what has nothing to do is skipped and told") {
+    "an impossible action stops the run before its instant, with a message; an action without effect is skipped and reported") {
   Simulation sim(yard());
   sim.at(0.01).then(break_joint("tug/hand"));
   sim.at(0.02).then(break_joint("tug/hand"));
@@ -192,7 +192,7 @@ TEST_CASE("at one instant: releases, then one impact, then impulses, then parame
   CHECK(a.second.work == doctest::Approx(b.second.work).epsilon(1e-10));
 }
 
-TEST_CASE("changes that neither free nor hold alone are one impact with the others, in any order") {
+TEST_CASE("changes of the kind of joint are one impact with the others, in any order") {
   const Action turn = change_joint("tug/upper", Prismatic{.axis = {0, 1, 0}});
   const Action slide = change_joint("tug/hand", Revolute{.axis = {0, 0, 1}});
   const auto run = [](const std::vector<Action>& actions) {
@@ -206,7 +206,7 @@ TEST_CASE("changes that neither free nor hold alone are one impact with the othe
   CHECK(fastest_change(one, other) < 1e-12);
 }
 
-TEST_CASE("what a joint that changes at this instant holds to the ground stays held") {
+TEST_CASE("a mechanism remains grounded through a joint that changes at the same instant") {
   const Action turn = change_joint("crane/base", Prismatic{.axis = {0, 1, 0}});
   Simulation sim(yard());
   sim.apply(weld("sat/hull"), "held");
@@ -249,7 +249,7 @@ TEST_CASE("a change keeps the coordinates that the new kind can represent, and t
   }
 }
 
-TEST_CASE("the freedoms of the law: a broken, welded and again broken part is where it was") {
+TEST_CASE("a part that breaks off and is attached again keeps its pose and velocity, and no energy is lost") {
   Simulation sim(yard());
   const std::vector<BodyMotion> before = sim.world().motions();
   sim.apply(break_joint("sat/panel"));
@@ -304,7 +304,7 @@ TEST_CASE("snapshots, branches and undo are exact to the bit, across any number 
   CHECK_THROWS_AS(sim.undo(5), Error);
 }
 
-TEST_CASE("a rehearsal finds what will be impossible, and every joint that there will be, and changes nothing") {
+TEST_CASE("a dry run finds impossible actions and all joints that will exist, and changes nothing") {
   Simulation sim(yard());
   sim.at(0.1).then(weld("sat/panel", "tug/hand")).named("grasp");
   sim.at(0.2).then(break_joint("grasp"));
@@ -327,7 +327,7 @@ TEST_CASE("a rehearsal finds what will be impossible, and every joint that there
   CHECK(found.joints.size() == 9);
 }
 
-TEST_CASE("a part that would have no mass of its own does not come off") {
+TEST_CASE("a break that would separate a massless part is refused") {
   Model model = yard();
   BodySpec sensor{.name = "tug/sensor", .parent = model.body("tug/hand"), .at = {0.1, 0, 0}, .joint = Weld{}};
   model.add(sensor);
@@ -337,14 +337,14 @@ TEST_CASE("a part that would have no mass of its own does not come off") {
   CHECK(bits(sim.world()) == before);
 }
 
-TEST_CASE("too many actions at one instant are an error that tells them") {
+TEST_CASE("too many actions at one instant are an error that lists them") {
   Simulation sim(yard());
   const std::vector<Action> many(10'001, impulse("tug/hull", {1e-9, 0, 0}));
   CHECK(refused(sim, many).find("more than 10000 actions at one instant") != std::string::npos);
   CHECK(sim.events().empty());
 }
 
-TEST_CASE("what floats but is locked or held by springs can break, and is bare then") {
+TEST_CASE("a free root that is locked or damped can break, and has no lock or parameters then") {
   for (const bool locked : {true, false}) {
     Model model;
     model.add({.name = "hull",
@@ -363,7 +363,7 @@ TEST_CASE("what floats but is locked or held by springs can break, and is bare t
   }
 }
 
-TEST_CASE("a rod that comes off by itself is refused, wherever it stands") {
+TEST_CASE("a break that would separate a body without inertia about an axis is refused") {
   Model model({.gravity = {0, 0, -9.81}});
   const BodyId base = model.add({.name = "base", .mass = 1.5, .inertia = diagonal(0.135), .joint = Free{}});
   model.add({.name = "rod",
@@ -382,7 +382,7 @@ TEST_CASE("a rod that comes off by itself is refused, wherever it stands") {
   REQUIRE(sim.run_until(0.2) == Status::ok);
 }
 
-TEST_CASE("a joint with a rotor can be made on what moves: its energy is work") {
+TEST_CASE("a joint with armature can be attached to a moving body: the armature's energy is work") {
   Model model;
   model.add({.name = "cart", .mass = 1.5, .inertia = diagonal(0.07), .joint = Free{}, .v = {1, 0, 0, 0, 0, 0}});
   Simulation sim(model);
@@ -397,7 +397,7 @@ TEST_CASE("a joint with a rotor can be made on what moves: its energy is work") 
   CHECK(std::fabs(sim.energy().error) < 1e-14);
 }
 
-TEST_CASE("a rehearsal judges no inertia by where joints stand before it") {
+TEST_CASE("a dry run does not judge inertia by the joint positions before the run") {
   Model model;
   const BodyId gimbal = model.add({.name = "gimbal", .joint = Revolute{.axis = z_axis}});
   model.add({.name = "rod",
@@ -419,7 +419,7 @@ TEST_CASE("a rehearsal judges no inertia by where joints stand before it") {
   CHECK(sim.world().joint({0}).locked == 0);
 }
 
-TEST_CASE("what is due at one instant goes by rank, else by the order of scheduling") {
+TEST_CASE("events of one instant are ordered by rank, then by scheduling") {
   Simulation sim(yard());
   sim.at(0.1).named("second").ranked(2).then(impulse("tug/hull", {1, 0, 0}));
   sim.at(0.1).named("first").ranked(1).then(impulse("tug/hull", {0, 1, 0}));
@@ -428,7 +428,7 @@ TEST_CASE("what is due at one instant goes by rank, else by the order of schedul
   CHECK(sim.events()[0].name == "first");
 }
 
-TEST_CASE("actions on a joint that broke do not act on the part in flight, whose free joint has its name") {
+TEST_CASE("actions on a broken joint do not act on the separated part, whose free joint has its name") {
   constexpr Vec3 y_axis{0, 1, 0};
   const auto arm = [y_axis] {
     Model model({.gravity = {}});

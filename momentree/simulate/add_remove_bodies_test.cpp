@@ -33,7 +33,7 @@ BodySpec load(BodyId parent) {
 
 }  // namespace
 
-TEST_CASE("a body added at rest takes no velocity from any other, and goes along from then on") {
+TEST_CASE("adding a body at rest changes no other velocity, and the body moves along from then on") {
   Simulation sim(chain(4));
   CHECK(sim.run_until(0.1) == Status::ok);
   const auto before = sim.world().motions();
@@ -50,7 +50,7 @@ TEST_CASE("a body added at rest takes no velocity from any other, and goes along
   CHECK(sim.world().mechanism_names() == std::vector<std::string>{"c", "load"});
 }
 
-TEST_CASE("what leaves takes nothing along but itself, and its handle is caught") {
+TEST_CASE("removing a body changes nothing else, and the use of its handle is detected") {
   Simulation sim(chain(6)), free(chain(6));
   CHECK(sim.run_until(0.1) == Status::ok);
   CHECK(free.run_until(0.1) == Status::ok);
@@ -71,7 +71,7 @@ TEST_CASE("what leaves takes nothing along but itself, and its handle is caught"
   CHECK(std::fabs(sim.energy().error) < 1e-6);
 }
 
-TEST_CASE("snapshots and branches know who was there") {
+TEST_CASE("snapshots and branches contain the bodies that existed") {
   Simulation sim(chain(3));
   CHECK(sim.run_until(0.1) == Status::ok);
   const SimulationSnapshot early = sim.snapshot();

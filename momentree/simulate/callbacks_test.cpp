@@ -103,7 +103,7 @@ const std::vector<Change> changes = {
     {"force", [](Simulation& sim, const World&) { sim.force("m/lower", {}); }},
     {"add", [](Simulation& sim, const World&) { sim.add({.name = "x", .mass = 1}); }},
     {"remove", [](Simulation& sim, const World&) { sim.remove({1}); }},
-    {"rehearse", [](Simulation& sim, const World&) { static_cast<void>(sim.dry_run()); }},
+    {"dry_run", [](Simulation& sim, const World&) { static_cast<void>(sim.dry_run()); }},
     {"restore", [](Simulation& sim, const World&) { sim.restore(Simulation(model()).snapshot()); }},
     {"restore a document", [](Simulation& sim, const World&) { sim.restore(0, {}, {}); }},
     {"undo", [](Simulation& sim, const World&) { sim.undo(0); }},
@@ -179,7 +179,7 @@ TEST_CASE("observers and watchers read, take snapshots and branches") {
   }
 }
 
-TEST_CASE("observers and watchers schedule what happens next") {
+TEST_CASE("observers and watchers can schedule events") {
   for (const Callback& callback : steady) {
     CAPTURE(std::string(callback.name));
     Simulation sim(model());
@@ -203,7 +203,7 @@ TEST_CASE("observers and watchers schedule what happens next") {
   }
 }
 
-TEST_CASE("what is called between two steps reads what it is given, and schedules nothing") {
+TEST_CASE("callbacks between two steps read the given state, and schedule nothing") {
   for (const Callback& callback : within) {
     const auto stops = [&](const char* how, const char* expected, const Act& act) {
       check_stopped(std::string(how) + " in " + callback.name, expected, [&] { run(callback, act); });
@@ -232,7 +232,7 @@ TEST_CASE("what is called between two steps reads what it is given, and schedule
   });
 }
 
-TEST_CASE("functions that drive a joint or act on a body read the moment, not the world") {
+TEST_CASE("functions that drive a joint or act on a body read the given moment, not the world") {
   const char* const expected = "a function called by an evaluation reads only the EvaluationContext that it is given";
   for (const Callback& callback : functions) {
     const auto stops = [&](const char* how, const Act& act) {

@@ -53,7 +53,7 @@ TEST_CASE("the instant of a crossing does not depend on the step") {
   }
 }
 
-TEST_CASE("a pendulum breaks where the force in its pin reaches a threshold") {
+TEST_CASE("a pendulum breaks where the force in its joint reaches a threshold") {
   // Point mass on a massless rod of 1 m, released horizontally: the force is 3 m g sin φ, φ being the angle fallen; 2 m g at sin
   // φ = 2/3.
   Model model;
@@ -89,7 +89,7 @@ TEST_CASE("conditions can be written as comparisons") {
   CHECK(broken_at(position_of("rod") < 1) == broken_at(position_of("rod").below(1)));
 }
 
-TEST_CASE("already past at the start: at once; the largest load first; a cascade at one instant") {
+TEST_CASE("a threshold exceeded at the start fires at once; the largest load first; a cascade at one instant") {
   Simulation sim(hanging(5), {.step = 1e-3});
   // The joints carry 5, 4, 3, 2, 1 rods. All but the last are overloaded; the third is overloaded most, then the first with the
   // remaining rods.
@@ -153,7 +153,7 @@ TEST_CASE("repetition, duration, delays, periods") {
   }
 }
 
-TEST_CASE("what has to last starts anew where it ceases within a step, however briefly") {
+TEST_CASE("a duration starts anew if its condition ceases within a step, however briefly") {
   // A cosine with a period of one second falls below -0.85 for less than a step of 0.2 s: at 0.5, 1.5, … s, by 0.0883 s to both
   // sides.
   constexpr double turn = 2 * 3.14159265358979323846;
@@ -204,7 +204,7 @@ TEST_CASE("a trigger far from its threshold costs no evaluation") {
   }
 }
 
-TEST_CASE("many conditions on positions take the evaluations of one for each that happens") {
+TEST_CASE("many conditions on positions need the evaluations of one for each event") {
   const auto evaluations = [](int count) {
     Simulation sim(falling(20), {.step = 0.05});  // a ball thrown upwards: every condition fires once, on the way up
     for (int k = 1; k <= count; ++k) sim.when(position_of("ball").exceeds(20.0 * k / count)).then(impulse("ball", {}));
@@ -227,7 +227,7 @@ TEST_CASE("conditions without rates find the slopes of one step together") {
   CHECK(evaluations(100) == evaluations(1));
 }
 
-TEST_CASE("snapshots know what is armed; a runaway is stopped with its story; impulses trigger") {
+TEST_CASE("snapshots contain armed events; endless cascades are stopped and reported; impulses trigger conditions") {
   Simulation sim(falling(), {.step = 1e-3});
   sim.when(height_of("ball").below(-0.5)).then(impulse("ball", {0, 0, 1}));
   const SimulationSnapshot start = sim.snapshot();
@@ -253,7 +253,7 @@ TEST_CASE("snapshots know what is armed; a runaway is stopped with its story; im
   CHECK(jerk.events()[1].time == 0.1);
 }
 
-TEST_CASE("conditions that can't be are errors") {
+TEST_CASE("impossible conditions are errors") {
   Simulation sim(hanging(2));
   CHECK_THROWS_AS(sim.when(reaction_force("rod/3").exceeds(1)), Error);
   CHECK_THROWS_AS(sim.when(reaction_force("rod/1").exceeds(0)), Error);

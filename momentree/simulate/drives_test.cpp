@@ -52,7 +52,7 @@ Model arms(const Revolute& second) {
 
 }  // namespace
 
-TEST_CASE("friction stops a rotor as its closed form says: sinh(u/s) decays") {
+TEST_CASE("friction stops a rotor as in the closed form: sinh(u/s) decays") {
   const double coulomb = 0.5, speed = 0.1, u0 = 2;
   Simulation sim(rotor({.friction = {coulomb, speed}}, 0, u0), exactly());
   for (const double t : {1.0, 3.9, 4.0, 4.1, 5.0}) {
@@ -90,7 +90,7 @@ TEST_CASE("position control is bounded by its largest effort, then a damped osci
   CHECK(std::fabs(sim.energy().error) <= 1e-9 * scale(sim));
 }
 
-TEST_CASE("position control follows the rate of its target unless told another") {
+TEST_CASE("position control follows the rate of its target unless another is set") {
   const Signal ramp = Signal::table({{0, 0}, {2, 6}});
   Simulation one(rotor({.drive = pd_drive({.kd = 5, .target = {ramp}})}), exactly());
   Simulation other(rotor({.drive = pd_drive({.kd = 5, .target_speed = {Signal(3)}})}), exactly());
@@ -129,7 +129,7 @@ TEST_CASE("a soft stop throws a mass back as a damped oscillator does, and never
   }
 }
 
-TEST_CASE("efforts that change with time keep the order of every method") {
+TEST_CASE("time-dependent efforts keep the order of every method") {
   const Model model = arms({.axis = x_axis, .drive = effort_drive({Signal::sine(2, 1.3, 0.4, 0.5)})});
   const Tree tree(model);
   const auto end = [&](const char* method, int steps) {
@@ -182,7 +182,7 @@ TEST_CASE("steps end on the bends of tables, and methods keep their order across
   }
 }
 
-TEST_CASE("a joint's own function is as good as a signal, sees the world, and goes with the joint") {
+TEST_CASE("a drive function gives the same motion as a signal, reads the world, and ends with the joint") {
   Simulation told(arms({.axis = x_axis, .drive = effort_drive({Signal::sine(2, 1.3)})}), {.step = 1e-2});
   Simulation asked(arms({.axis = x_axis}), {.step = 1e-2});
   int calls = 0;
@@ -253,7 +253,7 @@ TEST_CASE("new drives, friction, stops and strengths at run time") {
   CHECK(sim.world().totals().potential == 0);
 }
 
-TEST_CASE("many joints are driven at once, or none where one of them can't be") {
+TEST_CASE("drive applies to all of several joints, or to none if one cannot have it") {
   Simulation together(arms({.axis = y_axis}), exactly()), apart(arms({.axis = y_axis}), exactly());
   const auto effort = [](double of) { return [of](const EvaluationContext&, std::span<double> efforts) { efforts[0] = of; }; };
   const double before[] = {together.world().joint({0}).pdot[0], together.world().joint({1}).pdot[0]};

@@ -55,13 +55,13 @@ double distance(const Wrench& a, const Wrench& b) { return norm(a.force - b.forc
 
 }  // namespace
 
-TEST_CASE("a pendulum: its acceleration, the pull of the pin, and the drive's share of it, step by step") {
+TEST_CASE("a pendulum: acceleration, joint reaction and the drive's share of it, step by step") {
   Simulation sim(pendulum(), {.step = 1e-2});
   for (int k = 0; k < 10; ++k) {
     const World& world = sim.world();
-    const JointView pin = world.joint({0});
+    const JointView hinge = world.joint({0});
     const JointForces forces = world.joint_forces({0});
-    const double q = pin.q[0], v = pin.v[0], drive = 4 - 0.5 * v;
+    const double q = hinge.q[0], v = hinge.v[0], drive = 4 - 0.5 * v;
     const double a = (drive - 3 * 9.81 * 2 * std::sin(q)) / 12;
     REQUIRE(forces.a.size() == 1);
     CHECK(forces.a[0] == doctest::Approx(a).epsilon(1e-13));
@@ -76,7 +76,7 @@ TEST_CASE("a pendulum: its acceleration, the pull of the pin, and the drive's sh
   }
 }
 
-TEST_CASE("accelerations are the rates of what motions and joints tell") {
+TEST_CASE("accelerations are the rates of the velocities of motions and joints") {
   const double h = 1e-5;
   Simulation sim(floating(), {.step = h});
   CHECK(sim.run_until(0.02) == Status::ok);
@@ -105,7 +105,7 @@ TEST_CASE("accelerations are the rates of what motions and joints tell") {
   for (std::size_t i = 0; i < a.size(); ++i) CHECK(std::fabs((v_after[i] - v_before[i]) / (2 * h) - a[i]) < 1e-5);
 }
 
-TEST_CASE("a joint carries the same, whichever way round the tree is; a lock carries what moved") {
+TEST_CASE("reactions do not depend on the root; a lock transmits the effort along its DoF") {
   Simulation sim(floating(), {.step = 1e-3});
   CHECK(sim.run_until(0.1) == Status::ok);
   const Wrench arm = sim.world().joint_forces({1}).reaction, hand = sim.world().joint_forces({2}).reaction;
@@ -123,7 +123,7 @@ TEST_CASE("a joint carries the same, whichever way round the tree is; a lock car
   CHECK(distance(locked.pure, locked.reaction) == 0);
 }
 
-TEST_CASE("they belong to the state: after going back they are the same to the last bit, and a body that left has none") {
+TEST_CASE("joint forces belong to the state: after undo they are the same to the last bit; removed bodies have none") {
   Simulation sim(floating(), {.step = 1e-3});
   CHECK(sim.run_until(0.05) == Status::ok);
   const WorldSnapshot then = sim.world().snapshot();

@@ -48,7 +48,7 @@ void check_error(const char* what, const std::function<void()>& act) {
 
 }  // namespace
 
-TEST_CASE("times, periods and steps that are none") {
+TEST_CASE("misuse: invalid times, periods and steps") {
   Simulation sim(model());
   REQUIRE(sim.run_until(0.01) == Status::ok);
   for (const double t : {no_number, inf, -inf, 0.0, -1.0}) check_error("cannot happen", [&] { static_cast<void>(sim.at(t)); });
@@ -78,7 +78,7 @@ TEST_CASE("times, periods and steps that are none") {
   CHECK(sim.time() == before);
 }
 
-TEST_CASE("a run without end is one that an observer or a watcher ends") {
+TEST_CASE("misuse: a run without end needs an observer or a watcher that ends it") {
   for (const bool steps : {false, true}) {
     for (const bool watches : {false, true}) {
       CAPTURE(steps);
@@ -94,7 +94,7 @@ TEST_CASE("a run without end is one that an observer or a watcher ends") {
   }
 }
 
-TEST_CASE("a clock that can't resolve the steps says so") {
+TEST_CASE("misuse: a time that can't resolve the steps is reported") {
   Simulation sim(model(), {.step = 1e-3});
   std::vector<JointStart> none;
   sim.restore(1e14, {}, none);  // where the clock's resolution is 0.016 s
@@ -107,7 +107,7 @@ TEST_CASE("a clock that can't resolve the steps says so") {
   CHECK(sim.result().reason.empty());
 }
 
-TEST_CASE("how to integrate") {
+TEST_CASE("misuse: integration options") {
   const auto with = [](Integration how) { return [how] { Simulation(model(), how); }; };
   check_error("unknown integration method 'rk5'; did you mean 'rk4'?", with({.method = "rk5"}));
   for (const double x : {no_number, inf, 0.0, -1.0}) {
@@ -124,7 +124,7 @@ TEST_CASE("how to integrate") {
   CHECK(sim.events().size() == 1);
 }
 
-TEST_CASE("conditions that would never come true, or always are") {
+TEST_CASE("misuse: conditions that are never or always true") {
   Simulation sim(model());
   const auto refuses = [&](const char* what, const Condition& condition) {
     check_error(what, [&] { static_cast<void>(sim.when(condition)); });
@@ -161,7 +161,7 @@ TEST_CASE("conditions that would never come true, or always are") {
   check_stopped("no action", "an action does something", [] { Action(std::shared_ptr<const ActionBase>()); });
 }
 
-TEST_CASE("actions with what no joint, impulse or placement has") {
+TEST_CASE("misuse: actions with invalid joints, impulses or placements") {
   Simulation sim(model());
   const auto refuses = [&](const char* what, const Action& action) {
     CAPTURE(what);
@@ -188,7 +188,7 @@ TEST_CASE("actions with what no joint, impulse or placement has") {
   CHECK(sim.world().model().gravity() == Vec3{0, 0, -9.81});
 }
 
-TEST_CASE("an event that has happened takes no more actions; one without actions is one all the same") {
+TEST_CASE("misuse: actions can't be added to a past event; an event without actions is valid") {
   Simulation sim(model());
   auto past = sim.at(0.1).named("past");
   REQUIRE(sim.run_until(0.2) == Status::ok);
@@ -201,7 +201,7 @@ TEST_CASE("an event that has happened takes no more actions; one without actions
   CHECK(event.mechanisms_after == std::vector<std::string>{"m", "s"});
 }
 
-TEST_CASE("a world asked about what it has not") {
+TEST_CASE("misuse: queries about things that the world does not have") {
   const World world(model());
   const char* const no_joint = "the joint is in this world";
   for (const int b : {-1, 4, 1 << 30}) {
@@ -225,7 +225,7 @@ TEST_CASE("a world asked about what it has not") {
   CHECK(world.find_joint("nothing") == -1);
 }
 
-TEST_CASE("a document that is of another world") {
+TEST_CASE("misuse: a state of another world") {
   const auto restored = [](double time, const Forest& forest, std::vector<JointStart> joints) {
     return [=] { World(model()).restore(time, forest, joints); };
   };
@@ -246,7 +246,7 @@ TEST_CASE("a document that is of another world") {
   for (const Misuse& misuse : all) check_stopped(misuse);
 }
 
-TEST_CASE("a simulation that is gone, or was another") {
+TEST_CASE("misuse: handles of a destroyed or other simulation") {
   const Misuse all[] = {
       {"a moved-from simulation", "has not been moved from",
        [] {
@@ -284,7 +284,7 @@ TEST_CASE("a simulation that is gone, or was another") {
   for (const Misuse& misuse : all) check_stopped(misuse);
 }
 
-TEST_CASE("handles outlive a move of their simulation and another gravity") {
+TEST_CASE("handles stay valid when their simulation is moved or its gravity changes") {
   Simulation sim(model());
   auto event = sim.at(0.01);
   const World* const world = &sim.world();

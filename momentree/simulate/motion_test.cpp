@@ -69,11 +69,11 @@ TEST_CASE("a driven joint follows its curve to rounding, by every method, and it
     double worst = 0, worst_effort = 0;
     sim.observe(0, [&](const World& world) {
       const Curve::Point s = Curve(swing).at(world.time());
-      const JointView pin = world.joint({0});
+      const JointView hinge = world.joint({0});
       const JointForces forces = world.joint_forces({0});
       const double effort = (J + armature) * s.acceleration + mass * g * length * std::sin(s.value);
-      worst = std::max({worst, std::fabs(pin.q[0] - s.value), std::fabs(pin.v[0] - s.rate),
-                        std::fabs(forces.a[0] - s.acceleration), std::fabs(pin.p[0]), std::fabs(pin.pdot[0])});
+      worst = std::max({worst, std::fabs(hinge.q[0] - s.value), std::fabs(hinge.v[0] - s.rate),
+                        std::fabs(forces.a[0] - s.acceleration), std::fabs(hinge.p[0]), std::fabs(hinge.pdot[0])});
       worst_effort = std::max({worst_effort, std::fabs(forces.effort[0] - effort) / 100,
                                std::fabs(forces.reaction.torque.y - effort + armature * s.acceleration) / 100,
                                std::fabs(forces.pure.torque.y) / 100});
@@ -90,7 +90,7 @@ TEST_CASE("a driven joint follows its curve to rounding, by every method, and it
   }
 }
 
-TEST_CASE("a pendulum that is turned at a constant rate takes the torque of its weight") {
+TEST_CASE("a pendulum rotated at a constant rate needs the torque of its weight") {
   Simulation sim(pendulum(Signal::table({{0, 0}, {1, 0.5}, {3, 3}, {4, 3.5}})), exactly());
   REQUIRE(sim.run_until(5) == Status::ok);
   CHECK(sim.world().joint({0}).q[0] == 3.5);
@@ -101,7 +101,7 @@ TEST_CASE("a pendulum that is turned at a constant rate takes the torque of its 
   CHECK(std::fabs(sim.energy().error) <= 1e-9 * scale(sim));
 }
 
-TEST_CASE("what a motion moves moves back: a floating mechanism keeps its momenta, and its energy is the drive's work") {
+TEST_CASE("a floating mechanism with a prescribed motion keeps its momenta, and its energy is the drive's work") {
   Simulation sim(floating(Signal::sine(1.2, 0.9)), exactly());
   const Totals start = sim.world().totals();
   REQUIRE(sim.run_until(3) == Status::ok);
@@ -113,7 +113,7 @@ TEST_CASE("what a motion moves moves back: a floating mechanism keeps its moment
   CHECK(std::fabs(sim.energy().error) <= 1e-9 * scale(sim));
 }
 
-TEST_CASE("strongly damped joints that are taken implicitly, and a motion beside them") {
+TEST_CASE("strongly damped joints, integrated implicitly, next to a prescribed motion") {
   Model model = floating(Signal::sine(1.2, 0.9));
   model.add({.name = "brake",
              .mass = 0.2,
@@ -132,7 +132,7 @@ TEST_CASE("strongly damped joints that are taken implicitly, and a motion beside
   CHECK(damped.energy().dissipated == doctest::Approx(exact.energy().dissipated).epsilon(1e-5));
 }
 
-TEST_CASE("nothing changes for a driven joint when the mechanism is re-rooted") {
+TEST_CASE("re-rooting does not affect a prescribed motion") {
   Simulation here(floating(Signal::sine(1.2, 0.9)), exactly()), there(floating(Signal::sine(1.2, 0.9)), exactly());
   const JointForces before = there.world().joint_forces({1});
   const Wrench reaction = before.reaction;
@@ -153,7 +153,7 @@ TEST_CASE("nothing changes for a driven joint when the mechanism is re-rooted") 
   CHECK(std::fabs(there.energy().error) <= 1e-9 * scale(there));
 }
 
-TEST_CASE("locks stop a motion with an impulse, unlocks resume it where it passes, breaks end it") {
+TEST_CASE("locks stop a prescribed motion by an impulse, unlocks resume it, breaks end it") {
   const Signal swing = Signal::sine(0.6, 1);  // at the same position at 0.1 s and 0.4 s
   Simulation sim(floating(swing), exactly());
   const Totals start = sim.world().totals();
@@ -193,7 +193,7 @@ TEST_CASE("locks stop a motion with an impulse, unlocks resume it where it passe
   unmoved();
 }
 
-TEST_CASE("a motion taken away leaves its speed, one given brings its own, where the joint stands") {
+TEST_CASE("removing a prescribed motion keeps the speed; adding one sets the speed, at the joint's position") {
   Simulation sim(floating(Signal::sine(0.6, 1)), exactly());
   const Totals start = sim.world().totals();
   REQUIRE(sim.run_until(0.3) == Status::ok);
@@ -225,7 +225,7 @@ TEST_CASE("a motion taken away leaves its speed, one given brings its own, where
   CHECK(std::fabs(sim.energy().error) <= 1e-9 * scale(sim));
 }
 
-TEST_CASE("impacts elsewhere leave a motion as it is: the drive's impulse is its work") {
+TEST_CASE("impacts elsewhere do not change a prescribed motion: the drive's impulse does work") {
   Simulation sim(floating(Signal::sine(0.6, 1)), exactly());
   REQUIRE(sim.run_until(0.2) == Status::ok);
   const double speed = sim.world().joint({1}).v[0];
@@ -244,7 +244,7 @@ TEST_CASE("impacts elsewhere leave a motion as it is: the drive's impulse is its
   CHECK(std::fabs(sim.energy().error) <= 1e-9 * scale(sim));
 }
 
-TEST_CASE("a hit on a stop beside a prescribed motion: the drive's work in the impact is in the balance") {
+TEST_CASE("an impact on a stop next to a prescribed motion: the drive's work is in the energy ledger") {
   Model model({.gravity = {}});
   const BodyId cart = model.add({.name = "cart",
                                  .mass = 1,
@@ -266,7 +266,7 @@ TEST_CASE("a hit on a stop beside a prescribed motion: the drive's work in the i
   CHECK(std::fabs(sim.energy().error) <= 1e-11 * scale(sim));
 }
 
-TEST_CASE("a driven joint that becomes another keeps its speed, if that can; a capture beside one keeps its motion") {
+TEST_CASE("a driven joint that changes kind keeps its speed if possible; a capture next to one keeps its motion") {
   Model model = floating(Signal::sine(0.6, 1), 0);
   model.add({.name = "prey",
              .mass = 2,
@@ -295,7 +295,7 @@ TEST_CASE("a driven joint that becomes another keeps its speed, if that can; a c
   CHECK(std::fabs(sim.energy().error) <= 1e-9 * scale(sim));
 }
 
-TEST_CASE("a motion at a constant rate: from the start, from where the joint stands, and on after a lock") {
+TEST_CASE("a motion at a constant rate: from the start, from the current position, and after a lock") {
   // A bead on a hoop that rotates at a constant rate: sin θ (ω² cos θ − g/r) = θ̈ has the integral θ̇²/2 − ω² sin²θ/2 − (g/r) cos
   // θ.
   constexpr double g = 9.81, r = 0.5, omega = 7;
@@ -333,7 +333,7 @@ TEST_CASE("a motion at a constant rate: from the start, from where the joint sta
   CHECK(std::fabs(sim.energy().error) <= 1e-8 * scale(sim));
 }
 
-TEST_CASE("a rehearsal judges no motion by where joints stand before it") {
+TEST_CASE("a dry run does not judge motions by the joint positions before the run") {
   Simulation sim(floating(Signal::sine(0.6, 1)), exactly());
   JointParameters moved, none;
   none.effort = 0;
@@ -364,7 +364,7 @@ TEST_CASE("snapshots, branches and state documents keep motions") {
   CHECK(other.world().joint({1}).q[0] == 0.5);
 }
 
-TEST_CASE("a body joins and leaves a world with a motion of its own") {
+TEST_CASE("a body with a prescribed motion is added and removed") {
   Simulation sim(floating(Signal::sine(0.6, 1)), exactly());
   REQUIRE(sim.run_until(0.2) == Status::ok);
   const std::vector<BodyMotion> before = sim.world().motions();
@@ -387,7 +387,7 @@ TEST_CASE("a body joins and leaves a world with a motion of its own") {
   CHECK(sim.world().joint({1}).q[0] == Curve(Signal::sine(0.6, 1)).at(1).value);
 }
 
-TEST_CASE("a joint that becomes another may move at a constant rate from where it stands") {
+TEST_CASE("a joint that changes kind may move at a constant rate from its position") {
   Model model({.gravity = {}});
   model.add({.name = "hoop", .mass = 1, .inertia = diagonal(0.1), .joint = Revolute{.axis = {0, 0, 1}}, .q = 0.3});
   Simulation sim(model);

@@ -31,7 +31,7 @@ Model chain(int links, double damping = 0) {
 
 }  // namespace
 
-TEST_CASE("a run lands exactly on events and on its end, and tells what happened") {
+TEST_CASE("steps end exactly on events and on the end of the run, and events are reported") {
   Simulation sim(chain(4), {.method = "rk4", .step = 1e-3});
   sim.at(0.10005).then(break_joint("chain/3")).named("snap");
   CHECK(sim.run_until(0.2) == Status::ok);
@@ -51,7 +51,7 @@ TEST_CASE("a run lands exactly on events and on its end, and tells what happened
   CHECK(energy.error == doctest::Approx(energy.final - energy.initial).epsilon(1e-9));
 }
 
-TEST_CASE("events of one instant happen in their order; an action on what is gone is skipped and told") {
+TEST_CASE("events of one instant happen in order; an action on a joint that is gone is skipped and reported") {
   Simulation sim(chain(3), {.step = 1e-2});
   sim.at(0.05).then(break_joint("chain/2"));
   sim.at(0.0).then(break_joint("chain/3"));
@@ -67,7 +67,7 @@ TEST_CASE("events of one instant happen in their order; an action on what is gon
   CHECK(sim.events()[2].mechanisms_after[0] == "chain");  // a mechanism whose root joint breaks keeps its name
 }
 
-TEST_CASE("a loop of one's own sees the same motion as one run") {
+TEST_CASE("stepping in a loop gives the same motion as one run") {
   Simulation one(chain(5), {.step = 1e-3}), other(chain(5), {.step = 1e-3});
   one.at(0.25).then(break_joint("chain/2"));
   other.at(0.25).then(break_joint("chain/2"));
@@ -78,7 +78,7 @@ TEST_CASE("a loop of one's own sees the same motion as one run") {
     CHECK(norm(one.world().motions()[b].pose.position - other.world().motions()[b].pose.position) < 1e-9);
 }
 
-TEST_CASE("dissipation and work are in the books: the balance closes with the order of the method") {
+TEST_CASE("dissipation and work are in the energy ledger, which closes with the order of the method") {
   const auto error = [](double step) {
     Model model;
     const BodyId arm = model.add({.name = "a",
@@ -133,7 +133,7 @@ TEST_CASE("observers: every step, at multiples, after events, never twice; an ob
   CHECK(stopped.time() == doctest::Approx(0.03));
 }
 
-TEST_CASE("a run that diverges stops at its last good state and says which joint, when, and what to do") {
+TEST_CASE("a run that diverges stops at its last valid state and reports the joint, the time, and a remedy") {
   Model model = chain(30);
   Simulation sim(model, {.step = 0.05});
   CHECK(sim.run_until(1000) == Status::diverged);
@@ -146,7 +146,7 @@ TEST_CASE("a run that diverges stops at its last good state and says which joint
   CHECK(sim.run_until(2000) == Status::diverged);
 }
 
-TEST_CASE("mistakes are errors that say what is wrong") {
+TEST_CASE("mistakes are errors that name the problem") {
   const Model model = chain(2);
   CHECK_THROWS_AS(Simulation(model, {.method = "rk5"}), Error);
   CHECK_THROWS_AS(Simulation(model, {.step = 0}), Error);
@@ -171,7 +171,7 @@ TEST_CASE("mistakes are errors that say what is wrong") {
   }
 }
 
-TEST_CASE("a world restored from what it told goes on to the same bits") {
+TEST_CASE("a world restored from its public data continues to the same bits") {
   Simulation whole(chain(6, 0.01), {.step = 1e-3});
   whole.at(0.1).then(break_joint("chain/4"));
   CHECK(whole.run_until(0.2) == Status::ok);
@@ -200,7 +200,7 @@ TEST_CASE("a world restored from what it told goes on to the same bits") {
     CHECK(whole.world().state().p()[i] == branch.world().state().p()[i]);
 }
 
-TEST_CASE("a coordinate that runs away in the first step is named, with how far it would have gone") {
+TEST_CASE("a coordinate that diverges in the first step is named, with its value") {
   Model model({.gravity = {}});
   model.add({.name = "calm", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}, .v = 1.0});
   model.add({.name = "stiff", .mass = 1, .inertia = diagonal(1), .joint = Revolute{.stiffness = 1e12}, .q = 0.1});
@@ -225,7 +225,7 @@ TEST_CASE("a coordinate that runs away in the first step is named, with how far 
   CHECK(beyond.result().reason.find("joint 'sharp' overflowed") != std::string::npos);
 }
 
-TEST_CASE("a run that gets nowhere stops and says why") {
+TEST_CASE("a run that makes no progress stops and reports the reason") {
   const Model model = chain(1);
   Simulation tiny(model, {.step = 1e-300});
   CHECK(tiny.run_until(1) == Status::stalled);
@@ -262,7 +262,7 @@ TEST_CASE("a run that gets nowhere stops and says why") {
   CHECK(busy.message().find("'second: impulse chain/1'") != std::string::npos);
 }
 
-TEST_CASE("steps of a run that divides into them leave no sliver") {
+TEST_CASE("a run whose length is a multiple of the step has no short last step") {
   const Model model = chain(1);
   for (const double every : {25e-6, 0.03}) {
     Simulation sim(model, {.step = 25e-6});
@@ -272,7 +272,7 @@ TEST_CASE("steps of a run that divides into them leave no sliver") {
   }
 }
 
-TEST_CASE("events that did not happen: when they are due, what they follow, how near their condition came") {
+TEST_CASE("missed events: their time, the event that they follow, or the nearest value of their condition") {
   Model model({.gravity = {}});
   model.add(
       {.name = "swing", .mass = 1, .inertia = diagonal(1), .joint = Prismatic{.stiffness = 4 * 9.869604401089358}, .q = 1.0});
@@ -302,7 +302,7 @@ TEST_CASE("events that did not happen: when they are due, what they follow, how 
   }
 }
 
-TEST_CASE("an energy balance that does not close comes with advice") {
+TEST_CASE("a warning about the energy balance has advice") {
   Simulation rough(chain(20), {.step = 4e-3});
   REQUIRE(rough.run_until(1) == Status::ok);
   const EnergyBalance energy = rough.energy();
@@ -319,7 +319,7 @@ TEST_CASE("an energy balance that does not close comes with advice") {
   CHECK(still.energy().advice({}).empty());
 }
 
-TEST_CASE("a run without end is not taken for one that gets nowhere") {
+TEST_CASE("a run without end is not mistaken for one that makes no progress") {
   Model model({.gravity = {}});
   model.add({.name = "calm", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}});
   for (const char* method : {"rk4", "dopri5"}) {
@@ -332,7 +332,7 @@ TEST_CASE("a run without end is not taken for one that gets nowhere") {
   }
 }
 
-TEST_CASE("a world in equilibrium closes its balance but for rounding, and is not warned of") {
+TEST_CASE("a world in equilibrium closes its energy balance to rounding, without a warning") {
   Model model({.gravity = {0, 0, -9.81}});
   model.add({.name = "weight",
              .mass = 3,
@@ -345,7 +345,7 @@ TEST_CASE("a world in equilibrium closes its balance but for rounding, and is no
   CHECK(sim.energy().advice({}) == "");
 }
 
-TEST_CASE("axes that are nearly parallel, or nearly at right angles, are not taken for it") {
+TEST_CASE("axes that are nearly parallel or nearly at right angles are not treated as exactly so") {
   for (const double angle : {0.0, 1.5707963267948966}) {
     for (const double off : {1e-14, 1e-11, 6e-9, 1e-8, 4e-8, 1e-7}) {
       CAPTURE(angle);

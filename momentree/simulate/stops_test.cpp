@@ -60,7 +60,7 @@ TEST_CASE("a ball bounces at the instants and with the speeds of the closed form
   }
 }
 
-TEST_CASE("elastic stops lose nothing; bounces shorter than a step are all there") {
+TEST_CASE("elastic stops lose no energy; bounces shorter than a step are all detected") {
   Simulation sim(falling(1), {.step = 0.05});
   REQUIRE(sim.run_until(2) == Status::ok);
   CHECK(of(sim, "hit").size() == 3);  // at 0.319 s, then every 0.639 s
@@ -79,7 +79,7 @@ TEST_CASE("elastic stops lose nothing; bounces shorter than a step are all there
   CHECK(std::fabs(box.world().joint({0}).q[0]) < 1e-8);
 }
 
-TEST_CASE("a freedom that goes out and back within one step hits its stop") {
+TEST_CASE("a joint that exceeds its limit and returns within one step hits its stop") {
   Model model({.gravity = {0, 0, -g}});
   const double v = 1.0, top = v * v / (2 * g);
   model.add({.name = "ball",
@@ -126,7 +126,7 @@ TEST_CASE("bouncing ends, whatever the load, the mass, the restitution, the rest
   }
 }
 
-TEST_CASE("a stop lets go at the instant at which it would have to pull") {
+TEST_CASE("a stop releases its joint at the instant at which it would have to pull") {
   // A cart on a spring, and a slider on it along the same track with a stop that keeps it from falling behind the cart. The stop
   // can push the slider while the cart accelerates forwards: until the spring is unstressed.
   Model model({.gravity = {}});
@@ -153,7 +153,7 @@ TEST_CASE("a stop lets go at the instant at which it would have to pull") {
   CHECK(std::fabs(sim.energy().error) < 1e-8);
 }
 
-TEST_CASE("a joint that rests under load leaves at once when its drive turns the load about") {
+TEST_CASE("a joint that rests on a stop leaves at once when its drive reverses the load") {
   Model model;  // a lid that its weight keeps closed
   model.add({.name = "lid",
              .mass = 1,
@@ -270,7 +270,7 @@ TEST_CASE("stops belong to the joint: a re-rooted mechanism bounces and rests as
   CHECK(as_declared.world().joint({1}).resting == 1);  // its spring keeps it there
 }
 
-TEST_CASE("snapshots keep what rests; locks and unlocks go over it") {
+TEST_CASE("snapshots contain active limits; locks and unlocks override them") {
   Simulation sim(falling(0.2));
   REQUIRE(sim.run_until(2) == Status::ok);
   REQUIRE(sim.world().joint({0}).resting == 1);
@@ -286,7 +286,7 @@ TEST_CASE("snapshots keep what rests; locks and unlocks go over it") {
   CHECK(sim.apply(unlock("ball")).actions[0].text().find("skipped") != std::string::npos);
 }
 
-TEST_CASE("limits that can't be are errors") {
+TEST_CASE("impossible limits are errors") {
   const auto message = [](JointSpec joint, Values q = {}) {
     Model model;
     try {
@@ -320,7 +320,7 @@ TEST_CASE("a stop is located well within steps that are shorter than the event t
   CHECK(std::fabs(sim.energy().error) < 1e-6 * sim.energy().largest_kinetic);
 }
 
-TEST_CASE("a stop through which next to no force goes does not rest and leave by turns without end") {
+TEST_CASE("a stop with nearly no force does not alternate between rest and release without end") {
   Model model({.gravity = {}});
   const BodyId hull = model.add(
       {.name = "hull", .mass = 2, .com = {0.175, 0.295, -0.256}, .inertia = diagonal(0.096, 0.112, 0.096), .joint = Free{}});

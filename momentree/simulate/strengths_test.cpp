@@ -58,7 +58,7 @@ TEST_CASE("strengths break joints as explicit events do, bit for bit") {
   }
 }
 
-TEST_CASE("a strength goes with a joint that is turned over, and others can follow its break") {
+TEST_CASE("a strength stays with a joint that is reversed, and events can follow its break") {
   Model model({.gravity = {}});
   const BodyId hull = model.add({.name = "hull", .mass = 5, .inertia = diagonal(1), .joint = Free{}});
   model.add({.name = "arm",
@@ -85,7 +85,7 @@ TEST_CASE("a strength goes with a joint that is turned over, and others can foll
   CHECK(times[0] == doctest::Approx(times[1]).epsilon(1e-7));
 }
 
-TEST_CASE("a strength changes at run time, comes back with a snapshot, and is none of the numbered events") {
+TEST_CASE("a strength changes at run time, is restored by a snapshot, and is not a numbered event") {
   Simulation sim(chain({{.force = 200}, {}}), {.step = 2e-3});
   sim.at(0.25).then(impulse("link1", {0, 0.1, 0}));
   JointParameters weaker;
@@ -110,7 +110,7 @@ TEST_CASE("a strength changes at run time, comes back with a snapshot, and is no
   CHECK(found);
 }
 
-TEST_CASE("a dry run breaks joints that events make with a strength, and is sure of nothing after them") {
+TEST_CASE("a dry run breaks joints that events make with a strength, and is incomplete after them") {
   Simulation sim(chain({{}, {}}));
   Ball hook;
   hook.strength = {.force = 2};
@@ -122,7 +122,7 @@ TEST_CASE("a dry run breaks joints that events make with a strength, and is sure
   CHECK(std::count(found.joints.begin(), found.joints.end(), std::pair<std::string, Kind>("link1", Kind::free)) == 1);
 }
 
-TEST_CASE("a joint that takes the place of one that broke has the same strength anew") {
+TEST_CASE("a joint that replaces a broken one has the same strength again") {
   for (const double again : {0.2, 0.5}) {
     CAPTURE(again);
     Simulation sim(chain({{}, {.force = 1}}), {.method = "rk4", .step = 5e-3});

@@ -78,7 +78,7 @@ TEST_CASE("branches of one run, each in a thread") {
   for (const Simulation& each : branches) CHECK(each.time() == trunk.time());
 }
 
-TEST_CASE("one tree that all evaluate, and trees, states and works of each thread's own") {
+TEST_CASE("one tree that all threads evaluate, and a tree, state and workspace per thread") {
   const Model model = chain();
   const Tree shared(model);
   const State start = start_state(model, shared);
@@ -96,7 +96,7 @@ TEST_CASE("one tree that all evaluate, and trees, states and works of each threa
   for (const double each : kinetic) CHECK(each == kinetic[0]);
 }
 
-TEST_CASE("batches with threads, in threads") {
+TEST_CASE("batches with threads, run from several threads") {
   const Model pendulum = [] {
     Model model;
     model.add(

@@ -32,7 +32,7 @@ Model stone(Vec3 gravity) {
 
 }  // namespace
 
-TEST_CASE("an attempt that is impossible changes nothing and says why; a possible one is an event") {
+TEST_CASE("an impossible attempt changes nothing and reports the reason; a possible one is an event") {
   Simulation simulation(two_links({0, -9.81, 0}));
   simulation.keep_history();
   CHECK(simulation.run_until(0.1) == Status::ok);
@@ -62,7 +62,7 @@ TEST_CASE("an attempt that is impossible changes nothing and says why; a possibl
   CHECK(std::vector<double>(simulation.world().state().p().begin(), simulation.world().state().p().end()) == p);
 }
 
-TEST_CASE("gravity that is turned off leaves a straight line; its work is booked") {
+TEST_CASE("without gravity motion is straight; the work of the change is in the energy ledger") {
   Simulation simulation(stone({0, 0, -9.81}));
   simulation.at(1.5).then(impulse("stone", {6, 0, 0}));
   CHECK(simulation.run_until(0.5) == Status::ok);
@@ -81,7 +81,7 @@ TEST_CASE("gravity that is turned off leaves a straight line; its work is booked
   CHECK(std::abs(simulation.energy().error) < 1e-10);
 }
 
-TEST_CASE("a world whose gravity changed keeps its topology, its functions and its way back") {
+TEST_CASE("a world whose gravity changed keeps its topology, functions and undo") {
   Simulation simulation(two_links({0, -9.81, 0}));
   simulation.force("m/arm", [](const EvaluationContext&) { return Wrench{{0, 0, 0}, {0, 0, 0.5}}; });
   simulation.apply(break_joint("m/hand"));

@@ -52,7 +52,7 @@ Motions motions(const Tree& tree, const State& state) {
 
 }  // namespace
 
-TEST_CASE("(28) (29) a break changes no pose and no velocity; the ancestors shed what the part takes along") {
+TEST_CASE("(28) (29) a break changes no pose and no velocity; the ancestors lose the momentum of the part") {
   for (int broken = 0; broken < 5; ++broken) {
     const Model model = bent_chain(5);
     Tree tree = compile(model);
@@ -87,7 +87,7 @@ TEST_CASE("(28) (29) a break changes no pose and no velocity; the ancestors shed
   }
 }
 
-TEST_CASE("what is broken can't be broken again, and every order of breaks ends in free bodies") {
+TEST_CASE("a broken joint can't break again, and every order of breaks ends in free bodies") {
   const Model model = bent_chain(6);
   Tree tree = compile(model);
   State state = start_state(model, tree);

@@ -56,32 +56,32 @@ Misuse of_change(const char* how, const char* expected, const Change& change) {
   return of_scene(how, expected, [change](Scene& s) { apply(change, s.tree, s.state, s.workspace); });
 }
 
-Joint pin(const Vec3& axis) {
+Joint hinge(const Vec3& axis) {
   Joint joint;
   joint.kind = Kind::revolute, joint.axis = axis;
   return joint;
 }
 Joint placed(const Pose& at) {
-  Joint joint = pin(z_axis);
+  Joint joint = hinge(z_axis);
   joint.at = at;
   return joint;
 }
 
 }  // namespace
 
-TEST_CASE("changes of a body that is not there") {
+TEST_CASE("misuse: changes of a body that does not exist") {
   for (const int b : {-1, 4, 77, -1000}) {
     CAPTURE(b);
     const BodyId body{b};
     const JointId joint{b};
     const Misuse all[] = {
         of_change("Break", "holds a body", Break{joint}),
-        of_change("ChangeJoint", no_joint, ChangeJoint{joint, pin(z_axis), {0}}),
+        of_change("ChangeJoint", no_joint, ChangeJoint{joint, hinge(z_axis), {0}}),
         of_change("Lock", no_joint, Lock{joint}),
         of_change("Unlock", no_joint, Unlock{joint}),
         of_change("Reroot", "its mechanism floats", Reroot{body}),
         of_change("Join", "its mechanism floats", Join{body, {0}}),
-        of_change("Attach", "its mechanism floats", Attach{body, {0}, pin(z_axis), {0}}),
+        of_change("Attach", "its mechanism floats", Attach{body, {0}, hinge(z_axis), {0}}),
         of_change("Impulse", no_body, Impulse{body, {1, 0, 0}}),
         of_change("Impact", no_joint, Impact{joint, 0}),
         of_change("SetParameters", no_joint, SetParameters{joint, {}}),
@@ -95,14 +95,14 @@ TEST_CASE("changes of a body that is not there") {
   }
 }
 
-TEST_CASE("changes with what no joint, impulse or body has") {
+TEST_CASE("misuse: changes with invalid joints, impulses and bodies") {
   JointParameters negative, too_many;
   negative.damping = -1, too_many.armature = {1, 2};
   const Misuse all[] = {
-      of_change("no coordinates", "as many coordinates", ChangeJoint{{1}, pin(z_axis), {}}),
-      of_change("coordinates that are no numbers", "finite coordinates", ChangeJoint{{1}, pin(z_axis), {no_number}}),
-      of_change("an axis that is longer than 1", "an axis of length 1", ChangeJoint{{1}, pin({0, 0, 2}), {0}}),
-      of_change("no axis", "a valid joint", ChangeJoint{{1}, pin({0, 0, 0}), {0}}),
+      of_change("no coordinates", "as many coordinates", ChangeJoint{{1}, hinge(z_axis), {}}),
+      of_change("coordinates that are no numbers", "finite coordinates", ChangeJoint{{1}, hinge(z_axis), {no_number}}),
+      of_change("an axis that is longer than 1", "an axis of length 1", ChangeJoint{{1}, hinge({0, 0, 2}), {0}}),
+      of_change("no axis", "a valid joint", ChangeJoint{{1}, hinge({0, 0, 0}), {0}}),
       of_change("a placement that is no number", "finite placements", ChangeJoint{{1}, placed({{0, inf, 0}, {}}), {0}}),
       of_change("a placement that is no rotation", "finite placements", ChangeJoint{{1}, placed({{}, {2, 0, 0, 0}}), {0}}),
       of_change("a ball's coordinates that are no rotation", "a quaternion of length 1",
@@ -114,9 +114,9 @@ TEST_CASE("changes with what no joint, impulse or body has") {
                             }(),
                             {0, 0, 0, 0}}),
       of_change("reversed on the ground", "the ground is not a joint's child",
-                ChangeJoint{{0}, pin(z_axis), {0}, ChangeJoint::Direction::reversed}),
-      of_change("Attach without coordinates", "as many coordinates", Attach{{2}, {0}, pin(z_axis), {}}),
-      of_change("Attach to itself", "different mechanisms", Attach{{2}, {3}, pin(z_axis), {0}}),
+                ChangeJoint{{0}, hinge(z_axis), {0}, ChangeJoint::Direction::reversed}),
+      of_change("Attach without coordinates", "as many coordinates", Attach{{2}, {0}, hinge(z_axis), {}}),
+      of_change("Attach to itself", "different mechanisms", Attach{{2}, {3}, hinge(z_axis), {0}}),
       of_change("Join of what is held", "its mechanism floats", Join{{1}, {2}}),
       of_change("Reroot of what is held", "its mechanism floats", Reroot{{1}}),
       of_change("Remove of what is held", "the root of a mechanism that floats", Remove{{1}}),
@@ -152,13 +152,13 @@ TEST_CASE("changes with what no joint, impulse or body has") {
       of_scene("a momentum that is no number", "a finite momentum",
                [](Scene& s) {
                  const Force<double> none{{no_number, 0, 0}, {}};
-                 apply(ChangeJoint{{1}, pin(z_axis), {0}}, none, s.tree, s.state, s.workspace);
+                 apply(ChangeJoint{{1}, hinge(z_axis), {0}}, none, s.tree, s.state, s.workspace);
                }),
   };
   for (const Misuse& misuse : all) check_stopped(misuse);
 }
 
-TEST_CASE("the tree, the state or the work of something else") {
+TEST_CASE("misuse: a tree, state or workspace that do not belong together") {
   const char* const foreign = "the state belongs to this tree as it is now";
   const char* const stale = "the workspace was evaluated with this state and this tree as they are now";
   const Misuse all[] = {
@@ -268,7 +268,7 @@ TEST_CASE("the tree, the state or the work of something else") {
   for (const Misuse& misuse : all) check_stopped(misuse);
 }
 
-TEST_CASE("methods of integration") {
+TEST_CASE("misuse: methods of integration") {
   const auto with_method = [](const char* name, auto act) {
     return [name, act] {
       Scene s;

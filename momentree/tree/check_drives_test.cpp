@@ -17,7 +17,7 @@ std::string problem(const JointSpec& joint) {
 
 }  // namespace
 
-TEST_CASE("what is wrong with drives, friction, soft stops and strengths is said by the key at fault") {
+TEST_CASE("errors in drives, friction, soft stops and strengths name the key") {
   const auto motion = motion_drive(Signal::sine(1, 2));
   CHECK(problem(Revolute{.friction = {2, 0.1}, .drive = motion, .strength = {.force = 3}}).empty());
   CHECK(problem(Revolute{.limits = {.upper = 1, .stiffness = 3, .damping = 0}, .drive = pd_drive({.kp = 1})}).empty());
@@ -57,7 +57,7 @@ TEST_CASE("what is wrong with drives, friction, soft stops and strengths is said
   CHECK(problem(Revolute{.strength = {.torque = -1}}) == "strength: must be positive");
 }
 
-TEST_CASE("a soft stop may be passed at the start, a hard one not") {
+TEST_CASE("an initial position may be beyond a soft stop, but not beyond a hard one") {
   Model model;
   model.add(
       {.name = "soft", .mass = 1, .inertia = diagonal(1), .joint = Revolute{.limits = {.upper = 1, .stiffness = 9}}, .q = 2});

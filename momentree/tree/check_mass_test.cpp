@@ -21,7 +21,7 @@ BodySpec part(BodyId parent, const Sym3& inertia, double mass = 1, const Vec3& c
 
 }  // namespace
 
-TEST_CASE("points, rods, plates and balls are sound at any scale") {
+TEST_CASE("points, rods, plates and balls are valid at any scale") {
   for (double f : {1e-280, 1e-20, 1.0, 1e20, 1e280}) {
     CAPTURE(f);
     CHECK(verdict(1, diagonal(f)) == "sound");
@@ -37,14 +37,14 @@ TEST_CASE("points, rods, plates and balls are sound at any scale") {
   CHECK(verdict(-1, {}) == "impossible");
 }
 
-TEST_CASE("a rod along any direction is sound, and products too large for the moments are not") {
+TEST_CASE("a rod along any direction is valid; products too large for the moments are not") {
   // 1 − uuᵀ for u = (1, 1, 1)/√3
   CHECK(verdict(1, {2.0 / 3, 2.0 / 3, 2.0 / 3, -1.0 / 3, -1.0 / 3, -1.0 / 3}) == "sound");
   CHECK(verdict(1, {1, 1, 1, 2, 0, 0}) == "impossible");
   CHECK(verdict(1, {0, 0, 0, 1, 0, 0}) == "impossible");
 }
 
-TEST_CASE("an odd body in a sound group is a warning, in an odd group an error") {
+TEST_CASE("an implausible inertia is a warning if the rigid group is valid, else an error") {
   const Sym3 odd = diagonal(1, 1, 3);
   std::vector<BodySpec> bodies{part(ground, diagonal(5)), part({0}, odd)};
   auto problems = check_masses(bodies);
@@ -69,7 +69,7 @@ TEST_CASE("an odd body in a sound group is a warning, in an odd group an error")
   CHECK(!check_masses(bodies).at(0).problem.warning);  // no longer rigidly joined
 }
 
-TEST_CASE("the ground makes no group of what stands on it") {
+TEST_CASE("bodies welded to the ground are separate groups") {
   const std::vector<BodySpec> bodies{part(ground, diagonal(5)), part(ground, diagonal(1, 1, 3))};
   REQUIRE(check_masses(bodies).size() == 1);
   CHECK(!check_masses(bodies)[0].problem.warning);

@@ -43,7 +43,7 @@ const char* const no_body = "the tree has a body of that number, and it was not 
 
 }  // namespace
 
-TEST_CASE("a model") {
+TEST_CASE("misuse: a model") {
   Model model = arm();
   check_fine("the last body", [&] { static_cast<void>(model[BodyId{3}]); });
   for (const int b : {-1, 4, 77, std::numeric_limits<int>::max(), std::numeric_limits<int>::min()}) {
@@ -79,7 +79,7 @@ TEST_CASE("a model") {
   CHECK(model.size() == 4);
 }
 
-TEST_CASE("values and numbers") {
+TEST_CASE("misuse: values and indices") {
   check_stopped("an index past the end", "an index below size()", [] { static_cast<void>(Values{1, 2}[2]); });
   check_stopped("a negative index", "an index below size()", [] { static_cast<void>(Values{1, 2}[-1]); });
   check_stopped("an eighth value", "at most 7 values", [] { Values{1, 2, 3, 4, 5, 6, 7, 8}; });
@@ -90,7 +90,7 @@ TEST_CASE("values and numbers") {
   check_stopped("edit().p[nv]", "an index below size()", [&] { state.edit().p[8] = 0; });
 }
 
-TEST_CASE("a tree asked about a body that it has not") {
+TEST_CASE("misuse: queries about a body that the tree does not have") {
   const Tree tree(arm());
   for (const int b : {-1, 4, 1 << 30}) {
     CAPTURE(b);
@@ -122,20 +122,20 @@ TEST_CASE("a tree asked about a body that it has not") {
   check_stopped("motion of a joint that is free to move", "motion is prescribed", [&] { static_cast<void>(tree.motion(1)); });
 }
 
-TEST_CASE("an edit of a tree that can't be") {
+TEST_CASE("misuse: impossible edits of a tree") {
   Tree tree(arm());
-  const Joint pin = tree.joint(1);
-  Joint locked = pin, parameters = pin, function = pin, kind = pin;
+  const Joint hinge = tree.joint(1);
+  Joint locked = hinge, parameters = hinge, function = hinge, kind = hinge;
   locked.locked = 2, parameters.parameters = 5, function.function = 0, kind.kind = static_cast<Kind>(50);
   const Misuse all[] = {
       {"detach", no_body, [&] { tree.detach(9); }},
       {"reroot", no_body, [&] { tree.reroot(-1); }},
       {"reroot of what is held", "the root is joined to the ground by a free joint", [&] { tree.reroot(2); }},
-      {"attach to itself", "belongs to another tree", [&] { tree.attach(3, 3, pin, false); }},
-      {"attach to no body", no_body, [&] { tree.attach(3, 9, pin, false); }},
-      {"attach to less than the ground", "a body or the ground", [&] { tree.attach(3, -2, pin, false); }},
-      {"set_joint", no_body, [&] { tree.set_joint(4, pin); }},
-      {"set_joint reversed on the ground", "the ground is not a joint's child", [&] { tree.set_joint(0, pin, true); }},
+      {"attach to itself", "belongs to another tree", [&] { tree.attach(3, 3, hinge, false); }},
+      {"attach to no body", no_body, [&] { tree.attach(3, 9, hinge, false); }},
+      {"attach to less than the ground", "a body or the ground", [&] { tree.attach(3, -2, hinge, false); }},
+      {"set_joint", no_body, [&] { tree.set_joint(4, hinge); }},
+      {"set_joint reversed on the ground", "the ground is not a joint's child", [&] { tree.set_joint(0, hinge, true); }},
       {"set_joint with a locked freedom that it has not", "those of its kind", [&] { tree.set_joint(1, locked); }},
       {"set_joint with parameters that there are not", "parameters exist in the tree", [&] { tree.set_joint(1, parameters); }},
       {"set_joint with a function that there is not", "function exists in the tree", [&] { tree.set_joint(1, function); }},
@@ -154,7 +154,7 @@ TEST_CASE("an edit of a tree that can't be") {
   for (const Misuse& misuse : all) check_stopped(misuse);
 }
 
-TEST_CASE("a topology or a snapshot of something else") {
+TEST_CASE("misuse: a topology or snapshot of another tree") {
   Tree tree(arm());
   State state(tree);
   const Topology good = tree.topology();
@@ -204,7 +204,7 @@ TEST_CASE("a topology or a snapshot of something else") {
   for (const Misuse& misuse : all) check_stopped(misuse);
 }
 
-TEST_CASE("a state that is not the tree's") {
+TEST_CASE("misuse: a state of another tree") {
   Model model = arm();
   Tree tree(model);
   State state = start_state(model, tree);

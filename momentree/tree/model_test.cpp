@@ -53,7 +53,7 @@ TEST_CASE("a copy of a model shares its bodies until one of the two changes") {
   CHECK(first.body("m/a") == a);
 }
 
-TEST_CASE("a model completes what is left out and normalises") {
+TEST_CASE("a model completes omitted values and normalises axes") {
   Model model;
   const BodyId a = model.add(link("arm/1"));
   BodySpec spec = link("arm/2", a);
@@ -72,7 +72,7 @@ TEST_CASE("a model completes what is left out and normalises") {
   CHECK(!model.has_joint("arm/2"));
 }
 
-TEST_CASE("an axis of any length is taken, however large") {
+TEST_CASE("an axis of any length is accepted, however large") {
   Model model;
   BodySpec spec = link("a");
   spec.joint.axis = {0, 3e200, 4e200};
@@ -81,7 +81,7 @@ TEST_CASE("an axis of any length is taken, however large") {
   CHECK(model[a].joint.axis.y == doctest::Approx(0.6));
 }
 
-TEST_CASE("a model refuses what is wrong with one body, and names it") {
+TEST_CASE("a model refuses errors in a body, and names it") {
   const auto changed = [](auto change) {
     BodySpec spec = link("b");
     change(spec);
@@ -126,7 +126,7 @@ TEST_CASE("names of bodies and of joints are unique") {
   CHECK(contains(refusal(second, model), "already a joint 'm/hinge'"));
 }
 
-TEST_CASE("an unknown name is answered with the nearest one") {
+TEST_CASE("for an unknown name the error suggests the nearest one") {
   Model model;
   model.add(link("arm/elbow"));
   CHECK_THROWS_AS(model.body("arm/ebow"), Error);
@@ -137,7 +137,7 @@ TEST_CASE("an unknown name is answered with the nearest one") {
   }
 }
 
-TEST_CASE("a mechanism is named by what stands before the slash, if no earlier one is") {
+TEST_CASE("a mechanism is named by the part before the slash, unless an earlier one has that name") {
   Model model;
   const BodyId a = model.add(link("m/a"));
   const BodyId b = model.add(link("m/b"));

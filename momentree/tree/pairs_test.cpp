@@ -65,7 +65,7 @@ void check_pieces(const Tree& tree) {
 
 }  // namespace
 
-TEST_CASE("limbs that are built alike are twins, whatever hangs between them; others are not") {
+TEST_CASE("isomorphic branches are paired, whatever is attached between them; others are not") {
   Model model;
   const BodyId base = trunk(model);                  // 0
   limb(model, base, "rrrr");                         // 1 … 4
@@ -86,7 +86,7 @@ TEST_CASE("limbs that are built alike are twins, whatever hangs between them; ot
   check_pieces(tree);
 }
 
-TEST_CASE("what forks differently is no twin; within twins nobody looks for others") {
+TEST_CASE("branches that branch differently are not paired; pairs are not nested") {
   Model model;
   const BodyId base = trunk(model);  // 0
   for (int k = 0; k < 2; ++k) {      // 1 … 7, 8 … 14: a hand of two fingers
@@ -100,7 +100,7 @@ TEST_CASE("what forks differently is no twin; within twins nobody looks for othe
   check_pieces(tree);
 }
 
-TEST_CASE("mechanisms are twins of one another, but for those in a plane, which have a faster way") {
+TEST_CASE("isomorphic mechanisms are paired, except planar ones, which have faster kernels") {
   Model model;
   const auto plane = [&model] {
     BodyId last = ground;
@@ -120,7 +120,7 @@ TEST_CASE("mechanisms are twins of one another, but for those in a plane, which 
   check_pieces(tree);
 }
 
-TEST_CASE("twins part when one of them changes, and meet again when it is restored") {
+TEST_CASE("a pair is dissolved when one of its branches changes, and formed again when it is restored") {
   Model model;
   const BodyId base = trunk(model);
   limb(model, base, "rrrr"), limb(model, base, "rrrr"), limb(model, base, "rrrr");  // 1, 5, 9

@@ -23,7 +23,7 @@ Model chain(int links, const Vec3& along, const JointSpec& joint, double bend = 
   return model;
 }
 
-TEST_CASE("a long chain is not singular, whichever way it lies") {
+TEST_CASE("a long chain is not singular, in any direction") {
   for (const Vec3& along : {Vec3{0.05, 0, 0}, Vec3{0.01, 0.02, 0.03}})
     for (const double bend : {0.0, 0.1}) {
       CHECK(singular_joints(chain(70000, along, Revolute{.axis = {0, 0, 1}}, bend)).empty());
@@ -32,7 +32,7 @@ TEST_CASE("a long chain is not singular, whichever way it lies") {
     }
 }
 
-TEST_CASE("freedoms that share one mass are singular, however they lie") {
+TEST_CASE("DoFs that share one mass are singular, in any direction") {
   for (const Vec3& axis : {Vec3{0, 0, 1}, Vec3{1, 2, 3}, Vec3{1, -1, 0}}) {
     for (int between = 0; between < 3; ++between) {
       Model model;

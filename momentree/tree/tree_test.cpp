@@ -16,7 +16,7 @@ BodyId link(Model& model, const char* name, BodyId parent, JointSpec joint = Rev
 }
 }  // namespace
 
-TEST_CASE("stretches of one kind are one segment, with forks and tips among them") {
+TEST_CASE("bodies of one kind are one kernel run, with branching bodies and leaves among them") {
   Model model;
   const BodyId a = link(model, "a", ground), b = link(model, "b", a), c = link(model, "c", b);
   const BodyId d = link(model, "d", c, Ball{}), e = link(model, "e", c);
@@ -50,7 +50,7 @@ TEST_CASE("stretches of one kind are one segment, with forks and tips among them
   CHECK(tree.subtree_mass(7) == 1);
 }
 
-TEST_CASE("equal links are stored once; a changed tree has its own, and its copies have theirs") {
+TEST_CASE("equal links are stored once; a changed tree and its copies do not share") {
   Model model;
   BodyId last = link(model, "0", ground);
   for (int k = 1; k < 20; ++k) last = link(model, std::to_string(k).c_str(), last);
@@ -105,7 +105,7 @@ TEST_CASE("every body comes after its parent in the order, for bushy trees and a
   }
 }
 
-TEST_CASE("chains of pins are aligned: no link needs a turn about its parent's z") {
+TEST_CASE("chains of revolute joints are aligned: no link needs a rotation about its parent's z") {
   Model model;
   BodyId last = ground;
   for (int k = 0; k < 20; ++k)
@@ -124,7 +124,7 @@ TEST_CASE("chains of pins are aligned: no link needs a turn about its parent's z
   }
 }
 
-TEST_CASE("what is welded has its carrier's frame, and frames look through it to the next joint") {
+TEST_CASE("a welded body has the frame of the body that carries it, chosen for the next joint") {
   Model model;
   const Pose askew{{0.1, 0.2, 0.3}, normalized(Quat{1, 0.1, -0.2, 0.3})};
   const auto add = [&](BodyId parent, const JointSpec& joint) {
@@ -137,7 +137,7 @@ TEST_CASE("what is welded has its carrier's frame, and frames look through it to
                       .joint = joint,
                       .child_at = inverse(askew) * Pose(0, 0, 0.1)});
   };
-  const BodyId base = add(ground, Weld{}), pin = add(base, Revolute{.axis = {1, 0.2, 0}}), bracket = add(pin, Weld{}),
+  const BodyId base = add(ground, Weld{}), hinge = add(base, Revolute{.axis = {1, 0.2, 0}}), bracket = add(hinge, Weld{}),
                plate = add(bracket, Weld{}), elbow = add(plate, Revolute{.axis = {0, 1, 0.3}});
   add(plate, Ball{});
   Tree tree(model);
@@ -147,17 +147,17 @@ TEST_CASE("what is welded has its carrier's frame, and frames look through it to
     const Vec3 r = step * inner.r, z = rotation_matrix(step.rotation) * Vec3{inner.R.xz, inner.R.yz, inner.R.zz};
     return norm(r - outer.r) < 1e-15 && norm(z - Vec3{outer.R.xz, outer.R.yz, outer.R.zz}) < 1e-15;
   };
-  CHECK(same(place(bracket), place(pin)));
+  CHECK(same(place(bracket), place(hinge)));
   CHECK(same(place(plate), place(bracket)));
   CHECK(same(place(base), KernelFrame{}));
   CHECK(aligned(tree.link(elbow.index)));
   CHECK(tree.link(elbow.index).shape == PlacementShape::screw);
   tree.detach(plate.index);  // removes the joint on which the frames depended
   CHECK_FALSE(same(place(plate), place(bracket)));
-  CHECK(same(place(bracket), place(pin)));
+  CHECK(same(place(bracket), place(hinge)));
 }
 
-TEST_CASE("state: numbers of a body make room for others without moving the storage") {
+TEST_CASE("state: coordinates and momenta of a body are replaced without moving the storage") {
   Model model;
   link(model, "a", ground), link(model, "b", {0}, Ball{}), link(model, "c", {1});
   Tree tree(model);
@@ -181,7 +181,7 @@ TEST_CASE("state: numbers of a body make room for others without moving the stor
   CHECK(state.topology() == tree.revision());
 }
 
-TEST_CASE("joints that move no mass are found, and named") {
+TEST_CASE("joints that move no mass are found and named") {
   Model model;
   const BodyId a = link(model, "a", ground);
   CHECK(singular_joints(model).empty());

@@ -133,10 +133,10 @@ void Seen::note(const Tree& tree) {
     kernels[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
     planar += s.planar;
   }
-  for (const KernelRun& s : tree.paired_runs()) twins += s.pair > s.begin;
+  for (const KernelRun& s : tree.paired_runs()) pairs += s.pair > s.begin;
   for (std::size_t i = 0; i < tree.order().size(); ++i) {
     const int b = tree.order()[i];
-    forks += (tree.node_flags()[i] & node::branching) != 0;
+    branching += (tree.node_flags()[i] & node::branching) != 0;
     reversed += tree.reversed(b);
     locked += tree.link(b).locked != 0 && tree.link(b).driven == 0;
   }
@@ -154,7 +154,8 @@ std::string Seen::missing() const {
   for (const auto& kind : kernels)
     for (const bool variant : kind) combinations += variant ? 1 : 0;
   want(combinations >= 25, "kinds and variants");
-  want(planar > 10, "mechanisms in a plane"), want(twins > 10 || !has_pair_lanes, "twins"), want(forks > 50, "forks");
+  want(planar > 10, "planar mechanisms"), want(pairs > 10 || !has_pair_lanes, "paired branches"),
+      want(branching > 50, "branching bodies");
   want(reversed > 10, "reversed joints"), want(locked > 10, "locks"), want(driven > 10, "prescribed motions");
   want(loaded > 10, "forces on bodies"), want(weightless > 10, "worlds without gravity");
   return all;

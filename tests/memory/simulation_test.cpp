@@ -99,7 +99,7 @@ Outcome run(std::uint64_t seed, const std::string& method, Fill fill) {
 
 }  // namespace
 
-TEST_CASE("a run with changes does not depend on what fresh memory holds") {
+TEST_CASE("a run with changes does not depend on the contents of fresh memory") {
   const std::vector<std::string> methods = integration_methods();
   const int runs = off() ? 20 : 120;
   int changes = 0, refused = 0, undone = 0;

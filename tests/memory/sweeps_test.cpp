@@ -47,7 +47,7 @@ void add_rates(const Tree& tree, const Workspace<double>& workspace, Bits& found
 
 }  // namespace
 
-TEST_CASE("the fill is what it says: arithmetic on it is noticed, moving it is not") {
+TEST_CASE("arithmetic on filled memory is detected, moving it is not") {
   if (off()) return;
   for (const Fill fill : {Fill::doubles, Fill::floats}) {
     const Filled filled(fill);
@@ -66,7 +66,7 @@ TEST_CASE("the fill is what it says: arithmetic on it is noticed, moving it is n
   }
 }
 
-TEST_CASE("double: stages, motions, accelerations, wrenches, places") {
+TEST_CASE("double: stages, motions, accelerations, wrenches, poses") {
   Seen seen;
   for (std::uint64_t seed = 0; seed < worlds; ++seed) {
     CAPTURE(seed);
@@ -162,7 +162,7 @@ TEST_CASE("lanes: rates and steps of every instruction set and precision") {
     }
 }
 
-TEST_CASE("the counter and symbols") {
+TEST_CASE("operation counts and symbolic expressions") {
   const std::uint64_t some = off() ? worlds / 6 : worlds;  // graphs are slow under valgrind
   for (std::uint64_t seed = 0; seed < some; ++seed) {
     CAPTURE(seed);

@@ -24,7 +24,7 @@ void check(const std::vector<oracle::Measure>& laws) {
 
 }  // namespace
 
-TEST_CASE("(47) locked freedoms: what is left accelerates as the oracle says, and the lock carries the rest") {
+TEST_CASE("(47) locked DoFs: the others accelerate as in the oracle, and the lock transmits the rest") {
   int locks = 0, partial = 0;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     CAPTURE(seed);
@@ -47,7 +47,7 @@ TEST_CASE("(47) locked freedoms: what is left accelerates as the oracle says, an
   CHECK(partial > 300);
 }
 
-TEST_CASE("after any changes every body's equations of motion close, and a joint does the work of its drive and no other") {
+TEST_CASE("after any changes every body's equations of motion hold, and a joint does the work of its drive only") {
   double residual = 0, work = 0;
   int reversed = 0, made = 0;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {

@@ -105,7 +105,7 @@ TEST_CASE("stepping and breaking allocate nothing, with all kinds of joints, unt
   }
 }
 
-TEST_CASE("no change allocates, in a copy either") {
+TEST_CASE("no change allocates, in the original or in a copy") {
   const Model model = in_the_wind(oracle::random_tree(12, {.min_bodies = 15, .max_bodies = 15, .all_free = true}).model);
   const Tree original(model);
   Tree tree(original);
@@ -188,7 +188,7 @@ TEST_CASE("steps with drives, motions, functions and strengths allocate nothing"
   }
 }
 
-TEST_CASE("steps between stops and towards conditions allocate nothing") {
+TEST_CASE("steps with stops and conditions allocate nothing") {
   Model model;
   BodyId last = ground;
   for (int k = 0; k < 6; ++k)

@@ -103,7 +103,7 @@ void change_something(Prng& random, Machine& m) {
 
 }  // namespace
 
-TEST_CASE("(20) rates are those without forces and Jt W; accelerations what the mass matrix makes of it") {
+TEST_CASE("(20) forces on bodies add Jt W to the rates, and to the accelerations through the mass matrix") {
   double worst_rate = 0, worst_acceleration = 0;
   for (std::uint64_t seed = 0; seed < 250; ++seed) {
     CAPTURE(seed);
@@ -140,8 +140,7 @@ TEST_CASE("(20) rates are those without forces and Jt W; accelerations what the 
   MESSAGE("largest error of dp/dt ", worst_rate, ", of accelerations ", worst_acceleration);
 }
 
-TEST_CASE(
-    "through breaks, locks, joins, changes and re-rooting forces stay with their bodies, and every body's equations close") {
+TEST_CASE("through breaks, locks, joins, changes and re-rooting forces stay with their bodies, and every body's equations hold") {
   double residual = 0;
   int reversed = 0, loaded = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
@@ -170,7 +169,7 @@ TEST_CASE(
   CHECK(loaded > 2000);
 }
 
-TEST_CASE("momentum of free trees changes by what acts from outside, energy by its power") {
+TEST_CASE("the momentum of free trees changes by the external forces, their energy by its power") {
   for (std::uint64_t seed = 0; seed < 120; ++seed) {
     CAPTURE(seed);
     Prng random(seed * 7 + 3);

@@ -66,7 +66,7 @@ struct Scale {
 };
 
 /// The worst value of each figure over many breaks, for the log; the largest ratio decides.
-struct Book {
+struct Record {
   std::map<std::string, oracle::Measure> worst;
   int count = 0;
   void enter(const oracle::Measure& m) {
@@ -79,7 +79,7 @@ struct Book {
   void enter(const char* law, Real error, Real bound) {
     enter(oracle::Measure{law, static_cast<double>(error), static_cast<double>(bound)});
   }
-  ~Book() {
+  ~Record() {
     for (const auto& [law, m] : worst) MESSAGE(std::string(law) << ": worst " << m.error << " of " << m.bound);
   }
 };
@@ -118,7 +118,7 @@ std::vector<Real> sizes_of_terms(const MassMatrix& mass, const std::vector<Real>
 }
 
 /// Breaks the inboard joint of `body`; returns the energy that was removed with it.
-double check_break(Scene& scene, int body, Book& book) {
+double check_break(Scene& scene, int body, Record& record) {
   const System before = scene.system;
   const std::vector<double> q = scene.q(), p(scene.state.p().begin(), scene.state.p().end());
   const std::vector<Real> v = scene.v();
@@ -156,7 +156,7 @@ double check_break(Scene& scene, int body, Book& book) {
   }
   const Spectrum masses = spectrum(mass);
   const double condition = masses.condition();
-  book.enter("p of the oracle, of its terms", worst, 1e-14L);
+  record.enter("p of the oracle, of its terms", worst, 1e-14L);
 
   const Evaluation now = scene.oracle();
   const Scale scale(before, e);
@@ -167,9 +167,9 @@ double check_break(Scene& scene, int body, Book& book) {
     angular = std::max(angular, size(now.motions[k].angular - e.motions[k].angular));
   }
   const Real unsure = std::max(1e-12L, 10 * static_cast<Real>(round_off * condition));
-  book.enter("body positions are continuous", place, 1e-13L * scale.reach);
-  book.enter("body velocities are continuous", linear, unsure * (scale.speed + scale.spin * scale.reach));
-  book.enter("body angular velocities are continuous", angular, unsure * scale.spin);
+  record.enter("body positions are continuous", place, 1e-13L * scale.reach);
+  record.enter("body velocities are continuous", linear, unsure * (scale.speed + scale.spin * scale.reach));
+  record.enter("body angular velocities are continuous", angular, unsure * scale.spin);
 
   const Totals then = totals(scene.tree, scene.state, scene.workspace);
   const Real kept = then.kinetic + then.potential + released.energy;
@@ -177,13 +177,13 @@ double check_break(Scene& scene, int body, Book& book) {
   Real squares = 0;
   for (const Real u : v_after) squares += u * u;
   const Real loose = 1e-13L * static_cast<Real>(masses.largest) * squares;
-  book.enter("energy", std::fabs(kept - sum.kinetic - sum.potential), std::max(1e-12L * scale.energy, loose));
-  book.enter("released energy",
-             std::fabs(released.energy -
-                       (e.kinetic + e.potential - evaluate(after, q_after, v_after, false).kinetic - potential(after, q_after))),
-             1e-13L * scale.energy);
-  book.enter("linear momentum", size(then.linear - sum.linear), 1e-12L * scale.linear);
-  book.enter("angular momentum", size(then.angular - sum.angular), 1e-12L * scale.angular);
+  record.enter("energy", std::fabs(kept - sum.kinetic - sum.potential), std::max(1e-12L * scale.energy, loose));
+  record.enter("released energy",
+               std::fabs(released.energy - (e.kinetic + e.potential - evaluate(after, q_after, v_after, false).kinetic -
+                                            potential(after, q_after))),
+               1e-13L * scale.energy);
+  record.enter("linear momentum", size(then.linear - sum.linear), 1e-12L * scale.linear);
+  record.enter("angular momentum", size(then.angular - sum.angular), 1e-12L * scale.angular);
   return released.energy;
 }
 
@@ -197,7 +197,7 @@ std::vector<int> breakable(const Scene& scene) {
 }  // namespace
 
 TEST_CASE("a break in a random tree, at states drawn by velocities and by momenta") {
-  Book book;
+  Record record;
   int breaks = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     CAPTURE(seed);
@@ -210,7 +210,7 @@ TEST_CASE("a break in a random tree, at states drawn by velocities and by moment
         for (double& p : scene.state.edit().p) p = draw.uniform(-1, 1);
       const std::vector<int> bodies = breakable(scene);
       if (bodies.empty()) continue;
-      check_break(scene, bodies[static_cast<std::size_t>(draw.integer(0, static_cast<int>(bodies.size()) - 1))], book);
+      check_break(scene, bodies[static_cast<std::size_t>(draw.integer(0, static_cast<int>(bodies.size()) - 1))], record);
       const StateMeasures laws = measure_state(scene.system, scene.tree, scene.state, scene.workspace);
       for (const oracle::Measure& m : laws.laws) {
         INFO(std::string(m.law) << ": " << m.error << " > " << m.bound);
@@ -222,8 +222,8 @@ TEST_CASE("a break in a random tree, at states drawn by velocities and by moment
   CHECK(breaks > 550);
 }
 
-TEST_CASE("every joint breaks, in a random order: nothing is lost until all bodies fly alone") {
-  Book book;
+TEST_CASE("every joint breaks, in a random order: nothing is lost until all bodies are free") {
+  Record record;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     CAPTURE(seed);
     const RandomTree random = random_tree(seed, {.max_bodies = 30});
@@ -238,7 +238,7 @@ TEST_CASE("every joint breaks, in a random order: nothing is lost until all bodi
     for (int count = 1; !left.empty(); ++count) {
       const int pick = draw.integer(0, static_cast<int>(left.size()) - 1);
       const int body = left[static_cast<std::size_t>(pick)];
-      released += count <= 3 ? check_break(scene, body, book) : scene.break_joint(body).energy;
+      released += count <= 3 ? check_break(scene, body, record) : scene.break_joint(body).energy;
       REQUIRE(!can_break(scene.tree, scene.tree.inboard_joint({body})));
       left = breakable(scene);
       CHECK(static_cast<int>(left.size()) == joints - count);
@@ -248,14 +248,14 @@ TEST_CASE("every joint breaks, in a random order: nothing is lost until all bodi
       CHECK(scene.tree.joint(b).kind == Kind::free);
     }
     const Totals end = totals(scene.tree, scene.state, scene.workspace);
-    book.enter("energy over all breaks", std::fabs(end.kinetic + end.potential + released - start.kinetic - start.potential),
-               1e-12L * scale.energy);
-    book.enter("linear momentum over all breaks", size(end.linear - start.linear), 1e-12L * scale.linear);
-    book.enter("angular momentum over all breaks", size(end.angular - start.angular), 1e-12L * scale.angular);
+    record.enter("energy over all breaks", std::fabs(end.kinetic + end.potential + released - start.kinetic - start.potential),
+                 1e-12L * scale.energy);
+    record.enter("linear momentum over all breaks", size(end.linear - start.linear), 1e-12L * scale.linear);
+    record.enter("angular momentum over all breaks", size(end.angular - start.angular), 1e-12L * scale.angular);
     const Evaluation now = scene.oracle();
     Real speed = 0;
     for (std::size_t k = 0; k < e.motions.size(); ++k)
       speed = std::max(speed, size(now.motions[k].com_velocity - e.motions[k].com_velocity));
-    book.enter("velocities of the centres of mass over all breaks", speed, 1e-9L * scale.speed);
+    record.enter("velocities of the centres of mass over all breaks", speed, 1e-9L * scale.speed);
   }
 }

@@ -55,7 +55,7 @@ Action random_action(Prng& random, const World& world) {
 
 }  // namespace
 
-TEST_CASE("certificates: every body's momentum jumps by what its joints transmitted; momenta and energies close") {
+TEST_CASE("certificates: every body's momentum changes by the impulses of its joints; momenta and energies balance") {
   int done = 0, impacts = 0, refusals = 0;
   double worst_body = 0, worst_ground = 0, worst_energy = 0;
   for (std::uint64_t seed = 0; seed < 250; ++seed) {
@@ -160,7 +160,7 @@ TEST_CASE("certificates: every body's momentum jumps by what its joints transmit
   CHECK(worst_energy < 1e-10);
 }
 
-TEST_CASE("events of one instant: each certificate closes by itself, and one begins where the one before it ended") {
+TEST_CASE("events of one instant: each certificate balances by itself, and begins where the previous one ended") {
   int done = 0, mixed = 0;
   double worst = 0, worst_link = 0;
   for (std::uint64_t seed = 0; seed < 900; ++seed) {

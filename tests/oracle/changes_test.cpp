@@ -66,7 +66,7 @@ TEST_CASE("(28) every change leaves the velocities that a projection in maximal 
   CHECK(lossy > 200);
 }
 
-TEST_CASE("re-rooting changes no pose, velocity or acceleration of any body; nor does the way back") {
+TEST_CASE("re-rooting and its reversal change no pose, velocity or acceleration of any body") {
   int turned = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     Prng random(seed + 900);
@@ -212,7 +212,7 @@ TEST_CASE("an attached joint is the same with its declared child on either side:
   CHECK(attached > 50);
 }
 
-TEST_CASE("Attach is Join and ChangeJoint at once; the projection agrees, for the ground too") {
+TEST_CASE("Attach equals Join and ChangeJoint, and the projection, also for the ground") {
   int attached = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     Prng random(seed + 52000);
@@ -250,7 +250,7 @@ TEST_CASE("Attach is Join and ChangeJoint at once; the projection agrees, for th
   CHECK(attached > 60);
 }
 
-TEST_CASE("several joints change in one impact: Pb of all from before, whatever the order") {
+TEST_CASE("several joints change in one impact, from the momenta before it, whatever the order") {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     Prng random(seed + 77);
     RandomTreeOptions options;
@@ -273,7 +273,7 @@ TEST_CASE("several joints change in one impact: Pb of all from before, whatever 
   }
 }
 
-TEST_CASE("a hundred thousand changes of one free world: momenta drift by round-off alone, memory stays") {
+TEST_CASE("a hundred thousand changes of one free world: momenta drift only by round-off, memory does not grow") {
   RandomTreeOptions options;
   options.min_bodies = 12, options.max_bodies = 12, options.parameters = false, options.all_free = true, options.gravity = false;
   Machine m(random_tree(11, options).model);

@@ -192,7 +192,7 @@ TEST_CASE("models of robots, as URDF and back") {
   }
 }
 
-TEST_CASE("what a URDF can't say is said once, with its place; what no URDF can be is refused") {
+TEST_CASE("losses in URDF are reported once, with their place; models that URDF cannot express are refused") {
   const std::string head = "format = 1\n[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"a\"\nmass = 1\ninertia = 1\n";
   const auto said = [](const io::Converted& converted) {
     std::string all;

@@ -54,7 +54,7 @@ std::vector<double> end_of(const Model& model, const Integration& how, double un
 
 }  // namespace
 
-TEST_CASE("a rotor comes to rest as exp(-c t / I), to order 3, and so do the books") {
+TEST_CASE("a rotor comes to rest as exp(-c t / I), to order 3, and so does the energy ledger") {
   for (const double rotor : {0.0, 0.4}) {
     double before[2] = {};
     for (const double step : {0.04, 0.02, 0.01}) {
@@ -76,7 +76,7 @@ TEST_CASE("a rotor comes to rest as exp(-c t / I), to order 3, and so do the boo
   }
 }
 
-TEST_CASE("however strong the damper: what moves comes to rest, its energy is in the books") {
+TEST_CASE("however strong the damper: the body comes to rest, its energy is in the ledger") {
   for (const double c : {1e3, 1e6, 1e12}) {
     Model model({.gravity = {}});
     model.add({.name = "b", .mass = 1, .inertia = diagonal(0.5), .joint = Revolute{.damping = c}, .v = 3.0});
@@ -92,7 +92,7 @@ TEST_CASE("however strong the damper: what moves comes to rest, its energy is in
   }
 }
 
-TEST_CASE("an overdamped chain runs at steps at which the classical method blows up") {
+TEST_CASE("an overdamped chain is stable at steps at which rk4 diverges") {
   const Model model = chain(200);  // its fastest modes come to rest in a microsecond
   Simulation wild(model, {.method = "rk4", .step = 1e-3});
   CHECK(wild.run_until(1) == Status::diverged);
@@ -155,7 +155,7 @@ TEST_CASE("a joint damped without bound is as good as locked, whatever it does t
   CHECK(before < 1e-5);
 }
 
-TEST_CASE("changes on the way: breaks, locks and new parameters are followed, and the books close") {
+TEST_CASE("with breaks, locks and new parameters during the run, the energy ledger closes") {
   Simulation run(chain(50), {.method = "damped", .step = 2e-3});
   run.at(0.1).then(lock("4"));
   run.at(0.2).then(break_joint("2"));

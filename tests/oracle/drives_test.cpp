@@ -78,7 +78,7 @@ void check_motions(const System& at_rest, Machine& m) {
 
 }  // namespace
 
-TEST_CASE("forces of friction, soft stops, efforts and position control, and what they accelerate, are the oracle's") {
+TEST_CASE("friction, soft stops, efforts and position control: forces and accelerations equal the oracle's") {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     CAPTURE(seed);
     const Model model = random_tree(seed, {.max_bodies = 30, .drives = true}).model;
@@ -112,7 +112,7 @@ TEST_CASE("prescribed motions: velocities, momenta's rates, accelerations, wrenc
 }
 
 TEST_CASE(
-    "after any changes near driven joints every body's equations of motion close, and what changes no velocity changes none") {
+    "after any changes near driven joints every body's equations of motion hold, and lossless changes keep all velocities") {
   int reversed = 0, driven = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     CAPTURE(seed);

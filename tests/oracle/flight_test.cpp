@@ -106,7 +106,7 @@ TEST_CASE("the fallen part flies on a parabola and keeps its angular momentum to
   }
 }
 
-TEST_CASE("an event tells what a break conserved") {
+TEST_CASE("an event reports what a break conserved") {
   for (const char* joint : {"arm/0", "arm/2", "arm/4"}) {
     Simulation run(arm(), {.step = 1e-3});
     run.at(0.25).then(break_joint(joint));

@@ -159,7 +159,7 @@ TEST_CASE("a prescribed motion has the rate that p holds, in expressions too") {
   CHECK(error(tree, q, rates, workspace) <= 1);
 }
 
-TEST_CASE("compiled source finds what the engine finds, at many states") {
+TEST_CASE("compiled source gives the engine's rates, at many states") {
   struct Case {
     std::string name;
     Model model;
@@ -235,12 +235,12 @@ TEST_CASE("compiled source with dampers, springs and efforts: the oracle's rates
   }
 }
 
-TEST_CASE("what is no plain expression is named") {
+TEST_CASE("models that are not plain expressions are refused by name") {
   Model model;
-  Revolute pin{.damping = 0.1, .stiffness = 2};
-  pin.friction = {.coulomb = 0.2, .speed = 0.01};
+  Revolute hinge{.damping = 0.1, .stiffness = 2};
+  hinge.friction = {.coulomb = 0.2, .speed = 0.01};
   Ball ball{.stiffness = 1};
-  const BodyId a = model.add({.name = "a", .mass = 1, .inertia = diagonal(0.1), .joint = pin});
+  const BodyId a = model.add({.name = "a", .mass = 1, .inertia = diagonal(0.1), .joint = hinge});
   const BodyId b = model.add({.name = "b", .mass = 1, .inertia = diagonal(0.1), .parent = a, .at = {1, 0, 0}, .joint = ball});
   const std::vector<OtherForce> found = other_forces(Tree(model));
   REQUIRE(found.size() == 2);

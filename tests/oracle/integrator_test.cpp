@@ -94,7 +94,7 @@ Outcome fixed_run(const Model& model, const std::string& method, double h, int s
 
 }  // namespace
 
-TEST_CASE("every method has its order, in coordinates, velocities and books") {
+TEST_CASE("every method has its order, in coordinates, velocities and the energy ledger") {
   const struct {
     std::string name;
     double order, h[2];
@@ -201,7 +201,7 @@ TEST_CASE("dense output is of order 4 for dopri5, of order 7 for dop853") {
   }
 }
 
-TEST_CASE("adaptive methods land on events, start anew there, and agree through breaks") {
+TEST_CASE("steps of adaptive methods end on events, restart there, and the methods agree through breaks") {
   std::vector<double> ends[2];
   for (const int i : {0, 1}) {
     const double tolerance = i == 0 ? 1e-10 : 1e-12;
@@ -245,7 +245,7 @@ TEST_CASE("methods keep their order through events between their steps") {
   }
 }
 
-TEST_CASE("stops are hit at the instants of the closed form, however long the steps of an adaptive method") {
+TEST_CASE("stops are hit at the times of the closed form, however long the steps of an adaptive method") {
   Model model;
   model.add(
       {.name = "ball", .mass = 2, .inertia = diagonal(0.1), .joint = Prismatic{.limits = {.lower = -0.5, .restitution = 0.6}}});
@@ -262,7 +262,7 @@ TEST_CASE("stops are hit at the instants of the closed form, however long the st
   }
 }
 
-TEST_CASE("a run with its own steps comes back to the very bits") {
+TEST_CASE("an undone run of an adaptive method repeats the same bits") {
   for (const std::string method : {"dopri5", "dop853", "midpoint"}) {
     Simulation run(chain(), {.method = method});
     REQUIRE(run.run_until(0.1) == Status::ok);
@@ -328,7 +328,7 @@ TEST_CASE("the midpoint rule keeps the energy of holonomic chains; its error doe
   CHECK(worst[1] < 1.3 * worst[0]);
 }
 
-TEST_CASE("a tolerance that cannot be met ends the run and says so") {
+TEST_CASE("a tolerance that cannot be met ends the run with a message") {
   // Every step would have to be shorter than the clock's resolution.
   Model model({.gravity = {0, 0, 0}});
   model.add({.name = "b", .mass = 1, .inertia = diagonal(1), .joint = Revolute{.damping = 1e-3}, .v = 1e5});

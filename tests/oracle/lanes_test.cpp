@@ -72,7 +72,7 @@ Worst compare(const Tree& tree, const State& middle, Prng& random, batch::Steppe
 
 }  // namespace
 
-TEST_CASE("a lane finds what the scalar finds, on trees of all kinds and variants") {
+TEST_CASE("a lane gives the scalar's rates, on trees of all kinds and variants") {
   for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
     if (!batch::available(isa)) {
       MESSAGE("this CPU does not have instruction set number " << static_cast<int>(isa));

@@ -26,8 +26,8 @@ struct Outcome {
 void evaluate_chain(Outcome& out) {
   Model model({.gravity = {0, 0, 0}});
   BodyId last = ground;
-  JointSpec pin;
-  pin.kind = Kind::revolute;
+  JointSpec hinge;
+  hinge.kind = Kind::revolute;
   for (int k = 0; k < links; ++k)
     last = model.add({.name = std::to_string(k),
                       .mass = 1,
@@ -35,7 +35,7 @@ void evaluate_chain(Outcome& out) {
                       .inertia = diagonal(1),
                       .parent = last,
                       .at = {k == 0 ? 0.0 : 1.0, 0, 0},
-                      .joint = pin,
+                      .joint = hinge,
                       .v = k == 0 ? 1e-3 : 0.0});
   Tree tree(model);
   State state = start_state(model, tree);

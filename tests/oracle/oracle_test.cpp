@@ -42,10 +42,15 @@ Real difference(const std::vector<Real>& a, const std::vector<Real>& b) {
 TEST_CASE("oracle: a pendulum") {
   Model model;
   const double m = 2, l = 0.7, inertia = 0.05, angle = 0.6, speed = 1.3, rotor = 0.25;
-  JointSpec pin = joint(Kind::revolute, {0, 1, 0});
-  pin.parameters = {.damping = 0.3, .stiffness = 4, .rest = 0.1, .armature = rotor, .effort = 0.7};
-  model.add(
-      {.name = "p", .mass = m, .com = {l, 0, 0}, .inertia = diagonal(0.01, inertia, 0.04), .joint = pin, .q = angle, .v = speed});
+  JointSpec hinge = joint(Kind::revolute, {0, 1, 0});
+  hinge.parameters = {.damping = 0.3, .stiffness = 4, .rest = 0.1, .armature = rotor, .effort = 0.7};
+  model.add({.name = "p",
+             .mass = m,
+             .com = {l, 0, 0},
+             .inertia = diagonal(0.01, inertia, 0.04),
+             .joint = hinge,
+             .q = angle,
+             .v = speed});
   const Problem s = problem(model);
   const MassMatrix mass = mass_matrix(s.system, s.q);
   CHECK(mass(0, 0) == doctest::Approx(m * l * l + inertia + rotor).epsilon(1e-15));

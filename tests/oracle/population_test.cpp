@@ -41,7 +41,7 @@ double difference(const Machine& a, const Column& V, const Machine& b, const Col
 
 }  // namespace
 
-TEST_CASE("what is left moves as if the part that was removed were still there") {
+TEST_CASE("after a removal the other bodies move as if the removed part still existed") {
   int removed = 0;
   for (std::uint64_t seed = 0; seed < 150; ++seed) {
     Prng random(seed + 600);
@@ -70,7 +70,7 @@ TEST_CASE("what is left moves as if the part that was removed were still there")
   CHECK(removed > 40);
 }
 
-TEST_CASE("a body that comes changes no velocity and takes no energy; its own is what it brings") {
+TEST_CASE("adding a body changes no velocity and no energy but its own") {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     Prng random(seed + 800);
     RandomTreeOptions options;
@@ -104,7 +104,7 @@ TEST_CASE("a body that comes changes no velocity and takes no energy; its own is
   }
 }
 
-TEST_CASE("worlds that come, go, break and join: the projection holds throughout") {
+TEST_CASE("bodies added, removed, broken off and joined: the projection agrees throughout") {
   int added = 0, removed = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     Prng random(seed + 1200);
@@ -149,7 +149,7 @@ TEST_CASE("worlds that come, go, break and join: the projection holds throughout
   CHECK(removed > 40);
 }
 
-TEST_CASE("ten thousand bodies come and go: what moves keeps its storage") {
+TEST_CASE("ten thousand bodies are added and removed: the storage does not grow") {
   RandomTreeOptions options;
   options.min_bodies = 6, options.max_bodies = 6;
   Machine m(random_tree(3, options).model);

@@ -20,7 +20,7 @@ struct Worst {
   unsigned long seed = 0;
 };
 
-struct Book {
+struct Record {
   std::map<std::string, Worst> worst;
   int broken = 0;
 
@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   const unsigned long first = std::strtoul(argv[1], nullptr, 10), count = std::strtoul(argv[2], nullptr, 10);
-  Book book;
+  Record record;
   for (unsigned long seed = first; seed < first + count; ++seed) {
     const RandomTree random = random_tree(seed);
     const System system = system_of(random.model);
@@ -58,19 +58,19 @@ int main(int argc, char** argv) {
     Workspace<double> workspace(tree);
     State state = start_state(random.model, tree);
     const StateMeasures by_v = measure_state(system, tree, state, workspace);
-    book.enter(by_v.laws, random, seed, "v", by_v.range.condition());
-    book.enter(measure_accelerations(system, tree, state, workspace, by_v.range), random, seed, "v", by_v.range.condition());
-    book.enter(measure_round_trip(system, start_v(random.model), tree, state, workspace), random, seed, "v",
-               by_v.range.condition());
+    record.enter(by_v.laws, random, seed, "v", by_v.range.condition());
+    record.enter(measure_accelerations(system, tree, state, workspace, by_v.range), random, seed, "v", by_v.range.condition());
+    record.enter(measure_round_trip(system, start_v(random.model), tree, state, workspace), random, seed, "v",
+                 by_v.range.condition());
 
     Prng draw(seed + 1000000);
     for (double& p : state.edit().p) p = draw.uniform(-1, 1);
     const StateMeasures by_p = measure_state(system, tree, state, workspace);
-    book.enter(by_p.laws, random, seed, "p", by_p.range.condition());
-    book.enter(measure_accelerations(system, tree, state, workspace, by_p.range), random, seed, "p", by_p.range.condition());
+    record.enter(by_p.laws, random, seed, "p", by_p.range.condition());
+    record.enter(measure_accelerations(system, tree, state, workspace, by_p.range), random, seed, "p", by_p.range.condition());
   }
-  for (const auto& [law, w] : book.worst)
+  for (const auto& [law, w] : record.worst)
     std::printf("%-36s worst %.2e of bound %.2e (ratio %.2g, seed %lu)\n", law.c_str(), w.error, w.bound, w.ratio, w.seed);
-  std::printf("%lu trees, %d laws broken\n", count, book.broken);
-  return book.broken ? 1 : 0;
+  std::printf("%lu trees, %d laws broken\n", count, record.broken);
+  return record.broken ? 1 : 0;
 }

@@ -44,7 +44,7 @@ Model with_start(const Model& model, const nlohmann::json& start) {
 
 }  // namespace
 
-TEST_CASE("(32) what the pin of a swinging rod carries") {
+TEST_CASE("(32) the reaction of the joint of a swinging rod") {
   const auto data = reference("closed_forms.json")["rod_pendulum_reactions"];
   int rows = 0;
   for (const auto& row : data["values"]) {

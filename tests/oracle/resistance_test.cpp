@@ -49,7 +49,7 @@ double off(const Simulation& a, const Simulation& b) {
 
 }  // namespace
 
-TEST_CASE("dry friction however sharp: what slides comes to rest where u0²/(2 a) has it, and stays there") {
+TEST_CASE("dry friction, however sharp: a sliding body stops after u0²/(2 a) and stays there") {
   constexpr double h = 0.01;
   for (const double sharp : {1e-2, 1e-4, 1e-6, 1e-9})
     for (const double start : {3.0, 2.97, -2.931, 0.013}) {
@@ -71,7 +71,7 @@ TEST_CASE("dry friction however sharp: what slides comes to rest where u0²/(2 a
     }
 }
 
-TEST_CASE("friction holds what is pulled by less, but for the creep of its smoothing, and lets go of what is pulled by more") {
+TEST_CASE("friction holds a smaller pull, except for the creep of its smoothing, and yields to a larger one") {
   for (const double pull : {0.0, 7.0, 9.99, 10.01, 14.0}) {
     CAPTURE(pull);
     constexpr double sharp = 1e-6;
@@ -85,13 +85,13 @@ TEST_CASE("friction holds what is pulled by less, but for the creep of its smoot
   }
 }
 
-TEST_CASE("a classical method chatters there") {
+TEST_CASE("rk4 chatters at the same step") {
   Simulation run(slider({.axis = x_axis, .friction = {.coulomb = 10.0, .speed = 1e-4}}, 3.0), {.method = "rk4", .step = 0.01});
   const Status status = run.run_until(1);
   CHECK((status != Status::ok || std::fabs(speed(run)) > 1e-3));
 }
 
-TEST_CASE("a servo with strong damping follows its target: as its equation has it in closed form") {
+TEST_CASE("a servo with strong damping follows its target as in the closed form") {
   // kp (s − q) + kd (ṡ − u) with kd ≫ m/h: q is s + (q0 − s0) exp(−kp t / kd), to m/kd.
   const JointDrive::Pd pd{.kp = 1e6, .kd = 2e5, .target = {Signal::sine(0.3, 0.5)}};
   const Model model = slider({.axis = x_axis, .drive = pd_drive(pd)}, 0.0, 0.1);
@@ -111,7 +111,7 @@ TEST_CASE("a servo with strong damping follows its target: as its equation has i
   }
 }
 
-TEST_CASE("a saturated servo on a light load comes to its target without chattering") {
+TEST_CASE("a saturated servo on a light load reaches its target without chattering") {
   const JointDrive::Pd pd{.kp = 1e4, .kd = 1e4, .target = {Signal(0.5)}, .max_effort = 10.0};
   Simulation run(slider({.axis = x_axis, .drive = pd_drive(pd)}, 0.0), {.method = "damped", .step = 0.01});
   REQUIRE(run.run_until(12) == Status::ok);
@@ -119,7 +119,7 @@ TEST_CASE("a saturated servo on a light load comes to its target without chatter
   CHECK(std::fabs(speed(run)) < 1e-4);
 }
 
-TEST_CASE("a heavily damped soft stop takes what runs into it: at rest, its energy in the books") {
+TEST_CASE("a heavily damped soft stop brings a body to rest, with its energy in the ledger") {
   for (const double damping : {1e3, 1e5, 1e8}) {
     CAPTURE(damping);
     const Model model =
@@ -135,7 +135,7 @@ TEST_CASE("a heavily damped soft stop takes what runs into it: at rest, its ener
   }
 }
 
-TEST_CASE("order 3 where friction and servo are mild, also of the books") {
+TEST_CASE("order 3 with mild friction and servo, also of the energy ledger") {
   const Model model = chain(0.4, 0.8, 0.5);
   Simulation exact(model, {.method = "dop853", .rtol = 1e-12, .atol = 1e-12});
   REQUIRE(exact.run_until(0.5) == Status::ok);
@@ -153,7 +153,7 @@ TEST_CASE("order 3 where friction and servo are mild, also of the books") {
   }
 }
 
-TEST_CASE("a chain with sharp friction and a stiff servo runs at steps at which the classical method chatters") {
+TEST_CASE("a chain with sharp friction and a stiff servo is smooth at steps at which rk4 chatters") {
   const Model model = chain(3, 1e-5, 300);
   Simulation exact(model, {.method = "damped", .step = 1e-4});
   REQUIRE(exact.run_until(1) == Status::ok);
@@ -175,7 +175,7 @@ TEST_CASE("a chain with sharp friction and a stiff servo runs at steps at which 
   CHECK(before < chatter / 5);
 }
 
-TEST_CASE("order 3 against a soft stop, also of the books") {
+TEST_CASE("order 3 against a soft stop, also of the energy ledger") {
   const Model model =
       slider({.axis = x_axis, .limits = {.lower = -1.0, .upper = 0.5, .stiffness = 100.0, .damping = 5.0}}, 1.0, 0.6);
   Simulation exact(model, {.method = "dop853", .rtol = 1e-13, .atol = 1e-13});

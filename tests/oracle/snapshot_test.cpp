@@ -68,7 +68,7 @@ RandomTreeOptions options(std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("a restored world goes on bit for bit: in the same tree, and in one compiled anew") {
+TEST_CASE("a restored world continues bit for bit: in the same tree, and in a newly built one") {
   for (std::uint64_t seed = 0; seed < 150; ++seed) {
     INFO("seed ", seed);
     Machine m(random_tree(seed, options(seed)).model);
@@ -107,7 +107,7 @@ TEST_CASE("a restored world goes on bit for bit: in the same tree, and in one co
   }
 }
 
-TEST_CASE("back to the start: what was compiled, with nothing to tell") {
+TEST_CASE("restoring the start gives the compiled world, without changes") {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     Machine m(random_tree(seed, options(seed)).model);
     const Found begin(m);

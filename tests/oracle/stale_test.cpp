@@ -28,7 +28,7 @@ const char* const unaccelerated = "the workspace holds the accelerations of this
 
 }  // namespace
 
-TEST_CASE("a change reads only a work of this very state") {
+TEST_CASE("a change accepts only a workspace of the same state") {
   const BodyId joint{3};
   check_fine("the work of this state", [&] {
     Scene s;
@@ -96,7 +96,7 @@ TEST_CASE("a change reads only a work of this very state") {
   });
 }
 
-TEST_CASE("what was removed is gone; what was added needs room") {
+TEST_CASE("removed bodies no longer exist; added bodies need room in the workspace") {
   const auto remove = [](Scene& s) {
     apply(Break{s.tree.inboard_joint({3})}, s.tree, s.state, s.workspace);
     apply(Remove{{3}}, s.tree, s.state, s.workspace);

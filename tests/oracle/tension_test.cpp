@@ -93,7 +93,7 @@ TEST_CASE("a pendulum breaks at the instant of the closed form and flies off on 
   }
 }
 
-TEST_CASE("at 20 ms the instant errs by what the trajectory does, and no more") {
+TEST_CASE("at a step of 20 ms the error of the event time is that of the trajectory") {
   const Case the;
   Simulation located = breaking(the, {.step = 0.02});
   REQUIRE(located.run_until(0.4) == Status::ok);

@@ -90,7 +90,7 @@ TEST_CASE("global order through an event that waits for a condition") {
   }
 }
 
-TEST_CASE("ten joints break at one instant, one by the other, the most overloaded first") {
+TEST_CASE("ten joints break at one instant, one after the other, the most overloaded first") {
   // Ten masses ride on a carriage that a spring slows down, each held by its own weld. The first weld fails when the spring's
   // force reaches its share; with every mass that breaks off the others carry more, and each was just below its strength.
   constexpr double stiffness = 40, speed = 3, own = 2, mass = 0.5;

@@ -70,7 +70,7 @@ void check_world(const World& world) {
 
 }  // namespace
 
-TEST_CASE("a world that runs and breaks publishes what the oracle finds") {
+TEST_CASE("the public data of a world that runs and breaks equal the oracle's") {
   int happened = 0;
   for (std::uint64_t seed = 0; seed < 90; ++seed) {
     CAPTURE(seed);

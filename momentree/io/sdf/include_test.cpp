@@ -57,7 +57,7 @@ class Folder {
 
 }  // namespace
 
-TEST_CASE("SDF: one file is included as often as one likes, each time with its own name and place") {
+TEST_CASE("SDF: one file may be included several times, each time with its own name and pose") {
   Folder folder;
   folder.write("wheel.sdf", "<sdf version='1.5'><model name='wheel'><pose>5 0 0 0 0 0</pose>" +
                                 a_link("hub", "<pose>0 0 1 0 0 0</pose>") + "</model></sdf>");
