@@ -30,7 +30,7 @@ TemporaryFolder::TemporaryFolder() {
 
 TemporaryFolder::~TemporaryFolder() { io::remove_tree(path_); }
 
-Recorded record(const io::Scenario& scenario, const std::string& folder, double until, Purpose purpose) {
+Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose purpose) {
   Session session(scenario);
   show(stderr, io::rendered(session.schedule()));
   Simulation& simulation = session.simulation();
@@ -45,13 +45,13 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, double 
        .reactions = purpose == Purpose::report,
        .energy = purpose == Purpose::report,
        .lasting = false});
-  Progress progress(start, until, errors_on_terminal());
+  Progress progress(start, scenario.until, errors_on_terminal());
   simulation.observe(scenario.output_every, [&](const World& world) { return recorder.observe(world); });
   simulation.watch([&](double time) {
     progress.at(time);
     return !InterruptGuard::interrupted();
   });
-  const Status status = simulation.run_until(until);
+  const Status status = simulation.run_until(scenario.until);
   progress.clear();
   std::string says = "done";
   if (status == Status::interrupted) says = "interrupted at t = " + std::to_string(simulation.time()) + " s";

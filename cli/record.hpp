@@ -28,7 +28,7 @@ struct Recorded {
 /// The results needed: those for a picture, or everything in the report, including joint reactions and energy.
 enum class Purpose { picture, report };
 
-/// Runs a scenario into a folder. `until`: an earlier end of the run (s).
-Recorded record(const io::Scenario& scenario, const std::string& folder, double until, Purpose purpose);
+/// Runs a scenario into a folder.
+Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose purpose);
 
 }  // namespace momentree::cli

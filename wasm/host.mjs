@@ -141,6 +141,10 @@ export class World {
     this.calls.mt_model(this.handle);
     return JSON.parse(this.text());
   }
+  kinds() {
+    this.calls.mt_kinds(this.handle);
+    return JSON.parse(this.text());
+  }
   topology() {
     this.calls.mt_topology(this.handle);
     return JSON.parse(this.text());
@@ -172,6 +176,18 @@ export class World {
       this.calls.mt_motions(this.handle),
       this.bodies * motionSize,
     );
+  }
+  /** `q`: the coordinates of all joints. */
+  motionsAt(q) {
+    const at = this.calls.mt_allocate(8 * q.length || 1);
+    this.engine.numbers(at, q.length).set(q);
+    const motions = this.calls.mt_motions_at(this.handle, at);
+    this.calls.mt_release(at);
+    return this.engine.numbers(motions, this.bodies * motionSize);
+  }
+  coordinates(joint) {
+    const row = this.joints().subarray(jointSize * joint);
+    return Array.from(row.subarray(2, 2 + row[0]));
   }
   joints(withReactions = false) {
     return this.engine.numbers(
@@ -247,8 +263,8 @@ export class World {
   pull(target) {
     this.calls.mt_pull(this.handle, ...target);
   }
-  letGo() {
-    this.calls.mt_let_go(this.handle);
+  releaseGrip() {
+    this.calls.mt_release_grip(this.handle);
   }
 
   snapshot() {

@@ -24,10 +24,10 @@ function runAs(world, every, until) {
   }
 }
 
-/** A quaternion's sign is free: that with w ≥ 0, as files have it. */
-const withPositiveW = (kind, q) => {
-  const w = { ball: 0, free: 3 }[kind];
-  return w !== undefined && q[w] < 0 ? q.map((x, i) => (i >= w ? -x : x)) : q;
+/** The sign of a quaternion is arbitrary: files have the one with w ≥ 0. `units`: of the coordinates. */
+const withPositiveW = (units, q) => {
+  const w = units.indexOf("");
+  return w >= 0 && q[w] < 0 ? q.map((x, i) => (i >= w ? -x : x)) : q;
 };
 
 for (const argument of scenarios) {
@@ -57,6 +57,7 @@ for (const argument of scenarios) {
   runAs(world, scenario.every, given ? Number(given) : scenario.until);
 
   const topology = world.topology();
+  const kinds = world.kinds();
   const rows = world.joints();
   let worst = 0;
   let numbers = 0;
@@ -80,7 +81,7 @@ for (const argument of scenarios) {
     const theirs = final.joints[joint];
     if (!theirs || theirs.kind !== kind)
       throw new Error(`${name}: joint ${joint} is another`);
-    compare(withPositiveW(kind, row.slice(2, 2 + row[0])), theirs.q, joint);
+    compare(withPositiveW(kinds[kind].q, row.slice(2, 2 + row[0])), theirs.q, joint);
     compare(row.slice(9, 9 + row[1]), theirs.v, joint);
     compare(row.slice(15, 15 + row[1]), theirs.p, joint);
   }

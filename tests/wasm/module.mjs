@@ -120,7 +120,7 @@ const m = world.motions().subarray(26, 39);
 const turned = Math.atan2(2 * m[3] * m[6], 1 - 2 * m[6] * m[6]);
 const tip = [m[0] + 0.2 * Math.cos(turned), m[1] + 0.2 * Math.sin(turned)];
 assert.ok(Math.hypot(tip[0] - 0.2, tip[1] + 0.2) < 0.1, `${tip}`);
-world.letGo();
+world.releaseGrip();
 world.run(world.time + 1);
 near(world.totals().balance.error, 0, 1e-4);
 
@@ -149,7 +149,7 @@ const use = () => {
   world.grab(1, [0, 0, 0]);
   world.weld(3, 2); // refused
   world.pull([1, 1, 1]);
-  world.letGo();
+  world.releaseGrip();
   (world.motions(),
     world.joints(true),
     world.totals(),

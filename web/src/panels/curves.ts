@@ -1,6 +1,6 @@
 // Common parts of plots: axes, curves, and the legend with values.
 import uPlot from "uplot";
-import { seriesColour, type Theme } from "../viewer/colours";
+import { mechanismColour, type Theme } from "../viewer/colours";
 import { h } from "./dom";
 import { digits } from "./numbers";
 import type { Range } from "./scales";
@@ -27,7 +27,7 @@ export const curvesOf = (theme: Theme, labels: readonly string[], rows = Infinit
   {},
   ...labels.map((label, i) => ({
     label,
-    stroke: seriesColour(theme, i),
+    stroke: mechanismColour(theme, i),
     width: 1.6,
     pxAlign: 0, // no staircase on slopes
     points: { show: rows <= 40, size: 6 },
@@ -55,7 +55,7 @@ export function fillLegend(
   legend.replaceChildren(
     ...labels.map((label, i) => {
       const swatch = h("span", { class: "swatch" });
-      swatch.style.background = seriesColour(theme, i);
+      swatch.style.background = mechanismColour(theme, i);
       return h("li", {}, swatch, label, values[i]);
     }),
     ...(flat ? [h("li", { class: "flat" }, `${flat} to round-off`)] : []),

@@ -12,7 +12,7 @@ import { digits } from "./numbers";
 import { rangeOf, type Range } from "./scales";
 
 /** Columns that are negligible compared with the largest are left out, but at least one stays. */
-export function worthShowing(columns: readonly Column[], share = 1e-7): readonly Column[] {
+export function significantColumns(columns: readonly Column[], share = 1e-7): readonly Column[] {
   const largest = columns.map((column) => {
     let most = 0;
     for (let i = 0; i < column.values.length; i++) if (Math.abs(column.values[i]) > most) most = Math.abs(column.values[i]);
@@ -34,13 +34,13 @@ export class Plot {
   private title = "";
   private scale = 0;
   private precision = 0;
-  private readonly watcher = new ResizeObserver(() => this.resize());
+  private readonly resizeObserver = new ResizeObserver(() => this.resize());
 
   constructor(
     private readonly run: Recording,
     private readonly player: Player,
   ) {
-    this.watcher.observe(this.element);
+    this.resizeObserver.observe(this.element);
     player.listen(() => this.follow());
   }
 

@@ -25,14 +25,14 @@ describe("a link", () => {
       const link = await linkOf(fragment);
       // The last base64 digit may have unused bits.
       if (link.holds === "scenario") expect(link.text).toBe('format = 1\ntitle = "A pendulum"\n');
-      else expect(link, fragment).toMatchObject({ holds: "trouble", says: expect.stringContaining("Ask for it again") });
+      else expect(link, fragment).toMatchObject({ holds: "error", message: expect.stringContaining("Ask for it again") });
     }
   });
 
   it("of a newer version says that, and one that inflates without end is given up", async () => {
-    expect(await linkOf("#s2=AAAA")).toMatchObject({ holds: "trouble", says: expect.stringContaining("newer version") });
+    expect(await linkOf("#s2=AAAA")).toMatchObject({ holds: "error", message: expect.stringContaining("newer version") });
     const bomb = deflateSync(Buffer.alloc(40_000_000)).toString("base64url");
-    expect(await linkOf(`#s=${bomb}`)).toMatchObject({ holds: "trouble" });
+    expect(await linkOf(`#s=${bomb}`)).toMatchObject({ holds: "error" });
   });
 
   it("says where it opens", () => {
