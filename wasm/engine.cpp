@@ -219,12 +219,12 @@ EXPORT(mt_release_grip) void mt_release_grip(MtWorld* world) {
 EXPORT(mt_snapshot) int mt_snapshot(MtWorld* world) {
   const Simulation& simulation = *world->simulation;
   wasm::Store& store = *world->store;
-  store.kept.emplace(store.next, wasm::Store::Kept{simulation.snapshot(), simulation.world().model().gravity()});
+  store.snapshots.emplace(store.next, wasm::Store::Entry{simulation.snapshot(), simulation.world().model().gravity()});
   return store.next++;
 }
 EXPORT(mt_restore) int mt_restore(MtWorld* world, int snapshot) {
-  const auto found = world->store->kept.find(snapshot);
-  if (found == world->store->kept.end()) {
+  const auto found = world->store->snapshots.find(snapshot);
+  if (found == world->store->snapshots.end()) {
     world->text = "there is no snapshot with that number";
     return mt_refused;
   }
@@ -235,7 +235,7 @@ EXPORT(mt_restore) int mt_restore(MtWorld* world, int snapshot) {
   world->after_restore();
   return mt_ok;
 }
-EXPORT(mt_drop) void mt_drop(MtWorld* world, int snapshot) { world->store->kept.erase(snapshot); }
+EXPORT(mt_drop) void mt_drop(MtWorld* world, int snapshot) { world->store->snapshots.erase(snapshot); }
 
 EXPORT(mt_undo) int mt_undo(MtWorld* world, int event, int again) {
   Simulation& simulation = *world->simulation;

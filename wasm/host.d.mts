@@ -89,10 +89,7 @@ export interface WorldTotals {
 }
 
 export class Engine {
-  static of(
-    source: BufferSource | WebAssembly.Module,
-    log?: (text: string) => void,
-  ): Promise<Engine>;
+  static of(source: BufferSource | WebAssembly.Module, log?: (text: string) => void): Promise<Engine>;
   world(): World;
   readonly bytes: number;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// A world of the module: the run of a scenario and the data that its callers keep.
+// A world of the module: the run of a scenario, and data that outlive a call.
 #include <map>
 #include <memory>
 #include <optional>
@@ -31,11 +31,11 @@ struct Threshold {
 
 /// Snapshots of a world and of its branches, by number.
 struct Store {
-  struct Kept {
+  struct Entry {
     SimulationSnapshot snapshot;
     Vec3 gravity;
   };
-  std::map<int, Kept> kept;
+  std::map<int, Entry> snapshots;
   int next = 1;
 };
 

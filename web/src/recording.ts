@@ -1,5 +1,5 @@
-// A run as pages show it: complete (a report), or growing while it is shown (a running simulation). SI units, world axes, quaternions w, x, y, z; bodies are numbered as in `model.bodies`, and −1 is the
-// ground.
+// A run as pages show it: complete (a report), or growing while it is shown (a running simulation). SI units, world
+// axes, quaternions w, x, y, z; bodies are numbered as in `model.bodies`, and −1 is the ground.
 
 export type Vec3 = readonly [number, number, number];
 export type Quat = readonly [number, number, number, number];

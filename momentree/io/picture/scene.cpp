@@ -51,7 +51,7 @@ void add_cylinder(double radius, double length, std::vector<Patch>& patches) {
   patches.insert(patches.end(), {side, caps[0], caps[1]});
 }
 
-/// The parts of a shape, in its own axes. None for a mesh, which is not drawn.
+/// The parts of a shape, in its own axes. Empty for a mesh, which is not drawn.
 std::vector<Patch> patches_of(const Shape& shape) {
   std::vector<Patch> patches;
   const double half = 0.5 * shape.length;

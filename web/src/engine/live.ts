@@ -95,9 +95,9 @@ export class LiveRecording implements Motion {
     this.current.events.push(...events);
   }
 
-  /** Removes everything after `time`, and all but the first `events`; the branch with it is kept under a number. */
-  rewind(time: number, events: number, kept: number) {
-    this.others.set(kept, this.current);
+  /** Removes everything after `time`, and all but the first `events`; it remains in the branch with that number. */
+  rewind(time: number, events: number, savedAs: number) {
+    this.others.set(savedAs, this.current);
     const { frames, phases } = this.current;
     this.current = {
       frames: frames.slice(0, lastNotAfter(frames.length, (i) => frames[i].time, time) + 1),
@@ -106,12 +106,12 @@ export class LiveRecording implements Motion {
     };
   }
 
-  /** Continues a branch; the present one is kept under a number. */
-  resume(branch: number, kept: number) {
+  /** Continues a branch; the present one gets a number. */
+  resume(branch: number, savedAs: number) {
     const data = this.others.get(branch);
     if (!data) return;
     this.others.delete(branch);
-    this.others.set(kept, this.current);
+    this.others.set(savedAs, this.current);
     this.current = data;
   }
 }

@@ -52,10 +52,10 @@ export type FromWorker =
   | { type: "frame"; frame: Frame; seconds: number }
   | { type: "topology"; time: number; topology: Topology }
   | { type: "events"; events: readonly RunEvent[] }
-  /** Frames, events and phases after `time` are removed; `kept` is the number of the branch that ended there. */
-  | { type: "rewound"; time: number; events: number; kept: number }
-  /** That branch continues; `kept` is the number of the previous one. */
-  | { type: "resumed"; branch: number; kept: number }
+  /** Frames, events and phases after `time` are removed; `savedAs` is the number of the branch that they belong to. */
+  | { type: "rewound"; time: number; events: number; savedAs: number }
+  /** That branch continues; `savedAs` is the number of the previous one. */
+  | { type: "resumed"; branch: number; savedAs: number }
   | { type: "playing"; on: boolean }
   | { type: "refused"; message: string }
   | { type: "stopped"; message: string }

@@ -36,8 +36,8 @@ function handle(message: FromWorker) {
   else if (message.type === "frame") run!.addFrame(message.frame);
   else if (message.type === "topology") run!.addTopology(message.time, message.topology);
   else if (message.type === "events") run!.addEvents(message.events);
-  else if (message.type === "rewound") run!.rewind(message.time, message.events, message.kept);
-  else if (message.type === "resumed") run!.resume(message.branch, message.kept);
+  else if (message.type === "rewound") run!.rewind(message.time, message.events, message.savedAs);
+  else if (message.type === "resumed") run!.resume(message.branch, message.savedAs);
 }
 
 function play(frames: number) {

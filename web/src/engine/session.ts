@@ -1,5 +1,5 @@
 // A world that runs in real time, in the worker: frames, snapshots to go back to, branches. It has no clock: the caller
-// of tick() says how much time has passed.
+// passes the elapsed time to tick().
 import { jointSize, motionSize, status, type Engine, type Outcome, type World } from "../../../wasm/host.mjs";
 import type { RunEvent } from "../recording";
 import type { ModelFile } from "../result_files";
@@ -199,43 +199,43 @@ export class Session {
     return this.branches.push(branch) - 1;
   }
 
-  private reportRewound(kept: number) {
+  private reportRewound(savedAs: number) {
     const { time } = this.world;
     this.snapshots = this.snapshots.filter((each) => each.time <= time);
     this.times = this.times.filter((each) => each <= time);
     if (this.snapshots.length === 0) this.takeSnapshot();
     this.due = 0;
     this.eventsPosted = this.world.eventCount;
-    this.post({ type: "rewound", time, events: this.eventsPosted, kept });
+    this.post({ type: "rewound", time, events: this.eventsPosted, savedAs });
     this.report(0);
   }
 
   private rewind(time: number) {
     if (time >= this.world.time) return;
-    const kept = this.keepBranch();
+    const savedAs = this.keepBranch();
     this.world.restore(this.snapshotBefore(time, false));
     for (const each of this.times) if (each > this.world.time && each <= time) this.world.run(each);
-    this.reportRewound(kept);
+    this.reportRewound(savedAs);
   }
 
   private undo(event: number) {
     const [undone] = this.world.events(event) as RunEvent[];
-    const kept = this.keepBranch();
+    const savedAs = this.keepBranch();
     if (this.world.undo(event).status === status.refused && undone) this.world.restore(this.snapshotBefore(undone.time, true));
-    this.reportRewound(kept);
+    this.reportRewound(savedAs);
   }
 
   private resume(number: number) {
     const branch = this.branches[number];
     if (!branch) return;
-    const kept = this.branches.push({ world: this.world, snapshots: this.snapshots, times: this.times }) - 1;
+    const savedAs = this.branches.push({ world: this.world, snapshots: this.snapshots, times: this.times }) - 1;
     this.world = branch.world;
     this.snapshots = branch.snapshots;
     this.times = branch.times;
     this.branches[number] = null;
     this.due = 0;
     this.eventsPosted = this.world.eventCount;
-    this.post({ type: "resumed", branch: number, kept });
+    this.post({ type: "resumed", branch: number, savedAs });
     this.report(0);
   }
 }

@@ -1,4 +1,4 @@
-// The 3D picture in its place in the page, or a message that says why it is missing.
+// The 3D picture in its place in the page, or a message that gives the reason for its absence.
 import type { Model } from "../recording";
 import { hasWebGL, Stage } from "../viewer/stage";
 import { h } from "./dom";
@@ -9,7 +9,7 @@ export const ownColoursTitle =
 
 const message = (...children: (Node | string)[]) => h("div", { class: "placeholder", role: "alert" }, ...children);
 
-/** null if the browser can't draw it: a message in its place then gives the reason, and `alternatives` names what works without it. */
+/** null if the browser can't draw it: a message then gives the reason, and `alternatives` names what works without it. */
 export function mountStage(host: HTMLElement, model: Model, alternatives: readonly (Node | string)[]): Stage | null {
   const disable = (tools: boolean) => {
     for (const each of host.querySelectorAll<HTMLElement>(".tools")) each.inert = tools;

@@ -68,7 +68,7 @@ describe("the axis of values", () => {
     expect(rangeOf([[Number.NaN]], 1)).toEqual({ low: -1, high: 1, flat: null });
   });
 
-  it("is not filled with round-off: zero is a line in the middle, a constant one above zero", () => {
+  it("does not magnify round-off: zero is a line in the middle, a constant one above it", () => {
     const noise = [1e-14, -3e-15, 2e-14];
     expect(rangeOf([noise, [0, 0, 0]], 20)).toEqual({ low: -20, high: 20, flat: "zero" });
     expect(rangeOf([noise.map((x) => 5 + x)], 0)).toMatchObject({ low: 0, flat: "constant" });

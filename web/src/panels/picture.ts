@@ -77,8 +77,8 @@ export class Picture {
       get visible() {
         return stage.ownColours;
       },
-      set visible(wanted: boolean) {
-        stage.ownColours = wanted;
+      set visible(visible: boolean) {
+        stage.ownColours = visible;
       },
     };
     if (stage.shapes.coloured) tools.append(this.toggle("Own colours", ownColoursTitle, "O", own));

@@ -66,7 +66,7 @@ export function missedRow(missed: Missed): string[] {
 
 export function summaryPanel(run: Recording): HTMLElement {
   const summary = run.summary;
-  if (!summary) return h("p", { class: "nothing" }, "The run left no summary.");
+  if (!summary) return h("p", { class: "nothing" }, "The run has no summary.");
   const times = timesTable(summary);
   const energy = energyTable(summary);
   const missed = summary.missed ?? [];

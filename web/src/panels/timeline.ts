@@ -6,15 +6,15 @@ import { instant } from "./numbers";
 
 /** Marks closer to the previous one than this fraction of the line are left out: they could not be distinguished. */
 export function marked(events: readonly RunEvent[], from: number, to: number, apart = 0.008): number[] {
-  const kept: number[] = [];
+  const indices: number[] = [];
   let last = -Infinity;
   events.forEach((event, index) => {
     const at = (event.time - from) / (to - from || 1);
     if (at - last < apart) return;
     last = at;
-    kept.push(index);
+    indices.push(index);
   });
-  return kept;
+  return indices;
 }
 
 /** What a timeline shows and controls. */
@@ -63,9 +63,9 @@ export class Timeline {
       "aria-label": "Time",
       oninput: () => {
         const [from, to] = this.range();
-        const wanted = from + (Number(this.slider.value) / 1000) * (to - from);
+        const time = from + (Number(this.slider.value) / 1000) * (to - from);
         clock.pause(); // this moves the slider back to the clock's time
-        clock.seek(wanted);
+        clock.seek(time);
       },
     });
     const speed = h("select", {

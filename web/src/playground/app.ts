@@ -138,7 +138,7 @@ export class App implements Clock {
         if (message.seconds > 0) this.engineSeconds = message.seconds;
         if (run.frames >= mostFrames && this.playing) {
           this.play(false);
-          this.showNotice("Five minutes are recorded: go back, or start again");
+          this.showNotice("The recording is full after five minutes: go back, or restart");
         }
         if (this.shownFrame === null) this.notify("frame");
         return;
@@ -149,11 +149,11 @@ export class App implements Clock {
         run?.addEvents(message.events);
         return this.notify("branch");
       case "rewound":
-        run?.rewind(message.time, message.events, message.kept);
+        run?.rewind(message.time, message.events, message.savedAs);
         this.shownFrame = null;
         return this.notify("branch");
       case "resumed":
-        run?.resume(message.branch, message.kept);
+        run?.resume(message.branch, message.savedAs);
         this.shownFrame = null;
         return this.notify("branch");
       case "playing":

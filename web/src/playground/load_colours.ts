@@ -34,7 +34,7 @@ export function loadColours(frame: Frame, topology: Topology): LoadColours {
   if (!worst) return { colours, text: "" };
   const text =
     known.length > 0
-      ? `${worst.joint.name} carries ${(100 * worst.share).toFixed(0)} % of its strength`
-      : `${worst.joint.name} carries most: ${worst.force.toPrecision(3)} N`;
+      ? `Closest to breaking: ${worst.joint.name}, at ${(100 * worst.share).toFixed(0)} % of its strength`
+      : `Largest joint force: ${worst.force.toPrecision(3)} N, at ${worst.joint.name}`;
   return { colours, text };
 }

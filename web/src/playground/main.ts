@@ -26,13 +26,13 @@ async function begin(page: HTMLElement) {
   /** Opens the scenario in the address, and nothing else in its place. */
   const follow = async (otherwise: string | null) => {
     const link = await linkOf(location.hash);
-    if (link.holds === "error") playground.refuse(link.message, own);
-    else if (link.holds === "scenario") playground.start(link.text, "The scenario in this link");
+    if (link.content === "error") playground.showProblem(link.message, own);
+    else if (link.content === "scenario") playground.start(link.text, "The scenario in this link");
     else if (otherwise !== null) playground.start(otherwise);
   };
   window.addEventListener("hashchange", async () => {
     const link = await linkOf(location.hash);
-    if (link.holds !== "scenario" || link.text !== app.text) await follow(null);
+    if (link.content !== "scenario" || link.text !== app.text) await follow(null);
   });
   await follow(own);
 }

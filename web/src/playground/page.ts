@@ -18,7 +18,7 @@ import { loadColours } from "./load_colours";
 import { history, jointControls, sliders } from "./panel";
 import { Readings } from "./readings";
 import { initialView } from "./initial_view";
-import { fragmentOf, reachOf } from "./share";
+import { fragmentOf, scopeOf } from "./share";
 
 const tools: readonly { tool: Tool; label: string; key: string; hint: string }[] = [
   { tool: "grab", label: "Grab", key: "g", hint: "Drag a body and throw it" },
@@ -38,7 +38,7 @@ export function showPlayground(page: HTMLElement, app: App) {
 
   const title = h("h1", {}, "momentree playground");
   const choice = h("select", { "aria-label": "Scenario" });
-  for (const { name, title: words } of gallery) choice.append(h("option", { value: name }, words));
+  for (const { name, title: text } of gallery) choice.append(h("option", { value: name }, text));
   choice.append(h("option", { value: "" }, "(your own)"));
   choice.addEventListener("change", () => {
     const example = gallery.find(({ name }) => name === choice.value);
@@ -48,14 +48,14 @@ export function showPlayground(page: HTMLElement, app: App) {
   const share = h("button", { type: "button", title: "Copy a link that contains this scenario" }, "Share");
   share.addEventListener("click", async () => {
     location.hash = await fragmentOf(editor.text);
-    const reach = reachOf(location);
+    const scope = scopeOf(location);
     let message = "link copied";
     try {
       await navigator.clipboard.writeText(location.href);
     } catch {
       message = "the link is in the address bar";
     }
-    shared.textContent = reach ? `${message}; ${reach}` : message;
+    shared.textContent = scope ? `${message}; ${scope}` : message;
   });
 
   const editor = new Editor(
@@ -73,7 +73,7 @@ export function showPlayground(page: HTMLElement, app: App) {
     app.load(text);
   };
   /** There is no scenario to show: gives the reason, and shows no other scenario instead. */
-  const refuse = (reason: string, other: string) => {
+  const showProblem = (reason: string, other: string) => {
     if (app.run) return app.showNotice(`${reason} This is still “${app.run.model.title}”.`);
     const title = gallery.find(({ text }) => text === other)?.title ?? "the scenario of this page";
     choice.selectedIndex = -1;
@@ -180,7 +180,7 @@ export function showPlayground(page: HTMLElement, app: App) {
     release: () => app.send({ type: "release" }),
     joint: (child: number) => {
       const joint = jointOf(child);
-      if (!joint || joint.kind === "free") return app.showNotice("There is no joint to cut here");
+      if (!joint || joint.kind === "free") return app.showNotice("There is no joint here");
       if (tool === "cut") app.act({ action: "cut", joint: joint.number });
       else app.act({ action: joint.locked ? "unlock" : "lock", joint: joint.number });
     },
@@ -188,7 +188,7 @@ export function showPlayground(page: HTMLElement, app: App) {
       const names = app.run!.model.bodies;
       if (first < 0 || first === body) {
         first = body;
-        hint.textContent = `${names[body].name} to …: click another body`;
+        hint.textContent = `Click the body to which ${names[body].name} is to be welded`;
       } else {
         app.act({ action: "weld", body: first, to: body });
         choose("weld");
@@ -270,7 +270,7 @@ export function showPlayground(page: HTMLElement, app: App) {
 
   return {
     start,
-    refuse,
+    showProblem,
     // For programs that use the playground: position of a joint in the page.
     placeOf: (child: number) => {
       const joint = scene.phase().joints.find((each) => each.child === child);

@@ -81,7 +81,7 @@ export function sliders(app: App): HTMLElement {
   );
 }
 
-/** Events, each with a button to go back to just before it; and branches that were left. */
+/** Events, each with a button to go back to just before it; and the other branches. */
 export function history(app: App): HTMLElement {
   const list = h("ul", { class: "list", "aria-label": "Events" });
   const branches = h("ul", { class: "list", "aria-label": "Branches" });

@@ -18,8 +18,8 @@ function notesOf(data: ReportData): string[] {
 /** `#t=1.9` opens at that time, paused; otherwise the run plays, unless the reader prefers reduced motion. */
 function begin(data: ReportData) {
   const player = showRun(page, recordingOf(data), notesOf(data));
-  const wanted = /^#t=([-+0-9.e]+)$/.exec(location.hash);
-  if (wanted) player.seek(Number(wanted[1]));
+  const given = /^#t=([-+0-9.e]+)$/.exec(location.hash);
+  if (given) player.seek(Number(given[1]));
   else if (!window.matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 }
 
@@ -39,7 +39,7 @@ try {
   if (data) begin(data);
   else
     page.append(
-      h("p", { class: "nothing" }, "This page holds no run: `momentree run SCENARIO --report` writes one that does."),
+      h("p", { class: "nothing" }, "This page contains no run: `momentree run SCENARIO --report` writes one that does."),
     );
 } catch (error) {
   const text = error instanceof Error ? error.message : String(error);

@@ -23,7 +23,7 @@ function subtitle(run: Recording, notes: readonly string[]): string {
 
 /** For an incomplete run: the complete reason and remedy. */
 function statusOf(run: Recording): HTMLElement | false {
-  const status = run.summary ? run.summary.status : "it left no summary";
+  const status = run.summary ? run.summary.status : "it has no summary";
   return status !== "done" && h("p", { class: "status", role: "alert" }, h("strong", {}, "This run is not complete: "), status);
 }
 

@@ -66,7 +66,7 @@ describe("tables", () => {
 describe("the data of a report as a recording", () => {
   const run = recordingOf(data);
 
-  it("numbers bodies as their columns are, not as the model's document is ordered", () => {
+  it("numbers bodies in the order of their columns, not of the model's document", () => {
     expect(run.model.bodies.map(({ name }) => name)).toEqual(["m/a", "m/b"]);
     expect(run.model.joints.map(({ parent, child }) => [parent, child])).toEqual([
       [-1, 0],
@@ -126,7 +126,7 @@ describe("the data of a report as a recording", () => {
 });
 
 describe("the content policy", () => {
-  it("names what runs by its hash, and not the data", () => {
+  it("allows scripts and styles by their hashes, and ignores the data", () => {
     const page = '<style>a</style><script type="module">b</script><script type="application/json">c</script>';
     const policy = policyOf(page);
     expect(policy).toContain("default-src 'none'");

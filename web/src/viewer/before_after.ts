@@ -18,8 +18,8 @@ export interface BeforeAfter {
  */
 export function delayAfter(run: Motion, event: RunEvent, share = 0.04): number {
   const next = run.phases.find((phase) => phase.from > event.time)?.from ?? endTime(run);
-  const wanted = share * (endTime(run) - startTime(run));
-  return Math.max(0, Math.min(wanted, Math.min(next, endTime(run)) - event.time));
+  const preferred = share * (endTime(run) - startTime(run));
+  return Math.max(0, Math.min(preferred, Math.min(next, endTime(run)) - event.time));
 }
 
 /** Bodies affected by an event: those that it pushed or joined, and the children of joints that it changed. */

@@ -19,9 +19,9 @@ export function ghostTimes(run: Motion, every: number): number[] {
   const times: number[] = [];
   const [first, last] = [startTime(run), endTime(run)];
   for (let k = 0; first + k * every <= last + 1e-9 && k < 200; k++) {
-    const wanted = first + k * every - 1e-9;
-    const before = frameAt(run, wanted);
-    const frame = run.time(before) < wanted ? Math.min(before + 1, run.frames - 1) : before;
+    const target = first + k * every - 1e-9;
+    const before = frameAt(run, target);
+    const frame = run.time(before) < target ? Math.min(before + 1, run.frames - 1) : before;
     const time = run.time(frame);
     if (time !== times[times.length - 1]) times.push(time);
   }
@@ -53,9 +53,9 @@ export class Ghosts {
   get visible() {
     return this.shown;
   }
-  set visible(wanted: boolean) {
-    this.shown = wanted;
-    if (!wanted) for (const { view } of this.views) view.group.visible = false;
+  set visible(visible: boolean) {
+    this.shown = visible;
+    if (!visible) for (const { view } of this.views) view.group.visible = false;
     this.stage.draw();
   }
 

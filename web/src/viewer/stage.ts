@@ -92,8 +92,8 @@ export class Stage {
   get ownColours() {
     return this.mechanisms.ownColours;
   }
-  set ownColours(wanted: boolean) {
-    this.mechanisms.ownColours = wanted;
+  set ownColours(own: boolean) {
+    this.mechanisms.ownColours = own;
     this.setTheme(this.theme);
   }
 

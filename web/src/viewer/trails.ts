@@ -77,8 +77,8 @@ export class Trails {
   get visible() {
     return this.shown;
   }
-  set visible(wanted: boolean) {
-    this.shown = wanted;
+  set visible(visible: boolean) {
+    this.shown = visible;
     this.show(Number.NaN);
   }
 
