@@ -1,12 +1,22 @@
 #pragma once
 // The pages built from web/, embedded in the program.
+#include <string>
 #include <string_view>
+#include <vector>
+
+namespace momentree::io {
+struct Scenario;
+}
 
 namespace momentree::cli {
 
 /// web/dist/report.html; io::report_page inserts data into it.
 std::string_view report_html();
-/// web/dist/playground.html; io::playground_page inserts a scenario into it.
+/// web/dist/playground.html; io::playground_page and io::model_page insert a scenario into it.
 std::string_view playground_html();
+
+/// A text from which the playground's reader, which opens no files, makes the same world. Throws Error if there is none, because
+/// the scenario reads state documents.
+std::string playground_text(const io::Scenario& scenario, const std::vector<std::string>& overrides);
 
 }  // namespace momentree::cli

@@ -19,16 +19,15 @@ bool has_models(const io::Scenario& scenario) {
   return false;
 }
 
-/// A text from which the playground's reader, which opens no files, makes the same world.
-std::string text_of(const io::Scenario& scenario, const std::vector<std::string>& overrides) {
+}  // namespace
+
+std::string playground_text(const io::Scenario& scenario, const std::vector<std::string>& overrides) {
   if (!scenario.state_files.empty())
     throw_error({"the playground does not read state documents", scenario.path,
                  "leave out 'state', or view a run with `momentree view`"});
   if (overrides.empty() && !has_models(scenario)) return scenario.text;
   return io::to_toml(scenario, "").text;
 }
-
-}  // namespace
 
 int play(const PlayOptions& options) {
   std::string page(playground_html());
@@ -37,7 +36,7 @@ int play(const PlayOptions& options) {
   if (!options.source.empty()) {
     const std::shared_ptr<const io::Scenario> scenario = load(options.source, options.overrides, notes_of(options.verbose));
     if (!scenario) return bad_input;
-    page = io::playground_page(page, text_of(*scenario, options.overrides));
+    page = io::playground_page(page, playground_text(*scenario, options.overrides));
   }
   return serve({std::move(page), io::content_policy(playground_html())}, listen_on(options.port), !options.no_browser);
 }

@@ -42,7 +42,7 @@ std::string status_text(Status status, const Simulation& simulation) {
   return simulation.result().reason;
 }
 
-Recorded record(const io::Scenario& scenario, const std::string& folder, double until, Purpose purpose) {
+Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose purpose) {
   io::Session session(scenario);
   show(stderr, io::rendered(session.schedule()));
   Simulation& simulation = session.simulation();
@@ -57,9 +57,9 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, double 
        .reactions = purpose == Purpose::report,
        .energy = purpose == Purpose::report,
        .lasting = false});
-  Progress progress(start, until, errors_on_terminal());
+  Progress progress(start, scenario.until, errors_on_terminal());
   watch_run(simulation, recorder, scenario.output_every, progress);
-  const Status status = simulation.run_until(until);
+  const Status status = simulation.run_until(scenario.until);
   progress.clear();
   const std::string says = status_text(status, simulation);
   recorder.finish(says, session.armed());

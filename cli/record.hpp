@@ -35,7 +35,7 @@ void watch_run(Simulation& simulation, io::Recorder& recorder, double every, Pro
 /// How a run ended, as in summary.json.
 std::string status_text(Status status, const Simulation& simulation);
 
-/// Runs a scenario into a folder. `until`: an earlier end of the run (s).
-Recorded record(const io::Scenario& scenario, const std::string& folder, double until, Purpose purpose);
+/// Runs a scenario into a folder.
+Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose purpose);
 
 }  // namespace momentree::cli

@@ -59,24 +59,31 @@ int draw(const ViewOptions& options) {
   const std::shared_ptr<const io::Scenario> scenario = load(options.source, {}, notes_of(options.verbose));
   if (!scenario) return bad_input;
   const TemporaryFolder folder;
-  const Recorded recorded = record(*scenario, folder.result(), scenario->until, Purpose::picture);
+  const Recorded recorded = record(*scenario, folder.result(), Purpose::picture);
   if (recorded.code == done) draw_result(recorded.folder);
   return recorded.code;
 }
 
-/// The data to view, or nothing, with an exit code: of a result, of a scenario that is run for it (as far as it gets), or of a
-/// model at its start, to be posed interactively.
-std::optional<std::string> data_of(const std::string& source, Notes notes, int& code) {
-  if (is_folder(source)) return io::report_data(source);
+Page report_of(const std::string& folder) {
+  return {io::report_page(report_html(), io::report_data(folder)), io::content_policy(report_html())};
+}
+
+/// The page, or nothing, with an exit code: the report of a result, or of a scenario that is run for it (as far as it gets), or
+/// sliders for the joints of a model.
+std::optional<Page> page_of(const std::string& source, Notes notes, int& code) {
+  if (is_folder(source)) return report_of(source);
   const std::shared_ptr<const io::Scenario> scenario = load(source, {}, notes);
   code = bad_input;
   if (!scenario) return std::nullopt;
-  const bool pose = io::is_model(scenario->path, scenario->text);
+  if (io::is_model(scenario->path, scenario->text)) {
+    code = done;
+    return Page{io::model_page(playground_html(), playground_text(*scenario, {})), io::content_policy(playground_html())};
+  }
   const TemporaryFolder folder;
-  const Recorded recorded = record(*scenario, folder.result(), pose ? 0 : scenario->until, Purpose::report);
+  const Recorded recorded = record(*scenario, folder.result(), Purpose::report);
   code = recorded.code;
   if (code == interrupted) return std::nullopt;
-  return io::report_data(recorded.folder, {.pose = pose});
+  return report_of(recorded.folder);
 }
 
 }  // namespace
@@ -87,10 +94,9 @@ int view(const ViewOptions& options) {
     throw_error({"--every, --look and --layout apply only to pictures", "", "draw the run with --svg FILE, or leave them out"});
   Listener listener = listen_on(options.port);  // before a run that takes time
   int code = done;
-  const std::optional<std::string> data = data_of(options.source, notes_of(options.verbose), code);
-  if (!data) return code;
-  const int served =
-      serve({io::report_page(report_html(), *data), io::content_policy(report_html())}, std::move(listener), !options.no_browser);
+  std::optional<Page> page = page_of(options.source, notes_of(options.verbose), code);
+  if (!page) return code;
+  const int served = serve(std::move(*page), std::move(listener), !options.no_browser);
   return code != done ? code : served;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include <momentree/io/joint_json.hpp>
 #include <momentree/io/model_json.hpp>
 #include <wasm/world.hpp>
 
@@ -76,6 +77,11 @@ EXPORT(mt_model) void mt_model(MtWorld* world) {
   const io::Scenario& scenario = *world->scenario;
   world->text = io::model_json(World(scenario.model), scenario.title, scenario.shapes);
 }
+EXPORT(mt_kinds) void mt_kinds(MtWorld* world) {
+  world->text.clear();
+  io::JsonWriter json(world->text);
+  io::write_kinds(json);
+}
 EXPORT(mt_topology) void mt_topology(MtWorld* world) { world->text = wasm::topology_json(world->simulation->world()); }
 EXPORT(mt_revision) int mt_revision(const MtWorld* world) { return world->revision; }
 
@@ -95,6 +101,19 @@ EXPORT(mt_time) double mt_time(const MtWorld* world) { return world->simulation-
 EXPORT(mt_bodies) int mt_bodies(const MtWorld* world) { return world->simulation->world().model().size(); }
 EXPORT(mt_motions) const double* mt_motions(MtWorld* world) {
   wasm::fill_motions(world->simulation->world(), world->motions);
+  return world->motions.data();
+}
+EXPORT(mt_motions_at) const double* mt_motions_at(MtWorld* world, const double* q) {
+  World posed(world->scenario->model);
+  std::vector<JointStart> joints;
+  for (int j = 0; j < posed.model().size(); ++j) {
+    const KindInfo& kind = info(posed.model()[{j}].joint.kind);
+    JointStart& joint = joints.emplace_back(JointStart{{j}, {}, {}, {}});
+    for (int i = 0; i < kind.nq; ++i) joint.q.push_back(*q++);
+    for (int i = 0; i < kind.nv; ++i) joint.v.push_back(0);
+  }
+  posed.restore(0, {}, joints);
+  wasm::fill_motions(posed, world->motions);
   return world->motions.data();
 }
 EXPORT(mt_joints) const double* mt_joints(MtWorld* world, int with_reactions) {
@@ -181,31 +200,31 @@ EXPORT(mt_set_gravity) int mt_set_gravity(MtWorld* world, double x, double y, do
 
 EXPORT(mt_grab) int mt_grab(MtWorld* world, int body, double x, double y, double z, double strength) {
   if (!world->body_name(body)) return mt_refused;
-  mt_let_go(world);
+  mt_release_grip(world);
   world->grip = wasm::grip_on(world->simulation->world(), body, {x, y, z}, strength);
-  world->hold(body);
+  world->apply_grip(body);
   return mt_ok;
 }
 EXPORT(mt_pull) void mt_pull(MtWorld* world, double x, double y, double z) {
   if (world->grip.body < 0) return;
   world->grip.target = {x, y, z};
-  world->hold(world->grip.body);
+  world->apply_grip(world->grip.body);
 }
-EXPORT(mt_let_go) void mt_let_go(MtWorld* world) {
+EXPORT(mt_release_grip) void mt_release_grip(MtWorld* world) {
   const int body = world->grip.body;
   world->grip = {};
-  if (body >= 0 && world->simulation->world().alive({body})) world->hold(body);
+  if (body >= 0 && world->simulation->world().alive({body})) world->apply_grip(body);
 }
 
 EXPORT(mt_snapshot) int mt_snapshot(MtWorld* world) {
   const Simulation& simulation = *world->simulation;
   wasm::Store& store = *world->store;
-  store.kept.emplace(store.next, wasm::Store::Kept{simulation.snapshot(), simulation.world().model().gravity()});
+  store.snapshots.emplace(store.next, wasm::Store::Entry{simulation.snapshot(), simulation.world().model().gravity()});
   return store.next++;
 }
 EXPORT(mt_restore) int mt_restore(MtWorld* world, int snapshot) {
-  const auto found = world->store->kept.find(snapshot);
-  if (found == world->store->kept.end()) {
+  const auto found = world->store->snapshots.find(snapshot);
+  if (found == world->store->snapshots.end()) {
     world->text = "there is no snapshot with that number";
     return mt_refused;
   }
@@ -213,10 +232,10 @@ EXPORT(mt_restore) int mt_restore(MtWorld* world, int snapshot) {
   const auto& [state, gravity] = found->second;
   if (!(simulation.world().model().gravity() == gravity)) simulation.set_gravity(gravity);
   simulation.restore(state);
-  world->came_back();
+  world->after_restore();
   return mt_ok;
 }
-EXPORT(mt_drop) void mt_drop(MtWorld* world, int snapshot) { world->store->kept.erase(snapshot); }
+EXPORT(mt_drop) void mt_drop(MtWorld* world, int snapshot) { world->store->snapshots.erase(snapshot); }
 
 EXPORT(mt_undo) int mt_undo(MtWorld* world, int event, int again) {
   Simulation& simulation = *world->simulation;
@@ -225,7 +244,7 @@ EXPORT(mt_undo) int mt_undo(MtWorld* world, int event, int again) {
     return mt_refused;
   }
   simulation.undo(static_cast<size_t>(event), again != 0);
-  world->came_back();
+  world->after_restore();
   return mt_ok;
 }
 
@@ -236,6 +255,6 @@ EXPORT(mt_branch) MtWorld* mt_branch(const MtWorld* world) {
   other->simulation->keep_history();
   other->thresholds = world->thresholds;
   other->store = world->store;
-  other->came_back();
+  other->after_restore();
   return other;
 }

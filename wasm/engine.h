@@ -44,6 +44,9 @@ size_t mt_text_length(const MtWorld* world);
 
 /* Sets the text to model.json of the loaded scenario. */
 void mt_model(MtWorld* world);
+/* Sets the text to the kinds of joint with the units of their coordinates, velocities and momenta: {"revolute": {"q": ["rad"],
+ * "v": ["rad/s"], "p": ["N m s"]}, …}. The components of a quaternion (w, x, y, z) have the unit "". */
+void mt_kinds(MtWorld* world);
 /* Sets the text to the present topology: {"mechanisms": [{"name", "root", "grounded", "bodies": […]}], "joints": [{"number",
  * "name", "kind", "parent", "child", "locked": bits, "at", "child_at", "axis", "damping", "force", "torque"}]}: bodies by number,
  * -1: the ground; "force" and "torque": the joint's strength, null: unlimited. */
@@ -59,6 +62,9 @@ int mt_bodies(const MtWorld* world);
 /* Per body 13 numbers: x, y, z and quaternion w, x, y, z of its frame in the world, velocity of the frame's origin and angular
  * velocity in world axes. NaN for a removed body. */
 const double* mt_motions(MtWorld* world);
+/* The same for the loaded scenario at other coordinates and at rest, whatever the present state: `q` has the coordinates of all
+ * joints in the order of their numbers; prescribed motions are at time 0. The world does not change. */
+const double* mt_motions_at(MtWorld* world, const double* q);
 enum { mt_motion_size = 13, mt_joint_size = 28, mt_totals_size = 16 };
 /* Per joint 28 numbers: nq, nv, q (7), v (6), p (6), the reaction on the declared child at its origin in its axes (force and
  * torque, 6), the load: the largest ratio of a reaction to the value at which the joint breaks (its strength, or an event's
@@ -95,7 +101,7 @@ int mt_set_gravity(MtWorld* world, double x, double y, double z);
  * work. */
 int mt_grab(MtWorld* world, int body, double x, double y, double z, double strength);
 void mt_pull(MtWorld* world, double x, double y, double z);
-void mt_let_go(MtWorld* world);
+void mt_release_grip(MtWorld* world);
 
 /* Takes a snapshot of the complete run, which is kept until it is dropped or another scenario is loaded. Restoring it, in this
  * world or in its branches, is exact to the last bit. */

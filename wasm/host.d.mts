@@ -89,10 +89,7 @@ export interface WorldTotals {
 }
 
 export class Engine {
-  static of(
-    source: BufferSource | WebAssembly.Module,
-    log?: (text: string) => void,
-  ): Promise<Engine>;
+  static of(source: BufferSource | WebAssembly.Module, log?: (text: string) => void): Promise<Engine>;
   world(): World;
   readonly bytes: number;
 }
@@ -103,16 +100,23 @@ export class World {
     scenario: ScenarioInfo | null;
     diagnostics: readonly Diagnostic[];
   };
+  /** The document model.json (docs/howto/use-the-results.md). */
   model(): unknown;
+  /** By kind of joint, the units of its coordinates, velocities and momenta; "": a component of a quaternion. */
+  kinds(): Record<string, Record<"q" | "v" | "p", readonly string[]>>;
   topology(): Topology;
   /** Lines of events.jsonl (docs/results.md). */
-  events(first?: number): Record<string, unknown>[];
+  events(first?: number): unknown[];
   readonly revision: number;
   readonly eventCount: number;
   readonly time: number;
   readonly bodies: number;
   run(time: number, budget?: number): Outcome;
   motions(): Float64Array;
+  /** Of the loaded scenario at these coordinates of all its joints, in the order of their numbers. */
+  motionsAt(q: readonly number[]): Float64Array;
+  /** The coordinates of a joint. */
+  coordinates(joint: number): number[];
   joints(withReactions?: boolean): Float64Array;
   totals(): WorldTotals;
   cut(joint: number): Outcome;
@@ -136,7 +140,7 @@ export class World {
   setGravity(gravity: Triple): Outcome;
   grab(body: number, point: Triple, strength?: number): Outcome;
   pull(target: Triple): void;
-  letGo(): void;
+  releaseGrip(): void;
   snapshot(): number;
   restore(snapshot: number): Outcome;
   drop(snapshot: number): void;

@@ -18,11 +18,7 @@ function system(memory, log) {
   const view = () => new DataView(memory().buffer);
   return {
     clock_time_get: (_clock, _precision, to) => {
-      view().setBigUint64(
-        to,
-        BigInt(Math.round(performance.now() * 1e6)),
-        true,
-      );
+      view().setBigUint64(to, BigInt(Math.round(performance.now() * 1e6)), true);
       return wasiOk;
     },
     fd_write: (_file, pieces, count, written) => {
@@ -31,9 +27,7 @@ function system(memory, log) {
       for (let i = 0; i < count; i++) {
         const at = view().getUint32(pieces + 8 * i, true);
         const length = view().getUint32(pieces + 8 * i + 4, true);
-        text += new TextDecoder().decode(
-          new Uint8Array(memory().buffer, at, length),
-        );
+        text += new TextDecoder().decode(new Uint8Array(memory().buffer, at, length));
         bytes += length;
       }
       log(text);
@@ -60,14 +54,10 @@ function system(memory, log) {
 
 export class Engine {
   static async of(source, log = (text) => console.error(text)) {
-    const module =
-      source instanceof WebAssembly.Module
-        ? source
-        : await WebAssembly.compile(source);
+    const module = source instanceof WebAssembly.Module ? source : await WebAssembly.compile(source);
     const engine = new Engine();
     const memory = () => engine.exports.memory;
-    const text = (at, length) =>
-      new TextDecoder().decode(new Uint8Array(memory().buffer, at, length));
+    const text = (at, length) => new TextDecoder().decode(new Uint8Array(memory().buffer, at, length));
     const instance = await WebAssembly.instantiate(module, {
       wasi_snapshot_preview1: system(memory, log),
       momentree: {
@@ -114,11 +104,7 @@ export class World {
 
   text() {
     const at = this.calls.mt_text(this.handle);
-    const bytes = new Uint8Array(
-      this.calls.memory.buffer,
-      at,
-      this.calls.mt_text_length(this.handle),
-    );
+    const bytes = new Uint8Array(this.calls.memory.buffer, at, this.calls.mt_text_length(this.handle));
     return new TextDecoder().decode(bytes);
   }
   done(code) {
@@ -128,9 +114,7 @@ export class World {
   }
 
   load(scenario) {
-    this.engine.withText(scenario, (at, length) =>
-      this.calls.mt_load(this.handle, at, length),
-    );
+    this.engine.withText(scenario, (at, length) => this.calls.mt_load(this.handle, at, length));
     const answer = JSON.parse(this.text());
     return {
       scenario: answer.scenario ?? null,
@@ -139,6 +123,10 @@ export class World {
   }
   model() {
     this.calls.mt_model(this.handle);
+    return JSON.parse(this.text());
+  }
+  kinds() {
+    this.calls.mt_kinds(this.handle);
     return JSON.parse(this.text());
   }
   topology() {
@@ -163,27 +151,30 @@ export class World {
   }
 
   run(time, budget = Infinity) {
-    return this.done(
-      this.calls.mt_run(this.handle, time, Math.min(budget, 1e6)),
-    );
+    return this.done(this.calls.mt_run(this.handle, time, Math.min(budget, 1e6)));
   }
   motions() {
-    return this.engine.numbers(
-      this.calls.mt_motions(this.handle),
-      this.bodies * motionSize,
-    );
+    return this.engine.numbers(this.calls.mt_motions(this.handle), this.bodies * motionSize);
+  }
+  /** `q`: the coordinates of all joints. */
+  motionsAt(q) {
+    const at = this.calls.mt_allocate(8 * q.length || 1);
+    this.engine.numbers(at, q.length).set(q);
+    const motions = this.calls.mt_motions_at(this.handle, at);
+    this.calls.mt_release(at);
+    return this.engine.numbers(motions, this.bodies * motionSize);
+  }
+  coordinates(joint) {
+    const row = this.joints().subarray(jointSize * joint);
+    return Array.from(row.subarray(2, 2 + row[0]));
   }
   joints(withReactions = false) {
-    return this.engine.numbers(
-      this.calls.mt_joints(this.handle, withReactions ? 1 : 0),
-      this.bodies * jointSize,
-    );
+    return this.engine.numbers(this.calls.mt_joints(this.handle, withReactions ? 1 : 0), this.bodies * jointSize);
   }
   totals() {
     const n = this.engine.numbers(this.calls.mt_totals(this.handle), 16);
     const [time, kinetic, potential, ...rest] = n;
-    const [initial, final, dissipated, work, lost, released, error] =
-      rest.slice(6);
+    const [initial, final, dissipated, work, lost, released, error] = rest.slice(6);
     const balance = { initial, final, dissipated, work, lost, released, error };
     return {
       time,
@@ -211,28 +202,16 @@ export class World {
     return this.done(this.calls.mt_weld(this.handle, body, to));
   }
   attach(body, to, kind, axis) {
-    return this.done(
-      this.engine.withText(kind, (at, n) =>
-        this.calls.mt_attach(this.handle, body, to, at, n, ...axis),
-      ),
-    );
+    return this.done(this.engine.withText(kind, (at, n) => this.calls.mt_attach(this.handle, body, to, at, n, ...axis)));
   }
   change(joint, kind) {
-    return this.done(
-      this.engine.withText(kind, (at, n) =>
-        this.calls.mt_change(this.handle, joint, at, n),
-      ),
-    );
+    return this.done(this.engine.withText(kind, (at, n) => this.calls.mt_change(this.handle, joint, at, n)));
   }
   impulse(body, force, point) {
-    return this.done(
-      this.calls.mt_impulse(this.handle, body, ...force, ...point),
-    );
+    return this.done(this.calls.mt_impulse(this.handle, body, ...force, ...point));
   }
   set(joint, { damping = NaN, stiffness = NaN, force = NaN, torque = NaN }) {
-    return this.done(
-      this.calls.mt_set(this.handle, joint, damping, stiffness, force, torque),
-    );
+    return this.done(this.calls.mt_set(this.handle, joint, damping, stiffness, force, torque));
   }
   setDamping(factor, offset) {
     return this.done(this.calls.mt_set_damping(this.handle, factor, offset));
@@ -247,8 +226,8 @@ export class World {
   pull(target) {
     this.calls.mt_pull(this.handle, ...target);
   }
-  letGo() {
-    this.calls.mt_let_go(this.handle);
+  releaseGrip() {
+    this.calls.mt_release_grip(this.handle);
   }
 
   snapshot() {

@@ -1,7 +1,5 @@
 // Names and structure of a world, as JSON.
-#include <cmath>
-
-#include <momentree/io/json_writer.hpp>
+#include <momentree/io/joint_json.hpp>
 #include <momentree/io/summary.hpp>
 #include <wasm/world.hpp>
 
@@ -10,10 +8,6 @@ namespace momentree::wasm {
 namespace {
 
 using io::JsonWriter;
-
-void write_pose(JsonWriter& json, const char* key, const Pose& pose) {
-  json.key(key).begin_object().member("xyz", pose.position).member("quat", pose.rotation).end_object();
-}
 
 void write_diagnostic(JsonWriter& json, const io::Diagnostic& d) {
   json.begin_object().member("severity", io::word_of(d.severity)).member("line", d.line).member("column", d.column);
@@ -65,8 +59,8 @@ std::string topology_json(const World& world) {
     json.begin_object().member("number", j).member("name", joint.name).member("kind", info(joint.kind).name);
     json.member("parent", joint.parent.index).member("child", joint.child.index);
     json.member("locked", static_cast<int>(joint.locked));
-    write_pose(json, "at", joint.at);
-    write_pose(json, "child_at", joint.child_at);
+    io::write_pose(json, "at", joint.at);
+    io::write_pose(json, "child_at", joint.child_at);
     json.member("axis", joint.axis);
     const JointParameters none, &p = joint.parameters != nullptr ? *joint.parameters : none;
     json.member("damping", p.damping.of(0)).member("force", p.strength.force).member("torque", p.strength.torque);

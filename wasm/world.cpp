@@ -51,7 +51,7 @@ std::optional<std::string> MtWorld::body_name(int body, bool ground_too) {
   return std::nullopt;
 }
 
-void MtWorld::hold(int body) {
+void MtWorld::apply_grip(int body) {
   const std::string& name = simulation->world().model()[{body}].name;
   if (grip.body < 0) return simulation->force(name, {});
   simulation->force(name, [grip = grip](const EvaluationContext& context) {
@@ -63,7 +63,7 @@ void MtWorld::hold(int body) {
   });
 }
 
-void MtWorld::came_back() {
+void MtWorld::after_restore() {
   std::vector<std::string> pulled;
   for (const Topology::Loaded& load : simulation->world().tree().body_functions())
     pulled.push_back(simulation->world().model()[{load.body}].name);

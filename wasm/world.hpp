@@ -1,5 +1,5 @@
 #pragma once
-// A world of the module: the run of a scenario and the data that its callers keep.
+// A world of the module: the run of a scenario, and data that outlive a call.
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace momentree::wasm {
 
-/// The spring that pulls a body while the pointer holds it; the function that the simulation calls has its own copy.
+/// The spring between the pointer and the grabbed body; the function that the simulation calls has its own copy.
 struct Grip {
   int body = -1;
   Vec3 point{};   ///< in the body's frame (m)
@@ -31,11 +31,11 @@ struct Threshold {
 
 /// Snapshots of a world and of its branches, by number.
 struct Store {
-  struct Kept {
+  struct Entry {
     SimulationSnapshot snapshot;
     Vec3 gravity;
   };
-  std::map<int, Kept> kept;
+  std::map<int, Entry> snapshots;
   int next = 1;
 };
 
@@ -61,10 +61,10 @@ struct MtWorld {
   std::optional<std::string> body_name(int body, bool ground_too = false);
   /// Call whenever the topology may have changed.
   void changed() { ++revision; }
-  /// Applies the current grip to the simulation, or removes it if its body is −1.
-  void hold(int body);
-  /// Call after going back: a pointer that pulled then no longer pulls.
-  void came_back();
+  /// Applies the current grip to a body, or removes the force from the body if there is no grip.
+  void apply_grip(int body);
+  /// Call after a snapshot was restored: removes the grip that it may contain.
+  void after_restore();
 };
 
 namespace momentree::wasm {

@@ -32,4 +32,21 @@ void write_locked(JsonWriter& json, unsigned locked, int nv) {
   json.end_array();
 }
 
+void write_kinds(JsonWriter& json) {
+  const auto write_units = [&](const char* key, const char* letters, const char* angular, const char* linear) {
+    json.key(key).begin_array();
+    for (; *letters != '\0'; ++letters) json.value(*letters == 'r' ? angular : *letters == 'm' ? linear : "");
+    json.end_array();
+  };
+  json.begin_object();
+  for (const KindInfo& kind : all_kinds()) {
+    json.key(kind.name).begin_object();
+    write_units("q", kind.q_units, "rad", "m");
+    write_units("v", kind.v_units, "rad/s", "m/s");
+    write_units("p", kind.v_units, "N m s", "N s");
+    json.end_object();
+  }
+  json.end_object();
+}
+
 }  // namespace momentree::io

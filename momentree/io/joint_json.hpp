@@ -1,5 +1,5 @@
 #pragma once
-// The description of a joint in model.json, in state documents and in events.jsonl.
+// The description of a joint in model.json, in state documents and in events.jsonl, and of the kinds of joint for pages.
 #include <momentree/io/json_writer.hpp>
 #include <momentree/simulate/event.hpp>
 
@@ -14,5 +14,9 @@ void write_joint_frame(JsonWriter& json, const JointRecord& joint);
 
 /// Member `locked`: true or false, or a list of one boolean per DoF if only some of the `nv` DoFs are locked.
 void write_locked(JsonWriter& json, unsigned locked, int nv);
+
+/// {"revolute": {"q": ["rad"], "v": ["rad/s"], "p": ["N m s"]}, …}: the units of the coordinates, velocities and momenta of each
+/// kind; "" for the components of a quaternion.
+void write_kinds(JsonWriter& json);
 
 }  // namespace momentree::io

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <momentree/io/picture/annotations.hpp>
 #include <momentree/io/picture/frame_svg.hpp>
-#include <momentree/io/picture/furniture.hpp>
 #include <momentree/io/picture/labels.hpp>
 #include <momentree/io/picture/scene.hpp>
 #include <momentree/io/picture/svg_text.hpp>

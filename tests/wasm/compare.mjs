@@ -5,8 +5,7 @@ import { mkdirSync, readFileSync, rmSync } from "node:fs";
 import { basename } from "node:path";
 import { Engine } from "../../wasm/host.mjs";
 
-const [program, modulePath, folder, bound, ...scenarios] =
-  process.argv.slice(2);
+const [program, modulePath, folder, bound, ...scenarios] = process.argv.slice(2);
 const engine = await Engine.of(readFileSync(modulePath));
 rmSync(folder, { recursive: true, force: true });
 mkdirSync(folder, { recursive: true });
@@ -15,41 +14,25 @@ let failures = 0;
 /** As the command steps: onto every row of its tables, and onto the end. */
 function runAs(world, every, until) {
   while (world.time < until) {
-    const row =
-      every > 0
-        ? (Math.floor((world.time / every) * (1 + 1e-12)) + 1) * every
-        : until;
+    const row = every > 0 ? (Math.floor((world.time / every) * (1 + 1e-12)) + 1) * every : until;
     const { status, message } = world.run(Math.min(row, until));
     if (status !== 0) throw new Error(message);
   }
 }
 
-/** A quaternion's sign is free: that with w ≥ 0, as files have it. */
-const withPositiveW = (kind, q) => {
-  const w = { ball: 0, free: 3 }[kind];
-  return w !== undefined && q[w] < 0 ? q.map((x, i) => (i >= w ? -x : x)) : q;
+/** The sign of a quaternion is arbitrary: files have the one with w ≥ 0. `units`: of the coordinates. */
+const withPositiveW = (units, q) => {
+  const w = units.indexOf("");
+  return w >= 0 && q[w] < 0 ? q.map((x, i) => (i >= w ? -x : x)) : q;
 };
 
 for (const argument of scenarios) {
   const [path, given, own = bound] = argument.split(":");
   const name = basename(path, ".toml");
   const out = `${folder}/${name}`;
-  execFileSync(
-    program,
-    [
-      "run",
-      path,
-      "--quiet",
-      "--out",
-      out,
-      ...(given ? ["--until", given] : []),
-    ],
-    { stdio: "ignore" },
-  );
+  execFileSync(program, ["run", path, "--quiet", "--out", out, ...(given ? ["--until", given] : [])], { stdio: "ignore" });
   const final = JSON.parse(readFileSync(`${out}/final.json`, "utf8"));
-  const native = readFileSync(`${out}/events.jsonl`, "utf8")
-    .split("\n")
-    .filter(Boolean);
+  const native = readFileSync(`${out}/events.jsonl`, "utf8").split("\n").filter(Boolean);
 
   const world = engine.world();
   const { scenario, diagnostics } = world.load(readFileSync(path, "utf8"));
@@ -57,30 +40,23 @@ for (const argument of scenarios) {
   runAs(world, scenario.every, given ? Number(given) : scenario.until);
 
   const topology = world.topology();
+  const kinds = world.kinds();
   const rows = world.joints();
   let worst = 0;
   let numbers = 0;
   const compare = (mine, theirs, where) => {
-    if (mine.length !== theirs.length)
-      throw new Error(
-        `${name}: ${where}: ${mine.length} numbers, not ${theirs.length}`,
-      );
+    if (mine.length !== theirs.length) throw new Error(`${name}: ${where}: ${mine.length} numbers, not ${theirs.length}`);
     const size = Math.max(1e-3, ...theirs.map(Math.abs));
     mine.forEach((x, i) => {
       numbers++;
-      if (x !== theirs[i])
-        worst = Math.max(
-          worst,
-          Math.abs(x - theirs[i]) / size || Number.MIN_VALUE,
-        );
+      if (x !== theirs[i]) worst = Math.max(worst, Math.abs(x - theirs[i]) / size || Number.MIN_VALUE);
     });
   };
   for (const { number, name: joint, kind } of topology.joints) {
     const row = [...rows.subarray(28 * number, 28 * number + 28)];
     const theirs = final.joints[joint];
-    if (!theirs || theirs.kind !== kind)
-      throw new Error(`${name}: joint ${joint} is another`);
-    compare(withPositiveW(kind, row.slice(2, 2 + row[0])), theirs.q, joint);
+    if (!theirs || theirs.kind !== kind) throw new Error(`${name}: joint ${joint} is another`);
+    compare(withPositiveW(kinds[kind].q, row.slice(2, 2 + row[0])), theirs.q, joint);
     compare(row.slice(9, 9 + row[1]), theirs.v, joint);
     compare(row.slice(15, 15 + row[1]), theirs.p, joint);
   }
@@ -94,11 +70,8 @@ for (const argument of scenarios) {
     events.every((event, i) => event.event === JSON.parse(native[i]).event) &&
     worst <= (own === "same bits" ? 0 : Number(own));
   if (!good) failures++;
-  const told =
-    worst === 0 ? "the same bits" : `within ${worst.toExponential(1)}`;
-  console.log(
-    `${good ? "ok" : "FAILED"}: ${name} at ${world.time} s: ${numbers} numbers ${told}, ${events.length} events`,
-  );
+  const told = worst === 0 ? "the same bits" : `within ${worst.toExponential(1)}`;
+  console.log(`${good ? "ok" : "FAILED"}: ${name} at ${world.time} s: ${numbers} numbers ${told}, ${events.length} events`);
   world.destroy();
 }
 process.exit(failures ? 1 : 0);

@@ -18,33 +18,21 @@ inertia = 3e-4
 damping = 1e-4
 ${extra}`;
 const near = (a, b, bound = 1e-12) =>
-  assert.ok(
-    Math.abs(a - b) <= bound * Math.max(1, Math.abs(a), Math.abs(b)),
-    `${a} and ${b}`,
-  );
+  assert.ok(Math.abs(a - b) <= bound * Math.max(1, Math.abs(a), Math.abs(b)), `${a} and ${b}`);
 const nearAll = (a, b, bound) => a.forEach((x, i) => near(x, b[i], bound));
 
 // A scenario with errors says where and what, and leaves the world as it was.
 const world = engine.world();
 assert.equal(world.load(chain(6)).scenario.step, 1e-3);
-const broken = world.load(
-  "format = 1\n[[mechanism]]\nname = 'm'\n[mechanism.chian]\nlinks = 3\n",
-);
+const broken = world.load("format = 1\n[[mechanism]]\nname = 'm'\n[mechanism.chian]\nlinks = 3\n");
 assert.equal(broken.scenario, null);
-assert.ok(
-  broken.diagnostics.some(
-    ({ line, hint }) => line === 4 && hint === "did you mean 'chain'?",
-  ),
-);
+assert.ok(broken.diagnostics.some(({ line, hint }) => line === 4 && hint === "did you mean 'chain'?"));
 assert.match(world.load("format = 1\na = [").diagnostics[0].what, /read this/);
 assert.match(
-  world.load('format = 1\n[[mechanism]]\nname="m"\nmodel = "m.urdf"')
-    .diagnostics[0].what,
+  world.load('format = 1\n[[mechanism]]\nname="m"\nmodel = "m.urdf"').diagnostics[0].what,
   /model files can't be read here/,
 );
-const unknown = world
-  .load(chain(6, '[[event]]\nat = 1\nbreak = "chain/9"\n'))
-  .diagnostics.find((d) => d.severity === "error");
+const unknown = world.load(chain(6, '[[event]]\nat = 1\nbreak = "chain/9"\n')).diagnostics.find((d) => d.severity === "error");
 assert.match(unknown.what, /chain\/9/);
 assert.equal(world.bodies, 6);
 
@@ -77,10 +65,7 @@ assert.equal(loop.status, status.refused);
 assert.match(loop.message, /weld/);
 assert.equal(world.weld(3, 2).status, status.ok);
 assert.equal(world.topology().mechanisms.length, 1);
-assert.equal(
-  world.attach(5, 0, "no such kind", [0, 0, 1]).status,
-  status.refused,
-);
+assert.equal(world.attach(5, 0, "no such kind", [0, 0, 1]).status, status.refused);
 assert.equal(world.cut(99).status, status.refused);
 
 // A snapshot is exact, and undoing goes back to just before.
@@ -120,17 +105,12 @@ const m = world.motions().subarray(26, 39);
 const turned = Math.atan2(2 * m[3] * m[6], 1 - 2 * m[6] * m[6]);
 const tip = [m[0] + 0.2 * Math.cos(turned), m[1] + 0.2 * Math.sin(turned)];
 assert.ok(Math.hypot(tip[0] - 0.2, tip[1] + 0.2) < 0.1, `${tip}`);
-world.letGo();
+world.releaseGrip();
 world.run(world.time + 1);
 near(world.totals().balance.error, 0, 1e-4);
 
 // At rest, hanging, a pin carries all that hangs on it; its load is the ratio to its strength.
-world.load(
-  chain(2, 'angle = "-90 deg"\n').replace(
-    "damping",
-    "strength = { force = 10 }\ndamping",
-  ),
-);
+world.load(chain(2, 'angle = "-90 deg"\n').replace("damping", "strength = { force = 10 }\ndamping"));
 const strong = world.load(
   'format = 1\n[[mechanism]]\nname = "m"\n[[mechanism.body]]\nname = "a"\nmass = 2\ninertia = 1\n' +
     '[mechanism.body.joint]\nkind = "weld"\nstrength = { force = "100 N" }\n',
@@ -149,13 +129,8 @@ const use = () => {
   world.grab(1, [0, 0, 0]);
   world.weld(3, 2); // refused
   world.pull([1, 1, 1]);
-  world.letGo();
-  (world.motions(),
-    world.joints(true),
-    world.totals(),
-    world.topology(),
-    world.events(),
-    world.model());
+  world.releaseGrip();
+  (world.motions(), world.joints(true), world.totals(), world.topology(), world.events(), world.model());
   world.run(world.time + 0.002);
   world.restore(snapshot);
   world.drop(snapshot);
@@ -163,8 +138,7 @@ const use = () => {
 for (let i = 0; i < 500; i++) use();
 const size = engine.bytes;
 for (let i = 0; i < 10000; i++) use();
-for (let i = 0; i < 200; i++)
-  (engine.world().destroy(), world.load(chain(6)), world.load("format = "));
+for (let i = 0; i < 200; i++) (engine.world().destroy(), world.load(chain(6)), world.load("format = "));
 assert.equal(engine.bytes, size);
 
 console.log("the module keeps what engine.h says");

@@ -1,6 +1,5 @@
-// A run as the viewer shows it. An implementation may be complete (a report) or grow while it is shown (a running
-// simulation). SI units, world axes, quaternions w, x, y, z; bodies are numbered as in `model.bodies`, and −1 is the
-// ground.
+// A run as pages show it: complete (a report), or growing while it is shown (a running simulation). SI units, world
+// axes, quaternions w, x, y, z; bodies are numbered as in `model.bodies`, and −1 is the ground.
 
 export type Vec3 = readonly [number, number, number];
 export type Quat = readonly [number, number, number, number];
@@ -30,41 +29,10 @@ export interface Body {
   readonly shapes: readonly Shape[];
 }
 
-export type JointKind =
-  | "revolute"
-  | "prismatic"
-  | "helical"
-  | "cylindrical"
-  | "universal"
-  | "ball"
-  | "planar"
-  | "free"
-  | "weld";
-
-/** A joint as declared: its frame in the parent (or the world) and in the child. */
+/** A joint at some time. `at`: its position in the parent (or the world); `childAt`: in the child. */
 export interface Joint {
   readonly name: string;
-  readonly kind: JointKind;
-  readonly parent: number;
-  readonly child: number;
-  readonly at: Pose;
-  readonly childAt: Pose;
-  readonly axis?: Vec3;
-  readonly axis2?: Vec3;
-  readonly pitch?: number;
-}
-
-export interface Model {
-  readonly title: string;
-  readonly gravity: Vec3;
-  readonly bodies: readonly Body[];
-  readonly joints: readonly Joint[];
-}
-
-/** A joint that exists at some time. `at`: the joint in the parent (or the world); `childAt`: in the child. */
-export interface Link {
-  readonly joint: string;
-  readonly kind: JointKind;
+  readonly kind: string;
   readonly parent: number;
   readonly child: number;
   readonly at: Vec3;
@@ -72,12 +40,20 @@ export interface Link {
   readonly locked?: boolean;
 }
 
+/** A model at the start of a run. */
+export interface Model {
+  readonly title: string;
+  readonly gravity: Vec3;
+  readonly bodies: readonly Body[];
+  readonly joints: readonly Joint[];
+}
+
 /** The topology from a time on until the next phase. */
 export interface Phase {
   readonly from: number;
   /** By body: an index into `Recording.mechanisms`. */
   readonly mechanism: ArrayLike<number>;
-  readonly links: readonly Link[];
+  readonly joints: readonly Joint[];
 }
 
 export interface Totals {
@@ -87,11 +63,17 @@ export interface Totals {
   readonly angular: Vec3;
 }
 
-/** An event with its certificate, as in a line of events.jsonl (docs/results.md). */
+/** An event with its certificate: the members that are used of a line of events.jsonl (docs/results.md). */
 export interface RunEvent {
   readonly time: number;
-  readonly name: string;
+  readonly event: string;
   readonly actions: readonly string[];
+  readonly changes: readonly {
+    readonly kind: string;
+    readonly joint?: string;
+    readonly body?: string;
+    readonly skipped?: string;
+  }[];
   readonly mechanisms: { readonly before: readonly string[]; readonly after: readonly string[] };
   readonly before: Totals | null;
   readonly after: Totals | null;
@@ -99,22 +81,17 @@ export interface RunEvent {
   readonly lost: number;
   readonly work: number;
   readonly hardest: { readonly joint: string; readonly linear: number; readonly angular: number } | null;
-  readonly durationNs: number;
-  /** Bodies affected by it: children of joints that broke or changed, bodies that were joined. */
-  readonly bodies: readonly number[];
+  readonly duration_ns: number;
 }
 
-/**
- * Values by frame; NaN if there is none at that time. Request it again after frames were added: the array may be
- * replaced.
- */
+/** Values by frame; NaN if there is none at that time. */
 export interface Column {
   readonly label: string;
   readonly unit: string;
   readonly values: ArrayLike<number>;
 }
 
-/** Quantities that can be plotted: of the world, or of a joint. */
+/** Quantities of the world and of joints that can be plotted. */
 export type WorldQuantity = "energy" | "balance" | "linear" | "angular";
 export type JointQuantity = "q" | "v" | "p" | "force" | "torque";
 
@@ -140,32 +117,31 @@ export interface Missed {
   readonly time?: number;
 }
 
-/** The parts of summary.json (docs/results.md) that are shown. */
+/** The members of summary.json (docs/results.md) that are shown; a run that was killed left only some of them. */
 export interface Summary {
   readonly status: string;
-  readonly version: string;
-  readonly scenario: string;
-  readonly method: string;
-  readonly step: number;
-  readonly steps: number;
-  readonly evaluations: number;
-  readonly changes: number;
-  readonly realTimeFactor: number | null;
-  readonly times: Times | null;
-  readonly energy: Readonly<Record<string, number | null>> | null;
-  readonly missed: readonly Missed[];
-  readonly warnings: readonly string[];
+  readonly version?: string;
+  readonly scenario?: { readonly name: string };
+  readonly method?: string;
+  readonly step?: number;
+  readonly steps?: number;
+  readonly evaluations?: number;
+  readonly topology_changes?: number;
+  readonly real_time_factor?: number | null;
+  readonly wall_clock?: Times;
+  readonly energy?: Readonly<Record<string, number | null>> | null;
+  readonly missed?: readonly Missed[];
+  readonly warnings?: readonly string[];
 }
 
-export interface Recording {
+/** The motion of a run; it may grow while it is shown. */
+export interface Motion {
   readonly model: Model;
   /** Present number of frames. */
   readonly frames: number;
-  /** Increases whenever existing data have changed: frames were removed, or another branch was begun. */
-  readonly revision: number;
   /** Time of a frame (s); never decreases from frame to frame. */
   time(frame: number): number;
-  /** Of a frame: per body x, y, z, qw, qx, qy, qz of its frame in the world. Valid until the recording changes. */
+  /** Of a frame: per body x, y, z, qw, qx, qy, qz of its frame in the world. Valid until the motion changes. */
   poses(frame: number): ArrayLike<number>;
   /** Whether the motion between a frame and the next is unknown: the run diverged there. */
   gapAfter?(frame: number): boolean;
@@ -174,6 +150,10 @@ export interface Recording {
   readonly phases: readonly Phase[];
   /** Names in the order of appearance; their indices determine their colours. */
   readonly mechanisms: readonly string[];
+}
+
+/** A complete run with its tables. */
+export interface Recording extends Motion {
   /** Joints that have columns, by name. */
   readonly joints: readonly string[];
   /** Empty if the recording does not contain the quantity. */

@@ -62,7 +62,7 @@ async function seen(page: Page, dark = false) {
   return { lime: counts[0], magenta: counts[1], first: counts[2], second: counts[3] };
 }
 
-it("a report has them, outlines the parts after a break, and can show mechanisms instead", async () => {
+it("a report shows them, outlines the parts after a break, and can show mechanism colours instead", async () => {
   const file = join(temporary(), "crane.toml");
   writeFileSync(file, crane);
   const folder = report(file);
@@ -89,7 +89,7 @@ it("a report has them, outlines the parts after a break, and can show mechanisms
   }
 });
 
-it("the playground has them, too, and keeps the choice", async () => {
+it("the playground shows them, too, and keeps the choice", async () => {
   const { page, complaints } = await open(browser, playgroundAddress + (await fragmentOf(crane)));
   await page.waitForFunction(() => Boolean(window.playground?.app.run));
   expect((await seen(page)).magenta).toBeGreaterThan(500);

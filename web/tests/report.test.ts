@@ -29,7 +29,7 @@ async function shown(page: Page, series: string): Promise<number> {
 }
 
 describe("the report of a run", () => {
-  it("opens from disk, complains of nothing, asks for nothing", async () => {
+  it("opens from disk without messages or requests", async () => {
     const { page, complaints } = await openReport(browser, chain);
     expect(await page.title()).toBe("Breaking chain – momentree");
     await page.getByRole("note").getByText("the energy balance is off by").waitFor();
@@ -58,7 +58,7 @@ describe("the report of a run", () => {
     await page.context().close();
   });
 
-  it("goes where its slider is put, by the pointer too, and stops there", async () => {
+  it("its slider sets the time, also by the pointer, and pauses", async () => {
     const { page, complaints } = await openReport(browser, chain);
     await page.getByRole("button", { name: "Play", exact: true }).click();
     const slider = page.getByLabel("Time", { exact: true });
@@ -108,7 +108,7 @@ describe("the report of a run", () => {
     await page.context().close();
   });
 
-  it("plots stand at the picture's time and have the numbers of the tables; a click on one moves the picture", async () => {
+  it("plots show the time of the picture and the numbers of the tables; a click on one sets the time", async () => {
     const { page } = await openReport(browser, chain, desktop, 1.2);
     const row = csv(chain, "energy.csv").find(({ time }) => Math.abs(time - 1.2) < 1e-9)!;
     expect(await shown(page, "kinetic")).toBeCloseTo(row.kinetic, 2);
@@ -125,7 +125,7 @@ describe("the report of a run", () => {
     await page.context().close();
   });
 
-  it("is worked by the keyboard, and says what is to be seen", async () => {
+  it("is controlled by the keyboard, and describes the picture", async () => {
     const { page, complaints } = await openReport(browser, chain);
     await page.keyboard.press("Shift+ArrowRight");
     expect(await clock(page)).toBe("1.800 s");
@@ -166,7 +166,7 @@ describe("the report of a run", () => {
     await page.context().close();
   });
 
-  it("names and titles are text, whatever they hold", async () => {
+  it("names and titles are text, whatever they contain", async () => {
     const text = readFileSync(scenario("pendulum.toml"), "utf8");
     const nasty = "</script><script>alert(1)</script><img src=x onerror=alert(2)>";
     const file = join(temporary(), "nasty.toml");

@@ -34,7 +34,7 @@ afterEach(async () => {
 });
 const patience = { timeout: 20_000 };
 
-const instead = (page: Page) => page.locator(".instead").innerText();
+const instead = (page: Page) => page.locator(".placeholder").innerText();
 const ready = (page: Page) => page.waitForFunction(() => Boolean(window.playground?.app.run));
 /** The graphics context goes, or comes back. */
 const context = (page: Page, does: "loseContext" | "restoreContext") =>
@@ -48,9 +48,9 @@ const context = (page: Page, does: "loseContext" | "restoreContext") =>
   }, does);
 
 describe("without WebGL", () => {
-  it("a report says so, and has its plots, events and tables", async () => {
+  it("a report says so, and shows its plots, events and tables", async () => {
     for (const view of [desktop, { ...phone, dark: true }]) {
-      const { page, complaints } = await openReport(plain, chain, view, 0, ".instead");
+      const { page, complaints } = await openReport(plain, chain, view, 0, ".placeholder");
       expect(await instead(page)).toMatch(/No 3D picture[\s\S]*hardware acceleration[\s\S]*Plots, events and tables/);
       expect(await page.locator(".stage canvas").count()).toBe(0);
       expect(await page.locator(".tools").count()).toBe(0);
@@ -78,14 +78,14 @@ describe("without WebGL", () => {
     await page.waitForFunction(() => window.playground.app.topology.mechanisms.length === 2);
     await page.getByLabel("Scenario", { exact: true }).first().selectOption("capture");
     await page.waitForFunction(() => window.playground.app.run!.frames === 1);
-    expect(await page.locator(".instead").count()).toBe(1);
+    expect(await page.locator(".placeholder").count()).toBe(1);
     await keep(page, "no_webgl_playground");
     expect(complaints).toEqual([]);
   });
 });
 
 describe("a graphics context that is lost", () => {
-  it("is told, and the picture is drawn again when it is back", async () => {
+  it("is reported, and the picture is drawn again when it is restored", async () => {
     const { page, complaints } = await openReport(browser, chain);
     const seek = async (place: string) => {
       await page.getByLabel("Time", { exact: true }).fill(place);
@@ -97,7 +97,7 @@ describe("a graphics context that is lost", () => {
     const pair = await pictures.last().screenshot();
     const before = await page.locator(".stage canvas").screenshot();
     await context(page, "loseContext");
-    await page.waitForSelector(".instead");
+    await page.waitForSelector(".placeholder");
     expect(await instead(page)).toMatch(/3D picture was lost[\s\S]*reload/i);
     expect(await page.locator(".tools").evaluate((e) => (e as HTMLElement).inert)).toBe(true);
     await page.locator(".marks button").click();
@@ -106,7 +106,7 @@ describe("a graphics context that is lost", () => {
     expect(await page.locator(".clock").innerText()).toBe("3.000 s");
     await keep(page, "context_lost");
     await context(page, "restoreContext");
-    await expect.poll(() => page.locator(".instead").count(), patience).toBe(0);
+    await expect.poll(() => page.locator(".placeholder").count(), patience).toBe(0);
     await seek("640");
     expect((await page.locator(".stage canvas").screenshot()).equals(before)).toBe(true);
     expect((await pictures.last().screenshot()).equals(pair)).toBe(true);
@@ -114,24 +114,24 @@ describe("a graphics context that is lost", () => {
     expect(complaints.filter((text) => !text.includes("Context"))).toEqual([]);
   });
 
-  it("is told in the playground, whose tools come back with it", async () => {
+  it("is reported in the playground, and its tools are enabled again when it is restored", async () => {
     const { page } = await open(browser, playgroundAddress);
     await ready(page);
     const inert = () => page.locator(".tools").evaluateAll((all) => all.map((e) => (e as HTMLElement).inert));
     await context(page, "loseContext");
-    await page.waitForSelector(".instead");
+    await page.waitForSelector(".placeholder");
     expect(await inert()).toEqual([true, true]);
     await context(page, "restoreContext");
-    await expect.poll(() => page.locator(".instead").count(), patience).toBe(0);
+    await expect.poll(() => page.locator(".placeholder").count(), patience).toBe(0);
     expect(await inert()).toEqual([false, false]);
     await context(page, "loseContext");
-    await page.waitForSelector(".instead");
+    await page.waitForSelector(".placeholder");
     await page.getByRole("button", { name: "⟲" }).click(); // another picture, with a context of its own
-    await expect.poll(() => page.locator(".instead").count(), patience).toBe(0);
+    await expect.poll(() => page.locator(".placeholder").count(), patience).toBe(0);
     expect(await inert()).toEqual([false, false]);
   });
 
-  it("is none where a world takes the place of another", async () => {
+  it("is not reported when a world replaces another", async () => {
     const { page, complaints } = await open(browser, playgroundAddress);
     await ready(page);
     for (let i = 0; i < 20; i++) {
@@ -144,7 +144,7 @@ describe("a graphics context that is lost", () => {
     }
     await settled(page);
     expect(await page.locator(".stage canvas").count()).toBe(1);
-    expect(await page.locator(".instead").count()).toBe(0);
+    expect(await page.locator(".placeholder").count()).toBe(0);
     expect(complaints).toEqual([]); // browsers warn of too many contexts
   });
 });
@@ -162,7 +162,7 @@ describe("without JavaScript", () => {
 });
 
 describe("a report", () => {
-  it("that is cut off, or holds no run, says so", async () => {
+  it("that is cut off, or contains no run, says so", async () => {
     const whole = readFileSync(join(chain, "report.html"), "utf8");
     const [start, end] = [whole.indexOf('id="recording">') + 15, whole.lastIndexOf("</script>")];
     const folder = temporary();
@@ -170,7 +170,7 @@ describe("a report", () => {
       [whole.slice(0, start + 50_000), "cut off"],
       [whole.slice(0, start - 60), "cut off"],
       [`${whole.slice(0, start)}{"format": 1}${whole.slice(end)}`, "can't be shown"],
-      [whole.slice(0, start) + whole.slice(end), "holds no run"],
+      [whole.slice(0, start) + whole.slice(end), "contains no run"],
     ]) {
       writeFileSync(join(folder, "report.html"), text);
       const { page } = await open(browser, pathToFileURL(join(folder, "report.html")).href, desktop, "p");
@@ -179,7 +179,7 @@ describe("a report", () => {
     }
   });
 
-  it("of a run that diverged has all of the reason, and no motion that was not computed", async () => {
+  it("of a run that diverged shows the whole reason, and no motion that was not computed", async () => {
     const text = `format = 1
 [[mechanism]]
 name = "arm"
@@ -241,10 +241,10 @@ inertia = 0.007
 axis = [0, 1, 0]
 `;
 
-  it("that is damaged says so, shows nothing in its place, and leaves a way on", async () => {
+  it("that is damaged says so, shows no other scenario, and offers one", async () => {
     const whole = await fragmentOf(good);
     for (const fragment of ["#s=garbage", whole.slice(0, -9), "#s2=AAAA", "#unknown"]) {
-      const { page, complaints } = await open(browser, playgroundAddress + fragment, desktop, ".instead button");
+      const { page, complaints } = await open(browser, playgroundAddress + fragment, desktop, ".placeholder button");
       expect(await instead(page)).toMatch(fragment.startsWith("#s2") ? /newer version/ : /Ask for it again/);
       expect(await page.evaluate(() => window.playground?.app.run ?? null)).toBeNull();
       expect(await page.locator(".timeline").evaluate((e) => (e as HTMLElement).inert)).toBe(true);
@@ -270,7 +270,7 @@ axis = [0, 1, 0]
     await page.getByRole("button", { name: "Run this" }).click();
     await ready(page);
     expect(await page.title()).toContain("One pendulum");
-    expect(await page.locator(".instead").count()).toBe(0);
+    expect(await page.locator(".placeholder").count()).toBe(0);
     expect(complaints).toEqual([]);
   });
 
@@ -281,7 +281,7 @@ axis = [0, 1, 0]
     expect(await page.evaluate(() => window.playground.app.run)).toBeNull();
   });
 
-  it("that is followed while a world is there leaves that, and says so", async () => {
+  it("that is opened while a world runs keeps that world, and says so", async () => {
     const { page } = await open(browser, playgroundAddress + (await fragmentOf(good)));
     await ready(page);
     for (const fragment of ["#s=garbage", await fragmentOf(good.replace("links", "lynks"))]) {

@@ -53,7 +53,7 @@ it("shows a result, and ends on Ctrl-C", async () => {
   expect(await ended()).toBe(0);
 });
 
-it("answers this machine's browser alone, with the page alone, and says so in its headers", async () => {
+it("serves only the page, only to this machine's browser, with a content policy", async () => {
   const address = await view(scenario("pendulum.toml"));
   const { host } = new URL(address);
   const port = host.split(":")[1];
@@ -77,7 +77,7 @@ it("answers this machine's browser alone, with the page alone, and says so in it
   expect(headers["access-control-allow-origin"]).toBeUndefined();
 });
 
-it("shows a model with a slider for each freedom, which move it", async () => {
+it("shows a model with a slider for each DoF, which moves it", async () => {
   const address = await view(scenario("models/panda/panda.urdf"));
   const { page, complaints } = await open(browser, address);
   expect(await page.locator("fieldset").count()).toBe(9);

@@ -1,4 +1,4 @@
-#include <momentree/io/picture/furniture.hpp>
+#include <momentree/io/picture/annotations.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -68,8 +68,8 @@ void append_events(std::string& svg, const Scene& scene, Row& row) {
     const Point2 at = row.take(44 + text_width(text, 13));
     svg += event_mark({at.x + 10, at.y - 4}) + svg_words(text, {at.x + 26, at.y});
   }
-  if (scene.hits > 0) {
-    const std::string text = std::to_string(scene.hits) + (scene.hits == 1 ? " impact on a stop" : " impacts on stops");
+  if (scene.impacts > 0) {
+    const std::string text = std::to_string(scene.impacts) + (scene.impacts == 1 ? " impact on a stop" : " impacts on stops");
     svg += svg_words(text, row.take(18 + text_width(text, 13)), {.colour = pale});
   }
   if (scene.events.size() > most_named) {

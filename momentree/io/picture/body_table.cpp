@@ -1,129 +1,80 @@
 #include <momentree/io/picture/body_table.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/line_reader.hpp>
 
 namespace momentree::io {
 namespace {
 
 constexpr const char* suffixes[7] = {"x", "y", "z", "qw", "qx", "qy", "qz"};
-
-std::string place(const std::filesystem::path& file, std::size_t line) { return file.string() + ":" + std::to_string(line); }
-
-double number(const std::string& field, const std::string& column, const std::string& where) {
-  double value = 0;
-  const char* end = field.data() + field.size();
-  const auto [stop, error] = std::from_chars(field.data(), end, value);
-  if (error != std::errc{} || stop != end)
-    throw_error({"column '" + column + "': '" + field + "' is not a number", where,
-                 "bodies.csv as written by `momentree run` is needed"});
-  if (!std::isfinite(value))
-    throw_error(
-        {"column '" + column + "' is " + field + ", not a finite number", where, "the run diverged here; try a smaller step"});
-  return value;
-}
-
-std::vector<PoseColumns> find_bodies(const std::vector<std::string>& columns, const std::string& where) {
-  std::vector<PoseColumns> bodies;
-  std::map<std::string, std::size_t> number_of;
-  std::vector<unsigned> found;
-  for (std::size_t c = 1; c < columns.size(); ++c) {
-    const std::size_t dot = columns[c].rfind('.');
-    const std::string suffix = dot == std::string::npos ? "" : columns[c].substr(dot + 1);
-    const auto which = std::find(std::begin(suffixes), std::end(suffixes), suffix);
-    if (which == std::end(suffixes))
-      throw_error({"column '" + columns[c] + "' is not part of a pose", where, "expected <body>.x .y .z .qw .qx .qy .qz"});
-    const std::string name = columns[c].substr(0, dot);
-    const auto [body, is_new] = number_of.try_emplace(name, bodies.size());
-    if (is_new) bodies.push_back({name, {}}), found.push_back(0);
-    const auto k = static_cast<std::size_t>(which - std::begin(suffixes));
-    if (found[body->second] & (1U << k)) throw_error({"column '" + columns[c] + "' occurs twice", where, {}});
-    found[body->second] |= 1U << k;
-    bodies[body->second].at[k] = c;
-  }
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    for (std::size_t k = 0; k < 7; ++k)
-      if (!(found[b] & (1U << k)))
-        throw_error({"the column '" + bodies[b].name + "." + suffixes[k] + "' is missing", where,
-                     "a body needs .x .y .z .qw .qx .qy .qz"});
-  if (bodies.empty()) throw_error({"it has no bodies", where, {}});
-  return bodies;
-}
+constexpr std::size_t missing = std::numeric_limits<std::size_t>::max();
 
 }  // namespace
 
-std::vector<std::string> split_csv(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
-      fields.back() += line[++i];
-    else if (c == '"')
-      quoted = !quoted;
-    else if (c == ',' && !quoted)
-      fields.emplace_back();
-    else
-      fields.back() += c;
+BodyTable::BodyTable(const std::filesystem::path& file) : table_(file) {
+  const std::string header = table_.header_place();
+  std::map<std::string, std::size_t> number_of;
+  for (std::size_t c = 0; c < table_.columns().size(); ++c) {
+    const std::string& column = table_.columns()[c];
+    const std::size_t dot = column.rfind('.');
+    const auto which =
+        std::find(std::begin(suffixes), std::end(suffixes), dot == std::string::npos ? "" : column.substr(dot + 1));
+    if (which == std::end(suffixes))
+      throw_error({"column '" + column + "' is not part of a pose", header, "expected <body>.x .y .z .qw .qx .qy .qz"});
+    const auto [body, is_new] = number_of.try_emplace(column.substr(0, dot), bodies_.size());
+    if (is_new) bodies_.push_back(body->first), at_.resize(7 * bodies_.size(), missing);
+    std::size_t& at = at_[7 * body->second + static_cast<std::size_t>(which - std::begin(suffixes))];
+    if (at != missing) throw_error({"column '" + column + "' occurs twice", header, {}});
+    at = c;
   }
-  return fields;
-}
-
-BodyTable::BodyTable(std::filesystem::path file) : file_(std::move(file)) {
-  if (!is_there(file_)) throw_error({"there is no such file", file_.string(), "give the directory that `momentree run` wrote"});
-  LineReader in(file_);
-  std::string line;
-  if (!in.next(line)) throw_error({"the file is empty", file_.string(), {}});
-  columns_ = split_csv(line);
-  if (columns_.front() != "time")
-    throw_error({"the first column is '" + columns_.front() + "', not 'time'", place(file_, 1), {}});
-  bodies_ = find_bodies(columns_, place(file_, 1));
-  while (in.next(line) && in.is_whole()) {  // otherwise an interrupted run was still writing this row
-    if (line.empty()) continue;
-    const double time = number(line.substr(0, line.find(',')), "time", place(file_, in.number()));
-    if (!times_.empty() && time < times_.back()) throw_error({"time runs backwards", place(file_, in.number()), {}});
-    times_.push_back(time);
-  }
-  if (times_.empty()) throw_error({"it has no complete row", file_.string(), "the run stopped before it wrote one"});
+  for (std::size_t i = 0; i < at_.size(); ++i)
+    if (at_[i] == missing)
+      throw_error({"the column '" + bodies_[i / 7] + "." + suffixes[i % 7] + "' is missing", header,
+                   "a body needs .x .y .z .qw .qx .qy .qz"});
+  if (bodies_.empty()) throw_error({"it has no bodies", header, {}});
+  if (times().empty()) throw_error({"it has no complete row", file.string(), "the run stopped before it wrote one"});
 }
 
 std::size_t BodyTable::row_near(double time) const {
+  const std::vector<double>& times = table_.times();
   const double same = 1e-9 * std::max(1.0, std::abs(time));
-  auto after = std::upper_bound(times_.begin(), times_.end(), time + same);
-  if (after == times_.begin()) return 0;
+  auto after = std::upper_bound(times.begin(), times.end(), time + same);
+  if (after == times.begin()) return 0;
   const auto before = after - 1;
-  if (after != times_.end() && *after - time < time - *before) {
+  if (after != times.end() && *after - time < time - *before) {
     const double next = *after;  // of several rows at that instant the last
-    return static_cast<std::size_t>(std::upper_bound(after, times_.end(), next) - times_.begin()) - 1;
+    return static_cast<std::size_t>(std::upper_bound(after, times.end(), next) - times.begin()) - 1;
   }
-  return static_cast<std::size_t>(before - times_.begin());
+  return static_cast<std::size_t>(before - times.begin());
+}
+
+std::vector<double> BodyTable::poses(const std::vector<std::size_t>& rows) const {
+  const std::vector<double> cells = table_.read(rows);
+  std::vector<double> poses;
+  poses.reserve(cells.size());
+  for (std::size_t row = 0; row < cells.size(); row += at_.size())
+    for (const std::size_t at : at_) poses.push_back(cells[row + at]);
+  return poses;
 }
 
 std::vector<RecordedFrame> BodyTable::read(const std::vector<std::size_t>& rows) const {
+  const std::vector<double> numbers = poses(rows);
   std::vector<RecordedFrame> frames;
-  LineReader in(file_);
-  std::string line;
-  in.next(line);
-  std::size_t row = 0;
-  for (const std::size_t wanted : rows) {
-    while (row <= wanted && in.next(line))
-      if (!line.empty()) ++row;
-    const std::size_t n = in.number();
-    const std::vector<std::string> fields = split_csv(line);
-    if (fields.size() != columns_.size())
-      throw_error({"the row has " + std::to_string(fields.size()) + " of " + std::to_string(columns_.size()) + " columns",
-                   place(file_, n), "the file was truncated or modified: run again"});
-    RecordedFrame frame{times_[wanted], {}};
-    for (const PoseColumns& body : bodies_) {
-      std::array<double, 7> v{};
-      for (std::size_t k = 0; k < 7; ++k) v[k] = number(fields[body.at[k]], columns_[body.at[k]], place(file_, n));
+  const double* v = numbers.data();
+  for (const std::size_t row : rows) {
+    RecordedFrame frame{times()[row], {}};
+    for (std::size_t b = 0; b < bodies_.size(); ++b, v += 7) {
+      for (std::size_t k = 0; k < 7; ++k)
+        if (!std::isfinite(v[k]))
+          throw_error({"column '" + bodies_[b] + "." + suffixes[k] + "' is " + (std::isnan(v[k]) ? "nan" : "inf") +
+                           ", not a finite number",
+                       table_.place(row), "the run diverged here; try a smaller step"});
       if (v[3] * v[3] + v[4] * v[4] + v[5] * v[5] + v[6] * v[6] < 1e-12)
-        throw_error({"the quaternion of '" + body.name + "' is zero", place(file_, n), {}});
+        throw_error({"the quaternion of '" + bodies_[b] + "' is zero", table_.place(row), {}});
       frame.poses.emplace_back(Vec3{v[0], v[1], v[2]}, Quat{v[3], v[4], v[5], v[6]});
     }
     frames.push_back(std::move(frame));

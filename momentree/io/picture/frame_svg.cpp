@@ -37,9 +37,9 @@ class PathWriter {
 
   void close() {
     if (data_.empty()) return;
-    const bool travel = kind_ == Kind::travel;
-    svg_ += "<path d=\"" + data_ + "\" stroke=\"" + colour_ + "\" stroke-width=\"" + pixels(travel ? 1 : width_) + "\"" +
-            (travel ? " stroke-dasharray=\"3 3\"" : "") + "/>\n";
+    const bool dashed = kind_ == Kind::displacement;
+    svg_ += "<path d=\"" + data_ + "\" stroke=\"" + colour_ + "\" stroke-width=\"" + pixels(dashed ? 1 : width_) + "\"" +
+            (dashed ? " stroke-dasharray=\"3 3\"" : "") + "/>\n";
     data_.clear();
   }
 
@@ -93,7 +93,7 @@ void append_frame(std::string& svg, const SceneFrame& frame, const Placement& pl
   {
     PathWriter path(svg, width);
     for (const Primitive& p : frame.primitives) {
-      if (p.kind == Kind::line || p.kind == Kind::travel) {
+      if (p.kind == Kind::line || p.kind == Kind::displacement) {
         path.add(p, placement);
         continue;
       }

@@ -16,21 +16,21 @@
 namespace momentree::io {
 namespace {
 
-constexpr const char* cut = "the file was truncated or modified: run again, or remove it";
+constexpr const char* damaged = "the file was truncated or modified: run again, or remove it";
 
 std::optional<JsonDocument> parse_file(const std::filesystem::path& file) {
   if (!is_there(file)) return std::nullopt;
   try {
     return parse_json(read_text_file(file.string(), Links::refuse), file.string());
   } catch (Error& error) {
-    if (error.hint.empty()) error.hint = cut;
+    if (error.hint.empty()) error.hint = damaged;
     throw;
   }
 }
 
 const JsonNode& member(const JsonDocument& document, const JsonNode& object, const char* key) {
   const JsonNode* found = document.object(object, "the object with `" + std::string(key) + "`").find(key);
-  if (!found) document.fail_at(object, "`" + std::string(key) + "` is missing", cut);
+  if (!found) document.fail_at(object, "`" + std::string(key) + "` is missing", damaged);
   return *found;
 }
 
@@ -43,7 +43,7 @@ template <std::size_t Count>
 std::array<double, Count> numbers(const JsonDocument& document, const JsonNode& node, const char* what) {
   const std::vector<double> values = document.numbers(node, what);
   if (values.size() != Count)
-    document.fail_at(node, std::string(what) + " should have " + std::to_string(Count) + " numbers", cut);
+    document.fail_at(node, std::string(what) + " should have " + std::to_string(Count) + " numbers", damaged);
   std::array<double, Count> all{};
   std::copy(values.begin(), values.end(), all.begin());
   return all;
@@ -120,7 +120,7 @@ void read_model(const JsonDocument& document, const Numbers& numbers, Recording&
     if (known == numbers.end()) continue;
     RecordedBody& recorded = run.bodies[static_cast<std::size_t>(known->second)];
     for (const JsonNode& segment : document.array(member(document, body, "extent"), "`extent`").items) {
-      if (document.array(segment, "a segment").items.size() != 2) document.fail_at(segment, "a segment has two ends", cut);
+      if (document.array(segment, "a segment").items.size() != 2) document.fail_at(segment, "a segment has two ends", damaged);
       recorded.extent.emplace_back(vec(document, segment.items[0], "an end"), vec(document, segment.items[1], "an end"));
     }
     if (const JsonNode* shape = body.find("shape"); shape && !shape->is(JsonNode::Type::null))
@@ -139,6 +139,20 @@ std::vector<std::string> texts(const JsonDocument& document, const JsonNode& lis
 
 void read_events(const std::filesystem::path& file, const std::vector<std::string>& mechanism_of, Recording& run) {
   TopologyHistory history(run, mechanism_of);
+  for_each_event(file, [&](const JsonDocument& document, const std::string&) {
+    RecordedEvent event;
+    event.time = document.number(member(document, document.root, "time"), "`time`");
+    event.name = text_or_none(document.root, "event");
+    event.actions = texts(document, member(document, document.root, "actions"));
+    history.add(document, event);
+    run.events.push_back(std::move(event));
+  });
+}
+
+}  // namespace
+
+void for_each_event(const std::filesystem::path& file,
+                    const std::function<void(const JsonDocument& document, const std::string& line)>& use) {
   if (!is_there(file)) return;
   LineReader in(file);
   for (std::string line; in.next(line);) {
@@ -148,25 +162,20 @@ void read_events(const std::filesystem::path& file, const std::vector<std::strin
       document = parse_json(line, file.string() + ':' + std::to_string(in.number()));
     } catch (const Error&) {
       if (!in.is_whole()) break;  // an interrupted run was still writing this line
-      throw_error({"the line is not JSON", file.string() + ':' + std::to_string(in.number()), cut});
+      throw_error({"the line is not JSON", file.string() + ':' + std::to_string(in.number()), damaged});
     }
-    const JsonNode& json = document.root;
-    RecordedEvent event;
-    event.time = document.number(member(document, json, "time"), "`time`");
-    event.name = text_or_none(json, "event");
-    event.actions = texts(document, member(document, json, "actions"));
-    history.add(document, event);
-    run.events.push_back(std::move(event));
+    use(document, line);
   }
 }
 
-}  // namespace
-
-Recording read_story(const std::filesystem::path& directory, const std::vector<std::string>& bodies) {
+Recording read_recording(const std::filesystem::path& directory, double every) {
+  if (!std::filesystem::is_directory(directory))
+    throw_error({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
+  const BodyTable table(directory / "bodies.csv");
   Recording run;
   Numbers numbers;
   std::vector<std::string> mechanism_of;
-  for (const std::string& name : bodies) {
+  for (const std::string& name : table.bodies()) {
     numbers.emplace(name, static_cast<int>(run.bodies.size()));
     run.bodies.push_back({});
     run.bodies.back().name = run.bodies.back().joint = name;
@@ -181,16 +190,6 @@ Recording read_story(const std::filesystem::path& directory, const std::vector<s
     read_joints(*final_state, member(*final_state, final_state->root, "joints"), numbers, run), guess_extents(run);
   if (run.title.empty()) run.title = std::filesystem::absolute(directory).lexically_normal().filename().string();
   read_events(directory / "events.jsonl", mechanism_of, run);
-  return run;
-}
-
-Recording read_recording(const std::filesystem::path& directory, double every) {
-  if (!std::filesystem::is_directory(directory))
-    throw_error({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
-  const BodyTable table(directory / "bodies.csv");
-  std::vector<std::string> names;
-  for (const PoseColumns& column : table.bodies()) names.push_back(column.name);
-  Recording run = read_story(directory, names);
   const std::vector<std::size_t> rows = choose_rows(table, every);
   run.every = every;
   run.frames = table.read(rows);

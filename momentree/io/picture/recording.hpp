@@ -3,10 +3,12 @@
 // between the events.
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <momentree/io/json_document.hpp>
 #include <momentree/io/shape.hpp>
 #include <momentree/math/vec.hpp>
 
@@ -27,31 +29,19 @@ struct RecordedFrame {
   std::vector<Pose> poses;  ///< by body
 };
 
-/// A joint that an event made or changed, as it is after that event: bodies by number, −1 the ground.
-struct RecordedJoint {
-  std::string name, kind;
-  int parent = -1, child = -1;
-  Vec3 at{}, child_at{};
-  bool locked = false;  ///< all of its DoFs
-};
-
 /// The mechanisms from the time `from` (s) on.
 struct Phase {
   double from = 0;
   std::vector<int> mechanism;  ///< by body: an index in Recording::mechanisms
   std::vector<char> joined;    ///< by body: its inboard joint is that of the start, and still exists
-  // Changes of joints by the event that began the phase.
-  std::vector<std::string> gone;      ///< names of joints that no longer exist
-  std::vector<RecordedJoint> joints;  ///< joints that it made or changed: they replace those of the same names
 };
 
 struct RecordedEvent {
   double time = 0;
   std::string name;
   std::vector<std::string> actions;
-  int hits = 0;             ///< impacts on joint limits
+  int impacts = 0;          ///< on joint limits
   std::vector<int> broken;  ///< bodies whose inboard joint it broke
-  std::vector<int> about;   ///< bodies whose joints it changed in any way, and those that it joined or hit
   RecordedFrame frame;      ///< the poses of the bodies: the row nearest to its time; empty if there is none
 };
 
@@ -68,9 +58,10 @@ struct Recording {
   const Phase& phase_at(double time) const;
 };
 
-/// Everything except the frames: reads `model.json`, `events.jsonl` and `final.json` of a result directory if they exist.
-/// `bodies`: the names of bodies.csv, in its order. Throws Error with the file and the line.
-Recording read_story(const std::filesystem::path& directory, const std::vector<std::string>& bodies);
+/// Calls back with each line of `events.jsonl`, as a document and as text, if the file exists. Leaves out a last line that an
+/// interrupted run was still writing. Throws Error with the file and the line.
+void for_each_event(const std::filesystem::path& file,
+                    const std::function<void(const JsonDocument& document, const std::string& line)>& use);
 
 /// Reads `bodies.csv` of a result directory and, if they exist, `model.json`, `events.jsonl` and `final.json`. One frame every
 /// `every` seconds; 0: every 0.2 s, or a round number that gives 4 to 60 frames if 0.2 s does not. Throws Error with the file

@@ -3,12 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string_view>
+
+#include <momentree/joint/joint.hpp>
 
 namespace momentree::io {
 namespace {
 
-bool is_prismatic(const std::string& kind) {
-  return kind == "prismatic" || kind == "helical" || kind == "cylindrical" || kind == "planar";
+/// Whether there is a joint to draw: a free joint constrains nothing, and a weld allows no motion.
+bool moves(const KindInfo* kind) { return kind != nullptr && kind->nv > 0 && kind->nv < 6; }
+
+/// Whether the joint can separate the two origins of its frame.
+bool displaces(const KindInfo* kind) {
+  return moves(kind) && (kind->pitch || std::string_view(kind->v_units).find('m') != std::string_view::npos);
 }
 
 /// A part of a shape's outline: the hull of the points, enlarged by `radius`. Flat parts have a normal, and are visible only
@@ -44,7 +51,7 @@ void add_cylinder(double radius, double length, std::vector<Patch>& patches) {
   patches.insert(patches.end(), {side, caps[0], caps[1]});
 }
 
-/// The parts of a shape, in its own axes. None for a mesh, which is not drawn.
+/// The parts of a shape, in its own axes. Empty for a mesh, which is not drawn.
 std::vector<Patch> patches_of(const Shape& shape) {
   std::vector<Patch> patches;
   const double half = 0.5 * shape.length;
@@ -111,8 +118,9 @@ class FrameBuilder {
     if (!phase_.joined[b]) return;
     const Vec3 here = pose * body.child_at;
     const Vec3 there = body.parent < 0 ? body.at : frame_.poses[static_cast<std::size_t>(body.parent)] * body.at;
-    if (is_prismatic(body.kind) && norm(here - there) > 1e-9) add(Primitive::Kind::travel, b, {there, here});
-    if (body.parent >= 0 && body.kind != "weld" && body.kind != "free") out_.joints.push_back(view_(here));
+    const KindInfo* const kind = find_kind(body.kind);
+    if (displaces(kind) && norm(here - there) > 1e-9) add(Primitive::Kind::displacement, b, {there, here});
+    if (body.parent >= 0 && moves(kind)) out_.joints.push_back(view_(here));
   }
 
   /// Adds the end of a mechanism's drawing, for its label.
@@ -186,7 +194,7 @@ Scene build_scene(const Recording& run, const View& view) {
   }
   for (const RecordedEvent& event : run.events) {
     if (event.name == "stop") {  // joints bounce on their stops many times: these impacts are counted, not listed
-      scene.hits += event.hits;
+      scene.impacts += event.impacts;
       continue;
     }
     SceneEvent shown{event.time, {}, {}};

@@ -10,7 +10,7 @@ namespace momentree::io {
 
 /// One primitive. A line joins the points, a dot marks one; an area is the convex hull of the points, enlarged by `radius` (m).
 struct Primitive {
-  enum class Kind { line, travel, area, dot };  ///< travel: the path that a prismatic joint has travelled
+  enum class Kind { line, displacement, area, dot };  ///< displacement: from a joint in its parent to the joint in its child
   Kind kind = Kind::line;
   std::vector<Point2> points;
   double radius = 0;
@@ -45,7 +45,7 @@ struct Scene {
   std::vector<SceneFrame> frames;
   std::vector<Point2> anchors;  ///< points where a mechanism is joined to the ground
   std::vector<SceneEvent> events;
-  int hits = 0;  ///< of joints on their stops
+  int impacts = 0;  ///< of joints on their stops
   Box2 bounds;
   bool has_areas = false;     ///< bodies with shapes, which cover what is behind them
   double typical_length = 0;  ///< median length of the lines in the picture (m)

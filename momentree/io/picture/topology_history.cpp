@@ -11,12 +11,6 @@ const JsonNode& required(const JsonDocument& line, const JsonNode& node, const c
   return *found;
 }
 
-Vec3 origin(const JsonDocument& line, const JsonNode& pose) {
-  const JsonNode& xyz = required(line, pose, "xyz");
-  if (line.array(xyz, "`xyz`").items.size() != 3) line.fail_at(xyz, "`xyz` should have three numbers");
-  return {line.number(xyz.items[0], "x"), line.number(xyz.items[1], "y"), line.number(xyz.items[2], "z")};
-}
-
 }  // namespace
 
 TopologyHistory::TopologyHistory(Recording& run, const std::vector<std::string>& mechanism_of) : run_(run) {
@@ -44,20 +38,6 @@ int TopologyHistory::body(const JsonDocument& line, const JsonNode& name) const 
   return known == bodies_.end() ? -1 : known->second;
 }
 
-void TopologyHistory::note_changes(const JsonDocument& line, RecordedEvent& event) const {
-  const JsonNode* const changes = line.root.find("changes");
-  if (changes == nullptr) return;
-  for (const JsonNode& change : line.array(*changes, "`changes`").items) {
-    if (change.find("skipped") != nullptr) continue;
-    event.hits += required(line, change, "kind").text == "hit";
-    if (const JsonNode* name = change.find("body")) {
-      if (const int b = body(line, *name); b >= 0) event.about.push_back(b);
-    } else if (const JsonNode* joint = change.find("joint")) {
-      if (const auto link = links_.find(joint->text); link != links_.end()) event.about.push_back(link->second.child);
-    }
-  }
-}
-
 void TopologyHistory::remove(const std::string& joint, RecordedEvent& event, Phase& phase) {
   const auto link = links_.find(joint);
   if (link == links_.end()) return;
@@ -70,22 +50,14 @@ void TopologyHistory::remove(const std::string& joint, RecordedEvent& event, Pha
 
 void TopologyHistory::put(const JsonDocument& line, const std::string& name, const JsonNode& joint, RecordedEvent& event,
                           Phase& phase) {
-  RecordedJoint now;
-  now.name = name;
-  now.kind = line.string(required(line, joint, "kind"), "`kind`");
-  now.parent = body(line, required(line, joint, "parent"));
-  now.child = body(line, required(line, joint, "child"));
-  now.at = origin(line, required(line, joint, "at"));
-  now.child_at = origin(line, required(line, joint, "child_at"));
-  if (const JsonNode* locked = joint.find("locked")) now.locked = locked->is(JsonNode::Type::boolean) && locked->number == 1;
-  if (now.child < 0) return;
+  const int parent = body(line, member(line, joint, "parent")), child = body(line, member(line, joint, "child"));
+  if (child < 0) return;
   const auto link = links_.find(name);
-  const bool same = link != links_.end() && link->second.parent == now.parent && link->second.child == now.child;
-  if (const bool floats = now.kind == "free" && now.parent < 0; !same || floats) {
-    remove(name, event, phase);
-    if (!floats) links_[name] = {now.parent, now.child, false};
-  }
-  phase.joints.push_back(std::move(now));
+  const bool same = link != links_.end() && link->second.parent == parent && link->second.child == child;
+  const bool floats = line.string(member(line, joint, "kind"), "`kind`") == "free" && parent < 0;
+  if (same && !floats) return;
+  remove(name, event, phase);
+  if (!floats) links_[name] = {parent, child, false};
 }
 
 void TopologyHistory::add(const JsonDocument& line, RecordedEvent& event) {
@@ -93,13 +65,13 @@ void TopologyHistory::add(const JsonDocument& line, RecordedEvent& event) {
   phase.from = event.time;
   phase.mechanism = run_.phases.back().mechanism;
   phase.joined = run_.phases.back().joined;
-  note_changes(line, event);
+  if (const JsonNode* changes = line.root.find("changes"))
+    for (const JsonNode& change : line.array(*changes, "`changes`").items)
+      event.impacts += change.find("skipped") == nullptr && member(line, change, "kind").text == "hit";
   if (const JsonNode* topology = line.root.find("topology")) {
-    for (const JsonNode& name : line.array(required(line, *topology, "gone"), "`gone`").items) {
-      phase.gone.push_back(line.string(name, "the name of a joint"));
-      remove(phase.gone.back(), event, phase);
-    }
-    for (const auto& [name, joint] : line.object(required(line, *topology, "joints"), "`joints`").members)
+    for (const JsonNode& name : line.array(member(line, *topology, "gone"), "`gone`").items)
+      remove(line.string(name, "the name of a joint"), event, phase);
+    for (const auto& [name, joint] : line.object(member(line, *topology, "joints"), "`joints`").members)
       put(line, name, joint, event, phase);
     for (const auto& [name, ranges] : line.object(required(line, *topology, "moved"), "`moved`").members) {
       const int number = mechanism(name);

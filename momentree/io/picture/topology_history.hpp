@@ -10,7 +10,7 @@
 namespace momentree::io {
 
 /// Reads `changes` and `topology` of successive lines of events.jsonl into `run.phases`, `run.mechanisms` and the events'
-/// `broken` and `about`.
+/// `broken` and `impacts`.
 class TopologyHistory {
  public:
   /// `mechanism_of`: for each body the name of its mechanism at the start.
@@ -25,7 +25,6 @@ class TopologyHistory {
   };
   int mechanism(const std::string& name);
   int body(const JsonDocument& line, const JsonNode& name) const;
-  void note_changes(const JsonDocument& line, RecordedEvent& event) const;
   void remove(const std::string& joint, RecordedEvent& event, Phase& phase);
   void put(const JsonDocument& line, const std::string& name, const JsonNode& joint, RecordedEvent& event, Phase& phase);
 

@@ -42,6 +42,12 @@ std::string playground_page(std::string_view page, std::string_view scenario) {
   return with_data(page, "scenario", json_for_page(text));
 }
 
+std::string model_page(std::string_view page, std::string_view model) {
+  std::string text;
+  JsonWriter(text).begin_object().member("model", model).end_object();
+  return with_data(page, "scenario", json_for_page(text));
+}
+
 std::string content_policy(std::string_view page) {
   constexpr std::string_view begin = "<meta http-equiv=\"Content-Security-Policy\" content=\"";
   const std::size_t at = page.find(begin);

@@ -14,6 +14,9 @@ std::string report_page(std::string_view page, std::string_view data);
 /// The playground's page, which begins with the text of a scenario.
 std::string playground_page(std::string_view page, std::string_view scenario);
 
+/// The playground's page with sliders for the joints of a model, which is given as the text of a scenario.
+std::string model_page(std::string_view page, std::string_view model);
+
 /// The content security policy stated in the page itself, for a server that sends the same policy.
 std::string content_policy(std::string_view page);
 

@@ -19,6 +19,8 @@ TEST_CASE("a scenario replaces what the playground would begin with, and can't e
   const std::string page = head + "<script type=\"application/json\" id=\"scenario\">\n null\n</script></body>";
   CHECK(playground_page(page, "title = \"</script>\"\n") ==
         head + "<script type=\"application/json\" id=\"scenario\">\"title = \\\"\\u003c/script>\\\"\\u000a\"</script></body>");
+  CHECK(model_page(page, "<") ==
+        head + "<script type=\"application/json\" id=\"scenario\">{\"model\": \"\\u003c\"}</script></body>");
 }
 
 }  // namespace

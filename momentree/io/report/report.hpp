@@ -9,7 +9,6 @@ namespace momentree::io {
 inline constexpr std::size_t most_report_numbers = 3'000'000;
 
 struct ReportOptions {
-  bool pose = false;  ///< a model to be posed interactively: its joints get sliders
   std::size_t most_numbers = most_report_numbers;
   std::string summary = {};  ///< the text of summary.json, if that file is not yet written
 };

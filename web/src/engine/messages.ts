@@ -1,63 +1,62 @@
 // Messages between the page and the worker that runs the engine.
 import type { Diagnostic, ScenarioInfo, Topology, Triple, WorldTotals } from "../../../wasm/host.mjs";
+import type { RunEvent } from "../recording";
+import type { ModelFile } from "../result_files";
 
-/** The effect of a click on a joint or a body; numbers as the engine gives them. */
-export type Act =
-  | { do: "cut" | "free" | "lock" | "unlock"; joint: number }
-  | { do: "weld"; body: number; to: number }
-  | { do: "change"; joint: number; kind: string };
+/** An action on joints and bodies, which have the numbers that the engine gives them. */
+export type UserAction =
+  | { action: "cut" | "free" | "lock" | "unlock"; joint: number }
+  | { action: "weld"; body: number; to: number };
 
 export type ToWorker =
-  | { say: "module"; bytes: ArrayBuffer }
-  | { say: "load"; text: string }
-  /** Checks a text for errors; the world stays. */
-  | { say: "check"; text: string }
-  | { say: "play"; on: boolean }
-  | { say: "speed"; factor: number }
-  | { say: "act"; act: Act }
-  | { say: "gravity"; value: Triple }
-  | { say: "damping"; factor: number; offset: number }
-  | { say: "grab"; body: number; point: Triple; target: Triple }
-  | { say: "pull"; target: Triple }
-  | { say: "let go" }
-  /** Back to an instant; continuing from there makes another branch. */
-  | { say: "rewind"; time: number }
-  /** Back to just before an event of this branch; the event does not happen again by itself. */
-  | { say: "undo"; event: number }
+  | { type: "module"; bytes: ArrayBuffer }
+  | { type: "load"; text: string }
+  /** Checks a text for errors without loading it. */
+  | { type: "check"; text: string }
+  | { type: "play"; on: boolean }
+  | { type: "speed"; factor: number }
+  | { type: "act"; action: UserAction }
+  | { type: "gravity"; value: Triple }
+  | { type: "damping"; factor: number; offset: number }
+  | { type: "grab"; body: number; point: Triple; target: Triple }
+  | { type: "pull"; target: Triple }
+  | { type: "release" }
+  /** Goes back to an instant; continuing from there makes another branch. */
+  | { type: "rewind"; time: number }
+  /** Goes back to just before an event of this branch, which is not scheduled again. */
+  | { type: "undo"; event: number }
   /** Continues a branch at its end. */
-  | { say: "branch"; branch: number };
+  | { type: "branch"; branch: number };
 
 export interface Frame {
   readonly time: number;
   /** Per body x, y, z, qw, qx, qy, qz. */
   readonly poses: Float32Array;
-  /**
-   * Per joint number: its load as a fraction of the load at which it breaks (NaN: unlimited), and its reaction force
-   * (N).
-   */
+  /** Per joint number: load as a fraction of the load at which it breaks (NaN: unlimited), and reaction force (N). */
   readonly loads: Float32Array;
   readonly totals: WorldTotals;
 }
 
+export interface LoadedWorld {
+  readonly scenario: ScenarioInfo;
+  readonly model: ModelFile;
+  readonly topology: Topology;
+  readonly frame: Frame;
+}
+
 export type FromWorker =
-  | { say: "ready" }
-  | {
-      say: "loaded";
-      diagnostics: readonly Diagnostic[];
-      scenario: ScenarioInfo | null;
-      model: unknown;
-      topology: Topology | null;
-      frame: Frame | null;
-    }
-  | { say: "checked"; diagnostics: readonly Diagnostic[] }
-  | { say: "frame"; frame: Frame; seconds: number }
-  | { say: "topology"; time: number; topology: Topology }
-  | { say: "events"; events: Record<string, unknown>[] }
-  /** Frames, events and phases after `time` are removed; `left` keeps the branch that ended there. */
-  | { say: "went back"; time: number; events: number; left: number }
-  /** That branch continues; the previous one is kept as `left`. */
-  | { say: "branched"; branch: number; left: number }
-  | { say: "playing"; on: boolean }
-  | { say: "refused"; message: string }
-  | { say: "stopped"; message: string }
-  | { say: "failed"; message: string };
+  | { type: "ready" }
+  /** `world`: null if the scenario has errors; the previous world then continues. */
+  | { type: "loaded"; diagnostics: readonly Diagnostic[]; world: LoadedWorld | null }
+  | { type: "checked"; diagnostics: readonly Diagnostic[] }
+  | { type: "frame"; frame: Frame; seconds: number }
+  | { type: "topology"; time: number; topology: Topology }
+  | { type: "events"; events: readonly RunEvent[] }
+  /** Frames, events and phases after `time` are removed; `savedAs` is the number of the branch that they belong to. */
+  | { type: "rewound"; time: number; events: number; savedAs: number }
+  /** That branch continues; `savedAs` is the number of the previous one. */
+  | { type: "resumed"; branch: number; savedAs: number }
+  | { type: "playing"; on: boolean }
+  | { type: "refused"; message: string }
+  | { type: "stopped"; message: string }
+  | { type: "failed"; message: string };

@@ -2,8 +2,8 @@
 import { readFileSync } from "node:fs";
 import { beforeAll, beforeEach, describe, expect, it } from "vitest";
 import { Engine } from "../../../wasm/host.mjs";
-import type { Model } from "../recording";
-import { modelOf } from "../report/data";
+import { modelOf } from "../result_files";
+import { affectedBodies } from "../viewer/before_after";
 import { LiveRecording } from "./live";
 import type { FromWorker } from "./messages";
 import { Session } from "./session";
@@ -26,108 +26,104 @@ break = "chain/3"
 let engine: Engine;
 let session: Session;
 let run: LiveRecording | null;
-let said: FromWorker[];
+let posted: FromWorker[];
 
-const model = (file: unknown): Model => {
-  const read = file as Parameters<typeof modelOf>[0];
-  return modelOf(read, Object.keys(read.bodies));
-};
-
-/** How the page handles the worker's messages. */
-function hear(message: FromWorker) {
-  said.push(message);
-  if (message.say === "loaded" && message.topology && message.frame)
-    run = new LiveRecording(model(message.model), message.topology, message.frame);
-  else if (message.say === "frame") run!.addFrame(message.frame);
-  else if (message.say === "topology") run!.addTopology(message.time, message.topology);
-  else if (message.say === "events") run!.addEvents(message.events);
-  else if (message.say === "went back") run!.goBack(message.time, message.events, message.left);
-  else if (message.say === "branched") run!.goOn(message.branch, message.left);
+/** How the page handles the session's messages. */
+function handle(message: FromWorker) {
+  posted.push(message);
+  if (message.type === "loaded" && message.world)
+    run = new LiveRecording(modelOf(message.world.model), message.world.topology, message.world.frame);
+  else if (message.type === "frame") run!.addFrame(message.frame);
+  else if (message.type === "topology") run!.addTopology(message.time, message.topology);
+  else if (message.type === "events") run!.addEvents(message.events);
+  else if (message.type === "rewound") run!.rewind(message.time, message.events, message.savedAs);
+  else if (message.type === "resumed") run!.resume(message.branch, message.savedAs);
 }
 
 function play(frames: number) {
-  session.hear({ say: "play", on: true });
+  session.handle({ type: "play", on: true });
   for (let i = 0; i < frames; i++) session.tick(1 / 60);
-  session.hear({ say: "play", on: false });
+  session.handle({ type: "play", on: false });
 }
 
 beforeAll(async () => {
   engine = await Engine.of(readFileSync(new URL("../../engine/momentree.wasm", import.meta.url)));
 });
 beforeEach(() => {
-  said = [];
+  posted = [];
   run = null;
-  session = new Session(engine, hear);
-  session.hear({ say: "load", text: chain });
+  session = new Session(engine, handle);
+  session.handle({ type: "load", text: chain });
 });
 
 describe("a session", () => {
-  it("keeps the pace of the clock, in whole steps", () => {
+  it("keeps up with the clock, in whole steps", () => {
     play(60);
     expect(run!.last.time).toBeGreaterThan(0.9);
     expect(run!.last.time).toBeLessThan(1.02);
     expect(Math.abs(run!.last.time * 1000 - Math.round(run!.last.time * 1000))).toBeLessThan(1e-9);
     expect(run!.events.map((event) => event.actions[0])).toEqual(["break chain/3"]);
     expect(run!.phases.map((phase) => new Set(Array.from(phase.mechanism)).size)).toEqual([1, 2]);
+    expect(affectedBodies(run!, run!.events[0])).toEqual([2]);
   });
 
-  it("goes slower where it is told to", () => {
-    session.hear({ say: "speed", factor: 0.1 });
+  it("runs slower at a lower speed", () => {
+    session.handle({ type: "speed", factor: 0.1 });
     play(60);
     expect(run!.last.time).toBeLessThan(0.12);
     expect(run!.frames).toBeGreaterThan(20);
   });
 
-  it("rewinds to the very bits, and keeps what it left", () => {
+  it("rewinds to the same bits, and keeps the branch that it left", () => {
     play(12);
     const at = run!.last;
     play(30);
     const end = run!.last;
-    session.hear({ say: "rewind", time: at.time });
+    session.handle({ type: "rewind", time: at.time });
     expect(run!.last.time).toBe(at.time);
     expect([...run!.last.poses]).toEqual([...at.poses]);
     expect(run!.last.totals.linear).toEqual(at.totals.linear);
     expect(run!.events).toEqual([]);
-    expect(run!.left).toHaveLength(1);
+    expect(run!.otherBranches).toHaveLength(1);
     play(5);
-    session.hear({ say: "branch", branch: run!.left[0].number });
+    session.handle({ type: "branch", branch: run!.otherBranches[0].number });
     expect(run!.last.time).toBe(end.time);
     expect([...run!.last.poses]).toEqual([...end.poses]);
-    expect(run!.left).toHaveLength(1);
+    expect(run!.otherBranches).toHaveLength(1);
   });
 
   it("undoes an event, which does not happen again", () => {
     play(30);
     expect(run!.events).toHaveLength(1);
-    session.hear({ say: "undo", event: 0 });
+    session.handle({ type: "undo", event: 0 });
     expect(run!.last.time).toBeCloseTo(0.3, 12);
     play(30);
     expect(run!.events).toEqual([]);
     expect(run!.topology.mechanisms).toHaveLength(1);
   });
 
-  it("refuses in words, and changes nothing", () => {
-    session.hear({ say: "act", act: { do: "weld", body: 3, to: 0 } });
-    const refused = said.find((message) => message.say === "refused");
-    expect(refused?.say === "refused" && refused.message).toMatch(/weld/);
+  it("reports why an action is refused, and changes nothing", () => {
+    session.handle({ type: "act", action: { action: "weld", body: 3, to: 0 } });
+    const refused = posted.find((message) => message.type === "refused");
+    expect(refused?.type === "refused" && refused.message).toMatch(/weld/);
     expect(run!.events).toEqual([]);
   });
 
-  it("keeps its world where another has errors", () => {
-    session.hear({ say: "load", text: "format = 1\n" });
-    const loaded = said.filter((message) => message.say === "loaded").pop();
-    expect(loaded?.say === "loaded" && loaded.scenario).toBeNull();
+  it("keeps its world if another scenario has errors", () => {
+    session.handle({ type: "load", text: "format = 1\n" });
+    const loaded = posted.filter((message) => message.type === "loaded").pop();
+    expect(loaded?.type === "loaded" && loaded.world).toBeNull();
     play(6);
     expect(run!.last.time).toBeGreaterThan(0.05);
   });
 
-  it("tells what is wrong with a text without running it", () => {
+  it("reports the errors of a text without running it", () => {
     play(6);
     const { frames } = run!;
     const checked = (text: string) => {
-      session.hear({ say: "check", text });
-      const last = said[said.length - 1];
-      return last.say === "checked" ? last.diagnostics : null;
+      session.handle({ type: "check", text });
+      const last = posted[posted.length - 1];
+      return last.type === "checked" ? last.diagnostics : null;
     };
     expect(checked(chain.replace("links", "lynks"))?.map(({ line }) => line)).toEqual([6, 7]);
     expect(checked(chain)).toEqual([]);

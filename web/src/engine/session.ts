@@ -1,53 +1,72 @@
 // A world that runs in real time, in the worker: frames, snapshots to go back to, branches. It has no clock: the caller
-// of tick() says how much time has passed.
+// passes the elapsed time to tick().
 import { jointSize, motionSize, status, type Engine, type Outcome, type World } from "../../../wasm/host.mjs";
-import type { Act, Frame, FromWorker, ToWorker } from "./messages";
+import type { RunEvent } from "../recording";
+import type { ModelFile } from "../result_files";
+import type { Frame, FromWorker, ToWorker, UserAction } from "./messages";
 
 /** Interval of snapshots (s of simulated time), and frames per second of simulated time. */
-const snapshotEvery = 0.25;
+const snapshotInterval = 0.25;
 const framesPerSecond = 60;
 /** The part of the page's frame time that the engine may use (s). */
 const budget = 0.012;
 
-interface Kept {
+interface TimedSnapshot {
   readonly time: number;
   readonly snapshot: number;
 }
 
 interface Branch {
   readonly world: World;
-  readonly kept: Kept[];
+  readonly snapshots: TimedSnapshot[];
+  /**
+   * Frame times: a run that goes back and continues stops at the same instants as before, and so yields the same bits.
+   */
   readonly times: number[];
+}
+
+/** Per body x, y, z, qw, qx, qy, qz. */
+export function posesOf(motions: Float64Array): Float32Array {
+  const bodies = motions.length / motionSize;
+  const poses = new Float32Array(7 * bodies);
+  for (let b = 0; b < bodies; b++) poses.set(motions.subarray(motionSize * b, motionSize * b + 7), 7 * b);
+  return poses;
+}
+
+export function frameOf(world: World): Frame {
+  const poses = posesOf(world.motions());
+  const loads = new Float32Array(2 * world.bodies);
+  const rows = world.joints(true);
+  for (let j = 0; j < world.bodies; j++) {
+    const row = rows.subarray(jointSize * j, jointSize * (j + 1));
+    loads.set(row[0] < 0 ? [NaN, NaN] : [row[27], Math.hypot(row[21], row[22], row[23])], 2 * j);
+  }
+  return { time: world.time, poses, loads, totals: world.totals() };
 }
 
 export class Session {
   private world: World;
-  private kept: Kept[] = [];
-  /**
-   * Frame times: a run that goes back and continues stops at the same instants as before, and so yields the same bits.
-   */
+  private snapshots: TimedSnapshot[] = [];
   private times: number[] = [];
-  private left: (Branch | null)[] = [];
+  /** Branches that were left, by number; null: continued. */
+  private branches: (Branch | null)[] = [];
   private speed = 1;
   private playing = false;
-  private owed = 0;
+  /** Simulated time that is due (s). */
+  private due = 0;
   private step = 1e-3;
   private revision = -1;
-  private told = 0;
+  private eventsPosted = 0;
 
   constructor(
     private readonly engine: Engine,
-    private readonly tell: (message: FromWorker) => void,
+    private readonly post: (message: FromWorker) => void,
   ) {
     this.world = engine.world();
   }
 
-  get runs() {
-    return this.playing;
-  }
-
-  hear(message: ToWorker) {
-    switch (message.say) {
+  handle(message: ToWorker) {
+    switch (message.type) {
       case "module":
         return;
       case "load":
@@ -56,13 +75,13 @@ export class Session {
         return this.check(message.text);
       case "play":
         this.playing = message.on;
-        this.owed = 0;
+        this.due = 0;
         return;
       case "speed":
         this.speed = message.factor;
         return;
       case "act":
-        return this.change(() => this.act(message.act));
+        return this.change(() => this.act(message.action));
       case "gravity":
         return this.change(() => this.world.setGravity(message.value));
       case "damping":
@@ -75,14 +94,14 @@ export class Session {
         });
       case "pull":
         return this.world.pull(message.target);
-      case "let go":
-        return this.world.letGo();
+      case "release":
+        return this.world.releaseGrip();
       case "rewind":
         return this.rewind(message.time);
       case "undo":
         return this.undo(message.event);
       case "branch":
-        return this.goOn(message.branch);
+        return this.resume(message.branch);
     }
   }
 
@@ -90,16 +109,16 @@ export class Session {
   tick(seconds: number) {
     if (!this.playing) return;
     // Computation that was not finished in time is not caught up on: the simulation is slower then.
-    this.owed = Math.min(this.owed + seconds * this.speed, 2 / framesPerSecond);
+    this.due = Math.min(this.due + seconds * this.speed, 2 / framesPerSecond);
     const frame = Math.min(1, this.speed) / framesPerSecond;
-    if (this.owed < 0.999 * frame) return;
+    if (this.due < 0.999 * frame) return;
     const began = performance.now();
     // Stops at whole steps, so that the run is the same as without a page.
     const from = this.world.time;
     const target =
-      Math.max(Math.floor((from + this.owed) / this.step + 1e-6), Math.floor(from / this.step + 1e-6) + 1) * this.step;
+      Math.max(Math.floor((from + this.due) / this.step + 1e-6), Math.floor(from / this.step + 1e-6) + 1) * this.step;
     const outcome = this.world.run(target, budget);
-    this.owed = outcome.status === status.interrupted ? 0 : Math.max(0, this.owed - (this.world.time - from));
+    this.due = outcome.status === status.interrupted ? 0 : Math.max(0, this.due - (this.world.time - from));
     this.report((performance.now() - began) / 1000);
     if (outcome.status === status.diverged || outcome.status === status.refused) this.stop(outcome.message);
   }
@@ -109,140 +128,114 @@ export class Session {
     const { scenario, diagnostics } = fresh.load(text);
     if (!scenario) {
       fresh.destroy();
-      this.tell({ say: "loaded", diagnostics, scenario, model: null, topology: null, frame: null });
-      return;
+      return this.post({ type: "loaded", diagnostics, world: null });
     }
-    for (const world of [this.world, ...this.left.map((branch) => branch?.world)]) world?.destroy();
+    for (const world of [this.world, ...this.branches.map((branch) => branch?.world)]) world?.destroy();
     this.world = fresh;
-    this.kept = [];
+    this.snapshots = [];
     this.times = [];
-    this.left = [];
+    this.branches = [];
     this.step = scenario.step;
-    this.told = 0;
-    this.owed = 0;
+    this.eventsPosted = 0;
+    this.due = 0;
     this.revision = this.world.revision;
-    this.keep();
-    const topology = this.world.topology();
-    this.tell({ say: "loaded", diagnostics, scenario, model: this.world.model(), topology, frame: this.frame() });
+    this.takeSnapshot();
+    const model = this.world.model() as ModelFile;
+    const world = { scenario, model, topology: this.world.topology(), frame: frameOf(this.world) };
+    this.post({ type: "loaded", diagnostics, world });
   }
 
   private check(text: string) {
     const other = this.engine.world();
     const { diagnostics } = other.load(text);
     other.destroy();
-    this.tell({ say: "checked", diagnostics });
+    this.post({ type: "checked", diagnostics });
   }
 
-  private act(act: Act): Outcome {
-    switch (act.do) {
-      case "cut":
-        return this.world.cut(act.joint);
-      case "free":
-        return this.world.free(act.joint);
-      case "lock":
-        return this.world.lock(act.joint);
-      case "unlock":
-        return this.world.unlock(act.joint);
-      case "weld":
-        return this.world.weld(act.body, act.to);
-      case "change":
-        return this.world.change(act.joint, act.kind);
-    }
+  private act(user: UserAction): Outcome {
+    return user.action === "weld" ? this.world.weld(user.body, user.to) : this.world[user.action](user.joint);
   }
 
   private change(make: () => Outcome) {
-    this.keep();
+    this.takeSnapshot();
     const outcome = make();
-    if (outcome.status === status.refused) this.tell({ say: "refused", message: outcome.message });
+    if (outcome.status === status.refused) this.post({ type: "refused", message: outcome.message });
     this.report(0);
   }
 
-  private keep() {
-    this.kept.push({ time: this.world.time, snapshot: this.world.snapshot() });
-  }
-
-  private frame(): Frame {
-    const { world } = this;
-    const bodies = world.bodies;
-    const poses = new Float32Array(7 * bodies);
-    const motions = world.motions();
-    for (let b = 0; b < bodies; b++) for (let i = 0; i < 7; i++) poses[7 * b + i] = motions[motionSize * b + i];
-    const loads = new Float32Array(2 * bodies);
-    const rows = world.joints(true);
-    for (let j = 0; j < bodies; j++) {
-      const row = jointSize * j;
-      loads[2 * j] = rows[row] < 0 ? NaN : rows[row + 27];
-      loads[2 * j + 1] = rows[row] < 0 ? NaN : Math.hypot(rows[row + 21], rows[row + 22], rows[row + 23]);
-    }
-    return { time: world.time, poses, loads, totals: world.totals() };
+  private takeSnapshot() {
+    this.snapshots.push({ time: this.world.time, snapshot: this.world.snapshot() });
   }
 
   private report(seconds: number) {
     const { world } = this;
     if (world.revision !== this.revision) {
       this.revision = world.revision;
-      this.tell({ say: "topology", time: world.time, topology: world.topology() });
+      this.post({ type: "topology", time: world.time, topology: world.topology() });
     }
-    if (world.eventCount > this.told) this.tell({ say: "events", events: world.events(this.told) });
-    this.told = world.eventCount;
-    this.tell({ say: "frame", frame: this.frame(), seconds });
+    if (world.eventCount > this.eventsPosted)
+      this.post({ type: "events", events: world.events(this.eventsPosted) as RunEvent[] });
+    this.eventsPosted = world.eventCount;
+    this.post({ type: "frame", frame: frameOf(world), seconds });
     if (world.time > (this.times[this.times.length - 1] ?? -1)) this.times.push(world.time);
-    if (world.time >= this.kept[this.kept.length - 1].time + snapshotEvery) this.keep();
+    if (world.time >= this.snapshots[this.snapshots.length - 1].time + snapshotInterval) this.takeSnapshot();
   }
 
   private stop(message: string) {
     this.playing = false;
-    this.tell({ say: "playing", on: false });
-    this.tell({ say: "stopped", message });
+    this.post({ type: "playing", on: false });
+    this.post({ type: "stopped", message });
+  }
+
+  /** The last snapshot that is not after a time, or the first one. */
+  private snapshotBefore(time: number, strictly: boolean): number {
+    const earlier = this.snapshots.filter((each) => (strictly ? each.time < time : each.time <= time));
+    return (earlier[earlier.length - 1] ?? this.snapshots[0]).snapshot;
   }
 
   /** Keeps the present run as a separate branch; returns its number. */
-  private leave(): number {
-    return this.left.push({ world: this.world.branch(), kept: [...this.kept], times: [...this.times] }) - 1;
+  private keepBranch(): number {
+    const branch = { world: this.world.branch(), snapshots: [...this.snapshots], times: [...this.times] };
+    return this.branches.push(branch) - 1;
   }
 
-  private wentBack(left: number) {
+  private reportRewound(savedAs: number) {
     const { time } = this.world;
-    this.kept = this.kept.filter((kept) => kept.time <= time);
+    this.snapshots = this.snapshots.filter((each) => each.time <= time);
     this.times = this.times.filter((each) => each <= time);
-    if (this.kept.length === 0) this.keep();
-    this.owed = 0;
-    this.told = this.world.eventCount;
-    this.tell({ say: "went back", time, events: this.told, left });
+    if (this.snapshots.length === 0) this.takeSnapshot();
+    this.due = 0;
+    this.eventsPosted = this.world.eventCount;
+    this.post({ type: "rewound", time, events: this.eventsPosted, savedAs });
     this.report(0);
   }
 
   private rewind(time: number) {
     if (time >= this.world.time) return;
-    const from = [...this.kept].reverse().find((kept) => kept.time <= time) ?? this.kept[0];
-    const left = this.leave();
-    this.world.restore(from.snapshot);
+    const savedAs = this.keepBranch();
+    this.world.restore(this.snapshotBefore(time, false));
     for (const each of this.times) if (each > this.world.time && each <= time) this.world.run(each);
-    this.wentBack(left);
+    this.reportRewound(savedAs);
   }
 
   private undo(event: number) {
-    const events = this.world.events(event);
-    const left = this.leave();
-    if (this.world.undo(event).status === status.refused && events.length > 0) {
-      const time = Number(events[0].time);
-      const from = [...this.kept].reverse().find((kept) => kept.time < time) ?? this.kept[0];
-      this.world.restore(from.snapshot);
-    }
-    this.wentBack(left);
+    const [undone] = this.world.events(event) as RunEvent[];
+    const savedAs = this.keepBranch();
+    if (this.world.undo(event).status === status.refused && undone) this.world.restore(this.snapshotBefore(undone.time, true));
+    this.reportRewound(savedAs);
   }
 
-  private goOn(number: number) {
-    const branch = this.left[number];
+  private resume(number: number) {
+    const branch = this.branches[number];
     if (!branch) return;
-    const left = this.left.push({ world: this.world, kept: this.kept, times: this.times }) - 1;
+    const savedAs = this.branches.push({ world: this.world, snapshots: this.snapshots, times: this.times }) - 1;
     this.world = branch.world;
-    this.kept = branch.kept;
+    this.snapshots = branch.snapshots;
     this.times = branch.times;
-    this.left[number] = null;
-    this.owed = 0;
-    this.told = this.world.eventCount;
-    this.tell({ say: "branched", branch: number, left });
+    this.branches[number] = null;
+    this.due = 0;
+    this.eventsPosted = this.world.eventCount;
+    this.post({ type: "resumed", branch: number, savedAs });
     this.report(0);
   }
 }

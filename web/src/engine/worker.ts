@@ -8,14 +8,14 @@ let session: Session | null = null;
 let module: WebAssembly.Module | null = null;
 let last = performance.now();
 
-const tell = (message: FromWorker) => scope.postMessage(message);
+const post = (message: FromWorker) => scope.postMessage(message);
 
 async function begin() {
   try {
-    session = new Session(await Engine.of(module!), tell);
-    tell({ say: "ready" });
+    session = new Session(await Engine.of(module!), post);
+    post({ type: "ready" });
   } catch (error) {
-    tell({ say: "failed", message: `The engine can't start: ${String(error)}` });
+    post({ type: "failed", message: `The engine can't start: ${String(error)}` });
   }
 }
 
@@ -27,22 +27,22 @@ function guarded(work: () => void) {
     work();
   } catch (error) {
     session = null;
-    const words = error instanceof EngineFailure ? error.message : `the engine stopped: ${String(error)}`;
-    tell({ say: "failed", message: words });
+    const text = error instanceof EngineFailure ? error.message : `the engine stopped: ${String(error)}`;
+    post({ type: "failed", message: text });
     void begin();
   }
 }
 
 scope.onmessage = ({ data }) => {
-  if (data.say === "module")
+  if (data.type === "module")
     WebAssembly.compile(data.bytes).then(
       (compiled) => {
         module = compiled;
         return begin();
       },
-      (error) => tell({ say: "failed", message: `The engine can't start: ${String(error)}` }),
+      (error) => post({ type: "failed", message: `The engine can't start: ${String(error)}` }),
     );
-  else guarded(() => session?.hear(data));
+  else guarded(() => session?.handle(data));
 };
 
 setInterval(() => {

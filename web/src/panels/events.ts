@@ -1,6 +1,6 @@
 // The list of events: each with its certificate, and on a click the pair of pictures before and after it.
-import type { Recording, RunEvent, Vec3 } from "../recording";
-import { drawPair } from "../viewer/pair";
+import type { Motion, RunEvent, Vec3 } from "../recording";
+import { drawBeforeAfter } from "../viewer/before_after";
 import type { Player } from "../viewer/player";
 import type { Stage } from "../viewer/stage";
 import { endTime, startTime } from "../viewer/frames";
@@ -35,10 +35,10 @@ export function certificate(event: RunEvent): { rows: string[][]; notes: string[
   }
   const notes: string[] = [];
   const least = before ? 1e-14 * Math.max(Math.abs(before.kinetic + before.potential), before.kinetic) : 0;
-  const matters = (energy: number) => Math.abs(energy) > least; // otherwise it is round-off
-  if (matters(event.lost)) notes.push(`Lost in the impact: ${digits(event.lost)} J`);
-  if (matters(event.released)) notes.push(`Released with the degree of freedom: ${digits(event.released)} J`);
-  if (matters(event.work)) notes.push(`Work of the event: ${digits(event.work)} J`);
+  const significant = (energy: number) => Math.abs(energy) > least; // otherwise it is round-off
+  if (significant(event.lost)) notes.push(`Lost in the impact: ${digits(event.lost)} J`);
+  if (significant(event.released)) notes.push(`Released by removed degrees of freedom: ${digits(event.released)} J`);
+  if (significant(event.work)) notes.push(`Work of the event: ${digits(event.work)} J`);
   if (event.hardest) {
     const { joint, linear, angular } = event.hardest;
     notes.push(`Largest impulse: ${digits(linear)} N s, ${digits(angular)} N m s, through ${joint}`);
@@ -56,7 +56,7 @@ export class EventList {
   private chosen = -1;
 
   constructor(
-    private readonly run: Recording,
+    private readonly run: Motion,
     private readonly stage: Stage | null,
     private readonly player: Player,
   ) {
@@ -77,8 +77,8 @@ export class EventList {
             h(
               "button",
               { type: "button", "aria-pressed": String(index === this.chosen), onclick: () => this.choose(index) },
-              h("span", { class: "when" }, instant(event.time, span)),
-              h("span", { class: "what" }, event.actions.join("; ") || event.name),
+              h("span", { class: "time" }, instant(event.time, span)),
+              h("span", { class: "description" }, event.actions.join("; ") || event.event),
             ),
           ),
         ),
@@ -117,7 +117,7 @@ export class EventList {
     const event = this.run.events[this.chosen >= 0 ? this.chosen : Math.max(changes, 0)];
     if (!event) return;
     const { rows, notes } = certificate(event);
-    const pair = this.stage && !this.stage.lost && drawPair(this.stage, this.run, event, 220, 150);
+    const pair = this.stage && !this.stage.lost && drawBeforeAfter(this.stage, this.run, event, 220, 150);
     const figure = (canvas: HTMLCanvasElement, text: string) => {
       canvas.setAttribute("role", "img");
       canvas.setAttribute("aria-label", text);
@@ -126,7 +126,7 @@ export class EventList {
     const { before, after } = event.mechanisms;
     const names =
       before.join() === after.join() ? mechanismsText(after) : `${mechanismsText(before)} → ${mechanismsText(after)}`;
-    const took = event.durationNs > 0 ? ` · the change took ${duration(event.durationNs * 1e-9)}` : "";
+    const timing = event.duration_ns > 0 ? ` · the change took ${duration(event.duration_ns * 1e-9)}` : "";
     const pictures =
       pair &&
       h(
@@ -140,8 +140,8 @@ export class EventList {
       h(
         "div",
         { class: "certificate" },
-        h("h3", {}, event.name.startsWith("#") ? event.actions.join("; ") : `${event.name}: ${event.actions.join("; ")}`),
-        h("p", {}, `${before.length === 1 && after.length === 1 ? "Mechanism" : "Mechanisms"}: ${names}${took}`),
+        h("h3", {}, event.event.startsWith("#") ? event.actions.join("; ") : `${event.event}: ${event.actions.join("; ")}`),
+        h("p", {}, `${before.length === 1 && after.length === 1 ? "Mechanism" : "Mechanisms"}: ${names}${timing}`),
         rows.length > 0 && table("Conservation", ["", "before", "after", "difference", "relative"], rows),
         notes.length > 0 && h("p", { class: "notes" }, notes.join(" · ")),
       ),

@@ -1,12 +1,12 @@
 // Keyboard shortcuts of buttons, anywhere in the page.
-import type { Recording } from "../recording";
+import type { Motion } from "../recording";
 import { frameAt } from "../viewer/frames";
 import type { Player } from "../viewer/player";
 import type { EventList } from "./events";
 
 /** `buttons`: those that letters press. Keys that the focused element needs are left to it. */
 export function listenToKeys(
-  run: Recording,
+  run: Motion,
   player: Player,
   buttons: ReadonlyMap<string, HTMLButtonElement>,
   events: Pick<EventList, "step">,

@@ -1,6 +1,6 @@
 // The picture with its overlays: names of mechanisms in their colours, and switches. If the browser can't draw it, a
 // message and the names are shown instead.
-import type { Recording } from "../recording";
+import type { Motion } from "../recording";
 import { mechanismColour, themeOf, type Theme } from "../viewer/colours";
 import { endTime, phaseAt, posesAt, startTime } from "../viewer/frames";
 import { Ghosts } from "../viewer/ghosts";
@@ -10,7 +10,7 @@ import type { Stage } from "../viewer/stage";
 import { Trails } from "../viewer/trails";
 import { h } from "./dom";
 import { count, instant } from "./numbers";
-import { ownColoursSays, stageIn } from "./stage_in";
+import { mountStage, ownColoursTitle } from "./mount_stage";
 
 /** The drawing, and the parts of it that can be switched on and off. */
 interface Drawn {
@@ -24,23 +24,23 @@ export class Picture {
   private readonly drawn: Drawn | null;
   private theme: Theme = themeOf(false);
   private readonly names = h("ul", { class: "names", "aria-label": "Mechanisms" });
-  private readonly spoken = h("p", { class: "hidden-text", "aria-live": "polite" });
+  private readonly description = h("p", { class: "hidden-text", "aria-live": "polite" });
   private readonly poses: Float64Array;
-  private named = "";
+  private shownNames = "";
 
-  /** `choose`: called when a body is clicked. `still`: there is no motion, and therefore no ghosts and no trails. */
+  /** `choose`: called when a body is clicked. `static`: there is no motion, and therefore no ghosts and no trails. */
   constructor(
-    private readonly run: Recording,
+    private readonly run: Motion,
     private readonly player: Player,
     private readonly choose: (body: number) => void,
-    private readonly options: { readonly still?: boolean; readonly besides: readonly (Node | string)[] },
+    private readonly options: { readonly static?: boolean; readonly alternatives: readonly (Node | string)[] },
   ) {
     const host = h("div", { class: "stage" });
     this.element.append(host);
     this.poses = new Float64Array(7 * run.model.bodies.length);
-    const stage = stageIn(host, run.model, options.besides);
+    const stage = mountStage(host, run.model, options.alternatives);
     this.drawn = stage && { stage, ghosts: new Ghosts(stage, run), trails: new Trails(stage, run) };
-    host.append(h("div", { class: "over" }, this.names, this.drawn && this.tools(this.drawn)), this.spoken);
+    host.append(h("div", { class: "over" }, this.names, this.drawn && this.tools(this.drawn)), this.description);
     if (this.drawn) this.listenTo(this.drawn.stage.canvas);
     player.listen((time) => this.show(time));
     stage?.fit(run);
@@ -54,11 +54,11 @@ export class Picture {
   setTheme(theme: Theme) {
     this.theme = theme;
     this.stage?.setTheme(theme);
-    this.named = "";
+    this.shownNames = "";
     this.show(this.player.time);
   }
 
-  private switch(label: string, title: string, key: string, target: { visible: boolean }): HTMLButtonElement {
+  private toggle(label: string, title: string, key: string, target: { visible: boolean }): HTMLButtonElement {
     const button = h("button", { type: "button", title: `${title} (${key})`, "aria-pressed": String(target.visible) }, label);
     button.addEventListener("click", () => {
       target.visible = !target.visible;
@@ -77,15 +77,15 @@ export class Picture {
       get visible() {
         return stage.ownColours;
       },
-      set visible(wanted: boolean) {
-        stage.ownColours = wanted;
+      set visible(visible: boolean) {
+        stage.ownColours = visible;
       },
     };
-    if (stage.shapes.coloured) tools.append(this.switch("Own colours", ownColoursSays, "O", own));
-    if (!this.options.still)
+    if (stage.shapes.coloured) tools.append(this.toggle("Own colours", ownColoursTitle, "O", own));
+    if (!this.options.static)
       tools.append(
-        this.switch("Ghosts", `Earlier poses, every ${instant(ghosts.every, ghosts.every * 10)}`, "G", ghosts),
-        this.switch("Trails", "Paths of the outermost bodies and of the selected body", "T", trails),
+        this.toggle("Ghosts", `Earlier poses, every ${instant(ghosts.every, ghosts.every * 10)}`, "G", ghosts),
+        this.toggle("Trails", "Paths of the outermost bodies and of the selected body", "T", trails),
       );
     tools.append(fit);
     return tools;
@@ -115,31 +115,31 @@ export class Picture {
   }
 
   private showNames(mechanism: ArrayLike<number>) {
-    const there = [...new Set(Array.from(mechanism))].sort((a, b) => a - b);
-    const key = there.join() + this.theme.dark;
-    if (key === this.named) return;
-    this.named = key;
+    const present = [...new Set(Array.from(mechanism))].sort((a, b) => a - b);
+    const key = present.join() + this.theme.dark;
+    if (key === this.shownNames) return;
+    this.shownNames = key;
     const most = 6;
     this.names.replaceChildren(
-      ...there.slice(0, most).map((m) => {
+      ...present.slice(0, most).map((m) => {
         const swatch = h("span", { class: "swatch" });
         swatch.style.background = mechanismColour(this.theme, m);
         return h("li", {}, swatch, this.run.mechanisms[m]);
       }),
-      ...(there.length > most ? [h("li", {}, `and ${there.length - most} more`)] : []),
+      ...(present.length > most ? [h("li", {}, `and ${present.length - most} more`)] : []),
     );
   }
 
   private describe(time: number) {
-    const there = new Set(Array.from(phaseAt(this.run, time).mechanism)).size;
+    const present = new Set(Array.from(phaseAt(this.run, time).mechanism)).size;
     const span = endTime(this.run) - startTime(this.run);
     const bodies = count(this.run.model.bodies.length, "body", "bodies");
-    const text = `${bodies} in ${count(there, "mechanism", "mechanisms")} at ${instant(time, span)}`;
+    const text = `${bodies} in ${count(present, "mechanism", "mechanisms")} at ${instant(time, span)}`;
     this.stage?.canvas.setAttribute("aria-label", `3D picture: ${text}. Arrow keys rotate it, plus and minus zoom.`);
-    this.spoken.textContent = text;
+    this.description.textContent = text;
   }
 
-  private onKey(event: KeyboardEvent) {
+  private rotateByKey(event: KeyboardEvent) {
     const turns: Record<string, [number, number, number]> = {
       ArrowLeft: [-0.1, 0, 1],
       ArrowRight: [0.1, 0, 1],
@@ -159,7 +159,7 @@ export class Picture {
   private listenTo(canvas: HTMLCanvasElement) {
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
-    canvas.addEventListener("keydown", (event) => this.onKey(event));
+    canvas.addEventListener("keydown", (event) => this.rotateByKey(event));
     let [x, y] = [0, 0];
     canvas.addEventListener("pointerdown", (event) => ([x, y] = [event.clientX, event.clientY]));
     canvas.addEventListener("pointerup", (event) => {

@@ -1,26 +1,25 @@
 // One plot over time, linked to the clock: a line at the current time, marks at events, values in the legend; a click
 // sets the time.
-import uPlot from "uplot";
-import "uplot/dist/uPlot.min.css";
+import type uPlot from "uplot";
 import type { Column, Recording } from "../recording";
 import type { Theme } from "../viewer/colours";
 import { frameAt } from "../viewer/frames";
 import type { Player } from "../viewer/player";
-import { axesOf, axisRange, curvesOf, fillLegend, labelRoom } from "./curves";
+import { axisRange, fillLegend, newPlot } from "./curves";
 import { h } from "./dom";
 import { digits } from "./numbers";
-import { rangeOf, type Range } from "./scales";
+import { rangeOf } from "./scales";
 
 /** Columns that are negligible compared with the largest are left out, but at least one stays. */
-export function worthShowing(columns: readonly Column[], share = 1e-7): readonly Column[] {
+export function significantColumns(columns: readonly Column[], share = 1e-7): readonly Column[] {
   const largest = columns.map((column) => {
     let most = 0;
     for (let i = 0; i < column.values.length; i++) if (Math.abs(column.values[i]) > most) most = Math.abs(column.values[i]);
     return most;
   });
   const all = Math.max(...largest, 0);
-  const kept = columns.filter((_column, i) => largest[i] > share * all);
-  return kept.length > 0 ? kept : columns.slice(0, 1);
+  const significant = columns.filter((_column, i) => largest[i] > share * all);
+  return significant.length > 0 ? significant : columns.slice(0, 1);
 }
 
 export class Plot {
@@ -34,13 +33,13 @@ export class Plot {
   private title = "";
   private scale = 0;
   private precision = 0;
-  private readonly watcher = new ResizeObserver(() => this.resize());
+  private readonly resizeObserver = new ResizeObserver(() => this.resize());
 
   constructor(
     private readonly run: Recording,
     private readonly player: Player,
   ) {
-    this.watcher.observe(this.element);
+    this.resizeObserver.observe(this.element);
     player.listen(() => this.follow());
   }
 
@@ -59,7 +58,6 @@ export class Plot {
     this.chart?.destroy();
     this.chart = null;
     const theme = this.theme;
-    const { clientWidth: width, clientHeight: height } = this.element;
     this.legend.replaceChildren();
     this.element.replaceChildren();
     if (columns.length === 0) {
@@ -74,32 +72,22 @@ export class Plot {
       scale,
       precision,
     );
-    this.chart = new uPlot(this.options(theme, width, height, range), [times, ...data] as uPlot.AlignedData, this.element);
-    this.chart.over.append(this.cursor);
     const labels = columns.map(({ label }) => label);
+    const [first, last] = [times[0], times[times.length - 1]];
+    this.chart = newPlot(this.element, [times, ...data] as uPlot.AlignedData, {
+      theme,
+      labels,
+      x: [first, last > first ? last : first + 1],
+      y: axisRange(range),
+      rows: this.run.frames,
+      cursor: { y: false, points: { size: 6 }, drag: { x: false, y: false }, sync: { key: "time" } },
+      hooks: { ready: [(u) => this.listen(u)], drawClear: [(u) => this.drawEvents(u, theme)] },
+    });
+    this.chart.over.append(this.cursor);
     this.values = fillLegend(this.legend, theme, labels, this.run.frames > 1 ? range.flat : null);
     const unit = columns[0].unit;
     this.element.setAttribute("aria-label", `${title}${unit ? ` in ${unit}` : ""} over time: ${labels.join(", ")}`);
     this.follow();
-  }
-
-  private options(theme: Theme, width: number, height: number, range: Range): uPlot.Options {
-    const [first, last] = [this.run.time(0), this.run.time(this.run.frames - 1)];
-    return {
-      width: Math.max(width, 50),
-      height: Math.max(height, 50),
-      legend: { show: false },
-      padding: [6, labelRoom, 0, 0],
-      scales: { x: { time: false, range: [first, last > first ? last : first + 1] }, y: { range: axisRange(range) } },
-      cursor: { y: false, points: { size: 6 }, drag: { x: false, y: false }, sync: { key: "time" } },
-      axes: axesOf(theme),
-      series: curvesOf(
-        theme,
-        this.columns.map(({ label }) => label),
-        this.run.frames,
-      ),
-      hooks: { ready: [(u) => this.listen(u)], drawClear: [(u) => this.drawEvents(u, theme)] },
-    };
   }
 
   /** A press or a drag on the plot sets the clock. */

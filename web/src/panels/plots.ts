@@ -1,9 +1,10 @@
 // The plots next to the picture: energy, momentum, and the data of any joint; each with a choice of quantities.
 import type { Column, JointQuantity, Recording, WorldQuantity } from "../recording";
+import { affectedBodies } from "../viewer/before_after";
 import type { Theme } from "../viewer/colours";
 import type { Player } from "../viewer/player";
 import { h } from "./dom";
-import { Plot, worthShowing } from "./plot";
+import { Plot, significantColumns } from "./plot";
 import { Scales } from "./scales";
 
 const worldNames: Record<WorldQuantity, string> = {
@@ -50,7 +51,7 @@ const single = 2.4e-7;
 
 export class Plots {
   readonly element = h("section", { class: "plots", "aria-label": "Plots" });
-  private readonly all: { plot: Plot; show: () => void }[] = [];
+  private readonly all: Plot[] = [];
   private readonly scales: Scales;
   private readonly joint = h("select", { "aria-label": "Joint" });
   private readonly quantity = h("select", { "aria-label": "Quantity of the joint" });
@@ -66,7 +67,7 @@ export class Plots {
   }
 
   setTheme(theme: Theme) {
-    for (const { plot } of this.all) plot.setTheme(theme);
+    for (const plot of this.all) plot.setTheme(theme);
   }
 
   /** Shows this joint in the joint plot. */
@@ -74,11 +75,6 @@ export class Plots {
     if (!this.run.joints.includes(name)) return;
     this.joint.value = name;
     this.joint.dispatchEvent(new Event("change"));
-  }
-
-  /** Call when more has been recorded. */
-  refresh() {
-    for (const { show } of this.all) show();
   }
 
   private add(
@@ -91,7 +87,7 @@ export class Plots {
       plot.show(title, columns, scale, precision);
     };
     for (const control of controls) control.addEventListener("change", show);
-    this.all.push({ plot, show });
+    this.all.push(plot);
     this.element.append(
       h("figure", {}, h("figcaption", {}, h("div", { class: "choice" }, ...controls), plot.legend), plot.element),
     );
@@ -105,7 +101,7 @@ export class Plots {
       const quantity = choice.value as WorldQuantity;
       const columns = this.run.world(quantity);
       const balance = quantity === "energy" ? balanceOf(columns) : null;
-      const shown = worthShowing(columns, quantity === "energy" ? 1e-7 : 0).map((column) => ({
+      const shown = significantColumns(columns, quantity === "energy" ? 1e-7 : 0).map((column) => ({
         ...column,
         label: readable[column.label] ?? column.label,
       }));
@@ -121,16 +117,22 @@ export class Plots {
   private joints() {
     const fill = () => {
       const before = this.quantity.value;
-      const there = (Object.keys(jointNames) as JointQuantity[]).filter((q) => this.run.joint(this.joint.value, q).length > 0);
-      this.quantity.replaceChildren(...there.map((q) => h("option", { value: q }, jointNames[q])));
-      if (there.includes(before as JointQuantity)) this.quantity.value = before;
+      const recorded = (Object.keys(jointNames) as JointQuantity[]).filter(
+        (q) => this.run.joint(this.joint.value, q).length > 0,
+      );
+      this.quantity.replaceChildren(...recorded.map((q) => h("option", { value: q }, jointNames[q])));
+      if (recorded.includes(before as JointQuantity)) this.quantity.value = before;
     };
     for (const name of this.run.joints) this.joint.append(h("option", {}, name));
     this.joint.addEventListener("change", fill);
     // First the joint that breaks or joins, otherwise that of any event.
-    const parting = this.run.events.filter((event) => event.mechanisms.before.join() !== event.mechanisms.after.join());
-    const about = [...parting, ...this.run.events].flatMap((event) => event.bodies.map((body) => this.jointOf(body)))[0];
-    if (about !== undefined) this.joint.value = about;
+    const separating = this.run.events.filter((event) => event.mechanisms.before.join() !== event.mechanisms.after.join());
+    for (const event of [...separating, ...this.run.events]) {
+      const joint = affectedBodies(this.run, event).map((body) => this.jointOf(body))[0];
+      if (joint === undefined) continue;
+      this.joint.value = joint;
+      break;
+    }
     fill();
     this.add([this.joint, this.quantity], () => {
       const quantity = this.quantity.value as JointQuantity;

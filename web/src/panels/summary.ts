@@ -8,16 +8,20 @@ import { count, digits, duration } from "./numbers";
  * after it.
  */
 export function timesTable(summary: Summary): string[][] {
-  const times = summary.times;
+  const times = summary.wall_clock;
   if (!times) return [];
   const { evaluations, topology, total } = times;
   const all = ["Whole simulation", duration(evaluations.before + evaluations.after), duration(total.before + total.after)];
-  if (summary.changes === 0) return [all];
+  if (!summary.topology_changes) return [all];
   const changes = topology.before + topology.after;
   return [
     all,
     ["Before the first change", duration(evaluations.before), duration(total.before)],
-    [summary.changes === 1 ? "Topology change" : `Topology changes (${summary.changes})`, duration(changes), duration(changes)],
+    [
+      summary.topology_changes === 1 ? "Topology change" : `Topology changes (${summary.topology_changes})`,
+      duration(changes),
+      duration(changes),
+    ],
     ["After it", duration(evaluations.after), duration(total.after - changes)],
   ];
 }
@@ -47,10 +51,14 @@ export function missedRow(missed: Missed): string[] {
   if (missed.quantity !== undefined) {
     const [side, threshold] = missed.exceeds !== undefined ? ["exceeds", missed.exceeds] : ["below", missed.below ?? 0];
     const of = missed.of?.length ? ` of ${missed.of.join(" and ")}` : "";
-    const waits = `${missed.quantity}${of} ${side} ${digits(threshold, 6)}`;
-    if (missed.nearest == null) return [missed.event, waits, "there was nothing to measure"];
+    const condition = `${missed.quantity}${of} ${side} ${digits(threshold, 6)}`;
+    if (missed.nearest == null) return [missed.event, condition, "there was nothing to measure"];
     const held = missed.for === undefined ? "" : `, held for ${duration(missed.held ?? 0)} of ${duration(missed.for)}`;
-    return [missed.event, waits, `nearest: ${digits(missed.nearest, 6)} at ${digits(missed.nearest_time ?? 0, 6)} s${held}`];
+    return [
+      missed.event,
+      condition,
+      `nearest: ${digits(missed.nearest, 6)} at ${digits(missed.nearest_time ?? 0, 6)} s${held}`,
+    ];
   }
   if (missed.after !== undefined) return [missed.event, `after ${missed.after}`, "that did not happen"];
   return [missed.event, `at ${digits(missed.time ?? 0, 6)} s`, "the run ended before"];
@@ -58,22 +66,23 @@ export function missedRow(missed: Missed): string[] {
 
 export function summaryPanel(run: Recording): HTMLElement {
   const summary = run.summary;
-  if (!summary) return h("p", { class: "nothing" }, "The run left no summary.");
+  if (!summary) return h("p", { class: "nothing" }, "The run has no summary.");
   const times = timesTable(summary);
   const energy = energyTable(summary);
+  const missed = summary.missed ?? [];
   const facts: string[][] = [
     ["status", summary.status],
-    ["method", summary.step > 0 ? `${summary.method}, step ${duration(summary.step)}` : summary.method],
-    ["steps", `${summary.steps}, ${count(summary.evaluations, "evaluation", "evaluations")}`],
-    ...(summary.realTimeFactor === null ? [] : [["pace", `${digits(summary.realTimeFactor, 3)} times real time`]]),
-    ["momentree", summary.version],
+    ["method", summary.step ? `${summary.method}, step ${duration(summary.step)}` : (summary.method ?? "")],
+    ["steps", `${summary.steps ?? 0}, ${count(summary.evaluations ?? 0, "evaluation", "evaluations")}`],
+    ...(summary.real_time_factor == null ? [] : [["speed", `${digits(summary.real_time_factor, 3)} times real time`]]),
+    ["momentree", summary.version ?? ""],
   ];
   return h(
     "div",
     { class: "summary" },
     times.length > 0 && table("Processing times", ["", "function evaluations", "total"], times),
     energy.length > 0 && table("Energy balance", ["", "energy"], energy),
-    summary.missed.length > 0 && table("Events that did not happen", ["", "waited for", ""], summary.missed.map(missedRow)),
+    missed.length > 0 && table("Events that did not happen", ["", "condition", ""], missed.map(missedRow)),
     table("The run", ["", ""], facts),
   );
 }

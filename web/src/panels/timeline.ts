@@ -1,96 +1,129 @@
 // Play button, slider, speed, and events as marks: a click on a mark goes to its time.
-import type { Recording, RunEvent } from "../recording";
+import type { Motion, RunEvent } from "../recording";
 import { endTime, startTime } from "../viewer/frames";
-import type { Player } from "../viewer/player";
 import { h } from "./dom";
 import { instant } from "./numbers";
 
-const speeds = [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 5];
-
 /** Marks closer to the previous one than this fraction of the line are left out: they could not be distinguished. */
 export function marked(events: readonly RunEvent[], from: number, to: number, apart = 0.008): number[] {
-  const kept: number[] = [];
+  const indices: number[] = [];
   let last = -Infinity;
   events.forEach((event, index) => {
     const at = (event.time - from) / (to - from || 1);
     if (at - last < apart) return;
     last = at;
-    kept.push(index);
+    indices.push(index);
   });
-  return kept;
+  return indices;
+}
+
+/** What a timeline shows and controls. */
+export interface Clock {
+  readonly time: number;
+  readonly playing: boolean;
+  toggle(): void;
+  pause(): void;
+  seek(time: number): void;
+  set speed(factor: number);
+  /** Calls back when the time or the playing state has changed. */
+  listen(listener: () => void): void;
+}
+
+interface TimelineOptions {
+  readonly speeds: readonly number[];
+  /** Called when an event's mark is clicked. */
+  readonly choose: (event: number) => void;
+  /** The clock shows the decimals that a run of at least this length needs (s). */
+  readonly shortest?: number;
+  /** An additional button next to the play button. */
+  readonly button?: HTMLElement;
 }
 
 export class Timeline {
   readonly element: HTMLElement;
   private readonly play: HTMLButtonElement;
   private readonly slider: HTMLInputElement;
-  private readonly clock: HTMLOutputElement;
-  private readonly marks: HTMLElement;
-  private shown = { events: -1, end: Number.NaN };
+  private readonly clockText = h("output", { class: "clock" });
+  private readonly marks = h("div", { class: "marks" });
+  private shown: { events: readonly RunEvent[]; count: number; end: number } | null = null;
 
-  /** `choose`: called when an event's mark is clicked. */
+  /** `run`: called each time, because another one may take its place; null: there is none yet. */
   constructor(
-    private readonly run: Recording,
-    private readonly player: Player,
-    private readonly choose: (event: number) => void,
+    private readonly run: () => Motion | null,
+    private readonly clock: Clock,
+    private readonly options: TimelineOptions,
   ) {
-    this.play = h("button", { class: "play", type: "button", "aria-label": "Play", onclick: () => player.toggle() });
+    this.play = h("button", { class: "play", type: "button", "aria-label": "Play", onclick: () => clock.toggle() });
     this.slider = h("input", {
       type: "range",
       min: 0,
       max: 1000,
       step: "any",
+      value: 0,
       "aria-label": "Time",
       oninput: () => {
         const [from, to] = this.range();
-        const wanted = from + (Number(this.slider.value) / 1000) * (to - from);
-        player.pause(); // this moves the slider back to the clock's time
-        player.seek(wanted);
+        const time = from + (Number(this.slider.value) / 1000) * (to - from);
+        clock.pause(); // this moves the slider back to the clock's time
+        clock.seek(time);
       },
     });
-    this.clock = h("output", { class: "clock" });
-    this.marks = h("div", { class: "marks" });
-    const pace = h("select", { "aria-label": "Speed", title: "Speed", onchange: () => (player.speed = Number(pace.value)) });
-    for (const speed of speeds) pace.append(h("option", { value: speed, selected: speed === 1 }, `${speed}×`));
+    const speed = h("select", {
+      "aria-label": "Speed",
+      title: "Speed",
+      onchange: () => (clock.speed = Number(speed.value)),
+    });
+    for (const factor of options.speeds) speed.append(h("option", { value: factor, selected: factor === 1 }, `${factor}×`));
     this.element = h(
       "div",
       { class: "timeline", role: "group", "aria-label": "Timeline" },
       this.play,
+      options.button,
       h("div", { class: "line" }, this.marks, this.slider),
-      this.clock,
-      pace,
+      this.clockText,
+      speed,
     );
-    player.listen((time) => this.show(time));
+    clock.listen(() => this.show());
   }
 
   private range(): [number, number] {
-    return [startTime(this.run), endTime(this.run)];
+    const run = this.run();
+    return run ? [startTime(run), endTime(run)] : [0, 0];
   }
 
-  private show(time: number) {
+  private instant(time: number): string {
     const [from, to] = this.range();
-    if (this.shown.events !== this.run.events.length || this.shown.end !== to) this.showMarks(from, to);
-    const label = this.player.playing ? "Pause" : "Play";
-    if (this.play.getAttribute("aria-label") !== label) this.play.setAttribute("aria-label", label);
-    this.play.dataset.playing = String(this.player.playing);
-    this.slider.value = String(to > from ? (1000 * (time - from)) / (to - from) : 0);
-    this.slider.style.setProperty("--done", `${to > from ? (100 * (time - from)) / (to - from) : 0}%`);
-    const text = instant(time, to - from);
-    this.slider.setAttribute("aria-valuetext", text);
-    this.clock.textContent = text;
+    return instant(time, Math.max(to - from, this.options.shortest ?? 0));
   }
 
-  private showMarks(from: number, to: number) {
-    this.shown = { events: this.run.events.length, end: to };
+  private show() {
+    const run = this.run();
+    const { time, playing } = this.clock;
+    const [from, to] = this.range();
+    if (run && (this.shown?.events !== run.events || this.shown.count !== run.events.length || this.shown.end !== to))
+      this.showMarks(run, from, to);
+    const label = playing ? "Pause" : "Play";
+    if (this.play.getAttribute("aria-label") !== label) this.play.setAttribute("aria-label", label);
+    this.play.dataset.playing = String(playing);
+    const share = to > from ? (time - from) / (to - from) : 0;
+    this.slider.value = String(1000 * share);
+    this.slider.style.setProperty("--done", `${100 * share}%`);
+    const text = this.instant(time);
+    this.slider.setAttribute("aria-valuetext", text);
+    this.clockText.textContent = text;
+  }
+
+  private showMarks(run: Motion, from: number, to: number) {
+    this.shown = { events: run.events, count: run.events.length, end: to };
     this.marks.replaceChildren(
-      ...marked(this.run.events, from, to).map((index) => {
-        const event = this.run.events[index];
-        const says = `${instant(event.time, to - from)}: ${event.actions.join("; ") || event.name}`;
+      ...marked(run.events, from, to).map((index) => {
+        const event = run.events[index];
+        const label = `${this.instant(event.time)}: ${event.actions.join("; ") || event.event}`;
         const mark = h("button", {
           type: "button",
-          title: says,
-          "aria-label": `Event at ${says}`,
-          onclick: () => this.choose(index),
+          title: label,
+          "aria-label": `Event at ${label}`,
+          onclick: () => this.options.choose(index),
         });
         mark.style.left = `${(100 * (event.time - from)) / (to - from || 1)}%`;
         return mark;

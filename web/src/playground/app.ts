@@ -1,44 +1,45 @@
 // The playground: the engine's world in the worker, its recording here, and the reader's actions on it.
-import type { Diagnostic, Topology } from "../../../wasm/host.mjs";
+import type { Diagnostic, ScenarioInfo, Topology } from "../../../wasm/host.mjs";
 import { LiveRecording } from "../engine/live";
-import type { Act, FromWorker, ToWorker } from "../engine/messages";
-import type { Body, Model } from "../recording";
-import { modelOf } from "../report/data";
+import type { FromWorker, ToWorker, UserAction } from "../engine/messages";
+import type { Clock } from "../panels/timeline";
+import type { Body } from "../recording";
+import { modelOf } from "../result_files";
 
-type Changed = "world" | "frame" | "line" | "status";
+type Changed = "world" | "frame" | "branch" | "status";
 
 /** Maximum number of frames of a recording: five minutes at 60 per second. */
 const mostFrames = 18_000;
 
-export class App {
+export class App implements Clock {
   run: LiveRecording | null = null;
-  scenario: NonNullable<Extract<FromWorker, { say: "loaded" }>["scenario"]> | null = null;
+  scenario: ScenarioInfo | null = null;
   text = "";
   playing = false;
-  /** The frame that is shown; null: always the last one. */
-  looking: number | null = null;
+  /** The frame that is shown; null: the last one. */
+  shownFrame: number | null = null;
   notice = "";
   /** Time that the engine used for the last frame (s). */
   engineSeconds = 0;
   private listeners: ((changed: Changed) => void)[] = [];
-  private wanted: string | null = null;
+  private requested: string | null = null;
   private ready = false;
   onChecked: (diagnostics: readonly Diagnostic[]) => void = () => undefined;
-  onDiagnostics: (message: Extract<FromWorker, { say: "loaded" }>) => void = () => undefined;
+  onDiagnostics: (diagnostics: readonly Diagnostic[]) => void = () => undefined;
 
   constructor(
     private readonly worker: Worker,
     module: ArrayBuffer,
   ) {
-    worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.hear(data);
-    worker.onerror = (event) => this.say(`The engine can't start: ${event.message || "its worker is blocked"}`);
-    worker.postMessage({ say: "module", bytes: module } satisfies ToWorker, [module]);
+    worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.handle(data);
+    worker.onerror = (event) => this.showNotice(`The engine can't start: ${event.message || "its worker is blocked"}`);
+    worker.postMessage({ type: "module", bytes: module } satisfies ToWorker, [module]);
   }
 
   listen(listener: (changed: Changed) => void) {
     this.listeners.push(listener);
   }
-  private tell(changed: Changed) {
+  private notify(changed: Changed) {
     for (const listener of this.listeners) listener(changed);
   }
   send(message: ToWorker) {
@@ -46,82 +47,89 @@ export class App {
   }
 
   load(text: string) {
-    this.wanted = text;
-    if (this.ready) this.send({ say: "load", text });
+    this.requested = text;
+    if (this.ready) this.send({ type: "load", text });
   }
 
   check(text: string) {
-    if (this.ready) this.send({ say: "check", text });
+    if (this.ready) this.send({ type: "check", text });
   }
 
   get frame(): number {
-    return this.run ? Math.min(this.looking ?? this.run.frames - 1, this.run.frames - 1) : -1;
+    return this.run ? Math.min(this.shownFrame ?? this.run.frames - 1, this.run.frames - 1) : -1;
   }
   get topology(): Topology | null {
     return this.run?.topology ?? null;
   }
 
   play(on: boolean) {
-    if (on && this.looking !== null && this.run) this.goOnFrom(this.run.time(this.frame));
+    if (on && this.shownFrame !== null && this.run) this.continueFrom(this.run.time(this.frame));
     this.playing = on;
-    this.send({ say: "play", on });
-    this.tell("status");
+    this.send({ type: "play", on });
+    this.notify("status");
   }
   toggle() {
     this.play(!this.playing);
   }
-  speed(factor: number) {
-    this.send({ say: "speed", factor });
+  set speed(factor: number) {
+    this.send({ type: "speed", factor });
   }
 
-  /** Shows a past instant; playing from there makes another branch. */
-  look(time: number) {
-    if (!this.run) return;
+  pause() {
     if (this.playing) this.play(false);
+  }
+
+  get time() {
+    return this.run ? this.run.time(this.frame) : 0;
+  }
+  /** Shows a past instant; playing from there makes another branch. */
+  seek(time: number) {
+    if (!this.run) return;
+    this.pause();
     const { run } = this;
     let frame = run.frames - 1;
     while (frame > 0 && run.time(frame) > time + 1e-9) frame--;
-    this.looking = frame === run.frames - 1 ? null : frame;
-    this.tell("frame");
+    this.shownFrame = frame === run.frames - 1 ? null : frame;
+    this.notify("frame");
   }
-  goOnFrom(time: number) {
-    this.looking = null;
-    this.send({ say: "rewind", time });
+  continueFrom(time: number) {
+    this.shownFrame = null;
+    this.send({ type: "rewind", time });
   }
   undo(event: number) {
-    this.looking = null;
-    this.send({ say: "undo", event });
+    this.shownFrame = null;
+    this.send({ type: "undo", event });
   }
-  goToBranch(branch: number) {
-    this.looking = null;
-    this.send({ say: "branch", branch });
+  resumeBranch(branch: number) {
+    this.shownFrame = null;
+    this.send({ type: "branch", branch });
   }
 
-  act(act: Act) {
-    if (this.looking !== null && this.run) this.goOnFrom(this.run.time(this.frame));
+  act(action: UserAction) {
+    if (this.shownFrame !== null && this.run) this.continueFrom(this.run.time(this.frame));
     this.notice = "";
-    this.send({ say: "act", act });
+    this.send({ type: "act", action });
   }
 
-  private hear(message: FromWorker) {
+  private handle(message: FromWorker) {
     const { run } = this;
-    switch (message.say) {
+    switch (message.type) {
       case "ready":
         this.ready = true;
-        if (this.wanted !== null) this.send({ say: "load", text: this.wanted });
+        if (this.requested !== null) this.send({ type: "load", text: this.requested });
         return;
       case "loaded":
-        this.onDiagnostics(message);
-        if (!message.scenario || !message.topology || !message.frame) {
-          this.say(this.run ? `The scenario has errors: see the editor. This is still “${this.run.model.title}”.` : "");
+        this.onDiagnostics(message.diagnostics);
+        if (!message.world) {
+          this.showNotice(this.run ? `The scenario has errors: see the editor. This is still “${this.run.model.title}”.` : "");
           return;
         }
-        this.scenario = message.scenario;
-        this.text = this.wanted ?? "";
-        this.run = new LiveRecording(modelFrom(message.model), message.topology, message.frame);
-        this.looking = null;
+        this.scenario = message.world.scenario;
+        this.text = this.requested ?? "";
+        this.run = new LiveRecording(modelOf(message.world.model), message.world.topology, message.world.frame);
+        this.shownFrame = null;
         this.notice = "";
-        return this.tell("world");
+        return this.notify("world");
       case "checked":
         return this.onChecked(message.diagnostics);
       case "frame":
@@ -130,48 +138,43 @@ export class App {
         if (message.seconds > 0) this.engineSeconds = message.seconds;
         if (run.frames >= mostFrames && this.playing) {
           this.play(false);
-          this.say("Five minutes are recorded: go back, or start again");
+          this.showNotice("The recording is full after five minutes: go back, or restart");
         }
-        if (this.looking === null) this.tell("frame");
+        if (this.shownFrame === null) this.notify("frame");
         return;
       case "topology":
         run?.addTopology(message.time, message.topology);
         return;
       case "events":
         run?.addEvents(message.events);
-        return this.tell("line");
-      case "went back":
-        run?.goBack(message.time, message.events, message.left);
-        this.looking = null;
-        return this.tell("line");
-      case "branched":
-        run?.goOn(message.branch, message.left);
-        this.looking = null;
-        return this.tell("line");
+        return this.notify("branch");
+      case "rewound":
+        run?.rewind(message.time, message.events, message.savedAs);
+        this.shownFrame = null;
+        return this.notify("branch");
+      case "resumed":
+        run?.resume(message.branch, message.savedAs);
+        this.shownFrame = null;
+        return this.notify("branch");
       case "playing":
         this.playing = message.on;
-        return this.tell("status");
+        return this.notify("status");
       case "refused":
-        return this.say(message.message);
+        return this.showNotice(message.message);
       case "stopped":
         this.playing = false;
-        return this.say(message.message);
+        return this.showNotice(message.message);
       case "failed":
         this.playing = false;
-        return this.say(`${message.message}${this.run ? ". Load a scenario to start again." : ""}`);
+        return this.showNotice(`${message.message}${this.run ? ". Load a scenario to start again." : ""}`);
     }
   }
 
-  say(notice: string) {
+  showNotice(notice: string) {
     this.notice = notice;
-    this.tell("status");
+    this.notify("status");
   }
 }
 
-function modelFrom(file: unknown): Model {
-  const model = file as Parameters<typeof modelOf>[0];
-  return modelOf(model, Object.keys(model.bodies));
-}
-
-/** Of the bodies, for sliders that fit the scale of the mechanism. */
+/** Of the bodies (kg). */
 export const massOf = (bodies: readonly Body[]) => bodies.reduce((sum, body) => sum + body.mass, 0);

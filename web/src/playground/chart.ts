@@ -1,8 +1,7 @@
 // A plot of the last seconds, redrawn a few times a second while frames arrive.
-import uPlot from "uplot";
-import "uplot/dist/uPlot.min.css";
+import type uPlot from "uplot";
 import type { LiveRecording } from "../engine/live";
-import { axesOf, axisRange, curvesOf, fillLegend, labelRoom } from "../panels/curves";
+import { axisRange, fillLegend, newPlot } from "../panels/curves";
 import { h } from "../panels/dom";
 import { digits } from "../panels/numbers";
 import { rangeOf, type Range } from "../panels/scales";
@@ -46,23 +45,13 @@ export class Chart {
     const labels = this.series.map(({ label }) => label);
     const data = this.chart?.data ?? ([[], ...this.series.map(() => [])] as uPlot.AlignedData);
     this.chart?.destroy();
-    this.chart = new uPlot(
-      {
-        width: Math.max(this.host.clientWidth, 50),
-        height: Math.max(this.host.clientHeight, 50),
-        legend: { show: false },
-        padding: [6, labelRoom, 0, 0],
-        cursor: { show: false },
-        scales: {
-          x: { time: false, range: () => this.times },
-          y: { range: () => axisRange(this.range) },
-        },
-        axes: axesOf(theme),
-        series: curvesOf(theme, labels),
-      },
-      data,
-      this.host,
-    );
+    this.chart = newPlot(this.host, data, {
+      theme,
+      labels,
+      x: () => this.times,
+      y: () => axisRange(this.range),
+      cursor: { show: false },
+    });
     this.fillLegend();
   }
 

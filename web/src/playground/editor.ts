@@ -12,7 +12,7 @@ export class Editor {
   private readonly problems = h("ul", { class: "problems", "aria-live": "polite", "aria-label": "Problems" });
   private wrong = new Map<number, string>();
 
-  private waiting = 0;
+  private timer = 0;
 
   /** `run`: runs the text. `check`: called after a pause in typing; the problems found are passed to mark(). */
   constructor(
@@ -24,8 +24,8 @@ export class Editor {
     this.element.append(field, this.problems, h("div", { class: "buttons" }, start));
     this.area.addEventListener("input", () => {
       this.count();
-      clearTimeout(this.waiting);
-      this.waiting = window.setTimeout(() => check(this.text), pause);
+      clearTimeout(this.timer);
+      this.timer = window.setTimeout(() => check(this.text), pause);
     });
     this.area.addEventListener("scroll", () => (this.numbers.scrollTop = this.area.scrollTop));
     this.area.addEventListener("keydown", (event) => {
@@ -39,14 +39,14 @@ export class Editor {
     return this.area.value;
   }
   set text(text: string) {
-    clearTimeout(this.waiting);
+    clearTimeout(this.timer);
     this.area.value = text;
     this.mark([]);
   }
 
   /** Shows problems and scrolls to the first error. */
   show(diagnostics: readonly Diagnostic[]) {
-    clearTimeout(this.waiting);
+    clearTimeout(this.timer);
     this.mark(diagnostics);
     const first = diagnostics.find((d) => d.severity === "error");
     if (first) this.reveal(first.line);
@@ -58,9 +58,9 @@ export class Editor {
     const shown = diagnostics.filter((d) => d.severity !== "note");
     this.problems.replaceChildren(
       ...shown.map((d) => {
-        const says = `${d.severity}: ${d.what}${d.hint ? `; ${d.hint}` : ""}`;
+        const text = `${d.severity}: ${d.what}${d.hint ? `; ${d.hint}` : ""}`;
         const where = h("button", { type: "button", onclick: () => this.goTo(d) }, d.line > 0 ? `line ${d.line}` : "file");
-        return h("li", { class: d.severity }, where, " ", says);
+        return h("li", { class: d.severity }, where, " ", text);
       }),
     );
     this.count();

@@ -1,10 +1,13 @@
 // The playground's page: opens the scenario that was passed to it, the one in its address, or the first of the gallery.
+// If a model was passed to it, it shows sliders for the joints instead.
 import packedModule from "../../engine/momentree.wasm?packed";
 import EngineWorker from "../engine/worker?worker&inline";
 import "../panels/base.css";
 import "../panels/parts.css";
 import "./style.css";
+import { Engine } from "../../../wasm/host.mjs";
 import { h } from "../panels/dom";
+import { showModel } from "../posing/page";
 import { App } from "./app";
 import { gallery } from "./gallery";
 import { showPlayground } from "./page";
@@ -13,32 +16,33 @@ import { bytesOf, inflated, linkOf } from "./share";
 async function begin(page: HTMLElement) {
   if (typeof WebAssembly === "undefined" || typeof DecompressionStream === "undefined")
     throw new Error("this browser has no WebAssembly, or can't inflate data");
-  const module = await inflated(bytesOf(packedModule));
-  const app = new App(new EngineWorker(), module.buffer as ArrayBuffer);
+  const module = (await inflated(bytesOf(packedModule))).buffer as ArrayBuffer;
+  const given = JSON.parse(document.getElementById("scenario")?.textContent || "null") as string | { model: string } | null;
+  if (given !== null && typeof given === "object") return showModel(page, await Engine.of(module), given.model);
+  const app = new App(new EngineWorker(), module);
   const playground = showPlayground(page, app);
   Object.assign(window, { playground: { app, placeOf: playground.placeOf } });
-  const handed: unknown = JSON.parse(document.getElementById("scenario")?.textContent || "null");
-  const own = typeof handed === "string" ? handed : gallery[0].text;
+  const own = given ?? gallery[0].text;
   /** Opens the scenario in the address, and nothing else in its place. */
   const follow = async (otherwise: string | null) => {
     const link = await linkOf(location.hash);
-    if (link.holds === "trouble") playground.refuse(link.says, own);
-    else if (link.holds === "scenario") playground.start(link.text, "The scenario in this link");
+    if (link.content === "error") playground.showProblem(link.message, own);
+    else if (link.content === "scenario") playground.start(link.text, "The scenario in this link");
     else if (otherwise !== null) playground.start(otherwise);
   };
   window.addEventListener("hashchange", async () => {
     const link = await linkOf(location.hash);
-    if (link.holds !== "scenario" || link.text !== app.text) await follow(null);
+    if (link.content !== "scenario" || link.text !== app.text) await follow(null);
   });
   await follow(own);
 }
 
 begin(document.getElementById("page")!).catch((error: unknown) => {
-  const words = error instanceof Error ? error.message : String(error);
+  const text = error instanceof Error ? error.message : String(error);
   document
     .getElementById("page")!
     .replaceChildren(
-      h("p", { class: "nothing", role: "alert" }, `The playground can't start: ${words}.`),
+      h("p", { class: "nothing", role: "alert" }, `The playground can't start: ${text}.`),
       h("p", { class: "nothing" }, "It needs Chromium 111, Firefox 114, Safari 16.4 or later, with WebAssembly."),
     );
 });

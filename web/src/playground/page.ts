@@ -1,36 +1,35 @@
 // The page: picture with tools, timeline, plots and readouts, panel, editor. Controls that need a world are disabled
 // without one.
 import { h } from "../panels/dom";
-import { ownColoursSays, stageIn } from "../panels/stage_in";
+import { mountStage, ownColoursTitle } from "../panels/mount_stage";
 import { tabs } from "../panels/tabs";
-import { marked } from "../panels/timeline";
+import { Timeline } from "../panels/timeline";
 import { themeButton } from "../panels/theme_button";
-import { watchTheme, type Theme } from "../viewer/colours";
+import { onThemeChange, type Theme } from "../viewer/colours";
 import type { Model } from "../recording";
 import { phaseAt } from "../viewer/frames";
 import type { Stage } from "../viewer/stage";
 import type { App } from "./app";
-import { Blank } from "./blank";
+import { Placeholder } from "./placeholder";
 import { Editor } from "./editor";
 import { gallery } from "./gallery";
-import { Hand, type Tool } from "./hand";
-import { loadsOf } from "./loads";
-import { happenings, jointControls, sliders } from "./panel";
+import { PointerTools, type Tool } from "./pointer_tools";
+import { loadColours } from "./load_colours";
+import { history, jointControls, sliders } from "./panel";
 import { Readings } from "./readings";
-import { roomOf } from "./room";
-import { fragmentOf, reachOf } from "./share";
+import { initialView } from "./initial_view";
+import { fragmentOf, scopeOf } from "./share";
 
-const speeds = [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2];
-const tools: readonly { tool: Tool; label: string; key: string; says: string }[] = [
-  { tool: "grab", label: "Grab", key: "g", says: "Drag a body and throw it" },
-  { tool: "cut", label: "Cut", key: "c", says: "Click a joint: the bodies beyond it break off" },
-  { tool: "lock", label: "Lock", key: "l", says: "Click a joint to lock or unlock it" },
-  { tool: "weld", label: "Weld", key: "w", says: "Click two bodies to join them rigidly" },
+const tools: readonly { tool: Tool; label: string; key: string; hint: string }[] = [
+  { tool: "grab", label: "Grab", key: "g", hint: "Drag a body and throw it" },
+  { tool: "cut", label: "Cut", key: "c", hint: "Click a joint: its outboard bodies become a separate mechanism" },
+  { tool: "lock", label: "Lock", key: "l", hint: "Click a joint to lock or unlock it" },
+  { tool: "weld", label: "Weld", key: "w", hint: "Click two bodies to join them rigidly" },
 ];
 
 export function showPlayground(page: HTMLElement, app: App) {
   let stage: Stage | null = null;
-  let hand: Hand | null = null;
+  let pointer: PointerTools | null = null;
   let theme: Theme | null = null;
   let tool: Tool = "grab";
   let first = -1;
@@ -39,7 +38,7 @@ export function showPlayground(page: HTMLElement, app: App) {
 
   const title = h("h1", {}, "momentree playground");
   const choice = h("select", { "aria-label": "Scenario" });
-  for (const { name, title: words } of gallery) choice.append(h("option", { value: name }, words));
+  for (const { name, title: text } of gallery) choice.append(h("option", { value: name }, text));
   choice.append(h("option", { value: "" }, "(your own)"));
   choice.addEventListener("change", () => {
     const example = gallery.find(({ name }) => name === choice.value);
@@ -49,21 +48,21 @@ export function showPlayground(page: HTMLElement, app: App) {
   const share = h("button", { type: "button", title: "Copy a link that contains this scenario" }, "Share");
   share.addEventListener("click", async () => {
     location.hash = await fragmentOf(editor.text);
-    const reach = reachOf(location);
-    let says = "link copied";
+    const scope = scopeOf(location);
+    let message = "link copied";
     try {
       await navigator.clipboard.writeText(location.href);
     } catch {
-      says = "the link is in the address bar";
+      message = "the link is in the address bar";
     }
-    shared.textContent = reach ? `${says}; ${reach}` : says;
+    shared.textContent = scope ? `${message}; ${scope}` : message;
   });
 
   const editor = new Editor(
     (text) => start(text),
     (text) => app.check(text),
   );
-  const blank = new Blank();
+  const placeholder = new Placeholder();
   let source = "";
   /** `from`: description of the text, as the beginning of a sentence. */
   const start = (text: string, from = "The scenario") => {
@@ -74,26 +73,26 @@ export function showPlayground(page: HTMLElement, app: App) {
     app.load(text);
   };
   /** There is no scenario to show: gives the reason, and shows no other scenario instead. */
-  const refuse = (says: string, other: string) => {
-    if (app.run) return app.say(`${says} This is still “${app.run.model.title}”.`);
+  const showProblem = (reason: string, other: string) => {
+    if (app.run) return app.showNotice(`${reason} This is still “${app.run.model.title}”.`);
     const title = gallery.find(({ text }) => text === other)?.title ?? "the scenario of this page";
     choice.selectedIndex = -1;
-    blank.show("No scenario", says, { label: `Open “${title}” instead`, go: () => start(other) });
+    placeholder.show("No scenario", reason, { label: `Open “${title}” instead`, run: () => start(other) });
   };
   app.onChecked = (diagnostics) => editor.mark(diagnostics);
-  app.onDiagnostics = ({ diagnostics }) => {
+  app.onDiagnostics = (diagnostics) => {
     editor.show(diagnostics);
     if (!diagnostics.some(({ severity }) => severity === "error")) return;
     openTab("scenario");
-    const way = "Correct them and press “Run this”, or choose another scenario from the list at the top.";
-    blank.show(`${source} has errors`, `They are listed with their lines below the text. ${way}`);
+    const remedy = "Correct them and press “Run this”, or choose another scenario from the list at the top.";
+    placeholder.show(`${source} has errors`, `They are listed with their lines below the text. ${remedy}`);
   };
 
   const host = h("div", { class: "stage" });
   const toolButtons = tools.map((each) => {
     const button = h(
       "button",
-      { type: "button", title: `${each.says} (${each.key.toUpperCase()})`, onclick: () => take(each.tool) },
+      { type: "button", title: `${each.hint} (${each.key.toUpperCase()})`, onclick: () => choose(each.tool) },
       each.label,
     );
     return { ...each, button };
@@ -113,7 +112,7 @@ export function showPlayground(page: HTMLElement, app: App) {
     { type: "button", title: "Show everything (A)", onclick: () => app.run && stage?.fit(app.run) },
     "Fit",
   );
-  const colours = h("button", { type: "button", title: `${ownColoursSays} (O)`, "aria-pressed": "true" }, "Own colours");
+  const colours = h("button", { type: "button", title: `${ownColoursTitle} (O)`, "aria-pressed": "true" }, "Own colours");
   colours.addEventListener("click", () => {
     own = !own;
     colours.setAttribute("aria-pressed", String(own));
@@ -122,12 +121,12 @@ export function showPlayground(page: HTMLElement, app: App) {
   const hint = h("p", { class: "hint" });
   const load = h("p", { class: "hint load" });
   const notice = h("p", { class: "notice", role: "status" });
-  const take = (next: Tool) => {
+  const choose = (next: Tool) => {
     tool = next;
     first = -1;
-    if (hand) hand.tool = next;
+    if (pointer) pointer.tool = next;
     for (const each of toolButtons) each.button.setAttribute("aria-pressed", String(each.tool === next));
-    hint.textContent = tools.find((each) => each.tool === next)?.says ?? "";
+    hint.textContent = tools.find((each) => each.tool === next)?.hint ?? "";
   };
   const buttons = h(
     "div",
@@ -135,32 +134,22 @@ export function showPlayground(page: HTMLElement, app: App) {
     ...toolButtons.map(({ button }) => button),
   );
   const over = h("div", { class: "over" }, buttons, h("div", { class: "tools" }, loadButton, colours, fit));
-  host.append(over, h("div", { class: "below" }, notice, load, hint), blank.element);
+  host.append(over, h("div", { class: "below" }, notice, load, hint), placeholder.element);
 
-  const play = h("button", { class: "play", type: "button", "aria-label": "Play", onclick: () => app.toggle() });
-  const slider = h("input", { type: "range", min: 0, max: 1, step: "any", value: 1, "aria-label": "Time" });
-  slider.addEventListener("input", () => app.look(Number(slider.value)));
-  const marks = h("div", { class: "marks" });
-  const clock = h("output", { class: "clock" });
-  const pace = h("select", { "aria-label": "Speed", title: "Speed", onchange: () => app.speed(Number(pace.value)) });
-  for (const speed of speeds) pace.append(h("option", { value: speed, selected: speed === 1 }, `${speed}×`));
-  const again = h(
+  const restart = h(
     "button",
     { type: "button", title: "From the start (R)", onclick: () => start(app.text || editor.text) },
     "⟲",
   );
-  const timeline = h(
-    "div",
-    { class: "timeline", role: "group", "aria-label": "Timeline" },
-    play,
-    again,
-    h("div", { class: "line" }, marks, slider),
-    clock,
-    pace,
-  );
+  const timeline = new Timeline(() => app.run, app, {
+    speeds: [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2],
+    choose: (event) => app.seek(app.run!.events[event].time),
+    shortest: 1,
+    button: restart,
+  }).element;
 
   const readings = new Readings();
-  const panel = h("div", { class: "controls" }, jointControls(app), sliders(app), happenings(app));
+  const panel = h("div", { class: "controls" }, jointControls(app), sliders(app), history(app));
   const side = tabs("What to do", [
     { name: "Play", content: panel },
     { name: "Scenario", content: editor.element },
@@ -181,88 +170,68 @@ export function showPlayground(page: HTMLElement, app: App) {
     phase: () => phaseAt(app.run!, app.run!.time(app.frame)),
   };
   const jointOf = (child: number) => app.topology?.joints.find((joint) => joint.child === child);
-  const wishes = {
+  const actions = {
     grab: (body: number, point: readonly [number, number, number], target: readonly [number, number, number]) => {
-      if (app.looking !== null) app.goOnFrom(app.run!.time(app.frame));
-      app.send({ say: "grab", body, point, target });
+      if (app.shownFrame !== null) app.continueFrom(app.run!.time(app.frame));
+      app.send({ type: "grab", body, point, target });
       if (!app.playing) app.play(true);
     },
-    pull: (target: readonly [number, number, number]) => app.send({ say: "pull", target }),
-    letGo: () => app.send({ say: "let go" }),
+    pull: (target: readonly [number, number, number]) => app.send({ type: "pull", target }),
+    release: () => app.send({ type: "release" }),
     joint: (child: number) => {
       const joint = jointOf(child);
-      if (!joint || joint.kind === "free") return app.say("There is no joint to cut here");
-      if (tool === "cut") app.act({ do: "cut", joint: joint.number });
-      else app.act({ do: joint.locked ? "unlock" : "lock", joint: joint.number });
+      if (!joint || joint.kind === "free") return app.showNotice("There is no joint here");
+      if (tool === "cut") app.act({ action: "cut", joint: joint.number });
+      else app.act({ action: joint.locked ? "unlock" : "lock", joint: joint.number });
     },
     body: (body: number) => {
       const names = app.run!.model.bodies;
       if (first < 0 || first === body) {
         first = body;
-        hint.textContent = `${names[body].name} to …: click another body`;
+        hint.textContent = `Click the body to which ${names[body].name} is to be welded`;
       } else {
-        app.act({ do: "weld", body: first, to: body });
-        take("weld");
+        app.act({ action: "weld", body: first, to: body });
+        choose("weld");
       }
     },
   };
 
   function showWorld(model: Model) {
     stage?.dispose();
-    for (const words of host.querySelectorAll(".instead")) words.remove();
+    for (const each of host.querySelectorAll(".placeholder")) each.remove();
     for (const part of [over, timeline, panel]) part.inert = false;
-    stage = stageIn(host, model, [
+    stage = mountStage(host, model, [
       "The simulation, the plots and the panel work without it: joints can be cut and locked by name.",
     ]);
-    hand = stage && new Hand(stage, scene, wishes);
+    pointer = stage && new PointerTools(stage, scene, actions);
     over.hidden = hint.hidden = stage === null;
     if (!stage) return;
-    take(tool);
+    choose(tool);
     stage.canvas.tabIndex = 0;
     stage.canvas.setAttribute("role", "img");
     stage.canvas.setAttribute("aria-label", `${model.title}: the mechanisms in 3D`);
     stage.ownColours = own;
     colours.hidden = !stage.shapes.coloured;
     if (theme) stage.setTheme(theme);
-    look();
+    resetView();
   }
 
-  function look() {
-    if (app.run && stage) stage.lookAt(roomOf(app.run, app.frame, (body) => stage!.shapes.reach(body)));
+  function resetView() {
+    if (app.run && stage) stage.lookAt(initialView(app.run, app.frame, (body) => stage!.shapes.reach(body)));
   }
 
   function draw() {
     const { run } = app;
     if (!run) return;
     const frame = run.frame(app.frame);
-    const carried = loads ? loadsOf(frame, run.topology) : null;
+    const carried = loads ? loadColours(frame, run.topology) : null;
     if (stage) {
       stage.mechanisms.colourJoints(carried?.colours ?? new Map());
       stage.mechanisms.highlighted = first;
       stage.show(frame.poses, phaseAt(run, frame.time));
     }
-    hand?.show();
-    load.textContent = carried?.says ?? "";
-    const end = run.time(run.frames - 1);
-    slider.max = String(Math.max(end, 1e-3));
-    slider.value = String(frame.time);
-    slider.setAttribute("aria-valuetext", `${frame.time.toFixed(2)} s`);
-    clock.textContent = `${frame.time.toFixed(2)} s`;
-  }
-
-  function drawMarks() {
-    const { run } = app;
-    if (!run) return;
-    const end = Math.max(run.time(run.frames - 1), 1e-3);
-    marks.replaceChildren(
-      ...marked(run.events, 0, end).map((index) => {
-        const event = run.events[index];
-        const says = `${event.time.toFixed(3)} s: ${event.actions.join("; ")}`;
-        const mark = h("button", { type: "button", title: says, "aria-label": says, onclick: () => app.look(event.time) });
-        mark.style.left = `${(100 * event.time) / end}%`;
-        return mark;
-      }),
-    );
+    pointer?.show();
+    load.textContent = carried?.text ?? "";
   }
 
   app.listen((changed) => {
@@ -271,30 +240,27 @@ export function showPlayground(page: HTMLElement, app: App) {
       title.textContent = app.run.model.title || "momentree playground";
       document.title = `${title.textContent} – momentree`;
     }
-    if (!app.run && app.notice) blank.show("Nothing to show", app.notice);
+    if (!app.run && app.notice) placeholder.show("Nothing to show", app.notice);
     notice.textContent = app.run ? app.notice : "";
-    play.setAttribute("aria-label", app.playing ? "Pause" : "Play");
-    play.dataset.playing = String(app.playing);
     if (changed !== "status") draw();
     if (app.run) readings.show(app.run, app.frame, app.engineSeconds, changed !== "frame" || !app.playing);
-    if (changed !== "status" && (changed !== "frame" || app.run!.events.length > 0)) drawMarks();
   });
-  watchTheme((next) => {
+  onThemeChange((next) => {
     theme = next;
     stage?.setTheme(next);
     readings.setTheme(next);
     draw();
   });
-  take("grab");
+  choose("grab");
 
   document.addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
     if (event.ctrlKey || event.metaKey || event.altKey || target.matches("textarea, select, input:not([type=range])")) return;
     if (!app.run) return;
     const found = stage && toolButtons.find(({ key }) => key === event.key.toLowerCase());
-    if (found) take(found.tool);
+    if (found) choose(found.tool);
     else if (event.key === " " && !target.matches("button")) app.toggle();
-    else if (event.key.toLowerCase() === "r") again.click();
+    else if (event.key.toLowerCase() === "r") restart.click();
     else if (event.key.toLowerCase() === "f") loadButton.click();
     else if (event.key.toLowerCase() === "a") fit.click();
     else if (event.key.toLowerCase() === "o" && !colours.hidden) colours.click();
@@ -304,11 +270,11 @@ export function showPlayground(page: HTMLElement, app: App) {
 
   return {
     start,
-    refuse,
+    showProblem,
     // For programs that use the playground: position of a joint in the page.
     placeOf: (child: number) => {
-      const link = scene.phase().links.find((each) => each.child === child);
-      return link && hand ? hand.placeOf(link) : null;
+      const joint = scene.phase().joints.find((each) => each.child === child);
+      return joint && pointer ? pointer.placeOf(joint) : null;
     },
   };
 }

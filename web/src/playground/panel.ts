@@ -5,31 +5,31 @@ import { massOf, type App } from "./app";
 
 /** Joints by name, without a pointer: the same actions as the tools. */
 export function jointControls(app: App): HTMLElement {
-  const choice = h("select", { "aria-label": "Joint", onchange: () => app.run && mark() });
-  const button = (label: string, act: "cut" | "free" | "lock" | "unlock", title: string) =>
-    h("button", { type: "button", title, onclick: () => app.act({ do: act, joint: Number(choice.value) }) }, label);
-  const lock = button("Lock", "lock", "Holds its present position from now on; takes an impulse");
-  const unlock = button("Unlock", "unlock", "Lets it move again");
+  const choice = h("select", { "aria-label": "Joint", onchange: () => app.run && update() });
+  const button = (label: string, action: "cut" | "free" | "lock" | "unlock", title: string) =>
+    h("button", { type: "button", title, onclick: () => app.act({ action, joint: Number(choice.value) }) }, label);
+  const lock = button("Lock", "lock", "Fixes the joint in its present position by an impulse");
+  const unlock = button("Unlock", "unlock", "Releases the lock");
   const cut = button("Cut", "cut", "The bodies beyond it break off");
   const free = button("Free", "free", "It becomes a joint with six degrees of freedom in the same mechanism");
-  const says = h("p", { class: "says" });
-  const mark = () => {
+  const state = h("p", { class: "joint-state" });
+  const update = () => {
     const joint = app.topology?.joints.find(({ number }) => number === Number(choice.value));
     for (const each of [lock, unlock, cut, free]) each.disabled = !joint;
     if (!joint) return;
     lock.disabled = joint.locked !== 0 || joint.kind === "weld";
     unlock.disabled = joint.locked === 0;
-    says.textContent = `${joint.kind}${joint.locked ? ", locked" : ""}`;
+    state.textContent = `${joint.kind}${joint.locked ? ", locked" : ""}`;
   };
   let shown: unknown = null;
   const show = () => {
-    if (shown === app.topology) return mark();
+    if (shown === app.topology) return update();
     shown = app.topology;
     const before = choice.value;
     const joints = (app.topology?.joints ?? []).filter(({ kind }) => kind !== "free");
     choice.replaceChildren(...joints.map(({ number, name }) => h("option", { value: number }, name)));
     if (joints.some(({ number }) => String(number) === before)) choice.value = before;
-    mark();
+    update();
   };
   app.listen(show);
   return h(
@@ -38,29 +38,29 @@ export function jointControls(app: App): HTMLElement {
     h("legend", {}, "Joint"),
     choice,
     h("div", { class: "buttons" }, cut, lock, unlock, free),
-    says,
+    state,
   );
 }
 
 export function sliders(app: App): HTMLElement {
   const gravity = h("input", { type: "range", min: 0, max: 20, step: 0.01 });
-  const gravitySays = h("output");
+  const gravityText = h("output");
   const damping = h("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0 });
-  const dampingSays = h("output");
+  const dampingText = h("output");
   let direction: [number, number, number] = [0, 0, -1];
-  const most = () => {
+  const scale = () => {
     const model = app.run?.model;
     return model ? massOf(model.bodies) * typicalLength(model) ** 2 : 0;
   };
-  const showGravity = () => (gravitySays.textContent = `${Number(gravity.value).toFixed(2)} m/s²`);
-  const added = () => most() * Number(damping.value) ** 3;
-  const showDamping = () => (dampingSays.textContent = `+${added().toPrecision(2)} N m s`);
+  const showGravity = () => (gravityText.textContent = `${Number(gravity.value).toFixed(2)} m/s²`);
+  const added = () => scale() * Number(damping.value) ** 3;
+  const showDamping = () => (dampingText.textContent = `+${added().toPrecision(2)} N m s`);
   gravity.addEventListener("input", () => {
     const g = Number(gravity.value);
-    app.send({ say: "gravity", value: [g * direction[0], g * direction[1], g * direction[2]] });
+    app.send({ type: "gravity", value: [g * direction[0], g * direction[1], g * direction[2]] });
     showGravity();
   });
-  damping.addEventListener("change", () => app.send({ say: "damping", factor: 1, offset: added() }));
+  damping.addEventListener("change", () => app.send({ type: "damping", factor: 1, offset: added() }));
   damping.addEventListener("input", showDamping);
   app.listen((changed) => {
     if (changed !== "world" || !app.scenario) return;
@@ -76,22 +76,22 @@ export function sliders(app: App): HTMLElement {
     "fieldset",
     {},
     h("legend", {}, "World"),
-    h("label", {}, "Gravity", gravity, gravitySays),
-    h("label", { title: "Added to the damping of every joint" }, "Damping", damping, dampingSays),
+    h("label", {}, "Gravity", gravity, gravityText),
+    h("label", { title: "Added to the damping of every joint" }, "Damping", damping, dampingText),
   );
 }
 
-/** Events, each with a button to go back to just before it; and branches that were left. */
-export function happenings(app: App): HTMLElement {
+/** Events, each with a button to go back to just before it; and the other branches. */
+export function history(app: App): HTMLElement {
   const list = h("ul", { class: "list", "aria-label": "Events" });
   const branches = h("ul", { class: "list", "aria-label": "Branches" });
   const show = (changed: string) => {
-    if (changed !== "world" && changed !== "line") return;
+    if (changed !== "world" && changed !== "branch") return;
     const run = app.run;
     const most = 200;
     const events = (run?.events ?? [])
       .map((event, index) => ({ event, index }))
-      .filter(({ event }) => !event.actions.every((action) => action.startsWith("set ")));
+      .filter(({ event }) => !event.changes.every(({ kind }) => kind === "set"));
     list.replaceChildren(
       ...events
         .slice(-most)
@@ -102,8 +102,8 @@ export function happenings(app: App): HTMLElement {
             {},
             h(
               "button",
-              { type: "button", class: "what", title: "Show this instant", onclick: () => app.look(event.time) },
-              h("span", { class: "when" }, `${event.time.toFixed(3)} s`),
+              { type: "button", class: "description", title: "Show this instant", onclick: () => app.seek(event.time) },
+              h("span", { class: "time" }, `${event.time.toFixed(3)} s`),
               ` ${event.actions.join("; ")}`,
             ),
             h("button", { type: "button", title: "Go back to just before it", onclick: () => app.undo(index) }, "Undo"),
@@ -111,23 +111,23 @@ export function happenings(app: App): HTMLElement {
         ),
     );
     if (events.length > most) list.append(h("li", { class: "nothing" }, `and ${events.length - most} earlier ones`));
-    if (list.childElementCount === 0) list.append(h("li", { class: "nothing" }, "Nothing has happened yet."));
+    if (list.childElementCount === 0) list.append(h("li", { class: "nothing" }, "No events yet."));
     branches.replaceChildren(
-      ...(run?.left ?? [])
+      ...(run?.otherBranches ?? [])
         .slice(-20)
         .reverse()
-        .map(({ number, end, last }) =>
+        .map(({ number, end, lastAction }) =>
           h(
             "li",
             {},
-            h("button", { type: "button", onclick: () => app.goToBranch(number) }, `to ${end.toFixed(2)} s: ${last}`),
+            h("button", { type: "button", onclick: () => app.resumeBranch(number) }, `to ${end.toFixed(2)} s: ${lastAction}`),
           ),
         ),
     );
-    heading.hidden = (run?.left.length ?? 0) === 0;
+    heading.hidden = (run?.otherBranches.length ?? 0) === 0;
   };
   const heading = h("h2", {}, "Other branches");
   app.listen(show);
   show("world");
-  return h("section", { class: "happenings" }, h("h2", {}, "Events"), list, heading, branches);
+  return h("section", { class: "history" }, h("h2", {}, "Events"), list, heading, branches);
 }

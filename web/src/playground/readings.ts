@@ -62,10 +62,10 @@ export class Readings {
     this.momentum.setTheme(theme);
   }
 
-  /** Updates up to a frame; no more often than a reader can follow, unless it is `wanted`. */
-  show(run: LiveRecording, frame: number, engineSeconds: number, wanted: boolean) {
+  /** Updates up to a frame; without `immediately`, at most as often as a reader can follow. */
+  show(run: LiveRecording, frame: number, engineSeconds: number, immediately: boolean) {
     const now = performance.now();
-    if (!wanted && now - this.drawn < pause) return;
+    if (!immediately && now - this.drawn < pause) return;
     this.drawn = now;
     this.energy.show(run, frame);
     this.momentum.show(run, frame);

@@ -38,30 +38,30 @@ export async function fragmentOf(text: string): Promise<string> {
 
 /** The content of an address's fragment: nothing, a scenario, or unreadable data and the reason. */
 export type Link =
-  | { readonly holds: "nothing" }
-  | { readonly holds: "scenario"; readonly text: string }
-  | { readonly holds: "trouble"; readonly says: string };
+  | { readonly content: "nothing" }
+  | { readonly content: "scenario"; readonly text: string }
+  | { readonly content: "error"; readonly message: string };
 
 const damaged = "It may have been cut off or changed when it was copied or sent. Ask for it again.";
 
 export async function linkOf(fragment: string): Promise<Link> {
-  if (fragment === "" || fragment === "#") return { holds: "nothing" };
+  if (fragment === "" || fragment === "#") return { content: "nothing" };
   const found = /^#s(\d*)=([\w-]*)(.*)$/s.exec(fragment);
-  if (!found) return { holds: "trouble", says: `This address does not end with a scenario. ${damaged}` };
+  if (!found) return { content: "error", message: `This address does not end with a scenario. ${damaged}` };
   const [, version, base64, rest] = found;
   if (version !== "")
-    return { holds: "trouble", says: "This link was made by a newer version of momentree. Open it with that." };
+    return { content: "error", message: "This link was made by a newer version of momentree. Open it with that." };
   try {
     if (/[^\s.,;:!?)\]>"'*]/.test(rest)) throw new Error("not base64"); // a sentence's punctuation is harmless
     const bytes = await inflated(bytesOf(base64.replace(/-/g, "+").replace(/_/g, "/")), mostBytes);
-    return { holds: "scenario", text: new TextDecoder("utf-8", { fatal: true }).decode(bytes) };
+    return { content: "scenario", text: new TextDecoder("utf-8", { fatal: true }).decode(bytes) };
   } catch {
-    return { holds: "trouble", says: `The link to this scenario is damaged. ${damaged}` };
+    return { content: "error", message: `The link to this scenario is damaged. ${damaged}` };
   }
 }
 
 /** Where a link to this page can be opened, as text; empty: anywhere. */
-export function reachOf({ protocol, hostname }: Pick<Location, "protocol" | "hostname">): string {
+export function scopeOf({ protocol, hostname }: Pick<Location, "protocol" | "hostname">): string {
   if (protocol === "file:") return "it opens where this file is";
   if (hostname === "127.0.0.1" || hostname === "localhost") return "it opens on this machine until the command ends";
   return "";

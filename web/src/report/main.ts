@@ -2,7 +2,6 @@
 import "../panels/base.css";
 import "../panels/parts.css";
 import "./style.css";
-import { showModel } from "../model/page";
 import { h } from "../panels/dom";
 import { recordingOf, type ReportData } from "./data";
 import { showRun } from "./page";
@@ -18,10 +17,9 @@ function notesOf(data: ReportData): string[] {
 
 /** `#t=1.9` opens at that time, paused; otherwise the run plays, unless the reader prefers reduced motion. */
 function begin(data: ReportData) {
-  if (data.pose) return showModel(page, recordingOf(data));
   const player = showRun(page, recordingOf(data), notesOf(data));
-  const wanted = /^#t=([-+0-9.e]+)$/.exec(location.hash);
-  if (wanted) player.seek(Number(wanted[1]));
+  const given = /^#t=([-+0-9.e]+)$/.exec(location.hash);
+  if (given) player.seek(Number(given[1]));
   else if (!window.matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 }
 
@@ -41,10 +39,10 @@ try {
   if (data) begin(data);
   else
     page.append(
-      h("p", { class: "nothing" }, "This page holds no run: `momentree run SCENARIO --report` writes one that does."),
+      h("p", { class: "nothing" }, "This page contains no run: `momentree run SCENARIO --report` writes one that does."),
     );
 } catch (error) {
-  const words = error instanceof Error ? error.message : String(error);
-  page.replaceChildren(h("p", { class: "nothing", role: "alert" }, `The run can't be shown: ${words}.`));
+  const text = error instanceof Error ? error.message : String(error);
+  page.replaceChildren(h("p", { class: "nothing", role: "alert" }, `The run can't be shown: ${text}.`));
   throw error;
 }

@@ -10,7 +10,7 @@ import { summaryPanel } from "../panels/summary";
 import { tabs } from "../panels/tabs";
 import { themeButton } from "../panels/theme_button";
 import { Timeline } from "../panels/timeline";
-import { watchTheme } from "../viewer/colours";
+import { onThemeChange } from "../viewer/colours";
 import { endTime, startTime } from "../viewer/frames";
 import { Player } from "../viewer/player";
 
@@ -23,7 +23,7 @@ function subtitle(run: Recording, notes: readonly string[]): string {
 
 /** For an incomplete run: the complete reason and remedy. */
 function statusOf(run: Recording): HTMLElement | false {
-  const status = run.summary ? run.summary.status : "it left no summary";
+  const status = run.summary ? run.summary.status : "it has no summary";
   return status !== "done" && h("p", { class: "status", role: "alert" }, h("strong", {}, "This run is not complete: "), status);
 }
 
@@ -35,7 +35,7 @@ const warningsOf = (run: Recording): HTMLElement[] =>
 
 /** `notes`: remarks for the reader about the data. */
 export function showRun(page: HTMLElement, run: Recording, notes: readonly string[] = []): Player {
-  const title = run.model.title || run.summary?.scenario || "A run";
+  const title = run.model.title || run.summary?.scenario?.name || "A run";
   document.title = `${title} – momentree`;
   const player = new Player(() => [startTime(run), endTime(run)]);
   page.append(
@@ -45,26 +45,29 @@ export function showRun(page: HTMLElement, run: Recording, notes: readonly strin
   const plots = new Plots(run, player);
   const jointOf = new Map(run.model.joints.map((joint) => [joint.child, joint.name]));
   const picture = new Picture(run, player, (body) => plots.chooseJoint(jointOf.get(body) ?? ""), {
-    besides: [
+    alternatives: [
       "Plots, events and tables work without it. ",
       h("code", {}, "momentree view DIR --svg FILE"),
       " draws a result without a browser.",
     ],
   });
   const events = new EventList(run, picture.stage, player);
-  const timeline = new Timeline(run, player, (event) => events.choose(event));
+  const timeline = new Timeline(() => run, player, {
+    speeds: [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 5],
+    choose: (event) => events.choose(event),
+  });
   picture.element.append(timeline.element);
   const panels = [
     { name: `Events (${run.events.length})`, content: events.element },
     { name: "Times and energy", content: summaryPanel(run) },
   ];
   page.append(picture.element, plots.element, tabs("About the run", panels));
-  watchTheme((theme) => {
+  onThemeChange((theme) => {
     picture.setTheme(theme);
     plots.setTheme(theme);
     events.show();
   });
-  picture.stage?.whenLost((lost) => lost || events.show());
+  picture.stage?.onContextChange((lost) => lost || events.show());
   picture.fit();
   listenToKeys(run, player, picture.keys, events);
 

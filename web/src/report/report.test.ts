@@ -1,59 +1,53 @@
 import { describe, expect, it } from "vitest";
 import { policyOf } from "../../content_policy";
+import type { Pose } from "../recording";
+import type { EventFile } from "../result_files";
 import { recordingOf, type ReportData } from "./data";
 import { column, doubles, floats } from "./tables";
-import { jointUnit } from "./units";
 
 const base64 = (numbers: Float32Array | Float64Array) => Buffer.from(numbers.buffer).toString("base64");
 
-const pose = { xyz: [0, 0, 0], quat: [1, 0, 0, 0] } as const;
+const pose: Pose = { xyz: [0, 0, 0], quat: [1, 0, 0, 0] };
 const body = { mass: 1, com: [0, 0, 0], extent: [], shape: null } as never;
 
+const joint = (kind: string, parent: string | null, child: string) => ({ kind, parent, child, at: pose, child_at: pose });
+const event = (time: number, topology: EventFile["topology"]) =>
+  ({ time, event: "#", actions: [], changes: [], ...(topology && { topology }) }) as unknown as EventFile;
+
 /**
- * Two bodies on revolute joints; the second breaks off at 0.5 s and is welded to the ground at 1 s, when the first is
- * locked.
+ * Two bodies on joints; the second breaks off at 0.5 s and is welded to the ground at 1 s, when the first is locked.
  */
 const data: ReportData = {
   format: 1,
-  pose: false,
   thinned: false,
   joints_left_out: false,
   bodies: ["m/a", "m/b"],
+  kinds: {
+    revolute: { q: ["rad"], v: ["rad/s"], p: ["N m s"] },
+    ball: { q: ["", "", "", ""], v: ["rad/s", "rad/s", "rad/s"], p: ["N m s", "N m s", "N m s"] },
+    free: { q: ["m", "m", "m", "", "", "", ""], v: ["m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s"], p: [] },
+    weld: { q: [], v: [], p: [] },
+  },
   model: {
     title: "two",
     gravity: [0, 0, -9.81],
+    mechanisms: [{ name: "m", bodies: ["m/b", "m/a"] }],
     bodies: { "m/b": body, "m/a": body },
-    joints: {
-      "m/a": { kind: "revolute", parent: null, child: "m/a", at: pose, child_at: pose, axis: [0, 1, 0] },
-      "m/pin": { kind: "ball", parent: "m/a", child: "m/b", at: pose, child_at: pose },
-    },
+    joints: { "m/a": joint("revolute", null, "m/a"), "m/elbow": joint("ball", "m/a", "m/b") },
   },
-  events: [],
-  about: [],
-  summary: null,
-  mechanisms: ["m", "m/b"],
-  phases: [
-    { from: 0, mechanism: [[2, 0]] },
-    {
-      from: 0.5,
-      mechanism: [
-        [1, 0],
-        [1, 1],
-      ],
-      gone: ["m/pin"],
-    },
-    {
-      from: 1,
-      mechanism: [
-        [1, 0],
-        [1, 1],
-      ],
-      joints: [
-        { joint: "m/a", kind: "revolute", parent: -1, child: 0, at: [0, 0, 0], childAt: [0, 0, 0], locked: true },
-        { joint: "glue", kind: "weld", parent: -1, child: 1, at: [5, 6, 7], childAt: [0, 0, 0], locked: false },
-      ],
-    },
+  events: [
+    event(0.25, undefined),
+    event(0.5, { gone: ["m/elbow"], joints: { "m/b": joint("free", null, "m/b") }, moved: { "m/b": [[1, 1]] } }),
+    event(1, {
+      gone: ["m/b"],
+      joints: {
+        "m/a": { ...joint("revolute", null, "m/a"), locked: true },
+        glue: { ...joint("weld", null, "m/b"), at: { ...pose, xyz: [5, 6, 7] } },
+      },
+      moved: {},
+    }),
   ],
+  summary: null,
   frames: 2,
   time: base64(new Float64Array([0, 1])),
   poses: base64(new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 5, 6, 7, 1, 0, 0, 0])),
@@ -72,7 +66,7 @@ describe("tables", () => {
 describe("the data of a report as a recording", () => {
   const run = recordingOf(data);
 
-  it("numbers bodies as their columns are, not as the model's document is ordered", () => {
+  it("numbers bodies in the order of their columns, not of the model's document", () => {
     expect(run.model.bodies.map(({ name }) => name)).toEqual(["m/a", "m/b"]);
     expect(run.model.joints.map(({ parent, child }) => [parent, child])).toEqual([
       [-1, 0],
@@ -82,16 +76,21 @@ describe("the data of a report as a recording", () => {
     expect(run.time(1)).toBe(1);
   });
 
-  it("joints go, come, and are locked", () => {
-    expect(run.phases.map(({ links }) => links.map(({ joint }) => joint))).toEqual([
-      ["m/a", "m/pin"],
-      ["m/a"],
-      ["m/a", "glue"],
+  it("events remove, make and lock joints, and separate mechanisms", () => {
+    expect(run.phases.map(({ from, joints }) => [from, ...joints.map(({ name }) => name)])).toEqual([
+      [0, "m/a", "m/elbow"],
+      [0.5, "m/a", "m/b"],
+      [1, "m/a", "glue"],
     ]);
-    expect(Array.from(run.phases[1].mechanism)).toEqual([0, 1]);
-    const [pin, glue] = run.phases[2].links;
-    expect([pin.locked, glue.kind, glue.at]).toEqual([true, "weld", [5, 6, 7]]);
-    expect(run.phases[0].links[0].locked ?? false).toBe(false);
+    expect(run.mechanisms).toEqual(["m", "m/b"]);
+    expect(run.phases.map(({ mechanism }) => [...Array.from(mechanism)])).toEqual([
+      [0, 0],
+      [0, 1],
+      [0, 1],
+    ]);
+    const [first, glue] = run.phases[2].joints;
+    expect([first.locked, glue.kind, glue.at]).toEqual([true, "weld", [5, 6, 7]]);
+    expect(run.phases[0].joints[0].locked).toBe(false);
   });
 
   it("has a gap before the last row of a run that diverged", () => {
@@ -110,16 +109,24 @@ describe("the data of a report as a recording", () => {
     expect(run.world("linear")).toEqual([]);
   });
 
-  it("units are those of the kind", () => {
-    expect(jointUnit("cylindrical", "v", 1)).toBe("m/s");
-    expect(jointUnit("free", "p", 0)).toBe("N s");
-    expect(jointUnit("ball", "q", 0)).toBe("");
-    expect(jointUnit(undefined, "q", 0)).toBe("");
+  it("a column has a unit if all kinds of its joint agree on it", () => {
+    const columns = ["q0", "q3", "v0", "v3", "v5"].map((name) => `m/b.${name}`);
+    const broken = event(0.5, { gone: [], joints: { "m/b": joint("free", null, "m/b") }, moved: {} });
+    const model = { ...data.model, joints: { ...data.model.joints, "m/b": joint("ball", "m/a", "m/b") } };
+    const joints = { columns, rows: base64(new Float32Array(10)) };
+    const changed = recordingOf({ ...data, model, joints, events: [broken] });
+    expect([...changed.joint("m/b", "q"), ...changed.joint("m/b", "v")].map(({ unit }) => unit)).toEqual([
+      "",
+      "",
+      "",
+      "rad/s",
+      "rad/s",
+    ]);
   });
 });
 
 describe("the content policy", () => {
-  it("names what runs by its hash, and not the data", () => {
+  it("allows scripts and styles by their hashes, and ignores the data", () => {
     const page = '<style>a</style><script type="module">b</script><script type="application/json">c</script>';
     const policy = policyOf(page);
     expect(policy).toContain("default-src 'none'");

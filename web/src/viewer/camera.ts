@@ -1,6 +1,6 @@
 // The initial view: the whole motion in the picture, gravity down; planar motion is seen along the plane's normal.
 import * as THREE from "three";
-import type { Model, Recording } from "../recording";
+import type { Model, Motion } from "../recording";
 import { phaseAt } from "./frames";
 
 export interface View {
@@ -20,22 +20,23 @@ export function upOf(model: Model): THREE.Vector3 {
 }
 
 /** Bodies of mechanisms that are attached to the ground at a time. */
-function held(run: Recording, time: number): Set<number> {
+function attachedBodies(run: Motion, time: number): Set<number> {
   const phase = phaseAt(run, time);
-  const mechanisms = new Set(phase.links.filter((l) => l.parent < 0 && l.kind !== "free").map((l) => phase.mechanism[l.child]));
+  const grounded = phase.joints.filter(({ parent, kind }) => parent < 0 && kind !== "free");
+  const mechanisms = new Set(grounded.map(({ child }) => phase.mechanism[child]));
   return new Set(run.model.bodies.map((_body, b) => b).filter((b) => mechanisms.has(phase.mechanism[b])));
 }
 
 /** Points that the picture should include: origins of bodies and ends of their shapes, over some frames. */
-function points(run: Recording, reach: (body: number) => number, most = 40): THREE.Box3 {
+function points(run: Motion, reach: (body: number) => number, most = 40): THREE.Box3 {
   const box = new THREE.Box3();
-  const flying: THREE.Vector3[] = [];
+  const detached: THREE.Vector3[] = [];
   const step = Math.max(1, Math.floor(run.frames / most));
   const turn = new THREE.Quaternion();
-  const anchored = run.frames > 0 && held(run, run.time(0)).size > 0;
+  const anchored = run.frames > 0 && attachedBodies(run, run.time(0)).size > 0;
   for (let frame = 0; frame < run.frames; frame += step) {
     const poses = run.poses(frame);
-    const still = anchored ? held(run, run.time(frame)) : null;
+    const attached = anchored ? attachedBodies(run, run.time(frame)) : null;
     run.model.bodies.forEach((body, b) => {
       const i = 7 * b;
       if (Number.isNaN(poses[i])) return;
@@ -47,19 +48,19 @@ function points(run: Recording, reach: (body: number) => number, most = 40): THR
       );
       ends.push(origin.clone().addScalar(r), origin.clone().addScalar(-r));
       for (const end of ends)
-        if (still && !still.has(b)) flying.push(end);
+        if (attached && !attached.has(b)) detached.push(end);
         else box.expandByPoint(end);
     });
   }
   // Parts that fly off are followed for some distance, but not so far that the remaining bodies become tiny.
   const centre = box.getCenter(new THREE.Vector3());
   const far = 1.6 * box.getSize(new THREE.Vector3()).length();
-  for (const point of flying) if (point.distanceTo(centre) < far) box.expandByPoint(point);
+  for (const point of detached) if (point.distanceTo(centre) < far) box.expandByPoint(point);
   return box;
 }
 
 /** The whole run, or the frames available so far. */
-export function viewOf(run: Recording, reach: (body: number) => number): View {
+export function viewOf(run: Motion, reach: (body: number) => number): View {
   const up = upOf(run.model);
   const box = points(run, reach);
   if (box.isEmpty()) box.set(new THREE.Vector3(-1, -1, -1), new THREE.Vector3(1, 1, 1));

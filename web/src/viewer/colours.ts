@@ -27,6 +27,7 @@ const dark: Theme = {
 
 export const themeOf = (isDark: boolean): Theme => (isDark ? dark : light);
 
+/** The colour of a mechanism, or of a series in a plot. */
 export const mechanismColour = (theme: Theme, mechanism: number) => theme.mechanisms[mechanism % theme.mechanisms.length];
 
 /** Colour names that scenarios may use in addition to "#rrggbb" (docs/scenario.md), as in CSS. */
@@ -74,17 +75,14 @@ export function mixed(a: string, b: string, share: number): string {
   return `#${parts.join("")}`;
 }
 
-/** Colours of series in a plot, different from the colours of mechanisms. */
-export const seriesColour = (theme: Theme, index: number) => theme.mechanisms[index % theme.mechanisms.length];
-
 /** Calls back immediately and whenever the reader's choice between dark and light changes. */
-export function watchTheme(listener: (theme: Theme) => void) {
+export function onThemeChange(listener: (theme: Theme) => void) {
   const query = window.matchMedia("(prefers-color-scheme: dark)");
-  const tell = () => {
+  const notify = () => {
     const forced = document.documentElement.dataset.theme;
     listener(themeOf(forced ? forced === "dark" : query.matches));
   };
-  query.addEventListener("change", tell);
-  document.addEventListener("themechange", tell);
-  tell();
+  query.addEventListener("change", notify);
+  document.addEventListener("themechange", notify);
+  notify();
 }

@@ -1,5 +1,5 @@
 // Poses of a recording at any time: frames are found by bisection, poses between two frames are interpolated.
-import type { Phase, Recording } from "../recording";
+import type { Phase, Motion } from "../recording";
 
 /** The last index of `count` ordered numbers that does not exceed `time`; 0 if all exceed it. */
 export function lastNotAfter(count: number, at: (index: number) => number, time: number): number {
@@ -13,13 +13,13 @@ export function lastNotAfter(count: number, at: (index: number) => number, time:
   return low;
 }
 
-export const frameAt = (run: Recording, time: number) => lastNotAfter(run.frames, (frame) => run.time(frame), time);
+export const frameAt = (run: Motion, time: number) => lastNotAfter(run.frames, (frame) => run.time(frame), time);
 
-export const phaseAt = (run: Recording, time: number): Phase =>
+export const phaseAt = (run: Motion, time: number): Phase =>
   run.phases[lastNotAfter(run.phases.length, (index) => run.phases[index].from, time)];
 
-export const startTime = (run: Recording) => (run.frames > 0 ? run.time(0) : 0);
-export const endTime = (run: Recording) => (run.frames > 0 ? run.time(run.frames - 1) : 0);
+export const startTime = (run: Motion) => (run.frames > 0 ? run.time(0) : 0);
+export const endTime = (run: Motion) => (run.frames > 0 ? run.time(run.frames - 1) : 0);
 
 /**
  * A body that rotates by more than this from a frame to the next (rad) may as well have rotated in the opposite
@@ -28,7 +28,7 @@ export const endTime = (run: Recording) => (run.frames > 0 ? run.time(run.frames
 const farthestTurn = 2.6;
 
 /** Whether interpolation between a frame and the next would be misleading: the poses are then those of the frame. */
-export function isGap(run: Recording, frame: number): boolean {
+export function isGap(run: Motion, frame: number): boolean {
   if (frame + 1 >= run.frames) return false;
   if (run.gapAfter?.(frame)) return true;
   const [a, b] = [run.poses(frame), run.poses(frame + 1)];
@@ -42,7 +42,7 @@ export function isGap(run: Recording, frame: number): boolean {
  * Poses at a time, between the two frames around it: positions on a line, rotations on the shorter arc. They are
  * continuous.
  */
-export function posesAt(run: Recording, time: number, out: Float64Array): Float64Array {
+export function posesAt(run: Motion, time: number, out: Float64Array): Float64Array {
   if (run.frames === 0) return out;
   const frame = frameAt(run, time);
   const a = run.poses(frame);

@@ -1,6 +1,6 @@
 // Earlier poses of the mechanisms at regular intervals up to now, faded: the picture of the paper's Figure 3 as it
 // develops.
-import type { Recording } from "../recording";
+import type { Motion } from "../recording";
 import type { Theme } from "./colours";
 import { endTime, frameAt, phaseAt, posesAt, startTime } from "./frames";
 import { MechanismsView } from "./mechanisms";
@@ -15,13 +15,13 @@ export function ghostSpacing(span: number): number {
 }
 
 /** Times of ghosts: only at frames of the run, the first one at or after each multiple of the interval. */
-export function ghostTimes(run: Recording, every: number): number[] {
+export function ghostTimes(run: Motion, every: number): number[] {
   const times: number[] = [];
   const [first, last] = [startTime(run), endTime(run)];
   for (let k = 0; first + k * every <= last + 1e-9 && k < 200; k++) {
-    const wanted = first + k * every - 1e-9;
-    const before = frameAt(run, wanted);
-    const frame = run.time(before) < wanted ? Math.min(before + 1, run.frames - 1) : before;
+    const target = first + k * every - 1e-9;
+    const before = frameAt(run, target);
+    const frame = run.time(before) < target ? Math.min(before + 1, run.frames - 1) : before;
     const time = run.time(frame);
     if (time !== times[times.length - 1]) times.push(time);
   }
@@ -35,7 +35,7 @@ export class Ghosts {
 
   constructor(
     private readonly stage: Stage,
-    private readonly run: Recording,
+    private readonly run: Motion,
     readonly every: number = ghostSpacing(endTime(run) - startTime(run)),
   ) {
     for (const time of run.frames > 0 ? ghostTimes(run, this.every) : []) {
@@ -44,8 +44,8 @@ export class Ghosts {
       stage.scene.add(view.group);
       this.views.push({ time, view });
     }
-    stage.whenThemed((theme) => this.place(theme));
-    stage.whenDrawn((camera, height) => {
+    stage.onThemeChange((theme) => this.place(theme));
+    stage.onDraw((camera, height) => {
       for (const { view } of this.views) if (view.group.visible) view.fit(camera, height);
     });
   }
@@ -53,9 +53,9 @@ export class Ghosts {
   get visible() {
     return this.shown;
   }
-  set visible(wanted: boolean) {
-    this.shown = wanted;
-    if (!wanted) for (const { view } of this.views) view.group.visible = false;
+  set visible(visible: boolean) {
+    this.shown = visible;
+    if (!visible) for (const { view } of this.views) view.group.visible = false;
     this.stage.draw();
   }
 

@@ -15,7 +15,7 @@ const model: Model = {
   joints: [],
 };
 const poses = [0, 0, 0, 1, 0, 0, 0, 5, 0, 0, 1, 0, 0, 0];
-const phase = (...mechanism: number[]): Phase => ({ from: 0, mechanism, links: [] });
+const phase = (...mechanism: number[]): Phase => ({ from: 0, mechanism, joints: [] });
 const theme = themeOf(false);
 
 /** Colours of a body's pickable meshes, and of the visible outlines. */
@@ -36,19 +36,19 @@ describe("the bodies' colours", () => {
   const view = () => new MechanismsView(model, new ShapeLibrary(model), { faded: 0, pixels: 4, joints: true });
   const [one, other] = [mechanismColour(theme, 0), mechanismColour(theme, 1)];
 
-  it("are those of their shapes, else those of their mechanisms", () => {
+  it("are those of their shapes, or of their mechanisms", () => {
     const drawn = view();
     drawn.place(poses, phase(0, 0), theme);
     expect(colours(drawn)).toEqual({ shown: [[one], ["#ffd700", "#123456", one]], outlines: [] });
   });
 
-  it("after a break, outlines tell the parts", () => {
+  it("after a break, outlines distinguish the parts", () => {
     const drawn = view();
     drawn.place(poses, phase(0, 1), theme);
     expect(colours(drawn)).toEqual({ shown: [[one], ["#ffd700", "#123456", other]], outlines: [other, other] });
   });
 
-  it("are those of the mechanisms where the reader wants that", () => {
+  it("are those of the mechanisms if own colours are switched off", () => {
     const drawn = view();
     drawn.ownColours = false;
     drawn.place(poses, phase(0, 1), theme);

@@ -14,7 +14,7 @@ export interface Hit {
   readonly point: THREE.Vector3;
 }
 
-export interface Look {
+export interface DrawingStyle {
   /** 0: unchanged; towards 1 it fades into the background, like past or future poses. */
   readonly faded: number;
   /** Minimum width of rods (pixels). */
@@ -49,8 +49,8 @@ export class MechanismsView {
   private readonly length: number;
   private readonly radius: number;
   /** By body, the lines that its shapes do not show. */
-  private readonly sticks: (readonly (readonly [Vec3, Vec3])[])[];
-  private lines: { body: number; from: THREE.Vector3; to: THREE.Vector3 }[] = [];
+  private readonly lines: (readonly (readonly [Vec3, Vec3])[])[];
+  private drawnLines: { body: number; from: THREE.Vector3; to: THREE.Vector3 }[] = [];
   private readonly jointColours = new Map<string, string>();
   /** Body under the pointer or selected; −1: none. */
   highlighted = -1;
@@ -63,19 +63,19 @@ export class MechanismsView {
   constructor(
     private readonly model: Model,
     shapes: ShapeLibrary,
-    private readonly look: Look,
+    private readonly style: DrawingStyle,
   ) {
     this.length = typicalLength(model);
     this.radius = 0.045 * this.length;
-    this.sticks = model.bodies.map((body, b) => {
+    this.lines = model.bodies.map((body, b) => {
       const reach = 1.2 * shapes.reach(b);
       return body.extent.filter((line) => reach === 0 || line.some((end) => Math.hypot(...end) > reach));
     });
-    this.layer(this.rodMaterial);
-    this.rods = new Rods(this.rodMaterial, look.faded > 0 ? 0 : 5);
+    this.setLayer(this.rodMaterial);
+    this.rods = new Rods(this.rodMaterial, style.faded > 0 ? 0 : 5);
     this.group.add(this.rods.group);
     const first = new THREE.MeshLambertMaterial();
-    this.bodies = model.bodies.map((_body, b) => (shapes.has(b) ? shapes.copy(b, first, look.faded === 0) : null));
+    this.bodies = model.bodies.map((_body, b) => (shapes.has(b) ? shapes.copy(b, first, style.faded === 0) : null));
     for (const body of this.bodies) if (body) this.group.add(body.group);
   }
 
@@ -86,7 +86,7 @@ export class MechanismsView {
   }
 
   private colour(theme: Theme, mechanism: number): string {
-    return mixed(mechanismColour(theme, mechanism), theme.ground, this.look.faded);
+    return mixed(mechanismColour(theme, mechanism), theme.ground, this.style.faded);
   }
 
   /** Material of shapes in a colour. */
@@ -94,8 +94,8 @@ export class MechanismsView {
     let material = this.materials.get(colour);
     if (material) return material;
     material = new THREE.MeshLambertMaterial({ color: colour });
-    this.layer(material);
-    if (this.look.faded > 0) material.opacity = 0.35 * (1 - this.look.faded) + 0.1;
+    this.setLayer(material);
+    if (this.style.faded > 0) material.opacity = 0.35 * (1 - this.style.faded) + 0.1;
     this.materials.set(colour, material);
     return material;
   }
@@ -108,14 +108,14 @@ export class MechanismsView {
   }
 
   /** Past and future poses are drawn first and hide nothing; the present ones are drawn over them. */
-  private layer(material: THREE.Material) {
+  private setLayer(material: THREE.Material) {
     material.transparent = true;
-    material.depthWrite = this.look.faded === 0;
+    material.depthWrite = this.style.faded === 0;
   }
 
   place(poses: ArrayLike<number>, phase: Phase, theme: Theme) {
     this.rods.clear();
-    this.lines = [];
+    this.drawnLines = [];
     const several = this.ownColours && Array.from(phase.mechanism).some((mechanism) => mechanism !== phase.mechanism[0]);
     const colours = new Map<number, THREE.Color>();
     const colourOf = (mechanism: number) => {
@@ -133,9 +133,9 @@ export class MechanismsView {
         shapes.group.quaternion.set(poses[i + 4], poses[i + 5], poses[i + 6], poses[i + 3]);
         const common = this.colour(theme, mechanism);
         for (const { mesh, own } of shapes.meshes) {
-          const colour = own && this.ownColours ? mixed(own, theme.ground, this.look.faded) : common;
+          const colour = own && this.ownColours ? mixed(own, theme.ground, this.style.faded) : common;
           mesh.material = this.material(colour);
-          mesh.renderOrder = this.look.faded > 0 ? 0 : 5;
+          mesh.renderOrder = this.style.faded > 0 ? 0 : 5;
         }
         for (const mesh of shapes.outlines) {
           mesh.visible = several;
@@ -143,37 +143,37 @@ export class MechanismsView {
           if (several) mesh.material = this.outline(theme, mechanism);
         }
       }
-      for (const [from, to] of this.sticks[b])
+      for (const [from, to] of this.lines[b])
         this.line(b, vector(pointOf(poses, b, from)), vector(pointOf(poses, b, to)), bright);
       if (body.extent.length === 0 && !shapes) {
         const at = vector(pointOf(poses, b, body.com));
         this.rods.ball(at, bright, 2.5);
-        this.lines.push({ body: b, from: at, to: at });
+        this.drawnLines.push({ body: b, from: at, to: at });
       }
     });
-    const ink = new THREE.Color(mixed(theme.ink, theme.ground, Math.max(this.look.faded, 0.15)));
-    for (const link of phase.links) {
-      if (link.kind === "free") continue;
-      const own = this.look.joints ? this.jointColours.get(link.joint) : undefined;
-      const at = vector(pointOf(poses, link.child, link.childAt));
-      const body = colourOf(phase.mechanism[link.child]);
+    const ink = new THREE.Color(mixed(theme.ink, theme.ground, Math.max(this.style.faded, 0.15)));
+    for (const joint of phase.joints) {
+      if (joint.kind === "free") continue;
+      const own = this.style.joints ? this.jointColours.get(joint.name) : undefined;
+      const at = vector(pointOf(poses, joint.child, joint.childAt));
+      const body = colourOf(phase.mechanism[joint.child]);
       if (own) this.rods.ball(at, new THREE.Color(own), 2.2, null, 0.25 * this.length);
-      else if (this.look.joints && link.kind !== "weld") this.rods.ball(at, ink, link.locked ? 1.1 : 1.35, body);
-      else if (this.sticks[link.child].length > 0) this.rods.ball(at, body, 1); // fills the bend
+      else if (this.style.joints && joint.kind !== "weld") this.rods.ball(at, ink, joint.locked ? 1.1 : 1.35, body);
+      else if (this.lines[joint.child].length > 0) this.rods.ball(at, body, 1); // fills the bend
     }
-    this.placeDisks(poses, phase, theme);
+    this.placeDisks(phase, theme);
   }
 
   private line(body: number, from: THREE.Vector3, to: THREE.Vector3, colour: THREE.Color) {
     this.rods.rod(from, to, colour);
-    this.lines.push({ body, from, to });
+    this.drawnLines.push({ body, from, to });
   }
 
-  private placeDisks(poses: ArrayLike<number>, phase: Phase, theme: Theme) {
-    this.rim.color.set(mixed(theme.ink, theme.ground, this.look.faded));
+  private placeDisks(phase: Phase, theme: Theme) {
+    this.rim.color.set(mixed(theme.ink, theme.ground, this.style.faded));
     this.face.color.set(theme.ground);
-    const held = phase.links.filter((link) => link.parent < 0 && link.kind !== "free");
-    while (this.disks.length < 2 * held.length) {
+    const grounded = phase.joints.filter(({ parent, kind }) => parent < 0 && kind !== "free");
+    while (this.disks.length < 2 * grounded.length) {
       const rim = new THREE.Mesh(this.circle, this.rim);
       const face = new THREE.Mesh(this.circle, this.face);
       for (const disk of [rim, face]) {
@@ -184,29 +184,16 @@ export class MechanismsView {
       face.renderOrder = 11;
     }
     this.disks.forEach((disk, i) => {
-      const link = held[i >> 1];
-      disk.visible = link !== undefined && this.look.joints;
-      if (link) disk.position.set(...this.supportOf(poses, link));
+      const joint = grounded[i >> 1];
+      disk.visible = joint !== undefined && this.style.joints;
+      if (joint) disk.position.set(...joint.at);
     });
-  }
-
-  /**
-   * Where it is attached to the ground: the joint's position in the world, which stays although the body may slide away
-   * from it.
-   */
-  private supportOf(
-    poses: ArrayLike<number>,
-    link: { child: number; at: Vec3; childAt: Vec3; kind: string },
-  ): [number, number, number] {
-    return link.kind === "revolute" || link.kind === "ball" || link.kind === "universal" || link.kind === "weld"
-      ? pointOf(poses, link.child, link.childAt)
-      : [link.at[0], link.at[1], link.at[2]];
   }
 
   /** Call before each drawing: sets widths in pixels, turns disks towards the camera. */
   fit(camera: THREE.PerspectiveCamera, height: number) {
     this.resolution.value.set(height * camera.aspect, height);
-    this.rods.fit(camera, height, this.radius, this.look.pixels);
+    this.rods.fit(camera, height, this.radius, this.style.pixels);
     this.disks.forEach((disk, i) => {
       const r = Math.max(2.4 * this.radius, 6 * pixelSize(camera, height, disk.position)) * (i % 2 === 0 ? 1 : 0.62);
       disk.scale.setScalar(r);
@@ -215,14 +202,14 @@ export class MechanismsView {
   }
 
   /** The rod or ball nearest to a point of the picture (pixels from its upper left corner), or null. */
-  nearestRod(at: THREE.Vector2, camera: THREE.PerspectiveCamera, width: number, height: number, patience: number): Hit | null {
+  nearestRod(at: THREE.Vector2, camera: THREE.PerspectiveCamera, width: number, height: number, tolerance: number): Hit | null {
     const onPicture = (p: THREE.Vector3) => {
       const q = p.clone().project(camera);
       return new THREE.Vector2(0.5 * (q.x + 1) * width, 0.5 * (1 - q.y) * height);
     };
     let best: Hit | null = null;
-    let least = patience;
-    for (const { body, from, to } of this.lines) {
+    let least = tolerance;
+    for (const { body, from, to } of this.drawnLines) {
       const [a, b] = [onPicture(from), onPicture(to)];
       const along = b.clone().sub(a);
       const share = along.lengthSq() > 0 ? at.clone().sub(a).dot(along) / along.lengthSq() : 0;

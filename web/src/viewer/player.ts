@@ -5,8 +5,8 @@ export type Listener = (time: number) => void;
 export class Player {
   private listeners: Listener[] = [];
   private now = 0;
-  private running = false;
-  private pace = 1;
+  private isPlaying = false;
+  private factor = 1;
 
   /** `range`: returns first and last time (s); called each time, because a recording may grow. */
   constructor(private readonly range: () => readonly [number, number]) {
@@ -17,14 +17,14 @@ export class Player {
     return this.now;
   }
   get playing() {
-    return this.running;
+    return this.isPlaying;
   }
   get speed() {
-    return this.pace;
+    return this.factor;
   }
   set speed(factor: number) {
-    this.pace = factor;
-    this.tell();
+    this.factor = factor;
+    this.notify();
   }
 
   /** Calls back with the time immediately and whenever the time or the playing state changes. */
@@ -36,40 +36,40 @@ export class Player {
   seek(time: number) {
     const [first, last] = this.range();
     this.now = Math.min(Math.max(time, first), last);
-    this.tell();
+    this.notify();
   }
 
   /** At the end, playing restarts from the beginning. */
   play() {
     const [first, last] = this.range();
     if (this.now >= last) this.now = first;
-    this.running = true;
-    this.tell();
+    this.isPlaying = true;
+    this.notify();
   }
 
   pause() {
-    this.running = false;
-    this.tell();
+    this.isPlaying = false;
+    this.notify();
   }
 
   toggle() {
-    if (this.running) this.pause();
+    if (this.isPlaying) this.pause();
     else this.play();
   }
 
   /** `seconds` of wall-clock time have passed. Stops at the end. */
   advance(seconds: number) {
-    if (!this.running) return;
+    if (!this.isPlaying) return;
     const last = this.range()[1];
-    this.now += seconds * this.pace;
+    this.now += seconds * this.factor;
     if (this.now >= last) {
       this.now = last;
-      this.running = false;
+      this.isPlaying = false;
     }
-    this.tell();
+    this.notify();
   }
 
-  private tell() {
+  private notify() {
     for (const listener of this.listeners) listener(this.now);
   }
 }

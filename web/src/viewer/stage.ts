@@ -2,9 +2,9 @@
 // keys.
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import type { Model, Phase, Recording } from "../recording";
+import type { Model, Phase, Motion } from "../recording";
 import { distanceFor, upOf, viewOf, type View } from "./camera";
-import { mixed, themeOf, type Theme } from "./colours";
+import { themeOf, type Theme } from "./colours";
 import { MechanismsView, type Hit } from "./mechanisms";
 import { ShapeLibrary } from "./shapes";
 
@@ -31,12 +31,12 @@ export class Stage {
   private readonly sky = new THREE.HemisphereLight(0xffffff, 0x9aa4b2, 1.9);
   private view: View | null = null;
   private floor: THREE.GridHelper | null = null;
-  private wanted = false;
+  private scheduled = false;
   private state: { poses: ArrayLike<number>; phase: Phase } | null = null;
-  private readonly beforeDraw: ((camera: THREE.PerspectiveCamera, height: number) => void)[] = [];
-  private readonly onTheme: ((theme: Theme) => void)[] = [];
-  private readonly onLost: ((lost: boolean) => void)[] = [];
-  private readonly watcher: ResizeObserver;
+  private readonly drawListeners: ((camera: THREE.PerspectiveCamera, height: number) => void)[] = [];
+  private readonly themeListeners: ((theme: Theme) => void)[] = [];
+  private readonly contextListeners: ((lost: boolean) => void)[] = [];
+  private readonly resizeObserver: ResizeObserver;
   private disposed = false;
   private contextLost = false;
 
@@ -60,9 +60,9 @@ export class Stage {
       ["webglcontextlost", true],
       ["webglcontextrestored", false],
     ] as const)
-      this.canvas.addEventListener(name, () => this.tellLost(lost));
-    this.watcher = new ResizeObserver(() => this.resize());
-    this.watcher.observe(host);
+      this.canvas.addEventListener(name, () => this.reportLost(lost));
+    this.resizeObserver = new ResizeObserver(() => this.resize());
+    this.resizeObserver.observe(host);
     this.resize();
   }
 
@@ -71,8 +71,8 @@ export class Stage {
   }
 
   /** Calls back when the browser has taken the graphics context away (true), and when it is restored. */
-  whenLost(listener: (lost: boolean) => void) {
-    this.onLost.push(listener);
+  onContextChange(listener: (lost: boolean) => void) {
+    this.contextListeners.push(listener);
   }
 
   /** There is currently nothing to draw on. */
@@ -80,27 +80,27 @@ export class Stage {
     return this.contextLost;
   }
 
-  private tellLost(lost: boolean) {
+  private reportLost(lost: boolean) {
     if (this.disposed) return;
     this.contextLost = lost;
     this.canvas.style.visibility = lost ? "hidden" : "";
     if (!lost) this.draw();
-    for (const listener of this.onLost) listener(lost);
+    for (const listener of this.contextListeners) listener(lost);
   }
 
   /** Bodies in their own colours if they have any, or all in the colours of their mechanisms. */
   get ownColours() {
     return this.mechanisms.ownColours;
   }
-  set ownColours(wanted: boolean) {
-    this.mechanisms.ownColours = wanted;
+  set ownColours(own: boolean) {
+    this.mechanisms.ownColours = own;
     this.setTheme(this.theme);
   }
 
   setTheme(theme: Theme) {
     this.theme = theme;
     this.scene.background = new THREE.Color(theme.ground);
-    for (const listener of this.onTheme) listener(theme);
+    for (const listener of this.themeListeners) listener(theme);
     if (this.view) this.layFloor(this.view);
     if (this.state) this.show(this.state.poses, this.state.phase);
   }
@@ -111,14 +111,14 @@ export class Stage {
   }
 
   /** Calls back when the colours change, and immediately. */
-  whenThemed(listener: (theme: Theme) => void) {
-    this.onTheme.push(listener);
+  onThemeChange(listener: (theme: Theme) => void) {
+    this.themeListeners.push(listener);
     listener(this.theme);
   }
 
   /** Calls back before each drawing, with the height of the picture in pixels. */
-  whenDrawn(listener: (camera: THREE.PerspectiveCamera, height: number) => void) {
-    this.beforeDraw.push(listener);
+  onDraw(listener: (camera: THREE.PerspectiveCamera, height: number) => void) {
+    this.drawListeners.push(listener);
   }
 
   /** Sets the present poses of the bodies. `poses` is used until the next call. */
@@ -130,18 +130,18 @@ export class Stage {
 
   /** Draws with the next frame of the browser. */
   draw() {
-    if (this.wanted) return;
-    this.wanted = true;
+    if (this.scheduled) return;
+    this.scheduled = true;
     requestAnimationFrame(() => this.drawNow());
   }
 
   drawNow() {
-    this.wanted = false;
+    this.scheduled = false;
     if (this.disposed) return;
     const height = this.canvas.clientHeight || 1;
     this.camera.updateMatrixWorld();
     this.mechanisms.fit(this.camera, height);
-    for (const listener of this.beforeDraw) listener(this.camera, height);
+    for (const listener of this.drawListeners) listener(this.camera, height);
     this.renderer.render(this.scene, this.camera);
   }
 
@@ -157,7 +157,7 @@ export class Stage {
   /**
    * Fits the whole motion into the picture; `direction`: the viewing direction, by default one that suits the motion.
    */
-  fit(run: Recording, direction?: THREE.Vector3) {
+  fit(run: Motion, direction?: THREE.Vector3) {
     this.view = viewOf(run, (body) => this.shapes.reach(body));
     this.layFloor(this.view);
     this.lookAt(direction ? { ...this.view, direction } : this.view);
@@ -212,7 +212,7 @@ export class Stage {
   }
 
   /** The body under a point of the page, with a tolerance of some pixels for rods; null: none. */
-  pick(clientX: number, clientY: number, patience = 8): Hit | null {
+  pick(clientX: number, clientY: number, tolerance = 8): Hit | null {
     if (!this.state) return null;
     const box = this.canvas.getBoundingClientRect();
     const at = new THREE.Vector2(clientX - box.left, clientY - box.top);
@@ -221,7 +221,7 @@ export class Stage {
     ray.setFromCamera(pointer, this.camera);
     const solid = ray.intersectObject(this.mechanisms.group, true).find((hit) => hit.object.userData.body !== undefined);
     if (solid) return { body: solid.object.userData.body as number, point: solid.point };
-    return this.mechanisms.nearestRod(at, this.camera, box.width, box.height, patience);
+    return this.mechanisms.nearestRod(at, this.camera, box.width, box.height, tolerance);
   }
 
   /** A separate picture of bodies without ghosts and trails, from the same direction. */
@@ -259,14 +259,9 @@ export class Stage {
     return object === this.sky || object === this.camera;
   }
 
-  /** A subdued colour: for grids and past trails. */
-  quiet(share: number) {
-    return mixed(this.theme.ink, this.theme.ground, share);
-  }
-
   dispose() {
     this.disposed = true;
-    this.watcher.disconnect();
+    this.resizeObserver.disconnect();
     this.mechanisms.dispose();
     this.shapes.dispose();
     this.controls.dispose();

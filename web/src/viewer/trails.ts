@@ -3,7 +3,7 @@ import { Line2 } from "three/examples/jsm/lines/Line2.js";
 import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { Color } from "three";
-import type { Model, Recording, Vec3 } from "../recording";
+import type { Model, Motion, Vec3 } from "../recording";
 import { mechanismColour, mixed, type Theme } from "./colours";
 import { frameAt, phaseAt, pointOf } from "./frames";
 import type { Stage } from "./stage";
@@ -14,14 +14,14 @@ export function endOf(model: Model, body: number): Vec3 {
   return extent.length > 0 ? extent[extent.length - 1][1] : com;
 }
 
-/** Bodies that carry no other body; the ones farthest from the root first, at most `most`. */
-export function endBodies(model: Model, most = 6): number[] {
+/** Leaf bodies; the ones farthest from the root first, at most `most`. */
+export function leafBodies(model: Model, most = 6): number[] {
   const parents = new Map(model.joints.map((joint) => [joint.child, joint.parent]));
   const isParent = new Set(parents.values());
   const depth = (body: number): number => {
-    let links = 0;
-    for (let at = parents.get(body) ?? -1; at >= 0 && links <= model.bodies.length; at = parents.get(at) ?? -1) links++;
-    return links;
+    let depth = 0;
+    for (let at = parents.get(body) ?? -1; at >= 0 && depth <= model.bodies.length; at = parents.get(at) ?? -1) depth++;
+    return depth;
   };
   return model.bodies
     .map((_body, b) => b)
@@ -66,9 +66,9 @@ export class Trails {
 
   constructor(
     private readonly stage: Stage,
-    private readonly run: Recording,
+    private readonly run: Motion,
   ) {
-    stage.whenThemed((theme) => {
+    stage.onThemeChange((theme) => {
       this.theme = theme;
       this.build();
     });
@@ -77,8 +77,8 @@ export class Trails {
   get visible() {
     return this.shown;
   }
-  set visible(wanted: boolean) {
-    this.shown = wanted;
+  set visible(visible: boolean) {
+    this.shown = visible;
     this.show(Number.NaN);
   }
 
@@ -95,7 +95,7 @@ export class Trails {
       line.removeFromParent();
       line.geometry.dispose();
     }
-    const bodies = new Set([...endBodies(this.run.model), ...(this.chosen >= 0 ? [this.chosen] : [])]);
+    const bodies = new Set([...leafBodies(this.run.model), ...(this.chosen >= 0 ? [this.chosen] : [])]);
     const colours = this.run.mechanisms.map(
       (_name, m) => new Color(mixed(mechanismColour(this.theme!, m), this.theme!.ground, 0.25)),
     );

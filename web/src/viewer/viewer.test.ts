@@ -1,19 +1,19 @@
 import { describe, expect, it } from "vitest";
-import type { Recording } from "../recording";
+import type { Motion } from "../recording";
 import { BoxGeometry, Vector3 } from "three";
 import { hexOf, mixed } from "./colours";
 import { frameAt, isGap, lastNotAfter, phaseAt, pointOf, posesAt } from "./frames";
 import { ghostSpacing, ghostTimes } from "./ghosts";
 import { addOutward } from "./outline";
 import { Player } from "./player";
-import { between, endBodies } from "./trails";
+import { between, leafBodies } from "./trails";
 
 const half = Math.SQRT1_2;
 
 /**
  * One body that moves along x and rotates by 90° about z within a second; another pair of frames has the same instant.
  */
-function recording(): Recording {
+function recording(): Motion {
   const frames = [
     [0, 0, 0, 1, 0, 0, 0],
     [2, 0, 0, half, 0, 0, half],
@@ -28,19 +28,14 @@ function recording(): Recording {
       joints: [],
     },
     frames: 3,
-    revision: 0,
     time: (frame) => times[frame],
     poses: (frame) => frames[frame],
     events: [],
     phases: [
-      { from: 0, mechanism: [0], links: [] },
-      { from: 0.5, mechanism: [1], links: [] },
+      { from: 0, mechanism: [0], joints: [] },
+      { from: 0.5, mechanism: [1], joints: [] },
     ],
     mechanisms: ["a", "b"],
-    joints: [],
-    world: () => [],
-    joint: () => [],
-    summary: null,
   };
 }
 
@@ -52,7 +47,7 @@ describe("frames", () => {
     expect(frameAt(recording(), 1.99)).toBe(1);
   });
 
-  it("a phase holds from its instant on", () => {
+  it("a phase is valid from its instant on", () => {
     expect(phaseAt(recording(), 0.49).mechanism[0]).toBe(0);
     expect(phaseAt(recording(), 0.5).mechanism[0]).toBe(1);
   });
@@ -63,33 +58,33 @@ describe("frames", () => {
     expect(2 * Math.atan2(poses[6], poses[3])).toBeCloseTo(Math.PI / 6, 12); // a third of 90°
   });
 
-  it("takes the shorter arc where the signs of quaternions differ, and stands still at the ends", () => {
+  it("takes the shorter arc if the signs of quaternions differ, and does not extrapolate", () => {
     const poses = posesAt(recording(), 1.5, new Float64Array(7));
     expect(Math.abs(2 * Math.atan2(poses[6], poses[3]))).toBeCloseTo(Math.PI / 2, 12);
     expect(posesAt(recording(), 99, new Float64Array(7))[0]).toBe(4);
     expect(posesAt(recording(), -1, new Float64Array(7))[0]).toBe(0);
   });
 
-  it("holds still where what is between two frames is not known", () => {
-    const wild: Recording = { ...recording(), gapAfter: (frame) => frame === 1 };
+  it("does not interpolate if the motion between two frames is unknown", () => {
+    const wild: Motion = { ...recording(), gapAfter: (frame) => frame === 1 };
     expect(posesAt(wild, 0.5, new Float64Array(7))[0]).toBe(1);
     expect(posesAt(wild, 1.9, new Float64Array(7))[0]).toBe(2);
     expect(posesAt(wild, 2, new Float64Array(7))[0]).toBe(4);
     // After 160°, it may as well have rotated in the opposite direction.
     const [c, s] = [Math.cos((80 * Math.PI) / 180), Math.sin((80 * Math.PI) / 180)];
-    const fast: Recording = { ...recording(), poses: (frame) => [frame, 0, 0, frame === 1 ? c : 1, 0, 0, frame === 1 ? s : 0] };
+    const fast: Motion = { ...recording(), poses: (frame) => [frame, 0, 0, frame === 1 ? c : 1, 0, 0, frame === 1 ? s : 0] };
     expect([isGap(recording(), 0), isGap(fast, 0), isGap(fast, 2)]).toEqual([false, true, false]);
     expect(posesAt(fast, 0.5, new Float64Array(7))[0]).toBe(0);
   });
 
-  it("points of a body turn with it", () => {
+  it("points of a body rotate with it", () => {
     const [x, y, z] = pointOf([1, 2, 3, half, 0, 0, half], 0, [1, 0, 0]);
     expect([x, y, z].map((v) => v.toFixed(12))).toEqual([1, 3, 3].map((v) => v.toFixed(12)));
   });
 });
 
 describe("the player", () => {
-  it("goes on at its speed, stops at the end, begins again from there", () => {
+  it("plays at its speed, stops at the end, and restarts from there", () => {
     const player = new Player(() => [1, 3]);
     expect(player.time).toBe(1);
     player.advance(1);
@@ -106,28 +101,28 @@ describe("the player", () => {
 
   it("stays within its range, which may grow", () => {
     let end = 2;
-    const told: number[] = [];
+    const times: number[] = [];
     const player = new Player(() => [0, end]);
-    player.listen((time) => told.push(time));
+    player.listen((time) => times.push(time));
     player.seek(5);
     end = 10;
     player.seek(5);
     player.seek(-Infinity);
-    expect(told).toEqual([0, 2, 5, 0]);
+    expect(times).toEqual([0, 2, 5, 0]);
   });
 });
 
-describe("what is drawn beside the bodies", () => {
-  it("ghosts stand 0.2 s apart, or at a round time where these would be too few or too many", () => {
+describe("ghosts, trails and outlines", () => {
+  it("ghosts are 0.2 s apart, or a round time if these would be too few or too many", () => {
     expect(ghostSpacing(3)).toBe(0.2);
     expect(ghostSpacing(0.4)).toBeCloseTo(0.02, 15);
     expect(ghostSpacing(100)).toBe(5);
     for (const span of [1e-4, 0.01, 0.7, 13, 1e5]) expect(span / ghostSpacing(span)).toBeLessThanOrEqual(60);
   });
 
-  it("ghosts stand at frames: of two rows there are no thirty", () => {
+  it("ghosts are at frames: two rows do not give thirty", () => {
     const times = (...frames: number[]) => {
-      const run: Recording = { ...recording(), frames: frames.length, time: (frame) => frames[frame] };
+      const run: Motion = { ...recording(), frames: frames.length, time: (frame) => frames[frame] };
       return ghostTimes(run, ghostSpacing(frames[frames.length - 1] - frames[0]));
     };
     expect(times(0, 0.001)).toEqual([0, 0.001]);
@@ -137,7 +132,7 @@ describe("what is drawn beside the bodies", () => {
     expect(times(0, 0.9, 1, 5)).toEqual([0, 0.9, 1, 5]);
   });
 
-  it("trails go through the frames, and along a straight line between frames on one", () => {
+  it("trails go through the frames, and are straight between frames on a line", () => {
     const points = [0, 1, 2, 3].map((k) => [k, 2 * k, -k]);
     expect(between(points, 0)).toEqual([1, 2, -1]);
     expect(between(points, 0.25)).toEqual([1.25, 2.5, -1.25]);
@@ -150,7 +145,7 @@ describe("what is drawn beside the bodies", () => {
     expect(between(bend, 1)).toEqual([1, 1, 0]);
   });
 
-  it("ends are bodies without children, the farthest from the ground first", () => {
+  it("leaf bodies are sorted by their distance from the ground", () => {
     const { model } = recording();
     const joint = (child: number, parent: number) => ({ child, parent }) as (typeof model.joints)[number];
     const tree = {
@@ -158,8 +153,8 @@ describe("what is drawn beside the bodies", () => {
       bodies: [0, 1, 2, 3].map(() => model.bodies[0]),
       joints: [joint(0, -1), joint(1, 0), joint(2, 1), joint(3, 0)],
     };
-    expect(endBodies(tree)).toEqual([2, 3]);
-    expect(endBodies(tree, 1)).toEqual([2]);
+    expect(leafBodies(tree)).toEqual([2, 3]);
+    expect(leafBodies(tree, 1)).toEqual([2]);
   });
 
   it("mixes colours", () => {
@@ -167,12 +162,12 @@ describe("what is drawn beside the bodies", () => {
     expect(mixed("#123456", "#ffffff", 0)).toBe("#123456");
   });
 
-  it("knows the colours that scenarios know, and no others", () => {
+  it("accepts the colours of scenarios, and no others", () => {
     expect([hexOf("#12aB34"), hexOf("gold"), hexOf("steelblue")]).toEqual(["#12ab34", "#ffd700", "#4682b4"]);
     for (const none of ["", "#fff", "#12345g", "url(#x)", "constructor"]) expect(hexOf(none)).toBeNull();
   });
 
-  it("outlines have no gaps: a corner goes one way, whatever face it is of", () => {
+  it("outlines have no gaps: a corner moves in one direction, whichever face it belongs to", () => {
     const box = new BoxGeometry(1, 2, 3).translate(5, 0, 0);
     addOutward(box);
     const [position, outward] = [box.getAttribute("position"), box.getAttribute("outward")];

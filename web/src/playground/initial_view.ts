@@ -6,13 +6,13 @@ import type { Vec3 } from "../recording";
 import { viewOf, type View } from "../viewer/camera";
 import { phaseAt, pointOf } from "../viewer/frames";
 
-const apart = (a: Vec3, b: Vec3) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+const distance = (a: Vec3, b: Vec3) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 
-export function roomOf(run: LiveRecording, frame: number, reach: (body: number) => number): View {
+export function initialView(run: LiveRecording, frame: number, reach: (body: number) => number): View {
   const poses = run.poses(frame);
   const { bodies } = run.model;
-  const { links } = phaseAt(run, run.time(frame));
-  const inboard = new Map(links.map((link) => [link.child, link]));
+  const { joints } = phaseAt(run, run.time(frame));
+  const inboard = new Map(joints.map((joint) => [joint.child, joint]));
   const view = viewOf(run, reach);
   const along = (["x", "y", "z"] as const).filter((axis) => Math.abs(view.direction[axis]) > 0.99);
   // The box around a ball has corners outside the ball: seen obliquely, it is much wider.
@@ -29,17 +29,17 @@ export function roomOf(run: LiveRecording, frame: number, reach: (body: number) 
     for (const line of body.extent) for (const end of line) include(pointOf(poses, b, end), 0);
     // Length of the stretched mechanism from the ground to this body.
     let length = reach(b);
-    for (const line of body.extent) length = Math.max(length, apart(...line));
-    let link = inboard.get(b);
+    for (const line of body.extent) length = Math.max(length, distance(...line));
+    let joint = inboard.get(b);
     let count = 1;
-    for (; link && link.parent >= 0 && count <= bodies.length; count++) {
-      const next = inboard.get(link.parent);
-      length += apart(link.at, next?.childAt ?? [0, 0, 0]);
-      link = next;
+    for (; joint && joint.parent >= 0 && count <= bodies.length; count++) {
+      const next = inboard.get(joint.parent);
+      length += distance(joint.at, next?.childAt ?? [0, 0, 0]);
+      joint = next;
     }
     // Long chains are seldom fully stretched: half of the length is enough.
     const share = corners * (0.5 + 0.5 * Math.min(1, 4 / count));
-    if (link && link.kind !== "free") include(pointOf(poses, link.child, link.childAt), share * length);
+    if (joint && joint.kind !== "free") include(pointOf(poses, joint.child, joint.childAt), share * length);
     else include(pointOf(poses, b, body.com), reach(b));
   });
   // A planar motion that is seen along its normal needs no depth.

@@ -1,44 +1,44 @@
-// The pointer in the picture: it holds and throws bodies; a click with a tool selects a joint or a body.
+// The pointer in the picture: it grabs and throws bodies; a click with another tool selects a joint or a body.
 import * as THREE from "three";
 import type { Triple } from "../../../wasm/host.mjs";
 import { pointOf } from "../viewer/frames";
-import type { Phase } from "../recording";
+import type { Joint, Phase } from "../recording";
 import type { Stage } from "../viewer/stage";
 
 export type Tool = "grab" | "cut" | "lock" | "weld";
 
-export interface Scene {
+export interface PointerScene {
   poses(): ArrayLike<number>;
   phase(): Phase;
 }
 
-export interface Wishes {
+export interface PointerActions {
   grab(body: number, point: Triple, target: Triple): void;
   pull(target: Triple): void;
-  letGo(): void;
+  release(): void;
   joint(child: number): void;
   body(body: number): void;
 }
 
 const triple = (v: THREE.Vector3): Triple => [v.x, v.y, v.z];
 
-export class Hand {
+export class PointerTools {
   tool: Tool = "grab";
-  private held: { pointer: number; plane: THREE.Plane } | null = null;
+  private drag: { pointer: number; plane: THREE.Plane } | null = null;
   private pressed: { pointer: number; x: number; y: number } | null = null;
   private readonly line = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ depthTest: false }));
   private grip: { body: number; point: Triple; target: Triple } | null = null;
 
   constructor(
     private readonly stage: Stage,
-    private readonly scene: Scene,
-    private readonly wishes: Wishes,
+    private readonly scene: PointerScene,
+    private readonly actions: PointerActions,
   ) {
     this.line.renderOrder = 20;
     this.line.frustumCulled = false;
     this.line.visible = false;
     stage.scene.add(this.line);
-    stage.whenThemed((theme) => this.line.material.color.set(theme.ink));
+    stage.onThemeChange((theme) => this.line.material.color.set(theme.ink));
     const { canvas } = stage;
     // Runs before the camera controls: a press on a body must not rotate the picture.
     canvas.addEventListener("pointerdown", (event) => this.press(event), { capture: true });
@@ -47,33 +47,29 @@ export class Hand {
   }
 
   /** The child of the joint nearest to a point of the page, or −1; joints to the ground count, free joints do not. */
-  jointAt(x: number, y: number, patience: number): number {
+  jointAt(x: number, y: number, tolerance: number): number {
     const box = this.stage.canvas.getBoundingClientRect();
     let best = -1;
-    let least = patience;
-    for (const link of this.scene.phase().links) {
-      if (link.kind === "free") continue;
-      const at = this.onPage(pointOf(this.scene.poses(), link.child, link.childAt), box);
+    let least = tolerance;
+    for (const joint of this.scene.phase().joints) {
+      if (joint.kind === "free") continue;
+      const at = this.placeOf(joint, box);
       const distance = Math.hypot(at.x - x, at.y - y);
       if (distance < least) {
         least = distance;
-        best = link.child;
+        best = joint.child;
       }
     }
     return best;
   }
 
-  placeOf(link: { child: number; childAt: readonly [number, number, number] }) {
-    return this.onPage(pointOf(this.scene.poses(), link.child, link.childAt));
-  }
-
-  /** Position of a point of the world in the page. */
-  onPage(point: Triple | [number, number, number], box = this.stage.canvas.getBoundingClientRect()) {
-    const p = new THREE.Vector3(...point).project(this.stage.camera);
+  /** Position of a joint in the page. */
+  placeOf({ child, childAt }: Joint, box = this.stage.canvas.getBoundingClientRect()) {
+    const p = new THREE.Vector3(...pointOf(this.scene.poses(), child, childAt)).project(this.stage.camera);
     return { x: box.left + 0.5 * (p.x + 1) * box.width, y: box.top + 0.5 * (1 - p.y) * box.height };
   }
 
-  /** The line from the hand to the body that it holds. */
+  /** Draws the line from the grabbed point to the pointer. */
   show() {
     this.line.visible = this.grip !== null;
     if (!this.grip) return;
@@ -96,9 +92,9 @@ export class Hand {
     event.stopImmediatePropagation();
     this.stage.canvas.setPointerCapture(event.pointerId);
     const normal = this.stage.camera.getWorldDirection(new THREE.Vector3());
-    this.held = { pointer: event.pointerId, plane: new THREE.Plane().setFromNormalAndCoplanarPoint(normal, hit.point) };
+    this.drag = { pointer: event.pointerId, plane: new THREE.Plane().setFromNormalAndCoplanarPoint(normal, hit.point) };
     this.grip = { body: hit.body, point: this.inBody(hit.body, hit.point), target: triple(hit.point) };
-    this.wishes.grab(hit.body, this.grip.point, this.grip.target);
+    this.actions.grab(hit.body, this.grip.point, this.grip.target);
     this.show();
   }
 
@@ -115,7 +111,7 @@ export class Hand {
   }
 
   private move(event: PointerEvent) {
-    if (event.pointerId !== this.held?.pointer || !this.grip) return;
+    if (event.pointerId !== this.drag?.pointer || !this.grip) return;
     const box = this.stage.canvas.getBoundingClientRect();
     const pointer = new THREE.Vector2(
       (2 * (event.clientX - box.left)) / box.width - 1,
@@ -123,21 +119,21 @@ export class Hand {
     );
     const ray = new THREE.Raycaster();
     ray.setFromCamera(pointer, this.stage.camera);
-    const target = ray.ray.intersectPlane(this.held.plane, new THREE.Vector3());
+    const target = ray.ray.intersectPlane(this.drag.plane, new THREE.Vector3());
     if (!target) return;
     this.grip.target = triple(target);
-    this.wishes.pull(this.grip.target);
+    this.actions.pull(this.grip.target);
     this.show();
     this.stage.draw();
   }
 
   private release(event: PointerEvent) {
-    if (event.pointerId === this.held?.pointer) {
-      this.held = null;
+    if (event.pointerId === this.drag?.pointer) {
+      this.drag = null;
       this.grip = null;
       this.show();
       this.stage.draw();
-      this.wishes.letGo();
+      this.actions.release();
     }
     if (event.pointerId !== this.pressed?.pointer) return;
     const { x, y } = this.pressed;
@@ -146,8 +142,8 @@ export class Hand {
     const joint = this.jointAt(x, y, 24);
     const hit = this.stage.pick(x, y, 12);
     if (this.tool === "weld") {
-      if (hit) this.wishes.body(hit.body);
-    } else if (joint >= 0) this.wishes.joint(joint);
-    else if (hit) this.wishes.joint(hit.body);
+      if (hit) this.actions.body(hit.body);
+    } else if (joint >= 0) this.actions.joint(joint);
+    else if (hit) this.actions.joint(hit.body);
   }
 }

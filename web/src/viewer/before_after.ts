@@ -1,11 +1,11 @@
 // Two close-up pictures, just before and shortly after an event: Figure 1 of the paper.
 import * as THREE from "three";
-import type { Recording, RunEvent } from "../recording";
+import type { Motion, RunEvent } from "../recording";
 import { endTime, phaseAt, pointOf, posesAt, startTime } from "./frames";
 import { typicalLength } from "./mechanisms";
 import type { Stage } from "./stage";
 
-export interface Pair {
+export interface BeforeAfter {
   readonly before: HTMLCanvasElement;
   readonly after: HTMLCanvasElement;
   /** Delay of the second picture after the event (s). */
@@ -16,22 +16,34 @@ export interface Pair {
  * Delay after which the effect of an event is visible: a fraction of the run, but not beyond the next event that
  * separates or joins bodies.
  */
-export function delayAfter(run: Recording, event: RunEvent, share = 0.04): number {
+export function delayAfter(run: Motion, event: RunEvent, share = 0.04): number {
   const next = run.phases.find((phase) => phase.from > event.time)?.from ?? endTime(run);
-  const wanted = share * (endTime(run) - startTime(run));
-  return Math.max(0, Math.min(wanted, Math.min(next, endTime(run)) - event.time));
+  const preferred = share * (endTime(run) - startTime(run));
+  return Math.max(0, Math.min(preferred, Math.min(next, endTime(run)) - event.time));
+}
+
+/** Bodies affected by an event: those that it pushed or joined, and the children of joints that it changed. */
+export function affectedBodies(run: Motion, event: RunEvent): number[] {
+  const joints = [...phaseAt(run, event.time - 1e-12).joints, ...phaseAt(run, event.time).joints];
+  return event.changes.flatMap(({ body, joint, skipped }) => {
+    if (skipped !== undefined) return [];
+    if (body === undefined) return joints.find(({ name }) => name === joint)?.child ?? [];
+    const number = run.model.bodies.findIndex(({ name }) => name === body);
+    return number < 0 ? [] : number;
+  });
 }
 
 /** Positions of the bodies affected by an event, with their surroundings. */
-function surroundings(run: Recording, event: RunEvent, frames: readonly ArrayLike<number>[]): THREE.Box3 {
+function surroundings(run: Motion, event: RunEvent, frames: readonly ArrayLike<number>[]): THREE.Box3 {
   const box = new THREE.Box3();
   const wide = 1.6 * typicalLength(run.model);
-  const links = phaseAt(run, event.time - 1e-12).links;
-  for (const body of event.bodies.length > 0 ? event.bodies : run.model.bodies.map((_body, b) => b))
+  const { joints } = phaseAt(run, event.time - 1e-12);
+  const affected = affectedBodies(run, event);
+  for (const body of affected.length > 0 ? affected : run.model.bodies.map((_body, b) => b))
     for (const poses of frames) {
-      const link = links.find((each) => each.child === body);
-      const ends = [pointOf(poses, body, link?.childAt ?? [0, 0, 0])];
-      if (link && link.parent >= 0) ends.push(pointOf(poses, link.parent, link.at)); // the other side of the break
+      const joint = joints.find((each) => each.child === body);
+      const ends = [pointOf(poses, body, joint?.childAt ?? [0, 0, 0])];
+      if (joint && joint.parent >= 0) ends.push(pointOf(poses, joint.parent, joint.at)); // the other side of the break
       for (const end of ends) {
         const at = new THREE.Vector3(...end);
         box.expandByPoint(at.clone().addScalar(wide)).expandByPoint(at.addScalar(-wide));
@@ -41,7 +53,7 @@ function surroundings(run: Recording, event: RunEvent, frames: readonly ArrayLik
 }
 
 /** Pictures of `width` by `height` CSS pixels, seen from the stage's direction. */
-export function drawPair(stage: Stage, run: Recording, event: RunEvent, width: number, height: number): Pair {
+export function drawBeforeAfter(stage: Stage, run: Motion, event: RunEvent, width: number, height: number): BeforeAfter {
   const delay = delayAfter(run, event);
   const size = 7 * run.model.bodies.length;
   const early = Math.max(startTime(run), event.time - 1e-9 * Math.max(1, Math.abs(event.time)));

@@ -1,40 +1,40 @@
-// The 3D picture in its place in the page, or a message that says why it is missing.
+// The 3D picture in its place in the page, or a message that gives the reason for its absence.
 import type { Model } from "../recording";
 import { hasWebGL, Stage } from "../viewer/stage";
 import { h } from "./dom";
 
 /** Tooltip of the button that switches between body colours and mechanism colours. */
-export const ownColoursSays =
+export const ownColoursTitle =
   "Show bodies in their own colours, outlined in their mechanism's colour, or all in their mechanism's colour";
 
-const message = (...children: (Node | string)[]) => h("div", { class: "instead", role: "alert" }, ...children);
+const message = (...children: (Node | string)[]) => h("div", { class: "placeholder", role: "alert" }, ...children);
 
-/** null if the browser can't draw it: the page then says so in its place, and `besides` says what works without it. */
-export function stageIn(host: HTMLElement, model: Model, besides: readonly (Node | string)[]): Stage | null {
+/** null if the browser can't draw it: a message then gives the reason, and `alternatives` names what works without it. */
+export function mountStage(host: HTMLElement, model: Model, alternatives: readonly (Node | string)[]): Stage | null {
   const disable = (tools: boolean) => {
     for (const each of host.querySelectorAll<HTMLElement>(".tools")) each.inert = tools;
   };
   disable(false);
   let stage: Stage | null = null;
-  let why = "it does not provide WebGL 2";
+  let reason = "it does not provide WebGL 2";
   try {
     if (hasWebGL()) stage = new Stage(host, model);
   } catch (error) {
-    why = error instanceof Error ? error.message : String(error);
+    reason = error instanceof Error ? error.message : String(error);
   }
   if (!stage) {
     host.append(
       message(
         h("h2", {}, "No 3D picture"),
-        h("p", {}, `This browser can't draw it: ${why}.`),
+        h("p", {}, `This browser can't draw it: ${reason}.`),
         h("p", {}, "Switch on hardware acceleration in its settings, or open this page in another browser."),
-        h("p", {}, ...besides),
+        h("p", {}, ...alternatives),
       ),
     );
     return null;
   }
   let shown: HTMLElement | null = null;
-  stage.whenLost((lost) => {
+  stage.onContextChange((lost) => {
     disable(lost);
     shown?.remove();
     shown = null;

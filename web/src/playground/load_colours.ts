@@ -11,13 +11,13 @@ export function loadColour(share: number): string {
   return steps[Math.min(Math.round(place), steps.length - 1)];
 }
 
-export interface Loads {
+export interface LoadColours {
   readonly colours: ReadonlyMap<string, string>;
   /** As text: the joint that is nearest to breaking, or that carries the largest force. */
-  readonly says: string;
+  readonly text: string;
 }
 
-export function loadsOf(frame: Frame, topology: Topology): Loads {
+export function loadColours(frame: Frame, topology: Topology): LoadColours {
   const rows = topology.joints
     .filter(({ kind }) => kind !== "free")
     .map((joint) => ({ joint, share: frame.loads[2 * joint.number], force: frame.loads[2 * joint.number + 1] }));
@@ -31,10 +31,10 @@ export function loadsOf(frame: Frame, topology: Topology): Loads {
   const worst = [...(known.length > 0 ? known : rows)].sort((a, b) =>
     known.length > 0 ? b.share - a.share : b.force - a.force,
   )[0];
-  if (!worst) return { colours, says: "" };
-  const says =
+  if (!worst) return { colours, text: "" };
+  const text =
     known.length > 0
-      ? `${worst.joint.name} carries ${(100 * worst.share).toFixed(0)} % of its strength`
-      : `${worst.joint.name} carries most: ${worst.force.toPrecision(3)} N`;
-  return { colours, says };
+      ? `Closest to breaking: ${worst.joint.name}, at ${(100 * worst.share).toFixed(0)} % of its strength`
+      : `Largest joint force: ${worst.force.toPrecision(3)} N, at ${worst.joint.name}`;
+  return { colours, text };
 }

@@ -1,0 +1,75 @@
+// Page for posing a model: a slider for each DoF, next to the picture. The engine computes the poses.
+import type { Engine } from "../../../wasm/host.mjs";
+import { LiveRecording } from "../engine/live";
+import { frameOf, posesOf } from "../engine/session";
+import { h, table } from "../panels/dom";
+import { listenToKeys } from "../panels/keys";
+import { count } from "../panels/numbers";
+import { Picture } from "../panels/picture";
+import { themeButton } from "../panels/theme_button";
+import { modelOf, type ModelFile } from "../result_files";
+import { onThemeChange } from "../viewer/colours";
+import { Player } from "../viewer/player";
+import { jointSliders } from "./sliders";
+import "./style.css";
+
+/** `scenario`: the model as the text of a scenario. Throws if it has errors. */
+export function showModel(page: HTMLElement, engine: Engine, scenario: string) {
+  const world = engine.world();
+  const { diagnostics, scenario: loaded } = world.load(scenario);
+  if (!loaded) throw new Error(diagnostics.find(({ severity }) => severity === "error")?.what ?? "the model has errors");
+  const kinds = world.kinds();
+  const model = modelOf(world.model() as ModelFile);
+  const first = frameOf(world);
+  const run = new LiveRecording(model, world.topology(), first);
+  const joints = run.topology.joints.map((joint) => ({
+    ...joint,
+    units: kinds[joint.kind].q,
+    q: world.coordinates(joint.number),
+  }));
+  const moving = joints.filter(({ units }) => units.length > 0);
+  let q = joints.map((joint) => joint.q);
+  const pose = () => {
+    run.addFrame({ ...first, poses: posesOf(world.motionsAt(q.flat())) });
+    picture.show(player.time);
+  };
+
+  const title = model.title || "A model";
+  document.title = `${title} – momentree`;
+  const about = [count(model.bodies.length, "body", "bodies"), count(moving.length, "joint that moves", "joints that move")];
+  page.append(h("header", {}, h("h1", {}, title), h("p", {}, about.join(" · ")), themeButton()));
+  const player = new Player(() => [first.time, first.time]);
+  const list = h("section", { class: "plots sliders", "aria-label": "Joints" });
+  const sections = new Map<number, HTMLElement>();
+  const picture = new Picture(run, player, (body) => sections.get(body)?.scrollIntoView({ block: "nearest" }), {
+    static: true,
+    alternatives: [h("code", {}, "momentree view MODEL --svg FILE"), " draws the model without a browser."],
+  });
+  const fill = () => {
+    if (!picture.stage) {
+      // Sliders would have nothing to move.
+      const rows = joints.map(({ name, kind, parent }) => [name, kind, parent < 0 ? "ground" : model.bodies[parent].name]);
+      return list.replaceChildren(table("Joints", ["", "kind", "on"], rows));
+    }
+    list.replaceChildren(h("button", { type: "button", onclick: reset }, "Back to the start"));
+    for (const joint of moving) {
+      const element = jointSliders(joint, joint.q, picture.size, (changed) => {
+        q[joints.indexOf(joint)] = changed;
+        pose();
+      });
+      sections.set(joint.child, element);
+      list.append(element);
+    }
+  };
+  const reset = () => {
+    q = joints.map((joint) => joint.q);
+    pose();
+    fill();
+  };
+  page.classList.add("model");
+  page.append(picture.element, list);
+  onThemeChange((theme) => picture.setTheme(theme));
+  picture.fit();
+  fill();
+  listenToKeys(run, player, picture.keys, { step: () => undefined });
+}

@@ -1,0 +1,73 @@
+// The documents of a result that pages read: model.json, and the topology records of events.jsonl (docs/results.md).
+import type { Joint, Model, Phase, Pose, RunEvent, Shape, Vec3 } from "./recording";
+
+interface JointFile {
+  kind: string;
+  parent: string | null;
+  child: string;
+  at: Pose;
+  child_at: Pose;
+  locked?: boolean | boolean[];
+}
+
+export interface ModelFile {
+  title: string;
+  gravity: Vec3;
+  mechanisms: { name: string; bodies: string[] }[];
+  bodies: Record<string, { mass: number; com: Vec3; extent: [Vec3, Vec3][]; shape: Shape | null; more_shapes?: Shape[] }>;
+  joints: Record<string, JointFile>;
+}
+
+export interface EventFile extends RunEvent {
+  topology?: { gone: string[]; joints: Record<string, JointFile>; moved: Record<string, [first: number, count: number][]> };
+}
+
+/** Joints of which the child is among the bodies. */
+function jointsOf(file: Record<string, JointFile>, bodies: ReadonlyMap<string, number>): Joint[] {
+  const joints = Object.entries(file).map(([name, joint]) => ({
+    name,
+    kind: joint.kind,
+    parent: joint.parent === null ? -1 : (bodies.get(joint.parent) ?? -1),
+    child: bodies.get(joint.child) ?? -1,
+    at: joint.at.xyz,
+    childAt: joint.child_at.xyz,
+    locked: joint.locked === true,
+  }));
+  return joints.filter(({ child }) => child >= 0);
+}
+
+const numbered = (names: readonly string[]) => new Map(names.map((name, b) => [name, b]));
+
+/** `names`: of the bodies, in the order in which they are numbered. */
+export function modelOf(file: ModelFile, names: readonly string[] = Object.keys(file.bodies)): Model {
+  const bodies = names.map((name) => {
+    const body = file.bodies[name];
+    const shapes = [body?.shape, ...(body?.more_shapes ?? [])].filter((shape): shape is Shape => Boolean(shape));
+    return { name, mass: body?.mass ?? 0, com: body?.com ?? [0, 0, 0], extent: body?.extent ?? [], shapes };
+  });
+  return { title: file.title, gravity: file.gravity, bodies, joints: jointsOf(file.joints, numbered(names)) };
+}
+
+/** The phases of a run, and its mechanisms in the order of appearance. */
+export function phasesOf(file: ModelFile, model: Model, events: readonly EventFile[]) {
+  const bodies = numbered(model.bodies.map(({ name }) => name));
+  const mechanisms = new Map<string, number>();
+  const numberOf = (name: string) => {
+    if (!mechanisms.has(name)) mechanisms.set(name, mechanisms.size);
+    return mechanisms.get(name)!;
+  };
+  const atStart = new Map(file.mechanisms.flatMap(({ name, bodies: members }) => members.map((body) => [body, name])));
+  let mechanism = Int32Array.from(model.bodies, ({ name }) => numberOf(atStart.get(name) ?? name));
+  let joints = model.joints;
+  const phases: Phase[] = [{ from: 0, mechanism, joints }];
+  for (const { time, topology } of events) {
+    if (!topology) continue;
+    const replaced = new Set([...topology.gone, ...Object.keys(topology.joints)]);
+    joints = [...joints.filter(({ name }) => !replaced.has(name)), ...jointsOf(topology.joints, bodies)];
+    mechanism = mechanism.slice();
+    for (const [name, ranges] of Object.entries(topology.moved))
+      for (const [first, count] of ranges) mechanism.fill(numberOf(name), first, first + count);
+    phases.push({ from: time, mechanism, joints });
+  }
+  return { phases, mechanisms: [...mechanisms.keys()] };
+}
