@@ -36,10 +36,11 @@ struct JointKey;
 /// A table of keys.
 struct JointGroup {
   std::span<const JointKey> keys;
-  /// At least one of these two keys is needed; null: any or none. `hint`: an example of the table.
+  /// At least one of these two keys is needed; null: any or none.
   const char* either[2] = {nullptr, nullptr};
-  const char* hint = "";
-  /// Only for kinds whose velocities are the rates of their coordinates: "… has no coordinates that could" …; null: any kind.
+  const char *missing = "", *hint = "";  ///< the message if both are missing
+  /// Only for kinds whose velocities are the rates of their coordinates: other kinds have no coordinates that could `rates`;
+  /// null: for all kinds.
   const char* rates = nullptr;
 };
 
@@ -54,10 +55,11 @@ struct JointKey {
   std::variant<PerDof, Number, Signals, JointGroup> value;
   Quantity quantity = Quantity::none;
   Range range = Range::any;
-  const char* hint = "";   ///< for a number out of range, or for a key that is required and missing
-  double infinite = 0;     ///< ±infinity if numbers may be infinite: its value if it is absent, and null in state documents
+  const char* hint = "";           ///< for a number out of range
+  bool by_model = false;           ///< check_joint() reports numbers out of range, not the reader
+  const char* required = nullptr;  ///< the hint if the key is missing from its table; null: it may be missing
+  double infinite = 0;     ///< ±infinity if numbers may be infinite: the value of an absent key, and of null in state documents
   bool each = false;       ///< one number for all DoFs is not accepted
-  bool required = false;   ///< in its table
   bool one_dof = false;    ///< only for kinds with one coordinate and one DoF
   bool documents = false;  ///< in state documents only
 
@@ -88,8 +90,7 @@ struct SignalKey {
   const char* about;
   Unit unit;
   double SignalParts::*number;
-  bool required = false;
-  const char* hint = "";
+  const char* required = nullptr;  ///< as in JointKey
   Range range = Range::any;
 
   Dimension dimension(const Dimension& value) const;
