@@ -7,8 +7,12 @@
 namespace momentree::io {
 namespace {
 
-bool slides(const std::string& kind) {
-  return kind == "prismatic" || kind == "helical" || kind == "cylindrical" || kind == "planar";
+bool is_free(const KindInfo* kind) { return kind != nullptr && kind->nv == 6; }
+
+// True for a joint whose parts move apart along a line or in a plane.
+bool slides(const KindInfo* kind) {
+  return kind != nullptr && !is_free(kind) &&
+         (kind->pitch || std::string_view(kind->q_units).find('m') != std::string_view::npos);
 }
 
 /// A part of a shape's outline: the hull of the points, enlarged by `radius`. Flat parts have a normal, and are visible only
@@ -111,8 +115,9 @@ class FrameBuilder {
     if (!phase_.joined[b]) return;
     const Vec3 here = pose * body.child_at;
     const Vec3 there = body.parent < 0 ? body.at : frame_.poses[static_cast<std::size_t>(body.parent)] * body.at;
-    if (slides(body.kind) && norm(here - there) > 1e-9) add(Primitive::Kind::slide, b, {there, here});
-    if (body.parent >= 0 && body.kind != "weld" && body.kind != "free") out_.joints.push_back(view_(here));
+    const KindInfo* const kind = find_kind(body.kind);
+    if (slides(kind) && norm(here - there) > 1e-9) add(Primitive::Kind::slide, b, {there, here});
+    if (body.parent >= 0 && !is_free(kind) && (kind == nullptr || kind->nv > 0)) out_.joints.push_back(view_(here));
   }
 
   /// Adds the end of a mechanism's drawing, for its label.
@@ -180,7 +185,7 @@ Scene build_scene(const Recording& run, const View& view) {
     }
   for (std::size_t b = 0; b < run.bodies.size(); ++b) {
     const RecordedBody& body = run.bodies[b];
-    if (body.parent >= 0 || body.kind == "free" || body.kind.empty()) continue;
+    if (body.parent >= 0 || is_free(find_kind(body.kind)) || body.kind.empty()) continue;
     scene.anchors.push_back(view(body.at));
     scene.bounds.add(scene.anchors.back());
   }
