@@ -10,7 +10,7 @@ using namespace type;
 
 constexpr Key drag_entries[] = {
     {"linear", number(dimension::force / dimension::speed, Range::not_negative), "Linear coefficient", "0"},
-    {"quadratic", number("N s^2/m^2, with an area in kg/m^3,", Range::not_negative),
+    {"quadratic", number("N s^2/m^2, with an area in kg/m^3", Range::not_negative),
      "Quadratic coefficient; with an area, half of density times drag coefficient", "0"},
     {"area", number(dimension::length* dimension::length, Range::not_negative), "Area", "1"},
 };

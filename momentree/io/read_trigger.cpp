@@ -18,8 +18,8 @@ constexpr Key after_entries[] = {
 constexpr KeyTable after_table{"after", "", "A delay after another event", after_entries};
 
 constexpr Key condition_entries[] = {
-    {"exceeds", number("unit of the quantity"), "Threshold: the event happens when the quantity rises above it"},
-    {"below", number("unit of the quantity"), "Threshold: the event happens when the quantity falls below it"},
+    {"exceeds", number("the unit of the quantity"), "Threshold: the event happens when the quantity rises above it"},
+    {"below", number("the unit of the quantity"), "Threshold: the event happens when the quantity falls below it"},
 };
 
 constexpr Key event_entries[] = {
@@ -33,7 +33,8 @@ constexpr Key event_entries[] = {
     {"repeat", boolean, "With when: fires again after the quantity has gone back past the threshold", "false"},
     {"for", number(dimension::time, Range::positive), "With when: fires only after the condition has held this long"},
     {"locate", choice("exact|per step"), "With when: how the instant is located", R"("exact")"},
-    {"hysteresis", number("unit of the quantity"), "With repeat: how far back past the threshold; default: 1 % of the threshold"},
+    {"hysteresis", number("the unit of the quantity"),
+     "With repeat: how far back past the threshold; default: 1 % of the threshold"},
 };
 
 constexpr Key point_entries[] = {

@@ -87,7 +87,7 @@ class Schema {
   void add(std::span<const JointKey> keys, Json& properties);
   Json group(const JointGroup& group, const std::string& about);
   Json signal();
-  void add_numbers(std::span<const SignalKey> keys, Json& properties);
+  void add_numbers(std::span<const SignalKey> keys, bool defaults, Json& properties);
 
   Json definitions_ = Json::object();
 };
@@ -204,14 +204,14 @@ Json Schema::of_type(const Type& type, std::string& about) {
     case Form::boolean: return {{"type", "boolean"}};
     case Form::number: {
       const std::string unit = type.unit != nullptr ? type.unit : unit_of(type.dimension);
-      if (!unit.empty()) about += ". In " + unit + " or a string with units";
+      if (!unit.empty()) about += ". In " + unit + ", or a string with units";
       Json number = a_number;
       bound(type.range, number);
       return number;
     }
     case Form::vector: {
       const std::string unit = unit_of(type.dimension);
-      about += ". Three numbers" + (unit.empty() ? "" : ", in " + unit + " or strings with units");
+      about += ". Three numbers" + (unit.empty() ? "" : ", in " + unit + ", or strings with units");
       return list_of(a_number, 3, 3);
     }
     case Form::signals:
@@ -238,7 +238,7 @@ void Schema::add(const Key& key, Json& properties) {
     std::vector<std::string> kinds;
     for (const KindInfo& kind : all_kinds())
       if (kind.*key.of_kinds) kinds.emplace_back(kind.name);
-    about += ". For the kinds " + joined(kinds);
+    about += ". For " + joined(kinds) + " joints";
   }
   if (key.type.registry == &integration_methods) {
     std::vector<std::string> fixed, adaptive;
@@ -255,11 +255,11 @@ void Schema::add(const Key& key, Json& properties) {
   if (key.standard != nullptr) property["default"] = Json::parse(key.standard);
 }
 
-// ". In N m s/rad (N s/m along an axis) or a string with units"
+// ". In N m s/rad (N s/m along an axis), or a string with units"
 std::string in_unit(Quantity quantity) {
   const std::string turning = unit_of(dimension_of(quantity, 'r')), sliding = unit_of(dimension_of(quantity, 'm'));
   if (turning.empty()) return "";
-  return ". In " + turning + (sliding == turning ? "" : " (" + sliding + " along an axis)") + " or a string with units";
+  return ". In " + turning + (sliding == turning ? "" : " (" + sliding + " along an axis)") + ", or a string with units";
 }
 
 void Schema::add(std::span<const JointKey> keys, Json& properties) {
@@ -309,15 +309,16 @@ Json Schema::group(const JointGroup& group, const std::string& about) {
   return json;
 }
 
-void Schema::add_numbers(std::span<const SignalKey> keys, Json& properties) {
+void Schema::add_numbers(std::span<const SignalKey> keys, bool defaults, Json& properties) {
   for (const SignalKey& key : keys) {
     using Unit = SignalKey::Unit;
     const std::string unit = key.unit == Unit::value            ? "the unit of the value"
                              : key.unit == Unit::value_per_time ? "the unit of the value per second"
                                                                 : unit_of(key.dimension({}));
-    properties[key.key] = {{"description", std::string(key.about) + ". In " + unit + " or a string with units"}};
+    properties[key.key] = {{"description", std::string(key.about) + ". In " + unit + ", or a string with units"}};
     properties[key.key].update(a_number);
     bound(key.range, properties[key.key]);
+    if (defaults && key.required == nullptr) properties[key.key]["default"] = SignalParts().*key.number;
   }
 }
 
@@ -335,11 +336,11 @@ Json Schema::signal() {
                           {"enum", {"rest", "free"}},
                           {"default", "rest"}};
     std::vector<std::string> required;
-    add_numbers(sine_keys(), sine);
+    add_numbers(sine_keys(), true, sine);
     for (const SignalKey& key : sine_keys())
       if (key.required != nullptr) required.emplace_back(key.key);
     properties["sine"] = table_of("offset + amplitude·sin(2π·frequency·t + phase)", std::move(sine), required);
-    add_numbers(ramp_keys(), properties);
+    add_numbers(ramp_keys(), false, properties);
     Json json = table_of("A value that changes with time", std::move(properties), {});
     json["oneOf"] = Json::array();
     for (const char* form : {"table", "sine", "rate"}) json["oneOf"].push_back({{"required", Json::array({form})}});

@@ -11,7 +11,7 @@ struct Distance : Quantity {
 
   std::string_view key() const override { return "distance"; }
   const char* summary() const override {
-    return "Distance between two bodies: between the origins of their frames, or between points of them";
+    return "Distance between two bodies: between the origins of their frames, or between points of them (m)";
   }
   Dimension dimension() const override { return dimension::length; }
   bool never_negative() const override { return true; }
