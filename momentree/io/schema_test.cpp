@@ -1,8 +1,5 @@
-// The schema of scenarios has exactly the keys and words that the reader accepts, in every table; docs/scenario.schema.json is
-// this schema, and the tables of docs/scenario.md list the same kinds, actions, quantities and methods.
-#include <fstream>
+// The schema of scenarios has exactly the keys and words that the reader accepts, in every table.
 #include <functional>
-#include <iterator>
 #include <map>
 #include <set>
 #include <sstream>
@@ -124,11 +121,6 @@ void collect(const Json& node, const std::string& at, std::set<std::string>& fou
 
 Json schema() { return Json::parse(scenario_schema()); }
 
-std::string text_of(const std::string& path) {
-  std::ifstream file(MOMENTREE_SOURCE_DIR "/" + path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 void check_accepted(const std::string& text) {
   const ReadResult result = read_scenario_text(text, "s.toml");
   CAPTURE(text);
@@ -193,22 +185,6 @@ void collect_enumerations(const Json& node, const std::string& at, Keys& found) 
   if (node.is_object() && node.contains("enum")) found.insert(at);
   if (node.is_structured())
     for (const auto& [key, value] : node.items()) collect_enumerations(value, at + "/" + key, found);
-}
-
-/// The words in backticks in the first cells of a table of a document, which follows a line: of `break = "arm/elbow"`, `unlock`
-/// they are break and unlock.
-Keys first_column(const std::string& document, const std::string& heading, const std::string& first) {
-  std::istringstream lines(document.substr(document.find(heading)));
-  std::string line;
-  while (std::getline(lines, line) && !line.starts_with("| " + first + " |")) REQUIRE(!lines.eof());
-  std::getline(lines, line);
-  Keys words;
-  while (std::getline(lines, line) && line.starts_with("| ")) {
-    const std::string cell = line.substr(2, line.find(" | ") - 2);
-    for (std::size_t at = cell.find('`'); at != std::string::npos; at = cell.find('`', cell.find('`', at + 1) + 1))
-      words.insert(cell.substr(at + 1, cell.find_first_of("` ", at + 1) - at - 1));
-  }
-  return words;
 }
 
 Keys set_of(const std::vector<std::string>& words) { return {words.begin(), words.end()}; }
@@ -321,27 +297,6 @@ TEST_CASE("the reader accepts every quantity and every action of the schema, and
     CHECK(whole.at("/definitions/event/properties"_json_pointer).contains(key));
     check_accepted(event_of_two("at = 1\n" + key + " = " + actions.at(key)));
   }
-}
-
-TEST_CASE("docs/scenario.schema.json is the schema of this version") {
-  const bool same = text_of("docs/scenario.schema.json") == scenario_schema();
-  INFO("./dev schema writes it");
-  CHECK(same);
-}
-
-TEST_CASE("the tables of the documentation list all kinds, methods, quantities and actions") {
-  const std::string scenario = text_of("docs/scenario.md"), readme = text_of("README.md");
-  CHECK(first_column(scenario, "### Kinds", "kind") == kinds());
-  CHECK(first_column(readme, "## Kinds of joint", "kind") == kinds());
-  CHECK(first_column(scenario, "A condition uses one of these quantities", "quantity") == set_of(quantity_keys()));
-  CHECK(first_column(scenario, "### Actions", "action") == set_of(scenario_actions()));
-  CHECK(first_column(readme, "## What can change", "action") == set_of(scenario_actions()));
-  std::string row = scenario.substr(scenario.find("| `method` |"));
-  row = row.substr(row.find("fixed steps"), row.find('\n') - row.find("fixed steps"));
-  Keys methods;
-  for (std::size_t at = row.find("`\""); at != std::string::npos; at = row.find("`\"", at + 1))
-    methods.insert(row.substr(at + 2, row.find('"', at + 2) - at - 2));
-  CHECK(methods == set_of(integration_methods()));
 }
 
 }  // namespace momentree::io
