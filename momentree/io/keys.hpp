@@ -36,7 +36,7 @@ struct Type {
 };
 
 namespace type {
-inline constexpr Type text{}, boolean{.form = Type::Form::boolean};
+inline constexpr Type string{}, boolean{.form = Type::Form::boolean};
 constexpr Type number(const Dimension& dimension, Range range = Range::any) {
   return {.form = Type::Form::number, .dimension = dimension, .range = range};
 }
@@ -53,8 +53,8 @@ constexpr Type other(const char* schema) { return {.form = Type::Form::other, .s
 constexpr Type other(const char* schema, const KeyTable& keys) {
   return {.form = Type::Form::other, .keys = &keys, .schema = schema};
 }
-/// 1, 3 or 6 numbers.
-inline constexpr Type inertia = other(R"({"anyOf": [{"type": ["number", "string"]},
+/// Moments of inertia: 1, 3 or 6 numbers.
+inline constexpr Type moments = other(R"({"anyOf": [{"type": ["number", "string"]},
   {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 1, "maxItems": 1},
   {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 3, "maxItems": 3},
   {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 6, "maxItems": 6}]})");

@@ -10,10 +10,10 @@ namespace {
 using namespace type;
 
 constexpr Key body_entries[] = {
-    {"name", text, "Name within the mechanism", nullptr, "for example name = \"arm\""},
+    {"name", string, "Name within the mechanism", nullptr, "for example name = \"arm\""},
     {"mass", number(dimension::mass), "Mass", nullptr, "in kg, or a string such as \"10 g\""},
     {"com", vector(dimension::length), "Centre of mass in the body's axes", "[0, 0, 0]"},
-    {"inertia", inertia,
+    {"inertia", moments,
      "Moments of inertia about the centre of mass, in kg m^2 or strings with units: one number for all three axes, "
      "3 principal values, or xx, yy, zz, xy, xz, yz",
      "0"},

@@ -14,7 +14,7 @@ constexpr Key chain_entries[] = {
     {"length", number(dimension::length, Range::positive), "Distance between consecutive joints", nullptr,
      "between consecutive joints, such as \"5 cm\""},
     {"mass", number(dimension::mass), "Mass of each link", nullptr, "of one link, in kg, or a string such as \"10 g\""},
-    {"inertia", inertia,
+    {"inertia", moments,
      "Moments of inertia of each link about its centre of mass, in kg m^2 or strings with units: 1, 3 or 6 values", "0"},
     {"axis", vector(dimension::number), "Axis of every joint", "[0, 0, 1]"},
     {"angle", number(dimension::angle), "Initial angle of every joint", "0"},

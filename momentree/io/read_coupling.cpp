@@ -23,9 +23,9 @@ constexpr Key mimic_entries[] = {
 };
 
 constexpr Key coupling_entries[] = {
-    {"joint", text, "Full name of the joint that follows; it has one DoF", nullptr,
+    {"joint", string, "Full name of the joint that follows; it has one DoF", nullptr,
      "the joint that follows, for example \"hand/finger2\""},
-    {"follows", text, "Full name of the joint that leads; it has one DoF", nullptr,
+    {"follows", string, "Full name of the joint that leads; it has one DoF", nullptr,
      "the joint that leads, for example \"hand/finger1\""},
     {"multiplier", number(dimension::number), "The joint is pulled to multiplier·q + offset, where q is its leader's coordinate",
      "1"},

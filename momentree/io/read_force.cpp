@@ -21,7 +21,7 @@ constexpr KeyTable drag_table{"drag",
                               {{KeyRule::How::some, "linear quadratic"}}};
 
 constexpr Key force_entries[] = {
-    {"body", text, "Full name of the body; with a *, one force on each body that matches", nullptr,
+    {"body", string, "Full name of the body; with a *, one force on each body that matches", nullptr,
      "the body on which it acts, or \"chain/*\" for each"},
     {"point", vector(dimension::length), "Point where force and drag act, in the body's frame", "[0, 0, 0]"},
     {"force", signals(dimension::force), "Force: three components"},

@@ -41,8 +41,8 @@ constexpr Key starts_entries[] = {
 };
 
 constexpr Key own_entries[] = {
-    {"name", text, "Name within the mechanism; default: that of the body"},
-    {"parent", text, "Parent body; \"ground\", or no key: the ground"},
+    {"name", string, "Name within the mechanism; default: that of the body"},
+    {"parent", string, "Parent body; \"ground\", or no key: the ground"},
     {"at", table(placement_table), "Placement of the joint's frame in the parent's frame"},
     {"child_at", table(placement_table), "Placement of the joint's frame in the body's frame"},
 };
@@ -111,7 +111,7 @@ void pass_over(Fields& fields) {
 constinit const KeyList joint_geometry = geometry_entries, joint_starts = starts_entries;
 constinit const KeyTable joint_table{"[mechanism.body.joint]",         "joint", "The inboard joint of a body", own_entries, {},
                                      {&joint_geometry, &joint_starts}, true};
-constinit const KeyTable joint_start_table{"start", "joint_start", "Initial values of a joint", joint_starts};
+constinit const KeyTable joint_start_table{"start", "joint_start", "Initial values of a joint", starts_entries};
 
 void read_start(Fields& fields, const KindInfo& kind, Values& q, Values& v, Diagnostics& out) {
   const Value* list = fields.find("q");

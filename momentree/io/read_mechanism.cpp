@@ -28,7 +28,7 @@ constexpr Key state_entries[] = {
 constexpr KeyTable state_table{"state", "", "Initial values", state_entries};
 
 constexpr Key mechanism_entries[] = {
-    {"name", text, "Prefix of the names of its bodies and joints", nullptr, "for example name = \"arm\""},
+    {"name", string, "Prefix of the names of its bodies and joints", nullptr, "for example name = \"arm\""},
     {"root", choice("fixed|free"), "How to hold a root body that has no joint", R"("fixed")"},
     {"pose", table(placement_table), "Placement of the mechanism's frame in the world"},
     {"roots", other(R"({"type": "integer", "minimum": 1, "maximum": 1000000})"), "Number of bodies that are joined to the ground",
@@ -36,7 +36,7 @@ constexpr Key mechanism_entries[] = {
     {"chain", table(chain_table), ""},
     {"body", tables(body_table), "The bodies"},
     {"state", other(R"({"anyOf": [{"type": "string"}, @]})", state_table), "Initial values, or the name of a state document"},
-    {"model", text, "Model file, relative to the scenario"},
+    {"model", string, "Model file, relative to the scenario"},
     {"joint", other(R"({"type": "object", "additionalProperties": @})", joint_override_table),
      "For joints of a model or a chain, by their names; a * matches all joints that support the key"},
     {"limits", boolean, "Whether the limits of the model file are stops", "false"},

@@ -28,13 +28,13 @@ constexpr Key shape_entries[] = {
     {"sphere", number(dimension::length, Range::positive), "A sphere: its radius"},
     {"cylinder", table(cylinder_table), ""},
     {"capsule", table(capsule_table), ""},
-    {"mesh", text, "A mesh: a file in the scenario's folder or below it"},
+    {"mesh", string, "A mesh: a file in the scenario's folder or below it"},
     {"scale", other(R"({"anyOf": [{"type": ["number", "string"]},
       {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 3, "maxItems": 3}]})"),
      "Scale of a mesh: one factor, or one along each axis", "1"},
     {"at", table(placement_table), "Placement of the shape's centre in the body's frame"},
-    {"colour", text, "Colour: \"#rrggbb\" or a name; default: that of the mechanism"},
-    {"color", text, "The same as colour"},
+    {"colour", string, "Colour: \"#rrggbb\" or a name; default: that of the mechanism"},
+    {"color", string, "The same as colour"},
 };
 
 bool is_colour(const std::string& text) {

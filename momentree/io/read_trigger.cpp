@@ -12,7 +12,7 @@ namespace {
 using namespace type;
 
 constexpr Key after_entries[] = {
-    {"event", text, "Name of the event", nullptr, ""},
+    {"event", string, "Name of the event", nullptr, ""},
     {"delay", number(dimension::time, Range::not_negative), "Delay after that event", "0"},
 };
 constexpr KeyTable after_table{"after", "", "A delay after another event", after_entries};
@@ -23,7 +23,7 @@ constexpr Key condition_entries[] = {
 };
 
 constexpr Key event_entries[] = {
-    {"name", text, "Name; default: #1, #2 … by its position in the file"},
+    {"name", string, "Name; default: #1, #2 … by its position in the file"},
     {"at", number(dimension::time, Range::not_negative), "Instant"},
     {"when", table(condition_table), ""},
     {"after", other(R"({"anyOf": [{"type": "string"}, @]})", after_table),
@@ -38,7 +38,7 @@ constexpr Key event_entries[] = {
 };
 
 constexpr Key point_entries[] = {
-    {"body", text, "Full name of the body", nullptr, ""},
+    {"body", string, "Full name of the body", nullptr, ""},
     {"point", vector(dimension::length), "Point in the body's frame", "[0, 0, 0]"},
 };
 

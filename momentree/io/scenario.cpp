@@ -18,9 +18,9 @@ using namespace type;
 
 constexpr Key keys_entries[] = {
     {"format", other(R"({"const": 1})"), "Version of the format"},
-    {"title", text, "Title, shown with the results"},
+    {"title", string, "Title, shown with the results"},
     {"world", table(world_table), ""},
-    {"state", text, "State document to start from, such as the final.json of another run"},
+    {"state", string, "State document to start from, such as the final.json of another run"},
     {"mechanism", tables(mechanism_table), "The mechanisms", nullptr, "add [[mechanism]] tables"},
     {"force", tables(force_table), "External forces on bodies"},
     {"coupling", tables(coupling_table), "Joints that follow others"},

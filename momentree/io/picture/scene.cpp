@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string_view>
+
+#include <momentree/joint/joint.hpp>
 
 namespace momentree::io {
 namespace {
