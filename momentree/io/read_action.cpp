@@ -171,7 +171,8 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
   const Value::Array& entries = value.array() ? *value.array() : single;
   const std::shared_ptr<ActionBase> any = make_action(key);
   const bool late = sets_parameters(*any);
-  if (entries.empty()) out.error(value.place, key + (any->plain_field() ? ": names no joint" : ": an empty list does nothing"));
+  const std::string plain = any->plain_field() ? any->plain_field() : "";
+  if (entries.empty()) out.error(value.place, key + (plain.empty() ? ": an empty list does nothing" : ": names no " + plain));
   // At a known instant each match becomes a separate event; otherwise all matches happen together with the event.
   const bool together = trigger != nullptr || event.condition || !event.after.empty() || event.period > 0;
   const auto add = [&](const Value& entry, const std::string& match, ScenarioEvent& to) {
@@ -195,7 +196,7 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
       add(entry, "", event);
       continue;
     }
-    const bool bodies = entry.find("body") != nullptr;
+    const bool bodies = entry.table() ? entry.find("body") != nullptr : plain == "body";
     const std::string& name = *pattern->string();
     if (trigger && name == trigger->pattern) {
       add(entry, bodies ? trigger->body : trigger->joint, event);
