@@ -13,6 +13,7 @@
 #include <cli/completion.hpp>
 #include <cli/man_page.hpp>
 #include <momentree/base/error.hpp>
+#include <momentree/io/schema.hpp>
 
 namespace momentree::cli {
 
@@ -230,6 +231,11 @@ void CommandLine::add_helpers() {
     return done;
   });
   completion_command->add_option("shell", shell_, "The shell")->required()->type_name("bash|zsh|fish");
+
+  command("schema", "Print the JSON Schema of scenario files, for editors", [] {
+    std::fputs(io::scenario_schema().c_str(), stdout);
+    return done;
+  });
 
   CLI::App* page = command("man-page", "", [this] {  // for the build
     std::fputs(man_page(table()).c_str(), stdout);

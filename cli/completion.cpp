@@ -4,6 +4,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/io/keys.hpp>
 #include <momentree/io/model/model_file.hpp>
 
 namespace momentree::cli {
@@ -47,9 +48,14 @@ std::vector<std::string> source_endings() {
 }
 
 std::vector<std::string> setting_keys() {
-  return {"integrate.method=", "integrate.step=",     "integrate.until=",           "integrate.rtol=",
-          "integrate.atol=",   "integrate.max_step=", "integrate.event_tolerance=", "output.every=",
-          "world.gravity="};
+  std::vector<std::string> keys;
+  const auto add = [&keys](const std::string& name, const io::KeyTable& table) {
+    table.each([&](const io::Key& key) { keys.push_back(name + "." + key.name + "="); });
+  };
+  add("integrate", io::integrate_table);
+  add("output", io::output_table);
+  add("world", io::world_table);
+  return keys;
 }
 
 std::vector<std::string> method_names() { return integration_methods(); }

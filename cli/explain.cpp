@@ -29,8 +29,7 @@ std::string mass_text(double kg) {
 std::string kind_text(const JointView& joint) {
   const KindInfo& kind = info(joint.kind);
   std::string text = kind.name;
-  if (kind.axis) text += " about " + axis_text(joint.axis);
-  if (joint.kind == Kind::prismatic) text = std::string(kind.name) + " along " + axis_text(joint.axis);
+  if (kind.axis) text += (kind.v_units[0] == 'm' ? " along " : " about ") + axis_text(joint.axis);
   if (kind.axis2) text += " and " + axis_text(joint.axis2);
   if (kind.pitch) text += format(", %.4g mm a turn", joint.pitch * 1e3);
   return text;

@@ -42,7 +42,7 @@ void report_location(const io::Recorder& recorder) {
 int run(const RunOptions& options) {
   std::vector<std::string> overrides = options.overrides;
   if (!options.until.empty()) overrides.push_back("integrate.until=" + options.until);
-  const std::optional<io::Scenario> scenario =
+  const std::shared_ptr<const io::Scenario> scenario =
       load(options.scenario, overrides, notes_of(options.verbose), options.quiet ? io::Severity::warning : io::Severity::note);
   if (!scenario) return bad_input;
 

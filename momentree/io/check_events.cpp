@@ -21,12 +21,13 @@ Broken broken_joints(Reading& reading, bool doubles) {
   Broken broken;
   for (const ScenarioEvent& event : reading.scenario.events)
     for (std::size_t a = 0; a < event.actions.size(); ++a) {
-      if (event.actions[a]->key() != "break") continue;
+      if (event.actions[a]->effect() != JointEffect::removed) continue;
       for (const std::string& joint : event.actions[a]->joints()) {
         const auto [first, fresh] = broken.emplace(joint, event.places[a]);
         if (!fresh && doubles && !event.wild)
           reading.out.error(event.places[a],
-                            "break: joint " + in_quotes(joint) + " is broken already on " + reading.out.name_of(first->second),
+                            std::string(event.actions[a]->key()) + ": joint " + in_quotes(joint) + " is broken already on " +
+                                reading.out.name_of(first->second),
                             "a joint can break only once");
       }
     }

@@ -2,21 +2,6 @@
 
 namespace momentree::io {
 
-Dimension dimension_of(Quantity quantity, char letter) {
-  using namespace dimension;
-  if (quantity == Quantity::q) return letter == 'r' ? angle : letter == 'm' ? length : number;
-  const bool turns = letter == 'r';
-  const Dimension rate = turns ? angular_speed : speed, effort = turns ? torque : force;
-  switch (quantity) {
-    case Quantity::damping: return effort / rate;
-    case Quantity::stiffness: return turns ? torque / angle : force / length;
-    case Quantity::armature: return turns ? inertia : mass;
-    case Quantity::effort: return effort;
-    case Quantity::none: return number;
-    default: return rate;
-  }
-}
-
 Values read_values(const Value& value, Quantity quantity, std::string_view letters, bool single, std::string_view label,
                    Diagnostics& out) {
   Values values;

@@ -4,14 +4,9 @@
 #include <vector>
 
 #include <momentree/io/fields.hpp>
-#include <momentree/joint/joint.hpp>
+#include <momentree/io/joint_keys.hpp>
 
 namespace momentree::io {
-
-enum class Quantity { q, v, damping, stiffness, armature, effort, none };
-
-/// The dimension for one coordinate or DoF, given by its letter in KindInfo.
-Dimension dimension_of(Quantity quantity, char letter);
 
 /// A list with one number per letter or, if `single` allows it, one number for all. Empty, with a report, if it is wrong.
 Values read_values(const Value& value, Quantity quantity, std::string_view letters, bool single, std::string_view label,

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <momentree/base/check.hpp>
 #include <momentree/io/joint_tables.hpp>
 #include <momentree/io/read_action.hpp>
-#include <momentree/simulate/actions/attach.hpp>
-#include <momentree/simulate/actions/change.hpp>
-#include <momentree/simulate/actions/set.hpp>
 #include <momentree/simulate/instant.hpp>
 
 namespace momentree::io {
@@ -25,14 +23,15 @@ class Names {
     for (const ScenarioEvent& event : reading.scenario.events) {
       for (std::size_t a = 0; a < event.actions.size(); ++a) {
         const ActionBase& action = *event.actions[a];
-        if (const auto* joins = dynamic_cast<const actions::Attach*>(&action)) {
-          const std::string name = made_joint_name({event.name, event.named, event.actions}, a);
+        const std::optional<Kind> kind = action.resulting_kind();
+        if (const std::string name = made_joint_name({event.name, event.named, event.actions}, a); !name.empty()) {
+          MT_REQUIRE(kind.has_value(), "an action that makes a joint gives its kind");
           reading.made.emplace(name, event.places[a]);
-          became_[name].push_back({event.time, joins->joint.spec.kind});
+          became_[name].push_back({event.time, *kind});
           joins_ = true;
-        } else if (const auto* change = dynamic_cast<const actions::Change*>(&action)) {
-          became_[change->name].push_back({event.time, change->to.spec.kind});
-        } else if (action.key() == "break") {
+        } else if (kind) {
+          for (const std::string& joint : action.joints()) became_[joint].push_back({event.time, *kind});
+        } else if (action.effect() == JointEffect::removed) {
           for (const std::string& joint : action.joints()) broken(joint, event.time);
         }
       }
@@ -52,12 +51,12 @@ class Names {
     return joins_ && !became_free_.empty() && reading_.bodies.contains(joint.substr(0, tail));
   }
 
-  /// The joint is made only after that instant, or at it if `set` comes earlier.
+  /// The joint is made only after that instant, or at it by an action that comes later.
   bool still_to_come(const Reading::JointUse& use) const {
     if (!reading_.made.contains(use.name) || reading_.joints.contains(use.name)) return false;
     const double first = became_.at(use.name).front().time;
     if (!std::isfinite(first)) return false;  // by an event whose instant is unknown
-    return first > use.time || (first == use.time && use.key != "set");
+    return first > use.time || (first == use.time && !use.of_parameters);
   }
 
   /// The kind of the joint at that time, as far as the file determines it; null otherwise.
@@ -88,26 +87,37 @@ class Names {
   bool joins_ = false;
 };
 
-// `set` with a wildcard: each matching joint gets the values that its kind can have.
+// Fills in an action that sets parameters, without reading it from the file.
+struct ParametersOf final : IgnoredFields {
+  ParametersOf(const std::string& joint_, const JointParameters& given_) : name(joint_), given(given_) {}
+  void joint(const char*, std::string& joint) override { joint = name; }
+  void parameters(const std::string&, JointParameters& parameters) override { parameters = given; }
+
+  const std::string& name;
+  const JointParameters& given;
+};
+
+// Actions that set parameters of joints, with a wildcard: each matching joint gets the values that its kind can have.
 class WildSets {
  public:
   WildSets(const Names& names, Reading& reading) : names_(names) {
     std::unordered_map<const Value*, std::vector<Kind>> kinds;
-    std::vector<const Value*> order;
+    std::vector<const Reading::LateEntry*> order;
     for (const Reading::LateEntry& late : reading.late) {
       const KindInfo* kind = kind_of(late);
       if (!kind) continue;
       std::vector<Kind>& met = kinds[late.value];
-      if (met.empty()) order.push_back(late.value);
+      if (met.empty()) order.push_back(&late);
       if (std::find(met.begin(), met.end(), kind->kind) == met.end()) met.push_back(kind->kind);
     }
-    for (const Value* value : order) {
-      Fields fields(*value, "set", reading.out);
+    for (const Reading::LateEntry* late : order) {
+      const Value* value = late->value;
+      const std::string key(late->action->key());
+      Fields fields(*value, key, reading.out);
       const Value* name = fields.find("joint");
-      JointTable table(fields, value->place, false, name && name->string() ? *name->string() : "", "set");
+      JointTable table(fields, value->place, false, name && name->string() ? *name->string() : "", key);
       fields.finish();
-      if (table.empty())
-        reading.out.error(value->place, "set: changes nothing", "for example set = { joint = \"arm/elbow\", damping = 0.1 }");
+      if (table.empty()) reading.out.error(value->place, key + ": changes nothing", late->action->hint());
       table.read(kinds[value], reading.out);
       table.check(reading.out);
       tables_.emplace(value, std::move(table));
@@ -116,14 +126,13 @@ class WildSets {
 
   /// True if the entry has a wildcard, and the action is filled in or has nothing to do.
   bool fill(const Reading::LateEntry& late) {
-    auto* set = dynamic_cast<actions::Set*>(late.action.get());
     const KindInfo* kind = kind_of(late);
-    if (!set || !kind) return false;
-    set->name = late.match;
-    if (const JointTable::Part* part = tables_.at(late.value).part(kind->kind))
-      set->parameters = part->parameters;
-    else
-      idle_.insert(late.action.get());
+    if (!kind) return false;
+    const JointTable::Part* part = tables_.at(late.value).part(kind->kind);
+    const JointParameters none;
+    ParametersOf filled(late.match, part != nullptr ? part->parameters : none);
+    late.action->fields(filled);
+    if (part == nullptr) idle_.insert(late.action.get());
     return true;
   }
 
@@ -176,9 +185,9 @@ void finish_events(Reading& reading) {
   const Value* wrong = nullptr;  // an error in one table concerns every match of its wildcard
   for (const Reading::LateEntry& late : reading.late) {
     if (late.value == wrong || wild.fill(late)) continue;
-    ActionReader reader(*late.value, std::string(late.action->key()), nullptr, late.match, late.time, reading);
+    ActionReader reader(*late.value, *late.action, late.match, late.time, reading);
     reader.kind_of = [&](const std::string& joint) { return names.kind_of(joint, late.time); };
-    if (!reader.read(*late.action)) wrong = late.value;
+    if (!reader.read()) wrong = late.value;
   }
   wild.drop_idle(reading.scenario.events);
   for (const Reading::JointUse& use : reading.joint_uses)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <momentree/base/check.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/io/mistakes/shapes.hpp>
 
@@ -12,6 +13,17 @@ Fields::Fields(const Value& table, std::string where, Diagnostics& out, const ch
     : table_(table), where_(std::move(where)), context_(context), out_(out) {
   if (!table.table())
     out.error(table.place, where_ + ": expected a table, found " + table.type_name(), cure_of_table(where_, table));
+}
+
+Fields::Fields(const Value& table, const KeyTable& keys, Diagnostics& out, std::string where)
+    : Fields(table, where.empty() ? keys.name : std::move(where), out, keys.name) {
+  keys_ = &keys;
+}
+
+const Type& Fields::type_of(std::string_view key) const {
+  const Key* described = keys_ != nullptr ? keys_->find(key) : nullptr;
+  MT_REQUIRE(described != nullptr, "the table's description has the key");
+  return described->type;
 }
 
 const std::vector<Fields::Alias>& Fields::aliases() const {
@@ -65,25 +77,36 @@ std::string_view Fields::meant(const Value::Entry& entry) const {
 
 const Value* Fields::require(std::string_view key, std::string hint) {
   const Value* value = find(key);
-  if (!value && table_.table() && !report_alias(key))
-    out_.error(table_.place, where_ + " has no '" + std::string(key) + "'", std::move(hint));
-  return value;
+  if (value || !table_.table() || report_alias(key)) return value;
+  const Key* described = keys_ != nullptr && hint.empty() ? keys_->find(key) : nullptr;
+  if (described != nullptr && described->required != nullptr) hint = described->required;
+  out_.error(table_.place, where_ + " has no '" + std::string(key) + "'", std::move(hint));
+  return nullptr;
 }
 
+std::optional<double> Fields::number(std::string_view key) { return number(key, type_of(key).dimension); }
+
 std::optional<double> Fields::number(std::string_view key, const Dimension& expected) {
+  const Key* described = keys_ != nullptr ? keys_->find(key) : nullptr;
+  if (described != nullptr && described->type.range == Range::positive) return positive(key, expected);
+  if (described != nullptr && described->type.range == Range::not_negative) return not_negative(key, expected);
+  return any_number(key, expected);
+}
+
+std::optional<double> Fields::any_number(std::string_view key, const Dimension& expected) {
   const Value* value = find(key);
   return value ? read_number(*value, expected, key, out_) : std::nullopt;
 }
 
 std::optional<double> Fields::positive(std::string_view key, const Dimension& expected) {
-  const auto number_read = number(key, expected);
+  const auto number_read = any_number(key, expected);
   if (!number_read || *number_read > 0) return number_read;
   out_.error(place_of(key), std::string(key) + ": must be greater than 0");
   return {};
 }
 
 std::optional<double> Fields::not_negative(std::string_view key, const Dimension& expected) {
-  const auto number_read = number(key, expected);
+  const auto number_read = any_number(key, expected);
   if (!number_read || *number_read >= 0) return number_read;
   out_.error(place_of(key), std::string(key) + ": must not be negative");
   return {};
@@ -101,6 +124,8 @@ std::optional<bool> Fields::boolean(std::string_view key, std::string hint) {
   out_.error(value->place, std::string(key) + ": expected true or false, found " + value->type_name(), std::move(hint));
   return {};
 }
+
+std::optional<Vec3> Fields::vec3(std::string_view key) { return vec3(key, type_of(key).dimension); }
 
 std::optional<Vec3> Fields::vec3(std::string_view key, const Dimension& expected) {
   const Value* value = find(key);

@@ -9,6 +9,7 @@
 #include <momentree/base/units.hpp>
 #include <momentree/base/value.hpp>
 #include <momentree/io/diagnostic.hpp>
+#include <momentree/io/keys.hpp>
 #include <momentree/io/mistakes/mistakes.hpp>
 #include <momentree/math/vec.hpp>
 
@@ -34,6 +35,8 @@ class Fields {
   /// `where` names the table in messages: "[integrate]". If `table` is not a table, reports that and reads it as empty.
   /// `context`: the name of the table in mistakes/; null: `where`.
   Fields(const Value& table, std::string where, Diagnostics& out, const char* context = nullptr);
+  /// A table with a description. `where`: its name in messages; empty: that of the description.
+  Fields(const Value& table, const KeyTable& keys, Diagnostics& out, std::string where = {});
 
   Place place() const { return table_.place; }
   /// The place of a key's value, or of the table if the key is absent.
@@ -45,19 +48,22 @@ class Fields {
   const Value* find(std::string_view key);
   /// The key that an entry of the table stands for: its own, or the key for which it is a common mistake.
   std::string_view meant(const Value::Entry& entry) const;
-  /// Like find(), but a missing key is an error.
+  /// Like find(), but a missing key is an error. The hint for it is that of the description, unless another one is given.
   const Value* require(std::string_view key, std::string hint = {});
 
   /// True if the table contains a common mistake for that key, which is then reported: the missing key needs no further
   /// message.
   bool mistaken(std::string_view key) { return report_alias(key); }
 
-  /// Typed values: nothing if the key is absent, or if its value is wrong and was reported.
+  /// Typed values: nothing if the key is absent, or if its value is wrong and was reported. Without a dimension: the one of the
+  /// key's description. Its range always holds.
+  std::optional<double> number(std::string_view key);
   std::optional<double> number(std::string_view key, const Dimension& expected);
   std::optional<double> positive(std::string_view key, const Dimension& expected);
   std::optional<double> not_negative(std::string_view key, const Dimension& expected);
   std::optional<std::string> string(std::string_view key);
   std::optional<bool> boolean(std::string_view key, std::string hint = {});
+  std::optional<Vec3> vec3(std::string_view key);
   std::optional<Vec3> vec3(std::string_view key, const Dimension& expected);
   std::optional<Pose> pose(std::string_view key);
 
@@ -72,15 +78,18 @@ class Fields {
     const Mistake* mistake;
     bool reported = false;
   };
+  std::optional<double> any_number(std::string_view key, const Dimension& expected);
   const std::vector<Alias>& aliases() const;
   const Value::Entry* entry_of(std::string_view key) const;
   bool report_alias(std::string_view key);
   void report_unknown(const Value::Entry& entry, std::string hint);
   std::string hint_for(const Value::Entry& entry) const;
+  const Type& type_of(std::string_view key) const;
 
   const Value& table_;
   std::string where_;
   const char* context_;
+  const KeyTable* keys_ = nullptr;  // its description
   Diagnostics& out_;
   std::vector<std::string_view> known_;                // the keys are literals
   std::vector<std::string_view> later_;                // known, but not supported yet

@@ -30,6 +30,14 @@ std::string joined(const std::vector<std::string>& words) {
 
 }  // namespace
 
+constinit const KeyTable joint_override_table{"override",
+                                              "joint_override",
+                                              "Values for joints of a model or a chain, in place of those that they have there",
+                                              {},
+                                              {},
+                                              {&joint_starts},
+                                              true};
+
 JointTable::JointTable(Fields& fields, Place place, bool starts, std::string pattern, std::string where)
     : pattern_(std::move(pattern)), where_(std::move(where)), place_(place), starts_(starts) {
   for (const char* key : start_keys)
@@ -139,7 +147,7 @@ JointTables::JointTables(const Value* value, const char* of, Reading& reading) :
       continue;
     }
     const std::string where = "[mechanism.joint." + entry.key.substr(0, 60) + "]";
-    Fields fields(entry.value, where, reading.out, "override");
+    Fields fields(entry.value, joint_override_table, reading.out, where);
     const std::size_t errors = reading.out.errors();
     tables_.emplace_back(fields, entry.place, true, entry.key, where);
     fields.finish();

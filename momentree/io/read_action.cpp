@@ -5,14 +5,10 @@ namespace momentree::io {
 
 namespace {
 
-const char* example(std::string_view key) {
-  if (key == "weld") return "for example weld = { body = \"satellite/hull\", to = \"tug/gripper\" }";
-  if (key == "attach") return "for example attach = { body = \"load/hook\", to = \"crane/rope\", kind = \"ball\" }";
-  if (key == "change") return "for example change = { joint = \"arm/elbow\", kind = \"ball\" }";
-  if (key == "impulse") return "for example impulse = { body = \"arm/hand\", force = [\"2 N s\", 0, 0] }";
-  if (key != "set") return "a name, or for example { joint = \"arm/elbow\", freedoms = [0] }";
-  return "for example set = { joint = \"arm/elbow\", damping = 0.1 }";
-}
+struct ParametersProbe final : IgnoredFields {
+  void parameters(const std::string&, JointParameters&) override { found = true; }
+  bool found = false;
+};
 
 // The name in an entry that may contain a wildcard: that of the joint or body that it acts on.
 const Value* wild_name(const Value& entry) {
@@ -26,32 +22,48 @@ const Value* wild_name(const Value& entry) {
 
 std::string mechanism_of(const std::string& name) { return name.substr(0, name.find('/')); }
 
-ActionReader::ActionReader(const Value& value, std::string key, const char* plain_field, const std::string& match, double time,
-                           Reading& reading)
+const std::vector<std::string>& scenario_actions() {
+  static const std::vector<std::string> keys = [] {
+    std::vector<std::string> all = action_keys();
+    std::erase_if(all, [](const std::string& key) { return !make_action(key)->in_scenarios(); });
+    return all;
+  }();
+  return keys;
+}
+
+bool sets_parameters(ActionBase& action) {
+  ParametersProbe probe;
+  action.fields(probe);
+  return probe.found;
+}
+
+ActionReader::ActionReader(const Value& value, ActionBase& action, const std::string& match, double time, Reading& reading)
     : value_(value),
-      key_(std::move(key)),
-      plain_field_(plain_field),
+      action_(action),
+      key_(action.key()),
+      plain_field_(action.plain_field()),
+      sets_parameters_(sets_parameters(action)),
       match_(match),
       time_(time),
       reading_(reading),
       out_(reading.out) {
   if (value.table())
     fields_.emplace(value, key_, out_);
-  else if (!plain_field)
-    out_.error(value.place, key_ + ": expected a table, found " + value.type_name(), example(key_));
+  else if (!plain_field_)
+    out_.error(value.place, key_ + ": expected a table, found " + value.type_name(), action.hint());
 }
 
-bool ActionReader::read(ActionBase& action) {
+bool ActionReader::read() {
   const std::size_t errors = out_.errors();
   if (!fields_ && !plain_field_) return false;
-  action.fields(*this);
+  action_.fields(*this);
   if (fields_) fields_->finish();
-  if (errors == out_.errors() && !acts_) out_.error(value_.place, key_ + ": changes nothing", example(key_));
+  if (errors == out_.errors() && !acts_) out_.error(value_.place, key_ + ": changes nothing", action_.hint());
   return errors == out_.errors();
 }
 
 const Value* ActionReader::given(const char* key, bool required) {
-  if (fields_) return required ? fields_->require(key, example(key_)) : fields_->find(key);
+  if (fields_) return required ? fields_->require(key, action_.hint()) : fields_->find(key);
   return plain_field_ == std::string_view(key) ? &value_ : nullptr;
 }
 
@@ -67,7 +79,7 @@ void ActionReader::joint(const char* key, std::string& name) {
   const auto text = this->name(key, true, place);
   if (!text) return;
   name = match_.empty() ? *text : match_;
-  if (match_.empty()) reading_.joint_uses.push_back({name, key_, place, time_});
+  if (match_.empty()) reading_.joint_uses.push_back({name, key_, place, time_, sets_parameters_});
 }
 
 void ActionReader::body(const char* key, std::string& name, bool ground_too) {
@@ -118,7 +130,7 @@ void ActionReader::dofs(const char* key, const std::string&, std::vector<int>& n
   }
 }
 
-void ActionReader::vector(const char* key, Vec3& value, const Dimension& dimension) {
+void ActionReader::vector(const char* key, Vec3& value, const Dimension& dimension, const char*) {
   if (!fields_) return;
   const bool wrench = !(dimension == dimension::length);
   if (wrench && !asked_) asked_ = true, acts_ = false;
@@ -126,13 +138,13 @@ void ActionReader::vector(const char* key, Vec3& value, const Dimension& dimensi
   value = fields_->vec3(key, dimension).value_or(value);
 }
 
-void ActionReader::placement(const char* key, std::optional<Pose>& value) {
+void ActionReader::placement(const char* key, std::optional<Pose>& value, const char*) {
   if (fields_) value = fields_->pose(key);
 }
 
-void ActionReader::description(JointDescription& joint) {
+void ActionReader::description(JointDescription& joint, bool keeps_axes) {
   if (!fields_) return;
-  read_description(*fields_, key_ == "change", joint, out_);
+  read_description(*fields_, keeps_axes, joint, out_);
 }
 
 void ActionReader::parameters(const std::string& of, JointParameters& parameters) {
@@ -157,8 +169,10 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
   Diagnostics& out = reading.out;
   const Value::Array single = value.array() ? Value::Array{} : Value::Array{value};
   const Value::Array& entries = value.array() ? *value.array() : single;
-  const char* const plain_field = make_action(key)->plain_field();
-  if (entries.empty()) out.error(value.place, key + (plain_field ? ": names no joint" : ": an empty list does nothing"));
+  const std::shared_ptr<ActionBase> any = make_action(key);
+  const bool late = sets_parameters(*any);
+  const std::string plain = any->plain_field() ? any->plain_field() : "";
+  if (entries.empty()) out.error(value.place, key + (plain.empty() ? ": an empty list does nothing" : ": names no " + plain));
   // At a known instant each match becomes a separate event; otherwise all matches happen together with the event.
   const bool together = trigger != nullptr || event.condition || !event.after.empty() || event.period > 0;
   const auto add = [&](const Value& entry, const std::string& match, ScenarioEvent& to) {
@@ -168,9 +182,9 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
       return false;
     }
     const std::shared_ptr<ActionBase> action = make_action(key);
-    if (key == "set")  // the units depend on a joint that another event may make
+    if (late)  // the units depend on a joint that another event may make
       reading.late.push_back({action, value.array() ? &entry : &value, match, event.time});
-    else if (!ActionReader(entry, key, plain_field, match, event.time, reading).read(*action))
+    else if (!ActionReader(entry, *action, match, event.time, reading).read())
       return false;
     to.actions.emplace_back(std::shared_ptr<const ActionBase>(action));
     to.places.push_back(entry.place);
@@ -182,7 +196,7 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
       add(entry, "", event);
       continue;
     }
-    const bool bodies = entry.find("body") != nullptr;
+    const bool bodies = entry.table() ? entry.find("body") != nullptr : plain == "body";
     const std::string& name = *pattern->string();
     if (trigger && name == trigger->pattern) {
       add(entry, bodies ? trigger->body : trigger->joint, event);

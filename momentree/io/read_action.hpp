@@ -9,14 +9,29 @@
 
 namespace momentree::io {
 
+/// A visitor that leaves all fields as they are.
+struct IgnoredFields : ActionFields {
+  void joint(const char*, std::string&) override {}
+  void body(const char*, std::string&, bool) override {}
+  void dofs(const char*, const std::string&, std::vector<int>&) override {}
+  void vector(const char*, Vec3&, const Dimension&, const char*) override {}
+  void placement(const char*, std::optional<Pose>&, const char*) override {}
+  void description(JointDescription&, bool) override {}
+  void parameters(const std::string&, JointParameters&) override {}
+};
+
+/// The keys of the actions that scenario files can use.
+const std::vector<std::string>& scenario_actions();
+/// True for an action that sets parameters of a joint: their units depend on its kind, which another event may determine.
+bool sets_parameters(ActionBase& action);
+
 class ActionReader final : public ActionFields {
  public:
-  /// `value`: a name if there is a `plain_field`, else a table. `match`: the name that its wildcard stands for in this event;
-  /// empty: no wildcard. `time` (s): of its event.
-  ActionReader(const Value& value, std::string key, const char* plain_field, const std::string& match, double time,
-               Reading& reading);
+  /// `value`: a name if the action has a plain_field(), else a table. `match`: the name that its wildcard stands for in this
+  /// event; empty: no wildcard. `time` (s): of its event.
+  ActionReader(const Value& value, ActionBase& action, const std::string& match, double time, Reading& reading);
   /// False, with reports, if something is wrong.
-  bool read(ActionBase& action);
+  bool read();
 
   /// The kind of a joint; null: unknown.
   std::function<const KindInfo*(const std::string& joint)> kind_of;
@@ -24,9 +39,9 @@ class ActionReader final : public ActionFields {
   void joint(const char* key, std::string& name) override;
   void body(const char* key, std::string& name, bool ground_too) override;
   void dofs(const char* key, const std::string& of, std::vector<int>& numbers) override;
-  void vector(const char* key, Vec3& value, const Dimension& dimension) override;
-  void placement(const char* key, std::optional<Pose>& value) override;
-  void description(JointDescription& joint) override;
+  void vector(const char* key, Vec3& value, const Dimension& dimension, const char* about) override;
+  void placement(const char* key, std::optional<Pose>& value, const char* about) override;
+  void description(JointDescription& joint, bool keeps_axes) override;
   void parameters(const std::string& of, JointParameters& parameters) override;
 
  private:
@@ -35,8 +50,10 @@ class ActionReader final : public ActionFields {
   std::optional<std::string> name(const char* key, bool required, Place& place);
 
   const Value& value_;
+  ActionBase& action_;
   std::string key_;
   const char* plain_field_;
+  bool sets_parameters_;
   const std::string& match_;
   double time_;
   Reading& reading_;

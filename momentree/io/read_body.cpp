@@ -5,6 +5,27 @@
 
 namespace momentree::io {
 
+namespace {
+
+using namespace type;
+
+constexpr Key body_entries[] = {
+    {"name", string, "Name within the mechanism", nullptr, "for example name = \"arm\""},
+    {"mass", number(dimension::mass), "Mass", nullptr, "in kg, or a string such as \"10 g\""},
+    {"com", vector(dimension::length), "Centre of mass in the body's axes", "[0, 0, 0]"},
+    {"inertia", moments,
+     "Moments of inertia about the centre of mass, in kg m^2 or strings with units: one number for all three axes, "
+     "3 principal values, or xx, yy, zz, xy, xz, yz",
+     "0"},
+    {"joint", table(joint_table), ""},
+    {"shape", other(R"({"anyOf": [@, {"type": "array", "items": @}]})", shape_table),
+     "Shape for pictures: one, or a list of several"},
+};
+
+}  // namespace
+
+constinit const KeyTable body_table{"[[mechanism.body]]", "body", "A rigid body", body_entries};
+
 bool check_bare_name(const std::string& name, Place place, std::string_view what, Diagnostics& out) {
   const auto refuse = [&](const char* why, const char* hint) {
     out.error(place, "name: " + std::string(what) + " cannot be named " + in_quotes(name) + ": " + why, hint);
@@ -44,18 +65,18 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
   Diagnostics& out = reading.out;
   BodyEntry body;
   body.table = &table;
-  Fields fields(table, "[[mechanism.body]]", out);
+  Fields fields(table, body_table, out);
   fields.later({"collision"}, "there is no contact: bodies pass through each other");
-  fields.require("name", "for example name = \"arm\"");
+  fields.require("name");
   const auto name = fields.string("name");
   body.name_place = fields.place_of("name");
   if (name && check_bare_name(*name, body.name_place, "a body", out)) body.bare_name = *name;
 
   const std::size_t errors = out.errors();
   BodySpec& spec = body.spec;
-  fields.require("mass", "in kg, or a string such as \"10 g\"");
-  spec.mass = fields.number("mass", dimension::mass).value_or(1);
-  spec.com = fields.vec3("com", dimension::length).value_or(Vec3{});
+  fields.require("mass");
+  spec.mass = fields.number("mass").value_or(1);
+  spec.com = fields.vec3("com").value_or(Vec3{});
   if (const Value* inertia = fields.find("inertia")) spec.inertia = read_inertia(*inertia, "inertia", out).value_or(Sym3{});
   if (errors != out.errors()) spec.mass = 1, spec.inertia = {};  // reported already: use values that cause no further messages
 

@@ -7,6 +7,20 @@ namespace momentree::io {
 
 namespace {
 
+using namespace type;
+
+constexpr Key chain_entries[] = {
+    {"links", other(R"({"type": "integer", "minimum": 1, "maximum": 1000000})"), "Number of links", nullptr, "how many bodies"},
+    {"length", number(dimension::length, Range::positive), "Distance between consecutive joints", nullptr,
+     "between consecutive joints, such as \"5 cm\""},
+    {"mass", number(dimension::mass), "Mass of each link", nullptr, "of one link, in kg, or a string such as \"10 g\""},
+    {"inertia", moments,
+     "Moments of inertia of each link about its centre of mass, in kg m^2 or strings with units: 1, 3 or 6 values", "0"},
+    {"axis", vector(dimension::number), "Axis of every joint", "[0, 0, 1]"},
+    {"angle", number(dimension::angle), "Initial angle of every joint", "0"},
+    {"angle_growth", boolean, "Link k starts at k·angle", "false"},
+};
+
 struct Chain {
   int links = 0;
   double length = 1, mass = 1, angle = 0;
@@ -44,7 +58,7 @@ BodySpec make_link(const Chain& chain, int k, const std::string& mechanism, bool
 
 Chain read_fields(Fields& fields, int most, Diagnostics& out) {
   Chain chain;
-  if (const Value* links = fields.require("links", "how many bodies")) {
+  if (const Value* links = fields.require("links")) {
     const std::int64_t* n = links->integer();
     if (!n)
       out.error(links->place,
@@ -56,16 +70,16 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
     else
       chain.links = static_cast<int>(*n);
   }
-  fields.require("length", "between consecutive joints, such as \"5 cm\"");
-  chain.length = fields.positive("length", dimension::length).value_or(1);
-  fields.require("mass", "of one link, in kg, or a string such as \"10 g\"");
+  fields.require("length");
+  chain.length = fields.number("length").value_or(1);
+  fields.require("mass");
   const std::size_t errors = out.errors();
-  chain.mass = fields.number("mass", dimension::mass).value_or(1);
+  chain.mass = fields.number("mass").value_or(1);
   if (const Value* inertia = fields.find("inertia")) chain.inertia = read_inertia(*inertia, "inertia", out).value_or(Sym3{});
   if (errors != out.errors()) chain.mass = 1, chain.inertia = {};
-  chain.axis = fields.vec3("axis", dimension::number).value_or(chain.axis);
+  chain.axis = fields.vec3("axis").value_or(chain.axis);
   read_parameters(fields, info(Kind::revolute), chain.parameters, out);
-  chain.angle = fields.number("angle", dimension::angle).value_or(0);
+  chain.angle = fields.number("angle").value_or(0);
   chain.angle_growth = fields.boolean("angle_growth").value_or(false);
   if (chain.parameters.drive && chain.parameters.drive->moves() && fields.has("angle"))
     out.error(fields.place_of("angle"), "angle: the motion of these joints defines where they start", "leave it out");
@@ -75,10 +89,13 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
 
 }  // namespace
 
+constinit const KeyTable chain_table{
+    "[mechanism.chain]", "chain", "A generator: bodies and joints 1 … links along +x", chain_entries, {}, {}, true};
+
 void read_chain(const Value& table, const std::string& mechanism, bool free_root, const Pose& pose, const MechanismState& state,
                 JointTables& joints, std::size_t errors, Reading& reading) {
   Diagnostics& out = reading.out;
-  Fields fields(table, "[mechanism.chain]", out);
+  Fields fields(table, chain_table, out);
   if (!table.table()) return;
   const Chain chain = read_fields(fields, reading.bodies_left, out);
   // The last revolute link represents all: they differ only in their angle, and its angle is the largest.

@@ -13,6 +13,30 @@ namespace momentree::io {
 
 namespace {
 
+using namespace type;
+
+constexpr const char* spring_hint = "of the spring by which one joint follows the other: stiffness = 1e4";
+constexpr Key mimic_entries[] = {
+    {"stiffness", number("SI units of each joint that follows", Range::positive), "Stiffness of the spring", nullptr,
+     spring_hint},
+    {"damping", number("SI units of each joint that follows", Range::not_negative), "Damping", "0"},
+};
+
+constexpr Key coupling_entries[] = {
+    {"joint", string, "Full name of the joint that follows; it has one DoF", nullptr,
+     "the joint that follows, for example \"hand/finger2\""},
+    {"follows", string, "Full name of the joint that leads; it has one DoF", nullptr,
+     "the joint that leads, for example \"hand/finger1\""},
+    {"multiplier", number(dimension::number), "The joint is pulled to multiplier·q + offset, where q is its leader's coordinate",
+     "1"},
+    {"offset", number("rad or m"), "Offset", "0"},
+    {"stiffness", number("N m/rad or N/m of the joint", Range::positive), "Stiffness of the spring", nullptr, spring_hint},
+    {"damping", number("N m s/rad or N s/m of the joint", Range::not_negative), "Damping", "0"},
+};
+
+/// True for a joint with one DoF whose coordinate is a length.
+bool slides(const JointSpec& joint) { return info(joint.kind).q_units[0] == 'm'; }
+
 /// The joint of a name, if it has one DoF and may be driven; else −1, with a report.
 JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
   Diagnostics& out = reading.out;
@@ -45,13 +69,19 @@ JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
 
 }  // namespace
 
-CouplingSpring read_coupling_spring(Fields& fields, bool prismatic) {
-  const Dimension effort = prismatic ? dimension::force : dimension::torque,
-                  way = prismatic ? dimension::length : dimension::angle;
+constinit const KeyTable mimic_table{"mimic", "", "Spring that couples the joints that the model file declares as mimic",
+                                     mimic_entries};
+constinit const KeyTable coupling_table{"[[coupling]]", "coupling",
+                                        "A spring between the coordinates of two joints, by which one follows the other",
+                                        coupling_entries};
+
+CouplingSpring read_coupling_spring(Fields& fields, bool along_axis) {
+  const Dimension effort = along_axis ? dimension::force : dimension::torque,
+                  way = along_axis ? dimension::length : dimension::angle;
   CouplingSpring spring;
-  fields.require("stiffness", "of the spring by which one joint follows the other: stiffness = 1e4");
-  spring.stiffness = fields.positive("stiffness", effort / way).value_or(0);
-  spring.damping = fields.not_negative("damping", effort * dimension::time / way).value_or(0);
+  fields.require("stiffness");
+  spring.stiffness = fields.number("stiffness", effort / way).value_or(0);
+  spring.damping = fields.number("damping", effort * dimension::time / way).value_or(0);
   return spring;
 }
 
@@ -62,8 +92,7 @@ void add_coupling(const JointCoupling& coupling, Place place, Reading& reading) 
   const double size = std::abs(joint.q[0]) + std::abs(coupling.multiplier * leader.q[0]) + std::abs(coupling.offset);
   if (std::abs(apart) > 1e-9 * size + 1e-12) {
     char text[160];
-    std::snprintf(text, sizeof text, " starts %.4g %s from where it should follow ", apart,
-                  joint.joint.kind == Kind::prismatic ? "m" : "rad");
+    std::snprintf(text, sizeof text, " starts %.4g %s from where it should follow ", apart, slides(joint.joint) ? "m" : "rad");
     reading.out.warning(place, "joint " + in_quotes(joint.joint_name) + text + in_quotes(leader.joint_name),
                         "the spring pulls it there from the start");
   }
@@ -73,17 +102,17 @@ void add_coupling(const JointCoupling& coupling, Place place, Reading& reading) 
 
 void read_coupling(const Value& table, Reading& reading) {
   Diagnostics& out = reading.out;
-  Fields fields(table, "[[coupling]]", out);
-  const Value* joint_value = fields.require("joint", "the joint that follows, for example \"hand/finger2\"");
-  const Value* leader_value = fields.require("follows", "the joint that leads, for example \"hand/finger1\"");
+  Fields fields(table, coupling_table, out);
+  const Value* joint_value = fields.require("joint");
+  const Value* leader_value = fields.require("follows");
   const std::size_t errors = out.errors();
   const JointId joint = joint_value ? coupled_joint(*joint_value, "joint", reading) : JointId{-1};
   const JointId leader = leader_value ? coupled_joint(*leader_value, "follows", reading) : JointId{-1};
-  const bool prismatic = joint.index >= 0 && reading.scenario.model[joint].joint.kind == Kind::prismatic;
+  const bool along = joint.index >= 0 && slides(reading.scenario.model[joint].joint);
   JointCoupling coupling;
-  coupling.multiplier = fields.number("multiplier", dimension::number).value_or(1);
-  coupling.offset = fields.number("offset", prismatic ? dimension::length : dimension::angle).value_or(0);
-  const CouplingSpring spring = read_coupling_spring(fields, prismatic);
+  coupling.multiplier = fields.number("multiplier").value_or(1);
+  coupling.offset = fields.number("offset", along ? dimension::length : dimension::angle).value_or(0);
+  const CouplingSpring spring = read_coupling_spring(fields, along);
   fields.finish();
   if (joint.index >= 0 && joint == leader)
     out.error(leader_value->place, "follows: a joint cannot follow itself", "name another one of the same world");
@@ -108,10 +137,11 @@ void check_couplings(Reading& reading) {
     for (const JointId joint : {each.joint, each.leader}) coupled.insert(model[joint].joint_name);
   for (const ScenarioEvent& event : reading.scenario.events)
     for (std::size_t a = 0; a < event.actions.size(); ++a) {
-      if (event.actions[a]->key() != "change") continue;
+      if (event.actions[a]->effect() != JointEffect::replaced) continue;
       for (const std::string& joint : event.actions[a]->joints())
         if (coupled.contains(joint))
-          reading.out.error(event.places[a], "change: joint " + in_quotes(joint) + " is coupled to another",
+          reading.out.error(event.places[a],
+                            std::string(event.actions[a]->key()) + ": joint " + in_quotes(joint) + " is coupled to another",
                             "coupled joints may break, lock and be freed, but not be changed");
     }
 }

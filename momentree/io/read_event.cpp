@@ -1,7 +1,7 @@
 // [[event]]: an instant or condition, and the actions, in the order of its keys.
 #include <algorithm>
 
-#include <momentree/io/scenario_parts.hpp>
+#include <momentree/io/read_action.hpp>
 
 namespace momentree::io {
 
@@ -9,7 +9,7 @@ namespace {
 
 // One event: that of `match`, if its condition has a wildcard. False if it has no effect.
 bool read_one(const Value& table, const std::string& name, bool named, const TriggerMatch* match, Reading& reading) {
-  Fields fields(table, "[[event]]", reading.out);
+  Fields fields(table, event_table, reading.out);
   fields.find("name");
   ScenarioEvent event;
   event.place = fields.place();
@@ -20,9 +20,7 @@ bool read_one(const Value& table, const std::string& name, bool named, const Tri
 
   bool acts = false;
   std::vector<ScenarioEvent> wild;
-  std::vector<std::string> keys = action_keys();
-  // scenario files re-root through other actions; `reroot` alone is for C++
-  keys.erase(std::find(keys.begin(), keys.end(), "reroot"));
+  const std::vector<std::string>& keys = scenario_actions();
   for (const std::string& key : keys) fields.find(key);
   if (const Value::Table* entries = table.table())
     for (const Value::Entry& entry : *entries) {
@@ -41,7 +39,7 @@ bool read_one(const Value& table, const std::string& name, bool named, const Tri
 
 void read_event(const Value& table, int number, Reading& reading) {
   Diagnostics& out = reading.out;
-  Fields fields(table, "[[event]]", out);
+  Fields fields(table, event_table, out);
   std::string event = "#" + std::to_string(number);
   bool named = false;
   if (const auto name = fields.string("name"); name && check_bare_name(*name, fields.place_of("name"), "an event", out)) {

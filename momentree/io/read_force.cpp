@@ -6,6 +6,30 @@ namespace momentree::io {
 
 namespace {
 
+using namespace type;
+
+constexpr Key drag_entries[] = {
+    {"linear", number(dimension::force / dimension::speed, Range::not_negative), "Linear coefficient", "0"},
+    {"quadratic", number("N s^2/m^2, with an area in kg/m^3", Range::not_negative),
+     "Quadratic coefficient; with an area, half of density times drag coefficient", "0"},
+    {"area", number(dimension::length* dimension::length, Range::not_negative), "Area", "1"},
+};
+constexpr KeyTable drag_table{"drag",
+                              "",
+                              "Resistance of still air at `point`: −(linear + quadratic·area·|v|)·v",
+                              drag_entries,
+                              {{KeyRule::How::some, "linear quadratic"}}};
+
+constexpr Key force_entries[] = {
+    {"body", string, "Full name of the body; with a *, one force on each body that matches", nullptr,
+     "the body on which it acts, or \"chain/*\" for each"},
+    {"point", vector(dimension::length), "Point where force and drag act, in the body's frame", "[0, 0, 0]"},
+    {"force", signals(dimension::force), "Force: three components"},
+    {"torque", signals(dimension::torque), "Torque: three components"},
+    {"axes", choice("world|body"), "Axes of force and torque", R"("world")"},
+    {"drag", table(drag_table), ""},
+};
+
 std::array<Signal, 3> read_components(Fields& fields, const char* key, const Dimension& expected, Diagnostics& out) {
   std::array<Signal, 3> all;
   const Value* value = fields.find(key);
@@ -22,13 +46,13 @@ std::array<Signal, 3> read_components(Fields& fields, const char* key, const Dim
 }
 
 void read_drag(const Value& value, Drag& drag, Diagnostics& out) {
-  Fields fields(value, "drag", out);
+  Fields fields(value, drag_table, out);
   if (!value.table()) return;
-  drag.linear = fields.not_negative("linear", dimension::force / dimension::speed).value_or(0);
+  drag.linear = fields.number("linear").value_or(0);
   // With an area, the coefficient is half of density times drag coefficient.
   const Dimension whole = dimension::force / (dimension::speed * dimension::speed), area = dimension::length * dimension::length;
-  drag.quadratic = fields.not_negative("quadratic", fields.has("area") ? whole / area : whole).value_or(0);
-  drag.area = fields.not_negative("area", area).value_or(1);
+  drag.quadratic = fields.number("quadratic", fields.has("area") ? whole / area : whole).value_or(0);
+  drag.area = fields.number("area").value_or(1);
   if (fields.has("area") && !fields.has("quadratic"))
     out.error(fields.place_of("area"), "drag: 'area' goes with 'quadratic'", "the force is quadratic·area·v²");
   if (!fields.has("linear") && !fields.has("quadratic"))
@@ -58,13 +82,16 @@ std::vector<std::string> bodies_named(const Value& value, Reading& reading) {
 
 }  // namespace
 
+constinit const KeyTable force_table{
+    "[[force]]", "force", "An external force on a body", force_entries, {{KeyRule::How::some, "force torque drag"}}};
+
 void read_force(const Value& table, Reading& reading) {
   Diagnostics& out = reading.out;
-  Fields fields(table, "[[force]]", out);
-  const Value* body = fields.require("body", "the body on which it acts, or \"chain/*\" for each");
+  Fields fields(table, force_table, out);
+  const Value* body = fields.require("body");
   const std::vector<std::string> bodies = body ? bodies_named(*body, reading) : std::vector<std::string>{};
   BodyForce force;
-  force.point = fields.vec3("point", dimension::length).value_or(Vec3{});
+  force.point = fields.vec3("point").value_or(Vec3{});
   force.force = read_components(fields, "force", dimension::force, out);
   force.torque = read_components(fields, "torque", dimension::torque, out);
   if (const auto axes = fields.string("axes")) {

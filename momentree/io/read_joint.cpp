@@ -13,11 +13,39 @@ namespace momentree::io {
 
 namespace {
 
+using namespace type;
+
 std::vector<std::string> kind_names() {
   std::vector<std::string> names;
   for (const KindInfo& kind : all_kinds()) names.emplace_back(kind.name);
   return names;
 }
+
+constexpr Key geometry_entries[] = {
+    {"kind", choice(&kind_names), "Kind of joint", nullptr, ""},
+    {"axis", vector(dimension::number), "Axis in the joint's frame, of any length but zero", "[0, 0, 1]", nullptr,
+     &KindInfo::axis},
+    {"axis2", vector(dimension::number), "Second axis, turned by the first rotation", nullptr, nullptr, &KindInfo::axis2},
+    {"pitch", number(dimension::length), "Displacement per turn", nullptr, nullptr, &KindInfo::pitch},
+};
+
+// One number, or a list; quaternions count as coordinates.
+constexpr const char* coordinates =
+    R"({"anyOf": [{"type": ["number", "string"]}, {"type": "array", "items": {"type": ["number", "string"]}, "maxItems": 7}]})";
+constexpr Key starts_entries[] = {
+    {"q", other(coordinates), "Initial coordinates in the order of the kind, in rad and m; quaternions are w, x, y, z"},
+    {"v", other(coordinates), "Initial velocities in the order of the kind, in rad/s and m/s"},
+    {"angle", number(dimension::angle), "Initial angle of a joint with one DoF"},
+    {"position", number("rad or m"), "Initial position of a joint with one DoF"},
+    {"speed", number("rad/s or m/s"), "Initial speed of a joint with one DoF"},
+};
+
+constexpr Key own_entries[] = {
+    {"name", string, "Name within the mechanism; default: that of the body"},
+    {"parent", string, "Parent body; \"ground\", or no key: the ground"},
+    {"at", table(placement_table), "Placement of the joint's frame in the parent's frame"},
+    {"child_at", table(placement_table), "Placement of the joint's frame in the body's frame"},
+};
 
 const KindInfo* read_kind(Fields& fields, Diagnostics& out) {
   std::string all = "one of:";
@@ -80,6 +108,11 @@ void pass_over(Fields& fields) {
 
 }  // namespace
 
+constinit const KeyList joint_geometry = geometry_entries, joint_starts = starts_entries;
+constinit const KeyTable joint_table{"[mechanism.body.joint]",         "joint", "The inboard joint of a body", own_entries, {},
+                                     {&joint_geometry, &joint_starts}, true};
+constinit const KeyTable joint_start_table{"start", "joint_start", "Initial values of a joint", starts_entries};
+
 void read_start(Fields& fields, const KindInfo& kind, Values& q, Values& v, Diagnostics& out) {
   const Value* list = fields.find("q");
   const Value* rates = fields.find("v");
@@ -131,7 +164,7 @@ void start_motion(BodySpec& spec, const std::optional<Place>& q, const std::opti
 
 void read_joint(const Value& table, BodyEntry& body, Reading& reading) {
   Diagnostics& out = reading.out;
-  Fields fields(table, "[mechanism.body.joint]", out);
+  Fields fields(table, joint_table, out);
   if (!table.table()) return;
   BodySpec& spec = body.spec;
   body.joint = &table;
@@ -184,7 +217,7 @@ bool report_problems(const JointSpec& joint, const Fields& fields, Diagnostics& 
 void read_joint_state(const Value& value, std::string_view joint, BodySpec& spec, Diagnostics& out) {
   const KindInfo& kind = info(spec.joint.kind);
   if (value.table()) {
-    Fields fields(value, in_quotes(joint), out, "start");
+    Fields fields(value, joint_start_table, out, in_quotes(joint));
     read_start(fields, kind, spec.q, spec.v, out);
     start_motion(spec, first_of(fields, {"q", "angle", "position"}), first_of(fields, {"v", "speed"}), out);
     fields.finish();

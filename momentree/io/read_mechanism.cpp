@@ -9,6 +9,40 @@ namespace momentree::io {
 
 namespace {
 
+using namespace type;
+
+constexpr Key velocity_entries[] = {
+    {"linear", vector(dimension::speed), "Velocity of the origin of its frame", "[0, 0, 0]"},
+    {"angular", vector(dimension::angular_speed), "Angular velocity", "[0, 0, 0]"},
+};
+constexpr KeyTable velocity_table{"velocity", "", "Velocity of a free root body, in its own axes", velocity_entries};
+
+constexpr Key state_entries[] = {
+    {"joints",
+     other(R"({"type": "object", "additionalProperties": {"anyOf": [{"type": ["number", "string"]},
+      {"type": "array", "items": {"type": ["number", "string"]}}, @]}})",
+           joint_start_table),
+     "By the names of the joints: a number, a list of coordinates, or a table"},
+    {"velocity", table(velocity_table), ""},
+};
+constexpr KeyTable state_table{"state", "", "Initial values", state_entries};
+
+constexpr Key mechanism_entries[] = {
+    {"name", string, "Prefix of the names of its bodies and joints", nullptr, "for example name = \"arm\""},
+    {"root", choice("fixed|free"), "How to hold a root body that has no joint", R"("fixed")"},
+    {"pose", table(placement_table), "Placement of the mechanism's frame in the world"},
+    {"roots", other(R"({"type": "integer", "minimum": 1, "maximum": 1000000})"), "Number of bodies that are joined to the ground",
+     "1"},
+    {"chain", table(chain_table), ""},
+    {"body", tables(body_table), "The bodies"},
+    {"state", other(R"({"anyOf": [{"type": "string"}, @]})", state_table), "Initial values, or the name of a state document"},
+    {"model", string, "Model file, relative to the scenario"},
+    {"joint", other(R"({"type": "object", "additionalProperties": @})", joint_override_table),
+     "For joints of a model or a chain, by their names; a * matches all joints that support the key"},
+    {"limits", boolean, "Whether the limits of the model file are stops", "false"},
+    {"mimic", table(mimic_table), ""},
+};
+
 MechanismState read_state(const Value& value, const std::string& mechanism, Reading& reading) {
   MechanismState state;
   Diagnostics& out = reading.out;
@@ -22,7 +56,7 @@ MechanismState read_state(const Value& value, const std::string& mechanism, Read
     out.error(value.place, std::string("state: expected a table or the name of a file, found ") + value.type_name());
     return state;
   }
-  Fields fields(value, "state", out);
+  Fields fields(value, state_table, out);
   if (const Value* joints = fields.find("joints")) {
     if (!joints->table())
       out.error(joints->place, std::string("state.joints: expected a table, found ") + joints->type_name(),
@@ -196,10 +230,16 @@ void read_bodies(const Value& list, const std::string& mechanism, Held held, con
 
 }  // namespace
 
+constinit const KeyTable mechanism_table{"[[mechanism]]",
+                                         "mechanism",
+                                         "A tree of bodies: a model, a chain, or a list of bodies",
+                                         mechanism_entries,
+                                         {{KeyRule::How::one, "model chain body"}}};
+
 void read_root_velocity(const Value& value, BodySpec& root, Diagnostics& out) {
-  Fields fields(value, "velocity", out);
-  const Vec3 linear = fields.vec3("linear", dimension::speed).value_or(Vec3{});
-  const Vec3 angular = fields.vec3("angular", dimension::angular_speed).value_or(Vec3{});
+  Fields fields(value, velocity_table, out);
+  const Vec3 linear = fields.vec3("linear").value_or(Vec3{});
+  const Vec3 angular = fields.vec3("angular").value_or(Vec3{});
   fields.finish();
   if (root.joint.kind != Kind::free) {
     out.error(value.place, "velocity: the root body is not free: its joint gives its velocity",
@@ -216,8 +256,8 @@ void read_root_velocity(const Value& value, BodySpec& root, Diagnostics& out) {
 void read_mechanism(const Value& table, Reading& reading) {
   Diagnostics& out = reading.out;
   const std::size_t errors = out.errors();
-  Fields fields(table, "[[mechanism]]", out);
-  fields.require("name", "for example name = \"arm\"");
+  Fields fields(table, mechanism_table, out);
+  fields.require("name");
   std::string name = fields.string("name").value_or("");
   if (fields.has("name") && table.find("name")->value.string() &&
       check_bare_name(name, fields.place_of("name"), "a mechanism", out))
@@ -238,7 +278,7 @@ void read_mechanism(const Value& table, Reading& reading) {
                                      "[mechanism.joint.elbow] with limits = { lower = …, upper = … }");
   std::optional<CouplingSpring> mimic;
   if (const Value* spring = fields.find("mimic")) {
-    Fields parts(*spring, "mimic", out);
+    Fields parts(*spring, mimic_table, out);
     mimic = read_coupling_spring(parts, false);
     parts.finish();
     if (!model)

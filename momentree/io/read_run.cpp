@@ -11,10 +11,35 @@
 
 namespace momentree::io {
 
+namespace {
+
+using namespace type;
+
+constexpr Key world_entries[] = {{"gravity", vector(dimension::acceleration), "Gravity", "[0, 0, -9.81]"}};
+
+constexpr Key integrate_entries[] = {
+    {"method", choice(&integration_methods), "Integration method", R"("rk4")"},
+    {"step", number(dimension::time, Range::positive), "Step; for adaptive methods the first one", "0.001"},
+    {"event_tolerance", number(dimension::time, Range::positive), "Accuracy of located instants", "1e-10"},
+    {"until", number(dimension::time, Range::not_negative), "End of the run", "10"},
+    {"rtol", number(dimension::number, Range::positive), "Adaptive methods: relative error per step", "1e-8"},
+    {"atol", number(dimension::number, Range::positive), "Adaptive methods: absolute error per step", "1e-10"},
+    {"max_step", number(dimension::time, Range::positive), "Adaptive methods: the longest step; default: no limit"},
+};
+
+constexpr Key output_entries[] = {
+    {"every", number(dimension::time, Range::not_negative), "Time between rows of the tables; 0: every step", "0"}};
+
+}  // namespace
+
+constinit const KeyTable world_table{"[world]", "", "The world", world_entries};
+constinit const KeyTable integrate_table{"[integrate]", "", "Integration", integrate_entries};
+constinit const KeyTable output_table{"[output]", "", "Output", output_entries};
+
 void read_world(const Value& table, Reading& reading) {
-  Fields fields(table, "[world]", reading.out);
+  Fields fields(table, world_table, reading.out);
   fields.later({"floor"}, "there is no contact: bodies pass through each other");
-  if (const auto gravity = fields.vec3("gravity", dimension::acceleration)) reading.scenario.model.set_gravity(*gravity);
+  if (const auto gravity = fields.vec3("gravity")) reading.scenario.model.set_gravity(*gravity);
   fields.finish();
 }
 
@@ -37,7 +62,7 @@ void check_event_tolerance(double tolerance, Place place, Reading& reading) {
 
 void read_integrate(const Value& table, Reading& reading) {
   Diagnostics& out = reading.out;
-  Fields fields(table, "[integrate]", out);
+  Fields fields(table, integrate_table, out);
   Integration& integration = reading.scenario.integration;
   if (const auto method = fields.string("method")) {
     const std::vector<std::string> known = integration_methods();
@@ -57,12 +82,12 @@ void read_integrate(const Value& table, Reading& reading) {
     }
   }
   fields.later({"simultaneous", "resolve"}, "there is no contact: bodies pass through each other");
-  integration.step = fields.positive("step", dimension::time).value_or(integration.step);
-  integration.event_tolerance = fields.positive("event_tolerance", dimension::time).value_or(integration.event_tolerance);
-  reading.scenario.until = fields.not_negative("until", dimension::time).value_or(reading.scenario.until);
-  integration.rtol = fields.positive("rtol", dimension::number).value_or(integration.rtol);
-  integration.atol = fields.positive("atol", dimension::number).value_or(integration.atol);
-  integration.max_step = fields.positive("max_step", dimension::time).value_or(integration.max_step);
+  integration.step = fields.number("step").value_or(integration.step);
+  integration.event_tolerance = fields.number("event_tolerance").value_or(integration.event_tolerance);
+  reading.scenario.until = fields.number("until").value_or(reading.scenario.until);
+  integration.rtol = fields.number("rtol").value_or(integration.rtol);
+  integration.atol = fields.number("atol").value_or(integration.atol);
+  integration.max_step = fields.number("max_step").value_or(integration.max_step);
   if (!is_adaptive(integration.method))
     for (const char* key : {"rtol", "atol", "max_step"})
       if (fields.has(key))
@@ -92,8 +117,8 @@ void check_tolerance(Reading& reading) {
 }
 
 void read_output(const Value& table, Reading& reading) {
-  Fields fields(table, "[output]", reading.out);
-  if (const auto every = fields.not_negative("every", dimension::time)) {
+  Fields fields(table, output_table, reading.out);
+  if (const auto every = fields.number("every")) {
     reading.scenario.output_every = *every;
     reading.integrate.every = fields.place_of("every");
     const std::optional<Error> wrong =

@@ -10,6 +10,33 @@ namespace momentree::io {
 
 namespace {
 
+using namespace type;
+
+constexpr Key cylinder_entries[] = {
+    {"radius", number(dimension::length, Range::positive), "Radius", nullptr, ""},
+    {"length", number(dimension::length, Range::positive), "Height", nullptr, ""},
+};
+constexpr KeyTable cylinder_table{"cylinder", "", "A cylinder along z", cylinder_entries};
+constexpr Key capsule_entries[] = {
+    {"radius", number(dimension::length, Range::positive), "Radius", nullptr, ""},
+    {"length", number(dimension::length, Range::positive), "Distance between the centres of its caps", nullptr, ""},
+};
+constexpr KeyTable capsule_table{"capsule", "", "A capsule along z", capsule_entries};
+
+constexpr Key shape_entries[] = {
+    {"box", vector(dimension::length), "A box: its three edges"},
+    {"sphere", number(dimension::length, Range::positive), "A sphere: its radius"},
+    {"cylinder", table(cylinder_table), ""},
+    {"capsule", table(capsule_table), ""},
+    {"mesh", string, "A mesh: a file in the scenario's folder or below it"},
+    {"scale", other(R"({"anyOf": [{"type": ["number", "string"]},
+      {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 3, "maxItems": 3}]})"),
+     "Scale of a mesh: one factor, or one along each axis", "1"},
+    {"at", table(placement_table), "Placement of the shape's centre in the body's frame"},
+    {"colour", string, "Colour: \"#rrggbb\" or a name; default: that of the mechanism"},
+    {"color", string, "The same as colour"},
+};
+
 bool is_colour(const std::string& text) {
   const auto hexadecimal = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); };
   return text.size() == 7 && text[0] == '#' && std::all_of(text.begin() + 1, text.end(), hexadecimal);
@@ -65,19 +92,19 @@ void read_scale(const Value& value, Shape& shape, Diagnostics& out) {
 }
 
 // cylinder and capsule
-void read_round(const Value& value, Shape::Kind kind, const char* key, Shape& shape, Diagnostics& out) {
-  Fields fields(value, key, out);
+void read_round(const Value& value, Shape::Kind kind, const KeyTable& keys, Shape& shape, Diagnostics& out) {
+  Fields fields(value, keys, out);
   shape.kind = kind;
   fields.require("radius");
   fields.require("length");
-  shape.radius = fields.positive("radius", dimension::length).value_or(1);
-  shape.length = fields.positive("length", dimension::length).value_or(1);
+  shape.radius = fields.number("radius").value_or(1);
+  shape.length = fields.number("length").value_or(1);
   fields.finish();
 }
 
 Shape read_one(const Value& value, Reading& reading) {
   Diagnostics& out = reading.out;
-  Fields fields(value, "shape", out);
+  Fields fields(value, shape_table, out);
   Shape shape;
   int kinds = 0;
   if (const Value* box = fields.find("box"); box && ++kinds) {
@@ -92,9 +119,9 @@ Shape read_one(const Value& value, Reading& reading) {
     if (!(shape.radius > 0)) out.error(sphere->place, "sphere: its radius must be greater than 0");
   }
   if (const Value* cylinder = fields.find("cylinder"); cylinder && ++kinds)
-    read_round(*cylinder, Shape::Kind::cylinder, "cylinder", shape, out);
+    read_round(*cylinder, Shape::Kind::cylinder, cylinder_table, shape, out);
   if (const Value* capsule = fields.find("capsule"); capsule && ++kinds)
-    read_round(*capsule, Shape::Kind::capsule, "capsule", shape, out);
+    read_round(*capsule, Shape::Kind::capsule, capsule_table, shape, out);
   if (const Value* mesh = fields.find("mesh"); mesh && ++kinds) read_mesh(*mesh, shape, reading);
   if (const Value* scale = fields.find("scale")) {
     if (shape.kind == Shape::Kind::mesh || fields.has("mesh"))
@@ -111,6 +138,9 @@ Shape read_one(const Value& value, Reading& reading) {
 }
 
 }  // namespace
+
+constinit const KeyTable shape_table{
+    "shape", "shape", "A shape, for pictures only", shape_entries, {{KeyRule::How::not_two, "box sphere cylinder capsule mesh"}}};
 
 Shape read_shape(const Value& value, Reading& reading) {
   const Value::Array* several = value.array();

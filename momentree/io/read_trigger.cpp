@@ -9,7 +9,42 @@ namespace momentree::io {
 
 namespace {
 
+using namespace type;
+
+constexpr Key after_entries[] = {
+    {"event", string, "Name of the event", nullptr, ""},
+    {"delay", number(dimension::time, Range::not_negative), "Delay after that event", "0"},
+};
+constexpr KeyTable after_table{"after", "", "A delay after another event", after_entries};
+
+constexpr Key condition_entries[] = {
+    {"exceeds", number("the unit of the quantity"), "Threshold: the event happens when the quantity rises above it"},
+    {"below", number("the unit of the quantity"), "Threshold: the event happens when the quantity falls below it"},
+};
+
+constexpr Key event_entries[] = {
+    {"name", string, "Name; default: #1, #2 … by its position in the file"},
+    {"at", number(dimension::time, Range::not_negative), "Instant"},
+    {"when", table(condition_table), ""},
+    {"after", other(R"({"anyOf": [{"type": "string"}, @]})", after_table),
+     "Name of another event that it follows, or a delay after it"},
+    {"every", number(dimension::time, Range::positive), "Period"},
+    {"from", number(dimension::time, Range::not_negative), "With every: the first instant", "0"},
+    {"repeat", boolean, "With when: fires again after the quantity has gone back past the threshold", "false"},
+    {"for", number(dimension::time, Range::positive), "With when: fires only after the condition has held this long"},
+    {"locate", choice("exact|per step"), "With when: how the instant is located", R"("exact")"},
+    {"hysteresis", number("the unit of the quantity"),
+     "With repeat: how far back past the threshold; default: 1 % of the threshold"},
+};
+
+constexpr Key point_entries[] = {
+    {"body", string, "Full name of the body", nullptr, ""},
+    {"point", vector(dimension::length), "Point in the body's frame", "[0, 0, 0]"},
+};
+
 constexpr double unknown_time = std::numeric_limits<double>::infinity();
+
+using momentree::Quantity;  // not that of joint parameters
 
 class QuantityReader final : public QuantityFields {
  public:
@@ -46,9 +81,9 @@ class QuantityReader final : public QuantityFields {
     Place place = entry->place;
     std::optional<std::string> name;
     if (entry->table()) {
-      Fields fields(*entry, key_, out_);
+      Fields fields(*entry, point_table, out_, key_);
       if (const Value* given = fields.require("body")) name = read_string(*given, "body", out_), place = given->place;
-      point = fields.vec3("point", dimension::length).value_or(Vec3{});
+      point = fields.vec3("point").value_or(Vec3{});
       fields.finish();
     } else {
       name = read_string(*entry, key_, out_);
@@ -122,7 +157,7 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
   Diagnostics& out = reading.out;
   const std::size_t errors = out.errors();
   const std::vector<std::string> keys = quantity_keys();  // they outlive the fields, which store views of them
-  Fields fields(when, "when", out);
+  Fields fields(when, condition_table, out);
   std::shared_ptr<momentree::Quantity> quantity;
   std::string all = "one of:";
   for (const std::string& key : keys) {
@@ -153,32 +188,49 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
   if (out.errors() != errors || !quantity) return std::nullopt;
   const auto number = read_number(*threshold, quantity->dimension(), above ? "exceeds" : "below", out);
   if (!number) return std::nullopt;
-  const bool never_negative = (quantity->is_load() && quantity->key() != "reaction") || quantity->key() == "distance" ||
-                              quantity->key() == "kinetic_energy";
-  if (never_negative && !(*number > 0)) {
+  if (quantity->never_negative() && !(*number > 0)) {
     out.error(threshold->place, "when: " + std::string(quantity->key()) + " is never negative: the threshold must be positive");
     return std::nullopt;
   }
   return Condition(std::move(quantity), *number, above);
 }
 
-// False if the unit of the threshold does not fit prismatic joints, or revolute ones.
-bool fits_unit(const Value& when, bool prismatic, bool of_speed) {
-  const Dimension way = prismatic ? dimension::length : dimension::angle, dimension = of_speed ? way / dimension::time : way;
+// What a quantity belongs to.
+struct Subject final : QuantityFields {
+  void joint(std::string&) override { joints = true; }
+  void mechanism(std::string&) override {}
+  void point(int, int, std::string&, Vec3&) override { bodies = true; }
+  void component(std::string&) override {}
+  bool joints = false, bodies = false;
+};
+
+// False if the unit of the threshold does not fit this quantity of a prismatic joint, or of a revolute one.
+bool fits_unit(const Value& when, momentree::Quantity& quantity, bool slides) {
+  if (auto* of_joint = dynamic_cast<quantities::SingleDof*>(&quantity)) of_joint->turns = !slides;
   for (const char* key : {"exceeds", "below"})
     if (const Value::Entry* threshold = when.find(key); threshold && threshold->value.string()) {
       QuantityProblem ignored;
-      return parse_quantity(*threshold->value.string(), dimension, ignored).has_value();
+      return parse_quantity(*threshold->value.string(), quantity.dimension(), ignored).has_value();
     }
   return true;
 }
 
 }  // namespace
 
+constinit const KeyTable condition_table{
+    "when", "condition", "A quantity and its threshold", condition_entries, {{KeyRule::How::one, "exceeds below"}}};
+constinit const KeyTable event_table{"[[event]]",
+                                     "event",
+                                     "An event: its instant, and one or more actions",
+                                     event_entries,
+                                     {{KeyRule::How::one, "at when after every"}}};
+constinit const KeyTable point_table{"point", "point", "A point of a body", point_entries};
+
 std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, Reading& reading) {
   const Value::Entry* when = event.find("when");
   const Value *pattern = nullptr, *another = nullptr;
-  bool bodies = false, of_one = false, speed = false;
+  std::shared_ptr<momentree::Quantity> what;
+  Subject subject;
   if (!when || !when->value.table()) return std::nullopt;
   const auto visit = [&](const Value& name) {
     if (!name.string() || name.string()->find('*') == std::string::npos) return;
@@ -187,10 +239,11 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
   };
   for (const std::string& key : quantity_keys()) {
     const Value::Entry* quantity = when->value.find(key);
-    if (!quantity || key == "kinetic_energy") continue;  // names a mechanism
-    bodies = key == "distance" || key == "height";
-    of_one = key == "position" || key == "speed";
-    speed = key == "speed";
+    if (!quantity) continue;
+    what = make_quantity(key);
+    subject = {};
+    what->fields(subject);
+    if (!subject.joints && !subject.bodies) continue;  // names a mechanism
     const auto visit_entries = [&visit](const Value& entry) {
       visit(entry);
       for (const char* field : {"joint", "body"})
@@ -213,6 +266,7 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
   int others = 0;
   std::vector<TriggerMatch> of_other_unit;
   const Model& model = reading.scenario.model;
+  const bool bodies = subject.bodies, of_one = what->of_single_dof();
   for (const std::string& found : bodies ? matching_bodies(name, reading) : matching_joints(name, reading)) {
     TriggerMatch match{name, found, found};
     if (bodies && model.has_body(found)) match.joint = model[model.body(found)].joint_name;
@@ -220,7 +274,7 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
       const BodySpec& joint = model[model.joint(found)];
       if (of_one && (info(joint.joint.kind).nv != 1 || info(joint.joint.kind).nq != 1) && ++others) continue;
       match.body = joint.name;
-      if (of_one && !fits_unit(when->value, info(joint.joint.kind).v_units[0] == 'm', speed)) {
+      if (of_one && !fits_unit(when->value, *what, info(joint.joint.kind).v_units[0] == 'm')) {
         of_other_unit.push_back(std::move(match));
         continue;
       }
@@ -250,7 +304,7 @@ void read_trigger(Fields& fields, ScenarioEvent& event, const TriggerMatch* matc
     out.error(fields.place(), "event " + in_quotes(event.name) + " has more than one of at, when, after and every",
               "write two events");
 
-  if (const auto at = fields.not_negative("at", dimension::time)) event.time = *at;
+  if (const auto at = fields.number("at")) event.time = *at;
   if (const Value* when = fields.find("when")) {
     event.time = unknown_time;
     event.condition = read_condition(*when, match, reading);
@@ -258,9 +312,9 @@ void read_trigger(Fields& fields, ScenarioEvent& event, const TriggerMatch* matc
   if (const Value* after = fields.find("after")) {
     event.time = unknown_time;
     if (after->table()) {
-      Fields inner(*after, "after", out);
+      Fields inner(*after, after_table, out);
       if (const Value* name = inner.require("event")) event.after = read_string(*name, "event", out).value_or("");
-      event.delay = inner.not_negative("delay", dimension::time).value_or(0);
+      event.delay = inner.number("delay").value_or(0);
       inner.finish();
     } else if (is_time(*after)) {
       out.error(after->place, "after: names no event",
@@ -270,14 +324,14 @@ void read_trigger(Fields& fields, ScenarioEvent& event, const TriggerMatch* matc
     }
     event.after_place = after->place;
   }
-  if (const auto every = fields.positive("every", dimension::time)) event.period = *every;
-  if (const auto from = fields.not_negative("from", dimension::time)) {
+  if (const auto every = fields.number("every")) event.period = *every;
+  if (const auto from = fields.number("from")) {
     event.time = *from;
     if (!fields.has("every")) out.error(fields.place_of("from"), "'from' goes with 'every'");
   }
 
   const auto repeat = fields.boolean("repeat");
-  const auto lasting = fields.positive("for", dimension::time);
+  const auto lasting = fields.number("for");
   const auto locate = fields.string("locate");
   const Value* hysteresis = fields.find("hysteresis");
   if (!fields.has("when")) {

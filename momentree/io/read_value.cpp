@@ -12,6 +12,13 @@ namespace momentree::io {
 
 namespace {
 
+constexpr Key placement_entries[] = {
+    {"xyz", type::vector(dimension::length), "Position", "[0, 0, 0]"},
+    {"rpy", type::vector(dimension::angle), "Rotations about the fixed x, y and z axes, in this order", "[0, 0, 0]"},
+    {"quat", type::other(R"({"type": "array", "items": {"type": ["number", "string"]}, "minItems": 4, "maxItems": 4})"),
+     "Unit quaternion w, x, y, z"},
+};
+
 std::string no_cure() { return {}; }
 
 std::string labelled(std::string_view label, std::string_view what) { return std::string(label) + ": " + std::string(what); }
@@ -34,6 +41,12 @@ const Value::Array* list_of(const Value& value, std::string_view label, std::str
 }
 
 }  // namespace
+
+constinit const KeyTable placement_table{"placement",
+                                         "placement",
+                                         "A placement: a position, and a rotation as rpy or as a quaternion",
+                                         placement_entries,
+                                         {{KeyRule::How::not_two, "rpy quat"}}};
 
 std::optional<double> read_number(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
   const std::optional<double> number = read_plain_number(value, expected, label, out);
@@ -89,11 +102,11 @@ std::optional<Pose> read_pose(const Value& value, std::string_view label, Diagno
     out.error(value.place, labelled(label, "expected a table, found ") + value.type_name(), cure_of_placement(label, value));
     return {};
   }
-  Fields fields(value, in_quotes(label), out, "placement");
+  Fields fields(value, placement_table, out, in_quotes(label));
   const std::size_t errors = out.errors();
   Pose pose;
-  if (const auto xyz = fields.vec3("xyz", dimension::length)) pose.position = *xyz;
-  if (const auto rpy = fields.vec3("rpy", dimension::angle)) pose.rotation = from_rpy(rpy->x, rpy->y, rpy->z);
+  if (const auto xyz = fields.vec3("xyz")) pose.position = *xyz;
+  if (const auto rpy = fields.vec3("rpy")) pose.rotation = from_rpy(rpy->x, rpy->y, rpy->z);
   if (const Value* quat = fields.find("quat")) {
     if (fields.has("rpy")) out.error(quat->place, labelled(label, "takes 'rpy' or 'quat', not both"));
     if (const Value::Array* entries = list_of(*quat, "quat", "four numbers w, x, y, z", {4}, out, no_cure)) {

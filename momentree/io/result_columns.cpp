@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include <momentree/io/number_text.hpp>
-#include <momentree/simulate/actions/attach.hpp>
 #include <momentree/simulate/instant.hpp>
 
 namespace momentree::io {
@@ -77,9 +76,9 @@ std::vector<JointKinds> joints_of(const Simulation& simulation, const DryRun& dr
     for (const ScenarioEvent& event : scenario.events)
       for (std::size_t a = 0; a < event.actions.size(); ++a) {
         const ActionBase& action = *event.actions[a];
-        if (const auto* joins = dynamic_cast<const actions::Attach*>(&action))
-          widen(made_joint_name({event.name, event.named, event.actions}, a), joins->joint.spec.kind);
-        if (action.key() != "break") continue;
+        if (const std::string made = made_joint_name({event.name, event.named, event.actions}, a); !made.empty())
+          widen(made, action.resulting_kind().value_or(Kind::free));
+        if (action.effect() != JointEffect::removed) continue;
         for (const std::string& joint : action.joints()) {
           if (!model.has_joint(joint)) continue;
           const std::string& body = model[model.joint(joint)].name;

@@ -14,6 +14,21 @@ namespace momentree::io {
 
 namespace {
 
+using namespace type;
+
+constexpr Key keys_entries[] = {
+    {"format", other(R"({"const": 1})"), "Version of the format"},
+    {"title", string, "Title, shown with the results"},
+    {"world", table(world_table), ""},
+    {"state", string, "State document to start from, such as the final.json of another run"},
+    {"mechanism", tables(mechanism_table), "The mechanisms", nullptr, "add [[mechanism]] tables"},
+    {"force", tables(force_table), "External forces on bodies"},
+    {"coupling", tables(coupling_table), "Joints that follow others"},
+    {"event", tables(event_table), "The events"},
+    {"integrate", table(integrate_table), ""},
+    {"output", table(output_table), ""},
+};
+
 constexpr std::uintmax_t largest_file = 256u << 20;
 constexpr std::size_t largest_unknown = 1u << 20;  // limit for files not recognised as scenarios: larger ones are not read
 
@@ -84,7 +99,7 @@ void check_whole(Reading& reading) {
 
 void read_document(const Value& document, Reading& reading) {
   Diagnostics& out = reading.out;
-  Fields fields(document, "a scenario", out);
+  Fields fields(document, scenario_table, out);
   read_format(fields, out);
   read_title(fields, reading);
   if (const Value* world = fields.find("world")) read_world(*world, reading);
@@ -224,6 +239,9 @@ ReadResult refused(const std::string& path, std::string what, std::string hint) 
 }
 
 }  // namespace
+
+constinit const KeyTable scenario_table{
+    "a scenario", "", "A scenario: mechanisms, events, and the settings for integration and output", keys_entries};
 
 ReadResult read_scenario(const std::string& path, const std::vector<std::string>& overrides) {
   std::string text;

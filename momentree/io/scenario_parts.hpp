@@ -45,6 +45,7 @@ struct Reading {
     std::string name, key;
     Place place{};
     double time = 0;
+    bool of_parameters = false;  ///< of an action that sets parameters, which comes after the other actions of its instant
   };
   struct LateEntry {
     std::shared_ptr<ActionBase> action;
@@ -159,8 +160,8 @@ std::vector<std::string> matching_bodies(const std::string& pattern, Reading& re
 void read_force(const Value& table, Reading& reading);
 
 void read_coupling(const Value& table, Reading& reading);
-/// Reads stiffness and damping; `prismatic`: of a prismatic joint, in N/m and N s/m.
-CouplingSpring read_coupling_spring(Fields& fields, bool prismatic);
+/// Reads stiffness and damping; `along_axis`: of a joint whose coordinate is a length, in N/m and N s/m.
+CouplingSpring read_coupling_spring(Fields& fields, bool along_axis);
 /// Adds the coupling, with a warning if the joint does not start at the position that the coupling requires.
 void add_coupling(const JointCoupling& coupling, Place place, Reading& reading);
 /// Reports joints that follow themselves through others, and events that change coupled joints: the effect of such a change on

@@ -54,10 +54,12 @@ class ScheduleChecker {
     const At* before = origin(at);
     // Any match of a condition may never happen.
     if (before != nullptr && event(before->first).wild && event(before->first).condition) return;
-    if (before != nullptr && key(at) == "break" && key(*before) == "break")
+    const JointEffect effect = action(at).effect();
+    const bool removed = before != nullptr && action(*before).effect() == JointEffect::removed;
+    if (removed && effect == JointEffect::removed)
       add(at, "joint " + in_quotes(action(at).joints().front()) + " is broken already on " + place(*before),
           "a joint can break only once");
-    else if (before != nullptr && key(*before) == "break" && (key(at) == "lock" || key(at) == "change"))
+    else if (removed && (effect == JointEffect::held || effect == JointEffect::replaced))
       add(at, "joint " + in_quotes(action(at).joints().front()) + " will be broken by then, by " + described(*before),
           "to hold the separated part where it is, weld its body to the ground");
     else if (before != nullptr)

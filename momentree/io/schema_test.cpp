@@ -1,5 +1,5 @@
-// docs/scenario.schema.json has exactly the keys that the reader accepts, in every table.
-#include <fstream>
+// The schema of scenarios has exactly the keys and words that the reader accepts, in every table.
+#include <functional>
 #include <map>
 #include <set>
 #include <sstream>
@@ -8,7 +8,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include <momentree/integrate/integrator.hpp>
 #include <momentree/io/mistakes/mistakes.hpp>
+#include <momentree/io/read_action.hpp>
+#include <momentree/io/schema.hpp>
 #include <tests/bad_input.hpp>
 
 namespace momentree::io {
@@ -54,7 +57,7 @@ const std::vector<Table>& tables() {
   static const std::string d = "/definitions/";
   static const std::string start = d + "mechanism/properties/state/anyOf/1";
   const auto state = [](const std::string& what) { return head + "state = " + what + "\n" + one_body.substr(head.size()); };
-  const auto action = [&](const char* key) { return d + "event/properties/" + key + "/anyOf/0"; };
+  const auto action = [&](const char* key) { return d + key + "_action"; };
   static const std::vector<Table> all{
       {"", {value + "\n" + one_body}},
       {"/properties/world", {one_body + "[world]\n" + value}},
@@ -65,35 +68,35 @@ const std::vector<Table>& tables() {
       {d + "body", {one_body + value}},
       {d + "joint",
        {joint(value), other_kind("universal", "axis2 = [1, 0, 0]\n" + value), other_kind("helical", "pitch = 1\n" + value)}},
-      {d + "joint_values", {chain + "[mechanism.joint.2]\n" + value}},
-      {d + "pose", {joint("at = { " + value + " }")}},
+      {d + "joint_override", {chain + "[mechanism.joint.2]\n" + value}},
+      {d + "placement", {joint("at = { " + value + " }")}},
       {d + "drive", {joint("drive = { effort = 1, " + value + " }")}},
-      {d + "drive/properties/pd", {joint("drive = { pd = { kp = 1, " + value + " } }")}},
+      {d + "pd", {joint("drive = { pd = { kp = 1, " + value + " } }")}},
       {d + "friction", {joint("friction = { " + value + " }")}},
       {d + "limits", {joint("limits = { " + value + " }")}},
       {d + "strength", {joint("strength = { " + value + " }")}},
-      {d + "signal/anyOf/1", {joint("drive = { effort = { " + value + " } }")}},
-      {d + "signal/anyOf/1/properties/sine", {joint("drive = { effort = { sine = { " + value + " } } }")}},
+      {d + "signal", {joint("drive = { effort = { " + value + " } }")}},
+      {d + "signal/properties/sine", {joint("drive = { effort = { sine = { " + value + " } } }")}},
       {d + "shape", {one_body + "shape = { " + value + " }"}},
       {d + "shape/properties/cylinder", {one_body + "shape = { cylinder = { " + value + " } }"}},
       {d + "shape/properties/capsule", {one_body + "shape = { capsule = { " + value + " } }"}},
       {start, {state("{ " + value + " }")}},
       {start + "/properties/velocity", {state("{ velocity = { " + value + " } }")}},
-      {start + "/properties/joints/additionalProperties/anyOf/2", {state("{ joints = { a = { " + value + " } } }")}},
+      {d + "joint_start", {state("{ joints = { a = { " + value + " } } }")}},
       {d + "force", {one_body + "[[force]]\nbody = \"m/a\"\n" + value}},
       {d + "force/properties/drag", {one_body + "[[force]]\nbody = \"m/a\"\ndrag = { " + value + " }"}},
       {d + "coupling", {one_body + "[[coupling]]\njoint = \"m/a\"\nfollows = \"m/a\"\nstiffness = 1\n" + value}},
       {d + "mechanism/properties/mimic", {head + "mimic = { stiffness = 1, " + value + " }\n" + one_body.substr(head.size())}},
       {d + "event", {event(value)}},
-      {d + "when", {event("when = { " + value + " }")}},
-      {d + "when/properties/reaction", {event("when = { reaction = { " + value + " } }")}},
-      {d + "when/properties/height/anyOf/1", {event("when = { height = { " + value + " } }")}},
-      {d + "when/properties/distance/items/anyOf/1", {event("when = { distance = [{ " + value + " }, \"m/a\"] }")}},
+      {d + "condition", {event("when = { " + value + " }")}},
+      {d + "condition/properties/reaction", {event("when = { reaction = { " + value + " } }")}},
+      {d + "point",
+       {event("when = { height = { " + value + " } }"), event("when = { distance = [{ " + value + " }, \"m/a\"] }")}},
       {d + "event/properties/after/anyOf/1", {event("after = { " + value + " }")}},
-      {action("break") + "/anyOf/1", {event("at = 1\nbreak = { " + value + " }")}},
-      {action("free") + "/anyOf/1", {event("at = 1\nfree = { " + value + " }")}},
-      {action("lock") + "/anyOf/1", {event("at = 1\nlock = { " + value + " }")}},
-      {action("unlock") + "/anyOf/1", {event("at = 1\nunlock = { " + value + " }")}},
+      {action("break"), {event("at = 1\nbreak = { " + value + " }")}},
+      {action("free"), {event("at = 1\nfree = { " + value + " }")}},
+      {action("lock"), {event("at = 1\nlock = { " + value + " }")}},
+      {action("unlock"), {event("at = 1\nunlock = { " + value + " }")}},
       {action("weld"), {event("at = 1\nweld = { " + value + " }")}},
       {action("impulse"), {event("at = 1\nimpulse = { " + value + " }")}},
       {action("set"), {event("at = 1\nset = { joint = \"m/a\", " + value + " }")}},
@@ -116,9 +119,79 @@ void collect(const Json& node, const std::string& at, std::set<std::string>& fou
     for (std::size_t i = 0; i < node.size(); ++i) collect(node[i], at + "/" + std::to_string(i), found);
 }
 
-Json schema() {
-  std::ifstream file(MOMENTREE_SOURCE_DIR "/docs/scenario.schema.json");
-  return Json::parse(file);
+Json schema() { return Json::parse(scenario_schema()); }
+
+void check_accepted(const std::string& text) {
+  const ReadResult result = read_scenario_text(text, "s.toml");
+  CAPTURE(text);
+  INFO(said(result));
+  CHECK(result.scenario.has_value());
+}
+
+/// A kind of joint, with its geometry.
+std::string geometry(const std::string& kind) {
+  const KindInfo* info = find_kind(kind);
+  REQUIRE(info != nullptr);
+  return "kind = \"" + kind + "\"" + (info->axis ? ", axis = [0, 1, 0]" : "") + (info->axis2 ? ", axis2 = [1, 0, 0]" : "") +
+         (info->pitch ? ", pitch = 1" : "");
+}
+
+/// Mechanism m with the link a on a revolute joint and the link b, and the free mechanism f.
+const std::string two = pinned +
+                        "[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = "
+                        "\"revolute\"\nparent = \"a\"\nat = { xyz = [1, 0, 0] }\n[[mechanism]]\nname = \"f\"\nroot = "
+                        "\"free\"\n[[mechanism.body]]\nname = \"c\"\nmass = 1\ninertia = 1\n";
+std::string event_of_two(const std::string& what) { return two + "[[event]]\n" + what + "\n"; }
+
+/// Every enumeration of the schema, with a scenario that uses a word of it.
+const std::map<std::string, std::function<std::string(const std::string&)>>& enumerations() {
+  static const std::string d = "/definitions/";
+  static const auto quoted = [](const std::string& word) { return "\"" + word + "\""; };
+  static const std::map<std::string, std::function<std::string(const std::string&)>> all{
+      {d + "joint/properties/kind", [](const std::string& kind) { return one_body + "joint = { " + geometry(kind) + " }\n"; }},
+      {d + "change_action/properties/kind",
+       [](const std::string& kind) { return event_of_two("at = 1\nchange = { joint = \"m/b\", " + geometry(kind) + " }"); }},
+      {d + "attach_action/properties/kind",
+       [](const std::string& kind) {
+         return event_of_two("at = 1\nattach = { body = \"f/c\", to = \"m/b\", " + geometry(kind) + " }");
+       }},
+      {"/properties/integrate/properties/method",
+       [](const std::string& method) { return pinned + "[integrate]\nmethod = " + quoted(method) + "\n"; }},
+      {d + "mechanism/properties/root",
+       [](const std::string& root) { return head + "root = " + quoted(root) + "\n" + one_body.substr(head.size()); }},
+      {d + "signal/properties/ends",
+       [](const std::string& ends) {
+         return pinned + "drive = { motion = { table = [[0, 0], [1, 1]], ends = " + quoted(ends) + " } }\n";
+       }},
+      {d + "force/properties/axes",
+       [](const std::string& axes) {
+         return pinned + "[[force]]\nbody = \"m/a\"\nforce = [1, 0, 0]\naxes = " + quoted(axes) + "\n";
+       }},
+      {d + "condition/properties/reaction/properties/component",
+       [](const std::string& component) {
+         return event_of_two("when = { reaction = { joint = \"m/b\", component = " + quoted(component) +
+                             " }, exceeds = 1 }\nbreak = \"m/b\"");
+       }},
+      {d + "event/properties/locate",
+       [](const std::string& locate) {
+         return event_of_two("when = { speed = \"m/b\", exceeds = 1 }\nlocate = " + quoted(locate) + "\nbreak = \"m/b\"");
+       }},
+  };
+  return all;
+}
+
+/// The enumerations of the schema, by JSON pointer.
+void collect_enumerations(const Json& node, const std::string& at, Keys& found) {
+  if (node.is_object() && node.contains("enum")) found.insert(at);
+  if (node.is_structured())
+    for (const auto& [key, value] : node.items()) collect_enumerations(value, at + "/" + key, found);
+}
+
+Keys set_of(const std::vector<std::string>& words) { return {words.begin(), words.end()}; }
+Keys kinds() {
+  Keys names;
+  for (const KindInfo& kind : all_kinds()) names.insert(kind.name);
+  return names;
 }
 
 }  // namespace
@@ -159,27 +232,71 @@ TEST_CASE("no valid key is mistaken for a misspelt one") {
   }
 }
 
-TEST_CASE("every table of the schema is held to the reader") {
+TEST_CASE("every table of the schema is compared with the reader") {
   std::set<std::string> found, held;
-  const Json whole = schema();
-  collect(whole, "", found);
+  collect(schema(), "", found);
   for (const Table& table : tables()) held.insert(table.at);
-  std::string missing;
-  for (const std::string& at : found) {
-    const std::size_t list = at.find("/anyOf/1/items");  // an action's entry is the same alone and in a list
-    if (list != std::string::npos && held.contains(at.substr(0, list) + "/anyOf/0" + at.substr(list + 14)) &&
-        whole.at(Json::json_pointer(at)) == whole.at(Json::json_pointer(at.substr(0, list) + "/anyOf/0" + at.substr(list + 14))))
-      continue;
-    if (!held.contains(at)) missing += at + "\n";
-  }
-  CHECK(missing == "");
+  CHECK(found == held);
 }
 
-TEST_CASE("the schema lists all kinds, methods and quantities") {
+TEST_CASE("the reader accepts every word of every enumeration of the schema, and these are all words") {
   const Json whole = schema();
-  Keys kinds;
-  for (const KindInfo& kind : all_kinds()) kinds.insert(kind.name);
-  CHECK(whole.at("/definitions/joint/properties/kind/enum"_json_pointer).get<Keys>() == kinds);
+  Keys found, tried;
+  collect_enumerations(whole, "", found);
+  for (const auto& [at, text] : enumerations()) {
+    CAPTURE(at);
+    tried.insert(at);
+    const Keys words = whole.at(Json::json_pointer(at + "/enum")).get<Keys>();
+    CHECK(words.size() > 1);
+    for (const std::string& word : words) check_accepted(text(word));
+    if (at.ends_with("/kind")) continue;  // whose other keys depend on it
+    CHECK_FALSE(read_scenario_text(text("qqqqqqqq"), "s.toml").scenario.has_value());
+  }
+  CHECK(found == tried);
+  for (const char* joint : {"joint", "change_action", "attach_action"})
+    CHECK(whole.at("definitions").at(joint).at("properties").at("kind").at("enum").get<Keys>() == kinds());
+  CHECK(whole.at("/properties/integrate/properties/method/enum"_json_pointer).get<Keys>() == set_of(integration_methods()));
+}
+
+TEST_CASE("the reader accepts every quantity and every action of the schema, and these are all of them") {
+  const Json whole = schema();
+  const std::map<std::string, std::string> quantities{
+      {"distance", "[\"m/b\", { body = \"ground\" }]"},
+      {"height", "{ body = \"m/b\", point = [1, 0, 0] }"},
+      {"kinetic_energy", "\"m\""},
+      {"position", "\"m/b\""},
+      {"reaction", "{ joint = \"m/b\", component = \"fx\" }"},
+      {"reaction_force", "\"m/b\""},
+      {"reaction_impulse", "\"m/b\""},
+      {"reaction_torque", "\"m/b\""},
+      {"speed", "\"m/b\""},
+  };
+  Keys of_schema;
+  for (const auto& [key, value] : whole.at("/definitions/condition/properties"_json_pointer).items()) of_schema.insert(key);
+  for (const char* threshold : {"exceeds", "below"}) CHECK(of_schema.erase(threshold) == 1);
+  CHECK(of_schema == set_of(quantity_keys()));
+  for (const std::string& key : of_schema)
+    check_accepted(event_of_two("when = { " + key + " = " + quantities.at(key) + ", exceeds = 1 }\nbreak = \"m/b\""));
+
+  const std::map<std::string, std::string> actions{
+      {"attach", "{ body = \"f/c\", to = \"m/b\", kind = \"ball\" }"},
+      {"break", "\"m/b\""},
+      {"change", "{ joint = \"m/b\", kind = \"ball\" }"},
+      {"free", "\"m/b\""},
+      {"impulse", "{ body = \"m/b\", force = [1, 0, 0] }"},
+      {"lock", "{ joint = \"m/b\", freedoms = [0] }"},
+      {"set", "{ joint = \"m/b\", damping = 1 }"},
+      {"unlock", "\"m/b\"\n[[event]]\nat = 0.5\nlock = \"m/b\""},
+      {"weld", "{ body = \"f/c\", to = \"m/b\" }"},
+  };
+  Keys defined;
+  for (const auto& [name, definition] : whole.at("definitions").items())
+    if (name.ends_with("_action")) defined.insert(name.substr(0, name.rfind('_')));
+  CHECK(defined == set_of(scenario_actions()));
+  for (const std::string& key : defined) {
+    CHECK(whole.at("/definitions/event/properties"_json_pointer).contains(key));
+    check_accepted(event_of_two("at = 1\n" + key + " = " + actions.at(key)));
+  }
 }
 
 }  // namespace momentree::io

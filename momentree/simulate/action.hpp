@@ -19,6 +19,10 @@ class TopologyEditor;
 /// The order of actions at one instant: first those that change no velocity, then all impacts together, impulses, parameters.
 enum class ActionPhase { release, impact, impulse, parameters };
 
+/// What an action does to the joint that it names. `released`: the joint gains DoFs and keeps its coordinates or the pose;
+/// `replaced`: it becomes another joint, as the user describes it; `held`: it loses DoFs.
+enum class JointEffect { none, removed, released, replaced, held };
+
 /// Outcome of an action. `skipped`: there was nothing to do, and the event reports why; `refused`: the action is impossible, and
 /// nothing of its instant is carried out.
 struct ActionResult {
@@ -48,10 +52,11 @@ class ActionFields {
   virtual void body(const char* key, std::string& name, bool ground_too) = 0;
   /// Indices of the DoFs of the joint `of`, in the order of v; empty: all of them.
   virtual void dofs(const char* key, const std::string& of, std::vector<int>& numbers) = 0;
-  virtual void vector(const char* key, Vec3& value, const Dimension& dimension) = 0;
-  virtual void placement(const char* key, std::optional<Pose>& value) = 0;
-  /// Kind, axis, axis2, pitch and parameters of a joint.
-  virtual void description(JointDescription& joint) = 0;
+  /// `about`: the meaning, for editors.
+  virtual void vector(const char* key, Vec3& value, const Dimension& dimension, const char* about) = 0;
+  virtual void placement(const char* key, std::optional<Pose>& value, const char* about) = 0;
+  /// Kind, axis, axis2, pitch and parameters of a joint. `keeps_axes`: axes that are not given stay those of the present joint.
+  virtual void description(JointDescription& joint, bool keeps_axes) = 0;
   /// Parameters for the joint `of`; absent ones are left empty.
   virtual void parameters(const std::string& of, JointParameters& parameters) = 0;
 };
@@ -62,6 +67,12 @@ class ActionBase {
   virtual ~ActionBase() = default;
   /// Its key in scenario files: "break".
   virtual std::string_view key() const = 0;
+  /// What it does, for lists and editors: "Removes a joint: its child's subtree becomes a separate mechanism".
+  virtual const char* summary() const = 0;
+  /// How to write it in a scenario: "for example weld = { body = …, to = … }".
+  virtual const char* hint() const = 0;
+  /// False for an action that is only for C++.
+  virtual bool in_scenarios() const { return true; }
   /// The joint or bodies that it acts on, for logs: "chain/41", "satellite/hull to tug/gripper".
   virtual std::string target() const = 0;
   /// The field that a plain string in place of a table sets; null if a table is required.
@@ -72,8 +83,11 @@ class ActionBase {
   virtual std::vector<std::string> bodies() const { return {}; }
   /// DoFs of its joint that it locks, unlocks or replaces, one bit each: two actions of one instant must not share any.
   virtual unsigned reshapes() const { return 0; }
+  virtual JointEffect effect() const { return JointEffect::none; }
   /// Default name of the joint that it makes, used if its event does not name it; empty: it makes no joint.
   virtual std::string makes() const { return {}; }
+  /// The kind of the joint that it makes, or that its joint has afterwards; empty: no kind changes.
+  virtual std::optional<Kind> resulting_kind() const { return {}; }
 
   virtual ActionPhase phase(TopologyEditor& editor) const = 0;
   /// Called before all impacts of an instant: releases the old constraints, so that the impacts of several actions are solved as

@@ -88,7 +88,7 @@ void check_quantity(const World& world, const EventQueue& queue, const Quantity&
     const auto changes = [&name](const EventQueue::Entry& e) {
       return std::any_of(e.event.actions.begin(), e.event.actions.end(), [&name](const Action& a) {
         const std::vector<std::string> joints = a->joints();
-        return a->key() == "change" && std::find(joints.begin(), joints.end(), name) != joints.end();
+        return a->effect() == JointEffect::replaced && std::find(joints.begin(), joints.end(), name) != joints.end();
       });
     };
     if (std::any_of(queue.entries.begin(), queue.entries.end(), changes)) continue;

@@ -37,6 +37,8 @@ class Quantity {
   virtual ~Quantity() = default;
   /// Its key in scenario files: "reaction_force".
   virtual std::string_view key() const = 0;
+  /// What it is, for lists and editors: "Norm of the reaction force of a joint".
+  virtual const char* summary() const = 0;
   virtual void fields(QuantityFields& fields) = 0;
   virtual Dimension dimension() const = 0;
   virtual std::vector<std::string> joints() const { return {}; }

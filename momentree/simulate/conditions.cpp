@@ -49,6 +49,7 @@ Measure of_joint(std::string joint) {
 struct Function : Quantity {
   std::function<double(const World&)> function;
   std::string_view key() const override { return "function"; }
+  const char* summary() const override { return "A function of the world's state"; }
   void fields(QuantityFields&) override {}
   Dimension dimension() const override { return {}; }
   std::optional<double> value(const World& world, std::span<const Event>) const override { return function(world); }

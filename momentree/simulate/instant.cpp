@@ -43,7 +43,7 @@ std::optional<std::pair<std::size_t, ActionResult>> contradiction(std::span<cons
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t k = i; k-- > 0 && all[k].joint == all[i].joint;) {
       const Item &one = items[all[k].item], &other = items[all[i].item];
-      const bool same = (**one.what).key() == (**other.what).key() && (**one.what).key() != "change";
+      const bool same = (**one.what).key() == (**other.what).key() && (**one.what).effect() != JointEffect::replaced;
       if (same || (all[k].dofs & all[i].dofs) == 0) continue;
       return std::pair{all[i].item, ActionResult::refused(
                                         "contradicts " + in_event(due[one.event], *one.what) + " at the same instant",

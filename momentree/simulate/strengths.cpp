@@ -13,6 +13,7 @@ struct Load : Quantity {
   Strength strength;
   explicit Load(const Strength& s) : strength(s) {}
   std::string_view key() const override { return strength.torque ? "reaction_torque" : "reaction_force"; }
+  const char* summary() const override { return "Load on a joint, relative to its strength"; }
   void fields(QuantityFields&) override {}
   Dimension dimension() const override { return strength.torque ? dimension::torque : dimension::force; }
   bool is_load() const override { return true; }

@@ -98,9 +98,7 @@ unsigned some_dofs(Prng& random, int nv) {
 namespace {
 // A joint of a random kind whose declared child is at `now` in its parent.
 void random_placed_joint(Prng& random, const Pose& now, Joint& joint, Values& q) {
-  const Kind kinds[] = {Kind::revolute, Kind::prismatic, Kind::helical, Kind::cylindrical, Kind::universal,
-                        Kind::ball,     Kind::planar,    Kind::free,    Kind::weld};
-  const JointSpec spec = random_joint(random, kinds[random.integer(0, 9 - 1)], {.parameters = false});
+  const JointSpec spec = random_joint(random, random_kind(random), {.parameters = false});
   q = random_coordinates(random, spec.kind);  // any q: the offset compensates for it
   joint.kind = spec.kind, joint.axis = normalized(spec.axis), joint.pitch = spec.pitch;
   if (spec.kind == Kind::universal) joint.axis2 = normalized(spec.axis2);

@@ -1,32 +1,16 @@
 #include <tests/oracle/random_model.hpp>
 
-#include <array>
+#include <algorithm>
 #include <string>
+#include <string_view>
 
 #include <momentree/base/check.hpp>
 
 namespace momentree::oracle {
 namespace {
 
-constexpr std::array all{Kind::revolute, Kind::prismatic, Kind::helical, Kind::cylindrical, Kind::universal,
-                         Kind::ball,     Kind::planar,    Kind::free,    Kind::weld};
-
-int coordinates_of(Kind kind) {
-  switch (kind) {
-    case Kind::weld: return 0;
-    case Kind::cylindrical:
-    case Kind::universal: return 2;
-    case Kind::planar: return 3;
-    case Kind::ball: return 4;
-    case Kind::free: return 7;
-    default: return 1;
-  }
-}
-
-int dofs_of(Kind kind) {
-  const int nq = coordinates_of(kind);
-  return nq == 4 ? 3 : nq == 7 ? 6 : nq;
-}
+int coordinates_of(Kind kind) { return info(kind).nq; }
+int dofs_of(Kind kind) { return info(kind).nv; }
 
 Values positive_values(Prng& random, int count, double low, double high) {
   Values values;
@@ -133,24 +117,44 @@ int draw_parent(Prng& random, Shape shape, int k) {
 Kind draw_root_kind(Prng& random, Root root) {
   if (root == Root::welded) return Kind::weld;
   if (root == Root::free) return Kind::free;
-  return all[static_cast<std::size_t>(random.integer(0, 6))];  // the last two are free and weld
+  const int moving = static_cast<int>(every_kind().size()) - 2;  // the last two are free and weld
+  return every_kind()[static_cast<std::size_t>(random.integer(0, moving - 1))];
 }
 
 }  // namespace
+
+const std::vector<Kind>& every_kind() {
+  static const std::vector<Kind> kinds = [] {
+    // Seeds draw these kinds in this order; kinds that are added later follow the other moving ones.
+    std::vector<Kind> all{Kind::revolute,  Kind::prismatic, Kind::helical, Kind::cylindrical,
+                          Kind::universal, Kind::ball,      Kind::planar};
+    for (const KindInfo& each : all_kinds())
+      if (each.kind != Kind::free && each.kind != Kind::weld && std::find(all.begin(), all.end(), each.kind) == all.end())
+        all.push_back(each.kind);
+    all.push_back(Kind::free);
+    all.push_back(Kind::weld);
+    return all;
+  }();
+  return kinds;
+}
+
+Kind random_kind(Prng& random) {
+  return every_kind()[static_cast<std::size_t>(random.integer(0, static_cast<int>(every_kind().size()) - 1))];
+}
 
 JointSpec random_joint(Prng& random, Kind kind, const RandomTreeOptions& options) {
   JointSpec joint;
   joint.kind = kind;
   joint.axis = random.direction();
-  if (kind == Kind::universal) {
+  if (info(kind).axis2) {
     joint.axis2 = random.direction();
     while (std::abs(dot(joint.axis, joint.axis2)) > 0.8) joint.axis2 = random.direction();
   }
-  if (kind == Kind::helical) {
+  if (info(kind).pitch) {
     joint.pitch = random.uniform(0.05, 0.5);
     if (random.chance(0.5)) joint.pitch = -joint.pitch;
   }
-  if (kind == Kind::planar || kind == Kind::ball || kind == Kind::free || kind == Kind::weld) joint.axis = {0, 0, 1};
+  if (!info(kind).axis) joint.axis = {0, 0, 1};
   if (options.parameters) draw_parameters(random, joint, options);
   if (options.drives) draw_drives(random, joint);
   return joint;
@@ -158,15 +162,12 @@ JointSpec random_joint(Prng& random, Kind kind, const RandomTreeOptions& options
 
 Values random_coordinates(Prng& random, Kind kind) {
   Values q;
-  const int nq = coordinates_of(kind);
-  const int plain = nq == 4 ? 0 : nq == 7 ? 3 : nq;
-  for (int i = 0; i < plain; ++i) {
-    const bool length =
-        kind == Kind::prismatic || kind == Kind::free || (kind == Kind::cylindrical && i == 1) || (kind == Kind::planar && i < 2);
-    const double value = length ? random.uniform(-0.5, 0.5) : random.uniform(-3, 3);
+  for (const char unit : std::string_view(info(kind).q_units)) {
+    if (unit == 'n') break;  // the components of a quaternion, which are the last coordinates
+    const double value = unit == 'm' ? random.uniform(-0.5, 0.5) : random.uniform(-3, 3);
     q.push_back(value);
   }
-  if (nq >= 4) {
+  if (std::string_view(info(kind).q_units).ends_with('n')) {
     const Quat rotation = random.rotation();
     for (double component : {rotation.w, rotation.x, rotation.y, rotation.z}) q.push_back(component);
   }
@@ -206,7 +207,7 @@ RandomTree random_tree(std::uint64_t seed, const RandomTreeOptions& options) {
     Root root = tree.root;
     if (mechanism > 0 && !options.all_free) root = static_cast<Root>(random.integer(0, 2));
     Kind kind = draw_root_kind(random, root);
-    if (parent >= 0 && options.kinds.empty()) kind = all[static_cast<std::size_t>(random.integer(0, 8))];
+    if (parent >= 0 && options.kinds.empty()) kind = random_kind(random);
     if ((parent >= 0 || root == Root::jointed) && !options.kinds.empty())
       kind = options.kinds[static_cast<std::size_t>(random.integer(0, static_cast<int>(options.kinds.size()) - 1))];
 

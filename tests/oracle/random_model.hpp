@@ -1,5 +1,5 @@
 #pragma once
-// Deterministic random worlds for the law tests: trees with all nine joint kinds and every parameter.
+// Deterministic random worlds for the law tests: trees with all joint kinds and every parameter.
 #include <cstdint>
 
 #include <vector>
@@ -26,12 +26,16 @@ struct RandomTreeOptions {
   bool parameters = true;     ///< damping, springs, armature, efforts on some joints
   bool conservative = false;  ///< of these only springs with a potential, and armatures
   bool drives = false;        ///< also friction, soft stops, time-dependent efforts and position control
-  std::vector<Kind> kinds{};  ///< kinds of joints other than free or welded roots; empty: all nine
+  std::vector<Kind> kinds{};  ///< kinds of joints other than free or welded roots; empty: all
 };
 
 /// Tree number `seed`: a third are pure chains, a third are bushy; of each, a third is welded to the ground, free, or attached to
 /// the ground by another joint. Masses from 0.01 to 100 kg; random q, v within ±1.
 RandomTree random_tree(std::uint64_t seed, const RandomTreeOptions& options = {});
+
+/// All kinds, with free and weld last; and one of them.
+const std::vector<Kind>& every_kind();
+Kind random_kind(Prng& random);
 
 /// A joint of `kind` with random geometry; `parameters` as in the options.
 JointSpec random_joint(Prng& random, Kind kind, const RandomTreeOptions& options);

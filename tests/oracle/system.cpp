@@ -3,19 +3,8 @@
 
 namespace momentree::oracle {
 
-int coordinates(Kind kind) {
-  switch (kind) {
-    case Kind::weld: return 0;
-    case Kind::cylindrical:
-    case Kind::universal: return 2;
-    case Kind::planar: return 3;
-    case Kind::ball: return 4;
-    case Kind::free: return 7;
-    default: return 1;
-  }
-}
-
-int dofs(Kind kind) { return kind == Kind::ball ? 3 : kind == Kind::free ? 6 : coordinates(kind); }
+int coordinates(Kind kind) { return info(kind).nq; }
+int dofs(Kind kind) { return info(kind).nv; }
 
 void number(System& system) {
   int q = 0, v = 0;

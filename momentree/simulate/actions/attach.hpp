@@ -12,17 +12,20 @@ struct Attach : ActionBase {
   std::optional<Pose> at;
 
   std::string_view key() const override { return "attach"; }
+  const char* summary() const override { return "Joins a body to another, or to the ground, by a joint of any kind"; }
+  const char* hint() const override { return R"(for example attach = { body = "load/hook", to = "crane/rope", kind = "ball" })"; }
   std::string target() const override { return body + " to " + to; }
   void fields(ActionFields& fields) override {
     fields.body("body", body, false);
     fields.body("to", to, true);
-    fields.placement("at", at);
-    fields.description(joint);
+    fields.placement("at", at, "Placement of the joint's frame in the frame of `to`");
+    fields.description(joint, false);
   }
   std::vector<std::string> bodies() const override {
     return to == "ground" ? std::vector<std::string>{body} : std::vector<std::string>{body, to};
   }
   std::string makes() const override { return to + "+" + body; }
+  std::optional<Kind> resulting_kind() const override { return joint.spec.kind; }
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::impact; }
   ActionResult apply(TopologyEditor& editor) const override {
     const int one = editor.body(body), other = editor.body(to);

@@ -8,11 +8,14 @@ struct Break : ActionBase {
   std::string name;
 
   std::string_view key() const override { return "break"; }
+  const char* summary() const override { return "Removes a joint: the child's subtree becomes a separate mechanism"; }
+  const char* hint() const override { return R"(a name, or for example { joint = "arm/elbow" })"; }
   std::string target() const override { return name; }
   const char* plain_field() const override { return "joint"; }
   void fields(ActionFields& fields) override { fields.joint("joint", name); }
   std::vector<std::string> joints() const override { return {name}; }
   unsigned reshapes() const override { return ~0u; }
+  JointEffect effect() const override { return JointEffect::removed; }
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::release; }
   ActionResult apply(TopologyEditor& editor) const override {
     const int joint = editor.joint(name);

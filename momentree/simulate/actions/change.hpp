@@ -9,13 +9,17 @@ struct Change : ActionBase {
   JointDescription to;
 
   std::string_view key() const override { return "change"; }
+  const char* summary() const override { return "Changes a joint to another kind, or to other axes"; }
+  const char* hint() const override { return R"(for example change = { joint = "arm/elbow", kind = "ball" })"; }
   std::string target() const override { return name + " to " + info(to.spec.kind).name; }
   void fields(ActionFields& fields) override {
     fields.joint("joint", name);
-    fields.description(to);
+    fields.description(to, true);
   }
   std::vector<std::string> joints() const override { return {name}; }
   unsigned reshapes() const override { return ~0u; }
+  JointEffect effect() const override { return JointEffect::replaced; }
+  std::optional<Kind> resulting_kind() const override { return to.spec.kind; }
   ActionPhase phase(TopologyEditor& editor) const override;
   ActionResult prepare(TopologyEditor& editor) const override;
   ActionResult apply(TopologyEditor& editor) const override;

@@ -7,9 +7,12 @@ namespace momentree::actions {
 struct Free : Change {
   Free() { to.spec.kind = Kind::free; }
   std::string_view key() const override { return "free"; }
+  const char* summary() const override { return "Gives a joint six DoFs, relative to the same parent"; }
+  const char* hint() const override { return R"(a name, or for example { joint = "arm/elbow" })"; }
   std::string target() const override { return name; }
   const char* plain_field() const override { return "joint"; }
   void fields(ActionFields& fields) override { fields.joint("joint", name); }
+  JointEffect effect() const override { return JointEffect::released; }
 };
 
 }  // namespace momentree::actions

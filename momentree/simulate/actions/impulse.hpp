@@ -10,12 +10,14 @@ struct Impulse : ActionBase {
   Vec3 force{}, torque{}, point{};
 
   std::string_view key() const override { return "impulse"; }
+  const char* summary() const override { return "Applies an impulsive wrench to a body, in world axes"; }
+  const char* hint() const override { return R"(for example impulse = { body = "arm/hand", force = ["2 N s", 0, 0] })"; }
   std::string target() const override { return body; }
   void fields(ActionFields& fields) override {
     fields.body("body", body, false);
-    fields.vector("force", force, dimension::force * dimension::time);
-    fields.vector("torque", torque, dimension::torque * dimension::time);
-    fields.vector("point", point, dimension::length);
+    fields.vector("force", force, dimension::force * dimension::time, "Impulse at `point`");
+    fields.vector("torque", torque, dimension::torque * dimension::time, "Angular impulse");
+    fields.vector("point", point, dimension::length, "Point of application in the body's frame");
   }
   std::vector<std::string> bodies() const override { return {body}; }
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::impulse; }

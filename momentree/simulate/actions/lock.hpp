@@ -9,6 +9,8 @@ struct Lock : ActionBase {
   std::vector<int> dofs;  ///< indices in the order of v; empty: all
 
   std::string_view key() const override { return "lock"; }
+  const char* summary() const override { return "Locks a joint, or some of its DoFs, in its current position"; }
+  const char* hint() const override { return R"(a name, or for example { joint = "arm/elbow", freedoms = [0] })"; }
   std::string target() const override { return name + listed(); }
   const char* plain_field() const override { return "joint"; }
   void fields(ActionFields& fields) override {
@@ -17,6 +19,7 @@ struct Lock : ActionBase {
   }
   std::vector<std::string> joints() const override { return {name}; }
   unsigned reshapes() const override { return mask(); }
+  JointEffect effect() const override { return JointEffect::held; }
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::impact; }
   ActionResult apply(TopologyEditor& editor) const override {
     unsigned wanted = 0;

@@ -8,6 +8,9 @@ struct Reroot : ActionBase {
   std::string body;
 
   std::string_view key() const override { return "reroot"; }
+  const char* summary() const override { return "Makes a body the root of its free mechanism"; }
+  const char* hint() const override { return R"(for example reroot = "arm/hand")"; }
+  bool in_scenarios() const override { return false; }  // other actions re-root as needed
   std::string target() const override { return body; }
   const char* plain_field() const override { return "body"; }
   void fields(ActionFields& fields) override { fields.body("body", body, false); }

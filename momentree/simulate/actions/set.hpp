@@ -9,6 +9,8 @@ struct Set : ActionBase {
   JointParameters parameters;  ///< those given replace the joint's own; a drive or an effort replaces the whole drive
 
   std::string_view key() const override { return "set"; }
+  const char* summary() const override { return "Sets new parameters of a joint; those that are not given stay"; }
+  const char* hint() const override { return R"(for example set = { joint = "arm/elbow", damping = 0.1 })"; }
   std::string target() const override { return name; }
   void fields(ActionFields& fields) override {
     fields.joint("joint", name);

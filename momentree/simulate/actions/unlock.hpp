@@ -6,6 +6,8 @@ namespace momentree::actions {
 
 struct Unlock : Lock {
   std::string_view key() const override { return "unlock"; }
+  const char* summary() const override { return "Releases a locked joint, or some of its DoFs"; }
+  JointEffect effect() const override { return JointEffect::released; }
   /// A prescribed motion that resumes imposes its speed, like one that is newly set.
   ActionPhase phase(TopologyEditor& editor) const override {
     const JointParameters* p = parameters(editor);

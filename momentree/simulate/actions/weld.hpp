@@ -6,6 +6,8 @@ namespace momentree::actions {
 
 struct Weld : Attach {
   std::string_view key() const override { return "weld"; }
+  const char* summary() const override { return "Joins a body rigidly to another, or to the ground"; }
+  const char* hint() const override { return R"(for example weld = { body = "satellite/hull", to = "tug/gripper" })"; }
   void fields(ActionFields& fields) override {
     fields.body("body", body, false);
     fields.body("to", to, true);

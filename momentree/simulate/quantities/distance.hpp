@@ -10,6 +10,9 @@ struct Distance : Quantity {
   Vec3 point_of_one{}, point_of_other{};
 
   std::string_view key() const override { return "distance"; }
+  const char* summary() const override {
+    return "Distance between two bodies: between the origins of their frames, or between points of them (m)";
+  }
   Dimension dimension() const override { return dimension::length; }
   bool never_negative() const override { return true; }
   void fields(QuantityFields& fields) override {

@@ -10,6 +10,7 @@ struct Height : Quantity {
   Vec3 point{};
 
   std::string_view key() const override { return "height"; }
+  const char* summary() const override { return "Height of a body, or of a point of it, against gravity (m)"; }
   Dimension dimension() const override { return dimension::length; }
   void fields(QuantityFields& fields) override { fields.point(0, 1, name, point); }
   std::vector<std::string> bodies() const override { return {name}; }

@@ -9,6 +9,7 @@ struct KineticEnergy : Quantity {
   std::string name;
 
   std::string_view key() const override { return "kinetic_energy"; }
+  const char* summary() const override { return "Kinetic energy of a mechanism (J)"; }
   Dimension dimension() const override { return dimension::torque; }
   bool never_negative() const override { return true; }
   std::vector<std::string> mechanisms() const override { return {name}; }

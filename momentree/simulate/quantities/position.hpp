@@ -6,6 +6,7 @@ namespace momentree::quantities {
 
 struct Position : SingleDof {
   std::string_view key() const override { return "position"; }
+  const char* summary() const override { return "Coordinate of a joint with one DoF (rad or m)"; }
   Dimension dimension() const override { return turns ? dimension::angle : dimension::length; }
   double of(double position, double) const override { return position; }
   std::optional<double> rate(const World& world) const override {

@@ -8,6 +8,7 @@ struct Reaction : Load {
   std::string component = "fx";
 
   std::string_view key() const override { return "reaction"; }
+  const char* summary() const override { return "One component of the reaction of a joint, in the child's axes (N or N m)"; }
   bool never_negative() const override { return false; }
   Dimension dimension() const override { return component.starts_with('m') ? dimension::torque : dimension::force; }
   void fields(QuantityFields& fields) override {

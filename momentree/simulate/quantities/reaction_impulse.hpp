@@ -10,6 +10,7 @@ struct ReactionImpulse : Quantity {
   std::string joint;
 
   std::string_view key() const override { return "reaction_impulse"; }
+  const char* summary() const override { return "Norm of the linear impulse through a joint at an instantaneous change (N s)"; }
   Dimension dimension() const override { return dimension::force * dimension::time; }
   void fields(QuantityFields& fields) override { fields.joint(joint); }
   std::vector<std::string> joints() const override { return {joint}; }

@@ -6,6 +6,7 @@ namespace momentree::quantities {
 
 struct ReactionTorque : Load {
   std::string_view key() const override { return "reaction_torque"; }
+  const char* summary() const override { return "Norm of the reaction torque of a joint, about the child's origin (N m)"; }
   Dimension dimension() const override { return dimension::torque; }
   std::optional<double> of(const Wrench& wrench) const override { return norm(wrench.torque); }
 };
