@@ -55,8 +55,8 @@ void locate_stage(const Tree& tree, const double* q, Workspace<double>& workspac
 
 inline Force<double> as_force(const Wrench& wrench) { return {wrench.force, wrench.torque}; }
 
-/// The passes of `accelerate` for any scalar, at coordinates q. Requires evaluate_motions at q and p, the joint forces τ (s̈ for a
-/// prescribed motion) in workspace.a and, if forces act on bodies, T of every body in workspace.loads.
+/// The passes of `accelerate` for any scalar, at coordinates q. Requires evaluate_motions at q and p, the joint forces τ (s̈ for
+/// a prescribed motion) in workspace.a and, if forces act on bodies, T of every body in workspace.loads.
 template <class T>
 void evaluate_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace) noexcept;
 

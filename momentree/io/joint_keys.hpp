@@ -12,7 +12,7 @@
 
 namespace momentree::io {
 
-/// The quantity of a number. All but the last three depend on whether the coordinate or DoF turns or slides.
+/// The quantity of a number. All but the last three depend on whether the coordinate or DoF is an angle or a length.
 enum class Quantity { q, v, damping, stiffness, armature, effort, none, force, torque };
 /// The dimension for one coordinate or DoF, given by its letter in KindInfo.
 Dimension dimension_of(Quantity quantity, char letter);

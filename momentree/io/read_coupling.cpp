@@ -35,7 +35,7 @@ constexpr Key coupling_entries[] = {
 };
 
 /// True for a joint with one DoF whose coordinate is a length.
-bool slides(const JointSpec& joint) { return info(joint.kind).q_units[0] == 'm'; }
+bool is_length(const JointSpec& joint) { return info(joint.kind).q_units[0] == 'm'; }
 
 /// The joint of a name, if it has one DoF and may be driven; else −1, with a report.
 JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
@@ -92,7 +92,7 @@ void add_coupling(const JointCoupling& coupling, Place place, Reading& reading) 
   const double size = std::abs(joint.q[0]) + std::abs(coupling.multiplier * leader.q[0]) + std::abs(coupling.offset);
   if (std::abs(apart) > 1e-9 * size + 1e-12) {
     char text[160];
-    std::snprintf(text, sizeof text, " starts %.4g %s from where it should follow ", apart, slides(joint.joint) ? "m" : "rad");
+    std::snprintf(text, sizeof text, " starts %.4g %s from where it should follow ", apart, is_length(joint.joint) ? "m" : "rad");
     reading.out.warning(place, "joint " + in_quotes(joint.joint_name) + text + in_quotes(leader.joint_name),
                         "the spring pulls it there from the start");
   }
@@ -108,7 +108,7 @@ void read_coupling(const Value& table, Reading& reading) {
   const std::size_t errors = out.errors();
   const JointId joint = joint_value ? coupled_joint(*joint_value, "joint", reading) : JointId{-1};
   const JointId leader = leader_value ? coupled_joint(*leader_value, "follows", reading) : JointId{-1};
-  const bool along = joint.index >= 0 && slides(reading.scenario.model[joint].joint);
+  const bool along = joint.index >= 0 && is_length(reading.scenario.model[joint].joint);
   JointCoupling coupling;
   coupling.multiplier = fields.number("multiplier").value_or(1);
   coupling.offset = fields.number("offset", along ? dimension::length : dimension::angle).value_or(0);

@@ -205,8 +205,8 @@ struct Subject final : QuantityFields {
 };
 
 // False if the unit of the threshold does not fit this quantity of a prismatic joint, or of a revolute one.
-bool fits_unit(const Value& when, momentree::Quantity& quantity, bool slides) {
-  if (auto* of_joint = dynamic_cast<quantities::SingleDof*>(&quantity)) of_joint->turns = !slides;
+bool fits_unit(const Value& when, momentree::Quantity& quantity, bool along_axis) {
+  if (auto* of_joint = dynamic_cast<quantities::SingleDof*>(&quantity)) of_joint->turns = !along_axis;
   for (const char* key : {"exceeds", "below"})
     if (const Value::Entry* threshold = when.find(key); threshold && threshold->value.string()) {
       QuantityProblem ignored;

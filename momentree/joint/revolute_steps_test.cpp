@@ -43,8 +43,8 @@ template <class Steps, bool Gravity, bool Keep>
                                     const double& s, const double& p, const Inboard<double>& in, const Inboard<double>& others,
                                     typename Steps::template Record<double>& w, Inboard<double>& out) {
   dispatch_inboard<Steps::has_armature>(k.shape, flags, [&](auto shape, auto children, auto destination) MOMENTREE_INLINE_LAMBDA {
-    Steps::template inboard<shape(), Gravity, Keep, children(), destination() == Destination::none>(k, mass, armature, c, s, p, in, others, w,
-                                                                                    out);
+    Steps::template inboard<shape(), Gravity, Keep, children(), destination() == Destination::none>(k, mass, armature, c, s, p,
+                                                                                                    in, others, w, out);
   });
 }
 template <class Steps, bool Gravity, bool Keep>
@@ -60,8 +60,8 @@ template <class Steps, bool Gravity, bool Keep>
 }
 template <class Steps>
 [[gnu::noinline]] void wrench_inboard(const LinkConstants& k, const double& c, const double& s, Force<double>& W) {
-  dispatch_link<Steps::has_armature>(k.shape,
-                              [&](auto shape) MOMENTREE_INLINE_LAMBDA { Steps::template cross_inboard<shape()>(k, c, s, W); });
+  dispatch_link<Steps::has_armature>(
+      k.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA { Steps::template cross_inboard<shape()>(k, c, s, W); });
 }
 template <class Steps>
 [[gnu::noinline]] void step_accelerations(const LinkConstants& k, const double& c, const double& s,
