@@ -14,6 +14,7 @@
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
+#include <momentree/io/diagnostic.hpp>
 
 namespace {
 
@@ -22,6 +23,7 @@ using namespace momentree;
 // Prints the parts separately, since there may be no memory to join them.
 void print_error(const Error& error) {
   const bool placed = !error.where.empty(), hinted = !error.hint.empty();
+  if (const auto* const file = dynamic_cast<const io::InputError*>(&error)) return cli::show(stderr, std::string(file->what()) + '\n');
   try {
     cli::show(stderr, (placed ? "" : "momentree: ") + error.message() + '\n');
   } catch (const std::bad_alloc&) {

@@ -25,10 +25,15 @@ constexpr std::size_t source_width = 120;
 
 }  // namespace
 
+Error Diagnostic::error() const {
+  std::string where = file;
+  if (line > 0) where += ":" + std::to_string(line);
+  if (line > 0 && column > 0) where += ":" + std::to_string(column);
+  return {what, std::move(where), hint};
+}
+
 std::string Diagnostic::message() const {
-  std::string text = printable(file);
-  if (line > 0) text += ":" + std::to_string(line);
-  if (line > 0 && column > 0) text += ":" + std::to_string(column);
+  std::string text = printable(error().where);
   text += ": " + std::string(word_of(severity)) + ": " + printable(what);
   if (!hint.empty()) text += "; " + printable(hint);
   return text;
@@ -68,6 +73,26 @@ std::string rendered(const std::vector<Diagnostic>& diagnostics) {
   for (const Diagnostic& d : diagnostics) text += d.rendered();
   return text;
 }
+
+namespace {
+
+std::string all_of(const std::vector<Diagnostic>& diagnostics) {
+  std::string text = rendered(diagnostics);
+  if (!text.empty()) text.pop_back();
+  return text;
+}
+
+Error first_error(const std::vector<Diagnostic>& diagnostics) {
+  for (const Diagnostic& d : diagnostics)
+    if (d.severity == Severity::error) return d.error();
+  return {"", "", ""};
+}
+
+}  // namespace
+
+InputError::InputError(std::vector<Diagnostic> all) : InputError(first_error(all), std::move(all)) {}
+InputError::InputError(Error first, std::vector<Diagnostic> all)
+    : Error(std::move(first.problem), std::move(first.where), std::move(first.hint), all_of(all)), diagnostics(std::move(all)) {}
 
 Diagnostics::Diagnostics(std::string file, std::string_view text, std::vector<std::string> options)
     : file_(std::move(file)), text_(text), options_(std::move(options)) {}
@@ -117,6 +142,12 @@ std::string Diagnostics::name_of(Place place) const {
   if (place.option > 0 && static_cast<std::size_t>(place.option) <= options_.size())
     return "--set " + std::string(shortened(options_[static_cast<std::size_t>(place.option) - 1], 80));
   return "line " + std::to_string(place.line);
+}
+
+void Diagnostics::throw_first() {
+  if (errors_ == 0) return;
+  for (const Diagnostic& each : take())
+    if (each.severity == Severity::error) throw_error(each.error());
 }
 
 std::vector<Diagnostic> Diagnostics::take() {

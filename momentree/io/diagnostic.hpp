@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include <momentree/base/error.hpp>
 #include <momentree/base/value.hpp>
 
 namespace momentree::io {
@@ -23,6 +24,8 @@ struct Diagnostic {
 
   /// `file:line:col: error: what; hint`, on one line.
   std::string message() const;
+  /// The same as an Error, for throwing it.
+  Error error() const;
   /// The message, then the line of the file and a caret under the column.
   std::string rendered() const;
 };
@@ -32,6 +35,17 @@ bool has_errors(const std::vector<Diagnostic>& diagnostics);
 const char* word_of(Severity severity);
 /// All diagnostics, rendered, each ending with a newline.
 std::string rendered(const std::vector<Diagnostic>& diagnostics);
+
+/// The errors of an input file. problem, where and hint are those of the first one; what() has all diagnostics, as the command
+/// prints them.
+class InputError : public Error {
+ public:
+  explicit InputError(std::vector<Diagnostic> all);
+  std::vector<Diagnostic> diagnostics;
+
+ private:
+  InputError(Error first, std::vector<Diagnostic> all);
+};
 
 /// Collects the problems of one file. Places are resolved to lines, and the number of diagnostics of each severity is bounded.
 class Diagnostics {
@@ -50,6 +64,8 @@ class Diagnostics {
     add(Severity::note, place, std::move(what), std::move(hint));
   }
   std::size_t errors() const { return errors_; }
+  /// Throws the first error as an Error if there is any.
+  void throw_first();
   /// The limit on errors is reached: a reader may stop.
   bool full() const { return errors_ >= most; }
   /// `line 12`, or the option, to name a second place in a message.

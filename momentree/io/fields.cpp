@@ -12,7 +12,13 @@ namespace momentree::io {
 Fields::Fields(const Value& table, std::string where, Diagnostics& out, const char* context)
     : table_(table), where_(std::move(where)), context_(context), out_(out) {
   if (!table.table())
-    out.error(table.place, where_ + ": expected a table, found " + table.type_name(), cure_of_table(where_, table));
+    out.error(table.place, where_ + ": expected a table, found " + table.type_name(),
+              documents() ? "" : cure_of_table(where_, table));
+}
+
+std::vector<const Mistake*> Fields::mistakes_for(const std::string& key) const {
+  if (documents()) return {};
+  return mistakes_of(context_ != nullptr ? context_ : std::string_view(where_), key);
 }
 
 Fields::Fields(const Value& table, const KeyTable& keys, Diagnostics& out, std::string where)
@@ -31,7 +37,7 @@ const std::vector<Fields::Alias>& Fields::aliases() const {
   aliases_.emplace();
   if (const Value::Table* entries = table_.table())
     for (const Value::Entry& entry : *entries)
-      for (const Mistake* mistake : mistakes_of(context_ ? context_ : std::string_view(where_), entry.key))
+      for (const Mistake* mistake : mistakes_for(entry.key))
         if (!table_.find(mistake->key)) aliases_->push_back({&entry, mistake});
   return *aliases_;
 }
@@ -132,6 +138,16 @@ std::optional<Vec3> Fields::vec3(std::string_view key, const Dimension& expected
   return value ? read_vec3(*value, expected, key, out_) : std::nullopt;
 }
 
+std::optional<double> Fields::real(std::string_view key) {
+  const Value* value = find(key);
+  return value ? read_real(*value, key, out_) : std::nullopt;
+}
+
+std::vector<double> Fields::reals(std::string_view key, std::size_t count) {
+  const Value* value = find(key);
+  return value ? read_reals(*value, count, key, out_) : std::vector<double>{};
+}
+
 std::optional<Pose> Fields::pose(std::string_view key) {
   const Value* value = find(key);
   return value ? read_pose(*value, key, out_) : std::nullopt;
@@ -156,7 +172,7 @@ void Fields::report_unknown(const Value::Entry& entry, std::string hint) {
 // The hint about what to write instead of an unknown key.
 std::string Fields::hint_for(const Value::Entry& entry) const {
   const auto is_known = [this](std::string_view key) { return std::find(known_.begin(), known_.end(), key) != known_.end(); };
-  for (const Mistake* mistake : mistakes_of(context_ ? context_ : std::string_view(where_), entry.key))
+  for (const Mistake* mistake : mistakes_for(entry.key))
     if (*mistake->key == '\0' || is_known(mistake->key)) return cure_of(*mistake);
   std::string hint = did_you_mean(entry.key, {known_.begin(), known_.end()});
   if (!hint.empty()) return hint;

@@ -178,25 +178,8 @@ std::vector<JointKinds> Session::joints() { return joints_of(simulation_, simula
 
 namespace {
 
-std::string all_of(const std::vector<Diagnostic>& diagnostics) {
-  std::string text = rendered(diagnostics);
-  if (!text.empty()) text.pop_back();
-  return text;
-}
-
-std::string place_of(const Diagnostic& d) {
-  return d.line == 0 ? d.file : d.file + ":" + std::to_string(d.line) + ":" + std::to_string(d.column);
-}
-
-const Diagnostic& first_error(const std::vector<Diagnostic>& diagnostics) {
-  static const Diagnostic none{};
-  for (const Diagnostic& d : diagnostics)
-    if (d.severity == Severity::error) return d;
-  return none;
-}
-
 Session started(ReadResult read, const LoadOptions& options) {
-  if (!read.scenario) throw ScenarioError(std::move(read.diagnostics));
+  if (!read.scenario) throw InputError(std::move(read.diagnostics));
   auto scenario = std::make_shared<const Scenario>(std::move(*read.scenario));
   std::vector<RestoredState> documents;
   if (!options.state.empty()) documents.push_back(read_state(read_text_file(options.state), options.state, scenario->model));
@@ -207,9 +190,6 @@ Session started(ReadResult read, const LoadOptions& options) {
 }
 
 }  // namespace
-
-ScenarioError::ScenarioError(std::vector<Diagnostic> all)
-    : Error(first_error(all).what, place_of(first_error(all)), first_error(all).hint, all_of(all)), diagnostics(std::move(all)) {}
 
 Session load(const std::string& path, const LoadOptions& options) {
   return started(read_scenario(path, options.overrides), options);

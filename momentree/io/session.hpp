@@ -60,20 +60,12 @@ class Session {
   bool from_document_ = false;
 };
 
-/// The errors of a scenario or model file. problem, where and hint are those of the first one; what() has all of them, as the
-/// command prints them.
-class ScenarioError : public Error {
- public:
-  explicit ScenarioError(std::vector<Diagnostic> all);
-  std::vector<Diagnostic> diagnostics;
-};
-
 struct LoadOptions {
   std::vector<std::string> overrides{};  ///< KEY=VALUE, as the command's --set
   std::string state{};                   ///< a state document that replaces those of the scenario
 };
 
-/// Reads a scenario (TOML) or model (URDF, SDF, MJCF) file and makes it ready to run, its events scheduled. Throws ScenarioError
+/// Reads a scenario (TOML) or model (URDF, SDF, MJCF) file and makes it ready to run, its events scheduled. Throws InputError
 /// if the file has errors, and Error for a state document or an event that does not fit.
 [[nodiscard]] Session load(const std::string& path, const LoadOptions& options = {});
 /// The same from a text; files that it names are located in the working folder. `name`: for messages.

@@ -66,7 +66,7 @@ TEST_CASE("a file with errors throws all of them, with line and column") {
     static_cast<void>(io::load_text(text, "bad.toml"));
     FAIL("no error was thrown");
   } catch (const std::exception& caught) {
-    const auto* const error = dynamic_cast<const io::ScenarioError*>(&caught);
+    const auto* const error = dynamic_cast<const io::InputError*>(&caught);
     REQUIRE(error != nullptr);
     CHECK(error->diagnostics.size() == 2);
     CHECK(error->where.find("bad.toml:17:") == 0);

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include <momentree/io/json_document.hpp>
+#include <momentree/base/value.hpp>
 #include <momentree/io/shape.hpp>
 #include <momentree/math/vec.hpp>
 
@@ -58,10 +58,10 @@ struct Recording {
   const Phase& phase_at(double time) const;
 };
 
-/// Calls back with each line of `events.jsonl`, as a document and as text, if the file exists. Leaves out a last line that an
+/// Calls back with each line of `events.jsonl`, as a document and as text, and its place, if the file exists. Leaves out a last line that an
 /// interrupted run was still writing. Throws Error with the file and the line.
 void for_each_event(const std::filesystem::path& file,
-                    const std::function<void(const JsonDocument& document, const std::string& line)>& use);
+                    const std::function<void(const Value& document, const std::string& line, const std::string& where)>& use);
 
 /// Reads `bodies.csv` of a result directory and, if they exist, `model.json`, `events.jsonl` and `final.json`. One frame every
 /// `every` seconds; 0: every 0.2 s, or a round number that gives 4 to 60 frames if 0.2 s does not. Throws Error with the file

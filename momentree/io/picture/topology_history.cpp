@@ -3,16 +3,6 @@
 #include <algorithm>
 
 namespace momentree::io {
-namespace {
-
-const JsonNode& required(const JsonDocument& line, const JsonNode& node, const char* key) {
-  const JsonNode* const found = node.find(key);
-  if (found == nullptr) line.fail_at(node, '`' + std::string(key) + "` is missing");
-  return *found;
-}
-
-}  // namespace
-
 TopologyHistory::TopologyHistory(Recording& run, const std::vector<std::string>& mechanism_of) : run_(run) {
   Phase phase;
   for (std::size_t b = 0; b < run.bodies.size(); ++b) {
@@ -32,9 +22,8 @@ int TopologyHistory::mechanism(const std::string& name) {
   return static_cast<int>(run_.mechanisms.size()) - 1;
 }
 
-int TopologyHistory::body(const JsonDocument& line, const JsonNode& name) const {
-  if (name.is(JsonNode::Type::null)) return -1;
-  const auto known = bodies_.find(line.string(name, "the name of a body"));
+int TopologyHistory::body(const Value& name) const {
+  const auto known = name.string() ? bodies_.find(*name.string()) : bodies_.end();
   return known == bodies_.end() ? -1 : known->second;
 }
 
@@ -48,39 +37,43 @@ void TopologyHistory::remove(const std::string& joint, RecordedEvent& event, Pha
   links_.erase(link);
 }
 
-void TopologyHistory::put(const JsonDocument& line, const std::string& name, const JsonNode& joint, RecordedEvent& event,
-                          Phase& phase) {
-  const int parent = body(line, member(line, joint, "parent")), child = body(line, member(line, joint, "child"));
+void TopologyHistory::put(const Value::Entry& entry, RecordedEvent& event, Phase& phase, Diagnostics& out) {
+  Record joint(entry.value, "joint", out);
+  const int parent = body(joint["parent"]), child = body(joint["child"]);
   if (child < 0) return;
-  const auto link = links_.find(name);
+  const auto link = links_.find(entry.key);
   const bool same = link != links_.end() && link->second.parent == parent && link->second.child == child;
-  const bool floats = line.string(member(line, joint, "kind"), "`kind`") == "free" && parent < 0;
+  const bool floats = joint.text("kind") == "free" && parent < 0;
   if (same && !floats) return;
-  remove(name, event, phase);
-  if (!floats) links_[name] = {parent, child, false};
+  remove(entry.key, event, phase);
+  if (!floats) links_[entry.key] = {parent, child, false};
 }
 
-void TopologyHistory::add(const JsonDocument& line, RecordedEvent& event) {
+void TopologyHistory::add(Record& line, RecordedEvent& event, Diagnostics& out) {
   Phase phase;
   phase.from = event.time;
   phase.mechanism = run_.phases.back().mechanism;
   phase.joined = run_.phases.back().joined;
-  if (const JsonNode* changes = line.root.find("changes"))
-    for (const JsonNode& change : line.array(*changes, "`changes`").items)
-      event.impacts += change.find("skipped") == nullptr && member(line, change, "kind").text == "hit";
-  if (const JsonNode* topology = line.root.find("topology")) {
-    for (const JsonNode& name : line.array(member(line, *topology, "gone"), "`gone`").items)
-      remove(line.string(name, "the name of a joint"), event, phase);
-    for (const auto& [name, joint] : line.object(member(line, *topology, "joints"), "`joints`").members)
-      put(line, name, joint, event, phase);
-    for (const auto& [name, ranges] : line.object(required(line, *topology, "moved"), "`moved`").members) {
-      const int number = mechanism(name);
-      for (const JsonNode& range : line.array(ranges, "ranges of bodies").items) {
-        if (line.array(range, "a range").items.size() != 2) line.fail_at(range, "a range consists of its first body and a count");
-        const double first = line.number(range.items[0], "a body"), count = line.number(range.items[1], "a number of bodies");
+  if (line.find("changes"))
+    for (const Value& value : line.list("changes")) {
+      Record change(value, "change", out);
+      event.impacts += !change.find("skipped") && change.text("kind") == "hit";
+    }
+  if (const Value* value = line.find("topology")) {
+    Record topology(*value, "topology", out);
+    for (const Value& name : topology.list("gone"))
+      if (const auto joint = read_string(name, "gone", out)) remove(*joint, event, phase);
+    for (const Value::Entry& joint : topology.table("joints")) put(joint, event, phase, out);
+    for (const Value::Entry& moved : topology.table("moved")) {
+      const int number = mechanism(moved.key);
+      for (const Value& range : read_list(moved.value, "moved", out)) {
+        const std::vector<double> bodies = read_reals(range, 2, "moved", out);  // the first one and their number
+        if (bodies.empty()) continue;
         const auto size = static_cast<double>(phase.mechanism.size());
-        if (!(first >= 0 && count >= 0 && first + count <= size)) line.fail_at(range, "there are no such bodies");
-        std::fill_n(phase.mechanism.begin() + static_cast<long>(first), static_cast<long>(count), number);
+        if (bodies[0] >= 0 && bodies[1] >= 0 && bodies[0] + bodies[1] <= size)
+          std::fill_n(phase.mechanism.begin() + static_cast<long>(bodies[0]), static_cast<long>(bodies[1]), number);
+        else
+          out.error(range.place, "moved: there are no such bodies", damaged);
       }
     }
   }

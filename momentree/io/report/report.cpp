@@ -8,7 +8,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/joint_json.hpp>
-#include <momentree/io/json_document.hpp>
+#include <momentree/io/json.hpp>
 #include <momentree/io/json_writer.hpp>
 #include <momentree/io/picture/body_table.hpp>
 #include <momentree/io/picture/number_table.hpp>
@@ -107,7 +107,7 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   json.key("summary");
   raw(json, text, !options.summary.empty() ? options.summary : is_there(summary) ? document(summary) : "null");
   json.key("events").begin_array();
-  for_each_event(directory / "events.jsonl", [&](const JsonDocument&, const std::string& line) { raw(json, text, line); });
+  for_each_event(directory / "events.jsonl", [&](const Value&, const std::string& line, const std::string&) { raw(json, text, line); });
   json.end_array();
   std::vector<double> times;
   for (const std::size_t row : rows) times.push_back(bodies.times()[row]);
