@@ -23,7 +23,8 @@ using namespace momentree;
 // Prints the parts separately, since there may be no memory to join them.
 void print_error(const Error& error) {
   const bool placed = !error.where.empty(), hinted = !error.hint.empty();
-  if (const auto* const file = dynamic_cast<const io::InputError*>(&error)) return cli::show(stderr, std::string(file->what()) + '\n');
+  if (const auto* const file = dynamic_cast<const io::InputError*>(&error))
+    return cli::show(stderr, std::string(file->what()) + '\n');
   try {
     cli::show(stderr, (placed ? "" : "momentree: ") + error.message() + '\n');
   } catch (const std::bad_alloc&) {

@@ -58,8 +58,8 @@ struct Recording {
   const Phase& phase_at(double time) const;
 };
 
-/// Calls back with each line of `events.jsonl`, as a document and as text, and its place, if the file exists. Leaves out a last line that an
-/// interrupted run was still writing. Throws Error with the file and the line.
+/// Calls back with each line of `events.jsonl`, as a document and as text, and its place, if the file exists. Leaves out a last
+/// line that an interrupted run was still writing. Throws Error with the file and the line.
 void for_each_event(const std::filesystem::path& file,
                     const std::function<void(const Value& document, const std::string& line, const std::string& where)>& use);
 

@@ -107,7 +107,8 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   json.key("summary");
   raw(json, text, !options.summary.empty() ? options.summary : is_there(summary) ? document(summary) : "null");
   json.key("events").begin_array();
-  for_each_event(directory / "events.jsonl", [&](const Value&, const std::string& line, const std::string&) { raw(json, text, line); });
+  for_each_event(directory / "events.jsonl",
+                 [&](const Value&, const std::string& line, const std::string&) { raw(json, text, line); });
   json.end_array();
   std::vector<double> times;
   for (const std::size_t row : rows) times.push_back(bodies.times()[row]);
