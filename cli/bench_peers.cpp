@@ -14,7 +14,8 @@
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/io/json_document.hpp>
+#include <momentree/io/fields.hpp>
+#include <momentree/io/json.hpp>
 
 extern char** environ;
 
@@ -72,15 +73,14 @@ class Reader {
 };
 
 PeerRow row_of(const std::string& line, const std::string& program) {
-  const io::JsonDocument document = io::parse_json(line, program);
-  const auto member = [&](const char* key) -> const io::JsonNode& {
-    const io::JsonNode* node = document.root.find(key);
-    if (node == nullptr) document.fail_at(document.root, std::string("its output has no `") + key + "`");
-    return *node;
-  };
-  return {document.string(member("engine"), "`engine`"), document.string(member("way"), "`way`"),
-          document.string(member("model"), "`model`"), document.number(member("ns_per_body"), "`ns_per_body`"),
-          document.number(member("imbalance"), "`imbalance`")};
+  const Value document = io::parse_json(line, program);
+  io::Diagnostics out(program, "");
+  io::Fields fields(document, "its output", out, "");
+  for (const char* key : {"engine", "way", "model", "ns_per_body", "imbalance"}) fields.require(key);
+  const PeerRow row{fields.string("engine").value_or(""), fields.string("way").value_or(""), fields.string("model").value_or(""),
+                    fields.real("ns_per_body").value_or(0), fields.real("imbalance").value_or(0)};
+  out.throw_first();
+  return row;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cli/bench_tables.hpp>
 
 #include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -12,7 +13,6 @@
 #include <sstream>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/json_document.hpp>
 #include <momentree/io/test_support.hpp>
 
 namespace momentree::cli {
@@ -100,29 +100,29 @@ TEST_CASE("momentree bench: tables for people, one document for programs") {
        {"Featherstone 1987", "275 n …", "432 n − 688", "363 n − 475", "316 n − 354", "54.0 µs", "planar chain", "humanoid",
         "Generated code", "break a joint", "per body", "bench/peers", "rope", "all bodies differ"})
     CHECK_MESSAGE(text.find(words) != std::string::npos, words);
-  const io::JsonDocument json = io::parse_json(call("--json --bodies 20000"), "stdout");
-  CHECK(json.root.find("operations")->items.size() == 6);
-  CHECK(json.root.find("operations")->items[0].find("of_100")->is(io::JsonNode::Type::null));
-  CHECK(json.root.find("evaluations")->items.size() == 10);
-  CHECK(json.root.find("changes")->items.size() == 12);
-  CHECK(json.root.find("generated")->items.size() == 9);
-  CHECK(json.root.find("breaking_chain")->find("change_ns")->number > 0);
-  const io::JsonNode& large = *json.root.find("large_worlds");
-  REQUIRE(large.items.size() == 2);
-  for (const io::JsonNode& row : large.items) {
-    CHECK(row.find("bodies")->number == 20000);
-    CHECK(row.find("ns_per_body")->number > 0);
+  const nlohmann::json json = nlohmann::json::parse(call("--json --bodies 20000"));
+  CHECK(json.at("operations").size() == 6);
+  CHECK(json.at("operations").at(0).at("of_100").is_null());
+  CHECK(json.at("evaluations").size() == 10);
+  CHECK(json.at("changes").size() == 12);
+  CHECK(json.at("generated").size() == 9);
+  CHECK(json.at("breaking_chain").at("change_ns") > 0);
+  const nlohmann::json& large = json.at("large_worlds");
+  REQUIRE(large.size() == 2);
+  for (const nlohmann::json& row : large) {
+    CHECK(row.at("bodies") == 20000);
+    CHECK(row.at("ns_per_body") > 0);
 #ifdef __linux__
-    CHECK(row.find("bytes_per_body")->number > 100);
-    CHECK(row.find("bytes_per_body_with_motions")->number > row.find("bytes_per_body")->number + 90);
+    CHECK(row.at("bytes_per_body") > 100);
+    CHECK(row.at("bytes_per_body_with_motions").get<double>() > row.at("bytes_per_body").get<double>() + 90);
 #endif
   }
 #ifdef __linux__
   // Equal joints, masses and placements are stored once. So few bodies leave pages half used: a million bodies need 425 and 521
   // bytes each.
   for (const char* key : {"bytes_per_body", "bytes_per_body_with_motions"}) {
-    CHECK(large.items[0].find(key)->number < 900);
-    CHECK(large.items[0].find(key)->number + 300 < large.items[1].find(key)->number);
+    CHECK(large.at(0).at(key) < 900);
+    CHECK(large.at(0).at(key).get<double>() + 300 < large.at(1).at(key));
   }
 #endif
 }
@@ -180,16 +180,16 @@ TEST_CASE("momentree bench MODEL: a user's own models, in momentree and other en
                     humanoid = "'" + sources + "models/mjcf_humanoid/humanoid.xml'",
                     chimney = "'" + sources + "falling_chimney.toml'";
   REQUIRE(call("--json " + panda + " " + humanoid + " " + chimney) == 0);
-  const io::JsonDocument json = io::parse_json(text("out"), "stdout");
-  CHECK(json.root.find("peers") == nullptr);
-  const io::JsonNode& rows = *json.root.find("models");
-  REQUIRE(rows.items.size() == 3);
-  CHECK(rows.items[0].find("model")->text == "panda");
-  CHECK(rows.items[0].find("freedoms")->number == 9);
-  CHECK(rows.items[1].find("broken")->text == "humanoid/ankle_x_right");
-  for (const io::JsonNode& row : rows.items) {
-    for (const char* key : {"evaluation_ns", "accelerations_ns", "break_ns"}) CHECK_MESSAGE(row.find(key)->number > 0, key);
-    CHECK(row.find("error")->number < 1e-9);
+  const nlohmann::json json = nlohmann::json::parse(text("out"));
+  CHECK(!json.contains("peers"));
+  const nlohmann::json& rows = json.at("models");
+  REQUIRE(rows.size() == 3);
+  CHECK(rows.at(0).at("model") == "panda");
+  CHECK(rows.at(0).at("freedoms") == 9);
+  CHECK(rows.at(1).at("broken") == "humanoid/ankle_x_right");
+  for (const nlohmann::json& row : rows) {
+    for (const char* key : {"evaluation_ns", "accelerations_ns", "break_ns"}) CHECK_MESSAGE(row.at(key) > 0, key);
+    CHECK(row.at("error") < 1e-9);
   }
 
   // A program is given the models one by one; a model that it does not support is left out there.
@@ -199,11 +199,11 @@ TEST_CASE("momentree bench MODEL: a user's own models, in momentree and other en
                             "\"ns_per_body\": '$(wc -l <\"$2\")'}'\n";
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
   REQUIRE(call("--json --peers '" + (folder / "") + "' " + panda + " " + humanoid) == 0);
-  const io::JsonDocument beside = io::parse_json(text("out"), "stdout");
-  const io::JsonNode& peers = *beside.root.find("peers");
-  REQUIRE(peers.items.size() == 1);
-  CHECK(peers.items[0].find("model")->text == "panda");
-  CHECK(peers.items[0].find("ns_per_body")->number == 10);  // nine moving bodies and a line with the name
+  const nlohmann::json beside = nlohmann::json::parse(text("out"));
+  const nlohmann::json& peers = beside.at("peers");
+  REQUIRE(peers.size() == 1);
+  CHECK(peers.at(0).at("model") == "panda");
+  CHECK(peers.at(0).at("ns_per_body") == 10);  // nine moving bodies and a line with the name
   CHECK(text("err").find("left out") != std::string::npos);
 
   CHECK(call("'" + sources + "models/cassie/cassie_v2.sdf'") == 2);  // closed loops

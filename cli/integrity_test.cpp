@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <initializer_list>
 
-#include <momentree/io/json_document.hpp>
+#include <momentree/io/json.hpp>
 #include <momentree/io/test_support.hpp>
 #include <momentree/io/text_file.hpp>
 
@@ -70,7 +70,7 @@ class Folder {
   }
   std::string text(const std::string& name) const { return io::read_text_file(path(name)); }
   std::string status(const std::string& name) const {
-    return io::parse_json(text(name + "/summary.json"), name).root.find("status")->text;
+    return *io::parse_json(text(name + "/summary.json"), name).find("status")->value.string();
   }
   bool has(const std::string& name) const { return fs::exists(path(name)); }
   std::string path(const std::string& name) const { return folder_ / name.c_str(); }

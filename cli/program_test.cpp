@@ -12,7 +12,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <momentree/io/json_document.hpp>
 #include <momentree/io/test_support.hpp>
 #include <momentree/io/text_file.hpp>
 #include <tests/program.hpp>
@@ -39,9 +38,9 @@ TEST_CASE("run writes its files and reports") {
   CHECK(lines(here.text("results/s/bodies.csv")) == 17);
   CHECK(lines(here.text("results/s/joints.csv")) == 17);
   CHECK(lines(here.text("results/s/events.jsonl")) == 1);
-  const io::JsonDocument summary = io::parse_json(here.text("results/s/summary.json"), "summary.json");
-  CHECK(summary.root.find("status")->text == "done");
-  CHECK(summary.root.find("steps")->number == 300);
+  const nlohmann::json summary = nlohmann::json::parse(here.text("results/s/summary.json"));
+  CHECK(summary.at("status") == "done");
+  CHECK(summary.at("steps") == 300);
   CHECK(here.text("results/s/joints.csv").find("chain/4.q6") != std::string::npos);
 }
 
@@ -71,9 +70,9 @@ TEST_CASE("run --quiet and --json, --out, --set and --until") {
   CHECK(json.code == 0);
   CHECK(json.errors == "");
   CHECK(json.output == here.text("results/s/summary.json"));
-  const io::JsonDocument summary = io::parse_json(json.output, "stdout");
-  CHECK(summary.root.find("steps")->number == 100);
-  CHECK(summary.root.find("scenario")->find("overrides")->items.size() == 3);
+  const nlohmann::json summary = nlohmann::json::parse(json.output);
+  CHECK(summary.at("steps") == 100);
+  CHECK(summary.at("scenario").at("overrides").size() == 3);
   CHECK(here.text("results/s/bodies.csv").find("chain/9.x") != std::string::npos);
 }
 
@@ -100,6 +99,17 @@ TEST_CASE("final.json comes back through evaluate --state, bit for bit") {
   const Outcome again = here.call("evaluate s.toml --state r/final.json --json");
   CHECK(again.code == 0);
   CHECK(again.output == here.text("r/final.json"));
+}
+
+TEST_CASE("all problems of a state document are printed, each in its line") {
+  const Workplace here;
+  io::write_text_file(here.path("bad.json"), "{\"time\": null,\n \"joints\": {\"chain/9\": {}},\n \"boddies\": {}}\n");
+  const Outcome refused = here.call("evaluate s.toml --state bad.json");
+  CHECK(refused.code == 2);
+  CHECK(refused.errors ==
+        "bad.json:1:10: error: time: expected a number, found null\n"
+        "bad.json:2:13: error: unknown joint 'chain/9'; did you mean 'chain/1'?\n"
+        "bad.json:3:2: error: unknown key 'boddies' in the state document; did you mean 'bodies'?\n");
 }
 
 TEST_CASE("a run that starts from a state ends where the whole run ends") {
@@ -164,7 +174,7 @@ TEST_CASE("a run that diverges is kept, and reports which joint and when") {
   CHECK_FALSE(here.has("results/s"));
   CHECK(here.text("results/s.partial/summary.json").find("\"status\": \"diverged at t = ") != std::string::npos);
   CHECK(lines(here.text("results/s.partial/bodies.csv")) >= 2);
-  io::parse_json(here.text("results/s.partial/final.json"), "final.json");
+  CHECK(nlohmann::json::accept(here.text("results/s.partial/final.json")));
 }
 
 TEST_CASE("an interrupted run is kept") {

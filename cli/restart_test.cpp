@@ -299,6 +299,7 @@ TEST_CASE("the events of a document must fit the scenario") {
   CHECK(refused(R"({"agai": {"fired": 1}})").find("names an unknown event 'agai'; did you mean 'again'?") != std::string::npos);
   CHECK(refused(R"({"watch": {"fired": 1, "each": [{"fired": 1}]}})")
             .find("`armed` has 1 entries for event 'watch', which has 3 matches") != std::string::npos);
-  CHECK(refused(R"({"again": {"fired": 1, "resting": 1}})").find("`resting` should be true or false") != std::string::npos);
-  CHECK(refused(R"({"again": {"fired": 1, "looked": []}})").find("should have one or two entries") != std::string::npos);
+  CHECK(refused(R"({"again": {"fired": 1, "resting": 1}})").find("resting: expected true or false, found a number") !=
+        std::string::npos);
+  CHECK(refused(R"({"again": {"fired": 1, "looked": []}})").find("looked: expected one or two entries") != std::string::npos);
 }

@@ -65,11 +65,11 @@ Session::Session(const io::Scenario& scenario, const std::string& state)
 
   std::vector<io::RestoredState> documents;
   if (is_standard_input(state))
-    documents.push_back(io::read_state(read_standard_input(), standard_input, scenario.model, ""));
+    documents.push_back(read(read_standard_input(), {standard_input, "", {}}));
   else if (!state.empty())
-    read({state, "", {}}, documents);
+    documents.push_back(read(io::read_text_file(state), {state, "", {}}));
   else
-    for (const io::StateFile& file : scenario.state_files) read(file, documents);
+    for (const io::StateFile& file : scenario.state_files) documents.push_back(read(io::read_text_file(file.file), file));
   if (!documents.empty()) {
     from_document_ = true;
     io::restore(simulation_, documents);
@@ -130,8 +130,15 @@ void Session::schedule_followers(std::vector<const io::ScenarioEvent*>& events) 
   }
 }
 
-void Session::read(const io::StateFile& document, std::vector<io::RestoredState>& documents) const {
-  documents.push_back(io::read_state(io::read_text_file(document.file), document.file, scenario_.model, document.mechanism));
+// Prints all problems of a document: the last one as the error that ends the program.
+io::RestoredState Session::read(const std::string& text, const io::StateFile& document) const {
+  std::vector<io::Diagnostic> problems;
+  std::optional<io::RestoredState> state = io::read_state(text, document.file, scenario_.model, document.mechanism, problems);
+  if (state) return std::move(*state);
+  const Error last = problems.back().error();
+  problems.pop_back();
+  show(stderr, io::rendered(problems));
+  throw_error(last);
 }
 
 std::vector<io::Diagnostic> Session::schedule() {

@@ -41,7 +41,7 @@ class Session {
   std::vector<io::JointKinds> joints();
 
  private:
-  void read(const io::StateFile& document, std::vector<io::RestoredState>& documents) const;
+  io::RestoredState read(const std::string& text, const io::StateFile& document) const;
   void take_armed(const io::ArmedEvent& event, const std::string& file);
   const EventQueue::Armed* past_of(const io::ScenarioEvent& event) const;
   void resume();

@@ -12,7 +12,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <momentree/io/json_document.hpp>
 #include <momentree/io/test_support.hpp>
 #include <momentree/io/text_file.hpp>
 #include <tests/program.hpp>

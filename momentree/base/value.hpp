@@ -1,6 +1,7 @@
 #pragma once
 // A document as a tree of values with their locations: the input of scenario readers, whatever the file's syntax.
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,6 +30,9 @@ class Value {
     Time& operator=(const Time&) noexcept { return *this; }
   };
 
+  /// The `null` of JSON; only few fields accept it.
+  struct Null {};
+
   /// An empty table without a location.
   Value();
   template <class T>
@@ -39,11 +43,14 @@ class Value {
   const bool* boolean() const { return std::get_if<bool>(&data_); }
   const std::int64_t* integer() const { return std::get_if<std::int64_t>(&data_); }
   const double* real() const { return std::get_if<double>(&data_); }
+  /// An integer or a real number.
+  std::optional<double> number() const;
   const std::string* string() const { return std::get_if<std::string>(&data_); }
   const Array* array() const { return std::get_if<Array>(&data_); }
   const Table* table() const { return std::get_if<Table>(&data_); }
   Array* array() { return std::get_if<Array>(&data_); }
   Table* table() { return std::get_if<Table>(&data_); }
+  bool is_null() const { return std::holds_alternative<Null>(data_); }
   /// True for an array with at least one entry, all of them tables.
   bool is_array_of_tables() const;
   /// The entry of a table; null if there is none, or if this is not a table.
@@ -53,7 +60,7 @@ class Value {
   const char* type_name() const;
 
  private:
-  std::variant<bool, std::int64_t, double, std::string, Array, Table, Time> data_;
+  std::variant<bool, std::int64_t, double, std::string, Array, Table, Time, Null> data_;
 };
 
 struct Value::Entry {
@@ -71,6 +78,12 @@ inline const Value::Entry* Value::find(std::string_view key) const {
   return nullptr;
 }
 
+inline std::optional<double> Value::number() const {
+  if (const std::int64_t* n = integer()) return static_cast<double>(*n);
+  if (const double* x = real()) return *x;
+  return {};
+}
+
 inline bool Value::is_array_of_tables() const {
   const Array* entries = array();
   if (!entries || entries->empty()) return false;
@@ -80,8 +93,8 @@ inline bool Value::is_array_of_tables() const {
 }
 
 inline const char* Value::type_name() const {
-  static constexpr const char* names[] = {"true or false", "a number", "a number",      "a string",
-                                          "a list",        "a table",  "a date or time"};
+  static constexpr const char* names[] = {"true or false", "a number", "a number",       "a string",
+                                          "a list",        "a table",  "a date or time", "null"};
   return names[data_.index()];
 }
 

@@ -141,7 +141,7 @@ TEST_CASE("letters of every alphabet are unchanged, in strings and names") {
   CHECK(*document->find("words")->value.string() == letters + "Ж");
   check({{pinned + "\"größe\" = 1\n",
           "s.toml:10:1: error: unknown key 'größe' in [mechanism.body.joint]; known here: name parent at child_at kind "
-          "axis q v angle position speed damping stiffness armature rest drive limits friction strength"},
+          "axis q v angle position speed damping stiffness rest armature limits friction strength drive"},
          {"format = 1\ntitle = \"Жß\" x\n",
           "s.toml:2:14: error: cannot read this key-value pair: expected a comment or whitespace, saw 'x'"}});
 }

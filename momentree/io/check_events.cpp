@@ -1,8 +1,8 @@
 // Checks that need all events: parts without mass, and actions that are impossible or have no effect when they happen.
 #include <algorithm>
-#include <cstdio>
 #include <map>
 
+#include <momentree/io/number_text.hpp>
 #include <momentree/io/scenario_parts.hpp>
 #include <momentree/io/schedule.hpp>
 #include <momentree/simulate/arguments.hpp>
@@ -116,11 +116,7 @@ void warn_of_late(Reading& reading) {
   if (reading.integrate.until.option > 0) return;
   const double end = scenario.until * (1 + 1e-12);
   const std::unordered_map<std::string, double> earliest = earliest_instants(scenario);
-  const auto text = [](double x) {
-    char buffer[32];
-    std::snprintf(buffer, sizeof buffer, "%.9g", x);
-    return std::string(buffer);
-  };
+  const auto text = [](double x) { return rounded_text(x, 9); };
   for (const ScenarioEvent& event : scenario.events) {
     double time = event.condition ? event.condition->duration : event.time;
     if (!event.after.empty()) {

@@ -1,11 +1,11 @@
 // Checks that steps, tolerances and the length of a run are consistent, and suitable for the model.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/integrate/stiffness.hpp>
+#include <momentree/io/number_text.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
@@ -16,11 +16,7 @@ namespace {
 constexpr int most_bodies = 20'000;
 constexpr double many_steps = 1e9, many_numbers = 1e10;
 
-std::string text(double x) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.3g", x);
-  return buffer;
-}
+std::string text(double x) { return rounded_text(x, 3); }
 
 class ScheduleChecker {
  public:

@@ -25,10 +25,15 @@ constexpr std::size_t source_width = 120;
 
 }  // namespace
 
+Error Diagnostic::error() const {
+  std::string where = file;
+  if (line > 0) where += ":" + std::to_string(line);
+  if (line > 0 && column > 0) where += ":" + std::to_string(column);
+  return {what, std::move(where), hint};
+}
+
 std::string Diagnostic::message() const {
-  std::string text = printable(file);
-  if (line > 0) text += ":" + std::to_string(line);
-  if (line > 0 && column > 0) text += ":" + std::to_string(column);
+  std::string text = printable(error().where);
   text += ": " + std::string(word_of(severity)) + ": " + printable(what);
   if (!hint.empty()) text += "; " + printable(hint);
   return text;
@@ -117,6 +122,12 @@ std::string Diagnostics::name_of(Place place) const {
   if (place.option > 0 && static_cast<std::size_t>(place.option) <= options_.size())
     return "--set " + std::string(shortened(options_[static_cast<std::size_t>(place.option) - 1], 80));
   return "line " + std::to_string(place.line);
+}
+
+void Diagnostics::throw_first() {
+  if (errors_ == 0) return;
+  for (const Diagnostic& each : take())
+    if (each.severity == Severity::error) throw_error(each.error());
 }
 
 std::vector<Diagnostic> Diagnostics::take() {

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include <momentree/base/error.hpp>
 #include <momentree/base/value.hpp>
 
 namespace momentree::io {
@@ -23,6 +24,8 @@ struct Diagnostic {
 
   /// `file:line:col: error: what; hint`, on one line.
   std::string message() const;
+  /// The same as an Error, for throwing it.
+  Error error() const;
   /// The message, then the line of the file and a caret under the column.
   std::string rendered() const;
 };
@@ -50,6 +53,8 @@ class Diagnostics {
     add(Severity::note, place, std::move(what), std::move(hint));
   }
   std::size_t errors() const { return errors_; }
+  /// Throws the first error as an Error if there is any.
+  void throw_first();
   /// The limit on errors is reached: a reader may stop.
   bool full() const { return errors_ >= most; }
   /// `line 12`, or the option, to name a second place in a message.

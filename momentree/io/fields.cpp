@@ -12,7 +12,13 @@ namespace momentree::io {
 Fields::Fields(const Value& table, std::string where, Diagnostics& out, const char* context)
     : table_(table), where_(std::move(where)), context_(context), out_(out) {
   if (!table.table())
-    out.error(table.place, where_ + ": expected a table, found " + table.type_name(), cure_of_table(where_, table));
+    out.error(table.place, where_ + ": expected a table, found " + table.type_name(),
+              documents() ? "" : cure_of_table(where_, table));
+}
+
+std::vector<const Mistake*> Fields::mistakes_for(const std::string& key) const {
+  if (documents()) return {};
+  return mistakes_of(context_ != nullptr ? context_ : std::string_view(where_), key);
 }
 
 Fields::Fields(const Value& table, const KeyTable& keys, Diagnostics& out, std::string where)
@@ -31,7 +37,7 @@ const std::vector<Fields::Alias>& Fields::aliases() const {
   aliases_.emplace();
   if (const Value::Table* entries = table_.table())
     for (const Value::Entry& entry : *entries)
-      for (const Mistake* mistake : mistakes_of(context_ ? context_ : std::string_view(where_), entry.key))
+      for (const Mistake* mistake : mistakes_for(entry.key))
         if (!table_.find(mistake->key)) aliases_->push_back({&entry, mistake});
   return *aliases_;
 }
@@ -87,28 +93,13 @@ const Value* Fields::require(std::string_view key, std::string hint) {
 std::optional<double> Fields::number(std::string_view key) { return number(key, type_of(key).dimension); }
 
 std::optional<double> Fields::number(std::string_view key, const Dimension& expected) {
-  const Key* described = keys_ != nullptr ? keys_->find(key) : nullptr;
-  if (described != nullptr && described->type.range == Range::positive) return positive(key, expected);
-  if (described != nullptr && described->type.range == Range::not_negative) return not_negative(key, expected);
-  return any_number(key, expected);
-}
-
-std::optional<double> Fields::any_number(std::string_view key, const Dimension& expected) {
   const Value* value = find(key);
-  return value ? read_number(*value, expected, key, out_) : std::nullopt;
-}
-
-std::optional<double> Fields::positive(std::string_view key, const Dimension& expected) {
-  const auto number_read = any_number(key, expected);
-  if (!number_read || *number_read > 0) return number_read;
-  out_.error(place_of(key), std::string(key) + ": must be greater than 0");
-  return {};
-}
-
-std::optional<double> Fields::not_negative(std::string_view key, const Dimension& expected) {
-  const auto number_read = any_number(key, expected);
-  if (!number_read || *number_read >= 0) return number_read;
-  out_.error(place_of(key), std::string(key) + ": must not be negative");
+  const auto number_read = value ? read_number(*value, expected, key, out_) : std::nullopt;
+  const Key* described = keys_ != nullptr ? keys_->find(key) : nullptr;
+  if (!number_read || described == nullptr) return number_read;
+  const Range range = described->type.range;
+  if (range == Range::positive ? *number_read > 0 : range == Range::any || *number_read >= 0) return number_read;
+  out_.error(value->place, std::string(key) + (range == Range::positive ? ": must be greater than 0" : ": must not be negative"));
   return {};
 }
 
@@ -130,6 +121,16 @@ std::optional<Vec3> Fields::vec3(std::string_view key) { return vec3(key, type_o
 std::optional<Vec3> Fields::vec3(std::string_view key, const Dimension& expected) {
   const Value* value = find(key);
   return value ? read_vec3(*value, expected, key, out_) : std::nullopt;
+}
+
+std::optional<double> Fields::real(std::string_view key) {
+  const Value* value = find(key);
+  return value ? read_real(*value, key, out_) : std::nullopt;
+}
+
+std::vector<double> Fields::reals(std::string_view key, std::size_t count) {
+  const Value* value = find(key);
+  return value ? read_reals(*value, count, key, out_) : std::vector<double>{};
 }
 
 std::optional<Pose> Fields::pose(std::string_view key) {
@@ -156,7 +157,7 @@ void Fields::report_unknown(const Value::Entry& entry, std::string hint) {
 // The hint about what to write instead of an unknown key.
 std::string Fields::hint_for(const Value::Entry& entry) const {
   const auto is_known = [this](std::string_view key) { return std::find(known_.begin(), known_.end(), key) != known_.end(); };
-  for (const Mistake* mistake : mistakes_of(context_ ? context_ : std::string_view(where_), entry.key))
+  for (const Mistake* mistake : mistakes_for(entry.key))
     if (*mistake->key == '\0' || is_known(mistake->key)) return cure_of(*mistake);
   std::string hint = did_you_mean(entry.key, {known_.begin(), known_.end()});
   if (!hint.empty()) return hint;

@@ -27,13 +27,22 @@ std::optional<Pose> read_pose(const Value& value, std::string_view label, Diagno
 /// Moments of inertia: 1 number for all three, 3 principal moments, or 6: xx, yy, zz, xy, xz, yz.
 std::optional<Sym3> read_inertia(const Value& value, std::string_view label, Diagnostics& out);
 
+/// A number without a unit, as in a JSON document.
+std::optional<double> read_real(const Value& value, std::string_view label, Diagnostics& out);
+/// A list of `count` such numbers; empty, with a report, if it is something else.
+std::vector<double> read_reals(const Value& value, std::size_t count, std::string_view label, Diagnostics& out);
+
+/// The entries of a list or a table; empty, with a report, if it is something else.
+const Value::Array& read_list(const Value& value, std::string_view label, Diagnostics& out);
+const Value::Table& read_table(const Value& value, std::string_view label, Diagnostics& out);
+
 /// Reports an error: `what` is not supported yet.
 void not_supported_yet(Place place, std::string_view what, Diagnostics& out, std::string hint = {});
 
 class Fields {
  public:
   /// `where` names the table in messages: "[integrate]". If `table` is not a table, reports that and reads it as empty.
-  /// `context`: the name of the table in mistakes/; null: `where`.
+  /// `context`: the name of the table in mistakes/; null: `where`; empty: without common mistakes, for JSON documents.
   Fields(const Value& table, std::string where, Diagnostics& out, const char* context = nullptr);
   /// A table with a description. `where`: its name in messages; empty: that of the description.
   Fields(const Value& table, const KeyTable& keys, Diagnostics& out, std::string where = {});
@@ -59,13 +68,13 @@ class Fields {
   /// key's description. Its range always holds.
   std::optional<double> number(std::string_view key);
   std::optional<double> number(std::string_view key, const Dimension& expected);
-  std::optional<double> positive(std::string_view key, const Dimension& expected);
-  std::optional<double> not_negative(std::string_view key, const Dimension& expected);
   std::optional<std::string> string(std::string_view key);
   std::optional<bool> boolean(std::string_view key, std::string hint = {});
   std::optional<Vec3> vec3(std::string_view key);
   std::optional<Vec3> vec3(std::string_view key, const Dimension& expected);
   std::optional<Pose> pose(std::string_view key);
+  std::optional<double> real(std::string_view key);
+  std::vector<double> reals(std::string_view key, std::size_t count);
 
   /// Known keys that are not supported yet: each one present is an error. True if there was one.
   bool later(std::initializer_list<std::string_view> keys, const char* hint = "");
@@ -78,7 +87,8 @@ class Fields {
     const Mistake* mistake;
     bool reported = false;
   };
-  std::optional<double> any_number(std::string_view key, const Dimension& expected);
+  bool documents() const { return context_ != nullptr && *context_ == '\0'; }
+  std::vector<const Mistake*> mistakes_for(const std::string& key) const;
   const std::vector<Alias>& aliases() const;
   const Value::Entry* entry_of(std::string_view key) const;
   bool report_alias(std::string_view key);

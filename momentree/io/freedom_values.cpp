@@ -1,9 +1,17 @@
 #include <momentree/io/freedom_values.hpp>
 
+#include <cmath>
+
 namespace momentree::io {
 
+std::optional<double> read_extended(const Value& value, const Dimension& expected, bool infinite, std::string_view label,
+                                    Diagnostics& out) {
+  if (const double* x = value.real(); infinite && x && std::isinf(*x)) return *x;
+  return read_number(value, expected, label, out);
+}
+
 Values read_values(const Value& value, Quantity quantity, std::string_view letters, bool single, std::string_view label,
-                   Diagnostics& out) {
+                   Diagnostics& out, bool infinite) {
   Values values;
   if (!value.array()) {
     if (single || letters.size() == 1) {
@@ -13,7 +21,7 @@ Values read_values(const Value& value, Quantity quantity, std::string_view lette
       for (std::size_t i = 0; i < all.size(); ++i) {
         const char letter = all[i];
         if (all.find(letter) < i) continue;
-        number = read_number(value, dimension_of(quantity, letter), label, out);
+        number = read_extended(value, dimension_of(quantity, letter), infinite, label, out);
         if (!number) return {};
       }
       values.push_back(*number);
@@ -32,7 +40,7 @@ Values read_values(const Value& value, Quantity quantity, std::string_view lette
     return {};
   }
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    const auto number = read_number(entries[i], dimension_of(quantity, letters[i]), label, out);
+    const auto number = read_extended(entries[i], dimension_of(quantity, letters[i]), infinite, label, out);
     if (!number) return {};
     values.push_back(*number);
   }

@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include <momentree/io/system_file.hpp>
+
 namespace momentree::io {
 
 namespace {
@@ -33,13 +35,6 @@ std::optional<Unreadable> refusal(const struct stat& status, const char* what) {
   return Unreadable{"is not a regular file", ""};
 }
 
-struct Descriptor {
-  int number;
-  ~Descriptor() {
-    if (number >= 0) close(number);
-  }
-};
-
 }  // namespace
 
 std::optional<Unreadable> why_unreadable(const std::string& path, const char* what) {
@@ -56,20 +51,14 @@ bool read_whole_file(const std::string& path, const char* what, std::uintmax_t l
   };
   if (auto reason = why_unreadable(path, what)) return refuse(std::move(*reason));
   // Checked again after opening: the file may have been replaced meanwhile, for example by a pipe without a writer.
-  const Descriptor file{open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK)};
+  const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK));
   struct stat status {};
-  if (file.number < 0 || fstat(file.number, &status) != 0) return refuse(refusal(errno));
+  if (!file || fstat(file.number(), &status) != 0) return refuse(refusal(errno));
   if (auto reason = refusal(status, what)) return refuse(std::move(*reason));
   const auto size = static_cast<std::uintmax_t>(status.st_size);
   if (size > largest) return refuse({"is larger than " + std::to_string(largest >> 20) + " MiB, the limit for a " + what, ""});
-  text.assign(static_cast<std::size_t>(size), '\0');
-  for (std::size_t got = 0; got < text.size();) {
-    const ssize_t more = read(file.number, text.data() + got, text.size() - got);
-    if (more < 0 && errno == EINTR) continue;
-    if (more < 0) return refuse(refusal(errno));
-    if (more == 0) return refuse({"became shorter while it was read", "is it being written? try again"});
-    got += static_cast<std::size_t>(more);
-  }
+  text = read_all(file, static_cast<std::size_t>(largest), path);
+  if (text.size() < size) return refuse({"became shorter while it was read", "is it being written? try again"});
   return true;
 }
 

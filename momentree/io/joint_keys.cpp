@@ -9,182 +9,107 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 using S = JointSettings;
+using Q = Quantity;
+using R = Range;
 
 constexpr JointKey limits[] = {
-    {.key = "lower",
-     .about = "The lower stop; -inf, or nothing: none",
-     .value = [](S& s) -> Values& { return s.parameters.limits.lower; },
-     .quantity = Quantity::q,
-     .infinite = -infinity},
-    {.key = "upper",
-     .about = "The upper stop; inf, or nothing: none",
-     .value = [](S& s) -> Values& { return s.parameters.limits.upper; },
-     .quantity = Quantity::q,
-     .infinite = infinity},
-    {.key = "restitution",
-     .about = "Hard stops: the share of the speed that is left after a rebound, from 0 (plastic, the default) to 1",
-     .value = [](S& s) -> Values& { return s.parameters.limits.restitution; },
-     .range = Range::fraction,
-     .by_model = true},
-    {.key = "stiffness",
-     .about = "Soft stops push back with stiffness·penetration + damping·v",
-     .value = [](S& s) -> Values& { return s.parameters.limits.stiffness; },
-     .quantity = Quantity::stiffness,
-     .range = Range::positive,
-     .hint = "leave it out for a hard stop"},
-    {.key = "damping",
-     .about = "Damping of soft stops",
-     .value = [](S& s) -> Values& { return s.parameters.limits.damping; },
-     .quantity = Quantity::damping,
-     .range = Range::not_negative},
-    {.key = "rest_speed",
-     .about = "Hard stops: below this speed the joint comes to rest on the stop",
-     .value = [](S& s) -> double& { return s.parameters.limits.rest_speed; },
-     .quantity = Quantity::v,
-     .range = Range::positive,
-     .by_model = true}};
+    JointKey("lower", [](S& s) -> Values& { return s.parameters.limits.lower; }, Q::q, R::any,
+             "The lower stop; -inf, or nothing: none", {.infinite = -infinity}),
+    JointKey("upper", [](S& s) -> Values& { return s.parameters.limits.upper; }, Q::q, R::any,
+             "The upper stop; inf, or nothing: none", {.infinite = infinity}),
+    JointKey("restitution", [](S& s) -> Values& { return s.parameters.limits.restitution; }, Q::none, R::fraction,
+             "Hard stops: the share of the speed that is left after a rebound, from 0 (plastic, the default) to 1",
+             {.by_model = true}),
+    JointKey("stiffness", [](S& s) -> Values& { return s.parameters.limits.stiffness; }, Q::stiffness, R::positive,
+             "Soft stops push back with stiffness·penetration + damping·v", {.hint = "leave it out for a hard stop"}),
+    JointKey(
+        "damping", [](S& s) -> Values& { return s.parameters.limits.damping; }, Q::damping, R::not_negative,
+        "Damping of soft stops"),
+    JointKey("rest_speed", [](S& s) -> double& { return s.parameters.limits.rest_speed; }, Q::v, R::positive,
+             "Hard stops: below this speed the joint comes to rest on the stop", {.by_model = true})};
 
-constexpr JointKey friction[] = {{.key = "coulomb",
-                                  .about = "Torque or force of sliding",
-                                  .value = [](S& s) -> Values& { return s.parameters.friction.coulomb; },
-                                  .quantity = Quantity::effort,
-                                  .range = Range::not_negative,
-                                  .required = "for example friction = { coulomb = \"2 N m\", speed = \"0.01 rad/s\" }"},
-                                 {.key = "speed",
-                                  .about = "Speed over which the friction builds up: a small fraction of the speeds that matter",
-                                  .value = [](S& s) -> Values& { return s.parameters.friction.speed; },
-                                  .quantity = Quantity::v,
-                                  .range = Range::positive,
-                                  .hint = "friction is smoothed over it: coulomb·tanh(v/speed)",
-                                  .required = "the friction fades below it: use about a hundredth of the joint's usual speed"}};
+constexpr JointKey friction[] = {
+    JointKey("coulomb", [](S& s) -> Values& { return s.parameters.friction.coulomb; }, Q::effort, R::not_negative,
+             "Torque or force of sliding",
+             {.required = "for example friction = { coulomb = \"2 N m\", speed = \"0.01 rad/s\" }"}),
+    JointKey("speed", [](S& s) -> Values& { return s.parameters.friction.speed; }, Q::v, R::positive,
+             "Speed over which the friction builds up: a small fraction of the speeds that matter",
+             {.hint = "friction is smoothed over it: coulomb·tanh(v/speed)",
+              .required = "the friction fades below it: use about a hundredth of the joint's usual speed"})};
 
-constexpr JointKey strength[] = {{.key = "force",
-                                  .about = "Norm of the reaction force at which the joint breaks",
-                                  .value = [](S& s) -> double& { return s.parameters.strength.force; },
-                                  .quantity = Quantity::force,
-                                  .range = Range::positive,
-                                  .hint = "the load at which the joint breaks; leave it out if the joint bears any load",
-                                  .infinite = infinity},
-                                 {.key = "torque",
-                                  .about = "Norm of the reaction torque at which the joint breaks",
-                                  .value = [](S& s) -> double& { return s.parameters.strength.torque; },
-                                  .quantity = Quantity::torque,
-                                  .range = Range::positive,
-                                  .hint = "the load at which the joint breaks; leave it out if the joint bears any load",
-                                  .infinite = infinity}};
+constexpr const char* load = "the load at which the joint breaks; leave it out if the joint bears any load";
 
-constexpr JointKey pd[] = {{.key = "kp",
-                            .about = "Stiffness",
-                            .value = [](S& s) -> Values& { return s.drive.pd.kp; },
-                            .quantity = Quantity::stiffness,
-                            .range = Range::not_negative},
-                           {.key = "kd",
-                            .about = "Damping",
-                            .value = [](S& s) -> Values& { return s.drive.pd.kd; },
-                            .quantity = Quantity::damping,
-                            .range = Range::not_negative},
-                           {.key = "target",
-                            .about = "Position to hold; default: the joint's zero",
-                            .value = [](S& s) -> std::vector<Signal>& { return s.drive.pd.target; },
-                            .quantity = Quantity::q},
-                           {.key = "target_speed",
-                            .about = "Speed to hold; default: the rate of the target",
-                            .value = [](S& s) -> std::vector<Signal>& { return s.drive.pd.target_speed; },
-                            .quantity = Quantity::v},
-                           {.key = "max_effort",
-                            .about = "Bound of the effort, in either direction",
-                            .value = [](S& s) -> Values& { return s.drive.pd.max_effort; },
-                            .quantity = Quantity::effort,
-                            .range = Range::positive,
-                            .hint = "leave it out if there is no bound",
-                            .infinite = infinity}};
+constexpr JointKey strength[] = {
+    JointKey("force", [](S& s) -> double& { return s.parameters.strength.force; }, Q::force, R::positive,
+             "Norm of the reaction force at which the joint breaks", {.hint = load, .infinite = infinity}),
+    JointKey("torque", [](S& s) -> double& { return s.parameters.strength.torque; }, Q::torque, R::positive,
+             "Norm of the reaction torque at which the joint breaks", {.hint = load, .infinite = infinity})};
+
+constexpr JointKey pd[] = {
+    JointKey(
+        "kp", [](S& s) -> Values& { return s.drive.pd.kp; }, Q::stiffness, R::not_negative, "Stiffness"),
+    JointKey(
+        "kd", [](S& s) -> Values& { return s.drive.pd.kd; }, Q::damping, R::not_negative, "Damping"),
+    JointKey(
+        "target", [](S& s) -> std::vector<Signal>& { return s.drive.pd.target; }, Q::q, R::any,
+        "Position to hold; default: the joint's zero"),
+    JointKey(
+        "target_speed", [](S& s) -> std::vector<Signal>& { return s.drive.pd.target_speed; }, Q::v, R::any,
+        "Speed to hold; default: the rate of the target"),
+    JointKey("max_effort", [](S& s) -> Values& { return s.drive.pd.max_effort; }, Q::effort, R::positive,
+             "Bound of the effort, in either direction", {.hint = "leave it out if there is no bound", .infinite = infinity})};
 
 constexpr JointKey drive[] = {
-    {.key = "effort",
-     .about = "Driving torque or force",
-     .value = [](S& s) -> std::vector<Signal>& { return s.drive.effort; },
-     .quantity = Quantity::effort},
-    {.key = "pd",
-     .about = "Position control: kp·(target − q) + kd·(target_speed − v), at most max_effort in either direction",
-     .value = JointGroup{pd,
-                         {"kp", "kd"},
-                         "has neither 'kp' nor 'kd'",
-                         "the effort is kp·(target − q) + kd·(target_speed − v)",
-                         "follow a target"}},
-    {.key = "motion",
-     .about = "Prescribed position of a joint with one degree of freedom; the drive supplies whatever effort it needs",
-     .value = [](S& s) -> std::vector<Signal>& { return s.motion; },
-     .quantity = Quantity::q,
-     .one_dof = true}};
+    JointKey(
+        "effort", [](S& s) -> std::vector<Signal>& { return s.drive.effort; }, Q::effort, R::any, "Driving torque or force"),
+    JointKey("pd",
+             JointGroup{pd,
+                        {"kp", "kd"},
+                        "has neither 'kp' nor 'kd'",
+                        "the effort is kp·(target − q) + kd·(target_speed − v)",
+                        "follow a target"},
+             "Position control: kp·(target − q) + kd·(target_speed − v), at most max_effort in either direction"),
+    JointKey("motion", [](S& s) -> std::vector<Signal>& { return s.motion; }, Q::q, R::any,
+             "Prescribed position of a joint with one degree of freedom; the drive supplies whatever effort it needs",
+             {.one_dof = true})};
 
 constexpr JointKey parameters[] = {
-    {.key = "damping",
-     .about = "Torque or force −damping·v",
-     .value = [](S& s) -> Values& { return s.parameters.damping; },
-     .quantity = Quantity::damping,
-     .range = Range::not_negative,
-     .by_model = true},
-    {.key = "stiffness",
-     .about = "Spring about `rest`",
-     .value = [](S& s) -> Values& { return s.parameters.stiffness; },
-     .quantity = Quantity::stiffness,
-     .range = Range::not_negative,
-     .by_model = true},
-    {.key = "rest",
-     .about = "Coordinates at which the spring is relaxed; default: the joint's zero",
-     .value = [](S& s) -> Values& { return s.parameters.rest; },
-     .quantity = Quantity::q,
-     .each = true},
-    {.key = "armature",
-     .about = "Rotor inertia reflected to the joint, added to the joint-space mass",
-     .value = [](S& s) -> Values& { return s.parameters.armature; },
-     .quantity = Quantity::armature,
-     .range = Range::not_negative,
-     .by_model = true},
-    {.key = "effort",
-     .about = "Constant driving torque or force: in scenarios a part of the drive",
-     .value = [](S& s) -> Values& { return s.parameters.effort; },
-     .quantity = Quantity::effort,
-     .documents = true},
-    {.key = "limits",
-     .about = "Stops of the joint's coordinates: hard with `restitution`, soft with `stiffness`",
-     .value =
-         JointGroup{
-             limits, {"lower", "upper"}, "for example limits = { lower = \"-90 deg\", upper = \"90 deg\" }", "be limited"}},
-    {.key = "friction", .about = "Dry friction, smoothed: −coulomb·tanh(v/speed)", .value = JointGroup{friction}},
-    {.key = "strength",
-     .about = "The joint breaks when its reaction reaches one of these",
-     .value =
-         JointGroup{
-             strength, {"force", "torque"}, "neither 'force' nor 'torque'", "for example strength = { force = \"4 kN\" }"}},
-    {.key = "drive",
-     .about = "What drives the joint: an effort, position control or a prescribed motion",
-     .value = JointGroup{drive}}};
+    JointKey("damping", [](S& s) -> Values& { return s.parameters.damping; }, Q::damping, R::not_negative,
+             "Torque or force −damping·v", {.by_model = true}),
+    JointKey("stiffness", [](S& s) -> Values& { return s.parameters.stiffness; }, Q::stiffness, R::not_negative,
+             "Spring about `rest`", {.by_model = true}),
+    JointKey("rest", [](S& s) -> Values& { return s.parameters.rest; }, Q::q, R::any,
+             "Coordinates at which the spring is relaxed; default: the joint's zero", {.each = true}),
+    JointKey("armature", [](S& s) -> Values& { return s.parameters.armature; }, Q::armature, R::not_negative,
+             "Rotor inertia reflected to the joint, added to the joint-space mass", {.by_model = true}),
+    JointKey("effort", [](S& s) -> Values& { return s.parameters.effort; }, Q::effort, R::any,
+             "Constant driving torque or force: in scenarios a part of the drive", {.documents = true}),
+    JointKey("limits",
+             JointGroup{limits,
+                        {"lower", "upper"},
+                        "neither 'lower' nor 'upper'",
+                        "for example limits = { lower = \"-90 deg\", upper = \"90 deg\" }",
+                        "be limited"},
+             "Stops of the joint's coordinates: hard with `restitution`, soft with `stiffness`"),
+    JointKey("friction", JointGroup{friction}, "Dry friction, smoothed: −coulomb·tanh(v/speed)"),
+    JointKey(
+        "strength",
+        JointGroup{strength, {"force", "torque"}, "neither 'force' nor 'torque'", "for example strength = { force = \"4 kN\" }"},
+        "The joint breaks when its reaction reaches one of these"),
+    JointKey("drive", JointGroup{drive}, "What drives the joint: an effort, position control or a prescribed motion")};
+
+using Unit = SignalKey::Unit;
 
 constexpr SignalKey sine[] = {
-    {.key = "amplitude",
-     .about = "Amplitude",
-     .unit = SignalKey::Unit::value,
-     .number = &SignalParts::amplitude,
-     .required = "for example sine = { amplitude = 2, frequency = \"0.5 Hz\" }"},
-    {.key = "frequency",
-     .about = "Cycles per second",
-     .unit = SignalKey::Unit::frequency,
-     .number = &SignalParts::frequency,
-     .required = "in Hz: cycles per second",
-     .range = Range::not_negative},
-    {.key = "phase", .about = "Phase at time 0", .unit = SignalKey::Unit::angle, .number = &SignalParts::phase},
-    {.key = "offset", .about = "Mean value", .unit = SignalKey::Unit::value, .number = &SignalParts::offset}};
+    {"amplitude", Unit::value, &SignalParts::amplitude, "Amplitude",
+     "for example sine = { amplitude = 2, frequency = \"0.5 Hz\" }"},
+    {"frequency", Unit::frequency, &SignalParts::frequency, "Cycles per second", "in Hz: cycles per second", R::not_negative},
+    {"phase", Unit::angle, &SignalParts::phase, "Phase at time 0"},
+    {"offset", Unit::value, &SignalParts::offset, "Mean value"}};
 
-constexpr SignalKey ramp[] = {{.key = "rate",
-                               .about = "The value is offset + rate·t",
-                               .unit = SignalKey::Unit::value_per_time,
-                               .number = &SignalParts::rate,
-                               .required = ""},
-                              {.key = "offset",
-                               .about = "Value at time 0; a motion without it starts at the joint's position",
-                               .unit = SignalKey::Unit::value,
-                               .number = &SignalParts::offset}};
+constexpr SignalKey ramp[] = {
+    {"rate", Unit::value_per_time, &SignalParts::rate, "The value is offset + rate·t", ""},
+    {"offset", Unit::value, &SignalParts::offset, "Value at time 0; a motion without it starts at the joint's position"}};
 
 }  // namespace
 

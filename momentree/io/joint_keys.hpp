@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -42,19 +43,12 @@ struct JointGroup {
   /// Only for kinds whose velocities are the rates of their coordinates: other kinds have no coordinates that could `rates`;
   /// null: for all kinds.
   const char* rates = nullptr;
+
+  bool needs(std::string_view key) const { return either[0] != nullptr && (key == either[0] || key == either[1]); }
 };
 
-/// One key: where its value is stored, and its meaning.
-struct JointKey {
-  using PerDof = Values& (*)(JointSettings&);                ///< one number for all DoFs, or a list with one per DoF
-  using Number = double& (*)(JointSettings&);                ///< one number
-  using Signals = std::vector<Signal>& (*)(JointSettings&);  ///< one signal per DoF, without a list if there is only one
-
-  const char* key;
-  const char* about;  ///< its meaning, in one line
-  std::variant<PerDof, Number, Signals, JointGroup> value;
-  Quantity quantity = Quantity::none;
-  Range range = Range::any;
+/// What is special about a key.
+struct JointKeyOptions {
   const char* hint = "";           ///< for a number out of range
   bool by_model = false;           ///< check_joint() reports numbers out of range, not the reader
   const char* required = nullptr;  ///< the hint if the key is missing from its table; null: it may be missing
@@ -62,12 +56,46 @@ struct JointKey {
   bool each = false;       ///< one number for all DoFs is not accepted
   bool one_dof = false;    ///< only for kinds with one coordinate and one DoF
   bool documents = false;  ///< in state documents only
+};
 
-  const JointGroup* group() const { return std::get_if<JointGroup>(&value); }
+/// One key: where its value is stored, and its meaning.
+struct JointKey : JointKeyOptions {
+  using PerDof = Values& (*)(JointSettings&);                ///< one number for all DoFs, or a list with one per DoF
+  using Number = double& (*)(JointSettings&);                ///< one number
+  using Signals = std::vector<Signal>& (*)(JointSettings&);  ///< one signal per DoF, without a list if there is only one
+  using Place = std::variant<PerDof, Number, Signals, JointGroup>;
+
+  constexpr JointKey(const char* key_, Place value_, Quantity quantity_, Range range_, const char* about_,
+                     const JointKeyOptions& options = {})
+      : JointKeyOptions(options), key(key_), about(about_), value(value_), quantity(quantity_), range(range_) {}
+  /// A table of further keys.
+  constexpr JointKey(const char* key_, const JointGroup& group, const char* about_)
+      : key(key_), about(about_), value(group), quantity(Quantity::none), range(Range::any) {}
+
+  const char* key;
+  const char* about;  ///< its meaning, in one line
+  Place value;
+  Quantity quantity;
+  Range range;
 };
 
 /// The keys of a joint's parameters, in the order in which state documents have them.
 std::span<const JointKey> joint_keys();
+
+/// True if `same` holds for every two values of these keys.
+template <class Same>
+bool alike(std::span<const JointKey> keys, JointSettings& a, JointSettings& b, const Same& same) {
+  for (const JointKey& key : keys) {
+    const auto agree = [&](const auto& value) {
+      if constexpr (std::is_same_v<std::decay_t<decltype(value)>, JointGroup>)
+        return alike(value.keys, a, b, same);
+      else
+        return static_cast<bool>(same(value(a), value(b)));
+    };
+    if (!std::visit(agree, key.value)) return false;
+  }
+  return true;
+}
 
 /// A signal as the numbers from which it is made.
 struct SignalParts {
@@ -87,9 +115,9 @@ struct SignalParts {
 struct SignalKey {
   enum class Unit { value, value_per_time, frequency, angle };  ///< value: that of the signal
   const char* key;
-  const char* about;
   Unit unit;
   double SignalParts::*number;
+  const char* about;
   const char* required = nullptr;  ///< as in JointKey
   Range range = Range::any;
 

@@ -1,25 +1,25 @@
 #include <momentree/io/joint_tables.hpp>
 
 #include <algorithm>
-#include <array>
+
+#include <momentree/io/joint_keys.hpp>
 
 namespace momentree::io {
 
 namespace {
 
-constexpr std::array parameter_keys{"damping", "stiffness", "armature", "rest", "drive", "limits", "friction", "strength"};
-constexpr std::array start_keys{"q", "v", "angle", "position", "speed"};
-
 // Copies the parameter `key` that a table gives into a joint's own parameters.
 void take(JointParameters& own, const JointParameters& given, std::string_view key) {
-  if (key == "damping") own.damping = given.damping;
-  if (key == "stiffness") own.stiffness = given.stiffness;
-  if (key == "armature") own.armature = given.armature;
-  if (key == "rest") own.rest = given.rest;
-  if (key == "limits") own.limits = given.limits;
-  if (key == "friction") own.friction = given.friction;
-  if (key == "strength") own.strength = given.strength;
-  if (key == "drive") own.effort = given.effort, own.drive = given.drive;
+  if (key == "drive") {  // shared by all joints of the table
+    own.effort = given.effort, own.drive = given.drive;
+    return;
+  }
+  const std::shared_ptr<const JointDrive> drive = std::move(own.drive);
+  JointSettings to(own), from(given);
+  for (const JointKey& each : joint_keys())
+    if (each.key == key) alike({&each, 1}, to, from, [](auto& a, const auto& b) { return a = b, true; });
+  own = to.parameters;
+  own.drive = drive;
 }
 
 std::string joined(const std::vector<std::string>& words) {
@@ -40,10 +40,10 @@ constinit const KeyTable joint_override_table{"override",
 
 JointTable::JointTable(Fields& fields, Place place, bool starts, std::string pattern, std::string where)
     : pattern_(std::move(pattern)), where_(std::move(where)), place_(place), starts_(starts) {
-  for (const char* key : start_keys)
-    if (const Value* value = starts ? fields.find(key) : nullptr) entries_.emplace_back(key, value);
-  for (const char* key : parameter_keys)
-    if (const Value* value = fields.find(key)) entries_.emplace_back(key, value);
+  for (const Key& key : joint_starts)
+    if (const Value* value = starts ? fields.find(key.name) : nullptr) entries_.emplace_back(key.name, value);
+  for (const JointKey& key : joint_keys())
+    if (const Value* value = key.documents ? nullptr : fields.find(key.key)) entries_.emplace_back(key.key, value);
 }
 
 const Value* JointTable::value_of(std::string_view key) const {
@@ -70,7 +70,7 @@ JointTable::Part JointTable::read_part(const KindInfo& kind, const Entries& entr
   Part part;
   part.entries = entries;
   if (starts_) read_start(fields, kind, part.q, part.v, out);
-  read_parameters(fields, kind, part.parameters, out);
+  read_parameters(fields, &kind, part.parameters, out);
   return part;
 }
 
@@ -205,8 +205,8 @@ void JointTables::read(const std::vector<std::pair<std::string, Kind>>& joints,
 std::optional<Place> JointTables::start_of(const std::string& joint) const {
   const auto exact = exact_.find(joint);
   if (exact == exact_.end()) return {};
-  for (const char* key : start_keys)
-    if (tables_[exact->second].has(key)) return tables_[exact->second].place_of(key);
+  for (const Key& key : joint_starts)
+    if (tables_[exact->second].has(key.name)) return tables_[exact->second].place_of(key.name);
   return {};
 }
 

@@ -30,4 +30,10 @@ std::string number_text(double value) {
   return text;
 }
 
+std::string rounded_text(double value, int digits) {
+  char text[32];
+  const auto [end, error] = std::to_chars(text, text + sizeof text, value, std::chars_format::general, digits);
+  return error == std::errc() ? std::string(text, end) : number_text(value);
+}
+
 }  // namespace momentree::io

@@ -10,5 +10,7 @@ void append_number(std::string& text, double value);
 void append_number(std::string& text, long value);
 
 std::string number_text(double value);
+/// With so many significant digits, for messages.
+std::string rounded_text(double value, int digits);
 
 }  // namespace momentree::io

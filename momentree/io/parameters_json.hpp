@@ -1,14 +1,15 @@
 #pragma once
-// A joint's parameters in a state document; the numbers read back to the same bits.
-#include <momentree/io/json_document.hpp>
+// A joint's parameters in a state document, with the keys of joint_keys.hpp; the numbers read back to the same bits.
+#include <momentree/io/fields.hpp>
 #include <momentree/io/json_writer.hpp>
 #include <momentree/joint/joint.hpp>
 
 namespace momentree::io {
 
-/// Writes an object with the same keys as in a scenario; parameters that the joint does not have are omitted.
+/// Writes an object with the same keys as in a scenario; parameters that the joint does not have are omitted. JSON numbers are
+/// finite: null represents infinity.
 void write_parameters(JsonWriter& json, const JointParameters& parameters);
-/// Throws Error at the first mistake.
-JointParameters parameters_of(const JsonDocument& document, const JsonNode& node);
+/// Reports everything that is wrong.
+JointParameters parameters_of(const Value& value, Diagnostics& out);
 
 }  // namespace momentree::io

@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/io/json.hpp>
 #include <momentree/io/state_document.hpp>
 #include <momentree/io/test_support.hpp>
 
@@ -17,8 +18,10 @@ JointParameters back(const JointParameters& p) {
   std::string text;
   JsonWriter json(text);
   write_parameters(json, p);
-  const JsonDocument document = parse_json(text, "p.json");
-  return parameters_of(document, document.root);
+  Diagnostics out("p.json", "");
+  const JointParameters parameters = parameters_of(parse_json(text, "p.json"), out);
+  CHECK(rendered(out.take()) == "");
+  return parameters;
 }
 
 JointParameters everything() {
@@ -72,17 +75,19 @@ TEST_CASE("a drive set by an event is in the document of the world, and continue
 }
 
 TEST_CASE("errors in parameters have their places") {
-  const auto mistake = [](const std::string& text) {
-    return test::error_of([&] {
-      const JsonDocument document = parse_json(text, "p.json");
-      parameters_of(document, document.root);
-    });
+  const auto mistakes = [](const std::string& text) {
+    Diagnostics out("p.json", "");
+    parameters_of(parse_json(text, "p.json"), out);
+    return rendered(out.take());
   };
-  CHECK(mistake(R"({"drive": {"effort": [{"table": [[1, 2], [1, 3]]}]}})").find("p.json:1:23") == 0);
-  CHECK(mistake(R"({"drive": {"effort": [{"table": [[1, 2], [1, 3]]}]}})").find("times must increase") != std::string::npos);
-  CHECK(mistake(R"({"drive": {"motion": {"tabel": []}}})").find("tabel") != std::string::npos);
-  CHECK(mistake(R"({"drive": {"effort": [{}]}})").find("should be a number, a `table`, a `sine` or a `rate`") !=
+  CHECK(mistakes(R"({"drive": {"effort": [{"table": [[1, 2], [1, 3]]}]}})")
+            .starts_with("p.json:1:42: error: effort: the table's times must increase"));
+  CHECK(mistakes(R"({"drive": {"motion": {"tabel": []}}})").find("did you mean 'table'?") != std::string::npos);
+  CHECK(mistakes(R"({"drive": {"effort": [{}]}})").find("expected a number, { table = … }, { sine = … } or { rate = … }") !=
         std::string::npos);
-  CHECK(mistake(R"({"friction": {"coulomb": null}})").find("p.json:1:15") == 0);
-  CHECK(mistake(R"({"strenght": {}})").find("did you mean 'strength'") != std::string::npos);
+  CHECK(mistakes(R"({"strenght": {}})") == "p.json:1:2: error: unknown key 'strenght' in parameters; did you mean 'strength'?\n");
+  CHECK(mistakes(R"({"friction": {"coulomb": null, "speed": "1"}, "limits": {"lower": null, "upper": [1, "2 rad"]}})") ==
+        "p.json:1:26: error: coulomb: expected a number, found null\n"
+        "p.json:1:41: error: speed: expected a number, found a string\n"
+        "p.json:1:86: error: upper: expected a number, found a string\n");
 }

@@ -1,4 +1,5 @@
 // One entry of an event's actions: a name, or a table with the fields that the action needs.
+#include <momentree/io/joint_keys.hpp>
 #include <momentree/io/read_action.hpp>
 
 namespace momentree::io {
@@ -150,14 +151,10 @@ void ActionReader::description(JointDescription& joint, bool keeps_axes) {
 void ActionReader::parameters(const std::string& of, JointParameters& parameters) {
   if (!fields_) return;
   acts_ = false;
-  for (const char* key : {"damping", "stiffness", "rest", "armature", "drive", "limits", "friction", "strength"})
-    acts_ = acts_ || fields_->has(key);
+  for (const JointKey& key : joint_keys()) acts_ = acts_ || (!key.documents && fields_->has(key.key));
   const KindInfo* kind = kind_of ? kind_of(of) : nullptr;
   const std::size_t errors = out_.errors();
-  if (kind)
-    read_parameters(*fields_, *kind, parameters, out_);
-  else
-    read_plain_parameters(*fields_, parameters, out_);
+  read_parameters(*fields_, kind, parameters, out_);
   if (!kind || errors != out_.errors()) return;
   JointSpec spec;
   spec.kind = kind->kind, spec.axis2 = x_axis, spec.pitch = 1, spec.parameters = parameters;

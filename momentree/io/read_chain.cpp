@@ -78,7 +78,7 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
   if (const Value* inertia = fields.find("inertia")) chain.inertia = read_inertia(*inertia, "inertia", out).value_or(Sym3{});
   if (errors != out.errors()) chain.mass = 1, chain.inertia = {};
   chain.axis = fields.vec3("axis").value_or(chain.axis);
-  read_parameters(fields, info(Kind::revolute), chain.parameters, out);
+  read_parameters(fields, &info(Kind::revolute), chain.parameters, out);
   chain.angle = fields.number("angle").value_or(0);
   chain.angle_growth = fields.boolean("angle_growth").value_or(false);
   if (chain.parameters.drive && chain.parameters.drive->moves() && fields.has("angle"))

@@ -1,12 +1,12 @@
 // [[coupling]]: a joint that follows another through a spring; and `mimic` of a mechanism, which couples the joints of a model.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string_view>
 #include <unordered_set>
 #include <utility>
 
 #include <momentree/io/follow_circles.hpp>
+#include <momentree/io/number_text.hpp>
 #include <momentree/io/read_action.hpp>
 
 namespace momentree::io {
@@ -91,9 +91,10 @@ void add_coupling(const JointCoupling& coupling, Place place, Reading& reading) 
   const double apart = joint.q[0] - coupling.multiplier * leader.q[0] - coupling.offset;
   const double size = std::abs(joint.q[0]) + std::abs(coupling.multiplier * leader.q[0]) + std::abs(coupling.offset);
   if (std::abs(apart) > 1e-9 * size + 1e-12) {
-    char text[160];
-    std::snprintf(text, sizeof text, " starts %.4g %s from where it should follow ", apart, slides(joint.joint) ? "m" : "rad");
-    reading.out.warning(place, "joint " + in_quotes(joint.joint_name) + text + in_quotes(leader.joint_name),
+    const char* const unit = slides(joint.joint) ? "m" : "rad";
+    reading.out.warning(place,
+                        "joint " + in_quotes(joint.joint_name) + " starts " + rounded_text(apart, 4) + " " + unit +
+                            " from where it should follow " + in_quotes(leader.joint_name),
                         "the spring pulls it there from the start");
   }
   reading.scenario.couplings.push_back(coupling);

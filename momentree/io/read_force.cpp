@@ -41,7 +41,7 @@ std::array<Signal, 3> read_components(Fields& fields, const char* key, const Dim
               "each of them a number, { table = … } or { sine = … }: [0, 0, { sine = { amplitude = 2, frequency = 1 } }]");
     return all;
   }
-  for (std::size_t i = 0; i < 3; ++i) all[i] = read_signal((*value->array())[i], expected, key, out).value_or(Signal());
+  for (std::size_t i = 0; i < 3; ++i) all[i] = read_signal((*value->array())[i], {expected}, key, out).value_or(Signal());
   return all;
 }
 

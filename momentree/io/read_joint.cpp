@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <initializer_list>
 #include <optional>
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/freedom_values.hpp>
 #include <momentree/io/mistakes/shapes.hpp>
+#include <momentree/io/number_text.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
@@ -101,9 +101,10 @@ std::optional<Place> first_of(const Fields& fields, std::initializer_list<const 
 
 // Skips keys that cannot be checked if the kind is unknown.
 void pass_over(Fields& fields) {
-  for (const char* key : {"axis", "axis2", "pitch", "q", "v", "angle", "position", "speed", "damping", "stiffness", "armature",
-                          "rest", "drive", "limits", "friction", "strength"})
-    fields.find(key);
+  for (const KeyList& list : {joint_geometry, joint_starts})
+    for (const Key& key : list) fields.find(key.name);
+  for (const JointKey& key : joint_keys())
+    if (!key.documents) fields.find(key.key);
 }
 
 }  // namespace
@@ -152,10 +153,10 @@ void start_motion(BodySpec& spec, const std::optional<Place>& q, const std::opti
   const Curve::Point start = drive->motion[0].at(0);
   const auto check = [&out](const Values& given, const std::optional<Place>& place, double is, const char* what) {
     if (!place || given.size() != 1 || std::fabs(given[0] - is) <= 1e-9 * std::max(1.0, std::fabs(is))) return;
-    char text[80], hint[80];
-    std::snprintf(text, sizeof text, "the joint's motion starts at the %s %.9g, not %.9g", what, is, given[0]);
-    std::snprintf(hint, sizeof hint, "leave the start %s out: the motion gives it", what);
-    out.error(*place, text, hint);
+    out.error(*place,
+              std::string("the joint's motion starts at the ") + what + " " + rounded_text(is, 9) + ", not " +
+                  rounded_text(given[0], 9),
+              std::string("leave the start ") + what + " out: the motion gives it");
   };
   check(spec.q, q, start.value, "position");
   check(spec.v, v, start.rate, "speed");
@@ -180,7 +181,7 @@ void read_joint(const Value& table, BodyEntry& body, Reading& reading) {
     spec.joint.kind = kind->kind;
     read_geometry(fields, *kind, false, spec.joint, out);
     read_start(fields, *kind, spec.q, spec.v, out);
-    read_parameters(fields, *kind, spec.joint.parameters, out);
+    read_parameters(fields, kind, spec.joint.parameters, out);
     start_motion(spec, first_of(fields, {"q", "angle", "position"}), first_of(fields, {"v", "speed"}), out);
     warn_of_rest(fields, out);
   } else {
@@ -197,7 +198,7 @@ void read_description(Fields& fields, bool keeps_axes, JointDescription& joint, 
   joint.axis_given = kind->axis && fields.has("axis");
   joint.axis2_given = kind->axis2 && fields.has("axis2");
   read_geometry(fields, *kind, keeps_axes, joint.spec, out);
-  read_parameters(fields, *kind, joint.spec.parameters, out);
+  read_parameters(fields, kind, joint.spec.parameters, out);
   warn_of_rest(fields, out);
   if (errors != out.errors()) return;
   // An axis that stays unchanged is known only later, so it is not checked for being parallel.

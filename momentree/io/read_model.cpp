@@ -1,7 +1,6 @@
 // A mechanism described by a model file: its placement, its root joint, its initial values, and the parts of the file that are
 // used.
 #include <algorithm>
-#include <cstdio>
 #include <deque>
 #include <filesystem>
 #include <unordered_map>
@@ -10,6 +9,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/joint_tables.hpp>
+#include <momentree/io/number_text.hpp>
 
 namespace momentree::io {
 
@@ -55,10 +55,10 @@ void take_limits(const ImportedBody& body, const ModelChoice& choice, BodySpec& 
     const double q = i < spec.q.size() ? spec.q[i] : 0;
     const double lower = body.limits.lower_of(i), upper = body.limits.upper_of(i);
     if (q >= lower && q <= upper) continue;
-    char text[120];
-    std::snprintf(text, sizeof text, " starts at %.6g, beyond its limits of %.6g and %.6g", q, lower, upper);
     reading.out.error(
-        choice.limits_place, "limits: joint " + in_quotes(body.spec.joint_name) + text,
+        choice.limits_place,
+        "limits: joint " + in_quotes(body.spec.joint_name) + " starts at " + rounded_text(q, 6) + ", beyond its limits of " +
+            rounded_text(lower, 6) + " and " + rounded_text(upper, 6),
         "give it a start within them, in state = { joints = { … } } or [mechanism.joint." + body.spec.joint_name + "]");
   }
 }

@@ -1,11 +1,11 @@
 // Numbers with units, vectors, placements and inertias.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include <momentree/io/fields.hpp>
 #include <momentree/io/mistakes/shapes.hpp>
+#include <momentree/io/number_text.hpp>
 #include <momentree/math/unit.hpp>
 
 namespace momentree::io {
@@ -54,8 +54,7 @@ std::optional<double> read_number(const Value& value, const Dimension& expected,
   constexpr double turn = 6.283185307179586, suspicious = 1.001 * turn, of_degrees = 1e5;
   if (!number || !(expected == dimension::angle) || value.string()) return number;
   if (std::fabs(*number) <= suspicious || std::fabs(*number) > of_degrees) return number;
-  char turns[32];
-  std::snprintf(turns, sizeof turns, "%.3g", std::fabs(*number) / turn);
+  const std::string turns = rounded_text(std::fabs(*number) / turn, 3);
   const std::string given = as_written(value);
   out.warning(value.place, labelled(label, given) + " is read as radians, " + turns + " turns",
               "write \"" + given + " deg\" for degrees, or \"" + given + " rad\" if that is what you mean");
@@ -63,9 +62,8 @@ std::optional<double> read_number(const Value& value, const Dimension& expected,
 }
 
 std::optional<double> read_plain_number(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out) {
-  if (const std::int64_t* n = value.integer()) return static_cast<double>(*n);
-  if (const double* x = value.real()) {
-    if (std::isfinite(*x)) return *x;
+  if (const auto number = value.number()) {
+    if (std::isfinite(*number)) return *number;
     out.error(value.place, labelled(label, "must be finite"));
     return {};
   }
@@ -78,6 +76,41 @@ std::optional<double> read_plain_number(const Value& value, const Dimension& exp
   out.error(value.place, labelled(label, "expected ") + name_of(expected) + ", found " + value.type_name(),
             "for example " + example_of(expected));
   return {};
+}
+
+std::optional<double> read_real(const Value& value, std::string_view label, Diagnostics& out) {
+  const std::optional<double> number = value.number();
+  if (!number) out.error(value.place, labelled(label, "expected a number, found ") + value.type_name());
+  return number;
+}
+
+std::vector<double> read_reals(const Value& value, std::size_t count, std::string_view label, Diagnostics& out) {
+  const Value::Array& entries = read_list(value, label, out);
+  if (value.array() && count != entries.size())
+    out.error(value.place, labelled(label, "expected ") + std::to_string(count) + (count == 1 ? " number" : " numbers") +
+                               ", found a list of " + std::to_string(entries.size()));
+  if (count != entries.size()) return {};
+  std::vector<double> all;
+  for (const Value& entry : entries) {
+    const auto number = read_real(entry, label, out);
+    if (!number) return {};
+    all.push_back(*number);
+  }
+  return all;
+}
+
+const Value::Array& read_list(const Value& value, std::string_view label, Diagnostics& out) {
+  static const Value::Array none;
+  if (value.array()) return *value.array();
+  out.error(value.place, labelled(label, "expected a list, found ") + value.type_name());
+  return none;
+}
+
+const Value::Table& read_table(const Value& value, std::string_view label, Diagnostics& out) {
+  static const Value::Table none;
+  if (value.table()) return *value.table();
+  out.error(value.place, labelled(label, "expected a table, found ") + value.type_name());
+  return none;
 }
 
 std::optional<std::string> read_string(const Value& value, std::string_view label, Diagnostics& out) {

@@ -144,10 +144,8 @@ void read_root_velocity(const Value& value, BodySpec& root, Diagnostics& out);
 /// Reads kind, axis, axis2, pitch and parameters of a joint that an action makes. `keeps_axes`: axes that are not given stay
 /// unchanged.
 void read_description(Fields& fields, bool keeps_axes, JointDescription& joint, Diagnostics& out);
-/// Reads the parameters of a joint of that kind.
-void read_parameters(Fields& fields, const KindInfo& kind, JointParameters& parameters, Diagnostics& out);
-/// Like read_parameters, for a joint of unknown kind: numbers in SI units.
-void read_plain_parameters(Fields& fields, JointParameters& parameters, Diagnostics& out);
+/// Reads the parameters of a joint of that kind; null: the kind is unknown, and numbers are in SI units.
+void read_parameters(Fields& fields, const KindInfo* kind, JointParameters& parameters, Diagnostics& out);
 /// Reports the findings of check_joint() at the keys; true if there are any.
 bool report_problems(const JointSpec& joint, const Fields& fields, Diagnostics& out);
 

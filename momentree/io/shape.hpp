@@ -21,4 +21,7 @@ struct Shape {
   std::vector<Shape> more{};  ///< further shapes of the same body
 };
 
+/// "#rrggbb" for red, green and blue from 0 to 1.
+std::string colour_text(const std::vector<double>& rgb);
+
 }  // namespace momentree::io

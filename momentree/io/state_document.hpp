@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include <momentree/io/diagnostic.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/simulate/world.hpp>
 
@@ -39,9 +40,13 @@ struct RestoredState {
 };
 
 /// Reads a document from its text. `mechanism`: read the joints of that mechanism alone, and neither time nor topology (empty:
-/// the whole world). Throws Error, `file:line:col`, for the first mistake: syntax, unknown names (with the nearest one), a
-/// wrong number of coordinates, a quaternion that does not have length 1, invalid joints, joints that form no forest; in a
-/// document without `mechanisms`, or for one mechanism, also any difference from the model.
+/// the whole world). Nothing, with all `problems` in the order of the file, if something is wrong: unknown keys and names (with
+/// the nearest one), a wrong number of coordinates, a quaternion that does not have length 1, invalid joints, joints that form no
+/// forest; in a document without `mechanisms`, or for one mechanism, also any difference from the model. Throws Error for text
+/// that is not JSON.
+std::optional<RestoredState> read_state(const std::string& text, const std::string& file, const Model& model,
+                                        const std::string& mechanism, std::vector<Diagnostic>& problems);
+/// The same; throws the first problem as an Error, `file:line:col`.
 RestoredState read_state(const std::string& text, const std::string& file, const Model& model, const std::string& mechanism = "");
 
 /// Sets a simulation to the state, on top of the model's initial state; with several documents, those of mechanisms are applied

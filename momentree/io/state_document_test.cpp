@@ -2,9 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include <nlohmann/json.hpp>
+
 #include <limits>
 
-#include <momentree/io/json_document.hpp>
 #include <momentree/io/test_support.hpp>
 
 namespace momentree::io {
@@ -68,17 +69,18 @@ TEST_CASE("accelerations and reactions are written, but not read from documents"
   const Simulation simulation = broken_arm();
   const World& world = simulation.world();
   const std::string text = state_json(world, {});
-  const JsonDocument document = parse_json(text, "s.json");
-  const auto numbers = [&document](const JsonNode& of, const char* key) { return document.numbers(*of.find(key), key); };
+  using Json = nlohmann::json;
+  const Json document = Json::parse(text);
+  const auto numbers = [](const Json& of, const char* key) { return of.at(key).get<std::vector<double>>(); };
   const auto same = [](const std::vector<double>& x, const Vec3& v) { return x == std::vector<double>{v.x, v.y, v.z}; };
   for (int j = 0; j < 4; ++j) {
     const JointForces forces = world.joint_forces({j});
-    const JsonNode& joint = *document.root.find("joints")->find(std::string(world.joint_name({j})));
+    const Json& joint = document.at("joints").at(std::string(world.joint_name({j})));
     CHECK(numbers(joint, "a") == std::vector<double>(forces.a.begin(), forces.a.end()));
-    CHECK(same(numbers(*joint.find("reaction"), "force"), forces.reaction.force));
-    CHECK(same(numbers(*joint.find("reaction"), "torque"), forces.reaction.torque));
+    CHECK(same(numbers(joint.at("reaction"), "force"), forces.reaction.force));
+    CHECK(same(numbers(joint.at("reaction"), "torque"), forces.reaction.torque));
     const BodyAcceleration& a = world.accelerations()[static_cast<std::size_t>(j)];
-    const JsonNode& body = *document.root.find("bodies")->find(world.model()[BodyId{j}].name);
+    const Json& body = document.at("bodies").at(world.model()[BodyId{j}].name);
     CHECK(same(numbers(body, "linear_acceleration"), a.linear));
     CHECK(same(numbers(body, "angular_acceleration"), a.angular));
   }
@@ -149,13 +151,13 @@ TEST_CASE("locks and new joints in the document") {
 
   CHECK(mistake(text) == "");
   CHECK(mistake(replaced(text, "\"reversed\": true", "\"reversed\": false")).find("already has a joint") != std::string::npos);
-  CHECK(mistake(replaced(text, "[false, true, false]", "[false, true]")).find("one entry per degree of freedom, 3, not 2") !=
+  CHECK(mistake(replaced(text, "[false, true, false]", "[false, true]")).find("one entry per degree of freedom, 3, found 2") !=
         std::string::npos);
   CHECK(mistake(replaced(text, "\"kind\": \"weld\"", "\"kind\": \"wled\"")).find("unknown joint kind 'wled'") !=
         std::string::npos);
   CHECK(mistake(replaced(text, "\"kind\": \"weld\", \"parent\": \"pendulum\"", "\"kind\": \"weld\", \"parent\": \"arm/base\""))
             .find("form a cycle") != std::string::npos);
-  CHECK(mistake(replaced(text, "\"damping\": 0.01", "\"damping\": -0.01")).find("`damping` of joint 'arm/wrist': must not") !=
+  CHECK(mistake(replaced(text, "\"damping\": 0.01", "\"damping\": -0.01")).find("error: damping: must not be negative") !=
         std::string::npos);
 }
 
@@ -223,22 +225,57 @@ TEST_CASE("bad documents are refused with their place") {
   CHECK(mistake("{\n \"joints\": {\n  \"arm/wirst\": {\"q\": [1]}}}") ==
         "s.json:3:3: error: unknown joint 'arm/wirst'; did you mean 'arm/wrist'?");
   CHECK(mistake(R"({"joint": {}})").find("did you mean 'joints'?") != std::string::npos);
-  CHECK(mistake(R"({"joints": {"pendulum": {"q": [1, 2]}}})").find("should have 1 number, not 2") != std::string::npos);
-  CHECK(mistake(R"({"joints": {"pendulum": {"kind": "ball"}}})").find("`kind` of joint 'pendulum' is not that of the model") !=
+  CHECK(mistake(R"({"joints": {"pendulum": {"q": [1, 2]}}})").find("q: expected 1 number, found a list of 2") !=
+        std::string::npos);
+  CHECK(mistake(R"({"joints": {"pendulum": {"kind": "ball"}}})").find("kind: is not that of joint 'pendulum' in the model") !=
         std::string::npos);
   CHECK(mistake(R"({"joints": {"arm/shoulder": {"q": [1, 1, 0, 0]}}})").find("quaternion") != std::string::npos);
-  CHECK(mistake(R"({"joints": {"pendulum": {"locked": true}}})").find("`locked` of joint 'pendulum' is not that of the model") !=
+  CHECK(mistake(R"({"joints": {"pendulum": {"locked": true}}})").find("locked: is not that of joint 'pendulum' in the model") !=
         std::string::npos);
-  CHECK(mistake(R"({"joints": {"pendulum": {"parameters": {"damping": 1}}}})").find("`parameters`") != std::string::npos);
+  CHECK(mistake(R"({"joints": {"pendulum": {"parameters": {"damping": 1}}}})").find("parameters: is not that") !=
+        std::string::npos);
   CHECK(mistake(R"({"bodies": {"pendulun": {}}})").find("did you mean 'pendulum'?") != std::string::npos);
   CHECK(mistake(R"({"mechanisms": []})").find("no joint for body 'arm/base'") != std::string::npos);
-  CHECK(mistake(R"({"armed": {"e": {"fired": 0.5}}})").find("should be a count") != std::string::npos);
-  CHECK(mistake(R"([1])").find("should be an object") != std::string::npos);
+  CHECK(mistake(R"({"armed": {"e": {"fired": 0.5}}})").find("fired: expected a count") != std::string::npos);
+  CHECK(mistake(R"([1])").find("this is not a state document") != std::string::npos);
   CHECK(mistake(replaced(whole, "\"bodies\": [\"arm/base\", ", "\"bodies\": [")).find("is in no mechanism") != std::string::npos);
-  CHECK(mistake(replaced(whole, "\"root\": \"arm/base\"", "\"root\": \"arm/link\"")).find("`root` does not fit") !=
+  CHECK(mistake(replaced(whole, "\"root\": \"arm/base\"", "\"root\": \"arm/link\"")).find("root: does not fit") !=
         std::string::npos);
   CHECK(mistake(replaced(whole, "\"arm/link\", \"arm/hand\"]", "\"arm/link\"]")).find("'arm/hand' is in no mechanism") !=
         std::string::npos);
+}
+
+TEST_CASE("all mistakes of a document are reported at once") {
+  const Model model = test::two_mechanisms();
+  const auto mistakes = [&](const std::string& text) {
+    std::vector<Diagnostic> problems;
+    CHECK_FALSE(read_state(text, "s.json", model, "", problems));
+    return rendered(problems);
+  };
+  CHECK(mistakes(R"({"time": "1 s", "tiem": 2,
+ "joints": {
+  "arm/wirst": {"q": [1]},
+  "pendulum": {"q": ["1"], "v": [1, 2], "lokced": true, "at": {"quat": [1, 1, 0, 0]},
+               "parameters": {"damping": -1, "limits": {"lower": 1, "upper": null}}}},
+ "armed": {"e": {"fired": -1, "looked": [[1]]}}, "integration": {"step": 0}})") ==
+        "s.json:1:10: error: time: expected a number, found a string\n"
+        "s.json:1:17: error: unknown key 'tiem' in the state document; did you mean 'time'?\n"
+        "s.json:3:3: error: unknown joint 'arm/wirst'; did you mean 'arm/wrist'?\n"
+        "s.json:4:22: error: q: expected a number, found a string\n"
+        "s.json:4:33: error: v: expected 1 number, found a list of 2\n"
+        "s.json:4:41: error: unknown key 'lokced' in joint 'pendulum'; did you mean 'locked'?\n"
+        "s.json:4:72: error: quat: the length of the quaternion is not 1\n"
+        "s.json:5:42: error: damping: must not be negative\n"
+        "s.json:6:27: error: fired: expected a count\n"
+        "s.json:6:42: error: looked: expected 2 numbers, found a list of 1\n"
+        "s.json:6:74: error: step: must be greater than 0\n");
+  // Joints that form no forest are found only once each of them is right.
+  std::string whole = state_json(Simulation(model).world(), {});
+  whole = replaced(whole, "\"root\": \"arm/base\"", "\"root\": \"arm/link\"");
+  whole = replaced(whole, "\"arm/link\", \"arm/hand\"]", "\"arm/link\"]");
+  const std::string two = mistakes(whole);
+  CHECK(two.find("root: does not fit the joints") != std::string::npos);
+  CHECK(two.find("body 'arm/hand' is in no mechanism") != std::string::npos);
 }
 
 }  // namespace

@@ -1,16 +1,14 @@
 #include <momentree/io/state_joint.hpp>
 
 #include <cmath>
-#include <limits>
 #include <string_view>
 
+#include <momentree/io/joint_keys.hpp>
 #include <momentree/io/parameters_json.hpp>
 
 namespace momentree::io {
 
 namespace {
-
-using Type = JsonNode::Type;
 
 bool near(double a, double b) { return std::isfinite(a - b) && std::fabs(a - b) <= 1e-9 * std::max(1.0, std::fabs(b)); }
 
@@ -35,18 +33,10 @@ struct Same {
     return true;
   }
   // Written values read back to the same bits, so no tolerance is needed.
-  static bool same_drives(const JointDrive* a, const JointDrive* b) {
-    const JointDrive none;
-    return (a != nullptr ? *a : none) == (b != nullptr ? *b : none);
-  }
+  bool operator()(const std::vector<Signal>& a, const std::vector<Signal>& b) const { return a == b; }
   bool operator()(const JointParameters& a, const JointParameters& b) const {
-    return (*this)(a.damping, b.damping) && (*this)(a.stiffness, b.stiffness) && (*this)(a.rest, b.rest) &&
-           (*this)(a.armature, b.armature) && (*this)(a.effort, b.effort) && (*this)(a.limits.lower, b.limits.lower) &&
-           (*this)(a.limits.upper, b.limits.upper) && (*this)(a.limits.restitution, b.limits.restitution) &&
-           (*this)(a.limits.rest_speed, b.limits.rest_speed) && (*this)(a.limits.stiffness, b.limits.stiffness) &&
-           (*this)(a.limits.damping, b.limits.damping) && (*this)(a.friction.coulomb, b.friction.coulomb) &&
-           (*this)(a.friction.speed, b.friction.speed) && (*this)(a.strength.force, b.strength.force) &&
-           (*this)(a.strength.torque, b.strength.torque) && same_drives(a.drive.get(), b.drive.get());
+    JointSettings first(a), second(b);
+    return alike(joint_keys(), first, second, *this);
   }
 };
 
@@ -63,120 +53,154 @@ bool make_unit(Number* x, int n) {
 
 }  // namespace
 
-BodyId JointReader::body_named(const std::string& name, const JsonNode& node) const {
-  if (model_.has_body(name)) return model_.body(name);
+std::string JointReader::suggest(const std::string& name, std::string BodySpec::*kind) {
+  if (suggestions_left_-- <= 0) return {};
   std::vector<std::string> known;
-  for (const BodySpec& body : model_.bodies()) known.push_back(body.name);
-  doc_.fail_at(node, "unknown body '" + name + "'", did_you_mean(name, known));
+  for (const BodySpec& body : model_.bodies()) known.push_back(body.*kind);
+  return did_you_mean(name, known);
 }
 
-Vec3 JointReader::vector(const JsonNode& node, const char* what) const {
-  const std::vector<double> x = doc_.numbers(node, what);
-  if (x.size() != 3) doc_.fail_at(node, std::string(what) + " should have 3 numbers, not " + std::to_string(x.size()));
-  return {x[0], x[1], x[2]};
+std::optional<BodyId> JointReader::body_named(const std::string& name, Place place) {
+  if (model_.has_body(name)) return model_.body(name);
+  out_.error(place, "unknown body " + in_quotes(name), suggest(name, &BodySpec::name));
+  return {};
 }
 
-Pose JointReader::pose(const JsonNode& node, const char* what) const {
-  doc_.require_known(doc_.object(node, what), {"xyz", "quat"});
-  Pose pose;
-  if (const JsonNode* xyz = node.find("xyz")) pose.position = vector(*xyz, "`xyz`");
-  if (const JsonNode* quat = node.find("quat")) {
-    std::vector<double> q = doc_.numbers(*quat, "`quat`");
-    if (q.size() != 4) doc_.fail_at(*quat, "`quat` should have 4 numbers: w, x, y, z");
-    if (!make_unit(q.data(), 4)) doc_.fail_at(*quat, "the quaternion in `quat` should have length 1");
+void JointReader::read_pose(Fields& fields, const char* key, Pose& pose) {
+  const Value* value = fields.find(key);
+  if (!value) return;
+  Fields parts(*value, key, out_, "");
+  pose = {};
+  if (const auto xyz = parts.reals("xyz", 3); !xyz.empty()) pose.position = {xyz[0], xyz[1], xyz[2]};
+  if (auto q = parts.reals("quat", 4); !q.empty()) {
+    if (!make_unit(q.data(), 4)) out_.error(parts.place_of("quat"), "quat: the length of the quaternion is not 1");
     pose.rotation = {q[0], q[1], q[2], q[3]};
   }
-  return pose;
+  parts.finish();
 }
 
 // `locked`: true, false, or one boolean per DoF; `resting`: per DoF 1 on its upper stop, -1 on its lower stop, 0 on none.
-void JointReader::read_locks(const JsonNode& node, DescribedJoint& joint) const {
-  const KindInfo& kind = info(joint.joint.kind);
-  const auto count = static_cast<std::size_t>(kind.nv);
-  const auto expect = [&](const JsonNode& list, const char* key) {
-    if (list.items.size() != count)
-      doc_.fail_at(list, '`' + std::string(key) + "` should have one entry per degree of freedom, " + std::to_string(count) +
-                             ", not " + std::to_string(list.items.size()));
+void JointReader::read_locks(Fields& fields, DescribedJoint& joint) {
+  const int count = info(joint.joint.kind).nv;
+  const auto list = [&](const Value& value, const char* key) {
+    const bool fits = value.array() && value.array()->size() == static_cast<std::size_t>(count);
+    if (!fits)
+      out_.error(value.place, std::string(key) + ": expected a list with one entry per degree of freedom, " +
+                                  std::to_string(count) + ", found " +
+                                  (value.array() ? std::to_string(value.array()->size()) : value.type_name()));
+    return fits ? value.array() : nullptr;
   };
-  if (const JsonNode* locked = node.find("locked")) {
-    if (locked->is(Type::boolean)) {
-      joint.joint.locked = locked->number != 0 ? (1u << count) - 1 : 0;
-    } else {
-      expect(doc_.array(*locked, "`locked`"), "locked");
-      for (std::size_t i = 0; i < count; ++i) {
-        if (!locked->items[i].is(Type::boolean)) doc_.fail_at(locked->items[i], "`locked` should be true or false");
-        if (locked->items[i].number != 0) joint.joint.locked |= 1u << i;
+  if (const Value* locked = fields.find("locked")) {
+    if (const bool* all = locked->boolean()) {
+      joint.joint.locked = *all ? (1u << count) - 1 : 0;
+    } else if (const Value::Array* each = list(*locked, "locked")) {
+      for (int i = 0; i < count; ++i) {
+        const Value& entry = (*each)[static_cast<std::size_t>(i)];
+        if (!entry.boolean()) out_.error(entry.place, std::string("locked: expected true or false, found ") + entry.type_name());
+        if (entry.boolean() && *entry.boolean()) joint.joint.locked |= 1u << i;
       }
     }
   }
-  if (const JsonNode* resting = node.find("resting")) {
-    expect(doc_.array(*resting, "`resting`"), "resting");
-    for (std::size_t i = 0; i < count; ++i) {
-      const double side = doc_.number(resting->items[i], "an entry of `resting`");
-      if (side != 0 && side != 1 && side != -1)
-        doc_.fail_at(resting->items[i], "`resting` should be 1 (the upper stop), -1 (the lower one) or 0");
-      if (side == 0) continue;
-      if (!joint.parameters.limits.any()) doc_.fail_at(resting->items[i], "a joint without `limits` cannot rest on a stop");
-      joint.resting |= 1u << i;
-      joint.active_limits.push_back({-1, static_cast<int>(i), static_cast<int>(side)});
-    }
-    joint.joint.locked |= joint.resting;
+  const Value* resting = fields.find("resting");
+  const Value::Array* sides = resting ? list(*resting, "resting") : nullptr;
+  for (int i = 0; sides && i < count; ++i) {
+    const Value& entry = (*sides)[static_cast<std::size_t>(i)];
+    const double side = entry.number().value_or(2);
+    if (side != 0 && side != 1 && side != -1)
+      out_.error(entry.place, "resting: expected 1 (the upper stop), -1 (the lower one) or 0");
+    else if (side != 0 && !joint.parameters.limits.any())
+      out_.error(entry.place, "resting: a joint without 'limits' cannot rest on a stop");
+    if (side == 0) continue;
+    joint.resting |= 1u << i;
+    joint.active_limits.push_back({-1, i, static_cast<int>(side)});
+  }
+  joint.joint.locked |= joint.resting;
+}
+
+// Kind, parent, frames, axes and parameters.
+void JointReader::read_shape(Fields& fields, DescribedJoint& d, JointSpec& spec, const BodySpec* like) {
+  d.parent = like ? like->parent : ground;
+  if (const Value* parent = fields.find("parent"); parent && parent->is_null())
+    d.parent = ground;
+  else if (const auto name = fields.string("parent"))
+    d.parent = body_named(*name, parent->place).value_or(ground);
+  if (like) d.joint.at = like->at, d.joint.child_at = like->child_at;
+  read_pose(fields, "at", d.joint.at);
+  read_pose(fields, "child_at", d.joint.child_at);
+  const auto read_axis = [&](const char* key, Vec3& axis) {
+    std::vector<double> x = fields.reals(key, 3);
+    if (x.empty()) return;
+    if (!make_unit(x.data(), 3)) out_.error(fields.place_of(key), std::string(key) + ": its length is not 1");
+    axis = {x[0], x[1], x[2]};
+  };
+  read_axis("axis", spec.axis);
+  read_axis("axis2", spec.axis2);
+  spec.pitch = fields.real("pitch").value_or(spec.pitch);
+  const std::size_t errors = out_.errors();
+  if (const Value* parameters = fields.find("parameters")) spec.parameters = parameters_of(*parameters, out_);
+  if (errors != out_.errors()) return;
+  for (const JointProblem& problem : check_joint(spec)) {
+    const char* const key = fields.has(problem.field) || !fields.has("parameters") ? problem.field.c_str() : "parameters";
+    const Value::Entry* in = fields.find("parameters") ? fields.find("parameters")->find(problem.field) : nullptr;
+    out_.error(in ? in->value.place : fields.place_of(key), problem.field + ": " + problem.what, problem.hint);
   }
 }
 
-DescribedJoint JointReader::describe(const std::string& name, const JsonNode& node, const BodySpec* like, BodyId child) const {
-  doc_.require_known(node, {"kind", "parent", "child", "at", "child_at", "axis", "axis2", "pitch", "locked", "reversed",
-                            "resting", "parameters", "q", "v", "p", "pdot", "a", "reaction"});
+std::optional<DescribedJoint> JointReader::describe(const Value::Entry& entry, const BodySpec* like, BodyId child) {
+  const std::size_t errors = out_.errors();
+  Fields fields(entry.value, "joint " + in_quotes(entry.key), out_, "");
+  if (!entry.value.table()) return {};
   DescribedJoint d;
-  d.name = name, d.node = &node, d.child = child;
-  d.joint.kind = like != nullptr ? like->joint.kind : Kind::weld;
-  if (const JsonNode* kind = node.find("kind")) {
-    const KindInfo* known = find_kind(doc_.string(*kind, "`kind`"));
-    if (known == nullptr) doc_.fail_at(*kind, "unknown joint kind '" + kind->text + "'");
-    d.joint.kind = known->kind;
-  } else if (like == nullptr) {
-    doc_.fail_at(node, "joint '" + name + "', which the model does not have, has no `kind`");
-  }
-  const KindInfo& kind = info(d.joint.kind);
-  d.parent = like != nullptr ? like->parent : ground;
-  if (const JsonNode* parent = node.find("parent"))
-    d.parent = parent->is(Type::null) ? ground : body_named(doc_.string(*parent, "`parent`"), *parent);
-  if (like != nullptr) d.joint.at = like->at, d.joint.child_at = like->child_at;
-  if (const JsonNode* at = node.find("at")) d.joint.at = pose(*at, "`at`");
-  if (const JsonNode* at = node.find("child_at")) d.joint.child_at = pose(*at, "`child_at`");
+  d.entry = &entry, d.child = child;
   JointSpec spec;
-  const bool alike = like != nullptr && like->joint.kind == kind.kind;
-  if (alike) spec = like->joint;
-  spec.kind = kind.kind;
-  const auto axis = [&](const char* key, Vec3& value) {
-    const JsonNode* given = node.find(key);
-    if (given == nullptr) return;
-    value = vector(*given, key);
-    double x[3] = {value.x, value.y, value.z};
-    if (!make_unit(x, 3)) doc_.fail_at(*given, '`' + std::string(key) + "` should have length 1");
-    value = {x[0], x[1], x[2]};
-  };
-  axis("axis", spec.axis);
-  axis("axis2", spec.axis2);
-  if (const JsonNode* pitch = node.find("pitch")) spec.pitch = doc_.number(*pitch, "`pitch`");
-  if (const JsonNode* given = node.find("parameters")) spec.parameters = parameters_of(doc_, *given);
-  for (const JointProblem& problem : check_joint(spec)) {
-    const JsonNode* at = node.find(problem.field) != nullptr ? node.find(problem.field) : node.find("parameters");
-    doc_.fail_at(at != nullptr ? *at : node, '`' + problem.field + "` of joint '" + name + "': " + problem.what, problem.hint);
+  if (like) spec = like->joint;
+  const KindInfo* kind = like ? &info(like->joint.kind) : nullptr;
+  if (const auto name = fields.string("kind"); name && (!kind || *name != kind->name)) {
+    spec = JointSpec{};
+    kind = find_kind(*name);
+    if (!kind) out_.error(fields.place_of("kind"), "unknown joint kind " + in_quotes(*name));
+  } else if (!kind && !fields.has("kind")) {
+    out_.error(entry.place, "joint " + in_quotes(entry.key) + ", which the model does not have, has no 'kind'");
   }
+  if (!kind) return {};
+  d.joint.kind = spec.kind = kind->kind;
+  read_shape(fields, d, spec, like);
   d.joint.axis = spec.axis, d.joint.axis2 = spec.axis2, d.joint.pitch = spec.pitch;
   d.parameters = spec.parameters;
-  if (const JsonNode* reversed = node.find("reversed")) {
-    if (!reversed->is(Type::boolean)) doc_.fail_at(*reversed, "`reversed` should be true or false");
-    d.reversed = reversed->number != 0;
-    if (d.reversed && d.parent == ground)
-      doc_.fail_at(*reversed, "joint '" + name + "' is attached to the ground: it cannot be reversed");
-  }
-  read_locks(node, d);
+  d.reversed = fields.boolean("reversed").value_or(false);
+  if (d.reversed && d.parent == ground && errors == out_.errors())
+    out_.error(fields.place_of("reversed"), "reversed: a joint that is attached to the ground cannot be reversed");
+  read_locks(fields, d);
+  read_start(fields, d);
+  for (const char* key : {"child", "pdot", "a", "reaction"}) fields.find(key);
+  fields.finish();
+  if (errors != out_.errors()) return {};
   return d;
 }
 
-const char* JointReader::difference(const DescribedJoint& d, const BodySpec& model, bool exact) const {
+Values JointReader::read_values(Fields& fields, const char* key, int count) {
+  Values values;
+  const Value* given = fields.find(key);
+  if (!given || given->is_null()) return values;
+  for (const double x : read_reals(*given, static_cast<std::size_t>(count), key, out_)) values.push_back(x);
+  return values;
+}
+
+void JointReader::read_start(Fields& fields, DescribedJoint& d) {
+  const KindInfo& kind = info(d.joint.kind);
+  d.q = read_values(fields, "q", kind.nq);
+  d.v = read_values(fields, "v", kind.nv);
+  d.p = read_values(fields, "p", kind.nv);
+  const std::size_t first = std::string_view(kind.q_units).find('n');
+  if (first != std::string_view::npos && !d.q.empty() && !make_unit(&d.q[static_cast<int>(first)], 4))
+    out_.error(fields.place_of("q"), "q: the length of the quaternion is not 1");
+  for (const auto& [key, rates] : {std::pair{"v", &d.v}, {"p", &d.p}})
+    for (int i = 0; i < rates->size(); ++i)
+      if ((d.joint.locked >> i & 1u) != 0 && (*rates)[i] != 0)
+        out_.error(fields.place_of(key), std::string(key) + ": is not zero for a locked degree of freedom");
+}
+
+const char* JointReader::difference(const DescribedJoint& d, const BodySpec& model, bool exact) {
   const Same same{exact};
   const KindInfo& kind = info(model.joint.kind);
   if (d.joint.kind != model.joint.kind) return "kind";
@@ -190,38 +214,6 @@ const char* JointReader::difference(const DescribedJoint& d, const BodySpec& mod
   if ((d.joint.locked & ~d.resting) != 0) return "locked";
   if (d.resting != 0) return "resting";
   return d.reversed ? "reversed" : nullptr;
-}
-
-Values JointReader::numbers(const DescribedJoint& joint, const char* key, int count) const {
-  Values result;
-  const JsonNode* given = joint.node->find(key);
-  if (given == nullptr || given->is(Type::null)) return result;
-  const std::vector<double> all = doc_.numbers(*given, '`' + std::string(key) + '`');
-  if (all.size() != static_cast<std::size_t>(count))
-    doc_.fail_at(*given, '`' + std::string(key) + "` of joint '" + joint.name + "' should have " + std::to_string(count) +
-                             (count == 1 ? " number, not " : " numbers, not ") + std::to_string(all.size()));
-  for (const double x : all) result.push_back(x);
-  return result;
-}
-
-JointStart JointReader::start(const DescribedJoint& joint, JointId number) const {
-  const KindInfo& kind = info(joint.joint.kind);
-  JointStart start{number, numbers(joint, "q", kind.nq), numbers(joint, "v", kind.nv), numbers(joint, "p", kind.nv)};
-  const std::size_t first = std::string_view(kind.q_units).find('n');
-  if (first != std::string_view::npos && !start.q.empty()) {
-    double* const w = &start.q[static_cast<int>(first)];
-    const double length = std::hypot(std::hypot(w[0], w[1]), std::hypot(w[2], w[3]));
-    if (!make_unit(w, 4))
-      doc_.fail_at(*joint.node->find("q"), "the quaternion in `q` has length " + std::to_string(length) + ", it should have 1");
-  }
-  for (int i = 0; i < kind.nv; ++i) {
-    if ((joint.joint.locked >> i & 1u) == 0) continue;
-    for (const char* key : {"v", "p"})
-      if (const Values& rates = key[0] == 'v' ? start.v : start.p; !rates.empty() && rates[i] != 0)
-        doc_.fail_at(*joint.node->find(key),
-                     '`' + std::string(key) + "` of joint '" + joint.name + "' is not zero for a locked degree of freedom");
-  }
-  return start;
 }
 
 }  // namespace momentree::io

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include <momentree/base/characters.hpp>
-#include <momentree/io/diagnostic.hpp>
+#include <momentree/io/json.hpp>
 #include <momentree/io/state_document.hpp>
 #include <momentree/io/state_joint.hpp>
 
@@ -14,44 +14,41 @@ namespace momentree::io {
 
 namespace {
 
-using Type = JsonNode::Type;
+const char* const whole_document = "what has changed is restored by a complete document, with `mechanisms`";
 
 class Reader {
  public:
-  Reader(const JsonDocument& document, const Model& model, const std::string& mechanism)
-      : doc_(document), model_(model), mechanism_(mechanism), joints_(document, model) {
-    result_.file = document.file;
+  Reader(std::string file, const Model& model, const std::string& mechanism, Diagnostics& out)
+      : model_(model), mechanism_(mechanism), out_(out), joints_(model, out) {
+    result_.file = std::move(file);
   }
 
-  RestoredState read() {
-    const JsonNode& root = doc_.object(doc_.root, "a state document");
+  std::optional<RestoredState> read(const Value& root) {
     const std::vector<std::string> known{"time", "mechanisms", "joints", "bodies", "armed", "integration", "totals"};
-    const auto meant = [&known](const auto& member) { return !nearest(member.key, known).empty(); };
-    if (!root.members.empty() && std::none_of(root.members.begin(), root.members.end(), meant))
-      doc_.fail_at(root, "this is not a state document", "it has none of `time`, `mechanisms`, `joints`, `bodies`");
-    doc_.require_known(root, {"time", "mechanisms", "joints", "bodies", "armed", "integration", "totals"});
-    const JsonNode* mechanisms = root.find("mechanisms");
-    const bool whole = mechanisms != nullptr && mechanism_.empty();
-    if (const JsonNode* joints = root.find("joints"))
-      for (const auto& [name, node] : doc_.object(*joints, "`joints`").members) {
-        const JsonNode& joint = doc_.object(node, "a joint");
-        whole ? describe(name, joint) : read_partial(name, joint);
-      }
-    if (!mechanism_.empty()) return std::move(result_);
-
-    if (const JsonNode* time = root.find("time")) result_.time = doc_.number(*time, "`time`");
-    if (const JsonNode* bodies = root.find("bodies"))
-      for (const auto& [name, node] : doc_.object(*bodies, "`bodies`").members) joints_.body_named(name, node);
-    if (const JsonNode* armed = root.find("armed")) read_armed(*armed);
-    if (const JsonNode* integration = root.find("integration")) {
-      doc_.require_known(doc_.object(*integration, "`integration`"), {"step", "work"});
-      if (const JsonNode* step = integration->find("step")) {
-        result_.memory.next_step = doc_.number(*step, "`step`");
-        if (!(result_.memory.next_step > 0)) doc_.fail_at(*step, "`step` should be positive");
-      }
-      if (const JsonNode* work = integration->find("work")) result_.memory.work = doc_.number(*work, "`work`");
+    const auto meant = [&known](const Value::Entry& entry) { return !nearest(entry.key, known).empty(); };
+    const Value::Table* const table = root.table();
+    if (!table || (!table->empty() && std::none_of(table->begin(), table->end(), meant))) {
+      // any file may be named as a document: nothing of it is quoted
+      out_.error(root.place, "this is not a state document", "it has none of `time`, `mechanisms`, `joints`, `bodies`");
+      return {};
     }
-    if (whole) read_forest(*mechanisms);
+    Fields fields(root, "the state document", out_, "");
+    const Value* const mechanisms = fields.find("mechanisms");
+    const bool whole = mechanisms != nullptr && mechanism_.empty();
+    if (const Value* joints = fields.find("joints"))
+      for (const Value::Entry& joint : read_table(*joints, "joints", out_)) whole ? describe(joint) : read_partial(joint);
+    if (mechanism_.empty()) {
+      result_.time = fields.real("time");
+      if (const Value* bodies = fields.find("bodies"))
+        for (const Value::Entry& body : read_table(*bodies, "bodies", out_)) joints_.body_named(body.key, body.place);
+      if (const Value* armed = fields.find("armed"))
+        for (const Value::Entry& event : read_table(*armed, "armed", out_)) read_armed(event);
+      if (const Value* integration = fields.find("integration")) read_integration(*integration);
+    }
+    for (const std::string& key : known) fields.find(key);
+    fields.finish();
+    if (whole && out_.errors() == 0) read_forest(*mechanisms);
+    if (out_.errors() > 0) return {};
     return std::move(result_);
   }
 
@@ -63,101 +60,114 @@ class Reader {
     return model_.mechanism_name(body) == mechanism_;
   }
 
+  void add(const DescribedJoint& joint, JointId number) {
+    result_.joints.push_back({number, joint.q, joint.v, joint.p});
+    const Place place = joint.entry->place;
+    result_.where.push_back(result_.file + ':' + std::to_string(place.line) + ':' + std::to_string(place.column));
+  }
+
   /// For an incomplete document, or for one mechanism of a complete one: joints must be as in the model.
-  void read_partial(const std::string& name, const JsonNode& node) {
+  void read_partial(const Value::Entry& entry) {
+    const std::string& name = entry.key;
     if (!model_.has_joint(name)) {
       if (!mechanism_.empty() && !name.starts_with(mechanism_ + "/")) return;
-      std::vector<std::string> known;
-      for (const BodySpec& body : model_.bodies()) known.push_back(body.joint_name);
-      std::string hint = did_you_mean(name, known);
+      std::string hint = joints_.suggest(name, &BodySpec::joint_name);
       if (hint.empty() && model_.has_body(name))
         hint = "a body of that name exists: a joint that broke is restored by a complete document, with `mechanisms`";
-      doc_.fail_at(node, "unknown joint '" + name + "'", hint);
+      return out_.error(entry.place, "unknown joint " + in_quotes(name), hint);
     }
     const JointId number = model_.joint(name);
     const BodyId child = model_.child(number);
     if (!mechanism_.empty() && !in_mechanism(child)) return;
-    const DescribedJoint joint = joints_.describe(name, node, &spec(child), child);
-    if (const char* key = joints_.difference(joint, spec(child), false))
-      doc_.fail_at(*node.find(key), '`' + std::string(key) + "` of joint '" + name + "' is not that of the model",
-                   "what has changed is restored by a complete document, with `mechanisms`");
-    result_.joints.push_back(joints_.start(joint, number));
-    result_.where.push_back(doc_.where(node));
+    const auto joint = joints_.describe(entry, &spec(child), child);
+    if (!joint) return;
+    if (const char* key = JointReader::difference(*joint, spec(child), false))
+      return out_.error(entry.value.find(key)->value.place,
+                        std::string(key) + ": is not that of joint " + in_quotes(name) + " in the model", whole_document);
+    add(*joint, number);
   }
 
   /// A joint or a mechanism that is not in the model gets its name from the document alone.
-  void require_name(const std::string& name, const JsonNode& node, const char* what) const {
+  void require_name(const std::string& name, Place place, const char* what) {
     if (name.empty() || name.size() > 500 || name.find_first_of(",\"*") != std::string::npos ||
         first_invisible(name) != std::string::npos)
-      doc_.fail_at(node, std::string(what) + " cannot be named " + in_quotes(name),
-                   "a name has no , \" * and no invisible characters");
+      out_.error(place, std::string(what) + " cannot be named " + in_quotes(name),
+                 "a name has no , \" * and no invisible characters");
   }
 
-  void describe(const std::string& name, const JsonNode& node) {
-    require_name(name, node, "a joint");
+  void describe(const Value::Entry& entry) {
+    const std::string& name = entry.key;
+    require_name(name, entry.place, "a joint");
     const BodyId declared = model_.has_joint(name) ? model_.child(model_.joint(name)) : ground;
-    const BodySpec* like = declared != ground ? &spec(declared) : nullptr;
     BodyId child = declared;
-    if (const JsonNode* given = node.find("child")) child = joints_.body_named(doc_.string(*given, "`child`"), *given);
-    if (child == ground) doc_.fail_at(node, "joint '" + name + "', which the model does not have, has no `child`");
-    if (like != nullptr && child != declared) like = nullptr;
-    described_.push_back(joints_.describe(name, node, like, child));
+    if (const Value::Entry* given = entry.value.find("child")) {
+      const auto body = read_string(given->value, "child", out_);
+      child = body ? joints_.body_named(*body, given->value.place).value_or(ground) : ground;
+      if (child == ground) return;  // reported
+    }
+    if (child == ground && entry.value.table())
+      return out_.error(entry.place, "joint " + in_quotes(name) + ", which the model does not have, has no 'child'");
+    auto joint = joints_.describe(entry, declared != ground && child == declared ? &spec(declared) : nullptr, child);
+    if (joint) described_.push_back(std::move(*joint));
   }
 
-  int read_count(const JsonNode& node) const {
-    const JsonNode* fired = node.find("fired");
-    const double count = fired != nullptr ? doc_.number(*fired, "`fired`") : 0;
-    if (!(count >= 0 && count <= std::numeric_limits<int>::max()) || count != std::floor(count))
-      doc_.fail_at(*fired, "`fired` should be a count");
-    return static_cast<int>(count);
+  void read_integration(const Value& value) {
+    Fields fields(value, "integration", out_, "");
+    if (const auto step = fields.real("step")) {
+      result_.memory.next_step = *step;
+      if (!(*step > 0)) out_.error(fields.place_of("step"), "step: must be greater than 0");
+    }
+    result_.memory.work = fields.real("work").value_or(result_.memory.work);
+    fields.finish();
   }
 
-  bool truth(const JsonNode& node, const char* key) const {
-    const JsonNode* given = node.find(key);
-    if (given != nullptr && !given->is(Type::boolean)) doc_.fail_at(*given, '`' + std::string(key) + "` should be true or false");
-    return given != nullptr && given->number != 0;
+  int read_count(Fields& fields) {
+    const double count = fields.real("fired").value_or(0);
+    if (count >= 0 && count <= std::numeric_limits<int>::max() && count == std::floor(count)) return static_cast<int>(count);
+    out_.error(fields.place_of("fired"), "fired: expected a count");
+    return 0;
   }
 
-  EventQueue::Armed read_condition(const JsonNode& node) const {
+  EventQueue::Armed read_condition(Fields& fields) {
     EventQueue::Armed armed;
-    armed.fired = read_count(node);
-    armed.done = truth(node, "done"), armed.resting = truth(node, "resting");
-    const JsonNode *due = node.find("due"), *since = node.find("since"), *looked = node.find("looked");
-    armed.time = due != nullptr ? doc_.number(*due, "`due`") : std::numeric_limits<double>::infinity();
-    if (since != nullptr) armed.since = doc_.number(*since, "`since`");
-    if (looked == nullptr) return armed;
-    const auto& looks = doc_.array(*looked, "`looked`").items;
-    if (looks.empty() || looks.size() > 2) doc_.fail_at(*looked, "`looked` should have one or two entries: [time, excess]");
-    const auto look = [&](const JsonNode& item, double& time, double& excess) {
-      const std::vector<double> pair = doc_.numbers(item, "an entry of `looked`");
-      if (pair.size() != 2) doc_.fail_at(item, "an entry of `looked` should be [time, excess]");
-      time = pair[0], excess = pair[1];
-    };
-    look(looks.back(), armed.looked, armed.excess);
-    if (looks.size() == 2) look(looks.front(), armed.looked_before, armed.excess_before);
+    armed.fired = read_count(fields);
+    armed.done = fields.boolean("done").value_or(false), armed.resting = fields.boolean("resting").value_or(false);
+    armed.time = fields.real("due").value_or(std::numeric_limits<double>::infinity());
+    armed.since = fields.real("since").value_or(armed.since);
+    const Value* const looked = fields.find("looked");
+    if (!looked) return armed;
+    std::vector<std::vector<double>> looks;
+    for (const Value& entry : read_list(*looked, "looked", out_)) looks.push_back(read_reals(entry, 2, "looked", out_));
+    if (looks.empty() || looks.size() > 2)
+      out_.error(looked->place, "looked: expected one or two entries [time, excess]");
+    else if (looks.front().size() == 2 && looks.back().size() == 2) {
+      armed.looked = looks.back()[0], armed.excess = looks.back()[1];
+      if (looks.size() == 2) armed.looked_before = looks.front()[0], armed.excess_before = looks.front()[1];
+    }
     return armed;
   }
 
-  void read_armed(const JsonNode& armed) {
-    for (const auto& [name, node] : doc_.object(armed, "`armed`").members) {
-      doc_.require_known(doc_.object(node, "an entry of `armed`"),
-                         {"fired", "done", "due", "since", "resting", "looked", "each"});
-      ArmedEvent event{name, read_count(node)};
-      if (const JsonNode* each = node.find("each")) {
-        for (const JsonNode& item : doc_.array(*each, "`each`").items) {
-          doc_.require_known(doc_.object(item, "an entry of `each`"), {"fired", "done", "due", "since", "resting", "looked"});
-          event.each.push_back(read_condition(item));
-        }
-      } else if (node.members.size() > 1) {
-        event.each.push_back(read_condition(node));
+  void read_armed(const Value::Entry& entry) {
+    Fields fields(entry.value, "event " + in_quotes(entry.key), out_, "");
+    if (!entry.value.table()) return;
+    ArmedEvent event{entry.key, read_count(fields)};
+    if (const Value* each = fields.find("each")) {
+      for (const Value& item : read_list(*each, "each", out_)) {
+        Fields one(item, "an entry of each", out_, "");
+        event.each.push_back(read_condition(one));
+        one.finish();
       }
-      result_.armed.push_back(std::move(event));
+      for (const char* key : {"done", "due", "since", "resting", "looked"}) fields.find(key);
+    } else if (entry.value.table()->size() > 1) {
+      event.each.push_back(read_condition(fields));
     }
+    fields.finish();
+    result_.armed.push_back(std::move(event));
   }
 
-  void read_forest(const JsonNode& mechanisms) {
+  void read_forest(const Value& mechanisms) {
     const std::vector<int> numbers = number_joints();
-    hang(numbers, mechanisms);
+    if (!hang(numbers, mechanisms)) return;
     for (std::size_t k = 0; k < described_.size(); ++k) take(described_[k], numbers[k]);
     std::sort(result_.forest.changed.begin(), result_.forest.changed.end(),
               [](const Forest::Changed& a, const Forest::Changed& b) { return a.joint < b.joint; });
@@ -166,11 +176,11 @@ class Reader {
 
   /// A joint that connects the same bodies as the model's joint of that name gets its number; the others get the remaining
   /// numbers in the order of the document, in which they were written.
-  std::vector<int> number_joints() const {
+  std::vector<int> number_joints() {
     std::vector<char> taken(model_.bodies().size(), 0);
     std::vector<int> numbers;
     for (const DescribedJoint& joint : described_) {
-      const BodyId same = model_.has_joint(joint.name) ? model_.child(model_.joint(joint.name)) : ground;
+      const BodyId same = model_.has_joint(joint.name()) ? model_.child(model_.joint(joint.name())) : ground;
       const bool ours = same != ground && same == joint.child && spec(same).parent == joint.parent;
       numbers.push_back(ours ? same.index : -1);
       if (ours) taken[static_cast<std::size_t>(same.index)] = 1;
@@ -179,31 +189,37 @@ class Reader {
     for (std::size_t k = 0; k < numbers.size(); ++k) {
       if (numbers[k] >= 0) continue;
       while (next < taken.size() && taken[next] != 0) ++next;
-      if (next == taken.size()) doc_.fail_at(*described_[k].node, "there are more joints than bodies", "each body has one joint");
+      if (next == taken.size()) {
+        out_.error(described_[k].entry->place, "there are more joints than bodies", "each body has one joint");
+        break;
+      }
       numbers[k] = static_cast<int>(next++);
     }
     return numbers;
   }
 
   /// Determines the carrying body of each joint, and the parent of that body.
-  void hang(const std::vector<int>& numbers, const JsonNode& mechanisms) {
+  bool hang(const std::vector<int>& numbers, const Value& mechanisms) {
     const std::size_t n = model_.bodies().size();
     std::vector<Topology::Place>& places = result_.forest.places;
-    std::vector<const JsonNode*> joint_of(n, nullptr);
+    std::vector<const DescribedJoint*> joint_of(n, nullptr);
     places.resize(n);
     for (std::size_t k = 0; k < described_.size(); ++k) {
       const DescribedJoint& joint = described_[k];
       const BodyId carrier = joint.reversed ? joint.parent : joint.child, outer = joint.reversed ? joint.child : joint.parent;
       const auto b = static_cast<std::size_t>(carrier.index);
       if (joint_of[b] != nullptr)
-        doc_.fail_at(*joint.node, "body '" + spec(carrier).name + "' already has a joint, at " + doc_.where(*joint_of[b]));
-      joint_of[b] = joint.node;
+        out_.error(joint.entry->place, "body " + in_quotes(spec(carrier).name) + " already has a joint, on " +
+                                           out_.name_of(joint_of[b]->entry->place));
+      joint_of[b] = &joint;
       places[b] = {outer.index, numbers[k], joint.reversed};
     }
-    for (std::size_t b = 0; b < n; ++b)
+    if (out_.errors() > 0) return false;
+    for (std::size_t b = 0; b < n && !out_.full(); ++b)
       if (joint_of[b] == nullptr)
-        doc_.fail_at(mechanisms, "the document has no joint for body '" + model_.bodies()[b].name + "'",
-                     "leave `mechanisms` out if the document is not complete");
+        out_.error(mechanisms.place, "the document has no joint for body " + in_quotes(model_.bodies()[b].name),
+                   "leave `mechanisms` out if the document is not complete");
+    if (out_.errors() > 0) return false;
     enum : char { unseen, on_the_way, seen };
     std::vector<char> state(n, unseen);
     std::vector<std::size_t> way;
@@ -214,31 +230,32 @@ class Reader {
         state[way.back()] = on_the_way;
       }
       if (a >= 0 && state[static_cast<std::size_t>(a)] == on_the_way)
-        doc_.fail_at(*joint_of[static_cast<std::size_t>(a)], "the joints form a cycle at body '" + spec({a}).name + "'");
+        out_.error(joint_of[static_cast<std::size_t>(a)]->entry->place,
+                   "the joints form a cycle at body " + in_quotes(spec({a}).name));
       for (const std::size_t passed : way) state[passed] = seen;
     }
+    return out_.errors() == 0;
   }
 
   void take(const DescribedJoint& joint, int number) {
-    JointStart start = joints_.start(joint, {number});
     const KindInfo& kind = info(joint.joint.kind);
-    if (kind.nq > 0 && start.q.empty())
-      doc_.fail_at(*joint.node, "joint '" + joint.name + "' has no `q`", "a complete document gives it for every joint");
-    if (kind.nv > 0 && start.v.empty() && start.p.empty())
-      doc_.fail_at(*joint.node, "joint '" + joint.name + "' has neither `v` nor `p`",
-                   "a complete document gives one of them for every joint");
-    result_.joints.push_back(start);
-    result_.where.push_back(doc_.where(*joint.node));
+    const auto lacks = [&](const char* what, const char* hint) {
+      out_.error(joint.entry->place, "joint " + in_quotes(joint.name()) + what, hint);
+    };
+    if (kind.nq > 0 && joint.q.empty()) lacks(" has no 'q'", "a complete document gives it for every joint");
+    if (kind.nv > 0 && joint.v.empty() && joint.p.empty())
+      lacks(" has neither 'v' nor 'p'", "a complete document gives one of them for every joint");
+    add(joint, {number});
     for (ActiveLimit hold : joint.active_limits) {
       hold.joint = number;
       result_.forest.active_limits.push_back(hold);
     }
     const BodySpec& ours = spec({number});
-    if (joint.name == ours.joint_name && joint.child.index == number && joint.parent == ours.parent) {
-      const char* const key = joints_.difference(joint, ours, true);
+    if (joint.name() == ours.joint_name && joint.child.index == number && joint.parent == ours.parent) {
+      const char* const key = JointReader::difference(joint, ours, true);
       if (key == nullptr || key == std::string_view("reversed")) return;
     }
-    Forest::Changed changed{number, joint.name, joint.joint, joint.parameters};
+    Forest::Changed changed{number, joint.name(), joint.joint, joint.parameters};
     const auto unmoved = [](const Pose& pose) {
       const Quat& r = pose.rotation;
       return pose.position == Vec3{} && r.x == 0 && r.y == 0 && r.z == 0;
@@ -249,41 +266,56 @@ class Reader {
   }
 
   /// Every body must be in one mechanism, together with the bodies that its joints lead to.
-  void read_mechanisms(const JsonNode& mechanisms) {
+  void read_mechanisms(const Value& mechanisms) {
     const std::vector<Topology::Place>& places = result_.forest.places;
-    std::vector<const JsonNode*> mechanism_of(places.size(), nullptr);
-    std::set<const JsonNode*> rooted;
-    for (const JsonNode& mechanism : doc_.array(mechanisms, "`mechanisms`").items) {
-      doc_.require_known(doc_.object(mechanism, "a mechanism"), {"name", "root", "bodies"});
-      const JsonNode* bodies = mechanism.find("bodies");
-      if (bodies == nullptr) doc_.fail_at(mechanism, "a mechanism has no `bodies`");
-      for (const JsonNode& node : doc_.array(*bodies, "`bodies`").items) {
-        const BodyId body = joints_.body_named(doc_.string(node, "a body's name"), node);
-        const JsonNode*& place = mechanism_of[static_cast<std::size_t>(body.index)];
-        if (place != nullptr) doc_.fail_at(node, "body '" + node.text + "' is in two mechanisms, or twice in one");
-        place = &mechanism;
-      }
+    struct Entry {
+      std::string name, root;  // empty: not given
+      Place place{}, root_place{};
+      bool rooted = false;
+    };
+    std::vector<Entry> all;
+    std::vector<int> mechanism_of(places.size(), -1);
+    for (const Value& mechanism : read_list(mechanisms, "mechanisms", out_)) {
+      Fields fields(mechanism, "a mechanism", out_, "");
+      Entry& entry = all.emplace_back();
+      entry.place = mechanism.place;
+      entry.root = fields.string("root").value_or("");
+      entry.root_place = fields.place_of("root");
+      if (const auto name = fields.string("name")) require_name(entry.name = *name, fields.place_of("name"), "a mechanism");
+      if (const Value* bodies = fields.require("bodies"))
+        for (const Value& value : read_list(*bodies, "bodies", out_)) {
+          const auto name = read_string(value, "bodies", out_);
+          const auto body = name ? joints_.body_named(*name, value.place) : std::nullopt;
+          if (!body) continue;
+          int& place = mechanism_of[static_cast<std::size_t>(body->index)];
+          if (place >= 0) out_.error(value.place, "body " + in_quotes(*name) + " is in two mechanisms, or twice in one");
+          place = static_cast<int>(all.size()) - 1;
+        }
+      fields.finish();
     }
-    for (std::size_t b = 0; b < places.size(); ++b) {
+    if (out_.errors() > 0) return;
+    for (std::size_t b = 0; b < places.size() && !out_.full(); ++b) {
       const std::string& body = model_.bodies()[b].name;
-      if (mechanism_of[b] == nullptr) doc_.fail_at(mechanisms, "body '" + body + "' is in no mechanism");
-      const JsonNode *root = mechanism_of[b]->find("root"), *name = mechanism_of[b]->find("name");
-      const bool is_root = places[b].parent < 0;
-      if (root != nullptr && is_root != (doc_.string(*root, "`root`") == body))
-        doc_.fail_at(*root, "`root` does not fit the joints: see body '" + body + "'");
-      if (!is_root && mechanism_of[static_cast<std::size_t>(places[b].parent)] != mechanism_of[b])
-        doc_.fail_at(*mechanism_of[b], "body '" + body + "' is in another mechanism than the parent of its joint");
-      if (is_root && !rooted.insert(mechanism_of[b]).second)
-        doc_.fail_at(*mechanism_of[b], "a mechanism has one root, but '" + body + "' is a second one");
-      if (is_root && name != nullptr) require_name(doc_.string(*name, "`name`"), *name, "a mechanism");
-      if (is_root)
-        result_.forest.mechanisms.emplace_back(static_cast<int>(b), name != nullptr ? doc_.string(*name, "`name`") : body);
+      if (mechanism_of[b] < 0) {
+        out_.error(mechanisms.place, "body " + in_quotes(body) + " is in no mechanism");
+        continue;
+      }
+      Entry& entry = all[static_cast<std::size_t>(mechanism_of[b])];
+      const int parent = places[b].parent;
+      if (!entry.root.empty() && (parent < 0) != (entry.root == body))
+        out_.error(entry.root_place, "root: does not fit the joints", "see body " + in_quotes(body));
+      if (parent >= 0 && mechanism_of[static_cast<std::size_t>(parent)] != mechanism_of[b])
+        out_.error(entry.place, "body " + in_quotes(body) + " is in another mechanism than the parent of its joint");
+      if (parent >= 0) continue;
+      if (entry.rooted) out_.error(entry.place, "a mechanism has one root, but " + in_quotes(body) + " is a second one");
+      entry.rooted = true;
+      result_.forest.mechanisms.emplace_back(static_cast<int>(b), entry.name.empty() ? body : entry.name);
     }
   }
 
-  const JsonDocument& doc_;
   const Model& model_;
   const std::string& mechanism_;
+  Diagnostics& out_;
   JointReader joints_;
   std::vector<DescribedJoint> described_;
   RestoredState result_;
@@ -291,9 +323,19 @@ class Reader {
 
 }  // namespace
 
+std::optional<RestoredState> read_state(const std::string& text, const std::string& file, const Model& model,
+                                        const std::string& mechanism, std::vector<Diagnostic>& problems) {
+  Diagnostics out(file, "");
+  std::optional<RestoredState> state = Reader(file, model, mechanism, out).read(parse_json(text, file));
+  problems = out.take();
+  return state;
+}
+
 RestoredState read_state(const std::string& text, const std::string& file, const Model& model, const std::string& mechanism) {
-  const JsonDocument document = parse_json(text, file);
-  return Reader(document, model, mechanism).read();
+  std::vector<Diagnostic> problems;
+  std::optional<RestoredState> state = read_state(text, file, model, mechanism, problems);
+  if (!state) throw_error(problems.front().error());
+  return std::move(*state);
 }
 
 }  // namespace momentree::io

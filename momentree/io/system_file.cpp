@@ -84,6 +84,24 @@ std::size_t read_some(const Descriptor& file, char* data, std::size_t size, cons
   }
 }
 
+std::string read_all(const Descriptor& file, std::size_t largest, const std::string& path) {
+  constexpr std::size_t least = 1u << 16;
+  struct stat status {};
+  std::size_t expected = 0;
+  if (::fstat(file.number(), &status) == 0 && status.st_size > 0) expected = static_cast<std::size_t>(status.st_size);
+  std::string text;
+  for (std::size_t size = 0;;) {  // the file may grow or shrink meanwhile, and files in /proc have no size
+    if (size > largest || expected > largest)
+      throw_error({"this file is larger than " + std::to_string(largest >> 20) + " MiB", path, ""});
+    if (size == text.size()) text.resize(std::max({2 * size, expected + 1, std::size_t{least}}));
+    const std::size_t count = read_some(file, text.data() + size, text.size() - size, path);
+    size += count;
+    if (count > 0) continue;
+    text.resize(size);
+    return text;
+  }
+}
+
 std::error_code write_all(const Descriptor& file, std::string_view text, std::size_t& written) {
   for (written = 0; written < text.size();) {
     const ssize_t count = ::write(file.number(), text.data() + written, text.size() - written);

@@ -44,6 +44,9 @@ Descriptor open_regular(const std::string& path, Links links = Links::follow);
 /// Reads up to `size` bytes; 0 at the end of the file. Throws Error; `path` is for its message.
 std::size_t read_some(const Descriptor& file, char* data, std::size_t size, const std::string& path);
 
+/// Reads up to the end of a file. Throws Error; also for a file of more than `largest` bytes.
+std::string read_all(const Descriptor& file, std::size_t largest, const std::string& path);
+
 /// Writes all of `text`; `written` counts the bytes that reached the file before an error.
 std::error_code write_all(const Descriptor& file, std::string_view text, std::size_t& written);
 

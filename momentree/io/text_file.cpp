@@ -131,22 +131,6 @@ void write_text_file(const std::string& path, std::string_view text) {
   if (error) fail_with_reason("cannot write this file", path, error);
 }
 
-std::string read_text_file(const std::string& path, Links links) {
-  const Descriptor file = open_regular(path, links);
-  constexpr std::size_t largest = 1u << 30, least = 1u << 16;
-  struct stat status {};
-  std::size_t expected = 0;
-  if (::fstat(file.number(), &status) == 0 && status.st_size > 0) expected = static_cast<std::size_t>(status.st_size);
-  std::string text;
-  for (std::size_t size = 0;;) {  // the file may grow or shrink meanwhile, and files in /proc have no size
-    if (size > largest || expected > largest) throw_error({"this file is larger than 1 GiB", path, ""});
-    if (size == text.size()) text.resize(std::max({2 * size, expected + 1, std::size_t{least}}));
-    const std::size_t count = read_some(file, text.data() + size, text.size() - size, path);
-    size += count;
-    if (count > 0) continue;
-    text.resize(size);
-    return text;
-  }
-}
+std::string read_text_file(const std::string& path, Links links) { return read_all(open_regular(path, links), 1u << 30, path); }
 
 }  // namespace momentree::io

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <unordered_map>
@@ -11,6 +10,7 @@
 #include <momentree/io/convert/describe.hpp>
 #include <momentree/io/convert/urdf_writer.hpp>
 #include <momentree/io/model/imported.hpp>
+#include <momentree/io/number_text.hpp>
 
 namespace momentree::io {
 
@@ -188,10 +188,11 @@ class Writer {
     link.com = is_identity(shift) ? spec.com : back * spec.com;
     link.inertia = is_identity(shift.rotation) ? spec.inertia : rotate(rotation_matrix(back.rotation), spec.inertia);
     if (!is_identity(shift)) {
-      const Vec3 &p = shift.position, rpy = pieces::rpy_of(shift.rotation).angles;
-      char where[160];
-      std::snprintf(where, sizeof where, "xyz %.6g %.6g %.6g rpy %.6g %.6g %.6g", p.x, p.y, p.z, rpy.x, rpy.y, rpy.z);
-      link.comment = link.name + ": the frame is moved to its joint, by " + where;
+      const auto text = [](const Vec3& a) {
+        return rounded_text(a.x, 6) + " " + rounded_text(a.y, 6) + " " + rounded_text(a.z, 6);
+      };
+      link.comment = link.name + ": the frame is moved to its joint, by xyz " + text(shift.position) + " rpy " +
+                     text(pieces::rpy_of(shift.rotation).angles);
       ++moved_;
     }
     if (k < scenario_.shapes.size()) {

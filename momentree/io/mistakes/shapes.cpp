@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::size_t longest = 70;
 
-bool is_number(const Value& value) { return value.integer() || value.real(); }
+bool is_number(const Value& value) { return value.number().has_value(); }
 bool is_scalar(const Value& value) { return is_number(value) || value.string(); }
-double number(const Value& value) { return value.integer() ? static_cast<double>(*value.integer()) : *value.real(); }
+double number(const Value& value) { return *value.number(); }
 
 std::string list(const std::vector<std::string>& entries) {
   std::string text = "[";

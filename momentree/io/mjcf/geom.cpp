@@ -1,7 +1,6 @@
 // Geoms: their masses and shapes.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include <momentree/base/error.hpp>
@@ -129,14 +128,6 @@ Shape shape_of(Type type, const Placed& placed) {
 
 }  // namespace
 
-std::string colour_of(const std::vector<double>& rgba) {
-  unsigned levels[3];
-  for (std::size_t i = 0; i < 3; ++i) levels[i] = static_cast<unsigned>(std::lround(255 * std::clamp(rgba[i], 0.0, 1.0)));
-  char text[8];
-  std::snprintf(text, sizeof text, "#%02x%02x%02x", levels[0] & 255u, levels[1] & 255u, levels[2] & 255u);
-  return text;
-}
-
 Geom read_geom(XmlElement element, const std::string& childclass, Reading& reading) {
   check_attributes(element, {"type",    "size",        "pos",     "quat",     "axisangle",  "xyaxes",    "zaxis",       "euler",
                              "fromto",  "mass",        "density", "group",    "rgba",       "material",  "mesh",        "hfield",
@@ -150,7 +141,7 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
   const Placed placed = read_placement(attributes, type);
   geom.shape = shape_of(type, placed);
   if (const auto rgba = attributes.numbers("rgba", 4))
-    geom.shape.colour = colour_of(*rgba);
+    geom.shape.colour = colour_text(*rgba);
   else if (const auto material = attributes.string("material"); material && reading.colours.contains(*material))
     geom.shape.colour = reading.colours.at(*material);
 

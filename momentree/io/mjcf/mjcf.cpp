@@ -27,7 +27,7 @@ void read_materials(XmlElement asset, Reading& reading) {
     const auto name = material.find("name"), rgba = material.find("rgba");
     if (material.name() != "material" || !name || !rgba) continue;
     const auto levels = read_numbers(material.attribute(*rgba), 4, 4, {material, *rgba}, "rgba", reading.file_of(material));
-    if (levels) reading.colours.emplace(std::string(material.attribute(*name)), colour_of(*levels));
+    if (levels) reading.colours.emplace(std::string(material.attribute(*name)), colour_text(*levels));
   }
 }
 

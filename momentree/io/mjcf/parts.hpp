@@ -83,7 +83,6 @@ struct Geom {
   Shape shape{};
   bool without_inertia = false;  ///< a mesh, whose inertia is not computed
 };
-std::string colour_of(const std::vector<double>& rgba);  ///< "#rrggbb"
 Geom read_geom(XmlElement element, const std::string& childclass, Reading& reading);
 Mass sum_of(const std::vector<Mass>& parts);
 

@@ -1,38 +1,25 @@
 #include <momentree/io/picture/body_table.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/line_reader.hpp>
 
 namespace momentree::io {
 namespace {
 
 constexpr const char* suffixes[7] = {"x", "y", "z", "qw", "qx", "qy", "qz"};
 
-std::string place(const std::filesystem::path& file, std::size_t line) { return file.string() + ":" + std::to_string(line); }
+}  // namespace
 
-double number(const std::string& field, const std::string& column, const std::string& where) {
-  double value = 0;
-  const char* end = field.data() + field.size();
-  const auto [stop, error] = std::from_chars(field.data(), end, value);
-  if (error != std::errc{} || stop != end)
-    throw_error({"column '" + column + "': '" + field + "' is not a number", where,
-                 "bodies.csv as written by `momentree run` is needed"});
-  if (!std::isfinite(value))
-    throw_error(
-        {"column '" + column + "' is " + field + ", not a finite number", where, "the run diverged here; try a smaller step"});
-  return value;
-}
-
-std::vector<PoseColumns> find_bodies(const std::vector<std::string>& columns, const std::string& where) {
+std::vector<PoseColumns> find_bodies(const NumberTable& table) {
+  const std::vector<std::string>& columns = table.columns();
+  const std::string where = table.place();
   std::vector<PoseColumns> bodies;
   std::map<std::string, std::size_t> number_of;
   std::vector<unsigned> found;
-  for (std::size_t c = 1; c < columns.size(); ++c) {
+  for (std::size_t c = 0; c < columns.size(); ++c) {
     const std::size_t dot = columns[c].rfind('.');
     const std::string suffix = dot == std::string::npos ? "" : columns[c].substr(dot + 1);
     const auto which = std::find(std::begin(suffixes), std::end(suffixes), suffix);
@@ -55,78 +42,37 @@ std::vector<PoseColumns> find_bodies(const std::vector<std::string>& columns, co
   return bodies;
 }
 
-}  // namespace
-
-std::vector<std::string> split_csv(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
-      fields.back() += line[++i];
-    else if (c == '"')
-      quoted = !quoted;
-    else if (c == ',' && !quoted)
-      fields.emplace_back();
-    else
-      fields.back() += c;
-  }
-  return fields;
-}
-
-BodyTable::BodyTable(std::filesystem::path file) : file_(std::move(file)) {
-  if (!is_there(file_)) throw_error({"there is no such file", file_.string(), "give the directory that `momentree run` wrote"});
-  LineReader in(file_);
-  std::string line;
-  if (!in.next(line)) throw_error({"the file is empty", file_.string(), {}});
-  columns_ = split_csv(line);
-  if (columns_.front() != "time")
-    throw_error({"the first column is '" + columns_.front() + "', not 'time'", place(file_, 1), {}});
-  bodies_ = find_bodies(columns_, place(file_, 1));
-  while (in.next(line) && in.is_whole()) {  // otherwise an interrupted run was still writing this row
-    if (line.empty()) continue;
-    const double time = number(line.substr(0, line.find(',')), "time", place(file_, in.number()));
-    if (!times_.empty() && time < times_.back()) throw_error({"time runs backwards", place(file_, in.number()), {}});
-    times_.push_back(time);
-  }
-  if (times_.empty()) throw_error({"it has no complete row", file_.string(), "the run stopped before it wrote one"});
+BodyTable::BodyTable(const std::filesystem::path& file) : NumberTable(file), bodies_(find_bodies(*this)) {
+  if (times().empty()) throw_error({"it has no complete row", file.string(), "the run stopped before it wrote one"});
 }
 
 std::size_t BodyTable::row_near(double time) const {
   const double same = 1e-9 * std::max(1.0, std::abs(time));
-  auto after = std::upper_bound(times_.begin(), times_.end(), time + same);
-  if (after == times_.begin()) return 0;
+  auto after = std::upper_bound(times().begin(), times().end(), time + same);
+  if (after == times().begin()) return 0;
   const auto before = after - 1;
-  if (after != times_.end() && *after - time < time - *before) {
+  if (after != times().end() && *after - time < time - *before) {
     const double next = *after;  // of several rows at that instant the last
-    return static_cast<std::size_t>(std::upper_bound(after, times_.end(), next) - times_.begin()) - 1;
+    return static_cast<std::size_t>(std::upper_bound(after, times().end(), next) - times().begin()) - 1;
   }
-  return static_cast<std::size_t>(before - times_.begin());
+  return static_cast<std::size_t>(before - times().begin());
 }
 
-std::vector<RecordedFrame> BodyTable::read(const std::vector<std::size_t>& rows) const {
+std::vector<RecordedFrame> BodyTable::frames(const std::vector<std::size_t>& rows) const {
+  const std::vector<double> numbers = read(rows, Gaps::refused);
   std::vector<RecordedFrame> frames;
-  LineReader in(file_);
-  std::string line;
-  in.next(line);
-  std::size_t row = 0;
-  for (const std::size_t wanted : rows) {
-    while (row <= wanted && in.next(line))
-      if (!line.empty()) ++row;
-    const std::size_t n = in.number();
-    const std::vector<std::string> fields = split_csv(line);
-    if (fields.size() != columns_.size())
-      throw_error({"the row has " + std::to_string(fields.size()) + " of " + std::to_string(columns_.size()) + " columns",
-                   place(file_, n), "the file was truncated or modified: run again"});
-    RecordedFrame frame{times_[wanted], {}};
+  const double* first = numbers.data();
+  for (const std::size_t row : rows) {
+    RecordedFrame frame{times()[row], {}};
     for (const PoseColumns& body : bodies_) {
-      std::array<double, 7> v{};
-      for (std::size_t k = 0; k < 7; ++k) v[k] = number(fields[body.at[k]], columns_[body.at[k]], place(file_, n));
-      if (v[3] * v[3] + v[4] * v[4] + v[5] * v[5] + v[6] * v[6] < 1e-12)
-        throw_error({"the quaternion of '" + body.name + "' is zero", place(file_, n), {}});
-      frame.poses.emplace_back(Vec3{v[0], v[1], v[2]}, Quat{v[3], v[4], v[5], v[6]});
+      const auto v = [&](std::size_t k) { return first[body.at[k]]; };
+      const Quat q{v(3), v(4), v(5), v(6)};
+      if (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z < 1e-12)
+        throw_error({"the quaternion of '" + body.name + "' is zero", place(row), {}});
+      frame.poses.emplace_back(Vec3{v(0), v(1), v(2)}, q);
     }
     frames.push_back(std::move(frame));
+    first += columns().size();
   }
   return frames;
 }

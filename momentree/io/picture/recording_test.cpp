@@ -233,7 +233,7 @@ TEST_CASE("errors in the files are reported with their places") {
   directory.write("model.json", "{\"gravity\": [0, 1e999, 0]}");
   CHECK(mentions(complaint(directory), "model.json:1:"));
   directory.write("model.json", "{}");
-  CHECK(mentions(complaint(directory), "model.json:1:1: error: `gravity` is missing"));
+  CHECK(mentions(complaint(directory), "model.json:1:1: error: the model has no 'gravity'"));
 }
 
 TEST_CASE("fields of CSV may be quoted") {

@@ -3,22 +3,6 @@
 #include <algorithm>
 
 namespace momentree::io {
-namespace {
-
-const JsonNode& member(const JsonDocument& line, const JsonNode& node, const char* key) {
-  const JsonNode* const found = node.find(key);
-  if (found == nullptr) line.fail_at(node, '`' + std::string(key) + "` is missing");
-  return *found;
-}
-
-Vec3 origin(const JsonDocument& line, const JsonNode& pose) {
-  const JsonNode& xyz = member(line, pose, "xyz");
-  if (line.array(xyz, "`xyz`").items.size() != 3) line.fail_at(xyz, "`xyz` should have three numbers");
-  return {line.number(xyz.items[0], "x"), line.number(xyz.items[1], "y"), line.number(xyz.items[2], "z")};
-}
-
-}  // namespace
-
 TopologyHistory::TopologyHistory(Recording& run, const std::vector<std::string>& mechanism_of) : run_(run) {
   Phase phase;
   for (std::size_t b = 0; b < run.bodies.size(); ++b) {
@@ -38,22 +22,21 @@ int TopologyHistory::mechanism(const std::string& name) {
   return static_cast<int>(run_.mechanisms.size()) - 1;
 }
 
-int TopologyHistory::body(const JsonDocument& line, const JsonNode& name) const {
-  if (name.is(JsonNode::Type::null)) return -1;
-  const auto known = bodies_.find(line.string(name, "the name of a body"));
+int TopologyHistory::body(const Value& name) const {
+  const auto known = name.string() ? bodies_.find(*name.string()) : bodies_.end();
   return known == bodies_.end() ? -1 : known->second;
 }
 
-void TopologyHistory::note_changes(const JsonDocument& line, RecordedEvent& event) const {
-  const JsonNode* const changes = line.root.find("changes");
-  if (changes == nullptr) return;
-  for (const JsonNode& change : line.array(*changes, "`changes`").items) {
-    if (change.find("skipped") != nullptr) continue;
-    event.hits += member(line, change, "kind").text == "hit";
-    if (const JsonNode* name = change.find("body")) {
-      if (const int b = body(line, *name); b >= 0) event.about.push_back(b);
-    } else if (const JsonNode* joint = change.find("joint")) {
-      if (const auto link = links_.find(joint->text); link != links_.end()) event.about.push_back(link->second.child);
+void TopologyHistory::note_changes(Record& line, RecordedEvent& event, Diagnostics& out) const {
+  if (!line.find("changes")) return;
+  for (const Value& value : line.list("changes")) {
+    Record change(value, "change", out);
+    if (change.find("skipped")) continue;
+    event.hits += change.text("kind") == "hit";
+    if (const Value* name = change.find("body")) {
+      if (const int b = body(*name); b >= 0) event.about.push_back(b);
+    } else if (change.find("joint")) {
+      if (const auto link = links_.find(change.text("joint")); link != links_.end()) event.about.push_back(link->second.child);
     }
   }
 }
@@ -68,47 +51,49 @@ void TopologyHistory::remove(const std::string& joint, RecordedEvent& event, Pha
   links_.erase(link);
 }
 
-void TopologyHistory::put(const JsonDocument& line, const std::string& name, const JsonNode& joint, RecordedEvent& event,
-                          Phase& phase) {
+void TopologyHistory::put(const Value::Entry& entry, RecordedEvent& event, Phase& phase, Diagnostics& out) {
+  Record joint(entry.value, "joint", out);
   RecordedJoint now;
-  now.name = name;
-  now.kind = line.string(member(line, joint, "kind"), "`kind`");
-  now.parent = body(line, member(line, joint, "parent"));
-  now.child = body(line, member(line, joint, "child"));
-  now.at = origin(line, member(line, joint, "at"));
-  now.child_at = origin(line, member(line, joint, "child_at"));
-  if (const JsonNode* locked = joint.find("locked")) now.locked = locked->is(JsonNode::Type::boolean) && locked->number == 1;
+  now.name = entry.key;
+  now.kind = joint.text("kind");
+  now.parent = body(joint["parent"]);
+  now.child = body(joint["child"]);
+  now.at = Record(joint["at"], "at", out).vec("xyz");
+  now.child_at = Record(joint["child_at"], "child_at", out).vec("xyz");
+  if (const Value* locked = joint.find("locked")) now.locked = locked->boolean() && *locked->boolean();
   if (now.child < 0) return;
-  const auto link = links_.find(name);
+  const auto link = links_.find(now.name);
   const bool same = link != links_.end() && link->second.parent == now.parent && link->second.child == now.child;
   if (const bool floats = now.kind == "free" && now.parent < 0; !same || floats) {
-    remove(name, event, phase);
-    if (!floats) links_[name] = {now.parent, now.child, false};
+    remove(now.name, event, phase);
+    if (!floats) links_[now.name] = {now.parent, now.child, false};
   }
   phase.joints.push_back(std::move(now));
 }
 
-void TopologyHistory::add(const JsonDocument& line, RecordedEvent& event) {
+void TopologyHistory::add(Record& line, RecordedEvent& event, Diagnostics& out) {
   Phase phase;
   phase.from = event.time;
   phase.mechanism = run_.phases.back().mechanism;
   phase.joined = run_.phases.back().joined;
-  note_changes(line, event);
-  if (const JsonNode* topology = line.root.find("topology")) {
-    for (const JsonNode& name : line.array(member(line, *topology, "gone"), "`gone`").items) {
-      phase.gone.push_back(line.string(name, "the name of a joint"));
+  note_changes(line, event, out);
+  if (const Value* value = line.find("topology")) {
+    Record topology(*value, "topology", out);
+    for (const Value& name : topology.list("gone")) {
+      phase.gone.push_back(name.string() ? *name.string() : "");
       remove(phase.gone.back(), event, phase);
     }
-    for (const auto& [name, joint] : line.object(member(line, *topology, "joints"), "`joints`").members)
-      put(line, name, joint, event, phase);
-    for (const auto& [name, ranges] : line.object(member(line, *topology, "moved"), "`moved`").members) {
-      const int number = mechanism(name);
-      for (const JsonNode& range : line.array(ranges, "ranges of bodies").items) {
-        if (line.array(range, "a range").items.size() != 2) line.fail_at(range, "a range consists of its first body and a count");
-        const double first = line.number(range.items[0], "a body"), count = line.number(range.items[1], "a number of bodies");
+    for (const Value::Entry& joint : topology.table("joints")) put(joint, event, phase, out);
+    for (const Value::Entry& moved : topology.table("moved")) {
+      const int number = mechanism(moved.key);
+      for (const Value& range : read_list(moved.value, "moved", out)) {
+        const std::vector<double> bodies = read_reals(range, 2, "moved", out);  // the first one and their number
+        if (bodies.empty()) continue;
         const auto size = static_cast<double>(phase.mechanism.size());
-        if (!(first >= 0 && count >= 0 && first + count <= size)) line.fail_at(range, "there are no such bodies");
-        std::fill_n(phase.mechanism.begin() + static_cast<long>(first), static_cast<long>(count), number);
+        if (bodies[0] >= 0 && bodies[1] >= 0 && bodies[0] + bodies[1] <= size)
+          std::fill_n(phase.mechanism.begin() + static_cast<long>(bodies[0]), static_cast<long>(bodies[1]), number);
+        else
+          out.error(range.place, "moved: there are no such bodies", damaged);
       }
     }
   }

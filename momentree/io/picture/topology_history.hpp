@@ -4,7 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include <momentree/io/json_document.hpp>
+#include <momentree/io/picture/record.hpp>
 #include <momentree/io/picture/recording.hpp>
 
 namespace momentree::io {
@@ -15,8 +15,8 @@ class TopologyHistory {
  public:
   /// `mechanism_of`: for each body the name of its mechanism at the start.
   TopologyHistory(Recording& run, const std::vector<std::string>& mechanism_of);
-  /// `event` is not yet in run.events. Throws Error with the line number if the line is invalid.
-  void add(const JsonDocument& line, RecordedEvent& event);
+  /// `event` is not yet in run.events. Reports what is wrong with the line.
+  void add(Record& line, RecordedEvent& event, Diagnostics& out);
 
  private:
   struct Link {
@@ -24,10 +24,10 @@ class TopologyHistory {
     bool at_start = false;
   };
   int mechanism(const std::string& name);
-  int body(const JsonDocument& line, const JsonNode& name) const;
-  void note_changes(const JsonDocument& line, RecordedEvent& event) const;
+  int body(const Value& name) const;  // −1: the ground, or not recorded
+  void note_changes(Record& line, RecordedEvent& event, Diagnostics& out) const;
   void remove(const std::string& joint, RecordedEvent& event, Phase& phase);
-  void put(const JsonDocument& line, const std::string& name, const JsonNode& joint, RecordedEvent& event, Phase& phase);
+  void put(const Value::Entry& entry, RecordedEvent& event, Phase& phase, Diagnostics& out);
 
   Recording& run_;
   std::unordered_map<std::string, int> bodies_;  // by name

@@ -7,11 +7,10 @@
 #include <span>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/json_document.hpp>
+#include <momentree/io/json.hpp>
 #include <momentree/io/json_writer.hpp>
-#include <momentree/io/picture/recording.hpp>
+#include <momentree/io/picture/body_table.hpp>
 #include <momentree/io/report/base64.hpp>
-#include <momentree/io/report/number_table.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/text_file.hpp>
 
@@ -21,18 +20,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The names of the bodies, from `x` of "NAME.x" and the six columns after it.
-std::vector<std::string> body_names(const NumberTable& table, const std::string& file) {
-  constexpr std::string_view first = ".x";
+/// The names of the bodies, whose columns must be in the order in which a run writes them.
+std::vector<std::string> body_names(const NumberTable& table) {
   std::vector<std::string> names;
-  const std::vector<std::string>& columns = table.columns();
-  if (columns.empty() || columns.size() % 7 != 0)
-    throw_error({"it does not have seven columns for each body", file, "bodies.csv as written by `momentree run` is needed"});
-  for (std::size_t c = 0; c < columns.size(); c += 7) {
-    if (!columns[c].ends_with(first))
-      throw_error(
-          {"column '" + columns[c] + "' should be the x of a body", file, "bodies.csv as written by `momentree run` is needed"});
-    names.push_back(columns[c].substr(0, columns[c].size() - first.size()));
+  for (const PoseColumns& body : find_bodies(table)) {
+    for (std::size_t k = 0; k < 7; ++k)
+      if (body.at[k] != 7 * names.size() + k)
+        throw_error({"column '" + table.columns()[body.at[k]] + "' is not in its place", table.place(),
+                     "bodies.csv as written by `momentree run` is needed"});
+    names.push_back(body.name);
   }
   return names;
 }
@@ -128,7 +124,7 @@ void write_table(JsonWriter& json, std::string& text, const char* key, const Num
   json.key(key).begin_object();
   write_names(json, "columns", table.columns());
   std::string numbers;
-  (precise ? append_doubles : append_floats)(numbers, table.read(rows));
+  (precise ? append_doubles : append_floats)(numbers, table.read(rows, NumberTable::Gaps::allowed));
   json.key("rows");
   raw(json, text, '"' + numbers + '"');
   json.end_object();
@@ -154,7 +150,7 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   const fs::path model = directory / "model.json", summary = directory / "summary.json";
   if (!is_there(model)) throw_error({"it has no model.json", directory.string(), "was the run killed? run it again"});
   const NumberTable bodies(directory / "bodies.csv");
-  const std::vector<std::string> names = body_names(bodies, (directory / "bodies.csv").string());
+  const std::vector<std::string> names = body_names(bodies);
   std::optional<NumberTable> joints = table_of(directory / "joints.csv");
   const std::optional<NumberTable> energy = table_of(directory / "energy.csv");
   std::size_t count = bodies.times().size();  // a killed run may have written fewer rows of one table than of another
@@ -168,7 +164,7 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   const bool left_out = joints && most < std::min<std::size_t>(count, 300);
   if (left_out) joints.reset(), most = affordable(width);
   std::vector<std::size_t> rows = thinned(count, most);
-  std::vector<double> poses = bodies.read(rows);
+  std::vector<double> poses = bodies.read(rows, NumberTable::Gaps::allowed);
   const auto infinite = std::find_if(poses.begin(), poses.end(), [](double x) { return std::isinf(x); });
   rows.resize(static_cast<std::size_t>(infinite - poses.begin()) / width);
   if (rows.empty()) throw_error({"its first row has no finite poses", (directory / "bodies.csv").string(), ""});

@@ -1,13 +1,14 @@
 #include <momentree/io/report/report.hpp>
 
 #include <doctest/doctest.h>
+
 #include <sys/stat.h>
+#include <nlohmann/json.hpp>
 
 #include <fstream>
 
-#include <momentree/io/json_document.hpp>
 #include <momentree/io/model_json.hpp>
-#include <momentree/io/report/number_table.hpp>
+#include <momentree/io/number_table.hpp>
 #include <momentree/io/results.hpp>
 #include <momentree/io/test_support.hpp>
 #include <momentree/io/text_file.hpp>
@@ -34,9 +35,9 @@ void write_result(const std::string& out) {
   recorder.finish("done", {});
 }
 
-std::vector<std::string> texts(const JsonNode& list) {
+std::vector<std::string> texts(const nlohmann::json& list) {
   std::vector<std::string> all;
-  for (const JsonNode& item : list.items) all.push_back(item.text);
+  for (const nlohmann::json& item : list) all.push_back(item);
   return all;
 }
 
@@ -50,57 +51,52 @@ TEST_CASE("a report's data: the documents unchanged, tables of the stated size, 
   write_result(folder / "r");
   const std::string text = report_data(folder / "r");
   CHECK(text.find('<') == std::string::npos);  // nothing in it can close the enclosing element
-  const JsonDocument data = parse_json(text, "data");
-  const auto at = [&](const char* key) -> const JsonNode& {
-    const JsonNode* node = data.root.find(key);
-    REQUIRE(node != nullptr);
-    return *node;
-  };
-  CHECK(at("model").find("title")->text == hostile);
+  const nlohmann::json data = nlohmann::json::parse(text);
+  const auto at = [&](const char* key) -> const nlohmann::json& { return data.at(key); };
+  CHECK(at("model").at("title") == hostile);
   CHECK(texts(at("bodies")) == std::vector<std::string>{"arm/base", "arm/link", "arm/hand", "pendulum"});
-  const auto rows = static_cast<std::size_t>(at("frames").number);
+  const auto rows = at("frames").get<std::size_t>();
   CHECK(rows == 31);
-  CHECK(bytes_of(at("time").text) == 8 * rows);
-  CHECK(bytes_of(at("poses").text) == 4 * 7 * 4 * rows);
-  CHECK(bytes_of(at("energy").find("rows")->text) == 8 * rows * at("energy").find("columns")->items.size());
-  CHECK(bytes_of(at("joints").find("rows")->text) == 4 * rows * at("joints").find("columns")->items.size());
-  CHECK(at("summary").find("status")->text == "done");
-  CHECK(at("thinned").number == 0);
-  REQUIRE(at("events").items.size() == 4);
-  CHECK(at("events").items[2].find("actions")->items[0].text == "break arm/shoulder");
+  CHECK(bytes_of(at("time")) == 8 * rows);
+  CHECK(bytes_of(at("poses")) == 4 * 7 * 4 * rows);
+  CHECK(bytes_of(at("energy").at("rows")) == 8 * rows * at("energy").at("columns").size());
+  CHECK(bytes_of(at("joints").at("rows")) == 4 * rows * at("joints").at("columns").size());
+  CHECK(at("summary").at("status") == "done");
+  CHECK(at("thinned") == false);
+  REQUIRE(at("events").size() == 4);
+  CHECK(at("events").at(2).at("actions").at(0) == "break arm/shoulder");
 
-  const std::vector<JsonNode>& phases = at("phases").items;
+  const nlohmann::json& phases = at("phases");
   REQUIRE(phases.size() == 5);
-  CHECK(phases[1].find("joints")->items[0].find("joint")->text == "arm/wrist");
-  CHECK(phases[1].find("joints")->items[0].find("locked")->number == 1);
-  CHECK(phases[2].find("joints")->items[0].find("kind")->text == "ball");
-  CHECK(phases[2].find("joints")->items[0].find("locked")->number == 0);
-  CHECK(texts(*phases[3].find("gone")) == std::vector<std::string>{"arm/shoulder"});
-  const JsonNode& made = phases[4].find("joints")->items[0];
-  CHECK(made.find("child")->number == 1);
-  CHECK(made.find("parent")->number == 3);
-  CHECK(made.find("kind")->text == "weld");
+  CHECK(phases[1].at("joints").at(0).at("joint") == "arm/wrist");
+  CHECK(phases[1].at("joints").at(0).at("locked") == true);
+  CHECK(phases[2].at("joints").at(0).at("kind") == "ball");
+  CHECK(phases[2].at("joints").at(0).at("locked") == false);
+  CHECK(texts(phases[3].at("gone")) == std::vector<std::string>{"arm/shoulder"});
+  const nlohmann::json& made = phases[4].at("joints").at(0);
+  CHECK(made.at("child") == 1);
+  CHECK(made.at("parent") == 3);
+  CHECK(made.at("kind") == "weld");
   // Counts and mechanisms: the arm, then the base alone and the separated part, then that part with the pendulum.
-  const auto mechanisms = [](const JsonNode& phase) {
+  const auto mechanisms = [](const nlohmann::json& phase) {
     std::vector<double> numbers;
-    for (const JsonNode& run : phase.find("mechanism")->items)
-      for (int i = 0; i < static_cast<int>(run.items[0].number); ++i) numbers.push_back(run.items[1].number);
+    for (const nlohmann::json& run : phase.at("mechanism"))
+      for (int i = 0; i < run.at(0).get<int>(); ++i) numbers.push_back(run.at(1));
     return numbers;
   };
   CHECK(mechanisms(phases[0]) == std::vector<double>{0, 0, 0, 1});
   CHECK(mechanisms(phases[3]) == std::vector<double>{0, 2, 2, 1});
   CHECK(mechanisms(phases[4]) == std::vector<double>{0, 1, 1, 1});
-  const std::vector<JsonNode>& about = at("about").items;
-  CHECK(about[0].items[0].number == 2);
-  CHECK(about[2].items[0].number == 1);
+  const nlohmann::json& about = at("about");
+  CHECK(about[0].at(0) == 2);
+  CHECK(about[2].at(0) == 1);
 }
 
 TEST_CASE("large tables are thinned evenly, the last row stays; joints are left out where they would cost too many rows") {
   const test::TemporaryFolder folder;
   write_result(folder / "r");
   const auto rows_of = [&](std::size_t most, const char* key) {
-    const JsonDocument data = parse_json(report_data(folder / "r", {.most_numbers = most}), "data");
-    return data.root.find(key)->number;
+    return nlohmann::json::parse(report_data(folder / "r", {.most_numbers = most})).at(key);
   };
   CHECK(rows_of(1, "frames") == 31);  // there are always about sixty rows
   std::ofstream more(folder / "r/bodies.csv", std::ios::app), joints(folder / "r/joints.csv", std::ios::app),
@@ -119,12 +115,12 @@ TEST_CASE("large tables are thinned evenly, the last row stays; joints are left 
   }
   more.close(), joints.close(), energy.close();
   CHECK(rows_of(3'000'000, "frames") == 1030);
-  CHECK(rows_of(3'000'000, "thinned") == 0);
+  CHECK(rows_of(3'000'000, "thinned") == false);
   const NumberTable table(folder / "r/bodies.csv");
   const std::size_t width = table.columns().size();
   CHECK(rows_of(100 * width, "frames") == 94 + 1);  // every eleventh of 1030, and the last
-  CHECK(rows_of(100 * width, "thinned") == 1);
-  CHECK(rows_of(100 * width, "joints_left_out") == 1);
+  CHECK(rows_of(100 * width, "thinned") == true);
+  CHECK(rows_of(100 * width, "joints_left_out") == true);
 }
 
 TEST_CASE("a run that diverged is shown as far as it has numbers; a damaged file is an error that names it") {
@@ -136,8 +132,8 @@ TEST_CASE("a run that diverged is shown as far as it has numbers; a damaged file
   const std::size_t cell = text.find(',', row) + 1;
   text.replace(cell, text.find(',', cell) - cell, "nan");
   std::ofstream(folder / "r/bodies.csv") << text;
-  const JsonDocument data = parse_json(report_data(folder / "r"), "data");
-  CHECK(data.root.find("frames")->number == 20);
+  const nlohmann::json data = nlohmann::json::parse(report_data(folder / "r"));
+  CHECK(data.at("frames") == 20);
 
   text.replace(text.find("nan"), 3, "1,2");
   std::ofstream(folder / "r/bodies.csv") << text;

@@ -106,12 +106,7 @@ std::string colour_of(Texts& material, XmlFile& file) {
     const XmlElement element = material.fields.child(name);
     if (!element || element.text().empty()) continue;
     const auto rgba = read_numbers(element.text(), 3, 4, {element, XmlLocation::no_attribute, true}, name, file);
-    if (!rgba) continue;
-    unsigned levels[3];
-    for (std::size_t i = 0; i < 3; ++i) levels[i] = static_cast<unsigned>(std::lround(255 * std::clamp((*rgba)[i], 0.0, 1.0)));
-    char text[8];
-    std::snprintf(text, sizeof text, "#%02x%02x%02x", levels[0] & 255u, levels[1] & 255u, levels[2] & 255u);
-    colour = text;
+    if (rgba) colour = colour_text(*rgba);
   }
   material.fields.known_children(
       {"specular", "emissive", "script", "shader", "lighting", "pbr", "render_order", "double_sided", "shininess"});

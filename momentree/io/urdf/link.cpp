@@ -35,13 +35,7 @@ std::string read_material(XmlElement material, XmlFile& file) {
   if (const XmlElement color = fields.child("color")) {
     XmlFields of(color, file);
     of.require("rgba", "for example rgba=\"0.8 0.2 0.1 1\"");
-    if (const auto rgba = of.numbers("rgba", 4)) {
-      unsigned levels[3];
-      for (std::size_t i = 0; i < 3; ++i) levels[i] = static_cast<unsigned>(std::lround(255 * std::clamp((*rgba)[i], 0.0, 1.0)));
-      char text[8];
-      std::snprintf(text, sizeof text, "#%02x%02x%02x", levels[0] & 255u, levels[1] & 255u, levels[2] & 255u);
-      colour = text;
-    }
+    if (const auto rgba = of.numbers("rgba", 4)) colour = colour_text(*rgba);
     of.finish();
   }
   fields.finish();
