@@ -36,9 +36,11 @@ const std::vector<Fields::Alias>& Fields::aliases() const {
   if (aliases_) return *aliases_;
   aliases_.emplace();
   if (const Value::Table* entries = table_.table())
-    for (const Value::Entry& entry : *entries)
+    for (const Value::Entry& entry : *entries) {
+      if (more_keys_ != nullptr && std::find(more_keys_->begin(), more_keys_->end(), entry.key) != more_keys_->end()) continue;
       for (const Mistake* mistake : mistakes_for(entry.key))
         if (!table_.find(mistake->key)) aliases_->push_back({&entry, mistake});
+    }
   return *aliases_;
 }
 

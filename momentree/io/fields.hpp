@@ -60,6 +60,8 @@ class Fields {
   /// Like find(), but a missing key is an error. The hint for it is that of the description, unless another one is given.
   const Value* require(std::string_view key, std::string hint = {});
 
+  /// More keys of this table, in addition to those of its description: they are never mistakes for others. Call it first.
+  void not_mistakes(const std::vector<std::string>& keys) { more_keys_ = &keys; }
   /// True if the table contains a common mistake for that key, which is then reported: the missing key needs no further
   /// message.
   bool mistaken(std::string_view key) { return report_alias(key); }
@@ -100,6 +102,7 @@ class Fields {
   std::string where_;
   const char* context_;
   const KeyTable* keys_ = nullptr;  // its description
+  const std::vector<std::string>* more_keys_ = nullptr;
   Diagnostics& out_;
   std::vector<std::string_view> known_;                // the keys are literals
   std::vector<std::string_view> later_;                // known, but not supported yet
