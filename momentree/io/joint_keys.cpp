@@ -14,11 +14,11 @@ using R = Range;
 
 constexpr JointKey limits[] = {
     JointKey("lower", [](S& s) -> Values& { return s.parameters.limits.lower; }, Q::q, R::any,
-             "The lower stop; -inf, or nothing: none", {.infinite = -infinity}),
+             "Lower stop; -inf or absent: no stop", {.infinite = -infinity}),
     JointKey("upper", [](S& s) -> Values& { return s.parameters.limits.upper; }, Q::q, R::any,
-             "The upper stop; inf, or nothing: none", {.infinite = infinity}),
+             "Upper stop; inf or absent: no stop", {.infinite = infinity}),
     JointKey("restitution", [](S& s) -> Values& { return s.parameters.limits.restitution; }, Q::none, R::fraction,
-             "Hard stops: the share of the speed that is left after a rebound, from 0 (plastic, the default) to 1",
+             "Hard stops: fraction of the approach speed after the rebound, from 0 (plastic, the default) to 1",
              {.by_model = true}),
     JointKey("stiffness", [](S& s) -> Values& { return s.parameters.limits.stiffness; }, Q::stiffness, R::positive,
              "Soft stops push back with stiffness·penetration + damping·v", {.hint = "leave it out for a hard stop"}),
@@ -96,7 +96,7 @@ constexpr JointKey parameters[] = {
         "strength",
         JointGroup{strength, {"force", "torque"}, "neither 'force' nor 'torque'", "for example strength = { force = \"4 kN\" }"},
         "The joint breaks when its reaction reaches one of these"),
-    JointKey("drive", JointGroup{drive}, "What drives the joint: an effort, position control or a prescribed motion")};
+    JointKey("drive", JointGroup{drive}, "Drive: an effort, position control or a prescribed motion")};
 
 using Unit = SignalKey::Unit;
 

@@ -1,6 +1,6 @@
 #pragma once
 // The keys of a joint's parameters and of a signal, each described once. The readers and writers of scenarios and state
-// documents, the converter and the schema iterate over these lists: a new parameter gets an entry here, and all of them know it.
+// documents, the converter and the schema iterate over these lists: a new parameter needs one entry here.
 #include <optional>
 #include <span>
 #include <string_view>
@@ -40,8 +40,8 @@ struct JointGroup {
   /// At least one of these two keys is needed; null: any or none.
   const char* either[2] = {nullptr, nullptr};
   const char *missing = "", *hint = "";  ///< the message if both are missing
-  /// Only for kinds whose velocities are the rates of their coordinates: other kinds have no coordinates that could `rates`;
-  /// null: for all kinds.
+  /// Not null if the table needs a kind whose velocities are the rates of its coordinates: what the coordinates of other kinds
+  /// cannot do, for messages ("be limited").
   const char* rates = nullptr;
 
   bool needs(std::string_view key) const { return either[0] != nullptr && (key == either[0] || key == either[1]); }

@@ -99,7 +99,7 @@ class Reader {
     if (value.table()->empty())
       out_.error(value.place, "drive: drives nothing", "one of effort, pd and motion; effort = 0 removes a drive");
     for (const char* key : {"effort", "pd"})
-      if (fields.has(key) && fields.has("motion"))
+      if (fields.has(key) && !settings_.motion.empty())
         out_.error(fields.place_of(key), std::string(key) + ": a joint whose motion is prescribed takes the effort that it needs",
                    "leave out '" + std::string(key) + "' or 'motion'");
     std::vector<Signal>& effort = settings_.drive.effort;
@@ -127,7 +127,8 @@ class Reader {
         out_.error(value.place, label + ": " + a_joint() + " has no degree of freedom to drive");
       else if (!value.array())
         out_.error(value.place,
-                   label + ": " + a_joint() + " has " + std::to_string(expected) + " degrees of freedom: one number is ambiguous",
+                   label + ": " + a_joint() + " has " + std::to_string(expected) + " degrees of freedom: one " +
+                       (key.quantity == Quantity::effort ? "number" : "value") + " is ambiguous",
                    "give a list, one " + label + " per degree of freedom");
       else
         out_.error(value.place,

@@ -31,7 +31,7 @@ class Reader {
       out_.error(value.place,
                  at(label_, table || sine || ramp ? "is one of 'table', 'sine' and 'rate', not several"
                                                   : "expected a number, { table = … }, { sine = … } or { rate = … }"),
-                 "for example { table = [[0, 1], [2, 5]] } or { sine = { amplitude = 2, frequency = \"0.5 Hz\" } }");
+                 hint("for example { table = [[0, 1], [2, 5]] } or { sine = { amplitude = 2, frequency = \"0.5 Hz\" } }"));
     } else if (offset && !ramp) {
       out_.error(fields.place_of("offset"), "offset: belongs to a 'rate'", sine ? "put it into the sine's own table" : "");
     } else if (ends != nullptr && table == nullptr) {
@@ -49,6 +49,9 @@ class Reader {
   }
 
  private:
+  // Hints are in the syntax of scenarios.
+  const char* hint(const char* text) const { return rules_.document ? "" : text; }
+
   std::optional<double> number(const Value& value, const Dimension& expected, std::string_view label) {
     return rules_.document ? read_real(value, label, out_) : read_number(value, expected, label, out_);
   }
@@ -66,7 +69,7 @@ class Reader {
     Fields fields(value, "sine", out_, rules_.document ? "" : nullptr);
     if (!value.table()) return;
     for (const SignalKey& key : sine_keys()) {
-      if (key.required) fields.require(key.key, key.required);
+      if (key.required) fields.require(key.key, hint(key.required));
       read(fields, key);
     }
     fields.finish();
@@ -88,7 +91,7 @@ class Reader {
 
   void read_table(const Value& value) {
     const Value::Array* entries = value.array();
-    const char* const example = "for example table = [[0, 1], [\"2 s\", 5]]";
+    const char* const example = hint("for example table = [[0, 1], [\"2 s\", 5]]");
     if (!entries || entries->empty())
       return out_.error(value.place,
                         at(label_, entries ? "the table is empty" : "expected a list of [time, value], found ") +

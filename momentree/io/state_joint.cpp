@@ -105,14 +105,15 @@ void JointReader::read_locks(Fields& fields, DescribedJoint& joint) {
   const Value::Array* sides = resting ? list(*resting, "resting") : nullptr;
   for (int i = 0; sides && i < count; ++i) {
     const Value& entry = (*sides)[static_cast<std::size_t>(i)];
-    const double side = entry.number().value_or(2);
-    if (side != 0 && side != 1 && side != -1)
+    const std::optional<double> side = entry.number();
+    if (side == 0.0) continue;
+    if (side != 1.0 && side != -1.0) {
       out_.error(entry.place, "resting: expected 1 (the upper stop), -1 (the lower one) or 0");
-    else if (side != 0 && !joint.parameters.limits.any())
-      out_.error(entry.place, "resting: a joint without 'limits' cannot rest on a stop");
-    if (side == 0) continue;
+      continue;
+    }
+    if (!joint.parameters.limits.any()) out_.error(entry.place, "resting: a joint without 'limits' cannot rest on a stop");
     joint.resting |= 1u << i;
-    joint.active_limits.push_back({-1, i, static_cast<int>(side)});
+    joint.active_limits.push_back({-1, i, static_cast<int>(*side)});
   }
   joint.joint.locked |= joint.resting;
 }

@@ -269,7 +269,8 @@ class Reader {
   void read_mechanisms(const Value& mechanisms) {
     const std::vector<Topology::Place>& places = result_.forest.places;
     struct Entry {
-      std::string name, root;  // empty: not given
+      std::string name;                 // empty: not given
+      std::optional<std::string> root;  // its body
       Place place{}, root_place{};
       bool rooted = false;
     };
@@ -279,7 +280,7 @@ class Reader {
       Fields fields(mechanism, "a mechanism", out_, "");
       Entry& entry = all.emplace_back();
       entry.place = mechanism.place;
-      entry.root = fields.string("root").value_or("");
+      entry.root = fields.string("root");
       entry.root_place = fields.place_of("root");
       if (const auto name = fields.string("name")) require_name(entry.name = *name, fields.place_of("name"), "a mechanism");
       if (const Value* bodies = fields.require("bodies"))
@@ -302,7 +303,7 @@ class Reader {
       }
       Entry& entry = all[static_cast<std::size_t>(mechanism_of[b])];
       const int parent = places[b].parent;
-      if (!entry.root.empty() && (parent < 0) != (entry.root == body))
+      if (entry.root && (parent < 0) != (entry.root == body))
         out_.error(entry.root_place, "root: does not fit the joints", "see body " + in_quotes(body));
       if (parent >= 0 && mechanism_of[static_cast<std::size_t>(parent)] != mechanism_of[b])
         out_.error(entry.place, "body " + in_quotes(body) + " is in another mechanism than the parent of its joint");

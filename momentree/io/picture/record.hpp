@@ -1,5 +1,5 @@
 #pragma once
-// A table of a result file that is read back: what a reader asks for must be there.
+// A table of a result file that is read back: every key that is read must exist, except for find().
 #include <string>
 
 #include <momentree/io/fields.hpp>
@@ -9,7 +9,7 @@ namespace momentree::io {
 /// The hint for a result file that lacks something.
 inline constexpr const char* damaged = "the file was truncated or modified: run again, or remove it";
 
-/// Reports what is missing or of another type, and then returns an empty value; other keys are not reported.
+/// Reports keys that are missing or have another type, and then returns an empty value. Other keys are ignored.
 class Record {
  public:
   Record(const Value& value, const char* where, Diagnostics& out)
