@@ -36,9 +36,11 @@ const std::vector<Fields::Alias>& Fields::aliases() const {
   if (aliases_) return *aliases_;
   aliases_.emplace();
   if (const Value::Table* entries = table_.table())
-    for (const Value::Entry& entry : *entries)
+    for (const Value::Entry& entry : *entries) {
+      if (more_keys_ != nullptr && std::find(more_keys_->begin(), more_keys_->end(), entry.key) != more_keys_->end()) continue;
       for (const Mistake* mistake : mistakes_for(entry.key))
         if (!table_.find(mistake->key)) aliases_->push_back({&entry, mistake});
+    }
   return *aliases_;
 }
 
@@ -93,28 +95,13 @@ const Value* Fields::require(std::string_view key, std::string hint) {
 std::optional<double> Fields::number(std::string_view key) { return number(key, type_of(key).dimension); }
 
 std::optional<double> Fields::number(std::string_view key, const Dimension& expected) {
-  const Key* described = keys_ != nullptr ? keys_->find(key) : nullptr;
-  if (described != nullptr && described->type.range == Range::positive) return positive(key, expected);
-  if (described != nullptr && described->type.range == Range::not_negative) return not_negative(key, expected);
-  return any_number(key, expected);
-}
-
-std::optional<double> Fields::any_number(std::string_view key, const Dimension& expected) {
   const Value* value = find(key);
-  return value ? read_number(*value, expected, key, out_) : std::nullopt;
-}
-
-std::optional<double> Fields::positive(std::string_view key, const Dimension& expected) {
-  const auto number_read = any_number(key, expected);
-  if (!number_read || *number_read > 0) return number_read;
-  out_.error(place_of(key), std::string(key) + ": must be greater than 0");
-  return {};
-}
-
-std::optional<double> Fields::not_negative(std::string_view key, const Dimension& expected) {
-  const auto number_read = any_number(key, expected);
-  if (!number_read || *number_read >= 0) return number_read;
-  out_.error(place_of(key), std::string(key) + ": must not be negative");
+  const auto number_read = value ? read_number(*value, expected, key, out_) : std::nullopt;
+  const Key* described = keys_ != nullptr ? keys_->find(key) : nullptr;
+  if (!number_read || described == nullptr) return number_read;
+  const Range range = described->type.range;
+  if (range == Range::positive ? *number_read > 0 : range == Range::any || *number_read >= 0) return number_read;
+  out_.error(value->place, std::string(key) + (range == Range::positive ? ": must be greater than 0" : ": must not be negative"));
   return {};
 }
 

@@ -60,6 +60,8 @@ class Fields {
   /// Like find(), but a missing key is an error. The hint for it is that of the description, unless another one is given.
   const Value* require(std::string_view key, std::string hint = {});
 
+  /// More keys of this table, in addition to those of its description: they are never mistakes for others. Call it first.
+  void not_mistakes(const std::vector<std::string>& keys) { more_keys_ = &keys; }
   /// True if the table contains a common mistake for that key, which is then reported: the missing key needs no further
   /// message.
   bool mistaken(std::string_view key) { return report_alias(key); }
@@ -68,8 +70,6 @@ class Fields {
   /// key's description. Its range always holds.
   std::optional<double> number(std::string_view key);
   std::optional<double> number(std::string_view key, const Dimension& expected);
-  std::optional<double> positive(std::string_view key, const Dimension& expected);
-  std::optional<double> not_negative(std::string_view key, const Dimension& expected);
   std::optional<std::string> string(std::string_view key);
   std::optional<bool> boolean(std::string_view key, std::string hint = {});
   std::optional<Vec3> vec3(std::string_view key);
@@ -89,7 +89,6 @@ class Fields {
     const Mistake* mistake;
     bool reported = false;
   };
-  std::optional<double> any_number(std::string_view key, const Dimension& expected);
   bool documents() const { return context_ != nullptr && *context_ == '\0'; }
   std::vector<const Mistake*> mistakes_for(const std::string& key) const;
   const std::vector<Alias>& aliases() const;
@@ -103,6 +102,7 @@ class Fields {
   std::string where_;
   const char* context_;
   const KeyTable* keys_ = nullptr;  // its description
+  const std::vector<std::string>* more_keys_ = nullptr;
   Diagnostics& out_;
   std::vector<std::string_view> known_;                // the keys are literals
   std::vector<std::string_view> later_;                // known, but not supported yet

@@ -1,15 +1,12 @@
 #include <momentree/io/joint_tables.hpp>
 
 #include <algorithm>
-#include <array>
 
 #include <momentree/io/joint_keys.hpp>
 
 namespace momentree::io {
 
 namespace {
-
-constexpr std::array start_keys{"q", "v", "angle", "position", "speed"};
 
 // Copies the parameter `key` that a table gives into a joint's own parameters.
 void take(JointParameters& own, const JointParameters& given, std::string_view key) {
@@ -43,8 +40,8 @@ constinit const KeyTable joint_override_table{"override",
 
 JointTable::JointTable(Fields& fields, Place place, bool starts, std::string pattern, std::string where)
     : pattern_(std::move(pattern)), where_(std::move(where)), place_(place), starts_(starts) {
-  for (const char* key : start_keys)
-    if (const Value* value = starts ? fields.find(key) : nullptr) entries_.emplace_back(key, value);
+  for (const Key& key : joint_starts)
+    if (const Value* value = starts ? fields.find(key.name) : nullptr) entries_.emplace_back(key.name, value);
   for (const JointKey& key : joint_keys())
     if (const Value* value = key.documents ? nullptr : fields.find(key.key)) entries_.emplace_back(key.key, value);
 }
@@ -208,8 +205,8 @@ void JointTables::read(const std::vector<std::pair<std::string, Kind>>& joints,
 std::optional<Place> JointTables::start_of(const std::string& joint) const {
   const auto exact = exact_.find(joint);
   if (exact == exact_.end()) return {};
-  for (const char* key : start_keys)
-    if (tables_[exact->second].has(key)) return tables_[exact->second].place_of(key);
+  for (const Key& key : joint_starts)
+    if (tables_[exact->second].has(key.name)) return tables_[exact->second].place_of(key.name);
   return {};
 }
 

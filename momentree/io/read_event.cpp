@@ -10,6 +10,8 @@ namespace {
 // One event: that of `match`, if its condition has a wildcard. False if it has no effect.
 bool read_one(const Value& table, const std::string& name, bool named, const TriggerMatch* match, Reading& reading) {
   Fields fields(table, event_table, reading.out);
+  const std::vector<std::string>& keys = scenario_actions();
+  fields.not_mistakes(keys);
   fields.find("name");
   ScenarioEvent event;
   event.place = fields.place();
@@ -20,7 +22,6 @@ bool read_one(const Value& table, const std::string& name, bool named, const Tri
 
   bool acts = false;
   std::vector<ScenarioEvent> wild;
-  const std::vector<std::string>& keys = scenario_actions();
   for (const std::string& key : keys) fields.find(key);
   if (const Value::Table* entries = table.table())
     for (const Value::Entry& entry : *entries) {

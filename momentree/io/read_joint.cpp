@@ -101,7 +101,8 @@ std::optional<Place> first_of(const Fields& fields, std::initializer_list<const 
 
 // Skips keys that cannot be checked if the kind is unknown.
 void pass_over(Fields& fields) {
-  for (const char* key : {"axis", "axis2", "pitch", "q", "v", "angle", "position", "speed"}) fields.find(key);
+  for (const KeyList& list : {joint_geometry, joint_starts})
+    for (const Key& key : list) fields.find(key.name);
   for (const JointKey& key : joint_keys())
     if (!key.documents) fields.find(key.key);
 }

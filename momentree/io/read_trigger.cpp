@@ -158,6 +158,7 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
   const std::size_t errors = out.errors();
   const std::vector<std::string> keys = quantity_keys();  // they outlive the fields, which store views of them
   Fields fields(when, condition_table, out);
+  fields.not_mistakes(keys);
   std::shared_ptr<momentree::Quantity> quantity;
   std::string all = "one of:";
   for (const std::string& key : keys) {

@@ -20,7 +20,7 @@ void Schema::add(std::span<const JointKey> keys, Json& properties) {
   for (const JointKey& key : keys) {
     if (key.documents) continue;
     Json& property = properties[key.key];
-    if (const JointGroup* table = key.group()) {
+    if (const auto* table = std::get_if<JointGroup>(&key.value)) {
       // a reference is for all tables with these keys, which are defined on first use
       if (!definitions_.contains(key.key)) {
         definitions_[key.key] = nullptr;

@@ -223,8 +223,12 @@ TEST_CASE("no valid key is mistaken for a misspelt one") {
     std::string where;
     for (const std::string& text : table.texts) keys.merge(known_where(text, where));
     if (const auto context = contexts.find(where); context != contexts.end()) where = context->second;
+    Keys own;  // which the reader never takes for mistakes
+    if (where == "[[event]]") own = set_of(scenario_actions());
+    if (where == "when") own = set_of(quantity_keys());
     for (const std::string& key : keys)
       for (const Mistake* mistake : mistakes_of(where, key)) {
+        if (own.contains(key)) continue;
         CAPTURE(where);
         CAPTURE(key);
         CHECK_FALSE(keys.contains(mistake->key));

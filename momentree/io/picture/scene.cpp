@@ -188,7 +188,7 @@ Scene build_scene(const Recording& run, const View& view) {
     }
   for (std::size_t b = 0; b < run.bodies.size(); ++b) {
     const RecordedBody& body = run.bodies[b];
-    if (body.parent >= 0 || is_free(find_kind(body.kind)) || body.kind.empty()) continue;
+    if (body.parent >= 0 || (find_kind(body.kind) != nullptr && find_kind(body.kind)->nv == 6) || body.kind.empty()) continue;
     scene.anchors.push_back(view(body.at));
     scene.bounds.add(scene.anchors.back());
   }
