@@ -14,12 +14,12 @@ void take(JointParameters& own, const JointParameters& given, std::string_view k
     own.effort = given.effort, own.drive = given.drive;
     return;
   }
-  const std::shared_ptr<const JointDrive> drive = std::move(own.drive);
+  const std::shared_ptr<const JointDrive> own_drive = std::move(own.drive);
   JointSettings to(own), from(given);
   for (const JointKey& each : joint_keys())
     if (each.key == key) alike({&each, 1}, to, from, [](auto& a, const auto& b) { return a = b, true; });
   own = to.parameters;
-  own.drive = drive;
+  own.drive = own_drive;
 }
 
 std::string joined(const std::vector<std::string>& words) {

@@ -29,9 +29,9 @@ void write_signal(JsonWriter& json, const Signal& signal) {
   json.end_object();
 }
 
-class Writer {
+class ParameterWriter {
  public:
-  Writer(JsonWriter& json, const JointParameters& parameters) : json_(json), settings_(parameters) {}
+  ParameterWriter(JsonWriter& json, const JointParameters& parameters) : json_(json), settings_(parameters) {}
 
   void write(std::span<const JointKey> keys) {
     json_.begin_object();
@@ -69,6 +69,6 @@ class Writer {
 
 }  // namespace
 
-void write_parameters(JsonWriter& json, const JointParameters& parameters) { Writer(json, parameters).write(joint_keys()); }
+void write_parameters(JsonWriter& json, const JointParameters& parameters) { ParameterWriter(json, parameters).write(joint_keys()); }
 
 }  // namespace momentree::io

@@ -229,15 +229,15 @@ TEST_CASE("a run that makes no progress stops and reports the reason") {
   const Model model = chain(1);
   Simulation tiny(model, {.step = 1e-300});
   CHECK(tiny.run_until(1) == Status::stalled);
-  CHECK(tiny.message().find("no progress at t = ") == 0);
-  CHECK(tiny.message().find("the step of 1e-300 s is too short for a run of 1 s") != std::string::npos);
+  CHECK(tiny.result().reason.find("no progress at t = ") == 0);
+  CHECK(tiny.result().reason.find("the step of 1e-300 s is too short for a run of 1 s") != std::string::npos);
   CHECK(tiny.run_until(tiny.time()) == Status::ok);  // it may be called again
   Simulation late(model, {.step = 1});
   REQUIRE(late.run_until(1e6) == Status::ok);
   Simulation fine(model, {.step = 1e-12});
   fine.restore(1e6, {}, {});
   CHECK(fine.run_until(1e6 + 1) == Status::stalled);
-  CHECK(fine.message().find("a step of 1e-12 s is too short to move the clock") != std::string::npos);
+  CHECK(fine.result().reason.find("a step of 1e-12 s is too short to move the clock") != std::string::npos);
 
   // A light body whose frame is far from its centre of mass: with tight tolerances its angular velocity is rounding noise.
   Model light({.gravity = {}});
@@ -250,7 +250,7 @@ TEST_CASE("a run that makes no progress stops and reports the reason") {
              .v = {0.1, 0.2, 0.3, 1, 2, 3}});
   Simulation noisy(light, {.method = "dop853", .rtol = 1e-12, .atol = 1e-12});
   CHECK(noisy.run_until(5) == Status::stalled);
-  CHECK(noisy.message().find("use larger rtol and atol") != std::string::npos);
+  CHECK(noisy.result().reason.find("use larger rtol and atol") != std::string::npos);
 
   // Events that trigger each other, each slightly later.
   Simulation busy(model, {.step = 1e-3});
@@ -258,8 +258,8 @@ TEST_CASE("a run that makes no progress stops and reports the reason") {
   busy.after("first", 1e-12).then(impulse("chain/1", {})).named("second");
   busy.after("second", 1e-12).then(impulse("chain/1", {})).named("first");
   CHECK(busy.run_until(1) == Status::stalled);
-  CHECK(busy.message().find("events follow each other endlessly") != std::string::npos);
-  CHECK(busy.message().find("'second: impulse chain/1'") != std::string::npos);
+  CHECK(busy.result().reason.find("events follow each other endlessly") != std::string::npos);
+  CHECK(busy.result().reason.find("'second: impulse chain/1'") != std::string::npos);
 }
 
 TEST_CASE("a run whose length is a multiple of the step has no short last step") {

@@ -87,7 +87,7 @@ Outcome run(std::uint64_t seed, const std::string& method) {
     sim.undo(0);
     ++outcome.undone;
   }
-  outcome.bits.add(static_cast<double>(sim.run_until(sim.time() + 2e-3)));
+  outcome.bits.add(static_cast<double>(sim.run_until(sim.time() + 2e-3).status));
   add(sim.world(), outcome.bits);
   return outcome;
 }

@@ -58,9 +58,9 @@ std::vector<Part> parts_of(const JointSpec& joint) {
   }
 }
 
-class Writer {
+class UrdfWriter {
  public:
-  Writer(const Scenario& scenario, const std::string& folder)
+  UrdfWriter(const Scenario& scenario, const std::string& folder)
       : scenario_(scenario), model_(scenario.model), folder_(folder), shift_(static_cast<std::size_t>(model_.size())) {}
 
   Converted write(BodyId root, const std::string& mechanism) {
@@ -360,7 +360,7 @@ Converted to_urdf(const Scenario& scenario, const std::string& mechanism, const 
     const std::string hint = did_you_mean(mechanism, names);
     throw_error({"there is no mechanism " + in_quotes(mechanism), scenario.path, hint.empty() ? "known: " + all : hint});
   }
-  return Writer(scenario, folder).write(chosen, mechanism.empty() ? names.front() : mechanism);
+  return UrdfWriter(scenario, folder).write(chosen, mechanism.empty() ? names.front() : mechanism);
 }
 
 }  // namespace momentree::io

@@ -62,9 +62,9 @@ Signal raised(const Signal& signal, double by) {
 }
 
 // Parameters by their keys; those that have no effect are left out.
-class Writer {
+class JointValueWriter {
  public:
-  Writer(const JointParameters& parameters, const KindInfo& kind) : settings_(parameters), kind_(kind) {
+  JointValueWriter(const JointParameters& parameters, const KindInfo& kind) : settings_(parameters), kind_(kind) {
     JointParameters& p = settings_.parameters;
     if (p.rest == joint_zero(kind.kind)) p.rest = {};
     if (!p.rest.empty() && p.stiffness.empty()) p.stiffness = 0;
@@ -152,7 +152,7 @@ Value::Table describe_joint(const BodySpec& spec, const std::string& name, const
   if (Value::Table at = placement(spec.at); !at.empty()) add(table, "at", value(std::move(at)));
   if (Value::Table at = placement(spec.child_at); !at.empty()) add(table, "child_at", value(std::move(at)));
   add_start(table, spec, kind);
-  Writer(spec.joint.parameters, kind).write(table, joint_keys());
+  JointValueWriter(spec.joint.parameters, kind).write(table, joint_keys());
   return table;
 }
 
