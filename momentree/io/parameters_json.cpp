@@ -69,6 +69,8 @@ class ParameterWriter {
 
 }  // namespace
 
-void write_parameters(JsonWriter& json, const JointParameters& parameters) { ParameterWriter(json, parameters).write(joint_keys()); }
+void write_parameters(JsonWriter& json, const JointParameters& parameters) {
+  ParameterWriter(json, parameters).write(joint_keys());
+}
 
 }  // namespace momentree::io
