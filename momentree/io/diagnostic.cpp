@@ -91,7 +91,7 @@ Error first_error(const std::vector<Diagnostic>& diagnostics) {
 }  // namespace
 
 InputError::InputError(std::vector<Diagnostic> all) : InputError(first_error(all), std::move(all)) {}
-InputError::InputError(Error first, std::vector<Diagnostic> all)
+InputError::InputError(Error first, std::vector<Diagnostic>&& all)
     : Error(std::move(first.problem), std::move(first.where), std::move(first.hint), all_of(all)), diagnostics(std::move(all)) {}
 
 Diagnostics::Diagnostics(std::string file, std::string_view text, std::vector<std::string> options)

@@ -44,7 +44,7 @@ class InputError : public Error {
   std::vector<Diagnostic> diagnostics;
 
  private:
-  InputError(Error first, std::vector<Diagnostic> all);
+  InputError(Error first, std::vector<Diagnostic>&& all);
 };
 
 /// Collects the problems of one file. Places are resolved to lines, and the number of diagnostics of each severity is bounded.

@@ -15,9 +15,9 @@ const char* const falling =
     "format = 1\n"
     "[integrate]\nuntil = 0.5\nstep = 1e-3\n"
     "[[mechanism]]\nname = \"m\"\n"
-    "[[mechanism.body]]\nname = \"rod\"\nmass = 2\ncom = [0.5, 0, 0]\ninertia = [0, 0.1, 0.1]\n"
+    "[[mechanism.body]]\nname = \"rod\"\nmass = 2\ncom = [0.5, 0, 0]\ninertia = [0.01, 0.1, 0.1]\n"
     "[mechanism.body.joint]\nkind = \"revolute\"\naxis = [0, 1, 0]\n"
-    "[[event]]\nname = \"drop\"\nat = 0.25\ndo = [{ break = \"m/rod\" }]\n";
+    "[[event]]\nname = \"drop\"\nat = 0.25\nbreak = \"m/rod\"\n";
 
 }  // namespace
 
@@ -61,7 +61,7 @@ TEST_CASE("a session starts from a state document instead of the scenario's star
 
 TEST_CASE("a file with errors throws all of them, with line and column") {
   std::string text = falling;
-  text += "[[event]]\nat = 1\ndo = [{ brake = \"m/rod\" }]\n[[event]]\nat = 1\ndo = [{ break = \"m/rood\" }]\n";
+  text += "[[event]]\nat = 1\nbrake = \"m/rod\"\n[[event]]\nat = 1\nbreak = \"m/rood\"\n";
   try {
     static_cast<void>(io::load_text(text, "bad.toml"));
     FAIL("no error was thrown");
@@ -69,7 +69,9 @@ TEST_CASE("a file with errors throws all of them, with line and column") {
     const auto* const error = dynamic_cast<const io::InputError*>(&caught);
     REQUIRE(error != nullptr);
     CHECK(error->diagnostics.size() == 2);
-    CHECK(error->where.find("bad.toml:17:") == 0);
+    CHECK(error->where == "bad.toml:21:1");
+    CHECK(error->diagnostics[0].line == 21);
+    CHECK(error->diagnostics[1].line == 24);
     const std::string all = error->what();
     CHECK(all.find("brake") != std::string::npos);
     CHECK(all.find("rood") != std::string::npos);
