@@ -135,10 +135,13 @@ const use = () => {
   world.restore(snapshot);
   world.drop(snapshot);
 };
+const reload = () => (engine.world().destroy(), world.load(chain(6)), world.load("format = "));
 for (let i = 0; i < 500; i++) use();
+for (let i = 0; i < 500; i++) reload();
+world.load(chain(6));
 const size = engine.bytes;
 for (let i = 0; i < 10000; i++) use();
-for (let i = 0; i < 200; i++) (engine.world().destroy(), world.load(chain(6)), world.load("format = "));
+for (let i = 0; i < 2000; i++) reload();
 assert.equal(engine.bytes, size);
 
 console.log("the module keeps what engine.h says");
