@@ -3,6 +3,7 @@
 #include <expat.h>
 
 #include <algorithm>
+#include <exception>
 #include <unordered_map>
 
 #include <momentree/io/diagnostic.hpp>
@@ -37,7 +38,9 @@ class XmlBuilder {
     XML_SetCharacterDataHandler(parser_.get(), &characters);
     XML_SetStartDoctypeDeclHandler(parser_.get(), &document_type);
     const std::string_view text = document_.text_;
-    if (XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), XML_TRUE) == XML_STATUS_OK) return true;
+    const XML_Status status = XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), XML_TRUE);
+    if (failure_) std::rethrow_exception(failure_);
+    if (status == XML_STATUS_OK) return true;
     if (error_.what.empty()) explain();
     return false;
   }
@@ -49,17 +52,34 @@ class XmlBuilder {
   };
 
   static XmlBuilder& self(void* user) { return *static_cast<XmlBuilder*>(user); }
-  static void XMLCALL started(void* user, const char* name, const char** attributes) { self(user).start(name, attributes); }
-  static void XMLCALL ended(void* user, const char*) { self(user).end(); }
+  // Exceptions must not pass through expat, which is C: its memory would leak. They are thrown again when it has returned.
+  template <class F>
+  void guarded(const F& f) {
+    if (failure_) return;
+    try {
+      f();
+    } catch (...) {
+      failure_ = std::current_exception();
+      XML_StopParser(parser_.get(), XML_FALSE);
+    }
+  }
+  static void XMLCALL started(void* user, const char* name, const char** attributes) {
+    self(user).guarded([&] { self(user).start(name, attributes); });
+  }
+  static void XMLCALL ended(void* user, const char*) {
+    self(user).guarded([&] { self(user).end(); });
+  }
   static void XMLCALL characters(void* user, const char* text, int size) {
-    self(user).add_text({text, static_cast<std::size_t>(size)});
+    self(user).guarded([&] { self(user).add_text({text, static_cast<std::size_t>(size)}); });
   }
   static void XMLCALL document_type(void* user, const char*, const char*, const char*, int) {
-    XmlBuilder& builder = self(user);
-    const std::size_t begin = builder.document_.text_.rfind("<!DOCTYPE", builder.offset());
-    builder.stop_at(begin == std::string_view::npos ? builder.offset() : begin,
-                    "a document type (<!DOCTYPE …>) is not supported: no entity is declared, expanded or fetched",
-                    "leave it out: a model needs none");
+    self(user).guarded([&] { self(user).refuse_document_type(); });
+  }
+  void refuse_document_type() {
+    const std::size_t begin = document_.text_.rfind("<!DOCTYPE", offset());
+    stop_at(begin == std::string_view::npos ? offset() : begin,
+            "a document type (<!DOCTYPE …>) is not supported: no entity is declared, expanded or fetched",
+            "leave it out: a model needs none");
   }
 
   std::size_t offset() const { return static_cast<std::size_t>(std::max<XML_Index>(XML_GetCurrentByteIndex(parser_.get()), 0)); }
@@ -198,6 +218,7 @@ class XmlBuilder {
   SyntaxError& error_;
   bool quotes_;
   std::unique_ptr<XML_ParserStruct, void (*)(XML_Parser)> parser_;
+  std::exception_ptr failure_;  // of a callback
   std::vector<Open> open_;
   std::string text_;
   std::unordered_map<std::string, std::uint32_t, StringHash, std::equal_to<>> names_;
