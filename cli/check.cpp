@@ -59,6 +59,8 @@ Checked check_one(const std::string& file, Notes notes) {
     const World& world = session.simulation().world();
     checked.counts = {static_cast<long>(world.mechanisms().size()), world.model().size(), world.tree().nv(),
                       static_cast<long>(result.scenario->events.size())};
+  } catch (const io::InputError& error) {  // a state document
+    checked.diagnostics.insert(checked.diagnostics.end(), error.diagnostics.begin(), error.diagnostics.end());
   } catch (const Error& error) {
     checked.diagnostics.push_back(diagnostic_of(error, checked.file));
   }

@@ -106,10 +106,15 @@ TEST_CASE("all problems of a state document are printed, each in its line") {
   io::write_text_file(here.path("bad.json"), "{\"time\": null,\n \"joints\": {\"chain/9\": {}},\n \"boddies\": {}}\n");
   const Outcome refused = here.call("evaluate s.toml --state bad.json");
   CHECK(refused.code == 2);
-  CHECK(refused.errors ==
-        "bad.json:1:10: error: time: expected a number, found null\n"
-        "bad.json:2:13: error: unknown joint 'chain/9'; did you mean 'chain/1'?\n"
-        "bad.json:3:2: error: unknown key 'boddies' in the state document; did you mean 'bodies'?\n");
+  const std::string all =
+      "bad.json:1:10: error: time: expected a number, found null\n"
+      "bad.json:2:13: error: unknown joint 'chain/9'; did you mean 'chain/1'?\n"
+      "bad.json:3:2: error: unknown key 'boddies' in the state document; did you mean 'bodies'?\n";
+  CHECK(refused.errors == all);
+  io::write_text_file(here.path("from.toml"), "state = \"bad.json\"\n" + std::string(chain));
+  CHECK(here.call("check from.toml").output == all);
+  CHECK(Json::parse(here.call("check from.toml --json").output).at("errors") == 3);
+  CHECK(here.call("run from.toml").errors == all);
 }
 
 TEST_CASE("a run that starts from a state ends where the whole run ends") {

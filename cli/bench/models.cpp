@@ -113,9 +113,8 @@ int bench_models(const BenchOptions& options, const std::vector<std::string>& pe
       files.push_back(folder->file(std::to_string(files.size())));
       try {
         io::write_text_file(files.back(), peer_links(scenario->name, scenario->model));
-      } catch (Error& error) {
-        if (error.where.empty()) error.where = path;
-        throw;
+      } catch (const Error& error) {
+        throw_error({error.problem, error.where.empty() ? path : error.where, error.hint});
       }
     }
     scenarios.push_back(*scenario);

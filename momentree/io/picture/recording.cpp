@@ -20,9 +20,8 @@ std::optional<Value> parse_file(const std::filesystem::path& file) {
   if (!is_there(file)) return std::nullopt;
   try {
     return parse_json(read_text_file(file.string(), Links::refuse), file.string());
-  } catch (Error& error) {
-    if (error.hint.empty()) error.hint = damaged;
-    throw;
+  } catch (const Error& error) {
+    throw_error({error.problem, error.where, error.hint.empty() ? damaged : error.hint});
   }
 }
 
