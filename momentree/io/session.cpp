@@ -6,6 +6,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include <momentree/base/check.hpp>
 #include <momentree/io/number_text.hpp>
 #include <momentree/io/text_file.hpp>
 
@@ -98,6 +99,8 @@ void Session::schedule_followers(std::vector<const ScenarioEvent*>& events) {
 }
 
 std::vector<Diagnostic> Session::schedule() {
+  MT_REQUIRE(!has_events_, "the events of a session are scheduled once; load() has done so");
+  has_events_ = true;
   std::vector<Diagnostic> found;
   const auto warn = [&](Place place, std::string what) {
     found.push_back({Severity::warning, scenario().path, place.line, place.column, std::move(what), "", ""});

@@ -26,8 +26,8 @@ class Session {
 
   Simulation& simulation() { return simulation_; }
   const Simulation& simulation() const { return simulation_; }
-  /// Schedules the events that have not happened yet. Returns warnings about events that are too late or have no effect left.
-  /// Throws Error for the first event that is impossible in the world of a state document.
+  /// Schedules the events that have not happened yet, once; load() has done so. Returns warnings about events that are too late
+  /// or have no effect left. Throws Error for the first event that is impossible in the world of a state document.
   [[nodiscard]] std::vector<Diagnostic> schedule();
   /// How often each event has happened, including before the start according to the state document.
   Armed armed() const;
@@ -57,7 +57,7 @@ class Session {
   // Events that follow completed ones and are due, as events with an instant.
   std::deque<ScenarioEvent> pending_;
   std::unordered_map<const ScenarioEvent*, const ScenarioEvent*> original_;
-  bool from_document_ = false;
+  bool from_document_ = false, has_events_ = false;
 };
 
 struct LoadOptions {

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/momentree.hpp>
+#include <tests/misuse.hpp>
 
 using namespace momentree;
 
@@ -43,6 +44,13 @@ TEST_CASE("a session can be moved before and after it has run") {
   // From then on it falls: 0.25 s from the height that it had reached.
   CHECK(later.simulation().world().mechanisms().size() == 1);
   CHECK(later.armed().size() == 1);
+}
+
+TEST_CASE("the events of a session are not scheduled twice") {
+  test::check_stopped({"schedule after load", "scheduled once", [] {
+                         io::Session session = io::load_text(falling, "falling.toml");
+                         static_cast<void>(session.schedule());
+                       }});
 }
 
 TEST_CASE("a session starts from a state document instead of the scenario's start") {
