@@ -1,4 +1,7 @@
 // The extension module momentree._core.
-#include <nanobind/nanobind.h>
+#include "command.hpp"
 
-NB_MODULE(_core, m) { m.attr("__version__") = MOMENTREE_VERSION; }
+NB_MODULE(_core, m) {
+  m.attr("__version__") = MOMENTREE_VERSION;
+  momentree::python::bind_command(m);
+}
