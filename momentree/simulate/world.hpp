@@ -135,6 +135,13 @@ class World {
   /// one and its velocity 0. Throws Error for lists of other lengths, numbers that are not finite, and quaternions that differ
   /// from unit length by more than 1e-6.
   std::vector<double> momenta_of(std::span<const double> q, std::span<const double> v, std::optional<double> time = {}) const;
+  /// The equations of motion M v̇ + c = τ in the present state: see dynamics/equations.hpp. M has nv·nv numbers, J 6·nv, the
+  /// others nv.
+  void mass_matrix(double* M) const;
+  void bias(double* c) const;
+  void efforts(double* tau) const;
+  void inverse_dynamics(const double* a, double* effort) const;
+  void point_jacobian(BodyId body, Vec3 point, double* J) const;
 
   /// Present mechanisms, in the order of their root's body number.
   std::vector<Mechanism> mechanisms() const;

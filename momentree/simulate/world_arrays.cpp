@@ -1,7 +1,8 @@
-// The world as packed arrays: values of all joints at once.
+// The world as packed arrays: values of all joints at once, and the equations of motion.
 #include <cmath>
 
 #include <momentree/base/error.hpp>
+#include <momentree/dynamics/equations.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/simulate/arguments.hpp>
@@ -29,6 +30,16 @@ Numbers World::pdot() const {
 Numbers World::a() const {
   accelerate(tree_, state_, workspace_);
   return {workspace_.a.get(), count(tree_.nv())};
+}
+
+void World::mass_matrix(double* M) const { momentree::mass_matrix(tree_, state_, workspace_, M); }
+void World::bias(double* c) const { momentree::bias(tree_, state_, workspace_, c); }
+void World::efforts(double* tau) const { momentree::efforts(tree_, state_, workspace_, tau); }
+void World::inverse_dynamics(const double* a, double* effort) const {
+  momentree::inverse_dynamics(tree_, state_, workspace_, a, effort);
+}
+void World::point_jacobian(BodyId body, Vec3 point, double* J) const {
+  momentree::point_jacobian(tree_, state_, workspace_, body, point, J);
 }
 
 // `rates`: velocities or momenta.
