@@ -4,6 +4,7 @@
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/equations.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>

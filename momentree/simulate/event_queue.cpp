@@ -184,4 +184,24 @@ void EventQueue::restore(std::span<const EventStatus> armed, double now) {
   look_ahead();
 }
 
+void EventQueue::restart(double before, double now) {
+  const bool back = now < before;
+  strengths_.clear();
+  strengths_of_.reset();
+  for (Entry& e : entries) {
+    e.looked = e.looked_before = e.since = -1;
+    e.nearest = {};
+    if (back) e.fired = 0, e.done = e.resting = false;
+    if (e.period > 0 && (back || e.time < now)) {
+      e.time = e.from + std::max(0.0, std::ceil((now - e.from) / e.period)) * e.period;
+      if (e.time < now) e.time += e.period;
+    } else if (!e.after.empty() && (back || e.time < now)) {
+      e.time = HUGE_VAL;
+    } else if (!e.condition && e.time < now) {
+      e.done = true;
+    }
+  }
+  look_ahead();
+}
+
 }  // namespace momentree

@@ -34,6 +34,7 @@ class EventQueue {
     std::string after;                   ///< or after the event with that name,
     double delay = 0;                    ///< by this delay (s)
     double period = 0;                   ///< repeated with this period (s); 0: once
+    double from = 0;                     ///< the first instant of a repeated one (s)
     std::size_t rank = 0;                ///< of the entries due at one instant, the lowest rank comes first
     int fired = 0;
     bool done = false;
@@ -82,6 +83,9 @@ class EventQueue {
   std::vector<EventStatus> armed() const;
   /// Entries that are not in the list stay scheduled unless their time is before `now`.
   void restore(std::span<const EventStatus> armed, double now);
+  /// The clock is set from `before` to `now` (s), and the state may have jumped. Entries whose time is past are done; if the
+  /// clock is set back, all others can happen again.
+  void restart(double before, double now);
 
  private:
   struct Borne {

@@ -86,7 +86,7 @@ Simulation::Scheduled Simulation::every(double period, double from) {
   const double clock = std::max({now, from, impl_->integration.step});
   if (std::optional<Error> wrong = wrong_period(period, clock, "the period of an event")) throw_error(std::move(*wrong));
   EventQueue::Entry entry;
-  entry.time = from, entry.period = period;
+  entry.time = entry.from = from, entry.period = period;
   return Scheduled(impl_, impl_->schedule(std::move(entry)));
 }
 
@@ -265,6 +265,15 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
   changing().world.restore(time, forest, joints);
   impl_->method = impl_->new_method();
   impl_->begin();
+}
+
+void Simulation::set_state(double time, std::span<const double> q, std::span<const double> p) {
+  Impl& impl = changing();
+  const double before = impl.world.time();
+  impl.world.set_values(time, q, p);  // may throw
+  impl.queue.restart(before, time);
+  impl.method = impl.new_method();
+  impl.begin();
 }
 
 StepMemory Simulation::step_memory() const { return {impl().method->proposal(), impl_->ledger.work}; }

@@ -219,6 +219,17 @@ class Simulation {
   /// Restarts from a state document (World::restore); energy ledger and events are reset.
   void restore(double time, const Forest& forest, std::span<const JointStart> joints);
 
+  /// Restarts at another state of the present topology: time (s, not negative), coordinates q (nq numbers: rad, m, unit
+  /// quaternions) and momenta p (nv numbers, see World::momenta_of), packed in the order of joint numbers. Energy ledger, events
+  /// and history are reset; functions stay. Scheduled events stay, too: those that are past by then will not happen, and if the
+  /// clock is set back, those that are no longer past can happen again.
+  ///
+  /// Joints with a prescribed motion follow it at that time, whatever q and p say, and locked DoFs have no momentum. A DoF that
+  /// rests on a stop is released unless its coordinate is the present one and its momentum 0. Quaternions are normalised. Throws
+  /// Error, with nothing changed, for lists of other lengths, numbers that are not finite, a quaternion that differs from unit
+  /// length by more than 1e-6, a coordinate beyond a hard stop, and a negative time.
+  void set_state(double time, std::span<const double> q, std::span<const double> p);
+
   /// Adds a body to any body of the world or to the ground, with the coordinates and velocities of its spec; the velocities of
   /// other bodies do not change, so that a joint at rest takes no energy. The body and its joint get the next number. Throws
   /// Error as Model::add does, and for a joint that would move no mass.

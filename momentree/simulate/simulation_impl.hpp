@@ -66,8 +66,13 @@ struct Simulation::Impl {
     balance.largest_kinetic = t.kinetic;
     events.clear();
     history.clear();
-    observed = false;
     recover();
+    look_anew();
+  }
+  // The observer's next instant is the first one from now on.
+  void look_anew() {
+    observed = false;
+    if (every > 0) next_look = std::floor(world.time() / every * (1 + 1e-12)) * every;
   }
   // A run that diverged may continue from another state or in another world.
   void recover() {
@@ -347,8 +352,7 @@ struct Simulation::Impl {
     events.resize(std::min(events.size(), to.events));
     while (!history.empty() && history.back().events >= to.events) history.pop_back();
     recover();
-    observed = false;
-    if (every > 0) next_look = std::floor(world.time() / every * (1 + 1e-12)) * every;
+    look_anew();
     evaluate_state();
   }
 

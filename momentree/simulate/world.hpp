@@ -121,6 +121,28 @@ class World {
   /// Changes whenever anything of the state or the topology changes.
   Stamp stamp() const { return state_.stamp(); }
   Totals totals() const;
+
+  /// All joints at once, packed in the order of joint numbers, like state().q() and state().p(): velocities v (nv numbers, rad/s,
+  /// m/s), q̇ (nq), ṗ (nv) and v̇ (nv, at the cost of accelerations()). They point into the world and are valid until it next
+  /// changes. For a prescribed motion p is the rate, and ṗ its derivative.
+  Numbers v() const;
+  Numbers qdot() const;
+  Numbers pdot() const;
+  Numbers a() const;
+  /// The packed momenta of velocities v at coordinates q (nq and nv numbers) in the present topology, for
+  /// Simulation::set_state(). DoFs with a prescribed motion have its position and rate at `time` (s; by default the present time)
+  /// instead of the given ones, and locked DoFs are at rest; so is a DoF that rests on a stop, if its coordinate is the present
+  /// one and its velocity 0. Throws Error for lists of other lengths, numbers that are not finite, and quaternions that differ
+  /// from unit length by more than 1e-6.
+  std::vector<double> momenta_of(std::span<const double> q, std::span<const double> v, std::optional<double> time = {}) const;
+  /// The equations of motion M v̇ + c = τ in the present state: see dynamics/equations.hpp. M has nv·nv numbers, J 6·nv, the
+  /// others nv.
+  void mass_matrix(double* M) const;
+  void bias(double* c) const;
+  void efforts(double* tau) const;
+  void inverse_dynamics(const double* a, double* effort) const;
+  void point_jacobian(BodyId body, Vec3 point, double* J) const;
+
   /// Present mechanisms, in the order of their root's body number.
   std::vector<Mechanism> mechanisms() const;
   std::vector<std::string> mechanism_names() const;
@@ -152,6 +174,8 @@ class World {
   friend class TopologyEditor;
   friend class Stops;
   void put_together(const Forest& forest);
+  void set_values(double time, std::span<const double> q, std::span<const double> p);
+  bool stays_resting(const ActiveLimit& limit, std::span<const double> q, std::span<const double> rates) const;
   void put_values(double time, const Forest& forest, std::span<const JointStart> joints, State& state) const;
   void evaluate() const;
   int carrier(JointId joint) const;

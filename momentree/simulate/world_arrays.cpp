@@ -1,0 +1,99 @@
+// The world as packed arrays: values of all joints at once, and the equations of motion.
+#include <cmath>
+
+#include <momentree/base/error.hpp>
+#include <momentree/dynamics/equations.hpp>
+#include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/simulate/arguments.hpp>
+#include <momentree/simulate/world.hpp>
+#include <momentree/tree/packed.hpp>
+
+namespace momentree {
+
+namespace {
+std::size_t count(int n) { return static_cast<std::size_t>(n); }
+}  // namespace
+
+Numbers World::v() const {
+  evaluate();
+  return {workspace_.v.get(), count(tree_.nv())};
+}
+Numbers World::qdot() const {
+  evaluate();
+  return {workspace_.qdot.get(), count(tree_.nq())};
+}
+Numbers World::pdot() const {
+  evaluate();
+  return {workspace_.pdot.get(), count(tree_.nv())};
+}
+Numbers World::a() const {
+  accelerate(tree_, state_, workspace_);
+  return {workspace_.a.get(), count(tree_.nv())};
+}
+
+void World::mass_matrix(double* M) const { momentree::mass_matrix(tree_, state_, workspace_, M); }
+void World::bias(double* c) const { momentree::bias(tree_, state_, workspace_, c); }
+void World::efforts(double* tau) const { momentree::efforts(tree_, state_, workspace_, tau); }
+void World::inverse_dynamics(const double* a, double* effort) const {
+  momentree::inverse_dynamics(tree_, state_, workspace_, a, effort);
+}
+void World::point_jacobian(BodyId body, Vec3 point, double* J) const {
+  momentree::point_jacobian(tree_, state_, workspace_, body, point, J);
+}
+
+// `rates`: velocities or momenta.
+bool World::stays_resting(const ActiveLimit& limit, std::span<const double> q, std::span<const double> rates) const {
+  const int b = tree_.carrier(limit.joint);
+  const std::size_t at = count(tree_.first_q(b) + limit.dof);
+  return q[at] == state_.q()[at] && rates[count(tree_.first_p(b) + limit.dof)] == 0;
+}
+
+std::vector<double> World::momenta_of(std::span<const double> q, std::span<const double> v, std::optional<double> time) const {
+  const JointNamer name = [this](int joint) { return names_.joint(joint); };
+  const double at = time.value_or(this->time());
+  if (!std::isfinite(at)) throw_error({"the time can't be " + detail::text(at) + " s", "", ""});
+  check_packed(tree_, "coordinates", true, q, name);
+  check_packed(tree_, "velocities", false, v, name);
+  std::vector<double> coordinates(q.begin(), q.end()), rates(v.begin(), v.end()), p(v.size());
+  normalise_quaternions(tree_, coordinates, name);
+  std::vector<std::pair<std::size_t, double>> released;  // DoFs that no longer rest on a stop, with their velocities
+  for (const ActiveLimit& h : active_limits_)
+    if (!stays_resting(h, coordinates, rates)) {
+      const std::size_t i = count(tree_.first_p(tree_.carrier(h.joint)) + h.dof);
+      released.emplace_back(i, rates[i]);
+    }
+  clear_locked(tree_, rates.data());
+  for (const auto& [i, rate] : released) rates[i] = rate;
+  follow_motions(tree_, at, coordinates.data(), rates.data());
+  project_momentum(tree_, coordinates.data(), rates.data(), p.data());
+  for (auto& [i, kept] : released) kept = p[i];
+  clear_locked(tree_, p.data());
+  for (const auto& [i, kept] : released) p[i] = kept;
+  return p;
+}
+
+// Throws Error before anything has changed.
+void World::set_values(double time, std::span<const double> q, std::span<const double> p) {
+  const JointNamer name = [this](int joint) { return names_.joint(joint); };
+  if (!(time >= 0) || !std::isfinite(time))
+    throw_error({"the time can't be " + detail::text(time) + " s", "", "give a finite time that is not negative"});
+  check_packed(tree_, "coordinates", true, q, name);
+  check_packed(tree_, "momenta", false, p, name);
+  check_limits(tree_, q, name);
+  std::vector<double> coordinates(q.begin(), q.end()), momenta(p.begin(), p.end());
+  normalise_quaternions(tree_, coordinates, name);
+  std::erase_if(active_limits_, [&](const ActiveLimit& h) {
+    if (stays_resting(h, coordinates, momenta)) return false;
+    const int b = tree_.carrier(h.joint);
+    Joint joint = tree_.joint(b);
+    joint.locked &= ~(1u << h.dof);
+    tree_.set_joint(b, joint);
+    return true;
+  });
+  clear_locked(tree_, momenta.data());
+  follow_motions(tree_, time, coordinates.data(), momenta.data());
+  state_.assign(time, coordinates, momenta, tree_);
+}
+
+}  // namespace momentree
