@@ -1,21 +1,13 @@
-#include <momentree/batch/batch.hpp>
+#include <momentree/batch/batch_impl.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <thread>
-#include <unordered_map>
 
 #include <momentree/base/error.hpp>
-#include <momentree/batch/group.hpp>
-#include <momentree/batch/pool.hpp>
-#include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/momentum.hpp>
-#include <momentree/dynamics/workspace_data.hpp>
 
 namespace momentree {
-
-using batch::Group;
 
 namespace {
 int threads_of(const BatchOptions& options) {
@@ -28,79 +20,8 @@ int threads_of(const BatchOptions& options) {
 }
 }  // namespace
 
-struct Batch::Impl {
-  struct Seat {
-    Group* group;
-    int slot;
-  };
-  struct Task {
-    Group* group;
-    int block;
-  };
-  const Tree declared;
-  const std::uint64_t fingerprint = declared.topology().model;
-  Isa isa;
-  Precision precision;
-  std::unordered_multimap<std::size_t, std::unique_ptr<Group>> groups;  // by the topology's key
-  std::vector<Seat> seats;                                              // by world
-  std::vector<std::vector<batch::ExtraEffort>> efforts;                 // by world
-  std::vector<std::unique_ptr<batch::Stepper>> steppers;                // by thread
-  std::vector<Task> tasks;                                              // of the current step
-  int capacity = 0, lanes = 0;
-  batch::Pool pool;
-  Out out;
-  bool editing = false;
-
-  Impl(const Model& model, const BatchOptions& options)
-      : declared(model), isa(batch::best_isa(options.widest)), precision(options.precision), pool(threads_of(options)) {}
-
-  // Ensures scratch memory for trees of that size.
-  void make_room(const Tree& tree) {
-    if (tree.bodies() <= capacity) return;
-    steppers.clear();
-    for (int i = 0; i < pool.threads(); ++i) steppers.push_back(batch::make_stepper(isa, precision, tree));
-    capacity = tree.bodies();
-    lanes = steppers[0]->lanes();
-  }
-
-  Group& group_of(const Tree& tree) {
-    Topology topology = tree.topology();
-    MT_REQUIRE(topology.model == fingerprint, "after the edit, the tree still belongs to the batch's model");
-    batch::simplify(topology, declared);
-    const std::size_t key = batch::key_of(topology);
-    const auto [begin, end] = groups.equal_range(key);
-    for (auto i = begin; i != end; ++i)
-      if (batch::same(i->second->topology(), topology)) return *i->second;
-    make_room(tree);
-    return *groups.emplace(key, std::make_unique<Group>(std::move(topology), tree, lanes))->second;
-  }
-
-  void sit(int world, Group& group) { seats[static_cast<std::size_t>(world)] = {&group, group.add(world)}; }
-  void leave(Seat seat) {
-    const int moved = seat.group->remove(seat.slot);
-    if (moved >= 0) seats[static_cast<std::size_t>(moved)].slot = seat.slot;
-    if (seat.group->worlds() > 0) return;
-    auto i = groups.equal_range(seat.group->key()).first;
-    while (i->second.get() != seat.group) ++i;
-    groups.erase(i);
-  }
-
-  void run() noexcept {
-    tasks.clear();
-    for (const auto& [key, group] : groups)
-      for (int i = 0; i < group->blocks(); ++i) tasks.push_back({group.get(), i});
-    pool.run(static_cast<int>(tasks.size()), [this](int thread, int i) {
-      const Task& task = tasks[static_cast<std::size_t>(i)];
-      steppers[static_cast<std::size_t>(thread)]->step(task.group->tree(), task.group->plan(), task.group->block(task.block));
-    });
-  }
-  const Seat& seat(int world) const {
-    MT_REQUIRE(world >= 0 && world < static_cast<int>(seats.size()), "the batch has this world");
-    return seats[static_cast<std::size_t>(world)];
-  }
-};
-
-Batch::Batch(const Model& model, int worlds, const BatchOptions& options) : impl_(std::make_unique<Impl>(model, options)) {
+Batch::Batch(const Model& model, int worlds, const BatchOptions& options)
+    : impl_(std::make_unique<Impl>(model, options, threads_of(options))) {
   if (worlds < 1) throw_error({"a batch has at least one world", "", "give the number of worlds"});
   const Tree& tree = impl_->declared;
   batch::check(tree);

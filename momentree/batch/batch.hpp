@@ -3,9 +3,13 @@
 // time; worlds with the same topology are packed together, so that lanes stay full.
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <momentree/batch/stepper.hpp>
+#include <momentree/dynamics/motion.hpp>
+#include <momentree/simulate/action.hpp>
+#include <momentree/simulate/event.hpp>
 #include <momentree/topology/change.hpp>
 
 namespace momentree {
@@ -26,6 +30,11 @@ struct BatchOptions {
 /// friction, soft stops, prescribed motions, and extra efforts per world. They do not support forces on bodies, functions, hard
 /// stops and strengths: the constructor and `edit` throw Error for a model that has any. There is no energy ledger.
 ///
+/// Worlds are numbered from 0. Functions for several worlds take their numbers in any order, and arrays with one row per number,
+/// row-major. In those with coordinates or momenta the worlds must all be in one group, that is, have the same topology; rows
+/// then have nq or nv numbers, packed in the order of joint numbers (rad, m, unit quaternions; velocities, momenta and efforts as
+/// in docs/models.md).
+///
 /// A batch is used by one thread at a time. Its own threads call no user functions.
 class Batch {
  public:
@@ -42,6 +51,11 @@ class Batch {
   int threads() const;
   /// Number of different topologies at present.
   int groups() const;
+  /// The group of a world, from 0 to groups() − 1, in the order of their first worlds. It may change whenever a topology does.
+  int group(int world) const;
+  /// Numbers of coordinates and of DoFs of a world.
+  int nq(int world) const;
+  int nv(int world) const;
 
   /// Steps every world by h seconds, finite and not negative.
   void step(double h) noexcept;
@@ -65,8 +79,43 @@ class Batch {
   /// on a locked DoF. It stays with the joint as long as the joint's kind does not change.
   void set_effort(int world, JointId joint, int dof, double effort);
 
+  /// Writes a row per world: time (s), coordinates, momenta and velocities. Null: not wanted. Velocities cost an evaluation, in
+  /// the precision of the batch. Throws Error for worlds of several groups.
+  void read(std::span<const int> worlds, double* time, double* q, double* p, double* v) const;
+  /// Sets time, coordinates and momenta from a row per world, as set_state() does; null: as they are. Quaternions are normalised;
+  /// joints with a prescribed motion follow it, and locked DoFs have no momentum. Throws Error, with nothing changed, for worlds
+  /// of several groups, numbers that are not finite, a negative time, and a quaternion that differs from unit length by more than
+  /// 1e-6.
+  void write(std::span<const int> worlds, const double* time, const double* q, const double* p);
+  /// The momenta p of velocities v at coordinates q, in the worlds' topology, a row per world. DoFs with a prescribed motion have
+  /// its position and rate at `time` (s, one per world; null: the worlds' present times), and locked DoFs are at rest. Throws
+  /// Error as write() does.
+  void momenta_of(std::span<const int> worlds, const double* q, const double* v, double* p, const double* time = nullptr) const;
+  /// Sets the extra efforts of all DoFs, a row per world, as set_effort() does. Throws Error, with nothing changed, for worlds of
+  /// several groups and numbers that are not finite.
+  void set_efforts(std::span<const int> worlds, const double* efforts);
+  /// Writes 13 numbers per world, world axes: position of the origin of a body's frame (m), its quaternion (w, x, y, z), velocity
+  /// of its origin (m/s), angular velocity (rad/s). The worlds may have different topologies; where the body was removed, the
+  /// numbers are NaN. Throws Error for a body that none of the worlds ever had.
+  void motions(std::span<const int> worlds, BodyId body, double* thirteen) const;
+
+  /// Carries out actions in one world immediately as one event, as Simulation::apply does: with the same names, checks, errors
+  /// and certificate. `name`: of the event; empty: #1, #2 … by the number of such events in that world. Joints and mechanisms
+  /// keep the names that earlier actions gave them; after changes by other functions of this class, parts that broke off are
+  /// named as actions would. Throws Error, with the world unchanged, if an action is impossible or leads to features that batches
+  /// do not support, and for a world to which bodies were added. Costs a copy of the world into a Simulation and back.
+  Event apply(int world, std::span<const Action> actions, std::string name = {});
+  Event apply(int world, const Action& action, std::string name = {}) {
+    return apply(world, std::span(&action, 1), std::move(name));
+  }
+  /// The present name of a joint of a world, as actions know it; empty if the joint was removed.
+  std::string joint_name(int world, JointId joint) const;
+
   /// Applies one change of topology/change.hpp to one world, which then joins the worlds with the same topology.
   template <class Change>
+  requires requires(const Change& change, Tree& tree, State& state, Workspace<double>& workspace) {
+    momentree::apply(change, tree, state, workspace);
+  }
   auto apply(int world, const Change& change) {
     Out& out = take_out(world);
     auto result = momentree::apply(change, out.tree, out.state, out.workspace);

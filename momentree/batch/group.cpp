@@ -107,16 +107,22 @@ int Group::remove(int slot) {
   return moved;
 }
 
-void Group::set_state(int slot, const State& state) {
-  for (int i = 0; i < tree_.nq(); ++i) q_[place(slot, tree_.nq(), i)] = state.q()[at(i)];
-  for (int i = 0; i < tree_.nv(); ++i) p_[place(slot, tree_.nv(), i)] = state.p()[at(i)];
-  time_[at(slot)] = state.time();
+void Group::set_values(int slot, double time, const double* q, const double* p) noexcept {
+  for (int i = 0; i < tree_.nq(); ++i) q_[place(slot, tree_.nq(), i)] = q[i];
+  for (int i = 0; i < tree_.nv(); ++i) p_[place(slot, tree_.nv(), i)] = p[i];
+  time_[at(slot)] = time;
 }
+
+void Group::get_values(int slot, double* q, double* p) const noexcept {
+  for (int i = 0; q != nullptr && i < tree_.nq(); ++i) q[i] = q_[place(slot, tree_.nq(), i)];
+  for (int i = 0; p != nullptr && i < tree_.nv(); ++i) p[i] = p_[place(slot, tree_.nv(), i)];
+}
+
+void Group::set_state(int slot, const State& state) { set_values(slot, state.time(), state.q().data(), state.p().data()); }
 
 void Group::get_state(int slot, State& state) const {
   std::vector<double> q(at(tree_.nq())), p(at(tree_.nv()));
-  for (int i = 0; i < tree_.nq(); ++i) q[at(i)] = q_[place(slot, tree_.nq(), i)];
-  for (int i = 0; i < tree_.nv(); ++i) p[at(i)] = p_[place(slot, tree_.nv(), i)];
+  get_values(slot, q.data(), p.data());
   state.assign(time_[at(slot)], q, p, tree_);
 }
 

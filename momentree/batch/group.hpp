@@ -43,6 +43,9 @@ class Group {
 
   void set_state(int slot, const State& state);
   void get_state(int slot, State& state) const;
+  /// The same for bare arrays; null when reading: not wanted.
+  void set_values(int slot, double time, const double* q, const double* p) noexcept;
+  void get_values(int slot, double* q, double* p) const noexcept;
   double time(int slot) const { return time_[at(slot)]; }
   bool ran_away(int slot) const { return ran_away_[at(slot)] != 0; }
   void set_ran_away(int slot, bool yes) { ran_away_[at(slot)] = yes ? 1 : 0; }
@@ -50,6 +53,10 @@ class Group {
   /// Sets the next step (s). The world does not change if it is 0, or if the world diverged.
   void set_step(int slot, double h) { h_[at(slot)] = ran_away(slot) ? 0 : h; }
   Block block(int number);
+  int lanes() const { return lanes_; }
+  /// The group's number among all groups, given by the batch.
+  int number() const { return number_; }
+  void set_number(int number) { number_ = number; }
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -62,6 +69,7 @@ class Group {
   Tree tree_;
   ForcePlan plan_;
   int lanes_;
+  int number_ = 0;
   bool efforts_ = false;
   std::vector<int> world_;
   std::vector<double> q_, p_, effort_, time_, h_;

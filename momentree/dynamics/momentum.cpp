@@ -1,7 +1,5 @@
 #include <momentree/dynamics/momentum.hpp>
 
-#include <vector>
-
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/joint/dispatch.hpp>
@@ -42,10 +40,16 @@ void with_joint(UncheckedTree tree, const double* q, int b, F&& f) {
 }  // namespace
 
 void project_momentum(const Tree& tree, const double* q, const double* v, double* p) {
+  ProjectionBuffers buffers;
+  project_momentum(tree, q, v, p, buffers);
+}
+
+void project_momentum(const Tree& tree, const double* q, const double* v, double* p, ProjectionBuffers& buffers) {
   const auto n = static_cast<std::size_t>(tree.bodies());
-  std::vector<Motion<double>> velocity(n);
-  std::vector<Force<double>> momenta(n);
-  std::vector<DenseTransform<double>> transforms(n);
+  std::vector<Motion<double>>& velocity = buffers.velocity;
+  std::vector<Force<double>>& momenta = buffers.momenta;
+  std::vector<DenseTransform<double>>& transforms = buffers.transforms;
+  if (velocity.size() < n) velocity.resize(n), momenta.resize(n), transforms.resize(n);
   for (int b : tree.order()) {
     const auto i = static_cast<std::size_t>(b);
     with_joint(tree, q, b, [&](auto tag, const JointState<double>& joint) {

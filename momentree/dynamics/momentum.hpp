@@ -1,6 +1,7 @@
 #pragma once
 // Momenta: of bodies, articulated, and conjugate to the joint velocities (12), (14), (19).
 #include <span>
+#include <vector>
 
 #include <momentree/dynamics/evaluate.hpp>
 
@@ -9,6 +10,15 @@ namespace momentree {
 /// Computes p from v, both packed (nv), at coordinates q: one outward pass for Ω, one inward pass for Pb. p = Eᵀ Pb + armature·v
 /// (19); for a prescribed motion p is the rate v. For set-up only: allocates.
 void project_momentum(const Tree& tree, const double* q, const double* v, double* p);
+
+/// Working memory of project_momentum, by body: the same for any number of calls.
+struct ProjectionBuffers {
+  std::vector<Motion<double>> velocity;
+  std::vector<Force<double>> momenta;
+  std::vector<DenseTransform<double>> transforms;
+};
+/// The same; allocates only if `buffers` were used for fewer bodies or not at all.
+void project_momentum(const Tree& tree, const double* q, const double* v, double* p, ProjectionBuffers& buffers);
 
 /// For a new body b: sets p of its joint and adds b's momentum to p of all joints inboard, so that no velocity changes. `parent`:
 /// velocity of the parent in the parent's kernel frame; v: of the new joint. Reads q but no workspace; p is the packed array.

@@ -1,0 +1,94 @@
+// Actions of events in worlds of a batch, carried out by a Simulation of the same model.
+#include <momentree/base/error.hpp>
+#include <momentree/batch/batch_impl.hpp>
+#include <momentree/simulate/names.hpp>
+
+namespace momentree {
+
+namespace {
+
+// Numbers of the free joints of roots that broke off.
+std::vector<int> made_free(const Tree& tree) {
+  std::vector<int> all;
+  for (int b = tree.first_root(); b >= 0; b = tree.next_sibling(b))
+    if (tree.detached(b) && tree.kind(b) == Kind::free) all.push_back(tree.joint_of(b));
+  return all;
+}
+
+}  // namespace
+
+// Changes by edits know no names: where they left a world without them, it gets those that actions would have given.
+Batch::Impl::Named Batch::Impl::names_now(int world) const {
+  const Tree& tree = seat(world).group->tree();
+  const Names declared_names(model);
+  Names names = declared_names;
+  Named now;
+  if (const auto known = named.find(world); known != named.end()) {
+    now = known->second;
+    for (const auto& [joint, name] : now.joints) names.name_joint(joint, name);
+    for (const auto& [root, name] : now.mechanisms) names.name_mechanism(root, name);
+  }
+  for (int k = 0; k < model.size(); ++k) {
+    if (tree.carrier(k) < 0 && !names.joint(k).empty()) names.remove_joint(k);
+    const bool root = tree.alive(k) && tree.parent(k) < 0;
+    if (!root && !names.mechanism(k).empty())
+      names.name_mechanism(k, {});
+    else if (root && names.mechanism(k).empty())
+      names.name_mechanism(k, model[BodyId{k}].name);
+  }
+  for (const int joint : made_free(tree))
+    if (std::find(now.free.begin(), now.free.end(), joint) == now.free.end())
+      names.name_joint(joint, names.free_joint(model[BodyId{tree.carrier(joint)}].name, joint));
+  now.joints.clear(), now.mechanisms.clear();
+  for (int k = 0; k < model.size(); ++k) {
+    if (names.joint(k) != declared_names.joint(k)) now.joints.emplace_back(k, names.joint(k));
+    if (names.mechanism(k) != declared_names.mechanism(k)) now.mechanisms.emplace_back(k, names.mechanism(k));
+  }
+  return now;
+}
+
+Event Batch::apply(int world, std::span<const Action> actions, std::string name) {
+  Impl& impl = changing();
+  const Impl::Seat& seat = impl.seat(world);
+  const Group& group = *seat.group;
+  if (group.tree().bodies() != impl.model.size())
+    throw_error({"bodies were added to world " + std::to_string(world) + ", which have no names that actions could refer to", "",
+                 "use the changes of topology/change.hpp"});
+  Impl::Named names = impl.names_now(world);
+  SimulationSnapshot start;
+  Snapshot& engine = start.world.engine;
+  engine.topology = group.topology();
+  engine.time = group.time(seat.slot);
+  engine.q.resize(static_cast<std::size_t>(group.tree().nq())), engine.p.resize(static_cast<std::size_t>(group.tree().nv()));
+  group.get_values(seat.slot, engine.q.data(), engine.p.data());
+  start.world.joint_names = names.joints, start.world.mechanism_names = names.mechanisms;
+
+  if (impl.scratch == nullptr) impl.scratch = std::make_unique<Simulation>(impl.model);
+  Simulation& scratch = *impl.scratch;
+  scratch.restore(start);
+  const bool unnamed = name.empty();
+  Event event = scratch.apply(actions, std::move(name));
+  const World& after = scratch.world();
+  impl.out.tree = after.tree();
+  impl.out.state.assign(after.time(), after.state().q(), after.state().p(), impl.out.tree);
+  put_back(world);  // may throw
+
+  WorldSnapshot now = after.snapshot();
+  names.joints = std::move(now.joint_names), names.mechanisms = std::move(now.mechanism_names);
+  names.free = made_free(after.tree());
+  ++names.events;
+  if (unnamed) event.name = "#" + std::to_string(names.events);
+  impl.named[world] = std::move(names);
+  return event;
+}
+
+std::string Batch::joint_name(int world, JointId joint) const {
+  const Tree& tree = impl().seat(world).group->tree();
+  MT_REQUIRE(joint.index >= 0 && joint.index < tree.bodies(), "the world has or had a joint of that number");
+  if (joint.index >= impl_->model.size() || tree.carrier(joint.index) < 0) return {};
+  for (const auto& [number, name] : impl_->names_now(world).joints)
+    if (number == joint.index) return name;
+  return impl_->model[joint].joint_name;
+}
+
+}  // namespace momentree

@@ -1,0 +1,224 @@
+// Worlds of a batch as arrays, a row per world.
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <momentree/base/error.hpp>
+#include <momentree/batch/batch_impl.hpp>
+#include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/user_frames.hpp>
+
+namespace momentree {
+
+namespace {
+
+std::size_t place(std::size_t row, int width) { return row * static_cast<std::size_t>(width); }
+std::span<const double> row_of(const double* all, std::size_t row, int width) {
+  return {all + place(row, width), static_cast<std::size_t>(width)};
+}
+
+void check_time(double time) {
+  if (!(time >= 0) || !std::isfinite(time))
+    throw_error({"the time of a world can't be " + std::to_string(time) + " s", "", "give finite times that are not negative"});
+}
+
+}  // namespace
+
+Group& Batch::Impl::common(std::span<const int> worlds) const {
+  MT_REQUIRE(!worlds.empty(), "at least one world");
+  Group* const group = seat(worlds[0]).group;
+  for (const int world : worlds)
+    if (seat(world).group != group)
+      throw_error({"worlds " + std::to_string(worlds[0]) + " and " + std::to_string(world) + " have different topologies", "",
+                   "take the worlds of one group at a time: see Batch::group()"});
+  return *group;
+}
+
+Group& Batch::Impl::common_rows(std::span<const int> worlds) {
+  Group& group = common(worlds);
+  rows.resize(worlds.size());
+  std::iota(rows.begin(), rows.end(), 0);
+  const auto slot_of = [&](int row) { return seats[static_cast<std::size_t>(worlds[static_cast<std::size_t>(row)])].slot; };
+  const auto before = [&](int a, int b) { return slot_of(a) < slot_of(b); };
+  if (!std::is_sorted(rows.begin(), rows.end(), before)) std::sort(rows.begin(), rows.end(), before);
+  return group;
+}
+
+JointNamer Batch::Impl::namer(int world) const {
+  return [this, world](int joint) {
+    return (joint < model.size() ? model[JointId{joint}].joint_name : "#" + std::to_string(joint)) + "' of world '" +
+           std::to_string(world);
+  };
+}
+
+int Batch::nq(int world) const { return impl().seat(world).group->tree().nq(); }
+int Batch::nv(int world) const { return impl().seat(world).group->tree().nv(); }
+
+int Batch::group(int world) const {
+  Impl& impl = this->impl();
+  const Group& group = *impl.seat(world).group;
+  if (!impl.numbered) {
+    for (const auto& [key, each] : impl.groups) each->set_number(-1);
+    int next = 0;
+    for (const Impl::Seat& seat : impl.seats)
+      if (seat.group->number() < 0) seat.group->set_number(next++);
+    impl.numbered = true;
+  }
+  return group.number();
+}
+
+void Batch::read(std::span<const int> worlds, double* time, double* q, double* p, double* v) const {
+  Impl& impl = this->impl();
+  if (worlds.empty()) return;
+  Group& group = impl.common_rows(worlds);
+  const int nq = group.tree().nq(), nv = group.tree().nv();
+  const auto slot_of = [&](std::size_t row) { return impl.seats[static_cast<std::size_t>(worlds[row])].slot; };
+  for (std::size_t row = 0; row < worlds.size(); ++row) {
+    if (time != nullptr) time[row] = group.time(slot_of(row));
+    group.get_values(slot_of(row), q != nullptr ? q + place(row, nq) : nullptr, p != nullptr ? p + place(row, nv) : nullptr);
+  }
+  if (v == nullptr) return;
+  const int lanes = group.lanes();
+  // Blocks that contain one of the worlds, by their first place in `rows`.
+  impl.tasks.clear();
+  std::vector<std::size_t>& first = impl.firsts;
+  first.clear();
+  for (std::size_t k = 0; k < impl.rows.size(); ++k) {
+    const int block = slot_of(static_cast<std::size_t>(impl.rows[k])) / lanes;
+    if (impl.tasks.empty() || impl.tasks.back().block != block) impl.tasks.push_back({&group, block}), first.push_back(k);
+  }
+  first.push_back(impl.rows.size());
+  const auto width = static_cast<std::size_t>(lanes);
+  for (Impl::Scratch& each : impl.scratches) each.lanes.resize(width * static_cast<std::size_t>(nq + 2 * nv));
+  impl.pool.run(static_cast<int>(impl.tasks.size()), [&](int thread, int i) {
+    double* const rates = impl.scratches[static_cast<std::size_t>(thread)].lanes.data();
+    double* const velocities = rates + width * static_cast<std::size_t>(nq + nv);
+    const batch::Block block = group.block(impl.tasks[static_cast<std::size_t>(i)].block);
+    impl.steppers[static_cast<std::size_t>(thread)]->rates(group.tree(), block.q, block.p, rates,
+                                                           rates + width * static_cast<std::size_t>(nq), velocities);
+    for (std::size_t k = first[static_cast<std::size_t>(i)]; k < first[static_cast<std::size_t>(i) + 1]; ++k) {
+      const auto row = static_cast<std::size_t>(impl.rows[k]);
+      const auto lane = static_cast<std::size_t>(slot_of(row) % lanes);
+      for (int f = 0; f < nv; ++f) v[place(row, nv) + static_cast<std::size_t>(f)] = velocities[place(width, f) + lane];
+    }
+  });
+}
+
+void Batch::write(std::span<const int> worlds, const double* time, const double* q, const double* p) {
+  Impl& impl = changing();
+  if (worlds.empty()) return;
+  Group& group = impl.common(worlds);
+  const Tree& tree = group.tree();
+  const int nq = tree.nq(), nv = tree.nv();
+  std::vector<double>&own_q = impl.scratches[0].q, &own_p = impl.scratches[0].v;
+  own_q.resize(static_cast<std::size_t>(nq)), own_p.resize(static_cast<std::size_t>(nv));
+  // First all checks, then all changes.
+  for (std::size_t row = 0; row < worlds.size(); ++row) {
+    const JointNamer name = impl.namer(worlds[row]);
+    if (time != nullptr) check_time(time[row]);
+    if (p != nullptr) check_packed(tree, "momenta", false, row_of(p, row, nv), name);
+    if (q == nullptr) continue;
+    check_packed(tree, "coordinates", true, row_of(q, row, nq), name);
+    std::copy_n(q + place(row, nq), nq, own_q.data());
+    normalise_quaternions(tree, own_q, name);
+  }
+  for (std::size_t row = 0; row < worlds.size(); ++row) {
+    const int slot = impl.seat(worlds[row]).slot;
+    group.get_values(slot, own_q.data(), own_p.data());
+    if (q != nullptr) std::copy_n(q + place(row, nq), nq, own_q.data());
+    if (p != nullptr) std::copy_n(p + place(row, nv), nv, own_p.data());
+    const double now = time != nullptr ? time[row] : group.time(slot);
+    if (q != nullptr) normalise_quaternions(tree, own_q, {});  // which cannot fail any more
+    clear_locked(tree, own_p.data());
+    follow_motions(tree, now, own_q.data(), own_p.data());
+    group.set_values(slot, now, own_q.data(), own_p.data());
+    group.set_ran_away(slot, false);
+  }
+}
+
+void Batch::momenta_of(std::span<const int> worlds, const double* q, const double* v, double* p, const double* time) const {
+  Impl& impl = this->impl();
+  if (worlds.empty()) return;
+  const Group& group = impl.common(worlds);
+  const Tree& tree = group.tree();
+  const int nq = tree.nq(), nv = tree.nv();
+  for (Impl::Scratch& each : impl.scratches)
+    each.q.resize(static_cast<std::size_t>(nq)), each.v.resize(static_cast<std::size_t>(nv));
+  for (std::size_t row = 0; row < worlds.size(); ++row) {
+    const JointNamer name = impl.namer(worlds[row]);
+    if (time != nullptr) check_time(time[row]);
+    check_packed(tree, "coordinates", true, row_of(q, row, nq), name);
+    check_packed(tree, "velocities", false, row_of(v, row, nv), name);
+    std::copy_n(q + place(row, nq), nq, impl.scratches[0].q.data());
+    normalise_quaternions(tree, impl.scratches[0].q, name);
+  }
+  impl.pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
+    const auto row = static_cast<std::size_t>(i);
+    auto& [workspace, projection, own_q, own_v, lanes] = impl.scratches[static_cast<std::size_t>(thread)];
+    std::copy_n(q + place(row, nq), nq, own_q.data());
+    std::copy_n(v + place(row, nv), nv, own_v.data());
+    normalise_quaternions(tree, own_q, {});  // which cannot fail any more
+    clear_locked(tree, own_v.data());
+    follow_motions(tree, time != nullptr ? time[row] : group.time(impl.seat(worlds[row]).slot), own_q.data(), own_v.data());
+    project_momentum(tree, own_q.data(), own_v.data(), p + place(row, nv), projection);
+    clear_locked(tree, p + place(row, nv));
+  });
+}
+
+void Batch::set_efforts(std::span<const int> worlds, const double* efforts) {
+  Impl& impl = changing();
+  if (worlds.empty()) return;
+  Group& group = impl.common(worlds);
+  const Tree& tree = group.tree();
+  const int nv = tree.nv();
+  for (std::size_t row = 0; row < worlds.size(); ++row)
+    check_packed(tree, "efforts", false, row_of(efforts, row, nv), impl.namer(worlds[row]));
+  for (std::size_t row = 0; row < worlds.size(); ++row) {
+    std::vector<batch::ExtraEffort>& own = impl.efforts[static_cast<std::size_t>(worlds[row])];
+    own.clear();
+    for (const int b : tree.order())
+      for (int i = 0; i < info(tree.kind(b)).nv; ++i)
+        if (const double effort = efforts[place(row, nv) + static_cast<std::size_t>(tree.first_p(b) + i)]; effort != 0)
+          own.push_back({tree.joint_of(b), i, effort});
+    group.set_efforts(impl.seat(worlds[row]).slot, own);
+  }
+}
+
+void Batch::motions(std::span<const int> worlds, BodyId body, double* thirteen) const {
+  Impl& impl = this->impl();
+  const auto known = [&](int world) { return body.index >= 0 && body.index < impl.seat(world).group->tree().bodies(); };
+  if (!worlds.empty() && std::none_of(worlds.begin(), worlds.end(), known))
+    throw_error({"none of these worlds has a body number " + std::to_string(body.index), "", "bodies are numbered from 0"});
+  const Group* last = nullptr;
+  for (const int world : worlds) {
+    if (impl.seat(world).group == last) continue;
+    last = impl.seat(world).group;
+    const Tree& tree = last->tree();
+    for (Impl::Scratch& each : impl.scratches) {
+      if (each.workspace.capacity() < tree.bodies()) each.workspace = Workspace<double>(tree);
+      if (each.q.size() < static_cast<std::size_t>(tree.nq())) each.q.resize(static_cast<std::size_t>(tree.nq()));
+      if (each.v.size() < static_cast<std::size_t>(tree.nv())) each.v.resize(static_cast<std::size_t>(tree.nv()));
+    }
+  }
+  impl.pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
+    const auto row = static_cast<std::size_t>(i);
+    const Impl::Seat& seat = impl.seat(worlds[row]);
+    const Tree& tree = seat.group->tree();
+    double* const to = thirteen + 13 * row;
+    if (body.index >= tree.bodies() || !tree.alive(body.index)) {
+      std::fill_n(to, 13, std::numeric_limits<double>::quiet_NaN());
+      return;
+    }
+    auto& [workspace, projection, q, p, lanes] = impl.scratches[static_cast<std::size_t>(thread)];
+    seat.group->get_values(seat.slot, q.data(), p.data());
+    evaluate_motions<double>(tree, q.data(), p.data(), workspace);
+    locate_stage(tree, q.data(), workspace);
+    const BodyMotion m = user_motion(tree, workspace.bodies[static_cast<std::size_t>(body.index)], body.index);
+    const Vec3 &r = m.pose.position, &l = m.linear, &w = m.angular;
+    const Quat& o = m.pose.rotation;
+    const double all[13] = {r.x, r.y, r.z, o.w, o.x, o.y, o.z, l.x, l.y, l.z, w.x, w.y, w.z};
+    std::copy_n(all, 13, to);
+  });
+}
+
+}  // namespace momentree
