@@ -21,22 +21,30 @@ double gravity_energy(const World& world) {
 
 }  // namespace
 
-void energy_header(std::string& text) {
-  text += "time,kinetic,gravity,elastic,dissipated,lost,released,work,error";
+std::vector<std::string> energy_column_names() {
+  std::vector<std::string> names = {"kinetic", "gravity", "elastic", "dissipated", "lost", "released", "work", "error"};
   for (const char* momentum : {"linear", "angular"})
-    for (const char* axis : {".x", ".y", ".z"}) text += std::string(",") + momentum + axis;
+    for (const char* axis : {".x", ".y", ".z"}) names.push_back(std::string(momentum) + axis);
+  return names;
+}
+
+std::array<double, 14> energy_numbers(const World& world, const EnergyBalance& balance) {
+  const Totals totals = world.totals();
+  const double gravity = gravity_energy(world);
+  return {totals.kinetic,   gravity,          totals.potential - gravity, balance.dissipated, balance.lost_in_impacts,
+          balance.released, balance.work,     balance.error,              totals.linear.x,    totals.linear.y,
+          totals.linear.z,  totals.angular.x, totals.angular.y,           totals.angular.z};
+}
+
+void energy_header(std::string& text) {
+  text += "time";
+  for (const std::string& name : energy_column_names()) text += ',' + name;
   text += '\n';
 }
 
-void energy_row(std::string& text, const Simulation& simulation) {
-  const World& world = simulation.world();
-  const Totals totals = world.totals();
-  const EnergyBalance balance = simulation.energy();
-  const double gravity = gravity_energy(world);
+void energy_row(std::string& text, const World& world, const EnergyBalance& balance) {
   append_number(text, world.time());
-  for (const double x : {totals.kinetic, gravity, totals.potential - gravity, balance.dissipated, balance.lost_in_impacts,
-                         balance.released, balance.work, balance.error, totals.linear.x, totals.linear.y, totals.linear.z,
-                         totals.angular.x, totals.angular.y, totals.angular.z}) {
+  for (const double x : energy_numbers(world, balance)) {
     text += ',';
     append_number(text, x);
   }

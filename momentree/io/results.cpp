@@ -83,7 +83,7 @@ void Recorder::write_row(const World& world) {
     take_events();
     body_columns_.row(bodies_.text(), world);
     joint_columns_.row(joints_.text(), world);
-    if (energy_) energy_row(energy_->text(), simulation_);
+    if (energy_) energy_row(energy_->text(), simulation_.world(), simulation_.energy());
   } catch (...) {  // out of memory: no table has a partial row, or one row more than another
     bodies_.text().resize(body_row_);
     joints_.text().resize(joint_row_);

@@ -1,0 +1,122 @@
+#include <momentree/io/part_reader.hpp>
+
+#include <limits>
+#include <utility>
+
+#include <momentree/io/read_action.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+// A reader's state for a part: the scenario knows the names of a world, or nothing.
+struct PartReading {
+  explicit PartReading(const std::string& what) : out(what, {}), reading{scenario, out, "", Enclosure(), false} {}
+  PartReading(const std::string& what, const Model& model) : PartReading(what) {
+    scenario.model = model;
+    for (int b = 0; b < model.size(); ++b) reading.bodies.emplace(model[BodyId{b}].name, Place{});
+  }
+  PartReading(const std::string& what, const World& world) : PartReading(what, world.model()) {
+    for (int b = 0; b < world.model().size(); ++b) {
+      if (!world.alive({b})) continue;
+      const std::string joint(world.joint_name({b}));
+      kinds.emplace(joint, &info(world.joint({b}).kind));
+      reading.joints.emplace(joint, Place{});
+    }
+    for (const Mechanism& mechanism : world.mechanisms()) reading.mechanisms.emplace(mechanism.name, Place{});
+  }
+
+  void check() {
+    if (out.errors() > 0) throw_all();
+  }
+  [[noreturn]] void throw_all() {
+    std::vector<Diagnostic> found = out.take();
+    std::erase_if(found, [](const Diagnostic& each) { return each.severity != Severity::error; });
+    throw InputError(std::move(found));
+  }
+
+  Scenario scenario;
+  Diagnostics out;
+  Reading reading;
+  std::unordered_map<std::string, const KindInfo*> kinds;
+};
+
+Value with_entry(const Value& table, const char* key, const std::string& text) {
+  Value::Table entries = table.table() ? *table.table() : Value::Table{};
+  entries.insert(entries.begin(), Value::Entry{key, table.place, Value(text, table.place)});
+  return {std::move(entries), table.place};
+}
+
+}  // namespace
+
+BodyPart PartReader::body(const std::string& name, const Value& table) const {
+  PartReading part(what_);
+  const std::size_t slash = name.find('/');
+  const std::string mechanism = name.substr(0, slash == std::string::npos ? 0 : slash);
+  const std::string bare = slash == std::string::npos ? name : name.substr(slash + 1);
+  if (slash != std::string::npos) check_bare_name(mechanism, table.place, "a mechanism", part.out);
+  const Value complete = with_entry(table, "name", bare);
+  BodyEntry read = read_body(complete, mechanism, part.reading);
+  part.check();
+  read.spec.name = name;
+  const bool named = read.bare_joint != read.bare_name;
+  read.spec.joint_name = !named ? name : slash == std::string::npos ? read.bare_joint : mechanism + "/" + read.bare_joint;
+  return {std::move(read.spec), std::move(read.shape)};
+}
+
+std::vector<BodyForce> PartReader::forces(const Value& table, const Model& model) const {
+  PartReading part(what_, model);
+  const std::size_t before = model.forces().size();
+  read_force(table, part.reading);
+  part.check();
+  const std::vector<BodyForce>& all = part.scenario.model.forces();
+  return {all.begin() + static_cast<std::ptrdiff_t>(before), all.end()};
+}
+
+std::vector<TriggerPart> PartReader::triggers(const Value& event, const World& world) const {
+  PartReading part(what_, world);
+  std::optional<std::vector<TriggerMatch>> matches = matches_of_trigger(event, part.reading);
+  part.check();
+  std::vector<TriggerPart> all;
+  const auto read = [&](std::shared_ptr<const TriggerMatch> match) {
+    Fields fields(event, event_table, part.out);
+    ScenarioEvent read;
+    read_trigger(fields, read, match.get(), part.reading);
+    fields.finish();
+    part.check();
+    all.push_back({std::move(read.condition), std::move(match)});
+  };
+  if (!matches) read(nullptr);
+  if (matches)
+    for (TriggerMatch& match : *matches) read(std::make_shared<const TriggerMatch>(std::move(match)));
+  return all;
+}
+
+std::vector<Action> PartReader::actions(const std::string& key, const Value& value, const TriggerPart& trigger,
+                                        const World& world) const {
+  PartReading part(what_, world);
+  ScenarioEvent event;
+  event.time = std::numeric_limits<double>::infinity();
+  event.after = "a trigger";  // all matches of a wildcard in the action happen together
+  std::vector<ScenarioEvent> wild;
+  read_actions(value, key, event, trigger.match.get(), wild, part.reading);
+  for (const Reading::LateEntry& late : part.reading.late) {
+    ActionReader reader(*late.value, *late.action, late.match, late.time, part.reading);
+    reader.kind_of = [&](const std::string& joint) {
+      const auto found = part.kinds.find(joint);
+      return found == part.kinds.end() ? nullptr : found->second;
+    };
+    reader.read();
+  }
+  part.check();
+  return std::move(event.actions);
+}
+
+Integration PartReader::integration(const Value& table) const {
+  PartReading part(what_);
+  read_integrate(table, part.reading);
+  part.check();
+  return part.scenario.integration;
+}
+
+}  // namespace momentree::io

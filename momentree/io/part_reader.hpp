@@ -1,0 +1,58 @@
+#pragma once
+// Reads single parts of a scenario from values, with the checks and messages of the scenario reader: for programs that build a
+// model or schedule events step by step, such as language bindings.
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <momentree/base/value.hpp>
+#include <momentree/io/diagnostic.hpp>
+#include <momentree/io/shape.hpp>
+#include <momentree/simulate/action.hpp>
+#include <momentree/simulate/condition.hpp>
+#include <momentree/simulate/simulation.hpp>
+#include <momentree/simulate/world.hpp>
+#include <momentree/tree/model.hpp>
+
+namespace momentree::io {
+
+struct TriggerMatch;
+
+/// A body with the shapes that pictures show.
+struct BodyPart {
+  BodySpec spec;
+  Shape shape;
+};
+
+/// A condition; if a name in it has a wildcard, that of one match. Actions with the same wildcard then act on this match.
+struct TriggerPart {
+  std::optional<Condition> condition{};  ///< absent: the trigger is an instant or another event
+  std::shared_ptr<const TriggerMatch> match{};
+};
+
+/// Every function throws InputError if the value is not valid: the message begins with `what`, such as `Model.add("arm/1")`.
+class PartReader {
+ public:
+  explicit PartReader(std::string what) : what_(std::move(what)) {}
+
+  /// A table with the keys of [[mechanism.body]]. `name`: its complete name, "mechanism/body". The joint's table has no parent;
+  /// its name, if any, is the bare one.
+  [[nodiscard]] BodyPart body(const std::string& name, const Value& table) const;
+  /// A table with the keys of [[force]]; a wildcard in the body's name gives several forces.
+  [[nodiscard]] std::vector<BodyForce> forces(const Value& table, const Model& model) const;
+
+  /// An event's table with `when` and the keys that go with it: one part, or one for each match of a wildcard.
+  [[nodiscard]] std::vector<TriggerPart> triggers(const Value& event, const World& world) const;
+  /// The value of an action's key in an event: a name, a table, or a list of them. Names of bodies are checked here, those of
+  /// joints when the action is scheduled.
+  [[nodiscard]] std::vector<Action> actions(const std::string& key, const Value& value, const TriggerPart& trigger,
+                                            const World& world) const;
+  /// A table with the keys of [integrate] except `until`.
+  [[nodiscard]] Integration integration(const Value& table) const;
+
+ private:
+  std::string what_;
+};
+
+}  // namespace momentree::io

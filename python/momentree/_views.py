@@ -1,0 +1,121 @@
+"""Arrays that follow the state of a simulation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from momentree._errors import Error
+
+if TYPE_CHECKING:
+    from momentree._core import _StateArrays
+
+
+class StateView(np.ndarray[tuple[int, ...], np.dtype[np.float64]]):
+    """Coordinates, velocities, momenta or efforts of a simulation: an ``ndarray`` that follows the state.
+
+    Numbers that are written are taken over by the simulation's next operation. A view keeps its memory alive. When the topology
+    changes in such a way that the numbers belong to other joints, the view is stale: its numbers become NaN, and using it raises
+    :class:`momentree.Error`. Take a new one then: ``sim.q``. ``numpy.array(view)`` makes an independent copy.
+    """
+
+    _owner: _StateArrays | None
+    _name: str
+
+    @classmethod
+    def _of(cls, array: NDArray[np.float64], owner: _StateArrays, name: str) -> StateView:
+        view = array.view(cls)
+        view._owner = owner
+        view._name = name
+        return view
+
+    def __array_finalize__(self, obj: object) -> None:
+        # Slices of a view are views, too; results of computations own their memory and are plain numbers.
+        self._owner = getattr(obj, "_owner", None) if self.base is not None else None
+        self._name = getattr(obj, "_name", "")
+
+    def _check(self) -> None:
+        owner = self._owner
+        if owner is not None and not owner.alive:
+            raise Error(
+                f"this view of {self._name or 'the state'} is stale: the topology has changed since it was taken",
+                hint=f"take a new one: sim.{self._name or 'q'}",
+            )
+
+    @property
+    def stale(self) -> bool:
+        """True if the topology has changed since the view was taken."""
+        return self._owner is not None and not self._owner.alive
+
+    def __getitem__(self, key: Any) -> Any:
+        self._check()
+        return super().__getitem__(key)
+
+    def __setitem__(self, key: Any, value: Any) -> None:
+        self._check()
+        super().__setitem__(key, value)
+
+    def __iter__(self) -> Any:
+        self._check()
+        return super().__iter__()
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
+        plain = []
+        for each in inputs:
+            if isinstance(each, StateView):
+                each._check()
+                each = each.view(np.ndarray)
+            plain.append(each)
+        out = kwargs.get("out")
+        if out is not None:
+            targets = []
+            for each in out:
+                if isinstance(each, StateView):
+                    each._check()
+                    each = each.view(np.ndarray)
+                targets.append(each)
+            kwargs["out"] = tuple(targets)
+        result = getattr(ufunc, method)(*plain, **kwargs)
+        if out is not None and len(out) == 1:
+            return out[0]
+        return result
+
+    def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
+        def plain(value: Any) -> Any:
+            if isinstance(value, StateView):
+                value._check()
+                return value.view(np.ndarray)
+            if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
+                return type(value)(plain(each) for each in value)
+            return value
+
+        return func(*plain(args), **{key: plain(value) for key, value in kwargs.items()})
+
+    def copy(self, order: Any = "C") -> NDArray[np.float64]:  # type: ignore[override]
+        """An independent array of the numbers now."""
+        self._check()
+        return cast(NDArray[np.float64], self.view(np.ndarray).copy(order))
+
+    def tolist(self) -> Any:
+        """The numbers now as a list."""
+        self._check()
+        return super().tolist()
+
+    def __repr__(self) -> str:
+        if self.stale:
+            return f"<stale momentree.StateView of {self._name}>"
+        return super().__repr__()
+
+    def __str__(self) -> str:
+        self._check()
+        return super().__str__()
+
+    def __float__(self) -> float:
+        self._check()
+        return float(self.view(np.ndarray).item())
+
+    def __reduce__(self) -> Any:
+        self._check()
+        return self.view(np.ndarray).copy().__reduce__()

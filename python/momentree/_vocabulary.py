@@ -1,0 +1,197 @@
+"""The base classes of joints, actions and conditions: values that describe what a scenario file describes by its tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from momentree._errors import Error
+
+if TYPE_CHECKING:
+    from momentree._core import Body, Joint, ModelBody, World
+
+Number = Union[float, int, str, "np.floating[Any]"]
+"""A number in SI units, or a string with a unit: ``"5 cm"``."""
+Vector = Union[Sequence[Number], NDArray[Any]]
+"""Three numbers."""
+Numbers = Union[Number, Sequence[Number], NDArray[Any]]
+"""One number, or one for each degree of freedom or coordinate."""
+Signal = Union[Number, Mapping[str, Any]]
+"""A number, or a function of time: ``{"table": [[t, value], …]}``, ``{"sine": {…}}``, ``{"rate": …}``."""
+Signals = Union[Signal, Sequence[Signal]]
+Pose = Union[Vector, Mapping[str, Any]]
+"""A position, or ``{"xyz": …, "quat": …}`` or ``{"xyz": …, "rpy": …}``."""
+BodyName = Union[str, "Body", "ModelBody"]
+JointName = Union[str, "Joint"]
+
+
+def given(**fields: Any) -> dict[str, Any]:
+    """The fields that are not None."""
+    return {key: value for key, value in fields.items() if value is not None}
+
+
+def pose(at: Pose | None) -> Any:
+    """A pose as scenario files have it."""
+    if at is None or isinstance(at, Mapping):
+        return at
+    return {"xyz": at}
+
+
+def _handles(values: Sequence[object]) -> list[Any]:
+    return [value for value in values if hasattr(value, "scenario_value")]
+
+
+class JointSpec:
+    """A joint of any kind, to be given to :meth:`Model.add`, :func:`change_joint` or :func:`attach`."""
+
+    def __init__(self, kind: str, fields: Mapping[str, Any]) -> None:
+        self.kind = kind
+        self.fields = dict(fields)
+
+    def scenario_value(self) -> dict[str, Any]:
+        """The joint as a table of a scenario file."""
+        return {"kind": self.kind, **self.fields}
+
+    def __repr__(self) -> str:
+        text = ", ".join(f"{key}={value!r}" for key, value in self.fields.items())
+        return f"momentree.{self.kind.capitalize()}({text})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, JointSpec) and repr(self) == repr(other)
+
+    def __hash__(self) -> int:
+        return hash(repr(self))
+
+
+class Action:
+    """What an event does: see :func:`break_joint`, :func:`lock`, :func:`weld` …"""
+
+    def __init__(self, key: str, value: Any, names: Sequence[object] = ()) -> None:
+        self.key = key
+        """Its key in scenario files."""
+        self.value = value
+        self._handles = _handles(names)
+
+    def __repr__(self) -> str:
+        return f"<momentree.Action {self.key} {self.value!r}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"key": self.key, "value": _plain(self.value), "_handles": []}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+
+
+class Condition:
+    """A quantity with its threshold: the instant at which the quantity crosses it is located to ``event_tolerance``."""
+
+    def __init__(self, quantity: Quantity, threshold: Number, exceeds: bool) -> None:
+        self.quantity = quantity
+        self.threshold = threshold
+        self.exceeds = exceeds
+        self._options: dict[str, Any] = {}
+
+    def _with(self, **options: Any) -> Condition:
+        copy = Condition(self.quantity, self.threshold, self.exceeds)
+        copy._options = {**self._options, **options}
+        return copy
+
+    def repeated(self, hysteresis: Number | None = None) -> Condition:
+        """Repeats: armed again once the quantity is back past the threshold by ``hysteresis`` (in its unit; default: 1 %)."""
+        return self._with(repeat=True, hysteresis=hysteresis)
+
+    def lasting(self, seconds: Number) -> Condition:
+        """Fires only after the condition has held for that long (s) without interruption."""
+        return self._with(**{"for": seconds})
+
+    def per_step(self) -> Condition:
+        """Evaluated only at the ends of steps: cheaper, and as exact as the step."""
+        return self._with(locate="per step")
+
+    def scenario_value(self) -> dict[str, Any]:
+        """The condition as an event's table of a scenario file."""
+        threshold = {"exceeds" if self.exceeds else "below": self.threshold}
+        return {"when": {self.quantity.key: self.quantity.value, **threshold}, **given(**self._options)}
+
+    def __repr__(self) -> str:
+        return f"<momentree.Condition {self.quantity} {'>' if self.exceeds else '<'} {self.threshold}>"
+
+    def __bool__(self) -> bool:
+        raise Error(
+            "a condition is not true or false by itself",
+            hint="pass it to sim.when(…); for two conditions schedule two events",
+        )
+
+
+class Quantity:
+    """A scalar function of the world's state. Comparing it with a number makes a :class:`Condition`."""
+
+    def __init__(self, key: str, value: Any, names: Sequence[object] = ()) -> None:
+        self.key = key
+        """Its key in scenario files; ``"function"`` for a Python function."""
+        self.value = value
+        self._handles = _handles(names)
+
+    def __gt__(self, threshold: Number) -> Condition:
+        return Condition(self, threshold, True)
+
+    def __lt__(self, threshold: Number) -> Condition:
+        return Condition(self, threshold, False)
+
+    def exceeds(self, threshold: Number) -> Condition:
+        """The condition of rising above a threshold; the same as ``quantity > threshold``."""
+        return self > threshold
+
+    def below(self, threshold: Number) -> Condition:
+        """The condition of falling below a threshold; the same as ``quantity < threshold``."""
+        return self < threshold
+
+    def __repr__(self) -> str:
+        return f"{self.key}({self.value!r})"
+
+
+def measured(function: Callable[[World], float]) -> Quantity:
+    """Any function of the world's state, continuous where its crossing is to be located.
+
+    Args:
+        function: Called with the :class:`World` at states that steps try; may read only that world. Exceptions that it raises end
+            the run and propagate.
+    """
+    if not callable(function):
+        raise Error("measured: expected a function of the world", hint="for example lambda world: world.joints['arm'].q[0]")
+    return Quantity("function", function)
+
+
+class Reaction:
+    """The wrench that a joint transmits: its parent on its child, about the child's origin, in the child's axes."""
+
+    def __init__(self, joint: JointName) -> None:
+        self._joint = joint
+
+    @property
+    def force(self) -> Quantity:
+        """Norm of the force (N)."""
+        return Quantity("reaction_force", self._joint, [self._joint])
+
+    @property
+    def torque(self) -> Quantity:
+        """Norm of the torque (N m)."""
+        return Quantity("reaction_torque", self._joint, [self._joint])
+
+    def component(self, name: str) -> Quantity:
+        """One component: ``"fx"``, ``"fy"``, ``"fz"`` (N), ``"mx"``, ``"my"`` or ``"mz"`` (N m)."""
+        return Quantity("reaction", {"joint": self._joint, "component": name}, [self._joint])
+
+
+def _plain(value: Any) -> Any:
+    """Names in place of handles, so that the value does not depend on a simulation."""
+    if hasattr(value, "scenario_value"):
+        return _plain(value.scenario_value())
+    if isinstance(value, Mapping):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(each) for each in value]
+    return value

@@ -1,0 +1,270 @@
+"""Batches: many worlds of one model, stepped together in the CPU's vectors and on several threads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from momentree import _core
+from momentree._errors import Error
+from momentree._records import Array, Event
+from momentree._vocabulary import Action
+from momentree.model import Model
+
+Worlds = Union[None, int, slice, Sequence[int], NDArray[Any]]
+"""All worlds (``None``), one, a slice, numbers, or a mask of booleans of shape (worlds,)."""
+
+
+def _fixed(array: Array) -> Array:
+    # A copy of the worlds' numbers: writing into it would have no effect, and must not look as if it had.
+    array.flags.writeable = False
+    return array
+
+
+class Group(NamedTuple):
+    """The worlds that have the same topology at present, with their arrays (copies)."""
+
+    worlds: NDArray[np.intp]
+    """Their numbers."""
+    q: Array
+    """Coordinates, shape (len(worlds), nq)."""
+    v: Array
+    """Velocities, shape (len(worlds), nv)."""
+    p: Array
+    """Canonical momenta, shape (len(worlds), nv)."""
+
+
+class JointColumns(NamedTuple):
+    """A joint in all worlds; NaN where it is of another kind than in the model, or was removed."""
+
+    q: Array
+    """Coordinates (rad, m, quaternion), shape (worlds, nq of its kind)."""
+    v: Array
+    """Velocities (rad/s, m/s), shape (worlds, nv of its kind)."""
+    p: Array
+    """Canonical momenta (N m s, N s), shape (worlds, nv of its kind)."""
+
+
+class BodyColumns(NamedTuple):
+    """A body's frame in all worlds, world axes; NaN where it was removed."""
+
+    position: Array
+    """m, shape (worlds, 3)."""
+    quaternion: Array
+    """(w, x, y, z), shape (worlds, 4)."""
+    linear: Array
+    """m/s, shape (worlds, 3)."""
+    angular: Array
+    """rad/s, shape (worlds, 3)."""
+
+
+class _Columns(Mapping[str, Any]):
+    def __init__(self, names: Sequence[str], make: Any) -> None:
+        self._names = list(names)
+        self._make = make
+
+    def __getitem__(self, name: str) -> Any:
+        return self._make(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return self._names
+
+
+class Batch(_core.BatchBase):
+    """Many worlds of one model, integrated by ``rk4``. Every world may change its topology at any instant.
+
+    A world's results do not depend on the other worlds or on the number of threads. Batches support all forces in joints; they do
+    not support forces on bodies, Python functions, hard stops and strengths.
+
+    Args:
+        model: The model.
+        worlds: How many worlds; all begin in the model's start state.
+        threads: Number of threads; 0: as many as the machine has.
+        precision: ``"float64"``, or ``"float32"``: faster, seven digits; changes are always made in double precision.
+    """
+
+    def __init__(self, model: Model, worlds: int, *, threads: int = 0, precision: str = "float64") -> None:
+        super().__init__(model, worlds, threads, precision)
+        self._joint_names = model.joint_names
+        self._body_names = model.body_names
+        self._effort: Array | None = None
+
+    def _numbers(self, worlds: Worlds) -> list[int]:
+        count = len(self)
+        if worlds is None:
+            return list(range(count))
+        if isinstance(worlds, slice):
+            return list(range(count))[worlds]
+        array = np.atleast_1d(np.asarray(worlds))
+        if array.dtype == np.bool_:
+            if array.shape != (count,):
+                raise Error(f"worlds: a mask has shape ({count},), not {array.shape}")
+            return [int(i) for i in np.flatnonzero(array)]
+        if array.size and not np.issubdtype(array.dtype, np.integer):
+            raise Error(f"worlds: expected numbers of worlds, found an array of dtype {array.dtype}")
+        return [int(i) for i in array.ravel()]
+
+    @property
+    def q(self) -> Array:
+        """Coordinates (rad, m, quaternions), shape (worlds, nq), a copy; assign an array to set them, with velocities kept.
+
+        Raises Error while worlds have different topologies: see :attr:`groups`.
+        """
+        return _fixed(self._read(self._numbers(None), "q"))
+
+    @q.setter
+    def q(self, values: ArrayLike) -> None:
+        self.set_state(q=values)
+
+    @property
+    def v(self) -> Array:
+        """Velocities (rad/s, m/s), shape (worlds, nv), a copy; assign an array to set them."""
+        return _fixed(self._read(self._numbers(None), "v"))
+
+    @v.setter
+    def v(self, values: ArrayLike) -> None:
+        self.set_state(v=values)
+
+    @property
+    def p(self) -> Array:
+        """Canonical momenta (N m s, N s), shape (worlds, nv), a copy; assign an array to set them."""
+        return _fixed(self._read(self._numbers(None), "p"))
+
+    @p.setter
+    def p(self, values: ArrayLike) -> None:
+        self.set_state(p=values)
+
+    def set_state(
+        self,
+        worlds: Worlds = None,
+        *,
+        q: ArrayLike | None = None,
+        v: ArrayLike | None = None,
+        p: ArrayLike | None = None,
+        time: ArrayLike | None = None,
+    ) -> None:
+        """Set the state of some worlds, which must have the same topology.
+
+        Args:
+            worlds: Which; default: all.
+            q: Shape (worlds, nq); without ``v`` and ``p`` the velocities are kept.
+            v: Shape (worlds, nv).
+            p: Shape (worlds, nv), instead of ``v``.
+            time: s, one number or shape (worlds,).
+        """
+        numbers = self._numbers(worlds)
+
+        def rows(values: ArrayLike | None, dimensions: int) -> Any:
+            if values is None:
+                return None
+            array = np.asarray(values)
+            if array.ndim == dimensions - 1:  # one row for all
+                array = np.broadcast_to(array, (len(numbers), *array.shape))
+            return array
+
+        self._write(numbers, rows(q, 2), rows(v, 2), rows(p, 2), rows(time, 1))
+
+    @property
+    def effort(self) -> Array | None:
+        """Extra efforts along the degrees of freedom (N m, N), shape (worlds, nv), as they were set last."""
+        return self._effort
+
+    @effort.setter
+    def effort(self, values: ArrayLike) -> None:
+        self.set_effort(values)
+
+    def set_effort(self, effort: ArrayLike, worlds: Worlds = None) -> None:
+        """Set extra efforts of some worlds, which act until they are set again.
+
+        Args:
+            effort: N m or N, shape (worlds, nv), or (nv,) for all of them.
+            worlds: Which, of the same topology; default: all.
+        """
+        numbers = self._numbers(worlds)
+        array = np.asarray(effort, dtype=np.float64)
+        if array.ndim == 1:
+            array = np.broadcast_to(array, (len(numbers), *array.shape))
+        self._set_efforts(numbers, array)
+        if worlds is None:
+            self._effort = _fixed(np.array(array))
+
+    def apply(self, worlds: Worlds, *actions: Action, name: str | None = None) -> list[Event]:
+        """Carry out actions now in some worlds, as one event in each.
+
+        Args:
+            worlds: Which; ``None``: all.
+            actions: As for :meth:`Simulation.apply`.
+            name: Of the events.
+
+        Returns:
+            The events with their certificates, one for each of the worlds.
+
+        Raises:
+            Error: An action is impossible in one of the worlds; that world and those after it are unchanged.
+        """
+        return self._apply(self._numbers(worlds), [(action.key, action.value) for action in actions], name or "")
+
+    @property
+    def group(self) -> NDArray[np.intp]:
+        """Number of the topology of each world, shape (worlds,)."""
+        return np.asarray(self._groups(), dtype=np.intp)
+
+    @property
+    def groups(self) -> list[Group]:
+        """The worlds by topology."""
+        numbers = self.group
+        all_groups = []
+        for number in range(int(numbers.max()) + 1):
+            worlds = np.flatnonzero(numbers == number)
+            chosen = [int(i) for i in worlds]
+            all_groups.append(Group(worlds, *(_fixed(self._read(chosen, which)) for which in ("q", "v", "p"))))
+        return all_groups
+
+    @property
+    def diverged(self) -> NDArray[np.bool_]:
+        """True for worlds whose last step diverged: they stay where they were until their state is set. Shape (worlds,)."""
+        return np.asarray(self._diverged(), dtype=np.bool_)
+
+    @property
+    def joints(self) -> Mapping[str, JointColumns]:
+        """The model's joints in all worlds, by name."""
+        return _Columns(self._joint_names, self._joint)
+
+    @property
+    def bodies(self) -> Mapping[str, BodyColumns]:
+        """The model's bodies in all worlds, by name."""
+        return _Columns(self._body_names, self._body)
+
+    def _joint(self, name: str) -> JointColumns:
+        columns: dict[str, Array] = {}
+        start_kind, width_q, width_v = self._start_layout(name)
+        for group in self.groups:
+            layout = self._layout(int(group.worlds[0]), name)
+            if layout is None:
+                continue
+            kind, first_q, nq, first_v, nv = layout
+            if kind != start_kind:
+                continue
+            for key, source, first, width in (("q", group.q, first_q, nq), ("v", group.v, first_v, nv), ("p", group.p, first_v, nv)):
+                target = columns.setdefault(key, np.full((len(self), width), np.nan))
+                target[group.worlds] = source[:, first : first + width]
+        if not columns:
+            nothing_q, nothing_v = np.full((len(self), width_q), np.nan), np.full((len(self), width_v), np.nan)
+            return JointColumns(nothing_q, nothing_v, nothing_v.copy())
+        return JointColumns(_fixed(columns["q"]), _fixed(columns["v"]), _fixed(columns["p"]))
+
+    def _body(self, name: str) -> BodyColumns:
+        rows = _fixed(self._motions(name))
+        return BodyColumns(rows[:, 0:3], rows[:, 3:7], rows[:, 7:10], rows[:, 10:13])
+
+    def __repr__(self) -> str:
+        return f"<momentree.Batch: {len(self)} worlds, {int(self.group.max()) + 1} topologies>"

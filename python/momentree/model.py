@@ -1,0 +1,131 @@
+"""Models: bodies and joints, declared one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Union
+
+from momentree import _core
+from momentree._vocabulary import JointSpec, Number, Numbers, Pose, Vector, given, pose
+
+Parent = Union[str, "_core.ModelBody", None]
+Shape = Union[Mapping[str, Any], Sequence[Mapping[str, Any]]]
+"""As in scenario files: ``{"box": [x, y, z]}``, ``{"sphere": r}`` …, or a list of them."""
+
+
+def body_fields(
+    mass: Number,
+    com: Vector,
+    inertia: Numbers,
+    at: Pose | None,
+    child_at: Pose | None,
+    joint: JointSpec | None,
+    q: Numbers | None,
+    v: Numbers | None,
+    joint_name: str | None,
+    shape: Shape | None,
+) -> dict[str, Any]:
+    """The arguments of ``add`` as a body's table of a scenario file."""
+    spec = joint.scenario_value() if joint is not None else {"kind": "weld"}
+    bare = joint_name.rsplit("/", 1)[-1] if joint_name is not None else None
+    table = {**spec, **given(at=pose(at), child_at=pose(child_at), q=q, v=v, name=bare)}
+    return given(mass=mass, com=com, inertia=inertia, shape=shape, joint=table)
+
+
+class Model(_core.ModelBase):
+    """The mechanisms of one world, built body by body. Nothing in it moves: make a :class:`Simulation` of it.
+
+    Args:
+        gravity: m/s², world axes, shape (3,).
+    """
+
+    def __init__(self, gravity: Vector = (0.0, 0.0, -9.81)) -> None:
+        super().__init__(gravity)
+
+    def add(
+        self,
+        name: str,
+        *,
+        mass: Number,
+        com: Vector = (0.0, 0.0, 0.0),
+        inertia: Numbers = 0.0,
+        parent: Parent = None,
+        at: Pose | None = None,
+        child_at: Pose | None = None,
+        joint: JointSpec | None = None,
+        q: Numbers | None = None,
+        v: Numbers | None = None,
+        joint_name: str | None = None,
+        shape: Shape | None = None,
+    ) -> _core.ModelBody:
+        """Add a body with its inboard joint.
+
+        Args:
+            name: ``"mechanism/body"``.
+            mass: kg.
+            com: Centre of mass in the body's frame (m), shape (3,).
+            inertia: About the centre of mass, body axes (kg m²): one number, three principal moments, or xx, yy, zz, xy, xz, yz.
+            parent: ``None`` or ``"ground"``, the name of a body that was added before, or what ``add`` returned for it.
+            at: Placement of the joint's frame in the parent's frame: a position (m), or ``{"xyz": …, "quat": …}``.
+            child_at: Placement of the joint's frame in the body's own frame.
+            joint: :func:`Revolute`, :func:`Ball` …; default: a weld.
+            q: Start coordinates (rad, m, quaternion); default: zero.
+            v: Start velocities (rad/s, m/s); default: zero.
+            joint_name: ``"mechanism/joint"``; default: the body's name.
+            shape: For pictures.
+
+        Returns:
+            The body, to be the parent of others.
+
+        Raises:
+            Error: A value is impossible or a name unknown or used twice; the model is unchanged.
+        """
+        fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape)
+        return self._add(name, parent, fields)
+
+    def add_force(
+        self,
+        body: str | _core.ModelBody,
+        *,
+        force: Sequence[Any] | None = None,
+        torque: Sequence[Any] | None = None,
+        point: Vector | None = None,
+        axes: str | None = None,
+        drag: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Add an external force, a torque and drag on a body.
+
+        Args:
+            body: Name of the body; with a ``*`` one force on each body that matches.
+            force: Three components (N), each a number or a function of time such as ``{"sine": …}``.
+            torque: Three components (N m).
+            point: Where force and drag act, in the body's frame (m).
+            axes: ``"world"`` (default) or ``"body"``: the axes of force and torque.
+            drag: ``{"linear": N s/m, "quadratic": …, "area": …}``.
+        """
+        name = body if isinstance(body, str) else body.name
+        self._add_force(name, given(body=name, force=force, torque=torque, point=point, axes=axes, drag=drag))
+
+    def copy(self) -> Model:
+        """An independent copy."""
+        copy = Model.__new__(Model)
+        _core.ModelBase.__init__(copy, self)
+        return copy
+
+    def __copy__(self) -> Model:
+        return self.copy()
+
+    def __deepcopy__(self, memo: object) -> Model:
+        return self.copy()
+
+    def __reduce__(self) -> Any:
+        return _model_from_toml, (self.to_toml(),)
+
+    def __repr__(self) -> str:
+        return f"<momentree.Model: {len(self)} bodies>"
+
+
+def _model_from_toml(text: str) -> Model:
+    from momentree.simulation import loads
+
+    return loads(text, name="pickle.toml").model

@@ -1,0 +1,339 @@
+"""What a run computed: columns, plots, reports and files."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from momentree._errors import Error
+from momentree._records import Array, Event, Wrench
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+    from momentree._core import Snapshot, _Record
+
+
+class JointRows:
+    """The columns of one joint. Rows are NaN where the joint did not exist or had fewer coordinates."""
+
+    def __init__(self, name: str, columns: Mapping[str, Array]) -> None:
+        self.name = name
+        self._columns = columns
+
+    @property
+    def q(self) -> Array:
+        """Coordinates (rad, m, quaternions w, x, y, z continuous in sign), shape (rows, nq)."""
+        return self._columns["q"]
+
+    @property
+    def v(self) -> Array:
+        """Velocities (rad/s, m/s), shape (rows, nv)."""
+        return self._columns["v"]
+
+    @property
+    def p(self) -> Array:
+        """Canonical momenta (N m s, N s), shape (rows, nv)."""
+        return self._columns["p"]
+
+    def _with_reactions(self, key: str) -> Array:
+        if key not in self._columns:
+            raise Error(f"the run has no {'accelerations' if key == 'a' else 'reactions'}", hint="run it with reactions=True")
+        return self._columns[key]
+
+    @property
+    def a(self) -> Array:
+        """Time derivatives of v (rad/s², m/s²), shape (rows, nv); of a run with ``reactions=True``."""
+        return self._with_reactions("a")
+
+    @property
+    def reaction(self) -> Wrench:
+        """Wrench of the parent on the child (N, N m), each of shape (rows, 3); of a run with ``reactions=True``."""
+        wrench = self._with_reactions("wrench")
+        return Wrench(wrench[:, :3], wrench[:, 3:])
+
+    def __repr__(self) -> str:
+        return f"<momentree.JointRows '{self.name}', {len(self.q)} rows>"
+
+
+class BodyRows:
+    """The motion of one body's frame, world axes. Rows are NaN where the body was not in the world."""
+
+    def __init__(self, name: str, rows: Array) -> None:
+        self.name = name
+        self._rows = rows
+
+    @property
+    def position(self) -> Array:
+        """m, shape (rows, 3)."""
+        return self._rows[:, 0:3]
+
+    @property
+    def quaternion(self) -> Array:
+        """(w, x, y, z), continuous in sign, shape (rows, 4)."""
+        return self._rows[:, 3:7]
+
+    @property
+    def linear(self) -> Array:
+        """Velocity of the frame's origin (m/s), shape (rows, 3)."""
+        return self._rows[:, 7:10]
+
+    @property
+    def angular(self) -> Array:
+        """Angular velocity (rad/s), shape (rows, 3)."""
+        return self._rows[:, 10:13]
+
+    def __repr__(self) -> str:
+        return f"<momentree.BodyRows '{self.name}', {len(self._rows)} rows>"
+
+
+class _Rows(Mapping[str, Any]):
+    def __init__(self, names: Sequence[str], make: Any) -> None:
+        self._names = list(names)
+        self._make = make
+        self._made: dict[str, Any] = {}
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._made:
+            self._made[name] = self._make(name)
+        return self._made[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return self._names
+
+
+class Run:
+    """A recorded run. Columns are computed when they are first asked for and kept.
+
+    ``run["arm/elbow"].q`` are a joint's coordinates, ``run.bodies["arm/hand"].position`` a body's positions, row by row of
+    ``run.time``.
+    """
+
+    def __init__(self, record: _Record) -> None:
+        self._record: _Record | None = record
+        self.status: str = record.status
+        """``"done"``, or why the run ended early."""
+        self.time: Array = record.time
+        """Times of the rows (s), shape (rows,)."""
+        self.events: list[Event] = record.events
+        """The events of this run, in order."""
+        self.summary: dict[str, Any] = json.loads(record.summary)
+        """What ``summary.json`` of the command contains."""
+        self.final_state: str = record.final_state
+        """The state document (JSON) at the end."""
+        self.has_reactions: bool = record.has_reactions
+        self.joints: Mapping[str, JointRows] = _Rows(record.joint_names, self._joint)
+        """Columns of the joints that the run had, by name."""
+        self.bodies: Mapping[str, BodyRows] = _Rows(record.body_names, self._body)
+        """Motions of the bodies, by name."""
+        self._energy: NDArray[np.void] | None = None
+
+    def _recorded(self) -> _Record:
+        if self._record is None:
+            raise Error("a run that was pickled can't make files, reports or states", hint="make them before it is pickled")
+        return self._record
+
+    def _joint(self, name: str) -> JointRows:
+        return JointRows(name, self._recorded().joint(name))
+
+    def _body(self, name: str) -> BodyRows:
+        return BodyRows(name, self._recorded().body(name))
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __getitem__(self, name: str) -> JointRows | BodyRows:
+        """The joint of that name, or else the body."""
+        if name not in self.joints and name in self.bodies:
+            return self.bodies[name]
+        return self.joints[name]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(dict.fromkeys([*self.joints, *self.bodies]))
+
+    @property
+    def energy(self) -> NDArray[np.void]:
+        """The energy ledger, a structured array of shape (rows,): ``run.energy["kinetic"]``.
+
+        Fields (J): ``kinetic``, ``gravity``, ``elastic``, ``dissipated``, ``lost``, ``released``, ``work``, ``error``; momenta
+        ``linear.x`` … (N s) and ``angular.x`` … (N m s) of the world, about its origin.
+        """
+        if self._energy is None:
+            record = self._recorded()
+            numbers = record.energies()
+            table = np.empty(len(numbers), dtype=[(name, np.float64) for name in record.energy_columns])
+            for k, name in enumerate(record.energy_columns):
+                table[name] = numbers[:, k]
+            self._energy = table
+        return self._energy
+
+    @property
+    def event_table(self) -> NDArray[np.void]:
+        """The events as a structured array: time (s), name, energies before and after (J), lost, released, work (J)."""
+        fields = ("kinetic_before", "kinetic_after", "energy_before", "energy_after", "lost", "released", "work")
+        dtype: list[Any] = [("time", np.float64), ("name", object), *((name, np.float64) for name in fields)]
+        rows = [
+            (
+                e.time,
+                e.name,
+                e.before.kinetic,
+                e.after.kinetic,
+                e.before.energy,
+                e.after.energy,
+                e.lost,
+                e.released,
+                e.work,
+            )
+            for e in self.events
+        ]
+        return np.array(rows, dtype=dtype)
+
+    def state(self, row: int) -> Snapshot:
+        """The state of a row, to be given to :meth:`Simulation.restore` of the simulation that ran: a run can begin there again."""
+        count = len(self.time)
+        if not -count <= row < count:
+            raise IndexError(f"row {row} of {count}")
+        return self._recorded().state(row % count)
+
+    # Files
+
+    def save(self, folder: str | os.PathLike[str], *, report: bool = False) -> str:
+        """Write the files that ``momentree run`` writes.
+
+        Args:
+            folder: Made or replaced; that of an incomplete run gets the ending ``.partial``.
+            report: Also write ``report.html``.
+
+        Returns:
+            The folder that was written.
+        """
+        return self._recorded().write(os.fspath(folder), report)
+
+    def report(self, path: str | os.PathLike[str] = "report.html") -> str:
+        """Write a self-contained page with the motion in 3D, plots, and a certificate of each event; returns its path."""
+        text = self._report_text()
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return os.fspath(path)
+
+    def _report_text(self) -> str:
+        with tempfile.TemporaryDirectory() as folder:
+            written = self._recorded().write(os.path.join(folder, "run"), True)
+            with open(os.path.join(written, "report.html"), encoding="utf-8") as file:
+                return file.read()
+
+    def _repr_html_(self) -> str:
+        """The report as a frame of a notebook."""
+        import html
+
+        page = html.escape(self._report_text(), quote=True)
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 640px; border: 0" title="momentree"></iframe>'
+
+    # Tables and plots
+
+    def _column(self, name: str) -> tuple[Array, list[str]]:
+        """Numbers and labels of ``"energy"``, ``"kinetic"``, ``"arm/elbow.q"``, ``"arm/hand.position"`` …"""
+        if name == "energy":
+            e = self.energy
+            parts = {"kinetic": e["kinetic"], "potential": e["gravity"] + e["elastic"]}
+            parts["total"] = parts["kinetic"] + parts["potential"]
+            return np.stack(list(parts.values()), axis=1), list(parts)
+        if self._record is not None and name in self._record.energy_columns or self._energy is not None and name in (
+            self._energy.dtype.names or ()
+        ):
+            return self.energy[name][:, None], [name]
+        owner, _, field = name.rpartition(".")
+        if owner in self.joints and field in ("q", "v", "p", "a"):
+            values: Array = getattr(self.joints[owner], field)
+        elif owner in self.joints and field in ("force", "torque"):
+            values = getattr(self.joints[owner].reaction, field)
+        elif owner in self.bodies and field in ("position", "quaternion", "linear", "angular"):
+            values = getattr(self.bodies[owner], field)
+        else:
+            raise Error(
+                f"the run has no column '{name}'",
+                hint="for example 'energy', 'kinetic', 'arm/elbow.q', 'arm/elbow.v', 'arm/hand.position'",
+            )
+        width = values.shape[1]
+        letters = "wxyz" if width == 4 else "xyz" if field not in ("q", "v", "p", "a") else "0123456"
+        return values, [name] if width == 1 else [f"{name}.{letters[k]}" for k in range(width)]
+
+    def plot(self, *columns: str, ax: Axes | None = None, events: bool = True) -> Axes:
+        """Plot columns over time with matplotlib.
+
+        Args:
+            columns: ``"energy"`` (default), ``"arm/elbow.q"``, ``"arm/hand.position"`` …
+            ax: Axes to draw into; default: new ones.
+            events: Mark the events.
+
+        Returns:
+            The axes.
+        """
+        try:
+            import matplotlib.pyplot as plt
+        except ImportError:
+            raise Error("plots need matplotlib", hint="pip install matplotlib") from None
+        if ax is None:
+            _, ax = plt.subplots(layout="constrained")
+        for column in columns or ("energy",):
+            values, labels = self._column(column)
+            for k, label in enumerate(labels):
+                ax.plot(self.time, values[:, k], label=label)
+        if events:
+            for event in self.events[:50]:
+                ax.axvline(event.time, color="0.6", linewidth=0.8, linestyle="--", zorder=0)
+        ax.set_xlabel("time (s)")
+        if set(columns) <= {"energy", "kinetic", "gravity", "elastic", "dissipated", "lost", "released", "work", "error"}:
+            ax.set_ylabel("energy (J)")
+        ax.legend(fontsize="small")
+        return ax
+
+    def to_pandas(self, *columns: str) -> pd.DataFrame:
+        """The rows as a DataFrame indexed by time.
+
+        Args:
+            columns: As for :meth:`plot`; default: q and v of every joint, and the energies.
+        """
+        try:
+            import pandas as pd
+        except ImportError:
+            raise Error("to_pandas needs pandas", hint="pip install pandas") from None
+        wanted = list(columns)
+        if not wanted:
+            wanted = [f"{joint}.{field}" for joint in self.joints for field in ("q", "v")] + ["kinetic", "gravity", "elastic"]
+        table: dict[str, Array] = {}
+        for column in wanted:
+            values, labels = self._column(column)
+            table.update({label: values[:, k] for k, label in enumerate(labels)})
+        return pd.DataFrame(table, index=pd.Index(self.time, name="time"))
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = dict(self.__dict__)
+        if self._record is not None:
+            state["_energy"] = self.energy
+            state["joints"] = {name: self.joints[name] for name in self.joints}
+            state["bodies"] = {name: self.bodies[name] for name in self.bodies}
+        state["_record"] = None
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+
+    def __repr__(self) -> str:
+        return f"<momentree.Run: {len(self)} rows to t = {self.time[-1] if len(self) else 0:.9g} s, {len(self.events)} events, {self.status}>"

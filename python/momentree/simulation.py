@@ -1,0 +1,367 @@
+"""Simulations: worlds that move, and whose topology changes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Union
+
+from momentree import _core
+from momentree._errors import Error, RunError
+from momentree._records import Event
+from momentree._vocabulary import Action, Condition, JointSpec, Number, Numbers, Pose, Quantity, Vector, _plain
+from momentree.model import Model, Parent, Shape, body_fields
+from momentree.run import Run
+
+if TYPE_CHECKING:
+    from momentree._core import Body, Joint, World
+
+Trigger = Union[Condition, Callable[["World"], float]]
+
+
+class Scheduled:
+    """An event that is scheduled, to be given actions: ``sim.at(1.8).then(momentree.break_joint("chain/41"))``."""
+
+    def __init__(self, simulation: Simulation, scheduled: Any, how: tuple[str, tuple[Any, ...]]) -> None:
+        self._simulation = simulation
+        self._scheduled = scheduled
+        self._entry: dict[str, Any] = {"how": how, "actions": [], "name": None}
+        simulation._schedule.append(self._entry)
+
+    def then(self, *actions: Action) -> Scheduled:
+        """Add actions. Raises Error for an unknown name and for impossible values."""
+        self._scheduled._then(self._simulation._checked(actions))
+        self._entry["actions"] += actions
+        return self
+
+    def named(self, name: str) -> Scheduled:
+        """Name the event; a joint that it makes then has that name."""
+        self._scheduled._named(name)
+        self._entry["name"] = name
+        return self
+
+
+class Simulation(_core.SimulationBase):
+    """A running world with its state, event queue and energy ledger.
+
+    A simulation may be used by one thread at a time; runs release the GIL. Exceptions that a callback raises end the run and
+    propagate; the simulation is then at the last instant that it reached, and can go on.
+
+    Args:
+        model: What moves. Later changes of the model do not affect the simulation.
+        method: ``"rk4"``, ``"midpoint"`` and ``"damped"`` have fixed steps; ``"dopri5"`` and ``"dop853"`` are adaptive.
+        step: s; the first step of adaptive methods.
+        rtol: Relative error per step of adaptive methods.
+        atol: Absolute error per step of adaptive methods.
+        max_step: Longest step of adaptive methods (s).
+        event_tolerance: Accuracy of located instants (s).
+    """
+
+    _schedule: list[dict[str, Any]]
+    _source: tuple[Any, ...]
+    _event_cache: list[Event]
+    last_run: Run | None
+    """The last run, complete or not: what a run computed before an exception ended it."""
+
+    def __init__(
+        self,
+        model: Model,
+        *,
+        method: str = "rk4",
+        step: Number = 1e-3,
+        rtol: Number | None = None,
+        atol: Number | None = None,
+        max_step: Number | None = None,
+        event_tolerance: Number | None = None,
+    ) -> None:
+        options = {"method": method, "step": step, "rtol": rtol, "atol": atol, "max_step": max_step}
+        options["event_tolerance"] = event_tolerance
+        super().__init__(model, options)
+        self._begin(("model", model.copy(), options))
+
+    def _begin(self, source: tuple[Any, ...]) -> None:
+        self._source = source
+        self._schedule = []
+        self._event_cache = []
+        self.last_run = None
+
+    # What it is made of
+
+    @property
+    def model(self) -> Model:
+        """A copy of the model that it began with."""
+        copy = Model.__new__(Model)
+        _core.ModelBase.__init__(copy, self._model())
+        return copy
+
+    def __getitem__(self, name: str) -> Joint | Body:
+        """The joint of that name, or else the body."""
+        world = self.world
+        if world._has_joint(name) or not world._has_body(name):
+            return world._joint(name)
+        return world._body(name)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        world = self.world
+        return list(dict.fromkeys([*world._joint_names(), *world._body_names()]))
+
+    # Events
+
+    def _checked(self, actions: Sequence[Action]) -> list[tuple[str, Any]]:
+        for action in actions:
+            if not isinstance(action, Action):
+                raise Error(
+                    f"expected an action, found {type(action).__name__}", hint="for example momentree.break_joint('chain/41')"
+                )
+            for handle in action._handles:
+                self._check_handle(handle)
+        return [(action.key, action.value) for action in actions]
+
+    def at(self, time: float) -> Scheduled:
+        """Schedule actions at an instant (s). Raises Error for a time that is past or not finite."""
+        return Scheduled(self, self._at(time), ("at", (time,)))
+
+    def when(self, condition: Trigger) -> Scheduled:
+        """Schedule actions for when a condition is met.
+
+        Args:
+            condition: ``momentree.reaction("load").force > 40``; or a function of the world, and the event happens when it rises
+                above 0.
+        """
+        if isinstance(condition, Quantity):
+            raise Error("when: a quantity without a threshold", hint="compare it: momentree.reaction('load').force > 40")
+        if not isinstance(condition, Condition):
+            from momentree._vocabulary import measured
+
+            condition = measured(condition) > 0
+        for handle in condition.quantity._handles:
+            self._check_handle(handle)
+        if condition.quantity.key != "function":
+            return Scheduled(self, self._when(condition.scenario_value()), ("when", (condition,)))
+        options = condition._options
+        hysteresis = options.get("hysteresis")
+        scheduled = self._when_measured(
+            condition.quantity.value,
+            float(condition.threshold),
+            condition.exceeds,
+            bool(options.get("repeat", False)),
+            -1.0 if hysteresis is None else float(hysteresis),
+            float(options.get("for", 0.0)),
+            options.get("locate") != "per step",
+        )
+        return Scheduled(self, scheduled, ("when", (condition,)))
+
+    def after(self, event: str, delay: float = 0.0) -> Scheduled:
+        """Schedule actions ``delay`` seconds after the event with that name, each time that it happens."""
+        return Scheduled(self, self._after(event, delay), ("after", (event, delay)))
+
+    def every(self, period: float, start: float = 0.0) -> Scheduled:
+        """Schedule actions at ``start`` (s) and every ``period`` seconds from then on."""
+        return Scheduled(self, self._every(period, start), ("every", (period, start)))
+
+    def apply(self, *actions: Action, name: str | None = None) -> Event:
+        """Carry out actions now, as one event.
+
+        Returns:
+            The event with its certificate.
+
+        Raises:
+            Error: One of them is impossible; nothing has happened.
+        """
+        return self._apply(self._checked(actions), name or "")
+
+    @property
+    def events(self) -> list[Event]:
+        """The events that happened, in order."""
+        count = self._event_count
+        if len(self._event_cache) > count:
+            self._event_cache = []
+        if len(self._event_cache) < count:
+            self._event_cache += self._events(len(self._event_cache))
+        return list(self._event_cache)
+
+    # Bodies
+
+    def add(
+        self,
+        name: str,
+        *,
+        mass: Number,
+        com: Vector = (0.0, 0.0, 0.0),
+        inertia: Numbers = 0.0,
+        parent: Parent | Body = None,
+        at: Pose | None = None,
+        child_at: Pose | None = None,
+        joint: JointSpec | None = None,
+        q: Numbers | None = None,
+        v: Numbers | None = None,
+        joint_name: str | None = None,
+        shape: Shape | None = None,
+    ) -> Body:
+        """Add a body to the running world: see :meth:`Model.add`. The velocities of other bodies do not change."""
+        fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape)
+        self._add(name, parent, fields)
+        return self.world.bodies[name]
+
+    # Running
+
+    def run(
+        self,
+        until: float | None = None,
+        *,
+        record_every: float | None = None,
+        reactions: bool = False,
+        observe: Callable[[World], bool | None] | None = None,
+        progress: bool = False,
+        check: bool = True,
+    ) -> Run:
+        """Run to ``until`` and record what happens. Releases the GIL; Ctrl-C ends it and keeps what was computed.
+
+        Args:
+            until: s; default: the end of the scenario.
+            record_every: Time between recorded rows (s); 0: after every step; default: as the scenario says.
+            reactions: Also record the accelerations and reactions of joints.
+            observe: Called with the world at each row; may schedule events, and end the run by returning ``False``.
+            progress: Show a progress bar (with tqdm, if it is installed).
+            check: Raise RunError for a run that ended early; otherwise the returned run's ``status`` says why.
+
+        Raises:
+            RunError: The run diverged, stalled, or an action was refused. Its ``run`` holds the rows so far.
+        """
+        end = self.until if until is None else float(until)
+        every = self._output_every if record_every is None else float(record_every)
+        found: list[Run] = []
+        ended: list[tuple[str, str]] = []
+
+        def finished(record: Any, status: str, reason: str) -> None:
+            found.append(Run(record))
+            ended.append((status, reason))
+            self.last_run = found[0]
+
+        from momentree._progress import progress_bar
+
+        with progress_bar(self.time, end, progress) as show:
+            self._run(end, every, reactions, observe, show, finished)
+        status, reason = ended[0]
+        if check and status not in ("ok", "interrupted"):
+            error = RunError(reason)
+            error.run = found[0]
+            raise error
+        return found[0]
+
+    # Branches and pickling
+
+    def branch(self) -> Simulation:
+        """An independent run from here: world, event queue and energy ledger, without history. It shares Python functions."""
+        copy = type(self).__new__(type(self))
+        _core.SimulationBase.__init__(copy, self)
+        copy._begin(self._source)
+        copy._schedule = [dict(entry) for entry in self._schedule]
+        return copy
+
+    def __copy__(self) -> Simulation:
+        return self.branch()
+
+    def __getstate__(self) -> dict[str, Any]:
+        schedule = []
+        for entry in self._schedule:
+            how, arguments = entry["how"]
+            if how == "when" and arguments[0].quantity.key == "function":
+                raise TypeError("a simulation whose events depend on Python functions can't be pickled")
+            schedule.append({**entry, "how": (how, tuple(_portable(each) for each in arguments))})
+        if self._has_functions:
+            raise TypeError("a simulation with Python functions as drives or forces can't be pickled")
+        return {"source": self._source, "state": self.state_json(), "schedule": schedule, "armed": self._armed()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        kind, *arguments = state["source"]
+        if kind == "model":
+            super().__init__(*arguments)
+        else:
+            _core.SimulationBase.__init__(self, *arguments)
+        self._begin(state["source"])
+        for entry in state["schedule"]:
+            how, given = entry["how"]
+            scheduled = _schedule_past(self, how, given)
+            if entry["name"] is not None:
+                scheduled.named(entry["name"])
+            scheduled.then(*entry["actions"])
+        self._resume(state["state"], state["armed"])
+
+    def __repr__(self) -> str:
+        return f"<momentree.Simulation: {len(self.world.bodies)} bodies, t = {self.time:.9g} s>"
+
+
+def _portable(value: Any) -> Any:
+    if isinstance(value, Condition):
+        quantity = Quantity(value.quantity.key, _plain(value.quantity.value))
+        return Condition(quantity, value.threshold, value.exceeds)._with(**value._options)
+    return value
+
+
+def _schedule_past(simulation: Simulation, how: str, arguments: tuple[Any, ...]) -> Scheduled:
+    scheduled: Scheduled = getattr(simulation, how)(*arguments)
+    return scheduled
+
+
+def _overrides(set: Mapping[str, Any] | None) -> list[str]:
+    texts = []
+    for key, value in (set or {}).items():
+        if isinstance(value, str):
+            texts.append(f"{key}={value}")
+        else:
+            texts.append(f"{key}={_toml(value)}")
+    return texts
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key} = {_toml(each)}" for key, each in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_toml(each) for each in value) + "]"
+    return repr(value)
+
+
+def load(
+    path: str | os.PathLike[str],
+    *,
+    set: Mapping[str, Any] | None = None,
+    state: str | os.PathLike[str] | None = None,
+) -> Simulation:
+    """Load a scenario (TOML) or a model (URDF, SDF, MJCF) and make it ready to run, its events scheduled.
+
+    Args:
+        path: The file.
+        set: Changes of the scenario by dotted keys: ``{"integrate.step": 1e-4, "mechanism.tug.pose.xyz": [0, 0, 1]}``.
+        state: A state document to begin from, such as the ``final.json`` of another run.
+
+    Raises:
+        Error: The file has errors: ``diagnostics`` lists all of them, with line and column.
+    """
+    simulation = Simulation.__new__(Simulation)
+    arguments = (os.fspath(path), _overrides(set), os.fspath(state) if state is not None else "", None)
+    _core.SimulationBase.__init__(simulation, *arguments)
+    simulation._begin(("file", *arguments))
+    return simulation
+
+
+def loads(text: str, name: str = "scenario.toml", *, set: Mapping[str, Any] | None = None) -> Simulation:
+    """Load a scenario or model from its text.
+
+    Args:
+        text: The text of a file.
+        name: For messages; its ending says what it is: ``"robot.urdf"``. Files that the text names are located in the working
+            folder.
+        set: As for :func:`load`.
+    """
+    simulation = Simulation.__new__(Simulation)
+    arguments = (name, _overrides(set), "", text)
+    _core.SimulationBase.__init__(simulation, *arguments)
+    simulation._begin(("file", *arguments))
+    return simulation

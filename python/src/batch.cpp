@@ -1,0 +1,226 @@
+// Batch: many worlds of one model as arrays.
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <numeric>
+#include <thread>
+#include <utility>
+
+#include <momentree/batch/batch.hpp>
+#include <momentree/io/part_reader.hpp>
+
+#include "model_object.hpp"
+#include "records.hpp"
+
+namespace momentree::python {
+
+namespace {
+
+struct BatchObject {
+  BatchObject(const Model& given, int worlds, const BatchOptions& options) : batch(given, worlds, options), start(given) {}
+  Batch batch;
+  World start;  // for names in actions
+  std::atomic<bool> busy{false};
+};
+
+// One operation on a batch.
+class UseBatch {
+ public:
+  explicit UseBatch(BatchObject& object) : object_(object) {
+    if (object_.busy.exchange(true, std::memory_order_acquire))
+      refuse("the batch is being used by another thread", "wait for it, or make another batch");
+  }
+  ~UseBatch() { object_.busy.store(false, std::memory_order_release); }
+  UseBatch(const UseBatch&) = delete;
+  UseBatch& operator=(const UseBatch&) = delete;
+
+ private:
+  BatchObject& object_;
+};
+
+using Worlds = std::vector<int>;
+
+void check_worlds(const BatchObject& self, const Worlds& worlds) {
+  for (const int world : worlds)
+    if (world < 0 || world >= self.batch.worlds())
+      refuse("there is no world " + std::to_string(world), "the worlds are numbered from 0 to " + std::to_string(self.batch.worlds() - 1));
+}
+
+// The common width of some worlds' rows.
+std::pair<std::size_t, std::size_t> widths(const BatchObject& self, const Worlds& worlds) {
+  check_worlds(self, worlds);
+  if (worlds.empty()) return {0, 0};
+  for (const int world : worlds)
+    if (self.batch.group(world) != self.batch.group(worlds.front()))
+      refuse("these worlds have different topologies", "batch.groups has the worlds of each topology, with their arrays");
+  return {static_cast<std::size_t>(self.batch.nq(worlds.front())), static_cast<std::size_t>(self.batch.nv(worlds.front()))};
+}
+
+nb::object read_rows(BatchObject& self, const Worlds& worlds, const std::string& which) {
+  const UseBatch use(self);
+  const auto [nq, nv] = widths(self, worlds);
+  if (which == "time") {
+    NewArray array = new_array(worlds.size());
+    for (std::size_t i = 0; i < worlds.size(); ++i) array.data[i] = self.batch.time(worlds[i]);
+    return std::move(array.object);
+  }
+  NewArray array = new_array(worlds.size(), which == "q" ? nq : nv);
+  if (!worlds.empty())
+    self.batch.read(worlds, nullptr, which == "q" ? array.data : nullptr, which == "p" ? array.data : nullptr,
+                    which == "v" ? array.data : nullptr);
+  return std::move(array.object);
+}
+
+nb::object times(BatchObject& self) {
+  const UseBatch use(self);
+  NewArray array = new_array(static_cast<std::size_t>(self.batch.worlds()));
+  for (int world = 0; world < self.batch.worlds(); ++world) array.data[world] = self.batch.time(world);
+  return std::move(array.object);
+}
+
+void write_rows(BatchObject& self, const Worlds& worlds, nb::handle q, nb::handle v, nb::handle p, nb::handle time) {
+  const UseBatch use(self);
+  const auto [nq, nv] = widths(self, worlds);
+  if (worlds.empty()) return;
+  if (!v.is_none() && !p.is_none()) refuse("set_state: both v and p are given", "momenta follow from velocities: give one of them");
+  const std::size_t n = worlds.size();
+  std::vector<double> coordinates, momenta, instants;
+  if (!q.is_none()) coordinates = numbers_of(q, n, nq, "q");
+  if (!time.is_none()) instants = numbers_of(time, n, 0, "time");
+  const auto or_null = [](const std::vector<double>& numbers) { return numbers.empty() ? nullptr : numbers.data(); };
+  if (!p.is_none()) {
+    momenta = numbers_of(p, n, nv, "p");
+  } else if (!v.is_none() || !q.is_none()) {  // writing q alone keeps the velocities
+    std::vector<double> rates(n * nv), now(n * nq);
+    if (v.is_none())
+      self.batch.read(worlds, nullptr, nullptr, nullptr, rates.data());
+    else
+      rates = numbers_of(v, n, nv, "v");
+    if (q.is_none()) self.batch.read(worlds, nullptr, now.data(), nullptr, nullptr);
+    momenta.resize(n * nv);
+    self.batch.momenta_of(worlds, q.is_none() ? now.data() : coordinates.data(), rates.data(), momenta.data(), or_null(instants));
+  }
+  self.batch.write(worlds, or_null(instants), or_null(coordinates), or_null(momenta));
+}
+
+void step_worlds(BatchObject& self, nb::handle h) {
+  const UseBatch use(self);
+  double all = 0;
+  if (nb::try_cast(h, all)) {
+    if (!(all >= 0) || all == std::numeric_limits<double>::infinity()) refuse("a step is a finite number of seconds, not negative");
+    const nb::gil_scoped_release free;
+    self.batch.step(all);
+    return;
+  }
+  const std::vector<double> each = numbers_of(h, static_cast<std::size_t>(self.batch.worlds()), 0, "h");
+  if (std::any_of(each.begin(), each.end(), [](double x) { return x < 0; })) refuse("a step can't be negative");
+  const nb::gil_scoped_release free;
+  self.batch.step(each);
+}
+
+void run_steps(BatchObject& self, double h, std::int64_t count) {
+  const UseBatch use(self);
+  if (!(h > 0) || h == std::numeric_limits<double>::infinity()) refuse("a step is a finite, positive number of seconds");
+  for (std::int64_t k = 0; k < count;) {
+    {
+      const nb::gil_scoped_release free;
+      for (const std::int64_t end = std::min(count, k + 64); k < end; ++k) self.batch.step(h);
+    }
+    if (PyErr_CheckSignals() != 0) nb::raise_python_error();
+  }
+}
+
+nb::list apply_in_worlds(BatchObject& self, const Worlds& worlds, const std::vector<std::pair<std::string, nb::object>>& given,
+               const std::string& name) {
+  const UseBatch use(self);
+  check_worlds(self, worlds);
+  std::vector<Action> actions;
+  for (const auto& [key, value] : given) {
+    const std::string call = "momentree." + key;
+    for (Action& action : io::PartReader(call).actions(key, to_value(value, call), {}, self.start)) actions.push_back(std::move(action));
+  }
+  nb::list events;
+  for (const int world : worlds) events.append(event_record(self.batch.apply(world, actions, name)));
+  return events;
+}
+
+void set_efforts(BatchObject& self, const Worlds& worlds, nb::handle efforts) {
+  const UseBatch use(self);
+  const auto [nq, nv] = widths(self, worlds);
+  if (!worlds.empty()) self.batch.set_efforts(worlds, numbers_of(efforts, worlds.size(), nv, "effort").data());
+}
+
+nb::object motions(BatchObject& self, const std::string& body) {
+  const UseBatch use(self);
+  Worlds worlds(static_cast<std::size_t>(self.batch.worlds()));
+  std::iota(worlds.begin(), worlds.end(), 0);
+  const BodyId id = self.start.model().body(body);
+  NewArray array = new_array(worlds.size(), 13);
+  self.batch.motions(worlds, id, array.data);
+  return std::move(array.object);
+}
+
+// Where a joint's numbers are in the rows of a world: kind, first of q, number, first of v, number; None if it was removed.
+nb::object layout(BatchObject& self, int world, const std::string& joint) {
+  const UseBatch use(self);
+  check_worlds(self, {world});
+  const Tree& tree = self.batch.tree(world);
+  const int body = tree.carrier(self.start.model().joint(joint).index);
+  if (body < 0) return nb::none();
+  const KindInfo& kind = info(tree.kind(body));
+  return nb::make_tuple(kind.name, tree.first_q(body), kind.nq, tree.first_p(body), kind.nv);
+}
+
+nb::tuple start_layout(BatchObject& self, const std::string& joint) {
+  const Model& model = self.start.model();
+  const KindInfo& kind = info(model[model.joint(joint)].joint.kind);
+  return nb::make_tuple(kind.name, kind.nq, kind.nv);
+}
+
+std::vector<int> groups(BatchObject& self) {
+  const UseBatch use(self);
+  std::vector<int> all;
+  for (int world = 0; world < self.batch.worlds(); ++world) all.push_back(self.batch.group(world));
+  return all;
+}
+
+std::vector<bool> diverged(BatchObject& self) {
+  const UseBatch use(self);
+  std::vector<bool> all;
+  for (int world = 0; world < self.batch.worlds(); ++world) all.push_back(self.batch.ran_away(world));
+  return all;
+}
+
+void construct(BatchObject* self, const ModelObject& model, int worlds, int threads, const std::string& precision) {
+  BatchOptions options;
+  if (precision == "float32")
+    options.precision = Precision::float32;
+  else if (precision != "float64")
+    refuse("unknown precision '" + precision + "'", "\"float64\" or \"float32\"");
+  options.threads = threads;
+  new (self) BatchObject(model.model, worlds, options);
+}
+
+}  // namespace
+
+void register_batch(nb::module_& m) {
+  nb::class_<BatchObject>(m, "BatchBase")
+      .def("__init__", &construct, "model"_a, "worlds"_a, "threads"_a, "precision"_a)
+      .def("__len__", [](const BatchObject& self) { return self.batch.worlds(); })
+      .def_prop_ro("lanes", [](const BatchObject& self) { return self.batch.lanes(); }, "Worlds that one vector of the CPU holds.")
+      .def_prop_ro("threads", [](const BatchObject& self) { return self.batch.threads(); }, "Number of threads.")
+      .def("step", &step_worlds, "h"_a, "Step every world by h seconds, or each world by its own h (shape (worlds,)). Releases the GIL.")
+      .def("run", &run_steps, "h"_a, "steps"_a, "Make `steps` steps of h seconds in every world. Releases the GIL; Ctrl-C ends it.")
+      .def_prop_ro("time", &times, "Times of the worlds (s), shape (worlds,), a copy.")
+      .def("_read", &read_rows)
+      .def("_write", &write_rows, "worlds"_a, "q"_a.none(), "v"_a.none(), "p"_a.none(), "time"_a.none())
+      .def("_apply", &apply_in_worlds)
+      .def("_set_efforts", &set_efforts)
+      .def("_motions", &motions)
+      .def("_layout", &layout)
+      .def("_start_layout", &start_layout)
+      .def("_groups", &groups)
+      .def("_diverged", &diverged);
+}
+
+}  // namespace momentree::python

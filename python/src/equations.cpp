@@ -1,0 +1,90 @@
+// Evaluation: rates, accelerations, and the equations of motion as matrices.
+#include <cstring>
+
+#include "world_object.hpp"
+
+namespace momentree::python {
+
+namespace {
+
+std::size_t nv_of(const World& world) { return static_cast<std::size_t>(world.tree().nv()); }
+
+nb::object evaluate(const SimulationPtr& self) {
+  const Use use(*self, Access::read);
+  const std::shared_ptr<StateArrays>& arrays = self->arrays();
+  const World& world = self->simulation().world();
+  const Numbers qdot = world.qdot(), pdot = world.pdot();
+  if (!qdot.empty()) std::memcpy(arrays->qdot.data(), qdot.data(), qdot.size_bytes());
+  if (!pdot.empty()) std::memcpy(arrays->pdot.data(), pdot.data(), pdot.size_bytes());
+  if (!self->views.rates.is_valid())
+    self->views.rates = python_class("_records", "Rates")(state_view(arrays, arrays->qdot, "qdot"), state_view(arrays, arrays->pdot, "pdot"));
+  return self->views.rates;
+}
+
+nb::object accelerations(const SimulationPtr& self) {
+  const Use use(*self, Access::read);
+  return copy_of(self->simulation().world().a());
+}
+
+nb::object mass_matrix(const SimulationPtr& self) {
+  const Use use(*self, Access::read);
+  const World& world = self->simulation().world();
+  NewArray matrix = new_array(nv_of(world), nv_of(world));
+  world.mass_matrix(matrix.data);
+  return std::move(matrix.object);
+}
+
+template <class Compute>
+auto vector_of(Compute compute) {
+  return [compute](const SimulationPtr& self) {
+    const Use use(*self, Access::read);
+    const World& world = self->simulation().world();
+    NewArray array = new_array(nv_of(world));
+    compute(world, array.data);
+    return std::move(array.object);
+  };
+}
+
+nb::object inverse_dynamics(const SimulationPtr& self, nb::handle a) {
+  const Use use(*self, Access::read);
+  const World& world = self->simulation().world();
+  const std::vector<double> given = numbers_of(a, nv_of(world), 0, "a");
+  NewArray array = new_array(nv_of(world));
+  world.inverse_dynamics(given.data(), array.data);
+  return std::move(array.object);
+}
+
+nb::object jacobian(const SimulationPtr& self, nb::handle body, nb::handle point) {
+  const Use use(*self, Access::read);
+  const World& world = self->simulation().world();
+  const BodyId id = body_of(world, *self, body);
+  const Vec3 where = point.is_none() ? Vec3{} : to_vec3(point, "point");
+  NewArray matrix = new_array(6, nv_of(world));
+  world.point_jacobian(id, where, matrix.data);
+  return std::move(matrix.object);
+}
+
+nb::object totals_as(const SimulationPtr& self, bool energy) {
+  const Use use(*self, Access::read);
+  const Totals t = self->simulation().world().totals();
+  if (energy) return python_class("_records", "Energy")(t.kinetic, t.potential);
+  return python_class("_records", "Momentum")(from_vec3(t.linear), from_vec3(t.angular));
+}
+
+}  // namespace
+
+void register_equations(SimulationClass& simulation) {
+  simulation
+      .def("evaluate", &evaluate)
+      .def("accelerations", &accelerations)
+      .def("mass_matrix", &mass_matrix)
+      .def("bias", vector_of([](const World& world, double* out) { world.bias(out); }))
+      .def("efforts", vector_of([](const World& world, double* out) { world.efforts(out); }))
+      .def("inverse_dynamics", &inverse_dynamics, "a"_a)
+      .def("jacobian", &jacobian, "body"_a, "point"_a = nb::none())
+      .def_prop_ro("energy", [](const SimulationPtr& self) { return totals_as(self, true); }, "Energies of the world (J).")
+      .def_prop_ro("momentum", [](const SimulationPtr& self) { return totals_as(self, false); },
+                   "Linear (N s) and angular (N m s) momentum of the world, world axes, about its origin.");
+}
+
+}  // namespace momentree::python

@@ -1,0 +1,206 @@
+// Snapshots, history, branches, state documents, and runs that are recorded.
+#include <tuple>
+#include <utility>
+
+#include <nanobind/stl/tuple.h>
+
+#include <cli/page.hpp>
+#include <momentree/io/model_json.hpp>
+#include <momentree/io/report/page.hpp>
+#include <momentree/io/report/report.hpp>
+#include <momentree/io/run_record.hpp>
+#include <momentree/io/state_document.hpp>
+
+#include "records.hpp"
+#include "world_object.hpp"
+
+namespace momentree::python {
+
+namespace {
+
+struct SnapshotObject {
+  SimulationSnapshot snapshot;
+  SimulationObject::Inputs inputs;
+  std::weak_ptr<const io::Scenario> scenario;
+};
+
+struct RecordObject {
+  std::shared_ptr<io::RunRecord> record;
+  SimulationPtr simulation;
+};
+
+SnapshotObject snapshot(const SimulationPtr& self) {
+  const Use use(*self, Access::read);
+  return {self->simulation().snapshot(), self->copy_inputs(), self->shared_scenario()};
+}
+
+void restore(const SimulationPtr& self, const SnapshotObject& to) {
+  const Use use(*self, Access::change);
+  if (to.scenario.lock() != self->shared_scenario())
+    refuse("the snapshot is of a simulation of another model", "restore it in the simulation that made it, or in a branch of that");
+  self->simulation().restore(to.snapshot);
+  self->set_inputs(to.inputs);
+}
+
+void undo(const SimulationPtr& self, std::ptrdiff_t number, bool again) {
+  const Use use(*self, Access::change);
+  const auto count = static_cast<std::ptrdiff_t>(self->simulation().events().size());
+  const std::ptrdiff_t event = number < 0 ? count + number : number;
+  if (event < 0 || event >= count)
+    refuse("there is no event " + std::to_string(number) + " to undo", std::to_string(count) + " events have happened");
+  self->simulation().undo(static_cast<std::size_t>(event), again);
+  self->set_inputs(self->copy_inputs());
+}
+
+std::string state_json(const SimulationPtr& self) {
+  const Use use(*self, Access::read);
+  return io::state_json(self->simulation().world(), self->armed(), self->simulation().step_memory());
+}
+
+void restore_state(const SimulationPtr& self, const std::string& text, const std::string& name) {
+  const Use use(*self, Access::change);
+  io::restore(self->simulation(), {io::read_state(text, name, self->simulation().world().first_model())});
+}
+
+using Status_ = std::tuple<double, int, bool, double, bool, double, double, double, double>;
+
+std::vector<Status_> armed(const SimulationPtr& self) {
+  const Use use(*self, Access::read);
+  std::vector<Status_> all;
+  for (const EventStatus& s : self->simulation().snapshot().armed)
+    all.emplace_back(s.time, s.fired, s.done, s.since, s.resting, s.excess, s.excess_before, s.looked, s.looked_before);
+  return all;
+}
+
+// Continues as the simulation did that was written to this document.
+void resume(const SimulationPtr& self, const std::string& text, const std::vector<Status_>& armed) {
+  const Use use(*self, Access::change);
+  const io::RestoredState state = io::read_state(text, "pickle", self->simulation().world().first_model());
+  io::restore(self->simulation(), {state});
+  std::vector<EventStatus> all;
+  for (const auto& [time, fired, done, since, resting, excess, excess_before, looked, looked_before] : armed)
+    all.push_back({time, fired, done, since, resting, excess, excess_before, looked, looked_before});
+  self->simulation().resume(all, state.memory);
+}
+
+io::RunOrigin origin_of(const SimulationObject& self, double start, double until) {
+  const io::Scenario& s = self.scenario();
+  return {s.name, s.title, s.path, s.hash, {}, start, until, s.integration};
+}
+
+// Runs and records: (record, how the run ended, why). The record is complete whatever happens.
+nb::object run(const SimulationPtr& self, double until, double every, bool reactions, nb::object observer, nb::object progress,
+               nb::handle finished) {
+  std::shared_ptr<io::RunRecord> record;
+  RunResult result;
+  std::exception_ptr thrown;
+  {
+    const Use use(*self, Access::change);
+    Simulation& sim = self->simulation();
+    record = std::make_shared<io::RunRecord>(sim, origin_of(*self, sim.time(), until),
+                                             io::model_json(sim.world(), self->scenario().title, self->scenario().shapes), reactions);
+    self->progress = std::move(progress);
+    sim.observe(every, [&](const World&) {
+      record->observe(sim);
+      if (observer.is_none()) return true;
+      const nb::gil_scoped_acquire gil;
+      const Within observing(*self, Inside::observer);
+      const nb::object answer = observer(std::make_shared<WorldObject>(WorldObject{self}));
+      return !answer.is(nb::bool_(false));
+    });
+    try {
+      result = self->run_until(until);
+    } catch (...) {
+      thrown = std::current_exception();
+      result = {Status::interrupted, "an exception ended the run"};
+    }
+    sim.observe(0, {});
+    self->progress.reset();
+    const std::string status = result.status == Status::ok            ? "done"
+                               : result.status == Status::interrupted ? "interrupted at t = " + std::to_string(sim.time()) + " s"
+                                                                      : result.reason;
+    record->finish(sim, status, self->armed());
+  }
+  static const char* const words[] = {"ok", "diverged", "interrupted", "refused", "stalled"};
+  finished(RecordObject{record, self}, words[static_cast<int>(result.status)], result.reason);
+  if (thrown) std::rethrow_exception(thrown);
+  return nb::none();
+}
+
+std::string run_page(const io::RunRecord& record, const std::string& folder, bool report) {
+  io::ReportPage page;
+  if (report)
+    page = [](const std::filesystem::path& at, const std::string& summary) {
+      return io::report_page(cli::report_html(), io::report_data(at, {.summary = summary}));
+    };
+  return record.write(folder, page);
+}
+
+nb::object matrix(const std::vector<double>& numbers, std::size_t rows, std::size_t columns) {
+  NewArray array = new_array(rows, columns);
+  std::copy(numbers.begin(), numbers.end(), array.data);
+  return std::move(array.object);
+}
+
+nb::dict joint_rows(const RecordObject& self, const std::string& name) {
+  const io::JointRows rows = self.record->joint(name);
+  const std::size_t n = self.record->rows();
+  nb::dict all;
+  all["q"] = matrix(rows.q, n, rows.nq), all["v"] = matrix(rows.v, n, rows.nv), all["p"] = matrix(rows.p, n, rows.nv);
+  if (self.record->has_reactions()) all["a"] = matrix(rows.a, n, rows.nv), all["wrench"] = matrix(rows.wrench, n, 6);
+  return all;
+}
+
+}  // namespace
+
+void register_history(nb::module_& m, SimulationClass& simulation) {
+  nb::class_<SnapshotObject>(m, "Snapshot", "The complete state of a simulation at an instant; restoring it is exact to the last bit.")
+      .def_prop_ro("time", [](const SnapshotObject& s) { return s.snapshot.world.engine.time; }, "Time (s).");
+  nb::class_<RecordObject>(m, "_Record")
+      .def_prop_ro("rows", [](const RecordObject& r) { return r.record->rows(); })
+      .def_prop_ro("time", [](const RecordObject& r) { return copy_of(r.record->times()); })
+      .def_prop_ro("status", [](const RecordObject& r) { return r.record->status(); })
+      .def_prop_ro("summary", [](const RecordObject& r) { return r.record->summary(); })
+      .def_prop_ro("final_state", [](const RecordObject& r) { return r.record->final_state(); })
+      .def_prop_ro("has_reactions", [](const RecordObject& r) { return r.record->has_reactions(); })
+      .def_prop_ro("joint_names", [](const RecordObject& r) { return r.record->joints(); })
+      .def_prop_ro("body_names", [](const RecordObject& r) {
+        std::vector<std::string> names;
+        for (const BodySpec& body : r.record->model().bodies()) names.push_back(body.name);
+        return names;
+      })
+      .def_prop_ro("energy_columns", [](const RecordObject&) { return io::RunRecord::energy_columns(); })
+      .def_prop_ro("events", [](const RecordObject& r) {
+        nb::list list;
+        for (const Event& event : r.record->events()) list.append(event_record(event));
+        return list;
+      })
+      .def("joint", &joint_rows)
+      .def("body", [](const RecordObject& r, const std::string& name) {
+        return matrix(r.record->body(r.record->model().body(name)), r.record->rows(), 13);
+      })
+      .def("energies", [](const RecordObject& r) {
+        return matrix(r.record->energies(), r.record->rows(), io::RunRecord::energy_columns().size());
+      })
+      .def("write", [](const RecordObject& r, const std::string& folder, bool report) { return run_page(*r.record, folder, report); })
+      .def("state", [](const RecordObject& r, std::size_t row) {
+        if (row >= r.record->rows()) throw nb::index_error("no such row");
+        SnapshotObject snapshot{r.simulation->simulation().snapshot(), r.simulation->copy_inputs(), r.simulation->shared_scenario()};
+        snapshot.snapshot.world = r.record->state(row);
+        return snapshot;
+      });
+  simulation.def("snapshot", &snapshot)
+      .def("restore", &restore, "snapshot"_a)
+      .def("_armed", &armed)
+      .def("_resume", &resume)
+      .def("keep_history", [](const SimulationPtr& self) {
+        const Use use(*self, Access::change);
+        self->simulation().keep_history();
+      })
+      .def("undo", &undo, "number"_a = -1, "again"_a = false)
+      .def("state_json", &state_json)
+      .def("restore_state", &restore_state, "text"_a, "name"_a = "state.json")
+      .def("_run", &run, "until"_a, "every"_a, "reactions"_a, "observer"_a.none(), "progress"_a.none(), "finished"_a);
+}
+
+}  // namespace momentree::python

@@ -1,0 +1,101 @@
+// Model: bodies, joints and forces, added one by one.
+#include "model_object.hpp"
+
+#include <utility>
+
+#include <momentree/io/convert/convert.hpp>
+#include <momentree/io/part_reader.hpp>
+
+namespace momentree::python {
+
+std::shared_ptr<const io::Scenario> scenario_of(const ModelObject& model, const Integration& integration) {
+  auto scenario = std::make_shared<io::Scenario>();
+  scenario->name = "simulation";
+  scenario->title = model.title;
+  scenario->model = model.model;
+  scenario->integration = integration;
+  scenario->couplings = model.couplings;
+  scenario->shapes = model.shapes;
+  scenario->shapes.resize(static_cast<std::size_t>(model.model.size()));
+  return scenario;
+}
+
+BodyId parent_in(const ModelPtr& model, nb::handle parent) {
+  if (parent.is_none()) return ground;
+  if (nb::isinstance<ModelBody>(parent)) {
+    const auto& body = nb::cast<const ModelBody&>(parent);
+    if (body.model != model) refuse("the parent is a body of another model", "use its name");
+    return body.id;
+  }
+  std::string name;
+  if (!nb::try_cast(parent, name)) refuse("parent: expected None, a name, or a body of this model");
+  return name == "ground" ? ground : model->model.body(name);
+}
+
+io::BodyPart body_part(const std::string& call, const std::string& name, nb::handle fields) {
+  return io::PartReader(call).body(name, to_value(fields, call));
+}
+
+namespace {
+
+std::string call_of(const char* what, const std::string& name) { return std::string(what) + "('" + name + "')"; }
+
+ModelBody add(const ModelPtr& self, const std::string& name, nb::handle parent, nb::handle fields) {
+  const std::string call = call_of("Model.add", name);
+  io::BodyPart part = body_part(call, name, fields);
+  part.spec.parent = parent_in(self, parent);
+  const BodyId body = self->model.add(std::move(part.spec));
+  self->shapes.resize(static_cast<std::size_t>(self->model.size()));
+  self->shapes.back() = std::move(part.shape);
+  return {self, body};
+}
+
+void add_force(ModelObject& self, const std::string& body, nb::handle fields) {
+  const std::string call = call_of("Model.add_force", body);
+  for (BodyForce& force : io::PartReader(call).forces(to_value(fields, call), self.model)) self.model.add_force(std::move(force));
+}
+
+template <class Name>
+std::vector<std::string> names(const ModelObject& self, Name name) {
+  std::vector<std::string> all;
+  for (const BodySpec& body : self.model.bodies()) all.push_back(name(body));
+  return all;
+}
+
+std::string to_urdf(const ModelObject& self, const std::string& mechanism) {
+  return io::to_urdf(*scenario_of(self, {}), mechanism, "").text;
+}
+
+}  // namespace
+
+void register_model(nb::module_& m) {
+  nb::class_<ModelBody>(m, "ModelBody", "A body of a model, to be the parent of others.")
+      .def_prop_ro("name", [](const ModelBody& b) { return b.model->model[b.id].name; })
+      .def_prop_ro("index", [](const ModelBody& b) { return b.id.index; })
+      .def("__repr__", [](const ModelBody& b) { return "<momentree.ModelBody '" + b.model->model[b.id].name + "'>"; });
+  nb::class_<ModelObject>(m, "ModelBase")
+      .def("__init__", [](ModelObject* self, const ModelObject& other) { new (self) ModelObject(other); })
+      .def("__init__",
+           [](ModelObject* self, nb::handle gravity) {
+             const Vec3 g = to_vec3(gravity, "gravity");
+             new (self) ModelObject{Model({.gravity = g}), {}};
+           },
+           "gravity"_a)
+      .def("_add", &add, "name"_a, "parent"_a.none(), "fields"_a)
+      .def("_add_force", &add_force)
+      .def("__len__", [](const ModelObject& self) { return self.model.size(); })
+      .def_prop_ro("body_names", [](const ModelObject& self) { return names(self, [](const BodySpec& b) { return b.name; }); },
+                   "Names of the bodies, in the order of adding.")
+      .def_prop_ro("joint_names", [](const ModelObject& self) { return names(self, [](const BodySpec& b) { return b.joint_name; }); },
+                   "Names of the joints, in the order of adding.")
+      .def_prop_rw(
+          "gravity", [](const ModelObject& self) { return from_vec3(self.model.gravity()); },
+          [](ModelObject& self, nb::handle gravity) { self.model.set_gravity(to_vec3(gravity, "gravity")); }, nb::arg().none(),
+          "Gravity (m/s²), world axes, shape (3,).")
+      .def("to_toml", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes); },
+           "The model as the text of a scenario file, without events.")
+      .def("to_urdf", &to_urdf, "mechanism"_a = "",
+           "One mechanism as URDF; `mechanism` may be left out if there is only one. Error if URDF cannot express it.");
+}
+
+}  // namespace momentree::python

@@ -1,0 +1,33 @@
+#pragma once
+// A model as Python builds it.
+#include <memory>
+#include <vector>
+
+#include <momentree/io/scenario.hpp>
+
+#include "binding.hpp"
+
+namespace momentree::python {
+
+struct ModelObject {
+  Model model;
+  std::vector<io::Shape> shapes;  ///< by body number
+  std::vector<io::JointCoupling> couplings{};
+  std::string title{};
+};
+using ModelPtr = std::shared_ptr<ModelObject>;
+
+/// A body of a model that is being built.
+struct ModelBody {
+  ModelPtr model;
+  BodyId id;
+};
+
+/// A scenario without events for it.
+std::shared_ptr<const io::Scenario> scenario_of(const ModelObject& model, const Integration& integration);
+/// The parent that a user named: None, "ground", a name or a ModelBody of this model.
+BodyId parent_in(const ModelPtr& model, nb::handle parent);
+/// The complete table of a body and its joint from the keyword arguments of add().
+io::BodyPart body_part(const std::string& call, const std::string& name, nb::handle fields);
+
+}  // namespace momentree::python

@@ -1,0 +1,206 @@
+// Simulation: making one, stepping, the arrays of its state.
+#include <cmath>
+#include <utility>
+
+#include <momentree/integrate/integrator.hpp>
+
+#include "model_object.hpp"
+#include "world_object.hpp"
+
+namespace momentree::python {
+
+namespace {
+
+// Constructors write the object into memory that Python has.
+void begin(SimulationObject* self, std::unique_ptr<io::Session> session) {
+  auto scenario = std::make_shared<const io::Scenario>(session->scenario());
+  new (self) SimulationObject(std::move(scenario), std::move(session));
+}
+
+void from_model(SimulationObject* self, const ModelObject& model, nb::handle options) {
+  const Integration integration = io::PartReader("Simulation").integration(to_value(options, "Simulation"));
+  auto session = std::make_unique<io::Session>(scenario_of(model, integration));
+  (void)session->schedule();
+  begin(self, std::move(session));
+}
+
+void from_file(SimulationObject* self, const std::string& path, const std::vector<std::string>& overrides, const std::string& state,
+               const std::optional<std::string>& text) {
+  io::Session loaded = text ? io::load_text(*text, path, {overrides, state}) : io::load(path, {overrides, state});
+  begin(self, std::make_unique<io::Session>(std::move(loaded)));
+}
+
+void from_branch(SimulationObject* self, const SimulationPtr& from) {
+  const Use use(*from, Access::read);
+  new (self) SimulationObject(from->shared_scenario(), from->simulation().branch());
+  self->set_inputs(from->copy_inputs());
+}
+
+using Numbers_ = StateArrays::Numbers;
+
+struct ArrayPart {
+  Numbers_ StateArrays::*numbers;
+  nb::object StateViews::*view;
+};
+
+nb::object view_of(const SimulationPtr& self, ArrayPart part, const char* name) {
+  const Use use(*self, Access::read);
+  const std::shared_ptr<StateArrays>& arrays = self->arrays();
+  Numbers_& numbers = (*arrays).*part.numbers;
+  if (part.numbers == &StateArrays::v && !arrays->with_v) arrays->with_v = true, self->pull();
+  if (part.numbers == &StateArrays::effort) arrays->with_effort = true;
+  nb::object& view = self->views.*part.view;
+  if (!view.is_valid()) view = state_view(arrays, numbers.now, name);
+  return view;
+}
+
+void assign(const SimulationPtr& self, ArrayPart part, nb::handle values, const char* name) {
+  const nb::object view = view_of(self, part, name);
+  Numbers_& numbers = (*self->arrays()).*part.numbers;
+  const std::vector<double> given = numbers_of(values, numbers.now.size(), 0, name);
+  std::copy(given.begin(), given.end(), numbers.now.begin());
+  const Use use(*self, Access::change);  // takes it over, or says what is wrong
+}
+
+void def_array(SimulationClass& simulation, const char* name, ArrayPart which, const char* about) {
+  simulation.def_prop_rw(
+      name, [which, name](const SimulationPtr& self) { return view_of(self, which, name); },
+      [which, name](const SimulationPtr& self, nb::handle values) { assign(self, which, values, name); }, nb::arg().none(), about);
+}
+
+void set_state(const SimulationPtr& self, nb::handle q, nb::handle v, nb::handle p, std::optional<double> time) {
+  const Use use(*self, Access::change);
+  Simulation& sim = self->simulation();
+  const World& world = sim.world();
+  const Tree& tree = world.tree();
+  const auto nq = static_cast<std::size_t>(tree.nq()), nv = static_cast<std::size_t>(tree.nv());
+  if (!v.is_none() && !p.is_none()) refuse("set_state: both v and p are given", "momenta follow from velocities: give one of them");
+  const auto listed = [](Numbers numbers) { return std::vector<double>(numbers.begin(), numbers.end()); };
+  const std::vector<double> coordinates = q.is_none() ? listed(world.state().q()) : numbers_of(q, nq, 0, "q");
+  std::vector<double> momenta;
+  if (!p.is_none())
+    momenta = numbers_of(p, nv, 0, "p");
+  else
+    momenta = world.momenta_of(coordinates, v.is_none() ? listed(world.v()) : numbers_of(v, nv, 0, "v"), time);
+  sim.set_state(time.value_or(sim.time()), coordinates, momenta);
+}
+
+void make_step(const SimulationPtr& self, std::optional<double> dt) {
+  const Use use(*self, Access::change);
+  self->step(dt ? *dt : self->scenario().integration.step);
+}
+
+nb::dict integration_of(const SimulationObject& self) {
+  const Integration& how = self.scenario().integration;
+  nb::dict all;
+  all["method"] = how.method, all["step"] = how.step, all["event_tolerance"] = how.event_tolerance;
+  if (is_adaptive(how.method)) {
+    all["rtol"] = how.rtol, all["atol"] = how.atol;
+    if (std::isfinite(how.max_step)) all["max_step"] = how.max_step;
+  }
+  return all;
+}
+
+nb::dict statistics_of(const SimulationPtr& self) {
+  const Use use(*self, Access::read);
+  const RunStatistics& s = self->simulation().statistics();
+  nb::dict all;
+  all["steps"] = s.steps, all["changes"] = s.changes, all["evaluations"] = s.evaluations[0] + s.evaluations[1];
+  all["evaluation_seconds"] = s.evaluation_seconds[0] + s.evaluation_seconds[1];
+  all["total_seconds"] = s.total_seconds[0] + s.total_seconds[1], all["topology_seconds"] = s.topology_seconds;
+  all["worst_step_seconds"] = s.worst_step_seconds;
+  return all;
+}
+
+nb::dict balance_of(const SimulationPtr& self) {
+  const Use use(*self, Access::read);
+  const EnergyBalance e = self->simulation().energy();
+  nb::dict all;
+  all["initial"] = e.initial, all["final"] = e.final, all["dissipated"] = e.dissipated, all["work"] = e.work;
+  all["lost_in_impacts"] = e.lost_in_impacts, all["released"] = e.released, all["error"] = e.error;
+  return all;
+}
+
+void drive_joint(const SimulationPtr& self, nb::handle joint, nb::object function) {
+  const Use use(*self, Access::change);
+  const JointId id = joint_of(self->simulation().world(), *self, joint);
+  self->set_drive(std::string(self->simulation().world().joint_name(id)), std::move(function));
+}
+
+void act_on(const SimulationPtr& self, nb::handle body, nb::object function) {
+  const Use use(*self, Access::change);
+  const World& world = self->simulation().world();
+  const std::string& name = world.model()[body_of(world, *self, body)].name;
+  self->simulation().force(name, function.is_none() ? BodyFunction{} : force_of(std::move(function)));
+}
+
+std::string add_body(const SimulationPtr& self, const std::string& name, nb::handle parent, nb::handle fields) {
+  const Use use(*self, Access::change);
+  io::BodyPart part = body_part("Simulation.add('" + name + "')", name, fields);
+  const World& world = self->simulation().world();
+  std::string ground_name;
+  const bool on_ground = parent.is_none() || (nb::try_cast(parent, ground_name) && ground_name == "ground");
+  part.spec.parent = on_ground ? ground : body_of(world, *self, parent);
+  self->simulation().add(std::move(part.spec));
+  return name;
+}
+
+}  // namespace
+
+void register_simulation(nb::module_& m) {
+  nb::class_<StateArrays>(m, "_StateArrays")
+      .def_prop_ro("alive", [](const StateArrays& a) { return a.alive; });
+  SimulationClass simulation(m, "SimulationBase");
+  simulation.def("__init__", &from_model)
+      .def("__init__", &from_file)
+      .def("__init__", &from_branch)
+      .def_prop_ro("time", [](const SimulationPtr& self) { return self->simulation().time(); }, "Time (s).")
+      .def_prop_ro("world", [](const SimulationPtr& self) { return std::make_shared<WorldObject>(WorldObject{self}); },
+                   "The world at its present instant.")
+      .def_prop_ro("integration", &integration_of, "Method, step and tolerances.")
+      .def_prop_ro("statistics", &statistics_of, "Counts and times of the runs so far.")
+      .def_prop_ro("energy_balance", &balance_of,
+                   "The energy ledger since the start (J): error = final + dissipated + lost_in_impacts + released - initial - work.")
+      .def_prop_ro("title", [](const SimulationObject& self) { return self.scenario().title; })
+      .def_prop_ro("name", [](const SimulationObject& self) { return self.scenario().name; })
+      .def_prop_ro("until", [](const SimulationObject& self) { return self.scenario().until; }, "End of the scenario's run (s).")
+      .def_prop_ro("_output_every", [](const SimulationObject& self) { return self.scenario().output_every; })
+      .def_prop_ro("warnings", [](const SimulationObject& self) {
+        std::vector<std::string> all;
+        for (const io::Diagnostic& each : self.warnings()) all.push_back(each.message());
+        return all;
+      }, "What the reader warned of.")
+      .def("_model", [](const SimulationPtr& self) {
+        const io::Scenario& s = self->scenario();
+        return std::make_shared<ModelObject>(ModelObject{s.model, s.shapes, s.couplings, s.title});
+      })
+      .def_prop_ro("_has_functions", [](const SimulationPtr& self) {
+        const Use use(*self, Access::read);
+        const Tree& tree = self->simulation().world().tree();
+        return tree.has_functions() || !tree.body_functions().empty();
+      })
+      .def("set_state", &set_state, nb::kw_only(), "q"_a = nb::none(), "v"_a = nb::none(), "p"_a = nb::none(), "time"_a = nb::none())
+      .def("step", &make_step, "dt"_a = nb::none())
+      .def("drive", &drive_joint, "joint"_a, "function"_a.none())
+      .def("force", &act_on, "body"_a, "function"_a.none())
+      .def("_add", &add_body, "name"_a, "parent"_a.none(), "fields"_a)
+      .def("remove", [](const SimulationPtr& self, nb::handle body) {
+        const Use use(*self, Access::change);
+        self->simulation().remove(body_of(self->simulation().world(), *self, body));
+      }, "body"_a)
+      .def("set_gravity", [](const SimulationPtr& self, nb::handle gravity) {
+        const Use use(*self, Access::change);
+        self->simulation().set_gravity(to_vec3(gravity, "gravity"));
+      }, "gravity"_a);
+  def_array(simulation, "q", {&StateArrays::q, &StateViews::q},
+            "Coordinates (rad, m, quaternions w, x, y, z), shape (nq,), packed by joint number. Writing them keeps the velocities.");
+  def_array(simulation, "v", {&StateArrays::v, &StateViews::v}, "Velocities (rad/s, m/s), shape (nv,), packed by joint number.");
+  def_array(simulation, "p", {&StateArrays::p, &StateViews::p}, "Canonical momenta (N m s, N s), shape (nv,), packed by joint number.");
+  def_array(simulation, "effort", {&StateArrays::effort, &StateViews::effort},
+            "Extra efforts along the degrees of freedom (N m, N), shape (nv,): they act until they are changed.");
+  register_equations(simulation);
+  register_events(m, simulation);
+  register_history(m, simulation);
+}
+
+}  // namespace momentree::python

@@ -1,0 +1,167 @@
+#pragma once
+// A simulation as Python holds it: who is using it, the arrays that follow its state, and exceptions of its callbacks.
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <momentree/io/part_reader.hpp>
+#include <momentree/io/session.hpp>
+
+#include "binding.hpp"
+
+namespace momentree::python {
+
+/// The arrays q, v, p and effort of one topology. They follow the state: numbers that Python writes are taken over before the
+/// next operation, and the state is copied into them after it. When the topology changes they are filled with NaN, and `alive`
+/// becomes false: their use through StateView is then an error.
+struct StateArrays {
+  bool alive = true, with_v = false, with_effort = false;
+  std::uint64_t topology = 0;
+  std::vector<int> layout;  ///< by joint number: its kind, or −1; the numbers belong to the same joints as long as it is the same
+  struct Numbers {
+    std::vector<double> now, last;  ///< as Python sees them, and as they were copied from the state
+    bool written() const;
+  };
+  Numbers q, v, p, effort;
+  std::vector<double> qdot, pdot;  ///< of the last evaluation
+};
+
+/// The Python objects that show them, made when they are first asked for. They keep the arrays alive, not the other way round.
+struct StateViews {
+  nb::object q, v, p, effort, rates;
+};
+
+/// A StateView (an ndarray) of numbers in `arrays`, which it keeps alive.
+nb::object state_view(const std::shared_ptr<StateArrays>& arrays, std::vector<double>& numbers, const char* name);
+
+/// What a callback is doing: it limits what Python code that is called from inside a run may do with the simulation.
+enum class Inside { nothing, observer, measure, drive };
+
+/// Kinds of use, see Use.
+enum class Access { read, schedule, change };
+
+class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
+ public:
+  SimulationObject(std::shared_ptr<const io::Scenario> scenario, std::unique_ptr<io::Session> session);
+  SimulationObject(std::shared_ptr<const io::Scenario> scenario, Simulation branch);
+  ~SimulationObject();
+  SimulationObject(const SimulationObject&) = delete;
+  SimulationObject& operator=(const SimulationObject&) = delete;
+
+  Simulation& simulation() { return session_ ? session_->simulation() : *branch_; }
+  const io::Scenario& scenario() const { return *scenario_; }
+  const std::shared_ptr<const io::Scenario>& shared_scenario() const { return scenario_; }
+  io::Armed armed() const { return session_ ? session_->armed() : io::Armed{}; }
+  std::vector<io::Diagnostic> warnings() const { return session_ ? session_->warnings : std::vector<io::Diagnostic>{}; }
+
+  /// The arrays of the present topology.
+  const std::shared_ptr<StateArrays>& arrays();
+  /// Takes over what Python wrote.
+  void push();
+  /// Copies the state into the arrays, or makes them stale if the topology has changed.
+  void pull();
+  void drop_arrays();
+  bool written() const;
+  StateViews views;
+
+  /// Runs with the GIL released. Throws what a callback threw, and RunError for a run that failed.
+  RunResult run_until(double time);
+  void step(double dt);
+  [[noreturn]] static void throw_run_error(const RunResult& result);
+
+  /// Calls Python from a drive: what it throws is kept, and thrown when the run ends; NaN ends it.
+  template <class Call>
+  bool guarded(const Call& call) noexcept;
+
+  /// A function on a joint and an extra effort share one function of the engine.
+  struct JointInput {
+    nb::object function;        ///< null: none
+    std::vector<double> extra;  ///< one per DoF; empty: none
+    bool installed = false;
+  };
+  void set_drive(const std::string& joint, nb::object function);
+  void set_efforts(const std::vector<double>& packed);
+  using Inputs = std::vector<std::shared_ptr<JointInput>>;  ///< by joint number
+  /// Copies, for snapshots and branches: the engine's functions refer to inputs, so that two simulations must not share any.
+  Inputs copy_inputs() const;
+  void set_inputs(const Inputs& inputs);
+
+  /// The simulation that is in use in this thread, which calls functions; null: none.
+  static SimulationObject* current();
+
+  /// A function with the time and the number of steps, about ten times a second during a run; null: none.
+  nb::object progress;
+  Inside inside = Inside::nothing;
+
+ private:
+  friend class Use;
+  void watch();
+  bool look_around(double time);
+  void install(int joint);
+  void rethrow();
+
+  std::shared_ptr<const io::Scenario> scenario_;
+  std::unique_ptr<io::Session> session_;
+  std::optional<Simulation> branch_;
+  std::shared_ptr<StateArrays> arrays_;
+  bool same_layout();
+  Inputs inputs_;
+  std::exception_ptr pending_;
+  std::chrono::steady_clock::time_point looked_{};
+  unsigned steps_since_look_ = 0;
+  std::atomic<std::thread::id> user_{};
+};
+
+/// One operation on a simulation. Throws Error if another thread is using it, or if the operation is not allowed inside the
+/// callback that makes it. The outermost one keeps the arrays and the state equal.
+class Use {
+ public:
+  Use(SimulationObject& object, Access access);
+  ~Use();
+  Use(const Use&) = delete;
+  Use& operator=(const Use&) = delete;
+
+ private:
+  SimulationObject& object_;
+  Access access_;
+  bool outermost_;
+  SimulationObject* before_ = nullptr;
+};
+
+/// The state of the surrounding callback is restored by the destructor.
+class Within {
+ public:
+  Within(SimulationObject& object, Inside what) : object_(object), before_(object.inside) { object.inside = what; }
+  ~Within() { object_.inside = before_; }
+  Within(const Within&) = delete;
+  Within& operator=(const Within&) = delete;
+
+ private:
+  SimulationObject& object_;
+  Inside before_;
+};
+
+using SimulationPtr = std::shared_ptr<SimulationObject>;
+
+/// Python functions as conditions, drives and forces (callbacks.cpp). They are called for the simulation that is in use.
+Measure measure_of(nb::object function);
+JointFunction drive_of(std::shared_ptr<SimulationObject::JointInput> input);
+BodyFunction force_of(nb::object function);
+
+template <class Call>
+bool SimulationObject::guarded(const Call& call) noexcept {
+  try {
+    call();
+    return true;
+  } catch (...) {
+    if (!pending_) pending_ = std::current_exception();
+    return false;
+  }
+}
+
+}  // namespace momentree::python

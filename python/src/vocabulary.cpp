@@ -1,0 +1,60 @@
+// The kinds of joints, actions and quantities as data, from which tools/python_vocabulary writes the package's functions.
+#include <momentree/base/units.hpp>
+#include <momentree/io/joint_keys.hpp>
+#include <momentree/simulate/action.hpp>
+#include <momentree/simulate/condition.hpp>
+
+#include "binding.hpp"
+
+namespace momentree::python {
+
+namespace {
+
+struct ActionProbe final : ActionFields {
+  nb::list fields;
+  void add(const char* what, const char* key, const char* about) { fields.append(nb::make_tuple(what, key, about)); }
+  void joint(const char* key, std::string&) override { add("joint", key, ""); }
+  void body(const char* key, std::string&, bool ground_too) override { add(ground_too ? "body or ground" : "body", key, ""); }
+  void dofs(const char* key, const std::string&, std::vector<int>&) override { add("dofs", key, ""); }
+  void vector(const char* key, Vec3&, const Dimension&, const char* about) override { add("vector", key, about); }
+  void placement(const char* key, std::optional<Pose>&, const char* about) override { add("placement", key, about); }
+  void description(JointDescription&, bool) override { add("description", "to", ""); }
+  void parameters(const std::string&, JointParameters&) override { add("parameters", "parameters", ""); }
+};
+
+struct QuantityProbe final : QuantityFields {
+  nb::list fields;
+  void joint(std::string&) override { fields.append("joint"); }
+  void mechanism(std::string&) override { fields.append("mechanism"); }
+  void point(int, int count, std::string&, Vec3&) override { fields.append(count == 1 ? "point" : "points"); }
+  void component(std::string&) override { fields.append("component"); }
+};
+
+}  // namespace
+
+void register_vocabulary(nb::module_& m) {
+  m.def("_vocabulary", [] {
+    nb::list kinds, actions, quantities, parameters;
+    for (const KindInfo& kind : all_kinds())
+      kinds.append(nb::make_tuple(kind.name, kind.q_units, kind.v_units, kind.axis, kind.axis2, kind.pitch));
+    for (const std::string& key : action_keys()) {
+      const auto action = make_action(key);
+      ActionProbe probe;
+      action->fields(probe);
+      actions.append(nb::make_tuple(key, action->summary(), action->plain_field() != nullptr, probe.fields));
+    }
+    for (const std::string& key : quantity_keys()) {
+      const auto quantity = make_quantity(key);
+      QuantityProbe probe;
+      quantity->fields(probe);
+      quantities.append(nb::make_tuple(key, quantity->summary(), probe.fields));
+    }
+    for (const io::JointKey& key : io::joint_keys())
+      if (!key.documents) parameters.append(nb::make_tuple(key.key, key.about));
+    nb::dict all;
+    all["kinds"] = kinds, all["actions"] = actions, all["quantities"] = quantities, all["parameters"] = parameters;
+    return all;
+  });
+}
+
+}  // namespace momentree::python

@@ -1,0 +1,49 @@
+#pragma once
+// The world, its bodies and joints as Python sees them.
+#include "simulation_object.hpp"
+
+namespace momentree::python {
+
+/// The world of a simulation, or the one that is passed to a function for the duration of a call.
+struct WorldObject {
+  SimulationPtr simulation;
+  const World* passed = nullptr;
+  bool is_passed = false;
+};
+using WorldPtr = std::shared_ptr<WorldObject>;
+
+/// Read access to it.
+class Reading {
+ public:
+  explicit Reading(const WorldPtr& world);
+  const World& operator*() const { return *world_; }
+  const World* operator->() const { return world_; }
+
+ private:
+  std::optional<Use> use_;
+  const World* world_;
+};
+
+/// Handles: bodies and joints keep their numbers.
+struct BodyObject {
+  WorldPtr world;
+  BodyId id;
+};
+struct JointObject {
+  WorldPtr world;
+  JointId id;
+};
+
+/// The context of a function that drives a joint or acts on a body; valid during the call.
+struct ContextObject {
+  SimulationObject* simulation = nullptr;
+  const EvaluationContext* context = nullptr;
+};
+
+/// The number of a body or joint from its name, or from a handle of this very simulation.
+BodyId body_of(const World& world, const SimulationObject& object, nb::handle name);
+JointId joint_of(const World& world, const SimulationObject& object, nb::handle name);
+/// Names in place of handles, in arguments of actions and conditions.
+nb::object name_of(nb::handle handle);
+
+}  // namespace momentree::python
