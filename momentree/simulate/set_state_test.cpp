@@ -262,3 +262,23 @@ TEST_CASE("the observer is called at every multiple of its period after a restar
   CHECK(sim.run_until(0.2) == Status::ok);
   CHECK(seen == std::vector<double>{0, 0.1, 0.2});
 }
+
+TEST_CASE("an adjustment goes on with the run: its events stay, and the energy that it adds is work") {
+  Simulation sim(pendulum(Revolute{.axis = y_axis}));
+  sim.at(0.1).then(impulse("bob", {1, 0, 0}));
+  sim.at(0.3).then(impulse("bob", {0.5, 0, 0}));
+  REQUIRE(sim.run_until(0.2));
+  const EnergyBalance before = sim.energy();
+  const std::vector<double> q = {sim.world().state().q()[0] + 0.4}, p = {0.3};
+  sim.adjust(std::vector<double>{2.0}, p);  // only the last one before a step counts
+  sim.adjust(q, p);
+  const EnergyBalance after = sim.energy();
+  CHECK(sim.time() == doctest::Approx(0.2));
+  CHECK(sim.events().size() == 1);
+  CHECK(after.initial == before.initial);
+  CHECK(after.work - before.work == doctest::Approx(after.final - before.final).epsilon(1e-12));
+  REQUIRE(sim.run_until(0.5));
+  CHECK(sim.events().size() == 2);
+  CHECK(std::fabs(sim.energy().error) < 1e-9);
+  CHECK(error_of([&] { sim.adjust(q, std::vector<double>{inf}); }).find("number 0 of the momenta") != std::string::npos);
+}

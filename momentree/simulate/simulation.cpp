@@ -149,6 +149,7 @@ std::optional<Error> Simulation::check(const Action& action) const {
 
 void Simulation::set_gravity(Vec3 gravity) {
   Impl& impl = changing();
+  impl.settle();
   const double before = impl.world.totals().potential;
   impl.world.set_gravity(gravity);  // may throw
   impl.evaluate_state();
@@ -276,6 +277,16 @@ void Simulation::set_state(double time, std::span<const double> q, std::span<con
   impl.begin();
 }
 
+void Simulation::adjust(std::span<const double> q, std::span<const double> p) {
+  Impl& impl = changing();
+  const std::optional<double> before = impl.unadjusted ? impl.unadjusted : impl.total_energy();
+  impl.world.set_values(impl.world.time(), q, p);  // may throw
+  impl.unadjusted = before;
+  impl.queue.forget_looks();
+  impl.recover();
+  impl.look_anew();
+}
+
 StepMemory Simulation::step_memory() const { return {impl().method->proposal(), impl_->ledger.work}; }
 void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& memory) {
   MT_REQUIRE(armed.size() <= changing().queue.entries.size(), "at most as many events as are scheduled");
@@ -320,7 +331,8 @@ std::vector<MissedEvent> Simulation::missed() const {
 }
 
 EnergyBalance Simulation::energy() const {
-  EnergyBalance b = impl().balance;
+  impl().settle();
+  EnergyBalance b = impl_->balance;
   const Totals t = impl_->world.totals();
   b.final = t.kinetic + t.potential;
   b.largest_kinetic = std::max(b.largest_kinetic, t.kinetic);

@@ -230,6 +230,10 @@ class Simulation {
   /// length by more than 1e-6, a coordinate beyond a hard stop, and a negative time.
   void set_state(double time, std::span<const double> q, std::span<const double> p);
 
+  /// Moves the present state to these coordinates and momenta (see set_state()), and the run goes on: events and history stay,
+  /// and the energy that this adds counts as work.
+  void adjust(std::span<const double> q, std::span<const double> p);
+
   /// Adds a body to any body of the world or to the ground, with the coordinates and velocities of its spec; the velocities of
   /// other bodies do not change, so that a joint at rest takes no energy. The body and its joint get the next number. Throws
   /// Error as Model::add does, and for a joint that would move no mass.

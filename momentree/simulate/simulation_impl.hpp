@@ -6,7 +6,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include <momentree/base/error.hpp>
 #include <momentree/base/restored.hpp>
@@ -58,6 +60,7 @@ struct Simulation::Impl {
   }
 
   void begin() {
+    unadjusted.reset();
     evaluate_state();
     balance = {};
     ledger = {};
@@ -73,6 +76,15 @@ struct Simulation::Impl {
   void look_anew() {
     observed = false;
     if (every > 0) next_look = std::floor(world.time() / every * (1 + 1e-12)) * every;
+  }
+  double total_energy() {
+    const Totals t = world.totals();
+    return t.kinetic + t.potential;
+  }
+  // Books the work of adjustments, which are evaluated only when the ledger is needed.
+  void settle() {
+    if (!unadjusted) return;
+    balance.work += total_energy() - *std::exchange(unadjusted, std::nullopt);
   }
   // A run that diverged may continue from another state or in another world.
   void recover() {
@@ -242,6 +254,7 @@ struct Simulation::Impl {
   /// Carries out actions from outside, whose names have been checked, as one event of this instant. False, with a message:
   /// refused.
   bool act(std::span<const Action> actions, const std::string& name) {
+    settle();
     const During working(doing, Doing::working);
     DueEvent due{name.empty() ? "#" + std::to_string(queue.entries.size() + events.size() + 1) : name, !name.empty(), {}};
     due.actions.assign(actions.begin(), actions.end());
@@ -295,6 +308,7 @@ struct Simulation::Impl {
   // The energy that bodies bring into the world and take out of it is work; the event's certificate states it.
   template <class Act>
   void populate(const char* what, const std::string& body, Act act) {
+    settle();
     const During working(doing, Doing::working);
     Event event;
     event.time = world.time();
@@ -328,7 +342,8 @@ struct Simulation::Impl {
 
   DryRun dry_run();
 
-  SimulationSnapshot snapshot() const {
+  SimulationSnapshot snapshot() {
+    settle();
     SimulationSnapshot all{world.snapshot(), {}, events.size(), balance};
     all.proposal = method->proposal();
     all.balance.dissipated = ledger.dissipated;
@@ -339,6 +354,7 @@ struct Simulation::Impl {
   }
 
   void go_back(const SimulationSnapshot& to) {
+    unadjusted.reset();
     const int bodies = world.tree_.bodies();
     world.restore(to.world);
     if (world.tree_.bodies() != bodies) method = new_method();
@@ -382,6 +398,7 @@ struct Simulation::Impl {
   }
 
   Status run(double until) {
+    settle();
     if (diverged) return Status::diverged;
     progress.begin(world.time(), events.size());
     stalled = false;
@@ -422,6 +439,7 @@ struct Simulation::Impl {
   Stops stops;
   EnergyLedger ledger;
   EnergyBalance balance;
+  std::optional<double> unadjusted;  // total energy (J) before adjustments that are not in the ledger yet
   RunStatistics statistics;
   EventQueue queue;
   struct Past {

@@ -82,7 +82,10 @@ void set_state(const SimulationPtr& self, nb::handle q, nb::handle v, nb::handle
     momenta = numbers_of(p, nv, 0, "p");
   else
     momenta = world.momenta_of(coordinates, v.is_none() ? listed(world.v()) : numbers_of(v, nv, 0, "v"), time);
-  sim.set_state(time.value_or(sim.time()), coordinates, momenta);
+  if (time)
+    sim.set_state(*time, coordinates, momenta);
+  else
+    sim.adjust(coordinates, momenta);
 }
 
 void make_step(const SimulationPtr& self, std::optional<double> dt) {

@@ -181,7 +181,7 @@ void SimulationObject::push() {
       const std::vector<double> rates = v ? arrays_->v.now : std::vector<double>(now.begin(), now.end());
       momenta = sim.world().momenta_of(arrays_->q.now, rates);
     }
-    sim.set_state(sim.time(), arrays_->q.now, momenta);
+    sim.adjust(arrays_->q.now, momenta);
   } catch (...) {
     pull();
     throw;
