@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/batch/batch.hpp>
+#include <momentree/dynamics/equations.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/user_frames.hpp>
@@ -213,4 +215,43 @@ TEST_CASE("steps with stops and conditions allocate nothing") {
   CHECK(status == Status::ok);
   CHECK(sim.events().empty());
   CHECK(during == 0);
+}
+
+TEST_CASE("the equations of motion allocate nothing") {
+  const Model model = in_the_wind(oracle::random_tree(7, {.min_bodies = 30, .max_bodies = 30, .drives = true}).model);
+  const Tree tree(model);
+  State state = start_state(model, tree);
+  Workspace<double> workspace(tree);
+  const auto n = static_cast<std::size_t>(tree.nv());
+  std::vector<double> M(n * n), J(6 * n), c(n), tau(n);
+  const long before = allocations;
+  mass_matrix(tree, state, workspace, M.data());
+  bias(tree, state, workspace, c.data());
+  efforts(tree, state, workspace, tau.data());
+  inverse_dynamics(tree, state, workspace, tau.data(), c.data());
+  point_jacobian(tree, state, workspace, {20}, {1, 0, 0}, J.data());
+  CHECK(allocations == before);
+  CHECK(M[0] != 0);
+}
+
+TEST_CASE("arrays of a batch allocate nothing for each world") {
+  const Model model = oracle::random_tree(4, {.min_bodies = 20, .max_bodies = 20}).model;
+  constexpr int count = 300;
+  for (const int threads : {1, 2}) {
+    Batch batch(model, count, {.threads = threads});
+    std::vector<int> worlds;
+    for (int i = 0; i < count; ++i) worlds.push_back(i * 7 % count);
+    const auto row = [](int width) { return std::vector<double>(static_cast<std::size_t>(count * width)); };
+    std::vector<double> time = row(1), q = row(batch.nq(0)), p = row(batch.nv(0)), v = p, motions = row(13);
+    long before = 0;
+    for (int call = 0; call < 2; ++call) {  // the first call may allocate working memory
+      before = allocations;
+      batch.read(worlds, time.data(), q.data(), p.data(), v.data());
+      batch.momenta_of(worlds, q.data(), v.data(), p.data());
+      batch.write(worlds, time.data(), q.data(), p.data());
+      batch.set_efforts(worlds, v.data());
+      batch.motions(worlds, {3}, motions.data());
+    }
+    CHECK(allocations - before < 10);
+  }
 }
