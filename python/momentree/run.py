@@ -125,8 +125,9 @@ class Run:
     ``run.time``.
     """
 
-    def __init__(self, record: _Record) -> None:
+    def __init__(self, record: _Record, functions: Sequence[Any] = ()) -> None:
         self._record: _Record | None = record
+        self._functions = list(functions)  # that states of rows refer to
         self.status: str = record.status
         """``"done"``, or why the run ended early."""
         self.time: Array = record.time
@@ -209,7 +210,9 @@ class Run:
         count = len(self.time)
         if not -count <= row < count:
             raise IndexError(f"row {row} of {count}")
-        return self._recorded().state(row % count)
+        snapshot = self._recorded().state(row % count)
+        snapshot._functions = list(self._functions)
+        return snapshot
 
     # Files
 
@@ -330,6 +333,7 @@ class Run:
             state["joints"] = {name: self.joints[name] for name in self.joints}
             state["bodies"] = {name: self.bodies[name] for name in self.bodies}
         state["_record"] = None
+        state["_functions"] = []
         return state
 
     def __setstate__(self, state: dict[str, Any]) -> None:

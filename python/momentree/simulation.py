@@ -9,12 +9,26 @@ from typing import TYPE_CHECKING, Any, Union
 from momentree import _core
 from momentree._errors import Error, RunError
 from momentree._records import Event
-from momentree._vocabulary import Action, Condition, JointSpec, Number, Numbers, Pose, Quantity, Vector, _plain
+from momentree._vocabulary import (
+    Action,
+    BodyName,
+    Condition,
+    JointName,
+    JointSpec,
+    Number,
+    Numbers,
+    Pose,
+    Quantity,
+    Vector,
+    _plain,
+)
 from momentree.model import Model, Parent, Shape, body_fields
 from momentree.run import Run
 
 if TYPE_CHECKING:
-    from momentree._core import Body, Joint, World
+    from numpy.typing import ArrayLike
+
+    from momentree._core import Body, Context, Joint, Snapshot, World
 
 Trigger = Union[Condition, Callable[["World"], float]]
 
@@ -60,6 +74,7 @@ class Simulation(_core.SimulationBase):
     _schedule: list[dict[str, Any]]
     _source: tuple[Any, ...]
     _event_cache: list[Event]
+    _functions: list[Callable[..., Any]]
     last_run: Run | None
     """The last run, complete or not: what a run computed before an exception ended it."""
 
@@ -83,6 +98,7 @@ class Simulation(_core.SimulationBase):
         self._source = source
         self._schedule = []
         self._event_cache = []
+        self._functions = []  # the engine borrows them
         self.last_run = None
 
     # What it is made of
@@ -140,6 +156,7 @@ class Simulation(_core.SimulationBase):
             return Scheduled(self, self._when(condition.scenario_value()), ("when", (condition,)))
         options = condition._options
         hysteresis = options.get("hysteresis")
+        self._functions.append(condition.quantity.value)
         scheduled = self._when_measured(
             condition.quantity.value,
             float(condition.threshold),
@@ -179,6 +196,52 @@ class Simulation(_core.SimulationBase):
         if len(self._event_cache) < count:
             self._event_cache += self._events(len(self._event_cache))
         return list(self._event_cache)
+
+    # Functions
+
+    def drive(self, joint: JointName, function: Callable[[Context], ArrayLike] | None) -> None:
+        """Drive a joint by a function from now on, in addition to its parameters.
+
+        It belongs to the joint: changes of topology, snapshots and branches keep it until the joint breaks or becomes another.
+
+        Args:
+            joint: Name or handle.
+            function: Called at every stage of every step with the :class:`Context`, the only thing that it may read. Returns the
+                effort along each degree of freedom (N m, N): a number, or shape (nv,). ``None`` removes it.
+        """
+        if function is not None:
+            self._functions.append(function)
+        self._drive(joint, function)
+
+    def force(
+        self, body: BodyName, function: Callable[[Context], tuple[ArrayLike, ArrayLike]] | None
+    ) -> None:
+        """Apply a wrench to a body by a function from now on, in addition to the model's forces.
+
+        Args:
+            body: Name or handle.
+            function: Called at every stage of every step with the :class:`Context`. Returns force (N) and torque (N m) about the
+                origin of the body's frame, in world axes. ``None`` removes it.
+        """
+        if function is not None:
+            self._functions.append(function)
+        self._force(body, function)
+
+    # History
+
+    def snapshot(self) -> Snapshot:
+        """The complete state at this instant: restoring it is exact to the last bit, across any number of changes."""
+        snapshot = self._snapshot()
+        snapshot._functions = list(self._functions)
+        return snapshot
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Return to a snapshot of this simulation or of one that it shares a model with by :meth:`branch`.
+
+        Events scheduled after the snapshot stay scheduled unless their time is past.
+        """
+        self._functions += [each for each in snapshot._functions if each not in self._functions]
+        self._restore(snapshot)
 
     # Bodies
 
@@ -234,7 +297,7 @@ class Simulation(_core.SimulationBase):
         ended: list[tuple[str, str]] = []
 
         def finished(record: Any, status: str, reason: str) -> None:
-            found.append(Run(record))
+            found.append(Run(record, self._functions))
             ended.append((status, reason))
             self.last_run = found[0]
 
@@ -257,6 +320,7 @@ class Simulation(_core.SimulationBase):
         _core.SimulationBase.__init__(copy, self)
         copy._begin(self._source)
         copy._schedule = [dict(entry) for entry in self._schedule]
+        copy._functions = list(self._functions)
         return copy
 
     def __copy__(self) -> Simulation:

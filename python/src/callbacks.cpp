@@ -26,14 +26,6 @@ struct PassedContext {
   std::shared_ptr<ContextObject> view;
 };
 
-// Python objects may be released only with the GIL, and functions are copied and destroyed without it.
-std::shared_ptr<nb::object> shared(nb::object object) {
-  return {new nb::object(std::move(object)), [](nb::object* held) {
-            const nb::gil_scoped_acquire gil;
-            delete held;
-          }};
-}
-
 double number_of(const nb::object& result, const char* what) {
   double x = 0;
   if (!nb::try_cast(result, x)) refuse(std::string(what) + " returned something that is not a number");
@@ -42,14 +34,14 @@ double number_of(const nb::object& result, const char* what) {
 
 }  // namespace
 
-Measure measure_of(nb::object function) {
-  return measured([f = shared(std::move(function))](const World& world) {
+Measure measure_of(nb::handle function) {
+  return measured([f = function](const World& world) {
     SimulationObject* const simulation = SimulationObject::current();
     if (simulation == nullptr) return std::numeric_limits<double>::quiet_NaN();
     const nb::gil_scoped_acquire gil;
     const Within measuring(*simulation, Inside::measure);
     const PassedWorld passed(*simulation, world);
-    return number_of((*f)(passed.view), "a condition's function");
+    return number_of(f(passed.view), "a condition's function");
   });
 }
 
@@ -76,8 +68,8 @@ JointFunction drive_of(std::shared_ptr<SimulationObject::JointInput> input) {
   };
 }
 
-BodyFunction force_of(nb::object function) {
-  return [f = shared(std::move(function))](const EvaluationContext& context) {
+BodyFunction force_of(nb::handle function) {
+  return [f = function](const EvaluationContext& context) {
     SimulationObject* const self = SimulationObject::current();
     if (self == nullptr) return Wrench{};
     const nb::gil_scoped_acquire gil;
@@ -86,7 +78,7 @@ BodyFunction force_of(nb::object function) {
     Wrench wrench{{none, none, none}, {none, none, none}};
     self->guarded([&] {
       const PassedContext passed(*self, context);
-      const nb::object result = (*f)(passed.view);
+      const nb::object result = f(passed.view);
       const char* const what = "a force's function";
       if (!PySequence_Check(result.ptr()) || nb::len(result) != 2)
         refuse(std::string(what) + " did not return a force and a torque", "return (fx, fy, fz), (tx, ty, tz)");

@@ -66,10 +66,10 @@ std::shared_ptr<ScheduledObject> when(const SimulationPtr& self, nb::handle even
   return scheduled;
 }
 
-std::shared_ptr<ScheduledObject> when_measured(const SimulationPtr& self, nb::object function, double threshold, bool exceeds,
+std::shared_ptr<ScheduledObject> when_measured(const SimulationPtr& self, nb::handle function, double threshold, bool exceeds,
                                                bool repeats, double hysteresis, double lasting, bool exact) {
   const Use use(*self, Access::schedule);
-  const Measure measure = measure_of(std::move(function));
+  const Measure measure = measure_of(function);
   Condition condition = exceeds ? measure.exceeds(threshold) : measure.below(threshold);
   condition.repeats = repeats, condition.hysteresis = hysteresis, condition.duration = lasting, condition.exact = exact;
   return one(self, self->simulation().when(std::move(condition)));

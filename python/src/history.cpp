@@ -26,7 +26,7 @@ struct SnapshotObject {
 
 struct RecordObject {
   std::shared_ptr<io::RunRecord> record;
-  SimulationPtr simulation;
+  SnapshotObject end;  ///< with events and functions at the end of the run
 };
 
 SnapshotObject snapshot(const SimulationPtr& self) {
@@ -94,6 +94,7 @@ nb::object run(const SimulationPtr& self, double until, double every, bool react
   std::shared_ptr<io::RunRecord> record;
   RunResult result;
   std::exception_ptr thrown;
+  SnapshotObject end;
   {
     const Use use(*self, Access::change);
     Simulation& sim = self->simulation();
@@ -120,9 +121,10 @@ nb::object run(const SimulationPtr& self, double until, double every, bool react
                                : result.status == Status::interrupted ? "interrupted at t = " + std::to_string(sim.time()) + " s"
                                                                       : result.reason;
     record->finish(sim, status, self->armed());
+    end = {sim.snapshot(), self->copy_inputs(), self->shared_scenario()};
   }
   static const char* const words[] = {"ok", "diverged", "interrupted", "refused", "stalled"};
-  finished(RecordObject{record, self}, words[static_cast<int>(result.status)], result.reason);
+  finished(RecordObject{record, std::move(end)}, words[static_cast<int>(result.status)], result.reason);
   if (thrown) std::rethrow_exception(thrown);
   return nb::none();
 }
@@ -154,7 +156,7 @@ nb::dict joint_rows(const RecordObject& self, const std::string& name) {
 }  // namespace
 
 void register_history(nb::module_& m, SimulationClass& simulation) {
-  nb::class_<SnapshotObject>(m, "Snapshot", "The complete state of a simulation at an instant; restoring it is exact to the last bit.")
+  nb::class_<SnapshotObject>(m, "Snapshot", nb::dynamic_attr(), "The complete state of a simulation at an instant; restoring it is exact to the last bit.")
       .def_prop_ro("time", [](const SnapshotObject& s) { return s.snapshot.world.engine.time; }, "Time (s).");
   nb::class_<RecordObject>(m, "_Record")
       .def_prop_ro("rows", [](const RecordObject& r) { return r.record->rows(); })
@@ -185,12 +187,12 @@ void register_history(nb::module_& m, SimulationClass& simulation) {
       .def("write", [](const RecordObject& r, const std::string& folder, bool report) { return run_page(*r.record, folder, report); })
       .def("state", [](const RecordObject& r, std::size_t row) {
         if (row >= r.record->rows()) throw nb::index_error("no such row");
-        SnapshotObject snapshot{r.simulation->simulation().snapshot(), r.simulation->copy_inputs(), r.simulation->shared_scenario()};
+        SnapshotObject snapshot = r.end;
         snapshot.snapshot.world = r.record->state(row);
         return snapshot;
       });
-  simulation.def("snapshot", &snapshot)
-      .def("restore", &restore, "snapshot"_a)
+  simulation.def("_snapshot", &snapshot)
+      .def("_restore", &restore, "snapshot"_a)
       .def("_armed", &armed)
       .def("_resume", &resume)
       .def("keep_history", [](const SimulationPtr& self) {

@@ -1,9 +1,13 @@
 // The extension module momentree._core: bindings without physics of their own.
+#include <cstdlib>
+
 #include "binding.hpp"
 #include "command.hpp"
 
 NB_MODULE(_core, m) {
   namespace py = momentree::python;
+  // A program that ends while a module-level variable is in a traceback would print a page of warnings. The tests turn them on.
+  nanobind::set_leak_warnings(std::getenv("MOMENTREE_LEAK_WARNINGS") != nullptr);
   m.attr("__version__") = MOMENTREE_VERSION;
   py::bind_command(m);
   py::register_errors(m);

@@ -124,17 +124,17 @@ nb::dict balance_of(const SimulationPtr& self) {
   return all;
 }
 
-void drive_joint(const SimulationPtr& self, nb::handle joint, nb::object function) {
+void drive_joint(const SimulationPtr& self, nb::handle joint, nb::handle function) {
   const Use use(*self, Access::change);
   const JointId id = joint_of(self->simulation().world(), *self, joint);
-  self->set_drive(std::string(self->simulation().world().joint_name(id)), std::move(function));
+  self->set_drive(std::string(self->simulation().world().joint_name(id)), function);
 }
 
-void act_on(const SimulationPtr& self, nb::handle body, nb::object function) {
+void act_on(const SimulationPtr& self, nb::handle body, nb::handle function) {
   const Use use(*self, Access::change);
   const World& world = self->simulation().world();
   const std::string& name = world.model()[body_of(world, *self, body)].name;
-  self->simulation().force(name, function.is_none() ? BodyFunction{} : force_of(std::move(function)));
+  self->simulation().force(name, function.is_none() ? BodyFunction{} : force_of(function));
 }
 
 std::string add_body(const SimulationPtr& self, const std::string& name, nb::handle parent, nb::handle fields) {
@@ -184,8 +184,8 @@ void register_simulation(nb::module_& m) {
       })
       .def("set_state", &set_state, nb::kw_only(), "q"_a = nb::none(), "v"_a = nb::none(), "p"_a = nb::none(), "time"_a = nb::none())
       .def("step", &make_step, "dt"_a = nb::none())
-      .def("drive", &drive_joint, "joint"_a, "function"_a.none())
-      .def("force", &act_on, "body"_a, "function"_a.none())
+      .def("_drive", &drive_joint, "joint"_a, "function"_a.none())
+      .def("_force", &act_on, "body"_a, "function"_a.none())
       .def("_add", &add_body, "name"_a, "parent"_a.none(), "fields"_a)
       .def("remove", [](const SimulationPtr& self, nb::handle body) {
         const Use use(*self, Access::change);

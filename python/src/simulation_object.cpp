@@ -113,17 +113,26 @@ const std::shared_ptr<StateArrays>& SimulationObject::arrays() {
     arrays_->topology = world.tree().revision();
     arrays_->layout = layout_of(world.tree());
     const auto nv = static_cast<std::size_t>(world.tree().nv());
-    arrays_->effort.now.assign(nv, 0.0);
-    for (int j = 0; j < world.tree().bodies() && j < static_cast<int>(inputs_.size()); ++j) {
-      const auto& input = inputs_[static_cast<std::size_t>(j)];
-      const int body = input && !input->extra.empty() ? world.tree().carrier(j) : -1;
-      if (body >= 0) std::copy(input->extra.begin(), input->extra.end(), arrays_->effort.now.begin() + world.tree().first_p(body));
-    }
-    arrays_->effort.last = arrays_->effort.now;
+    arrays_->effort.now.assign(nv, 0.0), arrays_->effort.last.assign(nv, 0.0);
+    fill_efforts();
     arrays_->qdot.resize(static_cast<std::size_t>(world.tree().nq())), arrays_->pdot.resize(nv);
     pull();
   }
   return arrays_;
+}
+
+// The efforts as the inputs have them.
+void SimulationObject::fill_efforts() {
+  const Tree& tree = simulation().world().tree();
+  std::vector<double>& efforts = arrays_->effort.now;
+  std::fill(efforts.begin(), efforts.end(), 0.0);
+  for (int j = 0; j < tree.bodies() && j < static_cast<int>(inputs_.size()); ++j) {
+    const auto& input = inputs_[static_cast<std::size_t>(j)];
+    const int body = input ? tree.carrier(j) : -1;
+    if (body < 0 || static_cast<int>(input->extra.size()) != info(tree.kind(body)).nv) continue;
+    std::copy(input->extra.begin(), input->extra.end(), efforts.begin() + tree.first_p(body));
+  }
+  arrays_->effort.last = efforts;
 }
 
 void SimulationObject::drop_arrays() {
@@ -198,7 +207,7 @@ void SimulationObject::install(int joint) {
     simulation().drive_all(name, {});
 }
 
-void SimulationObject::set_drive(const std::string& joint, nb::object function) {
+void SimulationObject::set_drive(const std::string& joint, nb::handle function) {
   Simulation& sim = simulation();
   int number = sim.world().find_joint(joint);
   if (number < 0) sim.drive_all(joint, [](const EvaluationContext&, std::span<double>) {});  // throws, and names the nearest
@@ -208,7 +217,7 @@ void SimulationObject::set_drive(const std::string& joint, nb::object function) 
   const std::shared_ptr<JointInput> before = input;
   input = std::make_shared<JointInput>();
   if (before) input->extra = before->extra;
-  if (!function.is_none()) input->function = std::move(function);
+  if (!function.is_none()) input->function = function;
   try {
     install(number);
   } catch (...) {
@@ -255,6 +264,7 @@ void SimulationObject::set_inputs(const Inputs& inputs) {
       drivers.push_back({std::string(simulation().world().joint_name({number})), drive_of(inputs_[j])});
   }
   if (!drivers.empty()) simulation().drive_all(std::move(drivers));
+  if (arrays_ && same_layout()) fill_efforts();
 }
 
 namespace {

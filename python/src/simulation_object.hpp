@@ -80,11 +80,11 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
 
   /// A function on a joint and an extra effort share one function of the engine.
   struct JointInput {
-    nb::object function;        ///< null: none
+    nb::handle function;        ///< null: none; the Python object of the simulation keeps it alive
     std::vector<double> extra;  ///< one per DoF; empty: none
     bool installed = false;
   };
-  void set_drive(const std::string& joint, nb::object function);
+  void set_drive(const std::string& joint, nb::handle function);
   void set_efforts(const std::vector<double>& packed);
   using Inputs = std::vector<std::shared_ptr<JointInput>>;  ///< by joint number
   /// Copies, for snapshots and branches: the engine's functions refer to inputs, so that two simulations must not share any.
@@ -110,6 +110,7 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   std::optional<Simulation> branch_;
   std::shared_ptr<StateArrays> arrays_;
   bool same_layout();
+  void fill_efforts();
   Inputs inputs_;
   std::exception_ptr pending_;
   std::chrono::steady_clock::time_point looked_{};
@@ -148,10 +149,11 @@ class Within {
 
 using SimulationPtr = std::shared_ptr<SimulationObject>;
 
-/// Python functions as conditions, drives and forces (callbacks.cpp). They are called for the simulation that is in use.
-Measure measure_of(nb::object function);
+/// Python functions as conditions, drives and forces (callbacks.cpp). They are called for the simulation that is in use. They are
+/// borrowed: the Python object of the simulation keeps them, where the garbage collector sees cycles through them.
+Measure measure_of(nb::handle function);
 JointFunction drive_of(std::shared_ptr<SimulationObject::JointInput> input);
-BodyFunction force_of(nb::object function);
+BodyFunction force_of(nb::handle function);
 
 template <class Call>
 bool SimulationObject::guarded(const Call& call) noexcept {
