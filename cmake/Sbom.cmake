@@ -1,19 +1,17 @@
 # The program's software bill of materials (SPDX 2.3, JSON): momentree.spdx.json, written whenever the program is linked, from
 # what that build used; nothing is downloaded. cmake/components.json has the information that cannot be determined.
-#   momentree_sbom(TARGET NAME=VERSION=HEADER…)   NAME: a component whose headers are compiled into the target
+#   momentree_sbom(TARGET OUTPUT NAME=VERSION=FILE…)   NAME: a component whose header or static library FILE is in the target
 # As a script: cmake -DOUTPUT=… -DPROGRAM=… -DVERSION=… -DREADELF=… -DHEADERS=… -DROOT=… -P Sbom.cmake
 if(NOT CMAKE_SCRIPT_MODE_FILE)
-  function(momentree_sbom target)
+  function(momentree_sbom target output)
     if(NOT CMAKE_READELF)  # needed to find its libraries
       return()
     endif()
-    set(output "${PROJECT_BINARY_DIR}/momentree.spdx.json")
     add_custom_command(TARGET ${target} POST_BUILD COMMAND "${CMAKE_COMMAND}" "-DOUTPUT=${output}" "-DPROGRAM=$<TARGET_FILE:${target}>"
       "-DVERSION=${PROJECT_VERSION}" "-DREADELF=${CMAKE_READELF}" "-DHEADERS=${ARGN}" "-DROOT=${PROJECT_SOURCE_DIR}"
       -P "${PROJECT_SOURCE_DIR}/cmake/Sbom.cmake" BYPRODUCTS "${output}" COMMENT "Listing what the program is made of" VERBATIM)
     set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS "${PROJECT_SOURCE_DIR}/cmake/Sbom.cmake"
       "${PROJECT_SOURCE_DIR}/cmake/components.json" "${PROJECT_SOURCE_DIR}/web/package-lock.json")
-    install(FILES "${output}" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
   endfunction()
   return()
 endif()
@@ -93,7 +91,7 @@ set(headers ${HEADERS})
 string(JSON count LENGTH "${known}" components)
 math(EXPR last "${count} - 1")
 foreach(i RANGE ${last})
-  foreach(field IN ITEMS name id in license home copyright library npm)
+  foreach(field IN ITEMS name id in license home copyright library npm pypi)
     string(JSON ${field} ERROR_VARIABLE absent GET "${known}" components ${i} ${field})
     if(absent)
       set(${field} "")
@@ -105,16 +103,24 @@ foreach(i RANGE ${last})
   set(version "")
   set(purl "")
   set(supplier "NOASSERTION")
-  if(in STREQUAL "header")
+  set(contained FALSE)
+  if(in MATCHES "^(header|shared)$")  # a library that is usually shared may be linked statically
     foreach(header IN LISTS headers)
       if(header MATCHES "^([^=]+)=([^=]*)=(.*)$" AND CMAKE_MATCH_1 STREQUAL name)
         set(version "${CMAKE_MATCH_2}")
+        if(NOT pypi STREQUAL "")
+          set(purl "pkg:pypi/${pypi}@${version}")
+        endif()
         deb_of("${CMAKE_MATCH_3}")
         add_package(${id} momentree CONTAINS)
         list(REMOVE_ITEM headers "${header}")
+        set(contained TRUE)
         break()
       endif()
     endforeach()
+  endif()
+  if(contained OR in STREQUAL "header")
+    continue()
   elseif(in STREQUAL "shared")
     set(libraries ${needed})
     list(FILTER libraries INCLUDE REGEX "${library}")

@@ -1,0 +1,63 @@
+# Looks for what the build needs before anything is configured, and names everything that is missing at once.
+set(momentree_missing "")
+set(momentree_packages "")
+macro(momentree_need what package found)  # FOUND: a variable that is true if it was found
+  if(NOT ${found})
+    list(APPEND momentree_missing "${what}")
+    list(APPEND momentree_packages "${package}")
+  endif()
+endmacro()
+
+if(MOMENTREE_IO)
+  # toml++ header-only, not the shared library that its package would link, so that consumers of a static momentree::io need
+  # neither.
+  find_path(TOMLPLUSPLUS_INCLUDE_DIR toml++/toml.h)
+  momentree_need("toml++" libtomlplusplus-dev TOMLPLUSPLUS_INCLUDE_DIR)
+  find_package(nlohmann_json 3.2 QUIET)
+  momentree_need("nlohmann-json 3.2" nlohmann-json3-dev nlohmann_json_FOUND)
+  if(MOMENTREE_STATIC)
+    find_library(EXPAT_LIBRARY libexpat.a)
+  endif()
+  find_package(EXPAT QUIET)
+  momentree_need("expat" libexpat1-dev EXPAT_FOUND)
+  if(MOMENTREE_CLI)
+    find_package(CLI11 QUIET)
+    momentree_need("CLI11" libcli11-dev CLI11_FOUND)
+  endif()
+endif()
+
+set(momentree_no_python "")  # why the Python package is not built
+if(MOMENTREE_PYTHON)
+  set(environment "${PROJECT_SOURCE_DIR}/build/python-env/bin/python")  # made by ./dev setup test
+  if(NOT Python_EXECUTABLE AND NOT SKBUILD AND EXISTS "${environment}")
+    set(Python_EXECUTABLE "${environment}" CACHE FILEPATH "The Python that the extension is built for")
+  endif()
+  if(CMAKE_VERSION VERSION_LESS 3.26)
+    find_package(Python 3.10 QUIET COMPONENTS Interpreter Development.Module)
+  else()
+    find_package(Python 3.10 QUIET COMPONENTS Interpreter Development.Module OPTIONAL_COMPONENTS Development.SABIModule)
+  endif()
+  if(Python_FOUND)
+    execute_process(COMMAND "${Python_EXECUTABLE}" -m nanobind --cmake_dir OUTPUT_VARIABLE nanobind_DIR
+      OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
+    if(failed)
+      set(momentree_no_python "nanobind is missing: ${Python_EXECUTABLE} -m pip install nanobind")
+    endif()
+  else()
+    set(momentree_no_python "Python 3.10 or newer with its headers is missing: apt-get install python3-dev")
+  endif()
+  if(momentree_no_python AND MOMENTREE_PYTHON STREQUAL "AUTO")
+    message(STATUS "No Python package: ${momentree_no_python}")
+  elseif(NOT Python_FOUND)
+    momentree_need("Python 3.10 or newer with its headers" python3-dev Python_FOUND)
+  elseif(momentree_no_python)
+    message(FATAL_ERROR "${momentree_no_python}")
+  endif()
+endif()
+
+if(momentree_missing)
+  list(JOIN momentree_missing ", " momentree_missing)
+  list(JOIN momentree_packages " " momentree_packages)
+  message(FATAL_ERROR "momentree cannot be built: ${momentree_missing} not found.\n"
+    "Install what is missing and try again; on Debian, as root:\n  apt-get install ${momentree_packages}")
+endif()

@@ -1,0 +1,19 @@
+"""The package as it was built."""
+
+import os
+import subprocess
+import sys
+
+
+def test_the_extension_exports_its_init_function_alone() -> None:
+    extension = os.environ["MOMENTREE_EXTENSION"]
+    lines = subprocess.run(["nm", "-D", "--defined-only", extension], check=True, capture_output=True, text=True).stdout.splitlines()
+    assert [line.split()[-1] for line in lines] == ["PyInit__core"]
+
+
+def test_importing_brings_only_numpy() -> None:
+    code = "import sys; import momentree; print(*sorted({name.partition('.')[0] for name in sys.modules}))"
+    loaded = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.split()
+    others = {"matplotlib", "pandas", "gymnasium", "mujoco", "pydrake", "torch", "scipy", "cma"}
+    assert "momentree" in loaded
+    assert not others & set(loaded)
