@@ -31,9 +31,20 @@ std::vector<std::string> energy_column_names() {
 std::array<double, 14> energy_numbers(const World& world, const EnergyBalance& balance) {
   const Totals totals = world.totals();
   const double gravity = gravity_energy(world);
-  return {totals.kinetic,   gravity,          totals.potential - gravity, balance.dissipated, balance.lost_in_impacts,
-          balance.released, balance.work,     balance.error,              totals.linear.x,    totals.linear.y,
-          totals.linear.z,  totals.angular.x, totals.angular.y,           totals.angular.z};
+  return {totals.kinetic,
+          gravity,
+          totals.potential - gravity,
+          balance.dissipated,
+          balance.lost_in_impacts,
+          balance.released,
+          balance.work,
+          balance.error,
+          totals.linear.x,
+          totals.linear.y,
+          totals.linear.z,
+          totals.angular.x,
+          totals.angular.y,
+          totals.angular.z};
 }
 
 void energy_header(std::string& text) {

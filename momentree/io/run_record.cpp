@@ -140,8 +140,7 @@ JointRows RunRecord::joint(std::string_view name) const {
     const std::size_t first = std::string_view(layout->q_units).find('n');
     if (first != std::string_view::npos) quaternion[first] = true;
   }
-  if (!found)
-    throw_error({"the run had no joint '" + std::string(name) + "'", "", did_you_mean(name, joints())});
+  if (!found) throw_error({"the run had no joint '" + std::string(name) + "'", "", did_you_mean(name, joints())});
   table.q.assign(rows() * table.nq, absent);
   table.v.assign(rows() * table.nv, absent), table.p = table.v;
   if (reactions_) table.a = table.v, table.wrench.assign(rows() * 6, absent);
@@ -197,8 +196,8 @@ std::vector<double> RunRecord::body(BodyId body) const {
     const BodyMotion& m = world.motions()[static_cast<std::size_t>(body.index)];
     const Vec3& x = m.pose.position;
     const Quat& r = m.pose.rotation;
-    const double numbers[] = {x.x,        x.y,        x.z,         r.w,         r.x,        r.y, r.z, m.linear.x, m.linear.y,
-                              m.linear.z, m.angular.x, m.angular.y, m.angular.z};
+    const double numbers[] = {x.x,        x.y,        x.z,        r.w,         r.x,         r.y,        r.z,
+                              m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z};
     std::copy_n(numbers, 13, all.data() + row * 13);
   });
   make_continuous(all, 13, 3);
@@ -215,8 +214,8 @@ std::vector<double> RunRecord::energies() const {
   all.reserve(rows() * 14);
   each_world([&](const World& world, std::size_t row) {
     const Ledger& l = ledger_[row];
-    const auto numbers = energy_numbers(world, {.dissipated = l.dissipated, .work = l.work, .lost_in_impacts = l.lost,
-                                                .released = l.released, .error = l.error});
+    const auto numbers = energy_numbers(
+        world, {.dissipated = l.dissipated, .work = l.work, .lost_in_impacts = l.lost, .released = l.released, .error = l.error});
     all.insert(all.end(), numbers.begin(), numbers.end());
   });
   return all;
@@ -249,8 +248,9 @@ std::string RunRecord::write(const std::string& folder, const ReportPage& report
       const Ledger& l = ledger_[row];
       body_columns.row(bodies.text(), world);
       joint_columns.row(joints.text(), world);
-      energy_row(energy.text(), world, {.dissipated = l.dissipated, .work = l.work, .lost_in_impacts = l.lost,
-                                        .released = l.released, .error = l.error});
+      energy_row(
+          energy.text(), world,
+          {.dissipated = l.dissipated, .work = l.work, .lost_in_impacts = l.lost, .released = l.released, .error = l.error});
       for (TextFile* table : {&bodies, &joints, &energy})
         if (table->is_full()) table->flush();
     });

@@ -13,7 +13,8 @@
 
 namespace momentree::io {
 
-/// The columns of one joint, a row per instant; NaN where the joint does not exist or has fewer coordinates. Quaternions are continuous in sign.
+/// The columns of one joint, a row per instant; NaN where the joint does not exist or has fewer coordinates. Quaternions are
+/// continuous in sign.
 struct JointRows {
   std::size_t nq = 0, nv = 0;   ///< of the widest kind that the joint had
   std::vector<double> q, v, p;  ///< rows × nq, rows × nv, rows × nv

@@ -43,7 +43,8 @@ using Worlds = std::vector<int>;
 void check_worlds(const BatchObject& self, const Worlds& worlds) {
   for (const int world : worlds)
     if (world < 0 || world >= self.batch.worlds())
-      refuse("there is no world " + std::to_string(world), "the worlds are numbered from 0 to " + std::to_string(self.batch.worlds() - 1));
+      refuse("there is no world " + std::to_string(world),
+             "the worlds are numbered from 0 to " + std::to_string(self.batch.worlds() - 1));
 }
 
 // The common width of some worlds' rows.
@@ -82,7 +83,8 @@ void write_rows(BatchObject& self, const Worlds& worlds, nb::handle q, nb::handl
   const UseBatch use(self);
   const auto [nq, nv] = widths(self, worlds);
   if (worlds.empty()) return;
-  if (!v.is_none() && !p.is_none()) refuse("set_state: both v and p are given", "momenta follow from velocities: give one of them");
+  if (!v.is_none() && !p.is_none())
+    refuse("set_state: both v and p are given", "momenta follow from velocities: give one of them");
   const std::size_t n = worlds.size();
   std::vector<double> coordinates, momenta, instants;
   if (!q.is_none()) coordinates = numbers_of(q, n, nq, "q");
@@ -107,7 +109,8 @@ void step_worlds(BatchObject& self, nb::handle h) {
   const UseBatch use(self);
   double all = 0;
   if (nb::try_cast(h, all)) {
-    if (!(all >= 0) || all == std::numeric_limits<double>::infinity()) refuse("a step is a finite number of seconds, not negative");
+    if (!(all >= 0) || all == std::numeric_limits<double>::infinity())
+      refuse("a step is a finite number of seconds, not negative");
     const nb::gil_scoped_release free;
     self.batch.step(all);
     return;
@@ -131,13 +134,14 @@ void run_steps(BatchObject& self, double h, std::int64_t count) {
 }
 
 nb::list apply_in_worlds(BatchObject& self, const Worlds& worlds, const std::vector<std::pair<std::string, nb::object>>& given,
-               const std::string& name) {
+                         const std::string& name) {
   const UseBatch use(self);
   check_worlds(self, worlds);
   std::vector<Action> actions;
   for (const auto& [key, value] : given) {
     const std::string call = "momentree." + key;
-    for (Action& action : io::PartReader(call).actions(key, to_value(value, call), {}, self.start)) actions.push_back(std::move(action));
+    for (Action& action : io::PartReader(call).actions(key, to_value(value, call), {}, self.start))
+      actions.push_back(std::move(action));
   }
   nb::list events;
   for (const int world : worlds) events.append(event_record(self.batch.apply(world, actions, name)));
@@ -207,10 +211,14 @@ void register_batch(nb::module_& m) {
   nb::class_<BatchObject>(m, "BatchBase")
       .def("__init__", &construct, "model"_a, "worlds"_a, "threads"_a, "precision"_a)
       .def("__len__", [](const BatchObject& self) { return self.batch.worlds(); })
-      .def_prop_ro("lanes", [](const BatchObject& self) { return self.batch.lanes(); }, "Worlds that one vector of the CPU holds.")
-      .def_prop_ro("threads", [](const BatchObject& self) { return self.batch.threads(); }, "Number of threads.")
-      .def("step", &step_worlds, "h"_a, "Step every world by h seconds, or each world by its own h (shape (worlds,)). Releases the GIL.")
-      .def("run", &run_steps, "h"_a, "steps"_a, "Make `steps` steps of h seconds in every world. Releases the GIL; Ctrl-C ends it.")
+      .def_prop_ro(
+          "lanes", [](const BatchObject& self) { return self.batch.lanes(); }, "Worlds that one vector of the CPU holds.")
+      .def_prop_ro(
+          "threads", [](const BatchObject& self) { return self.batch.threads(); }, "Number of threads.")
+      .def("step", &step_worlds, "h"_a,
+           "Step every world by h seconds, or each world by its own h (shape (worlds,)). Releases the GIL.")
+      .def("run", &run_steps, "h"_a, "steps"_a,
+           "Make `steps` steps of h seconds in every world. Releases the GIL; Ctrl-C ends it.")
       .def_prop_ro("time", &times, "Times of the worlds (s), shape (worlds,), a copy.")
       .def("_read", &read_rows)
       .def("_write", &write_rows, "worlds"_a, "q"_a.none(), "v"_a.none(), "p"_a.none(), "time"_a.none())

@@ -80,7 +80,8 @@ nb::object as_array(nb::handle object, const char* what) {
     const nb::object array = numpy("asarray")(object);
     const auto kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
     if (kind != "f" && kind != "i" && kind != "u" && kind != "b")
-      refuse(std::string(what) + ": expected real numbers, found an array of dtype " + nb::cast<std::string>(nb::str(array.attr("dtype"))));
+      refuse(std::string(what) + ": expected real numbers, found an array of dtype " +
+             nb::cast<std::string>(nb::str(array.attr("dtype"))));
     return numpy("ascontiguousarray")(array, "dtype"_a = "float64");
   } catch (nb::python_error& error) {
     if (!error.matches(PyExc_ValueError) && !error.matches(PyExc_TypeError)) throw;
@@ -157,8 +158,8 @@ bool read_directly(nb::handle object, std::size_t rows, std::size_t columns, std
     PyErr_Clear();
     return false;
   }
-  const bool fits = view.format != nullptr && view.format[0] == 'd' && view.format[1] == 0 && view.ndim == (columns == 0 ? 1 : 2) &&
-                    view.shape[0] == static_cast<Py_ssize_t>(rows) &&
+  const bool fits = view.format != nullptr && view.format[0] == 'd' && view.format[1] == 0 &&
+                    view.ndim == (columns == 0 ? 1 : 2) && view.shape[0] == static_cast<Py_ssize_t>(rows) &&
                     (columns == 0 || view.shape[1] == static_cast<Py_ssize_t>(columns));
   if (fits) {
     const auto* const first = static_cast<const double*>(view.buf);

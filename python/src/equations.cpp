@@ -17,7 +17,8 @@ nb::object evaluate(const SimulationPtr& self) {
   if (!qdot.empty()) std::memcpy(arrays->qdot.data(), qdot.data(), qdot.size_bytes());
   if (!pdot.empty()) std::memcpy(arrays->pdot.data(), pdot.data(), pdot.size_bytes());
   if (!self->views.rates.is_valid())
-    self->views.rates = python_class("_records", "Rates")(state_view(arrays, arrays->qdot, "qdot"), state_view(arrays, arrays->pdot, "pdot"));
+    self->views.rates =
+        python_class("_records", "Rates")(state_view(arrays, arrays->qdot, "qdot"), state_view(arrays, arrays->pdot, "pdot"));
   return self->views.rates;
 }
 
@@ -74,17 +75,18 @@ nb::object totals_as(const SimulationPtr& self, bool energy) {
 }  // namespace
 
 void register_equations(SimulationClass& simulation) {
-  simulation
-      .def("evaluate", &evaluate)
+  simulation.def("evaluate", &evaluate)
       .def("accelerations", &accelerations)
       .def("mass_matrix", &mass_matrix)
       .def("bias", vector_of([](const World& world, double* out) { world.bias(out); }))
       .def("efforts", vector_of([](const World& world, double* out) { world.efforts(out); }))
       .def("inverse_dynamics", &inverse_dynamics, "a"_a)
       .def("jacobian", &jacobian, "body"_a, "point"_a = nb::none())
-      .def_prop_ro("energy", [](const SimulationPtr& self) { return totals_as(self, true); }, "Energies of the world (J).")
-      .def_prop_ro("momentum", [](const SimulationPtr& self) { return totals_as(self, false); },
-                   "Linear (N s) and angular (N m s) momentum of the world, world axes, about its origin.");
+      .def_prop_ro(
+          "energy", [](const SimulationPtr& self) { return totals_as(self, true); }, "Energies of the world (J).")
+      .def_prop_ro(
+          "momentum", [](const SimulationPtr& self) { return totals_as(self, false); },
+          "Linear (N s) and angular (N m s) momentum of the world, world axes, about its origin.");
 }
 
 }  // namespace momentree::python

@@ -11,7 +11,8 @@ namespace momentree::python {
 namespace {
 
 nb::object diagnostic_of(const io::Diagnostic& each) {
-  return python_class("_errors", "Diagnostic")(io::word_of(each.severity), each.file, each.line, each.column, each.what, each.hint);
+  return python_class("_errors", "Diagnostic")(io::word_of(each.severity), each.file, each.line, each.column, each.what,
+                                               each.hint);
 }
 
 nb::list all_of(const std::vector<io::Diagnostic>& diagnostics) {

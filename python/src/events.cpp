@@ -75,7 +75,8 @@ std::shared_ptr<ScheduledObject> when_measured(const SimulationPtr& self, nb::ha
   return one(self, self->simulation().when(std::move(condition)));
 }
 
-nb::object apply_now(const SimulationPtr& self, const std::vector<std::pair<std::string, nb::object>>& actions, const std::string& name) {
+nb::object apply_now(const SimulationPtr& self, const std::vector<std::pair<std::string, nb::object>>& actions,
+                     const std::string& name) {
   const Use use(*self, Access::change);
   std::vector<Action> all;
   for (const auto& [key, value] : actions)
@@ -116,30 +117,33 @@ nb::object event_record(const Event& event) {
   for (const ActionRecord& a : event.actions) actions.append(action_type(a.kind, a.target, a.joint, a.body, a.to, a.skipped));
   nb::dict impulse;
   for (const auto& [joint, six] : event.impulse) impulse[joint.c_str()] = impulse_of(six);
-  return python_class("_records", "Event")(
-      "time"_a = event.time, "name"_a = event.name, "actions"_a = nb::tuple(actions),
-      "mechanisms_before"_a = nb::tuple(texts(event.mechanisms_before)),
-      "mechanisms_after"_a = nb::tuple(texts(event.mechanisms_after)), "before"_a = totals(event.before),
-      "after"_a = totals(event.after), "released"_a = event.released, "lost"_a = event.lost, "work"_a = event.work,
-      "impulse"_a = impulse, "ground_impulse"_a = impulse_of(event.ground_impulse), "hardest_joint"_a = event.hardest_joint,
-      "duration_ns"_a = event.duration_ns);
+  return python_class("_records", "Event")("time"_a = event.time, "name"_a = event.name, "actions"_a = nb::tuple(actions),
+                                           "mechanisms_before"_a = nb::tuple(texts(event.mechanisms_before)),
+                                           "mechanisms_after"_a = nb::tuple(texts(event.mechanisms_after)),
+                                           "before"_a = totals(event.before), "after"_a = totals(event.after),
+                                           "released"_a = event.released, "lost"_a = event.lost, "work"_a = event.work,
+                                           "impulse"_a = impulse, "ground_impulse"_a = impulse_of(event.ground_impulse),
+                                           "hardest_joint"_a = event.hardest_joint, "duration_ns"_a = event.duration_ns);
 }
 
 void register_events(nb::module_& m, SimulationClass& simulation) {
   nb::class_<ScheduledObject>(m, "_Scheduled").def("_then", &then).def("_named", &named);
   simulation
-      .def("_at", [](const SimulationPtr& self, double time) {
-        const Use use(*self, Access::schedule);
-        return one(self, self->simulation().at(time));
-      })
-      .def("_after", [](const SimulationPtr& self, const std::string& event, double delay) {
-        const Use use(*self, Access::schedule);
-        return one(self, self->simulation().after(event, delay));
-      })
-      .def("_every", [](const SimulationPtr& self, double period, double start) {
-        const Use use(*self, Access::schedule);
-        return one(self, self->simulation().every(period, start));
-      })
+      .def("_at",
+           [](const SimulationPtr& self, double time) {
+             const Use use(*self, Access::schedule);
+             return one(self, self->simulation().at(time));
+           })
+      .def("_after",
+           [](const SimulationPtr& self, const std::string& event, double delay) {
+             const Use use(*self, Access::schedule);
+             return one(self, self->simulation().after(event, delay));
+           })
+      .def("_every",
+           [](const SimulationPtr& self, double period, double start) {
+             const Use use(*self, Access::schedule);
+             return one(self, self->simulation().every(period, start));
+           })
       .def("_when", &when)
       .def("_when_measured", &when_measured)
       .def("_apply", &apply_now)

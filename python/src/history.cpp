@@ -37,7 +37,8 @@ SnapshotObject snapshot(const SimulationPtr& self) {
 void restore(const SimulationPtr& self, const SnapshotObject& to) {
   const Use use(*self, Access::change);
   if (to.scenario.lock() != self->shared_scenario())
-    refuse("the snapshot is of a simulation of another model", "restore it in the simulation that made it, or in a branch of that");
+    refuse("the snapshot is of a simulation of another model",
+           "restore it in the simulation that made it, or in a branch of that");
   self->simulation().restore(to.snapshot);
   self->set_inputs(to.inputs);
 }
@@ -98,8 +99,9 @@ nb::object run(const SimulationPtr& self, double until, double every, bool react
   {
     const Use use(*self, Access::change);
     Simulation& sim = self->simulation();
-    record = std::make_shared<io::RunRecord>(sim, origin_of(*self, sim.time(), until),
-                                             io::model_json(sim.world(), self->scenario().title, self->scenario().shapes), reactions);
+    record =
+        std::make_shared<io::RunRecord>(sim, origin_of(*self, sim.time(), until),
+                                        io::model_json(sim.world(), self->scenario().title, self->scenario().shapes), reactions);
     self->progress = std::move(progress);
     sim.observe(every, [&](const World&) {
       record->observe(sim);
@@ -156,8 +158,10 @@ nb::dict joint_rows(const RecordObject& self, const std::string& name) {
 }  // namespace
 
 void register_history(nb::module_& m, SimulationClass& simulation) {
-  nb::class_<SnapshotObject>(m, "Snapshot", nb::dynamic_attr(), "The complete state of a simulation at an instant; restoring it is exact to the last bit.")
-      .def_prop_ro("time", [](const SnapshotObject& s) { return s.snapshot.world.engine.time; }, "Time (s).");
+  nb::class_<SnapshotObject>(m, "Snapshot", nb::dynamic_attr(),
+                             "The complete state of a simulation at an instant; restoring it is exact to the last bit.")
+      .def_prop_ro(
+          "time", [](const SnapshotObject& s) { return s.snapshot.world.engine.time; }, "Time (s).");
   nb::class_<RecordObject>(m, "_Record")
       .def_prop_ro("rows", [](const RecordObject& r) { return r.record->rows(); })
       .def_prop_ro("time", [](const RecordObject& r) { return copy_of(r.record->times()); })
@@ -166,25 +170,30 @@ void register_history(nb::module_& m, SimulationClass& simulation) {
       .def_prop_ro("final_state", [](const RecordObject& r) { return r.record->final_state(); })
       .def_prop_ro("has_reactions", [](const RecordObject& r) { return r.record->has_reactions(); })
       .def_prop_ro("joint_names", [](const RecordObject& r) { return r.record->joints(); })
-      .def_prop_ro("body_names", [](const RecordObject& r) {
-        std::vector<std::string> names;
-        for (const BodySpec& body : r.record->model().bodies()) names.push_back(body.name);
-        return names;
-      })
+      .def_prop_ro("body_names",
+                   [](const RecordObject& r) {
+                     std::vector<std::string> names;
+                     for (const BodySpec& body : r.record->model().bodies()) names.push_back(body.name);
+                     return names;
+                   })
       .def_prop_ro("energy_columns", [](const RecordObject&) { return io::RunRecord::energy_columns(); })
-      .def_prop_ro("events", [](const RecordObject& r) {
-        nb::list list;
-        for (const Event& event : r.record->events()) list.append(event_record(event));
-        return list;
-      })
+      .def_prop_ro("events",
+                   [](const RecordObject& r) {
+                     nb::list list;
+                     for (const Event& event : r.record->events()) list.append(event_record(event));
+                     return list;
+                   })
       .def("joint", &joint_rows)
-      .def("body", [](const RecordObject& r, const std::string& name) {
-        return matrix(r.record->body(r.record->model().body(name)), r.record->rows(), 13);
-      })
-      .def("energies", [](const RecordObject& r) {
-        return matrix(r.record->energies(), r.record->rows(), io::RunRecord::energy_columns().size());
-      })
-      .def("write", [](const RecordObject& r, const std::string& folder, bool report) { return run_page(*r.record, folder, report); })
+      .def("body",
+           [](const RecordObject& r, const std::string& name) {
+             return matrix(r.record->body(r.record->model().body(name)), r.record->rows(), 13);
+           })
+      .def("energies",
+           [](const RecordObject& r) {
+             return matrix(r.record->energies(), r.record->rows(), io::RunRecord::energy_columns().size());
+           })
+      .def("write",
+           [](const RecordObject& r, const std::string& folder, bool report) { return run_page(*r.record, folder, report); })
       .def("state", [](const RecordObject& r, std::size_t row) {
         if (row >= r.record->rows()) throw nb::index_error("no such row");
         SnapshotObject snapshot = r.end;
@@ -195,10 +204,11 @@ void register_history(nb::module_& m, SimulationClass& simulation) {
       .def("_restore", &restore, "snapshot"_a)
       .def("_armed", &armed)
       .def("_resume", &resume)
-      .def("keep_history", [](const SimulationPtr& self) {
-        const Use use(*self, Access::change);
-        self->simulation().keep_history();
-      })
+      .def("keep_history",
+           [](const SimulationPtr& self) {
+             const Use use(*self, Access::change);
+             self->simulation().keep_history();
+           })
       .def("undo", &undo, "number"_a = -1, "again"_a = false)
       .def("state_json", &state_json)
       .def("restore_state", &restore_state, "text"_a, "name"_a = "state.json")

@@ -75,25 +75,29 @@ void register_model(nb::module_& m) {
       .def("__repr__", [](const ModelBody& b) { return "<momentree.ModelBody '" + b.model->model[b.id].name + "'>"; });
   nb::class_<ModelObject>(m, "ModelBase")
       .def("__init__", [](ModelObject* self, const ModelObject& other) { new (self) ModelObject(other); })
-      .def("__init__",
-           [](ModelObject* self, nb::handle gravity) {
-             const Vec3 g = to_vec3(gravity, "gravity");
-             new (self) ModelObject{Model({.gravity = g}), {}};
-           },
-           "gravity"_a)
+      .def(
+          "__init__",
+          [](ModelObject* self, nb::handle gravity) {
+            const Vec3 g = to_vec3(gravity, "gravity");
+            new (self) ModelObject{Model({.gravity = g}), {}};
+          },
+          "gravity"_a)
       .def("_add", &add, "name"_a, "parent"_a.none(), "fields"_a)
       .def("_add_force", &add_force)
       .def("__len__", [](const ModelObject& self) { return self.model.size(); })
-      .def_prop_ro("body_names", [](const ModelObject& self) { return names(self, [](const BodySpec& b) { return b.name; }); },
-                   "Names of the bodies, in the order of adding.")
-      .def_prop_ro("joint_names", [](const ModelObject& self) { return names(self, [](const BodySpec& b) { return b.joint_name; }); },
-                   "Names of the joints, in the order of adding.")
+      .def_prop_ro(
+          "body_names", [](const ModelObject& self) { return names(self, [](const BodySpec& b) { return b.name; }); },
+          "Names of the bodies, in the order of adding.")
+      .def_prop_ro(
+          "joint_names", [](const ModelObject& self) { return names(self, [](const BodySpec& b) { return b.joint_name; }); },
+          "Names of the joints, in the order of adding.")
       .def_prop_rw(
           "gravity", [](const ModelObject& self) { return from_vec3(self.model.gravity()); },
           [](ModelObject& self, nb::handle gravity) { self.model.set_gravity(to_vec3(gravity, "gravity")); }, nb::arg().none(),
           "Gravity (m/s²), world axes, shape (3,).")
-      .def("to_toml", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes); },
-           "The model as the text of a scenario file, without events.")
+      .def(
+          "to_toml", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes); },
+          "The model as the text of a scenario file, without events.")
       .def("to_urdf", &to_urdf, "mechanism"_a = "",
            "One mechanism as URDF; `mechanism` may be left out if there is only one. Error if URDF cannot express it.");
 }

@@ -24,8 +24,8 @@ void from_model(SimulationObject* self, const ModelObject& model, nb::handle opt
   begin(self, std::move(session));
 }
 
-void from_file(SimulationObject* self, const std::string& path, const std::vector<std::string>& overrides, const std::string& state,
-               const std::optional<std::string>& text) {
+void from_file(SimulationObject* self, const std::string& path, const std::vector<std::string>& overrides,
+               const std::string& state, const std::optional<std::string>& text) {
   io::Session loaded = text ? io::load_text(*text, path, {overrides, state}) : io::load(path, {overrides, state});
   begin(self, std::make_unique<io::Session>(std::move(loaded)));
 }
@@ -65,7 +65,8 @@ void assign(const SimulationPtr& self, ArrayPart part, nb::handle values, const 
 void def_array(SimulationClass& simulation, const char* name, ArrayPart which, const char* about) {
   simulation.def_prop_rw(
       name, [which, name](const SimulationPtr& self) { return view_of(self, which, name); },
-      [which, name](const SimulationPtr& self, nb::handle values) { assign(self, which, values, name); }, nb::arg().none(), about);
+      [which, name](const SimulationPtr& self, nb::handle values) { assign(self, which, values, name); }, nb::arg().none(),
+      about);
 }
 
 void set_state(const SimulationPtr& self, nb::handle q, nb::handle v, nb::handle p, std::optional<double> time) {
@@ -74,7 +75,8 @@ void set_state(const SimulationPtr& self, nb::handle q, nb::handle v, nb::handle
   const World& world = sim.world();
   const Tree& tree = world.tree();
   const auto nq = static_cast<std::size_t>(tree.nq()), nv = static_cast<std::size_t>(tree.nv());
-  if (!v.is_none() && !p.is_none()) refuse("set_state: both v and p are given", "momenta follow from velocities: give one of them");
+  if (!v.is_none() && !p.is_none())
+    refuse("set_state: both v and p are given", "momenta follow from velocities: give one of them");
   const auto listed = [](Numbers numbers) { return std::vector<double>(numbers.begin(), numbers.end()); };
   const std::vector<double> coordinates = q.is_none() ? listed(world.state().q()) : numbers_of(q, nq, 0, "q");
   std::vector<double> momenta;
@@ -151,54 +153,71 @@ std::string add_body(const SimulationPtr& self, const std::string& name, nb::han
 }  // namespace
 
 void register_simulation(nb::module_& m) {
-  nb::class_<StateArrays>(m, "_StateArrays")
-      .def_prop_ro("alive", [](const StateArrays& a) { return a.alive; });
+  nb::class_<StateArrays>(m, "_StateArrays").def_prop_ro("alive", [](const StateArrays& a) { return a.alive; });
   SimulationClass simulation(m, "SimulationBase");
   simulation.def("__init__", &from_model)
       .def("__init__", &from_file)
       .def("__init__", &from_branch)
-      .def_prop_ro("time", [](const SimulationPtr& self) { return self->simulation().time(); }, "Time (s).")
-      .def_prop_ro("world", [](const SimulationPtr& self) { return std::make_shared<WorldObject>(WorldObject{self}); },
-                   "The world at its present instant.")
+      .def_prop_ro(
+          "time", [](const SimulationPtr& self) { return self->simulation().time(); }, "Time (s).")
+      .def_prop_ro(
+          "world", [](const SimulationPtr& self) { return std::make_shared<WorldObject>(WorldObject{self}); },
+          "The world at its present instant.")
       .def_prop_ro("integration", &integration_of, "Method, step and tolerances.")
       .def_prop_ro("statistics", &statistics_of, "Counts and times of the runs so far.")
-      .def_prop_ro("energy_balance", &balance_of,
-                   "The energy ledger since the start (J): error = final + dissipated + lost_in_impacts + released - initial - work.")
+      .def_prop_ro(
+          "energy_balance", &balance_of,
+          "The energy ledger since the start (J): error = final + dissipated + lost_in_impacts + released - initial - work.")
       .def_prop_ro("title", [](const SimulationObject& self) { return self.scenario().title; })
       .def_prop_ro("name", [](const SimulationObject& self) { return self.scenario().name; })
-      .def_prop_ro("until", [](const SimulationObject& self) { return self.scenario().until; }, "End of the scenario's run (s).")
+      .def_prop_ro(
+          "until", [](const SimulationObject& self) { return self.scenario().until; }, "End of the scenario's run (s).")
       .def_prop_ro("_output_every", [](const SimulationObject& self) { return self.scenario().output_every; })
-      .def_prop_ro("warnings", [](const SimulationObject& self) {
-        std::vector<std::string> all;
-        for (const io::Diagnostic& each : self.warnings()) all.push_back(each.message());
-        return all;
-      }, "What the reader warned of.")
-      .def("_model", [](const SimulationPtr& self) {
-        const io::Scenario& s = self->scenario();
-        return std::make_shared<ModelObject>(ModelObject{s.model, s.shapes, s.couplings, s.title});
-      })
-      .def_prop_ro("_has_functions", [](const SimulationPtr& self) {
-        const Use use(*self, Access::read);
-        const Tree& tree = self->simulation().world().tree();
-        return tree.has_functions() || !tree.body_functions().empty();
-      })
-      .def("set_state", &set_state, nb::kw_only(), "q"_a = nb::none(), "v"_a = nb::none(), "p"_a = nb::none(), "time"_a = nb::none())
+      .def_prop_ro(
+          "warnings",
+          [](const SimulationObject& self) {
+            std::vector<std::string> all;
+            for (const io::Diagnostic& each : self.warnings()) all.push_back(each.message());
+            return all;
+          },
+          "What the reader warned of.")
+      .def("_model",
+           [](const SimulationPtr& self) {
+             const io::Scenario& s = self->scenario();
+             return std::make_shared<ModelObject>(ModelObject{s.model, s.shapes, s.couplings, s.title});
+           })
+      .def_prop_ro("_has_functions",
+                   [](const SimulationPtr& self) {
+                     const Use use(*self, Access::read);
+                     const Tree& tree = self->simulation().world().tree();
+                     return tree.has_functions() || !tree.body_functions().empty();
+                   })
+      .def("set_state", &set_state, nb::kw_only(), "q"_a = nb::none(), "v"_a = nb::none(), "p"_a = nb::none(),
+           "time"_a = nb::none())
       .def("step", &make_step, "dt"_a = nb::none())
       .def("_drive", &drive_joint, "joint"_a, "function"_a.none())
       .def("_force", &act_on, "body"_a, "function"_a.none())
       .def("_add", &add_body, "name"_a, "parent"_a.none(), "fields"_a)
-      .def("remove", [](const SimulationPtr& self, nb::handle body) {
-        const Use use(*self, Access::change);
-        self->simulation().remove(body_of(self->simulation().world(), *self, body));
-      }, "body"_a)
-      .def("set_gravity", [](const SimulationPtr& self, nb::handle gravity) {
-        const Use use(*self, Access::change);
-        self->simulation().set_gravity(to_vec3(gravity, "gravity"));
-      }, "gravity"_a);
-  def_array(simulation, "q", {&StateArrays::q, &StateViews::q},
-            "Coordinates (rad, m, quaternions w, x, y, z), shape (nq,), packed by joint number. Writing them keeps the velocities.");
+      .def(
+          "remove",
+          [](const SimulationPtr& self, nb::handle body) {
+            const Use use(*self, Access::change);
+            self->simulation().remove(body_of(self->simulation().world(), *self, body));
+          },
+          "body"_a)
+      .def(
+          "set_gravity",
+          [](const SimulationPtr& self, nb::handle gravity) {
+            const Use use(*self, Access::change);
+            self->simulation().set_gravity(to_vec3(gravity, "gravity"));
+          },
+          "gravity"_a);
+  def_array(
+      simulation, "q", {&StateArrays::q, &StateViews::q},
+      "Coordinates (rad, m, quaternions w, x, y, z), shape (nq,), packed by joint number. Writing them keeps the velocities.");
   def_array(simulation, "v", {&StateArrays::v, &StateViews::v}, "Velocities (rad/s, m/s), shape (nv,), packed by joint number.");
-  def_array(simulation, "p", {&StateArrays::p, &StateViews::p}, "Canonical momenta (N m s, N s), shape (nv,), packed by joint number.");
+  def_array(simulation, "p", {&StateArrays::p, &StateViews::p},
+            "Canonical momenta (N m s, N s), shape (nv,), packed by joint number.");
   def_array(simulation, "effort", {&StateArrays::effort, &StateViews::effort},
             "Extra efforts along the degrees of freedom (N m, N), shape (nv,): they act until they are changed.");
   register_equations(simulation);

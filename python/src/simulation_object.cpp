@@ -183,7 +183,8 @@ void SimulationObject::push() {
   Simulation& sim = simulation();
   try {
     if (p && v) refuse("both sim.v and sim.p were written", "momenta follow from velocities: write one of them");
-    // Writing q keeps the velocities: they are what a user thinks of as the motion. Momenta that are written are taken as they are.
+    // Writing q keeps the velocities: they are what a user thinks of as the motion. Momenta that are written are taken as they
+    // are.
     std::vector<double> momenta = arrays_->p.now;
     if (!p) {
       const Numbers now = sim.world().v();
@@ -289,11 +290,13 @@ Use::Use(SimulationObject& object, Access access) : object_(object), access_(acc
     return;
   }
   if (user != me)
-    refuse("the simulation is being used by another thread", "give each thread its own: sim.branch(), or a simulation of the same model");
+    refuse("the simulation is being used by another thread",
+           "give each thread its own: sim.branch(), or a simulation of the same model");
   switch (object.inside) {
     case Inside::nothing: break;
     case Inside::drive:
-      refuse("a function that drives a joint or acts on a body used its simulation", "it may read only the context that is passed to it");
+      refuse("a function that drives a joint or acts on a body used its simulation",
+             "it may read only the context that is passed to it");
     case Inside::measure:
       refuse("a function that measures a condition used its simulation", "it may read only the world that is passed to it");
     case Inside::observer:

@@ -14,7 +14,8 @@ Reading::Reading(const WorldPtr& world) {
   } else {
     world_ = world->passed;
     if (world_ == nullptr)
-      refuse("this world was passed to a function and is no longer valid", "read what is needed during the call, or use sim.world");
+      refuse("this world was passed to a function and is no longer valid",
+             "read what is needed during the call, or use sim.world");
   }
 }
 
@@ -104,9 +105,7 @@ void check_joint_exists(const World& world, JointId joint) {
 
 nb::object wrench(const Wrench& w) { return python_class("_records", "Wrench")(from_vec3(w.force), from_vec3(w.torque)); }
 
-nb::object energy(const Totals& totals) {
-  return python_class("_records", "Energy")(totals.kinetic, totals.potential);
-}
+nb::object energy(const Totals& totals) { return python_class("_records", "Energy")(totals.kinetic, totals.potential); }
 
 nb::object momentum(const Totals& totals) {
   return python_class("_records", "Momentum")(from_vec3(totals.linear), from_vec3(totals.angular));
@@ -144,11 +143,15 @@ nb::object parent_of(const World& world, JointId joint) {
 void register_body(nb::module_& m) {
   nb::class_<BodyObject>(m, "Body", "A body of a world. Handles stay valid through every topology change.")
       .def_prop_ro("name", [](const BodyObject& b) { return Reading(b.world)->model()[b.id].name; })
-      .def_prop_ro("index", [](const BodyObject& b) { return b.id.index; }, "Number of the body, in the order of adding.")
-      .def_prop_ro("alive", [](const BodyObject& b) { return Reading(b.world)->alive(b.id); }, "False for a removed body.")
-      .def_prop_ro("mass", [](const BodyObject& b) { return Reading(b.world)->model()[b.id].mass; }, "Mass (kg).")
-      .def_prop_ro("com", [](const BodyObject& b) { return from_vec3(Reading(b.world)->model()[b.id].com); },
-                   "Centre of mass in the body's frame (m), shape (3,).")
+      .def_prop_ro(
+          "index", [](const BodyObject& b) { return b.id.index; }, "Number of the body, in the order of adding.")
+      .def_prop_ro(
+          "alive", [](const BodyObject& b) { return Reading(b.world)->alive(b.id); }, "False for a removed body.")
+      .def_prop_ro(
+          "mass", [](const BodyObject& b) { return Reading(b.world)->model()[b.id].mass; }, "Mass (kg).")
+      .def_prop_ro(
+          "com", [](const BodyObject& b) { return from_vec3(Reading(b.world)->model()[b.id].com); },
+          "Centre of mass in the body's frame (m), shape (3,).")
       .def_prop_ro("position", of_body([](const World& w, BodyId b) { return from_vec3(motion_of(w, b).pose.position); }),
                    "Origin of the body's frame in the world (m), shape (3,).")
       .def_prop_ro("quaternion", of_body([](const World& w, BodyId b) { return from_quat(motion_of(w, b).pose.rotation); }),
@@ -157,18 +160,20 @@ void register_body(nb::module_& m) {
                    "Velocity of the frame's origin (m/s), world axes, shape (3,).")
       .def_prop_ro("angular", of_body([](const World& w, BodyId b) { return from_vec3(motion_of(w, b).angular); }),
                    "Angular velocity (rad/s), world axes, shape (3,).")
-      .def_prop_ro("linear_acceleration", of_body([](const World& w, BodyId b) { return from_vec3(acceleration_of(w, b).linear); }),
+      .def_prop_ro("linear_acceleration",
+                   of_body([](const World& w, BodyId b) { return from_vec3(acceleration_of(w, b).linear); }),
                    "Time derivative of `linear` (m/s²), world axes, shape (3,).")
       .def_prop_ro("angular_acceleration",
                    of_body([](const World& w, BodyId b) { return from_vec3(acceleration_of(w, b).angular); }),
                    "Time derivative of `angular` (rad/s²), world axes, shape (3,).")
       .def_prop_ro("mechanism", of_body(mechanism_of), "Name of the mechanism that the body belongs to at present.")
       .def("__repr__", [](const BodyObject& b) { return "<momentree.Body '" + Reading(b.world)->model()[b.id].name + "'>"; })
-      .def("__eq__", [](const BodyObject& a, nb::handle other) {
-        if (!nb::isinstance<BodyObject>(other)) return false;
-        const auto& b = nb::cast<const BodyObject&>(other);
-        return a.world->simulation == b.world->simulation && a.id == b.id;
-      })
+      .def("__eq__",
+           [](const BodyObject& a, nb::handle other) {
+             if (!nb::isinstance<BodyObject>(other)) return false;
+             const auto& b = nb::cast<const BodyObject&>(other);
+             return a.world->simulation == b.world->simulation && a.id == b.id;
+           })
       .def("__hash__", [](const BodyObject& b) {
         return std::hash<const void*>{}(b.world->simulation.get()) ^ static_cast<std::size_t>(b.id.index);
       });
@@ -193,9 +198,10 @@ void register_joint(nb::module_& m) {
                    "Time derivatives of p (N m, N), shape (nv,), a copy. Equation (20) of the paper.")
       .def_prop_ro("a", of_joint([](const World& w, JointId j) { return copy_of(w.joint_forces(j).a); }),
                    "Time derivatives of v (rad/s², m/s²), shape (nv,), a copy.")
-      .def_prop_ro("reaction", of_joint([](const World& w, JointId j) { return wrench(w.joint_forces(j).reaction); }),
-                   "Wrench of the parent on the child through the joint, drive and spring included: about the origin of the child's "
-                   "frame, in the child's axes.")
+      .def_prop_ro(
+          "reaction", of_joint([](const World& w, JointId j) { return wrench(w.joint_forces(j).reaction); }),
+          "Wrench of the parent on the child through the joint, drive and spring included: about the origin of the child's "
+          "frame, in the child's axes.")
       .def_prop_ro("bearing", of_joint([](const World& w, JointId j) { return wrench(w.joint_forces(j).pure); }),
                    "The reaction without the effort along the joint's degrees of freedom: what its bearings and locks carry.")
       .def_prop_ro("effort", of_joint([](const World& w, JointId j) {
@@ -214,11 +220,12 @@ void register_joint(nb::module_& m) {
       .def("__repr__", of_joint([](const World& w, JointId j) {
              return "<momentree.Joint '" + std::string(w.joint_name(j)) + "', " + info(w.joint(j).kind).name + ">";
            }))
-      .def("__eq__", [](const JointObject& a, nb::handle other) {
-        if (!nb::isinstance<JointObject>(other)) return false;
-        const auto& b = nb::cast<const JointObject&>(other);
-        return a.world->simulation == b.world->simulation && a.id == b.id;
-      })
+      .def("__eq__",
+           [](const JointObject& a, nb::handle other) {
+             if (!nb::isinstance<JointObject>(other)) return false;
+             const auto& b = nb::cast<const JointObject&>(other);
+             return a.world->simulation == b.world->simulation && a.id == b.id;
+           })
       .def("__hash__", [](const JointObject& j) {
         return std::hash<const void*>{}(j.world->simulation.get()) ^ (static_cast<std::size_t>(j.id.index) << 1U);
       });
@@ -247,14 +254,18 @@ auto of_motion(Get get) {
 }
 
 void register_context(nb::module_& m) {
-  nb::class_<ContextObject>(m, "Context",
-                            "What a function that drives a joint or acts on a body may read: the state at a stage of a step. Valid "
-                            "during the call.")
-      .def_prop_ro("time", [](const ContextObject& c) { return context_of(c).time(); }, "Time (s).")
-      .def("q", [](const ContextObject& c, nb::handle joint) { return copy_of(context_of(c).q(context_joint(c, joint))); },
-           "joint"_a, "Coordinates of a joint (rad, m), shape (nq,).")
-      .def("v", [](const ContextObject& c, nb::handle joint) { return copy_of(context_of(c).v(context_joint(c, joint))); },
-           "joint"_a, "Velocities of a joint (rad/s, m/s), shape (nv,).")
+  nb::class_<ContextObject>(
+      m, "Context",
+      "What a function that drives a joint or acts on a body may read: the state at a stage of a step. Valid "
+      "during the call.")
+      .def_prop_ro(
+          "time", [](const ContextObject& c) { return context_of(c).time(); }, "Time (s).")
+      .def(
+          "q", [](const ContextObject& c, nb::handle joint) { return copy_of(context_of(c).q(context_joint(c, joint))); },
+          "joint"_a, "Coordinates of a joint (rad, m), shape (nq,).")
+      .def(
+          "v", [](const ContextObject& c, nb::handle joint) { return copy_of(context_of(c).v(context_joint(c, joint))); },
+          "joint"_a, "Velocities of a joint (rad/s, m/s), shape (nv,).")
       .def("position", of_motion([](const BodyMotion& b) { return from_vec3(b.pose.position); }), "body"_a,
            "Origin of a body's frame (m), world axes, shape (3,).")
       .def("quaternion", of_motion([](const BodyMotion& b) { return from_quat(b.pose.rotation); }), "body"_a,
@@ -283,29 +294,39 @@ void register_world(nb::module_& m) {
   register_joint(m);
   register_context(m);
   nb::class_<WorldObject>(m, "World", "The world of a simulation at its present instant.")
-      .def_prop_ro("time", [](const WorldPtr& w) { return Reading(w)->time(); }, "Time (s).")
-      .def_prop_ro("gravity", [](const WorldPtr& w) { return from_vec3(Reading(w)->model().gravity()); },
-                   "Gravity (m/s²), world axes, shape (3,).")
-      .def_prop_ro("energy", [](const WorldPtr& w) { return energy(Reading(w)->totals()); }, "Energies of the world (J).")
-      .def_prop_ro("momentum", [](const WorldPtr& w) { return momentum(Reading(w)->totals()); },
-                   "Momenta of the world, world axes, the angular one about the world's origin.")
-      .def_prop_ro("mechanisms", [](const WorldPtr& w) { return mechanisms_of(*Reading(w)); }, "The mechanisms at present.")
-      .def_prop_ro("bodies", [](const WorldPtr& w) { return python_class("_world", "Bodies")(w); }, "The bodies by name.")
-      .def_prop_ro("joints", [](const WorldPtr& w) { return python_class("_world", "Joints")(w); }, "The joints by name.")
-      .def("_body", [](const WorldPtr& w, nb::handle name) {
-        const Reading world(w);
-        return BodyObject{w, body_of(*world, *w->simulation, name)};
-      })
-      .def("_joint", [](const WorldPtr& w, nb::handle name) {
-        const Reading world(w);
-        return JointObject{w, joint_of(*world, *w->simulation, name)};
-      })
+      .def_prop_ro(
+          "time", [](const WorldPtr& w) { return Reading(w)->time(); }, "Time (s).")
+      .def_prop_ro(
+          "gravity", [](const WorldPtr& w) { return from_vec3(Reading(w)->model().gravity()); },
+          "Gravity (m/s²), world axes, shape (3,).")
+      .def_prop_ro(
+          "energy", [](const WorldPtr& w) { return energy(Reading(w)->totals()); }, "Energies of the world (J).")
+      .def_prop_ro(
+          "momentum", [](const WorldPtr& w) { return momentum(Reading(w)->totals()); },
+          "Momenta of the world, world axes, the angular one about the world's origin.")
+      .def_prop_ro(
+          "mechanisms", [](const WorldPtr& w) { return mechanisms_of(*Reading(w)); }, "The mechanisms at present.")
+      .def_prop_ro(
+          "bodies", [](const WorldPtr& w) { return python_class("_world", "Bodies")(w); }, "The bodies by name.")
+      .def_prop_ro(
+          "joints", [](const WorldPtr& w) { return python_class("_world", "Joints")(w); }, "The joints by name.")
+      .def("_body",
+           [](const WorldPtr& w, nb::handle name) {
+             const Reading world(w);
+             return BodyObject{w, body_of(*world, *w->simulation, name)};
+           })
+      .def("_joint",
+           [](const WorldPtr& w, nb::handle name) {
+             const Reading world(w);
+             return JointObject{w, joint_of(*world, *w->simulation, name)};
+           })
       .def("_body_names", [](const WorldPtr& w) { return body_names(*Reading(w)); })
       .def("_joint_names", [](const WorldPtr& w) { return joint_names(*Reading(w)); })
-      .def("_has_body", [](const WorldPtr& w, const std::string& name) {
-        const Reading world(w);
-        return world->model().has_body(name) && world->alive(world->model().body(name));
-      })
+      .def("_has_body",
+           [](const WorldPtr& w, const std::string& name) {
+             const Reading world(w);
+             return world->model().has_body(name) && world->alive(world->model().body(name));
+           })
       .def("_has_joint", [](const WorldPtr& w, const std::string& name) { return Reading(w)->find_joint(name) >= 0; });
 }
 
