@@ -80,11 +80,11 @@ std::vector<TriggerPart> PartReader::triggers(const Value& event, const World& w
   std::vector<TriggerPart> all;
   const auto read = [&](std::shared_ptr<const TriggerMatch> match) {
     Fields fields(event, event_table, part.out);
-    ScenarioEvent read;
-    read_trigger(fields, read, match.get(), part.reading);
+    ScenarioEvent scheduled;
+    read_trigger(fields, scheduled, match.get(), part.reading);
     fields.finish();
     part.check();
-    all.push_back({std::move(read.condition), std::move(match)});
+    all.push_back({std::move(scheduled.condition), std::move(match)});
   };
   if (!matches) read(nullptr);
   if (matches)
