@@ -52,7 +52,8 @@ def load(model: MjModel, data: MjData, equality: str | int) -> Wrench:
     ``data`` must be evaluated (``mj_forward``).
 
     Returns:
-        The wrench, N and N m, about the anchor of the constraint in the second body, in world axes.
+        The wrench, N and N m, about the anchor of the constraint in the first body, in world axes. The second body receives the
+        opposite wrench, about its own anchor.
 
     Raises:
         mt.Error: if the constraint is of another kind.
@@ -62,8 +63,8 @@ def load(model: MjModel, data: MjData, equality: str | int) -> Wrench:
     if kind not in (WELD, CONNECT) or int(model.eq_objtype[number]) != int(mujoco.mjtObj.mjOBJ_BODY):
         raise mt.Error("only welds and connects of bodies have a load", name_of(model, "equality", number))
     first, second = int(model.eq_obj1id[number]), int(model.eq_obj2id[number])
-    anchor = np.array(model.eq_data[number][:3] if kind == WELD else model.eq_data[number][3:6])
-    point = np.array(data.xpos[second]) + np.array(data.xmat[second]).reshape(3, 3) @ anchor
+    anchor = np.array(model.eq_data[number][3:6] if kind == WELD else model.eq_data[number][:3])
+    point = np.array(data.xpos[first]) + np.array(data.xmat[first]).reshape(3, 3) @ anchor
     rows = _rows(data, number)
     efforts = np.array(data.efc_force)[rows]
     if len(rows) == 0:
