@@ -78,25 +78,27 @@ double imbalance(const EvaluationModel& model, const std::vector<double>& q, con
   return missing / largest;
 }
 
-namespace {
-
 bool is_chain(const EvaluationModel& model) {
   for (std::size_t i = 0; i < model.links.size(); ++i)
     if (model.links[i].free || model.links[i].parent + 1 != static_cast<int>(i)) return false;
   return true;
 }
 
-}  // namespace
+Turns turns_of(const EvaluationModel& model) {
+  Turns turns;
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    const Link& link = model.links[i];
+    turns.q[0].push_back(link.angle), turns.u[0].push_back(link.rate);
+    turns.q[1].push_back(link.angle + 1e-3 * static_cast<double>(i % 7 + 1)), turns.u[1].push_back(link.rate + 1e-3);
+  }
+  return turns;
+}
 
 int evaluate(const std::string& engine, const std::vector<Evaluation>& ways, const std::vector<std::string>& files) {
   int wrong = 0;
   for (const EvaluationModel& model : models(files)) {
     const std::size_t n = model.links.size();
-    std::vector<double> q[2], u[2];
-    for (std::size_t i = 0; i < n; ++i) {
-      q[0].push_back(model.links[i].angle), u[0].push_back(model.links[i].rate);
-      q[1].push_back(q[0][i] + 1e-3 * static_cast<double>(i % 7 + 1)), u[1].push_back(u[0][i] + 1e-3);
-    }
+    const auto [q, u] = turns_of(model);
     for (const Evaluation& way : ways) {
       if (static_cast<int>(n) > way.most || (way.chains_only && !is_chain(model))) continue;
       const std::unique_ptr<Evaluator> engine_with_model = way.make(model);
@@ -106,9 +108,7 @@ int evaluate(const std::string& engine, const std::vector<Evaluation>& ways, con
         const double e = imbalance(model, q[k], u[k], engine_with_model->accelerations());
         if (!(e <= error)) error = e;
       }
-      // The accuracy of velocities computed from momenta decreases with a power of the chain's length (README.md); a mistake
-      // causes an error of order 1.
-      if (!(error < (n <= 100 ? 1e-8 : 1e-4))) {
+      if (!(error < allowed_imbalance(model))) {
         std::fprintf(stderr, "%s, %s, %s: the accelerations are wrong, joints are off balance by %g\n", engine.c_str(),
                      way.name.c_str(), model.name.c_str(), error);
         wrong = 1;
@@ -118,7 +118,7 @@ int evaluate(const std::string& engine, const std::vector<Evaluation>& ways, con
       int turn = 0;
       const Clock::time_point begin = Clock::now();
       for (int repeat = 0; repeat < 20 || since(begin) < 1; ++repeat) {
-        const int count = static_cast<int>(1 + 1000 / n);
+        const int count = batch(model);
         const Clock::time_point at = Clock::now();
         for (int i = 0; i < count; ++i) turn ^= 1, engine_with_model->evaluate(q[turn].data(), u[turn].data());
         best = std::min(best, since(at) / count);

@@ -47,6 +47,20 @@ std::vector<EvaluationModel> models(const std::vector<std::string>& files);
 /// wrong.
 int evaluate(const std::string& engine, const std::vector<Evaluation>& ways, const std::vector<std::string>& files);
 
+/// The two states between which a model is moved: positions and velocities in the order of the links.
+struct Turns {
+  std::vector<double> q[2], u[2];
+};
+Turns turns_of(const EvaluationModel& model);
+
+/// The imbalance above which accelerations are wrong. The accuracy of velocities computed from momenta decreases with a power of
+/// the chain's length (README.md); a mistake causes an imbalance of order 1.
+inline double allowed_imbalance(const EvaluationModel& model) { return model.links.size() <= 100 ? 1e-8 : 1e-4; }
+/// Evaluations that are timed together.
+inline int batch(const EvaluationModel& model) { return static_cast<int>(1 + 1000 / model.links.size()); }
+
+bool is_chain(const EvaluationModel& model);
+
 /// Largest imbalance of force (N m) at a joint for these accelerations, relative to the largest force that its bodies require.
 /// For a free link all six components count.
 double imbalance(const EvaluationModel& model, const std::vector<double>& q, const std::vector<double>& u,

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "experiment.hpp"
@@ -28,6 +29,16 @@ struct Way {
   std::string note;
   std::function<std::unique_ptr<Trial>(const Experiment&)> make;
 };
+
+/// How far bodies are from where the change should have left them; see README.md.
+struct Judgement {
+  double linear, angular, energy, exact_loss, position, velocity;
+};
+/// `after`: the motions found, `elapsed` (s) after the start.
+Judgement judge(const Experiment& experiment, const std::vector<Motion>& after, double elapsed);
+
+/// Largest deviation of these motions from the start of the experiment, and the body that has it.
+std::pair<double, std::size_t> off_start(const Experiment& experiment, const std::vector<Motion>& found);
 
 /// Prints a line of JSON. Stops the program if the engine's bodies do not start as in the experiment.
 void measure(const std::string& engine, const Experiment& experiment, const Way& way);

@@ -33,7 +33,7 @@ mt::Model model_of(const std::vector<Link>& links, double along_z = 0) {
                       .mass = link.mass,
                       .com = vec(link.com),
                       .inertia = sym(inertia_of(link)),
-                      .parent = mt::Body{link.parent},
+                      .parent = mt::BodyId{link.parent},
                       .at = mt::Pose{vec(link.at), mt::quaternion_of(mat(link.turn))}};
     if (link.free) {
       const Vector3d v = link.turn.transpose() * link.linear, w = link.turn.transpose() * link.angular;
@@ -59,7 +59,7 @@ struct Engine : Trial {
 
   void change() override {
     if (around) forward_dynamics(tree, state, workspace);
-    const mt::Body body{e.body}, to{e.to};
+    const mt::BodyId body{e.body}, to{e.to};
     if (e.change == Change::cut) apply(mt::Break{tree.inboard_joint(body)}, tree, state, workspace);
     if (e.change == Change::lock) apply(mt::Lock{tree.inboard_joint(body)}, tree, state, workspace);
     if (e.change == Change::capture) {
@@ -67,8 +67,8 @@ struct Engine : Trial {
       forward_dynamics(tree, state, workspace);
       const double* q = state.q().data() + tree.first_q(e.body);  // pose in the hand
       mt::ChangeJoint weld;
-      weld.body = body;
-      weld.joint.at = mt::Pose{{q[0], q[1], q[2]}, {q[3], q[4], q[5], q[6]}};
+      weld.joint = tree.inboard_joint(body);
+      weld.to.at = mt::Pose{{q[0], q[1], q[2]}, {q[3], q[4], q[5], q[6]}};
       apply(weld, tree, state, workspace);
     }
     if (around) forward_dynamics(tree, state, workspace);

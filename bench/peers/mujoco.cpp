@@ -1,8 +1,9 @@
-// MuJoCo. The topology of a compiled model is fixed; joints that are made or broken at run time are equality constraints,
-// declared in advance and switched by eq_active. Constraints are soft by design (here with the default solref, 0.02 s, critically
-// damped), so that an activated constraint needs time to act: its result is evaluated 0.3 s later (without gravity and damping,
-// energy and momenta are conserved until then), integrated by RK4 as recommended if energy matters. Unforeseen changes need
-// another model with the state copied.
+// MuJoCo. Joints that are made or broken at run time are equality constraints, declared in advance and switched by eq_active.
+// They are soft by design. With the default solref (0.02 s, critically damped) an activated constraint needs time to act: its
+// result is evaluated 0.3 s later (without gravity and damping, energy and momenta are conserved until then), integrated by RK4
+// as recommended if energy matters. The integrator `discrete` admits constraints that are as hard as solimp allows, which act
+// within a step. Changes that were not foreseen edit the model (mjSpec) and recompile it, which keeps the state of the joints
+// that remain.
 #include <algorithm>
 
 #include "evaluation.hpp"
@@ -13,34 +14,51 @@ namespace {
 
 using namespace peers;
 
-enum class How { rebuild, connects, equality };
+enum class How { edit, rebuild, connects, soft, hard };
 constexpr double settling = 0.3;
 
 struct Engine : Trial {
-  Engine(const Experiment& experiment, How way) : e(experiment), how(way), links(e.links) {
-    std::ostringstream equality;
-    const Link& link = links[e.body];
-    if (how == How::connects) {  // the revolute joint that will break: two points on the axis of a loose body are constrained
-      const std::string between = "body1='" + link.name + "' body2='" + links[link.parent].name + "' anchor='";
-      equality << "<connect " << between << "0 0 0'/><connect " << between << "0 0 0.1'/>";
-      loosen(start(e)[e.body]);
-    }
-    if (how == How::equality && e.change == Change::lock) equality << "<joint joint1='" << link.name << "' active='false'/>";
-    if (how == How::equality && e.change == Change::capture)
-      equality << "<weld body1='" << links[e.to].name << "' body2='" << link.name << "' active='false'/>";
-    now = std::make_unique<Model>(links, -1, equality.str());
+  Engine(const Experiment& experiment, How way, double h) : e(experiment), how(way), step(h), links(e.links) {
+    if (how == How::connects) loosen(start(e)[e.body]);
+    make(-1);
     for (const Link& each : links) {
-      if (each.free) put(*now, each, {each.turn, each.at, each.linear, each.angular});
+      if (each.free) now->set(each, {each.turn, each.at, each.linear, each.angular});
       if (!each.free) *now->q(each) = each.angle, *now->v(each) = each.rate;
     }
     mj_forward(now->model, now->data);
   }
 
-  static void put(const Model& m, const Link& link, const Motion& motion) {
-    const Eigen::Quaterniond q(motion.R);
-    const Vector3d w = motion.R.transpose() * motion.w;
-    for (int k = 0; k < 3; ++k) m.q(link)[k] = motion.p[k], m.v(link)[k] = motion.v[k], m.v(link)[3 + k] = w[k];
-    m.q(link)[3] = q.w(), m.q(link)[4] = q.x(), m.q(link)[5] = q.y(), m.q(link)[6] = q.z();
+  void make(int fixed) {
+    now = std::make_unique<Model>(links, fixed);
+    if (how == How::connects) {  // the revolute joint that will break: two points on the axis of a loose body are constrained
+      for (const double z : {0.0, 0.1}) declare(mjEQ_CONNECT, e.links[e.body].parent)->data[2] = z;
+    }
+    if (how == How::soft || how == How::hard) {
+      if (e.change == Change::lock) declare(mjEQ_JOINT, -1)->active = false;
+      if (e.change == Change::capture) declare(mjEQ_WELD, e.to)->active = false;
+    }
+    if (how == How::hard) {
+      now->spec->option.integrator = mjINT_DISCRETE;
+      now->spec->option.timestep = step;
+    }
+    now->compile();
+  }
+  /// An equality between the body and another one, or of its joint.
+  mjsEquality* declare(mjtEq type, int other) {
+    mjsEquality* made = mjs_addEquality(now->spec, nullptr);
+    made->type = type;
+    made->objtype = type == mjEQ_JOINT ? mjOBJ_JOINT : mjOBJ_BODY;
+    if (type != mjEQ_JOINT) std::fill(made->data, made->data + 3, 0);  // the anchor; by default these are a polynomial's
+    // The data of a connect are in the first body, those of a weld in the second.
+    if (type == mjEQ_WELD) std::swap(made->name1, made->name2);
+    mjs_setString(made->name1, links[e.body].name.c_str());
+    if (other >= 0) mjs_setString(made->name2, links[other].name.c_str());
+    if (type == mjEQ_WELD) std::swap(made->name1, made->name2);
+    if (how == How::hard) {
+      made->solref[0] = 1e-3 * step;
+      std::fill(made->solimp, made->solimp + 2, 0.9999);  // the largest that has an effect
+    }
+    return made;
   }
   void loosen(const Motion& motion) {
     Link& link = links[e.body];
@@ -52,73 +70,103 @@ struct Engine : Trial {
     mjModel* model = now->model;
     mjData* data = now->data;
     if (how == How::rebuild) return rebuild();
-    if (how == How::connects) model->eq_active[0] = model->eq_active[1] = 0;
-    if (how == How::equality && e.change == Change::lock) {
-      model->eq_data[0] = *now->q(links[e.body]);  // the constant of the polynomial
-      model->eq_active[0] = 1;
+    if (how == How::edit) return edit();
+    if (how == How::connects) data->eq_active[0] = data->eq_active[1] = 0;
+    if (how == How::soft || how == How::hard) {
+      if (e.change == Change::lock) model->eq_data[0] = *now->q(links[e.body]);  // the constant of the polynomial
+      if (e.change == Change::capture) {
+        const Pose held = held_in_hand();
+        model->eq_data[10] = 1;  // weight of the torques; the anchor, in the second body, stays at its origin
+        put(held.p, model->eq_data + 3), put(held.R, model->eq_data + 6);
+      }
+      data->eq_active[0] = 1;
     }
-    if (how == How::equality && e.change == Change::capture) {
-      const Motion hand = read(e.to), held = read(e.body);
-      const Vector3d p = hand.R.transpose() * (held.p - hand.p);
-      const Eigen::Quaterniond q(Matrix3d(hand.R.transpose() * held.R));
-      const double relative[] = {0, 0, 0, p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), 1};
-      // anchor (in body2), pose of body2 in body1, weight of the torques
-      std::copy(relative, relative + 11, model->eq_data);
-      model->eq_active[0] = 1;
-    }
+    if (how == How::hard) mj_step(model, data), time = data->time;
     mj_forward(model, data);
   }
   void settle() override {
-    if (how != How::equality) return;
-    while (now->data->time < settling) mj_step(now->model, now->data), time = now->data->time;
+    if (how != How::soft) return;
+    while (now->data->time < settling) mj_step(now->model, now->data);
+    time = now->data->time;
     mj_forward(now->model, now->data);
   }
   double elapsed() const override { return time; }
+
+  struct Pose {
+    Matrix3d R;
+    Vector3d p;
+  };
+  Pose held_in_hand() const {
+    const Motion hand = now->read(links[e.to]), held = now->read(links[e.body]);
+    return {hand.R.transpose() * held.R, hand.R.transpose() * (held.p - hand.p)};
+  }
+
+  /// Copies the state of a joint from another model with the same joints.
+  static void copy(const Link& link, const Model& from, const Model& to) {
+    mju_copy(to.q(link), from.q(link), link.free ? 7 : 1);
+    mju_copy(to.v(link), from.v(link), link.free ? 6 : 1);
+  }
 
   /// Another model, whose joints get the state of the joints with the same names.
   void rebuild() {
     Link& link = links[e.body];
     int fixed = -1;
-    if (e.change == Change::cut) loosen(read(e.body));
-    if (e.change == Change::lock) {  // without the joint: the angle becomes part of the body's pose
-      link.turn = link.turn * Eigen::AngleAxisd(*now->q(link), Vector3d::UnitZ()).toRotationMatrix();
-      fixed = e.body;
-    }
+    if (e.change == Change::cut) loosen(now->read(link));
     if (e.change == Change::capture) {
-      const Motion hand = read(e.to), held = read(e.body);
+      const Pose held = held_in_hand();
       link.parent = e.to, link.free = false, fixed = e.body;
-      link.turn = hand.R.transpose() * held.R, link.at = hand.R.transpose() * (held.p - hand.p);
+      link.turn = held.R, link.at = held.p;
     }
-    auto next = std::make_unique<Model>(links, fixed, "");
+    const std::unique_ptr<Model> old = std::move(now);
+    make(fixed);
     for (int i = 0; i < static_cast<int>(links.size()); ++i) {
-      if (i == fixed) continue;
-      if (i == e.body) {
-        put(*next, link, {link.turn, link.at, link.linear, link.angular});
-      } else {
-        mju_copy(next->q(links[i]), now->q(links[i]), links[i].free ? 7 : 1);
-        mju_copy(next->v(links[i]), now->v(links[i]), links[i].free ? 6 : 1);
-      }
+      if (i != e.body) copy(links[i], *old, *now);
     }
-    now = std::move(next);
+    if (e.change == Change::cut) now->set(link, {link.turn, link.at, link.linear, link.angular});
     mj_forward(now->model, now->data);
   }
 
-  Motion read(int i) const {
-    const int body = now->body(links[i]);
-    mjtNum v[6];
-    mj_objectVelocity(now->model, now->data, mjOBJ_XBODY, body, v, 0);
-    using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-    return {Eigen::Map<const Rows>(now->data->xmat + 9 * body), Eigen::Map<const Vector3d>(now->data->xpos + 3 * body),
-            Vector3d(v[3], v[4], v[5]), Vector3d(v[0], v[1], v[2])};
+  /// Edits the specification and recompiles it. There is no function that moves a body to another parent: a copy of it is
+  /// attached there, without the states of its joints, and the body is deleted.
+  void edit() {
+    Link& link = links[e.body];
+    mjsBody* body = now->body_spec(link);
+    if (e.change == Change::lock) {  // without the joint: the angle becomes part of the body's pose
+      put(Matrix3d(link.turn * Eigen::AngleAxisd(*now->q(link), Vector3d::UnitZ()).toRotationMatrix()), body->quat);
+      mjs_delete(now->spec, mjs_findElement(now->spec, mjOBJ_JOINT, link.name.c_str()));
+      now->recompile();
+      mj_forward(now->model, now->data);
+      return;
+    }
+    const Motion motion = now->read(link);
+    const std::vector<int> moved = subtree(e.links, e.body);
+    std::vector<double> q, v;
+    for (const int i : moved) q.push_back(*now->q(links[i])), v.push_back(*now->v(links[i]));
+    const bool cut = e.change == Change::cut;
+    const Pose pose = cut ? Pose{motion.R, motion.p} : held_in_hand();
+    mjs_setDeepCopy(now->spec, 1);
+    mjsFrame* frame = mjs_addFrame(cut ? mjs_findBody(now->spec, "world") : now->body_spec(links[e.to]), nullptr);
+    mjsBody* made = mjs_asBody(mjs_attach(frame->element, body->element, "moved ", ""));
+    mjs_delete(now->spec, body->element);
+    for (const int i : moved) links[i].name = "moved " + links[i].name;
+    put(pose.p, made->pos), put(pose.R, made->quat);
+    mjs_delete(now->spec, mjs_findElement(now->spec, mjOBJ_JOINT, link.name.c_str()));
+    if (cut) mjs_setName(mjs_addFreeJoint(made)->element, link.name.c_str());
+    now->recompile();
+    for (std::size_t i = 1; i < moved.size(); ++i) *now->q(links[moved[i]]) = q[i], *now->v(links[moved[i]]) = v[i];
+    if (cut) now->set(link, motion);
+    mj_forward(now->model, now->data);
   }
+
   std::vector<Motion> motions() override {
     std::vector<Motion> all;
-    for (int i = 0; i < static_cast<int>(links.size()); ++i) all.push_back(read(i));
+    for (const Link& link : links) all.push_back(now->read(link));
     return all;
   }
 
   Experiment e;
   How how;
+  double step;
   std::vector<Link> links;
   std::unique_ptr<Model> now;
   double time = 0;
@@ -126,32 +174,41 @@ struct Engine : Trial {
 
 std::vector<Way> ways(Change change) {
   const std::string soft = "foreseen: declared beforehand; soft, judged 0.3 s later, time is of the switching";
+  const std::string hard = "foreseen: declared beforehand; as hard as it can be";
   if (change == Change::cut) {
-    return {{"rebuild, copy the state", "needs a rebuild", maker<Engine>(How::rebuild)},
-            {"two connects, eq_active = 0", "foreseen: the pin is soft constraints until then", maker<Engine>(How::connects)}};
-  }
-  if (change == Change::lock) {
     return {
-        {"joint equality, eq_active = 1", soft, maker<Engine>(How::equality)},
-        {"rebuild without the joint, copy the rest", "needs a rebuild; zeroes the joint's speed", maker<Engine>(How::rebuild)}};
+        {"attach a copy, delete, recompile", "needs a recompilation", maker<Engine>(How::edit, 0.0)},
+        {"rebuild, copy the state", "needs a rebuild", maker<Engine>(How::rebuild, 0.0)},
+        {"two connects, eq_active = 0", "foreseen: the pin is soft constraints until then", maker<Engine>(How::connects, 0.0)}};
   }
-  return {{"weld equality, eq_active = 1", soft, maker<Engine>(How::equality)},
-          {"rebuild as child of the hand, copy the rest", "needs a rebuild; takes on the hand's velocity",
-           maker<Engine>(How::rebuild)}};
+  const std::string name = change == Change::lock ? "joint" : "weld";
+  std::vector<Way> found{{name + " equality, eq_active = 1", soft, maker<Engine>(How::soft, 0.0)},
+                         {name + " equality, discrete, step of 1 µs", hard, maker<Engine>(How::hard, 1e-6)},
+                         {name + " equality, discrete, step of 1 ms", hard, maker<Engine>(How::hard, 1e-3)}};
+  if (change == Change::lock) {
+    found.push_back(
+        {"delete the joint, recompile", "needs a recompilation; zeroes the joint's speed", maker<Engine>(How::edit, 0.0)});
+  } else {
+    found.push_back({"attach a copy to the hand, delete, recompile", "needs a recompilation; takes on the hand's velocity",
+                     maker<Engine>(How::edit, 0.0)});
+  }
+  return found;
 }
 
 /// The part of mj_forward that computes unconstrained accelerations: positions, inertias, bias, and a solution with the
 /// factorised mass matrix.
 struct Forward : Evaluator {
-  explicit Forward(const EvaluationModel& m) : model(m.links, -1, ""), first(m.floating() ? 1 : 0), bias(model.model->nv) {
-    model.model->opt.gravity[2] = gravity;
+  explicit Forward(const EvaluationModel& m) : model(m.links), first(m.floating() ? 1 : 0) {
+    model.spec->option.gravity[2] = gravity;
+    model.compile();
+    bias.resize(static_cast<std::size_t>(model.model->nv));
     for (const Link& link : m.links) {
       place.push_back(static_cast<int>(model.q(link) - model.data->qpos));
       row.push_back(static_cast<int>(model.v(link) - model.data->qvel));
     }
     const Link& root = m.links.front();
     turn = root.turn;
-    if (root.free) Engine::put(model, root, {root.turn, root.at, root.linear, root.angular});
+    if (root.free) model.set(root, {root.turn, root.at, root.linear, root.angular});
   }
   void evaluate(const double* q, const double* u) override {
     const mjModel* m = model.model;
@@ -159,7 +216,7 @@ struct Forward : Evaluator {
     for (std::size_t i = first; i < row.size(); ++i) d->qpos[place[i]] = q[i], d->qvel[row[i]] = u[i];
     mj_kinematics(m, d);
     mj_comPos(m, d);
-    mj_crb(m, d);
+    mj_makeM(m, d);
     mj_factorM(m, d);
     mj_comVel(m, d);
     mj_rne(m, d, 0, bias.data());

@@ -1,10 +1,11 @@
 #pragma once
 // A MuJoCo model made from links.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <memory>
-#include <sstream>
+#include <string>
+#include <vector>
 
 #include <mujoco/mujoco.h>
 
@@ -12,85 +13,75 @@
 
 namespace peers {
 
-inline std::string text(const Vector3d& a) {
-  std::ostringstream out;
-  out.precision(17);
-  out << a.x() << ' ' << a.y() << ' ' << a.z();
-  return out.str();
-}
-inline std::string text(const Eigen::Quaterniond& q) {
-  std::ostringstream out;
-  out.precision(17);
-  out << q.w() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z();
-  return out.str();
-}
-inline std::string pose(const Matrix3d& R, const Vector3d& p) {
-  return "pos='" + text(p) + "' quat='" + text(Eigen::Quaterniond(R)) + '\'';
+inline void put(const Vector3d& from, double* to) { std::copy(from.data(), from.data() + 3, to); }
+inline void put(const Matrix3d& R, double* to) {
+  const Eigen::Quaterniond q(R);
+  to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
 }
 
-/// A compiled model of the links. A locked revolute joint is a body without a joint.
+/// A specification of the links, compiled. Elements have the names of the links.
 class Model {
  public:
-  Model(const std::vector<Link>& links, int fixed, const std::string& equality) : files(1) {
-    files[0].precision(17);
-    files[0] << "<mujoco><compiler angle='radian'/><option timestep='1e-3' integrator='RK4' gravity='0 0 0'/><worldbody>";
+  /// `fixed`: a link without a joint (-1: none).
+  explicit Model(const std::vector<Link>& links, int fixed = -1) : spec(mj_makeSpec()) {
+    spec->option.timestep = 1e-3;
+    spec->option.integrator = mjINT_RK4;
+    spec->option.gravity[2] = 0;
+    std::vector<mjsBody*> bodies;
     for (int i = 0; i < static_cast<int>(links.size()); ++i) {
-      if (links[i].parent < 0) write(0, links, i, fixed);
+      const Link& link = links[i];
+      mjsBody* parent = link.parent < 0 ? mjs_findBody(spec, "world") : bodies[link.parent];
+      mjsBody* body = bodies.emplace_back(mjs_addBody(parent, nullptr));
+      mjs_setName(body->element, link.name.c_str());
+      put(link.turn, body->quat), put(link.at, body->pos);
+      body->explicitinertial = true;
+      body->mass = link.mass;
+      put(link.com, body->ipos), put(link.axes, body->iquat), put(link.inertia, body->inertia);
+      if (link.free) mjs_setName(mjs_addFreeJoint(body)->element, link.name.c_str());
+      if (link.free || i == fixed) continue;
+      mjsJoint* joint = mjs_addJoint(body, nullptr);
+      mjs_setName(joint->element, link.name.c_str());
+      joint->type = link.slides ? mjJNT_SLIDE : mjJNT_HINGE;
+      put(Vector3d(0, 0, 1), joint->axis);
     }
-    files[0] << "</worldbody><equality>" << equality << "</equality></mujoco>";
-    load();
-    data = mj_makeData(model);
   }
-  ~Model() { mj_deleteData(data), mj_deleteModel(model); }
+  ~Model() { mj_deleteData(data), mj_deleteModel(model), mj_deleteSpec(spec); }
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
+  void compile() {
+    model = mj_compile(spec, nullptr);
+    require(model != nullptr);
+    data = mj_makeData(model);
+  }
+  /// Keeps the state of joints that exist before and after.
+  void recompile() { require(mj_recompile(spec, nullptr, model, data) == 0); }
+  void require(bool good) {
+    if (!good) std::fprintf(stderr, "%s\n", mjs_getError(spec)), std::exit(1);
+  }
+
+  mjsBody* body_spec(const Link& link) { return mjs_findBody(spec, link.name.c_str()); }
   int body(const Link& link) const { return mj_name2id(model, mjOBJ_BODY, link.name.c_str()); }
   int joint(const Link& link) const { return mj_name2id(model, mjOBJ_JOINT, link.name.c_str()); }
   mjtNum* q(const Link& link) const { return data->qpos + model->jnt_qposadr[joint(link)]; }
   mjtNum* v(const Link& link) const { return data->qvel + model->jnt_dofadr[joint(link)]; }
+  /// The state of a free link: the linear velocity is in world axes, the angular one in the body's.
+  void set(const Link& link, const Motion& motion) const {
+    put(motion.p, q(link)), put(motion.R, q(link) + 3);
+    put(motion.v, v(link)), put(Vector3d(motion.R.transpose() * motion.w), v(link) + 3);
+  }
+  Motion read(const Link& link) const {
+    const int id = body(link);
+    mjtNum v[6];
+    mj_objectVelocity(model, data, mjOBJ_XBODY, id, v, 0);
+    Matrix3d R;
+    for (int k = 0; k < 9; ++k) R(k / 3, k % 3) = data->xmat[9 * id + k];
+    return {R, Vector3d(data->xpos + 3 * id), Vector3d(v + 3), Vector3d(v)};
+  }
 
+  mjSpec* spec;
   mjModel* model = nullptr;
   mjData* data = nullptr;
-
- private:
-  void write(int file, const std::vector<Link>& links, int i, int fixed) {
-    const Link& link = links[i];
-    files[file] << "<body name='" << link.name << "' " << pose(link.turn, link.at) << "><inertial pos='" << text(link.com)
-                << "' mass='" << link.mass << "' quat='" << text(Eigen::Quaterniond(link.axes)) << "' diaginertia='"
-                << text(link.inertia) << "'/>";
-    if (link.free) files[file] << "<freejoint name='" << link.name << "'/>";
-    if (!link.free && i != fixed)
-      files[file] << "<joint name='" << link.name << "' type='" << (link.slides ? "slide" : "hinge") << "' axis='0 0 1'/>";
-    for (int k = i + 1; k < static_cast<int>(links.size()); ++k) {
-      if (links[k].parent != i) continue;
-      if (k % 50 > 0) {
-        write(file, links, k, fixed);
-        continue;
-      }
-      const int next = static_cast<int>(files.size());  // a file of MJCF may nest fewer than a hundred elements
-      files[file] << "<include file='" << next << ".xml'/>";
-      files.emplace_back().precision(17);
-      files[next] << "<mujocoinclude>";
-      write(next, links, k, fixed);
-      files[next] << "</mujocoinclude>";
-    }
-    files[file] << "</body>";
-  }
-  void load() {
-    const auto vfs = std::make_unique<mjVFS>();
-    mj_defaultVFS(vfs.get());
-    for (std::size_t i = 0; i < files.size(); ++i) {
-      const std::string xml = files[i].str();
-      mj_makeEmptyFileVFS(vfs.get(), (std::to_string(i) + ".xml").c_str(), static_cast<int>(xml.size()));
-      std::memcpy(vfs->filedata[i], xml.data(), xml.size());
-    }
-    char error[1000] = "";
-    model = mj_loadXML("0.xml", vfs.get(), error, sizeof error);
-    mj_deleteVFS(vfs.get());
-    if (model == nullptr) std::fprintf(stderr, "%s\n", error), std::exit(1);
-  }
-  std::vector<std::ostringstream> files;
 };
 
 }  // namespace peers
