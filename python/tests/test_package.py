@@ -1,12 +1,13 @@
 """The package as it was built."""
 
-import os
 import subprocess
 import sys
 
+from momentree import _core
+
 
 def test_the_extension_exports_its_init_function_alone() -> None:
-    extension = os.environ["MOMENTREE_EXTENSION"]
+    extension = str(_core.__file__)
     lines = subprocess.run(["nm", "-D", "--defined-only", extension], check=True, capture_output=True, text=True).stdout.splitlines()
     assert [line.split()[-1] for line in lines] == ["PyInit__core"]
 
