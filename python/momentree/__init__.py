@@ -15,11 +15,13 @@ from momentree._records import ActionRecord, Energy, Event, Mechanism, MissedEve
 from momentree._views import StateView
 from momentree._vocabulary import Action, Condition, JointSpec, Quantity, Reaction
 from momentree.batch import Batch, Group
+from momentree.events import *
+from momentree.events import __all__ as _event_names
+from momentree.joints import *
+from momentree.joints import __all__ as _joint_names
 from momentree.model import Model
 from momentree.run import BodyRows, JointRows, Run
 from momentree.simulation import Scheduled, Simulation, load, loads
-from momentree.vocabulary import *
-from momentree.vocabulary import __all__ as _vocabulary_names
 
 if TYPE_CHECKING:
     from momentree import bridge as bridge
@@ -60,7 +62,8 @@ __all__ = [
     "__version__",
     "load",
     "loads",
-    *_vocabulary_names,
+    *_event_names,
+    *_joint_names,
 ]
 
 

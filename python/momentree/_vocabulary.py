@@ -40,6 +40,11 @@ def pose(at: Pose | None) -> Any:
     return {"xyz": at}
 
 
+def drive_of(effort: Signals | None, drive: Mapping[str, Any] | None) -> Mapping[str, Any] | None:
+    """A drive that includes an effort."""
+    return drive if effort is None else {**(drive or {}), "effort": effort}
+
+
 def _handles(values: Sequence[object]) -> list[Any]:
     return [value for value in values if hasattr(value, "scenario_value")]
 

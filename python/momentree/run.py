@@ -340,4 +340,5 @@ class Run:
         self.__dict__.update(state)
 
     def __repr__(self) -> str:
-        return f"<momentree.Run: {len(self)} rows to t = {self.time[-1] if len(self) else 0:.9g} s, {len(self.events)} events, {self.status}>"
+        end = self.time[-1] if len(self) else 0.0
+        return f"<momentree.Run: {len(self)} rows to t = {end:.9g} s, {len(self.events)} events, {self.status}>"
