@@ -52,7 +52,7 @@ class StateView(np.ndarray[tuple[int], np.dtype[np.float64]]):
         return self._owner is not None and not self._owner.alive
 
     @overload  # type: ignore[override]
-    def __getitem__(self, key: SupportsIndex) -> np.float64: ...
+    def __getitem__(self, key: SupportsIndex) -> np.float64: ...  # pyright: ignore[reportIncompatibleMethodOverride]
     @overload
     def __getitem__(self, key: slice) -> StateView: ...
     @overload
@@ -70,7 +70,7 @@ class StateView(np.ndarray[tuple[int], np.dtype[np.float64]]):
         return super().__iter__()
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
-        plain = []
+        plain: list[Any] = []
         for each in inputs:
             if isinstance(each, StateView):
                 each._check()
@@ -78,7 +78,7 @@ class StateView(np.ndarray[tuple[int], np.dtype[np.float64]]):
             plain.append(each)
         out = kwargs.get("out")
         if out is not None:
-            targets = []
+            targets: list[Any] = []
             for each in out:
                 if isinstance(each, StateView):
                     each._check()
