@@ -81,6 +81,17 @@ def test_a_weld_goes_on_holding(declared: str) -> None:
     assert np.linalg.norm(data.qvel - after) > 0.1  # it does move
 
 
+def test_the_pose_of_a_weld_survives_a_change_of_masses() -> None:
+    """``mj_setConst`` computes the poses of welds anew that were not given explicitly."""
+    model = spec_of('<weld name="grasp" body1="hand" body2="crate" active="false"/>').compile()
+    data = moving(model)
+    bridge.weld(model, data, "hand", "crate")
+    pose = model.eq_data[0].copy()
+    model.body_mass[model.body("crate").id] *= 2
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    np.testing.assert_array_equal(model.eq_data[0], pose)
+
+
 def test_a_hinge_turns_about_its_axis_only() -> None:
     spec = spec_of()
     names = bridge.reserve(spec, hinges=[("hand", "crate")], locks=["shoulder", "wrist", "crate"])
