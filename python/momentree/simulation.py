@@ -94,8 +94,8 @@ class Simulation(_core.SimulationBase):
         *,
         method: str = "rk4",
         step: Number = 1e-3,
-        rtol: Number | None = None,
-        atol: Number | None = None,
+        rtol: float | None = None,
+        atol: float | None = None,
         max_step: Number | None = None,
         event_tolerance: Number | None = None,
     ) -> None:
