@@ -180,6 +180,6 @@ class MissedEvent:
     exceeds: bool
     """True if the quantity has to rise above the threshold, False if it has to fall below it."""
     nearest: float
-    """The value that came nearest to the threshold, NaN if there was none."""
+    """The value that came nearest to the threshold, in the same unit, NaN if there was none."""
     nearest_time: float
     """When the quantity had that value (s)."""
