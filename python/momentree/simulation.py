@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Union, cast
@@ -325,7 +326,8 @@ class Simulation(_core.SimulationBase):
 
         Args:
             until: s; default: the end of the scenario.
-            record_every: Time between recorded rows (s); 0: after every step; default: as the scenario says.
+            record_every: Time between recorded rows (s); 0: after every step; ``inf``: only start and end; default:
+                as the scenario says.
             reactions: Also record the accelerations and reactions of joints.
             observe: Called with the world at each row; may schedule events, and end the run by returning ``False``.
             progress: Show a progress bar (with tqdm, if it is installed).
@@ -340,6 +342,8 @@ class Simulation(_core.SimulationBase):
         """
         end = self.until if until is None else float(until)
         every = self._output_every if record_every is None else float(record_every)
+        if every == math.inf:
+            every = max(end - self.time, 1e-9)
         found: list[Run] = []
         ended: list[tuple[str, str]] = []
 
