@@ -240,8 +240,27 @@ class Simulation(_core.SimulationBase):
 
         Events scheduled after the snapshot stay scheduled unless their time is past.
         """
-        self._functions += [each for each in snapshot._functions if each not in self._functions]
+        self._functions += [each for each in snapshot._functions if not any(each is own for own in self._functions)]
         self._restore(snapshot)
+        self._event_cache = []
+
+    def undo(self, number: int = -1, again: bool = False) -> None:
+        """Undo an event that happened, exactly: the world is as it was just before. Needs :meth:`keep_history`.
+
+        Args:
+            number: Its place in :attr:`events`; negative numbers count from the last.
+            again: Let it happen again when its condition is met; otherwise it stays in the past.
+
+        Raises:
+            Error: There is no such event, or no history.
+        """
+        super().undo(number, again)
+        self._event_cache = []
+
+    def restore_state(self, text: str, name: str = "state.json") -> None:
+        """Begin from a state document, such as the ``final.json`` of a run; ``name`` is for messages."""
+        super().restore_state(text, name)
+        self._event_cache = []
 
     # Bodies
 
