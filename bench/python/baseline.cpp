@@ -68,6 +68,6 @@ int main() {
   const double step = nanoseconds(5'000, [&] { static_cast<void>(sim.step(1e-4)); });
   Batch batch(model, 1000, {.threads = 1});
   const double batch_step = nanoseconds(50, [&] { batch.step(1e-4); });
-  std::printf("{\"evaluate\": %.1f, \"mass_matrix\": %.1f, \"step\": %.1f, \"batch\": %.1f}\n", evaluate, matrix, step, batch_step);
+  std::printf(R"({"evaluate": %.1f, "mass_matrix": %.1f, "step": %.1f, "batch": %.1f})", evaluate, matrix, step, batch_step);
   return sum == 0.5 ? 1 : 0;
 }

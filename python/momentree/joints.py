@@ -1,32 +1,16 @@
-"""Joints, actions and conditions, with the names and meanings of scenario files.
+"""The kinds of joints, with the parameters of scenario files.
 
-Numbers are in SI units; strings with units work everywhere: ``damping="0.01 N m s"``. One number for a joint's parameter applies
-to every degree of freedom, a list has one for each. Actions and conditions may name several joints or bodies by a wildcard:
-``"chain/*"``. Errors in values are raised where they are used: by :meth:`Model.add`, :meth:`Simulation.apply` and ``then``.
+Numbers are in SI units; strings with units work everywhere: ``damping="0.01 N m s"``. One number for a parameter applies to every
+degree of freedom, a list has one for each. Errors in values are raised where a joint is used, as by :meth:`Model.add`.
 """
 
 # Written by tools/python_vocabulary from the library's lists.
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
-from momentree._vocabulary import (
-    Action,
-    BodyName,
-    JointName,
-    JointSpec,
-    Number,
-    Numbers,
-    Pose,
-    Quantity,
-    Reaction,
-    Signals,
-    Vector,
-    given,
-    measured,
-    pose,
-)
+from momentree._vocabulary import JointSpec, Number, Numbers, Signals, Vector, drive_of, given
 
 __all__ = [
     "Ball",
@@ -38,31 +22,7 @@ __all__ = [
     "Revolute",
     "Universal",
     "Weld",
-    "attach",
-    "break_joint",
-    "change_joint",
-    "distance",
-    "free_joint",
-    "height",
-    "impulse",
-    "kinetic_energy",
-    "lock",
-    "measured",
-    "position",
-    "reaction",
-    "reaction_impulse",
-    "reroot",
-    "set_parameters",
-    "speed",
-    "unlock",
-    "weld",
 ]
-
-
-def _drive(effort: Signals | None, drive: Mapping[str, Any] | None) -> Mapping[str, Any] | None:
-    if effort is None:
-        return drive
-    return {**(drive or {}), "effort": effort}
 
 
 def Ball(
@@ -90,7 +50,7 @@ def Ball(
         strength: The joint breaks when its reaction reaches one of these.
         drive: Drive: an effort, position control or a prescribed motion.
     """
-    return JointSpec("ball", given(damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=_drive(effort, drive)))
+    return JointSpec("ball", given(damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=drive_of(effort, drive)))
 
 
 def Cylindrical(
@@ -120,7 +80,7 @@ def Cylindrical(
         strength: The joint breaks when its reaction reaches one of these.
         drive: Drive: an effort, position control or a prescribed motion.
     """
-    return JointSpec("cylindrical", given(axis=axis, damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=_drive(effort, drive)))
+    return JointSpec("cylindrical", given(axis=axis, damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=drive_of(effort, drive)))
 
 
 def Free(
@@ -148,7 +108,7 @@ def Free(
         strength: The joint breaks when its reaction reaches one of these.
         drive: Drive: an effort, position control or a prescribed motion.
     """
-    return JointSpec("free", given(damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=_drive(effort, drive)))
+    return JointSpec("free", given(damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=drive_of(effort, drive)))
 
 
 def Helical(
@@ -180,7 +140,7 @@ def Helical(
         strength: The joint breaks when its reaction reaches one of these.
         drive: Drive: an effort, position control or a prescribed motion.
     """
-    return JointSpec("helical", given(axis=axis, pitch=pitch, damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=_drive(effort, drive)))
+    return JointSpec("helical", given(axis=axis, pitch=pitch, damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=drive_of(effort, drive)))
 
 
 def Planar(
@@ -208,7 +168,7 @@ def Planar(
         strength: The joint breaks when its reaction reaches one of these.
         drive: Drive: an effort, position control or a prescribed motion.
     """
-    return JointSpec("planar", given(damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=_drive(effort, drive)))
+    return JointSpec("planar", given(damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=drive_of(effort, drive)))
 
 
 def Prismatic(
@@ -238,7 +198,7 @@ def Prismatic(
         strength: The joint breaks when its reaction reaches one of these.
         drive: Drive: an effort, position control or a prescribed motion.
     """
-    return JointSpec("prismatic", given(axis=axis, damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=_drive(effort, drive)))
+    return JointSpec("prismatic", given(axis=axis, damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=drive_of(effort, drive)))
 
 
 def Revolute(
@@ -268,7 +228,7 @@ def Revolute(
         strength: The joint breaks when its reaction reaches one of these.
         drive: Drive: an effort, position control or a prescribed motion.
     """
-    return JointSpec("revolute", given(axis=axis, damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=_drive(effort, drive)))
+    return JointSpec("revolute", given(axis=axis, damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=drive_of(effort, drive)))
 
 
 def Universal(
@@ -300,7 +260,7 @@ def Universal(
         strength: The joint breaks when its reaction reaches one of these.
         drive: Drive: an effort, position control or a prescribed motion.
     """
-    return JointSpec("universal", given(axis=axis, axis2=axis2, damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=_drive(effort, drive)))
+    return JointSpec("universal", given(axis=axis, axis2=axis2, damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=drive_of(effort, drive)))
 
 
 def Weld(
@@ -328,222 +288,4 @@ def Weld(
         strength: The joint breaks when its reaction reaches one of these.
         drive: Drive: an effort, position control or a prescribed motion.
     """
-    return JointSpec("weld", given(damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=_drive(effort, drive)))
-
-
-def attach(
-    body: BodyName,
-    to: BodyName,
-    joint: JointSpec,
-    *,
-    at: Pose | None = None,
-) -> Action:
-    """Joins a body to another, or to the ground, by a joint of any kind.
-
-    Args:
-        body: Name of the body, or its handle.
-        to: Name or handle of the other body, or ``"ground"``.
-        at: Placement of the joint's frame in the frame of ``to``; by default where the body is.
-        joint: The joint: :func:`Revolute`, :func:`Ball` ….
-    """
-    return Action("attach", {**given(body=body, to=to, at=pose(at)), **joint.scenario_value()}, [body, to])
-
-
-def break_joint(
-    joint: JointName,
-) -> Action:
-    """Removes a joint: the child's subtree becomes a separate mechanism.
-
-    Args:
-        joint: Name of the joint, or its handle.
-    """
-    return Action("break", given(joint=joint), [joint])
-
-
-def change_joint(
-    joint: JointName,
-    to: JointSpec,
-) -> Action:
-    """Changes a joint to another kind, or to other axes.
-
-    Args:
-        joint: Name of the joint, or its handle.
-        to: The joint: :func:`Revolute`, :func:`Ball` ….
-    """
-    return Action("change", {**given(joint=joint), **to.scenario_value()}, [joint])
-
-
-def free_joint(
-    joint: JointName,
-) -> Action:
-    """Gives a joint six DoFs, relative to the same parent.
-
-    Args:
-        joint: Name of the joint, or its handle.
-    """
-    return Action("free", given(joint=joint), [joint])
-
-
-def impulse(
-    body: BodyName,
-    *,
-    force: Vector | None = None,
-    torque: Vector | None = None,
-    point: Vector | None = None,
-) -> Action:
-    """Applies an impulsive wrench to a body, in world axes.
-
-    Args:
-        body: Name of the body, or its handle.
-        force: Impulse at ``point`` (N s).
-        torque: Angular impulse (N m s).
-        point: Point of application in the body's frame (m).
-    """
-    return Action("impulse", given(body=body, force=force, torque=torque, point=point), [body])
-
-
-def lock(
-    joint: JointName,
-    freedoms: Sequence[int] | None = None,
-) -> Action:
-    """Locks a joint, or some of its DoFs, in its current position.
-
-    Args:
-        joint: Name of the joint, or its handle.
-        freedoms: Indices of degrees of freedom in the order of v; all of them if left out.
-    """
-    return Action("lock", given(joint=joint, freedoms=freedoms), [joint])
-
-
-def reroot(
-    body: BodyName,
-) -> Action:
-    """Makes a body the root of its free mechanism.
-
-    Args:
-        body: Name of the body, or its handle.
-    """
-    return Action("reroot", given(body=body), [body])
-
-
-def set_parameters(
-    joint: JointName,
-    *,
-    damping: Numbers | None = None,
-    stiffness: Numbers | None = None,
-    rest: Numbers | None = None,
-    armature: Numbers | None = None,
-    effort: Signals | None = None,
-    limits: Mapping[str, Any] | None = None,
-    friction: Mapping[str, Any] | None = None,
-    strength: Mapping[str, Any] | None = None,
-    drive: Mapping[str, Any] | None = None,
-) -> Action:
-    """Sets new parameters of a joint; those that are not given stay.
-
-    Args:
-        joint: Name of the joint, or its handle.
-        damping: Torque or force −damping·v.
-        stiffness: Spring about ``rest``.
-        rest: Coordinates at which the spring is relaxed; default: the joint's zero.
-        armature: Rotor inertia reflected to the joint, added to the joint-space mass.
-        effort: Drive: a force or torque, constant or a function of time; the same as drive={'effort': …}.
-        limits: Stops of the joint's coordinates: hard with ``restitution``, soft with ``stiffness``.
-        friction: Dry friction, smoothed: −coulomb·tanh(v/speed).
-        strength: The joint breaks when its reaction reaches one of these.
-        drive: Drive: an effort, position control or a prescribed motion.
-    """
-    return Action("set", given(joint=joint, damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=_drive(effort, drive)), [joint])
-
-
-def unlock(
-    joint: JointName,
-    freedoms: Sequence[int] | None = None,
-) -> Action:
-    """Releases a locked joint, or some of its DoFs.
-
-    Args:
-        joint: Name of the joint, or its handle.
-        freedoms: Indices of degrees of freedom in the order of v; all of them if left out.
-    """
-    return Action("unlock", given(joint=joint, freedoms=freedoms), [joint])
-
-
-def weld(
-    body: BodyName,
-    to: BodyName = "ground",
-) -> Action:
-    """Joins a body rigidly to another, or to the ground.
-
-    Args:
-        body: Name of the body, or its handle.
-        to: Name or handle of the other body, or ``"ground"``.
-    """
-    return Action("weld", given(body=body, to=to), [body, to])
-
-
-def distance(one: BodyName, other: BodyName, point_of_one: Vector = (0, 0, 0), point_of_other: Vector = (0, 0, 0)) -> Quantity:
-    """Distance between two bodies: between the origins of their frames, or between points of them (m).
-
-    Args:
-        one: Name or handle of a body.
-        other: Name or handle of the other, or ``"ground"``.
-        point_of_one: Point in its frame (m).
-        point_of_other: Point in its frame (m).
-    """
-    return Quantity("distance", [{"body": one, "point": point_of_one}, {"body": other, "point": point_of_other}], [one, other])
-
-
-def height(body: BodyName, point: Vector = (0, 0, 0)) -> Quantity:
-    """Height of a body, or of a point of it, against gravity (m).
-
-    Args:
-        body: Name of the body, or its handle.
-        point: Point in the body's frame (m).
-    """
-    return Quantity("height", {"body": body, "point": point}, [body])
-
-
-def kinetic_energy(mechanism: str) -> Quantity:
-    """Kinetic energy of a mechanism (J).
-
-    Args:
-        mechanism: Name of the mechanism.
-    """
-    return Quantity("kinetic_energy", mechanism, [])
-
-
-def position(joint: JointName) -> Quantity:
-    """Coordinate of a joint with one degree of freedom (rad or m).
-
-    Args:
-        joint: Name of the joint, or its handle.
-    """
-    return Quantity("position", joint, [joint])
-
-
-def reaction_impulse(joint: JointName) -> Quantity:
-    """Norm of the linear impulse through a joint at an instantaneous change (N s).
-
-    Args:
-        joint: Name of the joint, or its handle.
-    """
-    return Quantity("reaction_impulse", joint, [joint])
-
-
-def speed(joint: JointName) -> Quantity:
-    """Velocity of a joint with one degree of freedom (rad/s or m/s).
-
-    Args:
-        joint: Name of the joint, or its handle.
-    """
-    return Quantity("speed", joint, [joint])
-
-
-def reaction(joint: JointName) -> Reaction:
-    """The wrench that a joint transmits: ``reaction("load").force > 40``.
-
-    Args:
-        joint: Name of the joint, or its handle.
-    """
-    return Reaction(joint)
+    return JointSpec("weld", given(damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=drive_of(effort, drive)))
