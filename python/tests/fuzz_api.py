@@ -32,6 +32,7 @@ import momentree as mt
 EXPECTED = (mt.Error, TypeError, ValueError, LookupError, AttributeError, ZeroDivisionError, OverflowError, MemoryError, TimeoutError,
             RecursionError, OSError, StopIteration, ImportError, AssertionError, BufferError, NotImplementedError)  # fmt: skip
 SLOW = {"report", "_repr_html_", "plot", "to_pandas", "save"}
+LOGGED = "MOMENTREE_FUZZ_LOG" in os.environ
 SKIPPED = {"ctypes", "tofile", "dump", "setflags"}  # of arrays: not ours
 
 
@@ -44,7 +45,6 @@ class Fuzzer:
             kind: [] for kind in ("model", "sim", "batch", "view", "handle", "snapshot", "run", "scheduled", "event", "other")
         }
         self.values = Values(self.rng, self.pools)
-        self.log: list[str] = []
         self.problems: list[str] = []
         self.threads: list[threading.Thread] = []
 
@@ -54,6 +54,11 @@ class Fuzzer:
         pool.append(value)
         if len(pool) > (4 if kind in ("sim", "batch", "model") else 8):
             pool.pop(self.rng.randrange(len(pool)))
+
+    def note(self, *what: Any) -> None:
+        """For finding what a crash needs."""
+        if LOGGED:
+            print(*what, file=sys.stderr, flush=True)
 
     def one(self, kind: str) -> Any:
         """Of a pool; what it is made of is made first."""
@@ -75,7 +80,9 @@ class Fuzzer:
 
     def act(self) -> None:
         sim = self.one("sim")
-        sim.apply(*(some_action(sim, self.rng) for _ in range(self.rng.choice([1, 1, 2]))))
+        actions = [some_action(sim, self.rng) for _ in range(self.rng.choice([1, 1, 2]))]
+        self.note(id(sim), actions)
+        sim.apply(*actions)
 
     def schedule(self) -> None:
         sim, rng = self.one("sim"), self.rng
@@ -224,7 +231,7 @@ class Fuzzer:
         if name == "run_shortly":
             self.keep("run", owner.run(owner.time + 0.01, record_every=self.values.any()))
             return
-        self.log[-1] += f" {type(owner).__name__}.{name}"
+        self.note(type(owner).__name__, name)
         if rng.random() < 0.05:
             setattr(owner, name, self.values.any())
         value = getattr(owner, name)
@@ -258,9 +265,7 @@ class Fuzzer:
                    *[self.batches] * 4, self.thread, *[self.anything] * 40]  # fmt: skip
         for k in range(operations):
             operation = self.rng.choice(choices)
-            self.log.append(f"{k} {operation.__name__}")
-            if os.environ.get("MOMENTREE_FUZZ_LOG"):
-                print(self.log[-1], file=sys.stderr, flush=True)
+            self.note(k, operation.__name__)
             try:
                 signal.setitimer(signal.ITIMER_REAL, 1.0)
                 try:
