@@ -18,10 +18,14 @@ int threads_of(const BatchOptions& options) {
   const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
   return std::clamp(threads, 1, most);
 }
+const Model& with_bodies(const Model& model) {
+  if (model.size() == 0) throw_error({"a batch needs a model with at least one body", "", "add bodies to the model first"});
+  return model;
+}
 }  // namespace
 
 Batch::Batch(const Model& model, int worlds, const BatchOptions& options)
-    : impl_(std::make_unique<Impl>(model, options, threads_of(options))) {
+    : impl_(std::make_unique<Impl>(with_bodies(model), options, threads_of(options))) {
   if (worlds < 1) throw_error({"a batch has at least one world", "", "give the number of worlds"});
   const Tree& tree = impl_->declared;
   batch::check(tree);

@@ -43,7 +43,7 @@ class Curve:
             mujoco.mj_step(model, data)
 
 
-# --- 1. A weld that throws bodies -------------------------------------------------------------------------------------------------
+# 1. A weld that throws bodies
 
 CAPTURE = """<mujoco><option timestep="0.002" gravity="0 0 0" integrator="RK4"><flag contact="disable"/></option><worldbody>
   <body name="tug"><freejoint/><geom type="box" size=".4 .2 .2" mass="4"/></body>
@@ -89,7 +89,7 @@ def weld_curves(until: float = 0.5) -> dict[str, tuple[Curve, Curve]]:
             model.eq_data[0][:3] = 0.0
             model.eq_data[0][3:6] = grasped
             mujoco.mju_mulQuat(model.eq_data[0][6:10], tug.xquat * [1, -1, -1, -1], crate.xquat)
-            model.eq_data[0][11] = 0.0
+            model.eq_data[0][11:] = 0.0
         mujoco.mj_forward(model, data)
         energy, gap = Curve(name), Curve(name)
 
@@ -110,7 +110,7 @@ def weld_curves(until: float = 0.5) -> dict[str, tuple[Curve, Curve]]:
     return curves
 
 
-# --- 2. A limb that breaks on force -----------------------------------------------------------------------------------------------
+# 2. A limb that breaks on force
 
 LIMB = '<geom type="capsule" fromto="0 0 0 .5 0 0" size=".03" mass="1"/>'
 TREE = f"""<mujoco><option timestep="STEP" integrator="RK4"><flag contact="disable"/></option><worldbody>
@@ -166,12 +166,14 @@ def break_bridged(step: float) -> tuple[float, Any]:
     return crossing.time, np.array(data.body("limb").xpos)
 
 
-# --- 3. A joint that snaps back ---------------------------------------------------------------------------------------------------
+# 3. A joint that snaps back
 
 SWING = """<mujoco><option timestep="0.002" integrator="RK4"/><worldbody>
-  <body name="upper" pos="0 0 2"><joint name="shoulder" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .5 0 0" size=".03" mass="1"/>
-    <body name="lower" pos=".5 0 0"><joint name="elbow" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .4 0 0" size=".03" mass=".7"/>
-  </body></body></worldbody><equality><joint name="brake" joint1="elbow" active="false"/></equality></mujoco>"""
+  <body name="upper" pos="0 0 2"><joint name="shoulder" axis="0 1 0"/>
+    <geom type="capsule" fromto="0 0 0 .5 0 0" size=".03" mass="1"/>
+    <body name="lower" pos=".5 0 0"><joint name="elbow" axis="0 1 0"/>
+      <geom type="capsule" fromto="0 0 0 .4 0 0" size=".03" mass=".7"/></body></body></worldbody>
+  <equality><joint name="brake" joint1="elbow" active="false"/></equality></mujoco>"""
 
 
 def swing() -> tuple[Any, Any]:

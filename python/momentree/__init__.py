@@ -9,28 +9,25 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from momentree import events, joints
 from momentree._core import Body, Context, Joint, ModelBody, Snapshot, World, __version__
 from momentree._errors import Diagnostic, Error, RunError
 from momentree._records import ActionRecord, Energy, Event, Mechanism, MissedEvent, Momentum, Rates, Totals, Wrench
 from momentree._views import StateView
 from momentree._vocabulary import Action, Condition, JointSpec, Quantity, Reaction
-from momentree.batch import Batch, Group
+from momentree.batch import Batch, BodyColumns, Group, JointColumns
 from momentree.events import *
-from momentree.events import __all__ as _event_names
 from momentree.joints import *
-from momentree.joints import __all__ as _joint_names
 from momentree.model import Model
 from momentree.run import BodyRows, JointRows, Run
 from momentree.simulation import Scheduled, Simulation, load, loads
-
-if TYPE_CHECKING:
-    from momentree import bridge as bridge
 
 __all__ = [
     "Action",
     "ActionRecord",
     "Batch",
     "Body",
+    "BodyColumns",
     "BodyRows",
     "Condition",
     "Context",
@@ -40,6 +37,7 @@ __all__ = [
     "Event",
     "Group",
     "Joint",
+    "JointColumns",
     "JointRows",
     "JointSpec",
     "Mechanism",
@@ -62,18 +60,25 @@ __all__ = [
     "__version__",
     "load",
     "loads",
-    *_event_names,
-    *_joint_names,
 ]
+__all__ += events.__all__
+__all__ += joints.__all__
 
+_LATER = ("bridge", "envs", "typing")  # imported when they are used first; the former two need other packages
 
-def __getattr__(name: str) -> Any:
-    if name in ("bridge", "envs"):  # imported when used: they need other packages
-        import importlib
+if TYPE_CHECKING:
+    from momentree import bridge as bridge
+    from momentree import typing as typing
+else:  # a type checker would take every name for an attribute of this module
 
-        return importlib.import_module(f"momentree.{name}")
-    raise AttributeError(f"module 'momentree' has no attribute '{name}'")
+    def __getattr__(name: str) -> Any:
+        if name in _LATER:
+            import importlib
+
+            return importlib.import_module(f"momentree.{name}")
+        raise AttributeError(f"module 'momentree' has no attribute '{name}'")
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), "bridge", "envs"])
+    """The public names, those included that are imported later."""
+    return sorted([*__all__, *_LATER])

@@ -4,23 +4,30 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from momentree.run import Run
 
 _PLACE = re.compile(r"^(?P<file>.*?)(?::(?P<line>\d+))(?::(?P<column>\d+))?$")
 
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """One problem of an input.
-
-    ``line`` and ``column`` count from 1; 0 if the problem has no place.
-    """
+    """One problem of an input."""
 
     severity: str
+    """``"error"``, ``"warning"`` or ``"note"``."""
     file: str
+    """The input file, or an empty string."""
     line: int
+    """Line in the file, from 1; 0 if the problem has no place."""
     column: int
+    """Column in the line, from 1; 0 if the problem has no place."""
     problem: str
+    """What is wrong."""
     hint: str
+    """How to mend it; may be empty."""
 
 
 class Error(ValueError):
@@ -82,4 +89,5 @@ class RunError(Error):
     What was computed is kept: the simulation is in its last good state, and ``run`` holds the rows so far.
     """
 
-    run: object = None
+    run: Run | None = None
+    """What the run recorded before it ended; None if it was a single step."""

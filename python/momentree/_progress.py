@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from typing import Any
 
@@ -19,7 +19,7 @@ def _bar(total: float) -> Any:
 
 
 @contextmanager
-def progress_bar(start: float, end: float, wanted: bool) -> Iterator[Show | None]:
+def progress_bar(start: float, end: float, wanted: bool) -> Generator[Show | None, None, None]:
     """A function to be called with the simulated time (s), or ``None`` if no display is wanted."""
     if not wanted:
         yield None

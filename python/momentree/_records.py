@@ -8,29 +8,35 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from momentree._views import StateView
+
 Array = NDArray[np.float64]
+"""An array of doubles."""
 
 
 class Rates(NamedTuple):
-    """Time derivatives of the state. The arrays are overwritten by the next evaluation."""
+    """Time derivatives of the state. The arrays are overwritten by the next evaluation; copy what is to be kept.
 
-    qdot: Array
-    """Time derivatives of q (rad/s, m/s, quaternion rates), shape (nq,)."""
-    pdot: Array
-    """Time derivatives of p (N m, N), shape (nv,). Equation (20)."""
+    Packed by joint number, as ``sim.q`` and ``sim.p``.
+    """
+
+    qdot: StateView
+    """Time derivatives of q (rad/s, m/s; of quaternions: 1/s), shape (nq,). Equations (21) to (27) of the paper."""
+    pdot: StateView
+    """Time derivatives of the canonical momenta p (N m, N), shape (nv,). Equation (20) of the paper."""
 
 
 class Energy(NamedTuple):
     """Energies of a world (J)."""
 
     kinetic: float
-    """With the kinetic energy of rotors."""
+    """Kinetic energy (J), that of rotors included."""
     potential: float
-    """Of gravity (zero at the world's origin), springs and soft stops."""
+    """Energy (J) of gravity (zero at the world's origin), springs and soft stops."""
 
     @property
     def total(self) -> float:
-        """Sum of both."""
+        """Kinetic and potential energy (J)."""
         return self.kinetic + self.potential
 
 
@@ -38,41 +44,47 @@ class Momentum(NamedTuple):
     """Momenta of a world, world axes."""
 
     linear: Array
-    """N s, shape (3,)."""
+    """Linear momentum (N s), shape (3,)."""
     angular: Array
-    """N m s about the world's origin, shape (3,)."""
+    """Angular momentum about the world's origin (N m s), shape (3,)."""
 
 
 class Wrench(NamedTuple):
     """A force and a torque, or an impulse of both."""
 
     force: Array
-    """N (or N s), shape (3,)."""
+    """Force (N), or linear impulse (N s), shape (3,)."""
     torque: Array
-    """N m (or N m s), shape (3,)."""
+    """Torque (N m), or angular impulse (N m s), shape (3,)."""
 
 
 class Totals(NamedTuple):
-    """Energies (J) and momenta (N s, N m s) of a whole world, world axes, the angular one about the world's origin."""
+    """Energies and momenta of a whole world, just before or after an event."""
 
     kinetic: float
+    """Kinetic energy (J)."""
     potential: float
+    """Potential energy (J)."""
     linear: Array
+    """Linear momentum (N s), world axes, shape (3,)."""
     angular: Array
+    """Angular momentum about the world's origin (N m s), world axes, shape (3,)."""
 
     @property
     def energy(self) -> float:
-        """Kinetic and potential energy."""
+        """Kinetic and potential energy (J)."""
         return self.kinetic + self.potential
 
 
 class Mechanism(NamedTuple):
-    """One tree of bodies."""
+    """One tree of bodies at an instant."""
 
     name: str
+    """Its name; a part that comes off is named after its root body."""
     root: str
+    """Name of its root body."""
     grounded: bool
-    """False if its root is free."""
+    """True if its root is joined to the ground; False if it is free."""
     bodies: list[str]
     """Names, the root first, parents before children."""
 
@@ -82,11 +94,15 @@ class ActionRecord:
     """What one action of an event did. Names are those just before the event, except ``joint`` of an action that makes one."""
 
     kind: str
-    """As in scenario files: ``"break"``; ``"hit"``, ``"rest"`` and ``"leave"`` for stops."""
+    """As in scenario files: ``"break"``; ``"hit"``, ``"rest"`` and ``"leave"`` for stops; ``"add"`` and ``"remove"`` for bodies."""
     target: str
+    """What was acted on, as text: ``"chain/41"``, ``"satellite/hull to tug/gripper"``."""
     joint: str
+    """The joint that it acted on or made, or an empty string."""
     body: str
+    """The body that it acted on, or an empty string."""
     to: str
+    """The body that ``body`` was joined to, ``"ground"`` or an empty string."""
     skipped: str
     """Why nothing was done; empty: it was carried out."""
 
@@ -96,28 +112,37 @@ class ActionRecord:
 
 @dataclass(frozen=True, eq=False)
 class Event:
-    """An event that happened, with its certificate: what it conserved and what it lost."""
+    """An event that happened, with its certificate: what it conserved and what it lost.
+
+    Events are compared by identity.
+    """
 
     time: float
-    """s"""
+    """When it happened (s)."""
     name: str
+    """Its name, as given by ``named`` or in the scenario; otherwise made from its actions."""
     actions: tuple[ActionRecord, ...]
+    """What its actions did, in order."""
     mechanisms_before: tuple[str, ...]
+    """Names of the mechanisms before it."""
     mechanisms_after: tuple[str, ...]
+    """Names of the mechanisms after it."""
     before: Totals
+    """Energies and momenta of the world just before it."""
     after: Totals
+    """Energies and momenta of the world just after it."""
     released: float
     """Energy of springs and rotors that left with their freedom (J)."""
     lost: float
     """Energy lost in the impact: the kinetic energy of the velocity jump (J)."""
     work: float
     """Energy added by impulses and new parameters (J)."""
-    impulse: dict[str, Wrench] = field(default_factory=dict)
-    """By joint: the parent's impulse on the child (N s, N m s) about the child's origin, in the child's axes."""
+    impulse: dict[str, Wrench] = field(default_factory=dict[str, Wrench])
+    """By joint: the parent's impulse on the child (N s, N m s) about the child's origin, in the child's axes, shapes (3,)."""
     ground_impulse: Wrench = field(default_factory=lambda: Wrench(np.zeros(3), np.zeros(3)))
-    """The ground's impulse on the mechanisms about the world's origin, world axes."""
+    """The ground's impulse on the mechanisms (N s, N m s) about the world's origin, world axes, shapes (3,)."""
     hardest_joint: str = ""
-    """The joint with the largest linear impulse."""
+    """Name of the joint with the largest linear impulse; empty if no joint transmitted one."""
     duration_ns: float = 0.0
     """Time that the change itself took (ns)."""
 
@@ -128,7 +153,7 @@ class Event:
 
     @property
     def angular_error(self) -> float:
-        """The same for the angular momentum (N m s)."""
+        """Change of the angular momentum beyond the ground's impulse (N m s), about the world's origin."""
         return float(np.linalg.norm(self.after.angular - self.before.angular - self.ground_impulse.torque))
 
     def __str__(self) -> str:
@@ -141,13 +166,20 @@ class MissedEvent:
     """A scheduled event that has not happened so far, and why."""
 
     name: str
+    """Its name; may be empty."""
     time: float
     """When it is due (s); infinite if that depends on a condition or on another event."""
     after: str
+    """The event that it waits for, or an empty string."""
     quantity: str
+    """The quantity of its condition, or an empty string."""
     of: list[str]
+    """Joints, bodies or mechanisms that the quantity belongs to."""
     threshold: float
+    """Threshold of the condition, in the quantity's SI unit."""
     exceeds: bool
+    """True if the quantity has to rise above the threshold, False if it has to fall below it."""
     nearest: float
     """The value that came nearest to the threshold, NaN if there was none."""
     nearest_time: float
+    """When the quantity had that value (s)."""

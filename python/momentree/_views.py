@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, SupportsIndex, cast, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +14,13 @@ if TYPE_CHECKING:
     from momentree._core import _StateArrays
 
 
-class StateView(np.ndarray[tuple[int, ...], np.dtype[np.float64]]):
-    """Coordinates, velocities, momenta or efforts of a simulation: an ``ndarray`` that follows the state.
+class StateView(np.ndarray[tuple[int], np.dtype[np.float64]]):
+    """Coordinates, velocities, momenta or efforts of a simulation: an ``ndarray`` of shape (n,) that follows the state.
 
-    Numbers that are written are taken over by the simulation's next operation. A view keeps its memory alive. When the topology
-    changes in such a way that the numbers belong to other joints, the view is stale: its numbers become NaN, and using it raises
-    :class:`momentree.Error`. Take a new one then: ``sim.q``. ``numpy.array(view)`` makes an independent copy.
+    Numbers that are written are taken over by the simulation's next operation. Slices follow the state as well; results of
+    computations are plain arrays. A view keeps its memory alive. When the topology changes in such a way that the numbers belong to
+    other joints, the view is stale: its numbers become NaN, and using it raises :class:`momentree.Error`. Take a new one then:
+    ``sim.q``. ``view.copy()`` and ``numpy.array(view)`` make independent copies.
     """
 
     _owner: _StateArrays | None
@@ -46,9 +48,15 @@ class StateView(np.ndarray[tuple[int, ...], np.dtype[np.float64]]):
 
     @property
     def stale(self) -> bool:
-        """True if the topology has changed since the view was taken."""
+        """True if the numbers came to belong to other joints since the view was taken."""
         return self._owner is not None and not self._owner.alive
 
+    @overload  # type: ignore[override]
+    def __getitem__(self, key: SupportsIndex) -> np.float64: ...
+    @overload
+    def __getitem__(self, key: slice) -> StateView: ...
+    @overload
+    def __getitem__(self, key: Any) -> Any: ...
     def __getitem__(self, key: Any) -> Any:
         self._check()
         return super().__getitem__(key)
@@ -87,19 +95,20 @@ class StateView(np.ndarray[tuple[int, ...], np.dtype[np.float64]]):
             if isinstance(value, StateView):
                 value._check()
                 return value.view(np.ndarray)
-            if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
-                return type(value)(plain(each) for each in value)
-            return value
+            if isinstance(value, (list, tuple)) and not hasattr(cast(Any, value), "_fields"):
+                values = [plain(each) for each in cast("Sequence[Any]", value)]
+                return tuple(values) if isinstance(value, tuple) else values
+            return cast(Any, value)
 
         return func(*plain(args), **{key: plain(value) for key, value in kwargs.items()})
 
     def copy(self, order: Any = "C") -> NDArray[np.float64]:  # type: ignore[override]
-        """An independent array of the numbers now."""
+        """An independent, plain array of the present numbers, shape (n,)."""
         self._check()
         return cast(NDArray[np.float64], self.view(np.ndarray).copy(order))
 
-    def tolist(self) -> Any:
-        """The numbers now as a list."""
+    def tolist(self) -> list[float]:
+        """The present numbers as a list of n floats."""
         self._check()
         return super().tolist()
 

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Union
+from typing import Any, Literal, Union, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from momentree._core import Body, Joint, ModelBody, World
 from momentree._errors import Error
-
-if TYPE_CHECKING:
-    from momentree._core import Body, Joint, ModelBody, World
 
 Number = Union[float, int, str, "np.floating[Any]"]
 """A number in SI units, or a string with a unit: ``"5 cm"``."""
@@ -22,10 +20,15 @@ Numbers = Union[Number, Sequence[Number], NDArray[Any]]
 Signal = Union[Number, Mapping[str, Any]]
 """A number, or a function of time: ``{"table": [[t, value], …]}``, ``{"sine": {…}}``, ``{"rate": …}``."""
 Signals = Union[Signal, Sequence[Signal]]
+"""One signal, or one for each degree of freedom."""
 Pose = Union[Vector, Mapping[str, Any]]
-"""A position, or ``{"xyz": …, "quat": …}`` or ``{"xyz": …, "rpy": …}``."""
-BodyName = Union[str, "Body", "ModelBody"]
-JointName = Union[str, "Joint"]
+"""A position (m), or ``{"xyz": …, "quat": …}`` or ``{"xyz": …, "rpy": …}``."""
+BodyName = Union[str, Body, ModelBody]
+"""A body: its name, or a handle."""
+JointName = Union[str, Joint]
+"""A joint: its name, or a handle."""
+Component = Literal["fx", "fy", "fz", "mx", "my", "mz"]
+"""Of a wrench: forces, then torques."""
 
 
 def given(**fields: Any) -> dict[str, Any]:
@@ -46,15 +49,20 @@ def drive_of(effort: Signals | None, drive: Mapping[str, Any] | None) -> Mapping
 
 
 def _handles(values: Sequence[object]) -> list[Any]:
-    return [value for value in values if hasattr(value, "scenario_value")]
+    return [value for value in values if isinstance(value, (Body, Joint))]
 
 
 class JointSpec:
-    """A joint of any kind, to be given to :meth:`Model.add`, :func:`change_joint` or :func:`attach`."""
+    """A joint of any kind, to be given to :meth:`Model.add`, :func:`change_joint` or :func:`attach`.
+
+    :func:`Revolute`, :func:`Ball` … make one. It is a value: equal if kind and parameters are, and not changed by its use.
+    """
 
     def __init__(self, kind: str, fields: Mapping[str, Any]) -> None:
-        self.kind = kind
-        self.fields = dict(fields)
+        self.kind: str = kind
+        """As in scenario files: ``"revolute"``."""
+        self.fields: dict[str, Any] = dict(fields)
+        """The parameters that were given, in SI units or as text with units."""
 
     def scenario_value(self) -> dict[str, Any]:
         """The joint as a table of a scenario file."""
@@ -72,13 +80,22 @@ class JointSpec:
 
 
 class Action:
-    """What an event does: see :func:`break_joint`, :func:`lock`, :func:`weld` …"""
+    """What an event does: :func:`break_joint`, :func:`lock`, :func:`weld` … make one.
+
+    Give it to :meth:`Simulation.apply`, :meth:`Scheduled.then` or :meth:`Batch.apply`. One that was made with names may be given to
+    any simulation, one made with handles only to theirs.
+    """
 
     def __init__(self, key: str, value: Any, names: Sequence[object] = ()) -> None:
-        self.key = key
-        """Its key in scenario files."""
-        self.value = value
+        self.key: str = key
+        """Its key in scenario files: ``"break"``."""
+        self.value: Any = value
+        """Its value in scenario files; may contain handles."""
         self._handles = _handles(names)
+
+    def scenario_value(self) -> Any:
+        """Its value in scenario files, with names in place of handles."""
+        return _plain(self.value)
 
     def __repr__(self) -> str:
         return f"<momentree.Action {self.key} {self.value!r}>"
@@ -91,12 +108,19 @@ class Action:
 
 
 class Condition:
-    """A quantity with its threshold: the instant at which the quantity crosses it is located to ``event_tolerance``."""
+    """A quantity with its threshold, for :meth:`Simulation.when`; ``reaction("load").force > 40`` makes one.
+
+    The instant at which the quantity crosses the threshold is located to ``event_tolerance``, whatever the step. It is met when the
+    quantity crosses, not while it is past the threshold; a quantity that is past it when the run begins meets it at once.
+    """
 
     def __init__(self, quantity: Quantity, threshold: Number, exceeds: bool) -> None:
-        self.quantity = quantity
-        self.threshold = threshold
-        self.exceeds = exceeds
+        self.quantity: Quantity = quantity
+        """What is compared."""
+        self.threshold: Number = threshold
+        """In the SI unit of the quantity, or text with a unit."""
+        self.exceeds: bool = exceeds
+        """True for ``>``, False for ``<``."""
         self._options: dict[str, Any] = {}
 
     def _with(self, **options: Any) -> Condition:
@@ -105,21 +129,26 @@ class Condition:
         return copy
 
     def repeated(self, hysteresis: Number | None = None) -> Condition:
-        """Repeats: armed again once the quantity is back past the threshold by ``hysteresis`` (in its unit; default: 1 %)."""
+        """The same condition, which may be met again.
+
+        Args:
+            hysteresis: It is armed again once the quantity is back past the threshold by this much, in the quantity's unit; default:
+                1 % of the threshold.
+        """
         return self._with(repeat=True, hysteresis=hysteresis)
 
     def lasting(self, seconds: Number) -> Condition:
-        """Fires only after the condition has held for that long (s) without interruption."""
+        """The same condition, met only after the quantity was past the threshold for ``seconds`` without interruption."""
         return self._with(**{"for": seconds})
 
     def per_step(self) -> Condition:
-        """Evaluated only at the ends of steps: cheaper, and as exact as the step."""
+        """The same condition, evaluated only at the ends of steps: cheaper, and as exact as the step is long."""
         return self._with(locate="per step")
 
     def scenario_value(self) -> dict[str, Any]:
         """The condition as an event's table of a scenario file."""
         threshold = {"exceeds" if self.exceeds else "below": self.threshold}
-        return {"when": {self.quantity.key: self.quantity.value, **threshold}, **given(**self._options)}
+        return {"when": {self.quantity.key: _plain(self.quantity.value), **threshold}, **given(**self._options)}
 
     def __repr__(self) -> str:
         return f"<momentree.Condition {self.quantity} {'>' if self.exceeds else '<'} {self.threshold}>"
@@ -132,12 +161,16 @@ class Condition:
 
 
 class Quantity:
-    """A scalar function of the world's state. Comparing it with a number makes a :class:`Condition`."""
+    """A scalar function of the world's state: :func:`distance`, :func:`speed`, :func:`measured` … make one.
+
+    Comparing it with a number by ``>`` or ``<`` makes a :class:`Condition`.
+    """
 
     def __init__(self, key: str, value: Any, names: Sequence[object] = ()) -> None:
-        self.key = key
+        self.key: str = key
         """Its key in scenario files; ``"function"`` for a Python function."""
-        self.value = value
+        self.value: Any = value
+        """Its value in scenario files, or the function."""
         self._handles = _handles(names)
 
     def __gt__(self, threshold: Number) -> Condition:
@@ -147,11 +180,11 @@ class Quantity:
         return Condition(self, threshold, False)
 
     def exceeds(self, threshold: Number) -> Condition:
-        """The condition of rising above a threshold; the same as ``quantity > threshold``."""
+        """The condition of rising above a threshold, in the quantity's SI unit; the same as ``quantity > threshold``."""
         return self > threshold
 
     def below(self, threshold: Number) -> Condition:
-        """The condition of falling below a threshold; the same as ``quantity < threshold``."""
+        """The condition of falling below a threshold, in the quantity's SI unit; the same as ``quantity < threshold``."""
         return self < threshold
 
     def __repr__(self) -> str:
@@ -164,6 +197,9 @@ def measured(function: Callable[[World], float]) -> Quantity:
     Args:
         function: Called with the :class:`World` at states that steps try; may read only that world. Exceptions that it raises end
             the run and propagate.
+
+    Raises:
+        Error: It is not callable.
     """
     if not callable(function):
         raise Error("measured: expected a function of the world", hint="for example lambda world: world.joints['arm'].q[0]")
@@ -171,7 +207,10 @@ def measured(function: Callable[[World], float]) -> Quantity:
 
 
 class Reaction:
-    """The wrench that a joint transmits: its parent on its child, about the child's origin, in the child's axes."""
+    """The wrench that a joint transmits, equation (32) of the paper: quantities for conditions.
+
+    It is the wrench of the parent on the child, about the origin of the child's frame, in the child's axes.
+    """
 
     def __init__(self, joint: JointName) -> None:
         self._joint = joint
@@ -186,17 +225,19 @@ class Reaction:
         """Norm of the torque (N m)."""
         return Quantity("reaction_torque", self._joint, [self._joint])
 
-    def component(self, name: str) -> Quantity:
-        """One component: ``"fx"``, ``"fy"``, ``"fz"`` (N), ``"mx"``, ``"my"`` or ``"mz"`` (N m)."""
+    def component(self, name: Component) -> Quantity:
+        """One component in the child's axes: ``"fx"``, ``"fy"``, ``"fz"`` (N), ``"mx"``, ``"my"`` or ``"mz"`` (N m)."""
         return Quantity("reaction", {"joint": self._joint, "component": name}, [self._joint])
 
 
 def _plain(value: Any) -> Any:
     """Names in place of handles, so that the value does not depend on a simulation."""
+    if isinstance(value, (Body, Joint, ModelBody)):
+        return value.name
     if hasattr(value, "scenario_value"):
         return _plain(value.scenario_value())
     if isinstance(value, Mapping):
-        return {key: _plain(each) for key, each in value.items()}
+        return {key: _plain(each) for key, each in cast("Mapping[str, Any]", value).items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(each) for each in value]
+        return [_plain(each) for each in cast("Sequence[Any]", value)]
     return value

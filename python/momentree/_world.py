@@ -1,16 +1,67 @@
-"""Bodies and joints of a world by name."""
+"""Bodies and joints by name."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, TypeVar, overload
 
-if TYPE_CHECKING:
-    from momentree._core import Body, Joint, World
+from momentree._core import Body, Joint, World
 
 
-class Bodies(Mapping[str, "Body"]):
-    """The bodies of a world by name; an unknown name is an error that suggests the nearest one."""
+Value = TypeVar("Value")
+Default = TypeVar("Default")
+
+
+class Named(Mapping[str, Value]):
+    """Values by name. An unknown name is an Error, but not to ``in`` and ``get``."""
+
+    @overload
+    def get(self, key: str, /) -> Value | None: ...
+    @overload
+    def get(self, key: str, /, default: Value | Default) -> Value | Default: ...
+    def get(self, key: str, /, default: Any = None) -> Any:
+        """The value of that name, or the default."""
+        return self[key] if key in self else default
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
+
+class Columns(Named[Value]):
+    """Values that are made when they are first asked for and kept."""
+
+    def __init__(self, names: Sequence[str], make: Callable[[str], Value], keep: bool = True) -> None:
+        self._names = list(names)
+        self._make = make
+        self._keep = keep
+        self._made: dict[str, Value] = {}
+
+    def __getitem__(self, name: str) -> Value:
+        if name in self._made:
+            return self._made[name]
+        value = self._make(name)
+        if self._keep:
+            self._made[name] = value
+        return value
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __repr__(self) -> str:
+        return f"<{', '.join(self)}>"
+
+
+class Bodies(Named[Body]):
+    """The bodies of a world by name, in the order of adding, without those that were removed.
+
+    An unknown name is an Error that suggests the nearest one.
+    """
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -27,15 +78,15 @@ class Bodies(Mapping[str, "Body"]):
     def __len__(self) -> int:
         return len(self._world._body_names())
 
-    def _ipython_key_completions_(self) -> list[str]:
-        return self._world._body_names()
-
     def __repr__(self) -> str:
         return f"<momentree.Bodies: {', '.join(self)}>"
 
 
-class Joints(Mapping[str, "Joint"]):
-    """The joints of a world by name; an unknown name is an error that suggests the nearest one."""
+class Joints(Named[Joint]):
+    """The joints of a world by name, in the order of their numbers, without those that were removed with their body.
+
+    An unknown name is an Error that suggests the nearest one.
+    """
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -51,9 +102,6 @@ class Joints(Mapping[str, "Joint"]):
 
     def __len__(self) -> int:
         return len(self._world._joint_names())
-
-    def _ipython_key_completions_(self) -> list[str]:
-        return self._world._joint_names()
 
     def __repr__(self) -> str:
         return f"<momentree.Joints: {', '.join(self)}>"

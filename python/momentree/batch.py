@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, Union
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, NamedTuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,10 +12,13 @@ from momentree import _core
 from momentree._errors import Error
 from momentree._records import Array, Event
 from momentree._vocabulary import Action
+from momentree._world import Columns
 from momentree.model import Model
 
 Worlds = Union[None, int, slice, Sequence[int], NDArray[Any]]
 """All worlds (``None``), one, a slice, numbers, or a mask of booleans of shape (worlds,)."""
+Precision = Literal["float64", "float32"]
+"""Of the arithmetic of a batch."""
 
 
 def _fixed(array: Array) -> Array:
@@ -28,7 +31,7 @@ class Group(NamedTuple):
     """The worlds that have the same topology at present, with their arrays (copies)."""
 
     worlds: NDArray[np.intp]
-    """Their numbers."""
+    """Their numbers, ascending, shape (len(worlds),)."""
     q: Array
     """Coordinates, shape (len(worlds), nq)."""
     v: Array
@@ -52,35 +55,20 @@ class BodyColumns(NamedTuple):
     """A body's frame in all worlds, world axes; NaN where it was removed."""
 
     position: Array
-    """m, shape (worlds, 3)."""
+    """Origin of the body's frame (m), shape (worlds, 3)."""
     quaternion: Array
-    """(w, x, y, z), shape (worlds, 4)."""
+    """Orientation, unit quaternion (w, x, y, z), shape (worlds, 4)."""
     linear: Array
-    """m/s, shape (worlds, 3)."""
+    """Velocity of the frame's origin (m/s), shape (worlds, 3)."""
     angular: Array
-    """rad/s, shape (worlds, 3)."""
-
-
-class _Columns(Mapping[str, Any]):
-    def __init__(self, names: Sequence[str], make: Any) -> None:
-        self._names = list(names)
-        self._make = make
-
-    def __getitem__(self, name: str) -> Any:
-        return self._make(name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-    def _ipython_key_completions_(self) -> list[str]:
-        return self._names
+    """Angular velocity (rad/s), shape (worlds, 3)."""
 
 
 class Batch(_core.BatchBase):
     """Many worlds of one model, integrated by ``rk4``. Every world may change its topology at any instant.
+
+    ``len(batch)`` is the number of worlds. Arrays that are read are copies and can't be written; assign a whole array instead, or
+    use ``set_state`` for some of the worlds. A batch may be used by one thread at a time; ``step`` and ``run`` release the GIL.
 
     A world's results do not depend on the other worlds or on the number of threads. Batches support all forces in joints; they do
     not support forces on bodies, Python functions, hard stops and strengths.
@@ -92,7 +80,7 @@ class Batch(_core.BatchBase):
         precision: ``"float64"``, or ``"float32"``: faster, seven digits; changes are always made in double precision.
     """
 
-    def __init__(self, model: Model, worlds: int, *, threads: int = 0, precision: str = "float64") -> None:
+    def __init__(self, model: Model, worlds: int, *, threads: int = 0, precision: Precision = "float64") -> None:
         super().__init__(model, worlds, threads, precision)
         self._joint_names = model.joint_names
         self._body_names = model.body_names
@@ -127,7 +115,7 @@ class Batch(_core.BatchBase):
 
     @property
     def v(self) -> Array:
-        """Velocities (rad/s, m/s), shape (worlds, nv), a copy; assign an array to set them."""
+        """Velocities (rad/s, m/s), shape (worlds, nv), a copy; assign an array to set them. Raises Error as :attr:`q` does."""
         return _fixed(self._read(self._numbers(None), "v"))
 
     @v.setter
@@ -136,7 +124,7 @@ class Batch(_core.BatchBase):
 
     @property
     def p(self) -> Array:
-        """Canonical momenta (N m s, N s), shape (worlds, nv), a copy; assign an array to set them."""
+        """Canonical momenta (N m s, N s), shape (worlds, nv), a copy; assign an array to set them. Raises Error as :attr:`q` does."""
         return _fixed(self._read(self._numbers(None), "p"))
 
     @p.setter
@@ -160,6 +148,10 @@ class Batch(_core.BatchBase):
             v: Shape (worlds, nv).
             p: Shape (worlds, nv), instead of ``v``.
             time: s, one number or shape (worlds,).
+
+        Raises:
+            Error: The worlds have different topologies, a shape is wrong, a number is not finite, or ``v`` and ``p`` are both given;
+                nothing has changed.
         """
         numbers = self._numbers(worlds)
 
@@ -174,9 +166,18 @@ class Batch(_core.BatchBase):
         self._write(numbers, rows(q, 2), rows(v, 2), rows(p, 2), rows(time, 1))
 
     @property
-    def effort(self) -> Array | None:
-        """Extra efforts along the degrees of freedom (N m, N), shape (worlds, nv), as they were set last."""
-        return self._effort
+    def effort(self) -> Array:
+        """Extra efforts along the degrees of freedom (N m, N), shape (worlds, nv), as they were set last, a copy; assign an array.
+
+        They act until they are set again. When a joint changes to another kind, those of the joint end, and the others stay with
+        their joints. Raises Error while worlds have different topologies, and after a change of all of them until they are set.
+        """
+        shape = self.v.shape
+        if self._effort is None:
+            return _fixed(np.zeros(shape))
+        if self._effort.shape != shape:
+            raise Error("the efforts were set before the topology changed", hint="set them for the joints that there are now")
+        return _fixed(self._effort.copy())
 
     @effort.setter
     def effort(self, values: ArrayLike) -> None:
@@ -188,14 +189,18 @@ class Batch(_core.BatchBase):
         Args:
             effort: N m or N, shape (worlds, nv), or (nv,) for all of them.
             worlds: Which, of the same topology; default: all.
+
+        Raises:
+            Error: The worlds have different topologies, the shape is wrong, or a number is not finite; nothing has changed.
         """
         numbers = self._numbers(worlds)
-        array = np.asarray(effort, dtype=np.float64)
+        array = np.asarray(effort)
         if array.ndim == 1:
             array = np.broadcast_to(array, (len(numbers), *array.shape))
         self._set_efforts(numbers, array)
-        if worlds is None:
-            self._effort = _fixed(np.array(array))
+        if worlds is None or self._effort is None or self._effort.shape[1] != array.shape[1]:
+            self._effort = np.zeros((len(self), array.shape[1]))
+        self._effort[numbers] = array
 
     def apply(self, worlds: Worlds, *actions: Action, name: str | None = None) -> list[Event]:
         """Carry out actions now in some worlds, as one event in each.
@@ -206,23 +211,23 @@ class Batch(_core.BatchBase):
             name: Of the events.
 
         Returns:
-            The events with their certificates, one for each of the worlds.
+            The events with their certificates, one for each of the worlds, in their order.
 
         Raises:
             Error: An action is impossible in one of the worlds; that world and those after it are unchanged.
         """
-        return self._apply(self._numbers(worlds), [(action.key, action.value) for action in actions], name or "")
+        return self._apply(self._numbers(worlds), [(action.key, action.scenario_value()) for action in actions], name or "")
 
     @property
     def group(self) -> NDArray[np.intp]:
-        """Number of the topology of each world, shape (worlds,)."""
+        """Number of the topology of each world, from 0, shape (worlds,): worlds with the same number have the same topology."""
         return np.asarray(self._groups(), dtype=np.intp)
 
     @property
     def groups(self) -> list[Group]:
-        """The worlds by topology."""
+        """The worlds by topology, with their arrays: q of shape (worlds of the group, nq), v and p of shape (…, nv), copies."""
         numbers = self.group
-        all_groups = []
+        all_groups: list[Group] = []
         for number in range(int(numbers.max()) + 1):
             worlds = np.flatnonzero(numbers == number)
             chosen = [int(i) for i in worlds]
@@ -236,13 +241,13 @@ class Batch(_core.BatchBase):
 
     @property
     def joints(self) -> Mapping[str, JointColumns]:
-        """The model's joints in all worlds, by name."""
-        return _Columns(self._joint_names, self._joint)
+        """The model's joints in all worlds, by name: ``batch.joints["arm/elbow"].q`` has shape (worlds, nq of the joint)."""
+        return Columns(self._joint_names, self._joint, keep=False)
 
     @property
     def bodies(self) -> Mapping[str, BodyColumns]:
-        """The model's bodies in all worlds, by name."""
-        return _Columns(self._body_names, self._body)
+        """The model's bodies in all worlds, by name: ``batch.bodies["arm/hand"].position`` has shape (worlds, 3)."""
+        return Columns(self._body_names, self._body, keep=False)
 
     def _joint(self, name: str) -> JointColumns:
         columns: dict[str, Array] = {}

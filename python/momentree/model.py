@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Union
+from typing import Any, Literal, Union
+
+from numpy.typing import ArrayLike, NDArray
 
 from momentree import _core
-from momentree._vocabulary import JointSpec, Number, Numbers, Pose, Vector, given, pose
+from momentree._vocabulary import JointSpec, Number, Numbers, Pose, Signal, Vector, given, pose
 
-Parent = Union[str, "_core.ModelBody", None]
+Parent = Union[str, _core.ModelBody, None]
+"""The parent of a body: a name, what ``add`` returned for it, or None for the ground."""
 Shape = Union[Mapping[str, Any], Sequence[Mapping[str, Any]]]
 """As in scenario files: ``{"box": [x, y, z]}``, ``{"sphere": r}`` …, or a list of them."""
+Axes = Literal["world", "body"]
+"""The axes in which a force is given."""
 
 
 def body_fields(
@@ -35,11 +40,13 @@ def body_fields(
 class Model(_core.ModelBase):
     """The mechanisms of one world, built body by body. Nothing in it moves: make a :class:`Simulation` of it.
 
+    ``len(model)`` is the number of bodies. A model can be copied (``copy.copy``, ``copy.deepcopy``) and pickled.
+
     Args:
         gravity: m/s², world axes, shape (3,).
     """
 
-    def __init__(self, gravity: Vector = (0.0, 0.0, -9.81)) -> None:
+    def __init__(self, gravity: ArrayLike = (0.0, 0.0, -9.81)) -> None:
         super().__init__(gravity)
 
     def add(
@@ -66,13 +73,14 @@ class Model(_core.ModelBase):
             com: Centre of mass in the body's frame (m), shape (3,).
             inertia: About the centre of mass, body axes (kg m²): one number, three principal moments, or xx, yy, zz, xy, xz, yz.
             parent: ``None`` or ``"ground"``, the name of a body that was added before, or what ``add`` returned for it.
-            at: Placement of the joint's frame in the parent's frame: a position (m), or ``{"xyz": …, "quat": …}``.
-            child_at: Placement of the joint's frame in the body's own frame.
+            at: Placement of the joint's frame in the parent's frame: a position (m), or ``{"xyz": …, "quat": …}``; default: the
+                same frame.
+            child_at: Placement of the joint's frame in the body's own frame, in the same way.
             joint: :func:`Revolute`, :func:`Ball` …; default: a weld.
             q: Start coordinates (rad, m, quaternion); default: zero.
             v: Start velocities (rad/s, m/s); default: zero.
             joint_name: ``"mechanism/joint"``; default: the body's name.
-            shape: For pictures.
+            shape: For pictures and reports: ``{"box": [x, y, z]}``, ``{"sphere": r}`` … (m).
 
         Returns:
             The body, to be the parent of others.
@@ -87,10 +95,10 @@ class Model(_core.ModelBase):
         self,
         body: str | _core.ModelBody,
         *,
-        force: Sequence[Any] | None = None,
-        torque: Sequence[Any] | None = None,
+        force: Sequence[Signal] | NDArray[Any] | None = None,
+        torque: Sequence[Signal] | NDArray[Any] | None = None,
         point: Vector | None = None,
-        axes: str | None = None,
+        axes: Axes | None = None,
         drag: Mapping[str, Any] | None = None,
     ) -> None:
         """Add an external force, a torque and drag on a body.
@@ -98,16 +106,19 @@ class Model(_core.ModelBase):
         Args:
             body: Name of the body; with a ``*`` one force on each body that matches.
             force: Three components (N), each a number or a function of time such as ``{"sine": …}``.
-            torque: Three components (N m).
+            torque: Three components (N m), likewise.
             point: Where force and drag act, in the body's frame (m).
             axes: ``"world"`` (default) or ``"body"``: the axes of force and torque.
-            drag: ``{"linear": N s/m, "quadratic": …, "area": …}``.
+            drag: ``{"linear": N s/m, "quadratic": N s²/m², …}``, as in scenario files.
+
+        Raises:
+            Error: A value is impossible or the name unknown; the model is unchanged.
         """
         name = body if isinstance(body, str) else body.name
         self._add_force(name, given(body=name, force=force, torque=torque, point=point, axes=axes, drag=drag))
 
     def copy(self) -> Model:
-        """An independent copy."""
+        """An independent copy: what is added to one is not in the other."""
         copy = Model.__new__(Model)
         _core.ModelBase.__init__(copy, self)
         return copy

@@ -5,27 +5,31 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from momentree._core import Snapshot, _Record
 from momentree._errors import Error
 from momentree._records import Array, Event, Wrench
+from momentree._world import Columns
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-    from momentree._core import Snapshot, _Record
-
 
 class JointRows:
-    """The columns of one joint. Rows are NaN where the joint did not exist or had fewer coordinates."""
+    """The columns of one joint, row by row of ``run.time``.
+
+    Rows are NaN where the joint did not exist; columns are NaN where it had fewer coordinates.
+    """
 
     def __init__(self, name: str, columns: Mapping[str, Array]) -> None:
-        self.name = name
+        self.name: str = name
+        """Name of the joint."""
         self._columns = columns
 
     @property
@@ -55,7 +59,10 @@ class JointRows:
 
     @property
     def reaction(self) -> Wrench:
-        """Wrench of the parent on the child (N, N m), each of shape (rows, 3); of a run with ``reactions=True``."""
+        """Wrench of the parent on the child, equation (32) of the paper; of a run with ``reactions=True``.
+
+        Force (N) and torque (N m) about the origin of the child's frame, in the child's axes, each of shape (rows, 3).
+        """
         wrench = self._with_reactions("wrench")
         return Wrench(wrench[:, :3], wrench[:, 3:])
 
@@ -64,20 +71,21 @@ class JointRows:
 
 
 class BodyRows:
-    """The motion of one body's frame, world axes. Rows are NaN where the body was not in the world."""
+    """The motion of one body's frame, world axes, row by row of ``run.time``. Rows are NaN where the body was not in the world."""
 
     def __init__(self, name: str, rows: Array) -> None:
-        self.name = name
+        self.name: str = name
+        """Name of the body."""
         self._rows = rows
 
     @property
     def position(self) -> Array:
-        """m, shape (rows, 3)."""
+        """Origin of the body's frame (m), shape (rows, 3)."""
         return self._rows[:, 0:3]
 
     @property
     def quaternion(self) -> Array:
-        """(w, x, y, z), continuous in sign, shape (rows, 4)."""
+        """Orientation of the body's frame, unit quaternion (w, x, y, z), continuous in sign, shape (rows, 4)."""
         return self._rows[:, 3:7]
 
     @property
@@ -94,30 +102,6 @@ class BodyRows:
         return f"<momentree.BodyRows '{self.name}', {len(self._rows)} rows>"
 
 
-class _Rows(Mapping[str, Any]):
-    def __init__(self, names: Sequence[str], make: Any) -> None:
-        self._names = list(names)
-        self._make = make
-        self._made: dict[str, Any] = {}
-
-    def __getitem__(self, name: str) -> Any:
-        if name not in self._made:
-            self._made[name] = self._make(name)
-        return self._made[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._names
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-    def _ipython_key_completions_(self) -> list[str]:
-        return self._names
-
-
 class Run:
     """A recorded run. Columns are computed when they are first asked for and kept.
 
@@ -125,7 +109,7 @@ class Run:
     ``run.time``.
     """
 
-    def __init__(self, record: _Record, functions: Sequence[Any] = ()) -> None:
+    def __init__(self, record: _Record, functions: Sequence[Callable[..., Any]] = ()) -> None:
         self._record: _Record | None = record
         self._functions = list(functions)  # that states of rows refer to
         self.status: str = record.status
@@ -139,9 +123,10 @@ class Run:
         self.final_state: str = record.final_state
         """The state document (JSON) at the end."""
         self.has_reactions: bool = record.has_reactions
-        self.joints: Mapping[str, JointRows] = _Rows(record.joint_names, self._joint)
+        """True if accelerations and reactions of joints were recorded."""
+        self.joints: Mapping[str, JointRows] = Columns(record.joint_names, self._joint)
         """Columns of the joints that the run had, by name."""
-        self.bodies: Mapping[str, BodyRows] = _Rows(record.body_names, self._body)
+        self.bodies: Mapping[str, BodyRows] = Columns(record.body_names, self._body)
         """Motions of the bodies, by name."""
         self._energy: NDArray[np.void] | None = None
 
@@ -160,7 +145,7 @@ class Run:
         return len(self.time)
 
     def __getitem__(self, name: str) -> JointRows | BodyRows:
-        """The joint of that name, or else the body."""
+        """The columns of the joint of that name, or else of the body. Raises Error if there is neither."""
         if name not in self.joints and name in self.bodies:
             return self.bodies[name]
         return self.joints[name]
@@ -186,7 +171,11 @@ class Run:
 
     @property
     def event_table(self) -> NDArray[np.void]:
-        """The events as a structured array: time (s), name, energies before and after (J), lost, released, work (J)."""
+        """The events as a structured array, shape (events,).
+
+        Fields: ``time`` (s), ``name``, and energies (J): ``kinetic_before``, ``kinetic_after``, ``energy_before``, ``energy_after``,
+        ``lost``, ``released``, ``work``.
+        """
         fields = ("kinetic_before", "kinetic_after", "energy_before", "energy_after", "lost", "released", "work")
         dtype: list[Any] = [("time", np.float64), ("name", object), *((name, np.float64) for name in fields)]
         rows = [
@@ -206,7 +195,15 @@ class Run:
         return np.array(rows, dtype=dtype)
 
     def state(self, row: int) -> Snapshot:
-        """The state of a row, to be given to :meth:`Simulation.restore` of the simulation that ran: a run can begin there again."""
+        """The state of a row, from which :meth:`Simulation.restore` of the simulation that ran can begin again.
+
+        Args:
+            row: Number of the row; negative numbers count from the end.
+
+        Raises:
+            IndexError: There is no such row.
+            Error: The run was pickled.
+        """
         count = len(self.time)
         if not -count <= row < count:
             raise IndexError(f"row {row} of {count}")
@@ -225,6 +222,9 @@ class Run:
 
         Returns:
             The folder that was written.
+
+        Raises:
+            Error: The folder can't be written, or the run was pickled.
         """
         return self._recorded().write(os.fspath(folder), report)
 
@@ -287,6 +287,9 @@ class Run:
 
         Returns:
             The axes.
+
+        Raises:
+            Error: There is no such column, or matplotlib is not installed.
         """
         try:
             import matplotlib.pyplot as plt
@@ -312,6 +315,12 @@ class Run:
 
         Args:
             columns: As for :meth:`plot`; default: q and v of every joint, and the energies.
+
+        Returns:
+            One row for each of ``run.time``; columns with several components are split: ``arm/hand.position.x``.
+
+        Raises:
+            Error: There is no such column, or pandas is not installed.
         """
         try:
             import pandas as pd

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Union
+from typing import Any, Union, cast
+
+from numpy.typing import ArrayLike
 
 from momentree import _core
+from momentree._core import Body, Context, Joint, Snapshot, World
 from momentree._errors import Error, RunError
 from momentree._records import Event
 from momentree._vocabulary import (
@@ -25,16 +28,19 @@ from momentree._vocabulary import (
 from momentree.model import Model, Parent, Shape, body_fields
 from momentree.run import Run
 
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
-    from momentree._core import Body, Context, Joint, Snapshot, World
-
-Trigger = Union[Condition, Callable[["World"], float]]
+Trigger = Union[Condition, Callable[[World], float]]
+"""What ``when`` accepts: a condition, or a function of the world that rises above 0."""
+DriveFunction = Callable[[Context], ArrayLike]
+"""A function that drives a joint: it returns the effort along each degree of freedom (N m, N)."""
+ForceFunction = Callable[[Context], tuple[ArrayLike, ArrayLike]]
+"""A function that acts on a body: it returns a force (N) and a torque (N m), world axes."""
 
 
 class Scheduled:
-    """An event that is scheduled, to be given actions: ``sim.at(1.8).then(momentree.break_joint("chain/41"))``."""
+    """An event that is scheduled, to be given actions: ``sim.at(1.8).then(momentree.break_joint("chain/41"))``.
+
+    ``at``, ``when``, ``after`` and ``every`` of a :class:`Simulation` make one. Its methods return it, so that calls can be chained.
+    """
 
     def __init__(self, simulation: Simulation, scheduled: Any, how: tuple[str, tuple[Any, ...]]) -> None:
         self._simulation = simulation
@@ -43,13 +49,17 @@ class Scheduled:
         simulation._schedule.append(self._entry)
 
     def then(self, *actions: Action) -> Scheduled:
-        """Add actions. Raises Error for an unknown name and for impossible values."""
+        """Add actions, which happen at one instant as one impact.
+
+        Raises:
+            Error: A name is unknown or a value impossible, or the event has happened; nothing was added.
+        """
         self._scheduled._then(self._simulation._checked(actions))
         self._entry["actions"] += actions
         return self
 
     def named(self, name: str) -> Scheduled:
-        """Name the event; a joint that it makes then has that name."""
+        """Name the event, for ``after``, ``Event.name`` and reports; a joint that it makes then has that name, too."""
         self._scheduled._named(name)
         self._entry["name"] = name
         return self
@@ -105,13 +115,16 @@ class Simulation(_core.SimulationBase):
 
     @property
     def model(self) -> Model:
-        """A copy of the model that it began with."""
+        """A copy of the model that it began with; changes of topology are not in it."""
         copy = Model.__new__(Model)
         _core.ModelBase.__init__(copy, self._model())
         return copy
 
     def __getitem__(self, name: str) -> Joint | Body:
-        """The joint of that name, or else the body."""
+        """The joint of that name, or else the body. Raises Error if there is neither.
+
+        Bodies and joints often share a name: ``sim.world.bodies[name]`` is always the body.
+        """
         world = self.world
         if world._has_joint(name) or not world._has_body(name):
             return world._joint(name)
@@ -131,10 +144,17 @@ class Simulation(_core.SimulationBase):
                 )
             for handle in action._handles:
                 self._check_handle(handle)
-        return [(action.key, action.value) for action in actions]
+        return [(action.key, action.scenario_value()) for action in actions]
 
     def at(self, time: float) -> Scheduled:
-        """Schedule actions at an instant (s). Raises Error for a time that is past or not finite."""
+        """Schedule actions at an instant.
+
+        Args:
+            time: s, not before the present.
+
+        Raises:
+            Error: The time is past or not finite.
+        """
         return Scheduled(self, self._at(time), ("at", (time,)))
 
     def when(self, condition: Trigger) -> Scheduled:
@@ -142,7 +162,10 @@ class Simulation(_core.SimulationBase):
 
         Args:
             condition: ``momentree.reaction("load").force > 40``; or a function of the world, and the event happens when it rises
-                above 0.
+                above 0, with a located instant.
+
+        Raises:
+            Error: A name is unknown, or the condition can never be met.
         """
         if isinstance(condition, Quantity):
             raise Error("when: a quantity without a threshold", hint="compare it: momentree.reaction('load').force > 40")
@@ -169,7 +192,7 @@ class Simulation(_core.SimulationBase):
         return Scheduled(self, scheduled, ("when", (condition,)))
 
     def after(self, event: str, delay: float = 0.0) -> Scheduled:
-        """Schedule actions ``delay`` seconds after the event with that name, each time that it happens."""
+        """Schedule actions ``delay`` seconds after the event with the name ``event``, each time that it happens."""
         return Scheduled(self, self._after(event, delay), ("after", (event, delay)))
 
     def every(self, period: float, start: float = 0.0) -> Scheduled:
@@ -177,7 +200,11 @@ class Simulation(_core.SimulationBase):
         return Scheduled(self, self._every(period, start), ("every", (period, start)))
 
     def apply(self, *actions: Action, name: str | None = None) -> Event:
-        """Carry out actions now, as one event.
+        """Carry out actions now, as one event: all of them at one instant are one impact.
+
+        Args:
+            actions: :func:`break_joint`, :func:`lock` …
+            name: Of the event.
 
         Returns:
             The event with its certificate.
@@ -189,7 +216,7 @@ class Simulation(_core.SimulationBase):
 
     @property
     def events(self) -> list[Event]:
-        """The events that happened, in order."""
+        """The events that happened so far, in order, with their certificates; a copy of the list."""
         count = self._event_count
         if len(self._event_cache) > count:
             self._event_cache = []
@@ -199,8 +226,8 @@ class Simulation(_core.SimulationBase):
 
     # Functions
 
-    def drive(self, joint: JointName, function: Callable[[Context], ArrayLike] | None) -> None:
-        """Drive a joint by a function from now on, in addition to its parameters.
+    def drive(self, joint: JointName, function: DriveFunction | None) -> None:
+        """Drive a joint by a function from now on, in addition to its parameters and to ``effort``.
 
         It belongs to the joint: changes of topology, snapshots and branches keep it until the joint breaks or becomes another.
 
@@ -208,20 +235,24 @@ class Simulation(_core.SimulationBase):
             joint: Name or handle.
             function: Called at every stage of every step with the :class:`Context`, the only thing that it may read. Returns the
                 effort along each degree of freedom (N m, N): a number, or shape (nv,). ``None`` removes it.
+
+        Raises:
+            Error: The name is unknown, or the handle is of another simulation.
         """
         if function is not None:
             self._functions.append(function)
         self._drive(joint, function)
 
-    def force(
-        self, body: BodyName, function: Callable[[Context], tuple[ArrayLike, ArrayLike]] | None
-    ) -> None:
+    def force(self, body: BodyName, function: ForceFunction | None) -> None:
         """Apply a wrench to a body by a function from now on, in addition to the model's forces.
 
         Args:
             body: Name or handle.
             function: Called at every stage of every step with the :class:`Context`. Returns force (N) and torque (N m) about the
-                origin of the body's frame, in world axes. ``None`` removes it.
+                origin of the body's frame, in world axes, each of shape (3,). ``None`` removes it.
+
+        Raises:
+            Error: The name is unknown, or the handle is of another simulation.
         """
         if function is not None:
             self._functions.append(function)
@@ -239,6 +270,9 @@ class Simulation(_core.SimulationBase):
         """Return to a snapshot of this simulation or of one that it shares a model with by :meth:`branch`.
 
         Events scheduled after the snapshot stay scheduled unless their time is past.
+
+        Raises:
+            Error: The snapshot is of a simulation of another model.
         """
         self._functions += [each for each in snapshot._functions if each not in self._functions]
         self._restore(snapshot)
@@ -261,7 +295,16 @@ class Simulation(_core.SimulationBase):
         joint_name: str | None = None,
         shape: Shape | None = None,
     ) -> Body:
-        """Add a body to the running world: see :meth:`Model.add`. The velocities of other bodies do not change."""
+        """Add a body to the running world. The velocities of other bodies do not change.
+
+        The arguments are those of :meth:`Model.add`; ``parent`` may also be a handle of this simulation.
+
+        Returns:
+            The body's handle.
+
+        Raises:
+            Error: A value is impossible or a name unknown or used twice; the world is unchanged.
+        """
         fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape)
         self._add(name, parent, fields)
         return self.world.bodies[name]
@@ -286,10 +329,14 @@ class Simulation(_core.SimulationBase):
             reactions: Also record the accelerations and reactions of joints.
             observe: Called with the world at each row; may schedule events, and end the run by returning ``False``.
             progress: Show a progress bar (with tqdm, if it is installed).
-            check: Raise RunError for a run that ended early; otherwise the returned run's ``status`` says why.
+            check: Raise RunError for a run that failed; otherwise the returned run's ``status`` says why it ended.
+
+        Returns:
+            The recorded run, which is ``last_run`` as well.
 
         Raises:
             RunError: The run diverged, stalled, or an action was refused. Its ``run`` holds the rows so far.
+            KeyboardInterrupt: Ctrl-C; like any exception of a callback it leaves the rows so far in ``last_run``.
         """
         end = self.until if until is None else float(until)
         every = self._output_every if record_every is None else float(record_every)
@@ -315,7 +362,10 @@ class Simulation(_core.SimulationBase):
     # Branches and pickling
 
     def branch(self) -> Simulation:
-        """An independent run from here: world, event queue and energy ledger, without history. It shares Python functions."""
+        """An independent simulation that goes on from here: world, event queue and energy ledger, without history.
+
+        It may be used by another thread. Python functions are shared with this simulation.
+        """
         copy = type(self).__new__(type(self))
         _core.SimulationBase.__init__(copy, self)
         copy._begin(self._source)
@@ -327,7 +377,7 @@ class Simulation(_core.SimulationBase):
         return self.branch()
 
     def __getstate__(self) -> dict[str, Any]:
-        schedule = []
+        schedule: list[dict[str, Any]] = []
         for entry in self._schedule:
             how, arguments = entry["how"]
             if how == "when" and arguments[0].quantity.key == "function":
@@ -369,7 +419,7 @@ def _schedule_past(simulation: Simulation, how: str, arguments: tuple[Any, ...])
 
 
 def _overrides(set: Mapping[str, Any] | None) -> list[str]:
-    texts = []
+    texts: list[str] = []
     for key, value in (set or {}).items():
         if isinstance(value, str):
             texts.append(f"{key}={value}")
@@ -386,9 +436,9 @@ def _toml(value: Any) -> str:
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key} = {_toml(each)}" for key, each in value.items()) + "}"
+        return "{" + ", ".join(f"{key} = {_toml(each)}" for key, each in cast("Mapping[str, Any]", value).items()) + "}"
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(_toml(each) for each in value) + "]"
+        return "[" + ", ".join(_toml(each) for each in cast("Sequence[Any]", value)) + "]"
     return repr(value)
 
 
@@ -404,6 +454,10 @@ def load(
         path: The file.
         set: Changes of the scenario by dotted keys: ``{"integrate.step": 1e-4, "mechanism.tug.pose.xyz": [0, 0, 1]}``.
         state: A state document to begin from, such as the ``final.json`` of another run.
+
+    Returns:
+        The simulation at its start. ``simulation.until`` is the end of the scenario's run, ``simulation.warnings`` what the reader
+        warned of.
 
     Raises:
         Error: The file has errors: ``diagnostics`` lists all of them, with line and column.
@@ -423,6 +477,9 @@ def loads(text: str, name: str = "scenario.toml", *, set: Mapping[str, Any] | No
         name: For messages; its ending says what it is: ``"robot.urdf"``. Files that the text names are located in the working
             folder.
         set: As for :func:`load`.
+
+    Raises:
+        Error: The text has errors: ``diagnostics`` lists all of them, with line and column.
     """
     simulation = Simulation.__new__(Simulation)
     arguments = (name, _overrides(set), "", text)

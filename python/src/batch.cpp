@@ -1,4 +1,6 @@
 // Batch: many worlds of one model as arrays.
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <limits>
@@ -202,6 +204,13 @@ void construct(BatchObject* self, const ModelObject& model, int worlds, int thre
   else if (precision != "float64")
     refuse("unknown precision '" + precision + "'", "\"float64\" or \"float32\"");
   options.threads = threads;
+  const Tree tree(model.model);
+  const double bytes = static_cast<double>(worlds) * (16.0 * (tree.nq() + tree.nv()) + 64);
+  const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  if (bytes > 0.8 * memory)  // the system would end the process instead of refusing
+    refuse("not enough memory for " + std::to_string(worlds) + " worlds: they take " +
+               std::to_string(static_cast<long>(bytes / 1e9)) + " GB",
+           "step them in several batches");
   new (self) BatchObject(model.model, worlds, options);
 }
 

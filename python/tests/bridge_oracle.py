@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import mpmath  # type: ignore[import-untyped,import-not-found,unused-ignore]
-import mujoco  # type: ignore[import-untyped,import-not-found,unused-ignore]
 import numpy as np
 
 DIGITS = 50
@@ -13,6 +12,8 @@ DIGITS = 50
 
 def evaluated(model: Any, data: Any) -> Any:
     """A copy of the state, evaluated."""
+    import mujoco  # type: ignore[import-untyped,import-not-found,unused-ignore]
+
     copy = mujoco.MjData(model)
     copy.qpos[:], copy.qvel[:] = data.qpos, data.qvel
     copy.mocap_pos[:], copy.mocap_quat[:] = data.mocap_pos, data.mocap_quat
@@ -22,6 +23,8 @@ def evaluated(model: Any, data: Any) -> Any:
 
 def jacobian(model: Any, data: Any, body: str | None, point: Any) -> Any:
     """(6, nv) velocity of a point of a body, and its angular velocity; ``data`` is evaluated."""
+    import mujoco  # type: ignore[import-untyped,import-not-found,unused-ignore]
+
     rows = np.zeros((6, model.nv))
     if body is not None:
         number = model.body(body).id
@@ -34,6 +37,8 @@ def jacobian(model: Any, data: Any, body: str | None, point: Any) -> Any:
 
 def mass_matrix(model: Any, data: Any) -> Any:
     """(nv, nv); ``data`` is evaluated."""
+    import mujoco  # type: ignore[import-untyped,import-not-found,unused-ignore]
+
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)
     return mass
@@ -64,9 +69,11 @@ def _solve(metric: Any, right: Any) -> Any:
     result = right.copy()
     for column in range(result.cols):
         for i in range(n):
-            result[i, column] = (result[i, column] - sum(factor[i, k] * result[k, column] for k in range(i))) / factor[i, i]
+            known = sum(factor[i, k] * result[k, column] for k in range(i))
+            result[i, column] = (result[i, column] - known) / factor[i, i]
         for i in reversed(range(n)):
-            result[i, column] = (result[i, column] - sum(factor[k, i] * result[k, column] for k in range(i + 1, n))) / factor[i, i]
+            known = sum(factor[k, i] * result[k, column] for k in range(i + 1, n))
+            result[i, column] = (result[i, column] - known) / factor[i, i]
     return result
 
 

@@ -12,9 +12,8 @@ mujoco = pytest.importorskip("mujoco")
 pytest.importorskip("mpmath")
 
 import bridge_oracle as oracle  # noqa: E402
-from bridge_models import model_of, names, state_of  # noqa: E402
-
 import momentree as mt  # noqa: E402
+from bridge_models import model_of, names, state_of  # noqa: E402
 from momentree.bridge import mujoco as bridge  # noqa: E402
 
 EXACT = 1e-12
@@ -51,7 +50,8 @@ class Case:
 
     def rows(self, point: Any) -> Any:
         """(6, nv) relative velocity of the two bodies at a point."""
-        return oracle.jacobian(self.model, self.before, self.one, point) - oracle.jacobian(self.model, self.before, self.two, point)
+        one, two = (oracle.jacobian(self.model, self.before, each, point) for each in (self.one, self.two))
+        return one - two
 
     def check(self, change: bridge.Change, expected: Any) -> None:
         assert oracle.error(self.data.qvel, expected, self.v) < EXACT
@@ -162,14 +162,15 @@ def test_active_constraints_transmit_impulses(seed: int) -> None:
     case = Case(seed, ((3, True), (3, True), (3, False)))
     rng = case.rng
     other = str(rng.choice(names(case.model, "c")))
-    pair = f'<weld body1="{case.one}" body2="{case.two}" active="false"/><weld body1="{case.two}" body2="{other}" active="false"/>'
+    pairs = ((case.one, case.two), (case.two, other))
+    pair = "".join(f'<weld body1="{one}" body2="{two}" active="false"/>' for one, two in pairs)
     model = model_of(np.random.default_rng(seed + 1), ((3, True), (3, True), (3, False)), pair)
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = case.data.qpos, case.data.qvel
     bridge.weld(model, data, case.one, case.two)
     before = oracle.evaluated(model, data)
     rows = []
-    for one, two in ((case.one, case.two), (case.two, other)):
+    for one, two in pairs:
         point = before.xpos[model.body(one).id].copy()
         rows.append(oracle.jacobian(model, before, one, point) - oracle.jacobian(model, before, two, point))
     expected = oracle.plastic(oracle.mass_matrix(model, before), np.vstack(rows), before.qvel)
@@ -220,3 +221,65 @@ def test_bodies_that_cannot_move() -> None:
         expected = oracle.plastic(oracle.mass_matrix(model, before), rows, before.qvel)
         assert oracle.error(data.qvel, expected, before.qvel) < EXACT
         assert certificate.method == "momentree"
+
+
+COUPLED = """<mujoco><option gravity="0 0 0" jacobian="JACOBIAN"/><worldbody>
+  <body name="arm"><joint name="j0" axis="0 1 0"/><inertial mass="1" pos=".3 0 0" diaginertia=".01 .1 .1"/>
+    <body name="fore" pos=".6 0 0"><joint name="j1" axis="0 1 0"/><inertial mass="1" pos=".3 0 0" diaginertia=".01 .1 .1"/>
+      <body name="tip" pos=".6 0 0"><joint name="j2" axis="1 1 0"/>
+        <inertial mass="1" pos=".3 0 0" diaginertia=".01 .1 .1"/></body>
+    </body></body>
+  <body name="wheel" pos="0 2 0"><joint name="j3" axis="0 0 1"/><inertial mass="1" pos="0 0 0" diaginertia=".1 .1 .1"/></body>
+  <body name="crate" pos="1 0 1"><freejoint/><inertial mass="2" pos=".1 0 0" diaginertia=".2 .1 .1"/></body></worldbody>
+  <tendon><fixed name="belt"><joint joint="j2" coef="1"/><joint joint="j3" coef="-2"/></fixed></tendon>
+  <equality><joint joint1="j1" joint2="j0" polycoef="0 .5 .3 0 0"/><tendon tendon1="belt"/>
+    <weld name="grasp" body1="tip" body2="crate" active="false"/></equality></mujoco>"""
+
+
+@pytest.mark.parametrize("jacobian", ["dense", "sparse"])
+def test_couplings_hold(jacobian: str) -> None:
+    """Joints coupled by a polynomial and by a tendon: what holds is the rate that they have, even if it is not zero."""
+    model = mujoco.MjModel.from_xml_string(COUPLED.replace("JACOBIAN", jacobian))
+    data = mujoco.MjData(model)
+    rng = np.random.default_rng(5)
+    data.qpos[:4], data.qvel[:] = rng.normal(size=4), rng.normal(size=model.nv)
+    before = oracle.evaluated(model, data)
+    point = before.xpos[model.body("tip").id].copy()
+    weld_rows = oracle.jacobian(model, before, "tip", point) - oracle.jacobian(model, before, "crate", point)
+    held = np.zeros((2, model.nv))
+    held[0, :2] = -(0.5 + 2 * 0.3 * data.qpos[0]), 1.0
+    held[1, 2:4] = 1.0, -2.0
+    certificate = bridge.weld(model, data, "tip", "crate").certificate
+    assert "active constraint" in certificate.reason and certificate.ok and abs(certificate.work) > 1e-3
+    np.testing.assert_allclose(weld_rows @ data.qvel, 0, atol=1e-13)
+    np.testing.assert_allclose(held @ data.qvel, held @ before.qvel, atol=1e-13)
+    # The change of momentum is that of impulses along these rows.
+    momentum = oracle.mass_matrix(model, before) @ (data.qvel - before.qvel)
+    rows = np.vstack([weld_rows, held])
+    impulses = np.linalg.lstsq(rows.T, momentum, rcond=None)[0]
+    np.testing.assert_allclose(rows.T @ impulses, momentum, atol=1e-12)
+
+
+def test_a_body_that_a_mocap_body_drags_is_not_stopped() -> None:
+    """MuJoCo moves mocap bodies without a velocity: a body that follows one has a velocity relative to it."""
+    text = """<mujoco><option gravity="0 0 0"/><worldbody><body name="hand" mocap="true"/>
+      <body name="a"><freejoint/><geom size=".1" mass="1"/><body name="flap" pos=".2 0 0"><joint name="flap" axis="0 1 0"/>
+        <geom size=".1" mass=".5" pos=".1 0 0"/></body></body></worldbody>
+      <equality><weld body1="hand" body2="a"/><joint joint1="flap" active="false"/></equality></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    data.qvel[:] = [0.5, 0, 0, 0, 0, 0, 3.0]
+    bridge.lock(model, data, "flap")
+    np.testing.assert_allclose(data.qvel, [0.5, 0, 0, 0, 0, 0, 0], atol=1e-14)
+
+
+def test_two_constraints_that_contradict_each_other() -> None:
+    """A joint that follows another one is locked: what is new holds, and the old constraint transmits what it can."""
+    text = """<mujoco><option gravity="0 0 0"/><worldbody>
+      <body><joint name="a" axis="0 0 1"/><inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/></body></worldbody>
+      <equality><joint name="old" joint1="a"/><joint name="new" joint1="a" active="false"/></equality></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    data.qvel[0] = 0.25
+    certificate = bridge.lock(model, data, "a", equality="new").certificate
+    assert data.qvel[0] == 0.0 and certificate.ok and not certificate.determined

@@ -18,16 +18,19 @@ ARM = """<mujoco><option timestep="0.001"/>
   <default><geom contype="0" conaffinity="0"/><default class="link"><geom rgba=".8 .3 .2 1" friction=".7"/></default></default>
   <asset><mesh name="tip" vertex="0 0 0 .05 0 0 0 .05 0 0 0 .05"/></asset>
   <worldbody>
-    <body name="upper"><joint name="shoulder" axis="0 1 0" damping=".1"/><geom class="link" type="capsule" fromto="0 0 0 .4 0 0" size=".03"/>
+    <body name="upper"><joint name="shoulder" axis="0 1 0" damping=".1"/>
+      <geom class="link" type="capsule" fromto="0 0 0 .4 0 0" size=".03"/>
       <body name="fore" pos=".4 0 0"><joint name="elbow" axis="0 1 0" ref="10" pos=".01 0 0" armature=".01"/>
         <geom class="link" type="capsule" fromto="0 0 0 .3 0 0" size=".02"/><site name="grip" pos=".3 0 0"/>
         <frame pos=".3 0 0" euler="0 20 0"><body name="hand" euler="30 0 0"><joint name="wrist" type="ball"/>
-          <geom name="palm" type="mesh" mesh="tip" mass=".2"/><geom size=".03" pos=".02 0 0"/><camera name="eye" pos="0 0 .1"/></body></frame>
+          <geom name="palm" type="mesh" mesh="tip" mass=".2"/><geom size=".03" pos=".02 0 0"/>
+          <camera name="eye" pos="0 0 .1"/></body></frame>
       </body></body>
     <body name="crate" pos=".9 .1 -.2" euler="0 40 10"><freejoint name="crate"/><geom type="box" size=".1 .08 .06" mass="1.5"/>
       <body name="handle" pos="0 0 .1"><joint name="swivel" axis="0 0 1"/><geom size=".02" pos=".05 0 0" mass=".1"/></body></body>
   </worldbody>
-  <actuator><motor name="lift" joint="shoulder"/><position name="bend" joint="elbow" kp="2"/><motor name="turn" joint="swivel"/></actuator>
+  <actuator><motor name="lift" joint="shoulder"/><position name="bend" joint="elbow" kp="2"/>
+    <motor name="turn" joint="swivel"/></actuator>
   <sensor><jointpos name="angle" joint="elbow"/><framepos name="where" objtype="site" objname="grip"/>
     <framepos name="gap" objtype="body" objname="hand" reftype="body" refname="upper"/></sensor>
   <contact><exclude body1="upper" body2="hand"/></contact>
@@ -76,6 +79,17 @@ def test_a_weld_goes_on_holding(declared: str) -> None:
     there, then = relative_pose(model, data, "hand", "crate")
     assert np.linalg.norm(there - position) < 1e-3 and np.linalg.norm(then - turn) < 1e-3
     assert np.linalg.norm(data.qvel - after) > 0.1  # it does move
+
+
+def test_the_pose_of_a_weld_survives_a_change_of_masses() -> None:
+    """``mj_setConst`` computes the poses of welds anew that were not given explicitly."""
+    model = spec_of('<weld name="grasp" body1="hand" body2="crate" active="false"/>').compile()
+    data = moving(model)
+    bridge.weld(model, data, "hand", "crate")
+    pose = model.eq_data[0].copy()
+    model.body_mass[model.body("crate").id] *= 2
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    np.testing.assert_array_equal(model.eq_data[0], pose)
 
 
 def test_a_hinge_turns_about_its_axis_only() -> None:
@@ -159,7 +173,8 @@ def test_changes_of_numbers_survive_a_recompilation() -> None:
 
 @pytest.mark.parametrize("joint", ["shoulder", "elbow", "wrist", "swivel"])
 def test_a_joint_of_the_tree_breaks(joint: str) -> None:
-    spec = spec_of('<joint name="hold" joint1="elbow" active="false"/><weld name="grasp" body1="hand" body2="crate" active="false"/>')
+    grasp = '<weld name="grasp" body1="hand" body2="crate" active="false"/>'
+    spec = spec_of('<joint name="hold" joint1="elbow" active="false"/>' + grasp)
     model = spec.compile()
     data = moving(model)
     bridge.weld(model, data, "hand", "crate")
@@ -214,7 +229,8 @@ def test_a_break_in_the_tree_moves_like_momentree() -> None:
 
 def whole(model: Any, data: Any) -> bytes:
     """All of the state and of the numbers that a change writes."""
-    parts = [getattr(data, name) for name in ("qpos", "qvel", "qacc", "eq_active", "efc_force", "xpos", "qfrc_constraint", "ctrl")]
+    names = ("qpos", "qvel", "qacc", "eq_active", "efc_force", "xpos", "qfrc_constraint", "ctrl")
+    parts = [getattr(data, name) for name in names]
     parts += [model.eq_data, model.eq_solref, model.eq_solimp, np.array([data.time, model.opt.timestep, model.neq])]
     return b"".join(np.ascontiguousarray(part).tobytes() for part in parts)
 

@@ -20,37 +20,48 @@ class Engine(Protocol):
     @property
     def time(self) -> float:
         """s."""
+        ...
 
     @property
     def v(self) -> FloatArray:
         """(nv,) a copy of the velocities before the change."""
+        ...
 
     def held(self) -> Rows:
         """(m, nv) what active constraints hold."""
+        ...
 
     def trees(self, bodies: Sequence[int], held: Rows) -> set[int]:
         """The mechanisms of these bodies, and those that active constraints connect with them."""
+        ...
 
     def dofs(self, trees: set[int]) -> NDArray[np.intp]:
         """The DoFs of these mechanisms."""
+        ...
 
     def mass(self, dofs: NDArray[np.intp]) -> FloatArray:
         """(n, n) the mass matrix, with armatures, of DoFs that are not coupled with others."""
+        ...
 
     def totals(self, v: FloatArray) -> Totals:
         """Energy and momenta of the world at the velocities ``v`` (nv,)."""
+        ...
 
     def momenta(self, v: FloatArray) -> float:
         """The sum of the magnitudes of the momenta of all bodies, to measure drift against."""
+        ...
 
     def floats(self, bodies: Sequence[int]) -> bool:
         """Whether nothing joins these bodies to the world."""
+        ...
 
     def unsuitable(self, request: Request) -> str:
         """Why momentree cannot make a change where no constraint is active; empty if it can."""
+        ...
 
     def by_momentree(self, request: Request, trees: set[int]) -> FloatArray:
         """(nv,) velocities after the change."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -129,7 +140,23 @@ def unchanged(
     after = after if after is not None else before
     energy, drift = _energy(before, after, released), _drift(state, before, after, point)
     return Certificate(
-        action, "none", "", state.time, before, after, 0.0, 0.0, released, point, True, residual, 0.0, energy, drift, None, tolerance
+        action=action,
+        method="none",
+        reason="",
+        time=state.time,
+        before=before,
+        after=after,
+        lost=0.0,
+        work=0.0,
+        released=released,
+        impulse=point,
+        determined=True,
+        residual=residual,
+        balance=0.0,
+        energy=energy,
+        drift=drift,
+        agreement=None,
+        tolerance=tolerance,
     )
 
 

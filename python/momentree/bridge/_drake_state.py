@@ -8,16 +8,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.multibody.tree import BodyIndex, JacobianWrtVariable  # type: ignore[import-not-found,unused-ignore]
 
 import momentree as mt
 from momentree.bridge._change import Request
+from momentree.bridge._drake_package import Context, MultibodyPlant, tree
 from momentree.bridge.certificate import FloatArray, Totals
 from momentree.bridge.projection import Rows
-
-# Drake's type information does not describe arrays as NumPy does: its objects are Any here.
-MultibodyPlant = Any
-Context = Any
 
 WORLD = 0
 CONVERTED = {"revolute", "prismatic", "weld", "quaternion_floating"}
@@ -64,7 +60,8 @@ class DrakeState:
 
     def _active(self, reserved: Sequence[Reserved]) -> list[Reserved]:
         known = {each.constraint: each for each in reserved}
-        active = [number for number in self.plant.GetConstraintIds() if self.plant.GetConstraintActiveStatus(self.context, number)]
+        every = self.plant.GetConstraintIds()
+        active = [number for number in every if self.plant.GetConstraintActiveStatus(self.context, number)]
         if any(number not in known for number in active):
             raise mt.Error(
                 "a constraint of the plant is active, and Drake does not tell which bodies it joins",
@@ -170,7 +167,7 @@ class DrakeState:
         local = self.rotation(body).T @ (point - self.position(body))
         world = self.plant.world_frame()
         rows = self.plant.CalcJacobianSpatialVelocity(
-            self._scratch, JacobianWrtVariable.kV, self._body(body).body_frame(), local, world, world
+            self._scratch, tree.JacobianWrtVariable.kV, self._body(body).body_frame(), local, world, world
         )
         return np.vstack([rows[3:], rows[:3]])
 
@@ -193,10 +190,10 @@ class DrakeState:
     def unsuitable(self, request: Request) -> str:
         """Why momentree cannot make a change where no constraint is active; empty if it can."""
         wanted = self.trees(request.bodies, Rows.none(0))
-        for body, joint in self.inboard.items():
-            if self.root(body) in wanted and joint.type_name() not in CONVERTED:
+        for joint in (each for body, each in self.inboard.items() if self.root(body) in wanted):
+            if joint.type_name() not in CONVERTED:
                 return f"a joint is of the kind {joint.type_name()}"
-            if joint.type_name() == "quaternion_floating" and int(joint.parent_body().index()) != WORLD and self.root(body) in wanted:
+            if joint.type_name() == "quaternion_floating" and int(joint.parent_body().index()) != WORLD:
                 return "a floating joint has a parent"
         if not request.joins:
             return ""
@@ -291,7 +288,7 @@ class DrakeState:
         return order
 
     def _body(self, index: int) -> Any:
-        return self.plant.get_body(BodyIndex(index))
+        return self.plant.get_body(tree.BodyIndex(index))
 
 
 def _kind(joint: Any, armature: float) -> mt.JointSpec:

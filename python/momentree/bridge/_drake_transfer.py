@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from pydrake.math import RigidTransform, RotationMatrix  # type: ignore[import-not-found,unused-ignore]
-from pydrake.multibody.tree import BodyIndex  # type: ignore[import-not-found,unused-ignore]
 
 import momentree as mt
 from momentree.bridge._change import unchanged
-from momentree.bridge._drake_state import WORLD, Context, DrakeState, MultibodyPlant, Reserved
+from momentree.bridge._drake_package import Context, MultibodyPlant, math, tree
+from momentree.bridge._drake_state import WORLD, DrakeState, Reserved
 from momentree.bridge.certificate import Certificate, FloatArray
 
 
@@ -23,10 +22,10 @@ def transfer(
     tolerance: float = 1e-9,
     exact: float = 1e-12,
 ) -> Certificate:
-    """Puts a new plant into the state of an old one: every body of the new plant has the pose and velocity that it has in the old.
+    """Puts a new plant into the state of an old one: every body has the pose and velocity that it has in the old plant.
 
-    Bodies are matched by their names, with their model instances. Joints of all kinds are set from the poses and velocities of their
-    bodies, so their numbers and conventions may differ. Locks are not carried over.
+    Bodies are matched by their names, with their model instances. Joints of all kinds are set from the poses and velocities of
+    their bodies, so their numbers and conventions may differ. Locks are not carried over.
 
     Args:
         plant: the old plant.
@@ -78,7 +77,7 @@ def _blind(plant: MultibodyPlant, context: Context) -> DrakeState:
 
 
 def _body(plant: MultibodyPlant, index: int) -> Any:
-    return plant.get_body(BodyIndex(index))
+    return plant.get_body(tree.BodyIndex(index))
 
 
 def _same(plant: MultibodyPlant, new_plant: MultibodyPlant, body: Any) -> int:
@@ -106,8 +105,7 @@ def _downwards(plant: MultibodyPlant) -> list[Any]:
 
 
 def _pose(state: DrakeState, body: int) -> Any:
-    make: Any = RigidTransform
-    return make(RotationMatrix(state.rotation(body)), state.position(body))
+    return math.RigidTransform(math.RotationMatrix(state.rotation(body)), state.position(body))
 
 
 def _place(old: DrakeState, plant: MultibodyPlant, context: Context, joint: Any, pairs: dict[int, int]) -> None:
@@ -115,7 +113,7 @@ def _place(old: DrakeState, plant: MultibodyPlant, context: Context, joint: Any,
     if joint.num_positions() == 0:
         return
     child, parent = int(joint.child_body().index()), int(joint.parent_body().index())
-    frame = _pose(old, pairs[parent]) if parent else RigidTransform()
+    frame = _pose(old, pairs[parent]) if parent else math.RigidTransform()
     frame = frame @ joint.frame_on_parent().GetFixedPoseInBodyFrame()
     across = frame.inverse() @ _pose(old, pairs[child]) @ joint.frame_on_child().GetFixedPoseInBodyFrame()
     kind = joint.type_name()

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import mujoco  # type: ignore[import-untyped,import-not-found,unused-ignore]
-
 import momentree as mt
 from momentree.bridge import _mujoco_hold as holds_
 from momentree.bridge._change import Request, solve, unchanged
 from momentree.bridge._mujoco_hold import Hold, Stiffness
 from momentree.bridge._mujoco_model import ConvertibleState
 from momentree.bridge._mujoco_names import name_of
-from momentree.bridge._mujoco_state import MjData, MjModel, MjSpec
+from momentree.bridge._mujoco_package import MjData, MjModel, MjSpec, mujoco
 from momentree.bridge.certificate import Certificate, Method
 
 

@@ -6,17 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-import mujoco  # type: ignore[import-untyped,import-not-found,unused-ignore]
 import numpy as np
 
 import momentree as mt
-from momentree.bridge._mujoco_apply import Change
 from momentree.bridge._change import unchanged
+from momentree.bridge._mujoco_apply import Change
 from momentree.bridge._mujoco_hold import compiled_with, recompiled
 from momentree.bridge._mujoco_model import FREE, JOINT_DOFS, ConvertibleState
 from momentree.bridge._mujoco_names import name_of
-from momentree.bridge._mujoco_state import MjData, MjModel, MjSpec
-from momentree.bridge.certificate import FloatArray
+from momentree.bridge._mujoco_package import MjData, MjModel, MjSpec, mujoco
 
 # What the children of a body are called in a body, and the function that adds one.
 _PARTS = {"geoms": "add_geom", "joints": "add_joint", "sites": "add_site", "cameras": "add_camera", "lights": "add_light"}

@@ -6,16 +6,20 @@ import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-import mujoco  # type: ignore[import-untyped,import-not-found,unused-ignore]
 import numpy as np
 
 import momentree as mt
 from momentree.bridge._mujoco_model import BALL, FREE, inverse, product
 from momentree.bridge._mujoco_names import CONNECT, JOINT, WELD, between, body_of, holding, name_of, number_of
-from momentree.bridge._mujoco_state import MjData, MjModel, MjSpec, State
+from momentree.bridge._mujoco_package import MjData, MjModel, MjSpec, mujoco
+from momentree.bridge._mujoco_state import State
 from momentree.bridge.certificate import FloatArray
 
 JOINT_OBJECT = int(mujoco.mjtObj.mjOBJ_JOINT)
+
+
+_SINCE = (3, 17)
+"""The version of MuJoCo whose ``MjSpec.copy_back`` keeps all that was changed in a model, or refuses."""
 
 
 @dataclass(frozen=True)
@@ -125,7 +129,7 @@ def declare(spec: MjSpec, model: MjModel, hold: Hold, name: str, active: bool) -
     element = "joint" if joint else "body"
     names = [name_of(model, element, each, "") for each in ((hold.one,) if joint else (hold.one, hold.two))]
     if not all(names):
-        raise mt.Error(f"a {element} has no name", "mujoco", "equality constraints refer to names: give it one in the specification")
+        raise mt.Error(f"a {element} has no name", "mujoco", "constraints refer to names: give it one in the specification")
     added = spec.add_equality(
         name=name,
         type=kinds[hold.kind],
@@ -203,6 +207,8 @@ def recompiled(spec: MjSpec, model: MjModel) -> tuple[MjSpec, Equalities]:
     Raises:
         mt.Error: if the model was not compiled from this specification.
     """
+    if tuple(int(part) for part in str(mujoco.__version__).split(".")[:2]) < _SINCE:
+        raise mt.Error(f"spec= needs MuJoCo {_SINCE[0]}.{_SINCE[1]} or later", f"MuJoCo {mujoco.__version__}")
     edited = spec.copy()
     kept = {name: np.array(getattr(model, name)) for name in ("eq_data", "eq_solref", "eq_solimp")}
     try:

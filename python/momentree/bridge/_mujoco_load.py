@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import mujoco  # type: ignore[import-untyped,import-not-found,unused-ignore]
 import numpy as np
 
 import momentree as mt
 from momentree.bridge._mujoco_names import CONNECT, WELD, body_of, name_of, number_of
-from momentree.bridge._mujoco_state import MjData, MjModel
+from momentree.bridge._mujoco_package import MjData, MjModel, mujoco
 from momentree.bridge.certificate import Wrench
 
 _STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-import mujoco  # type: ignore[import-untyped,import-not-found,unused-ignore]
 import numpy as np
 
 import momentree as mt
 from momentree.bridge._change import Request
-from momentree.bridge._mujoco_state import MjModel, State
+from momentree.bridge._mujoco_package import MjModel, mujoco
+from momentree.bridge._mujoco_state import State
 from momentree.bridge.certificate import FloatArray
 
 FREE = int(mujoco.mjtJoint.mjJNT_FREE)
@@ -74,7 +74,7 @@ class ConvertibleState(State):
     """A state whose mechanisms can be converted to momentree."""
 
     def floats(self, bodies: Sequence[int]) -> bool:
-        """Whether these bodies conserve their momenta: nothing joins them to the world, and no momentum is that of an armature."""
+        """Whether these bodies conserve their momenta: nothing joins them to the world, and none is an armature's."""
         roots = [root_of(self.model, body) for body in bodies]
         return all(floats(self.model, root) and not self._armature(root) for root in roots)
 
@@ -86,7 +86,7 @@ class ConvertibleState(State):
     def unsuitable(self, request: Request) -> str:
         """Why momentree cannot make a change where no constraint is active; empty if it can."""
         model = self.model
-        if np.any(model.tendon_armature) or np.any(model.actuator_armature):
+        if any(np.any(getattr(model, name, 0.0)) for name in ("tendon_armature", "actuator_armature")):
             return "a tendon or an actuator has an armature"
         if not request.joins:
             return ""
@@ -166,7 +166,8 @@ def _add_body(result: mt.Model, state: State, body: int) -> None:
         else:
             spec = mt.Prismatic(axis=axis, armature=armature[0])
         here = _placement(anchor, np.array([1.0, 0.0, 0.0, 0.0]))
-        result.add(link, **mass, parent=before, at=where, child_at=here, joint=spec, q=q, v=rates, joint_name=joint_name(model, joint))
+        joined: dict[str, Any] = {"at": where, "child_at": here, "joint": spec, "joint_name": joint_name(model, joint)}
+        result.add(link, **mass, **joined, parent=before, q=q, v=rates)
         before, offset, turn = link, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import difflib
 
-import mujoco  # type: ignore[import-untyped,import-not-found,unused-ignore]
 import numpy as np
 
 import momentree as mt
-from momentree.bridge._mujoco_state import WORLD, MjModel
+from momentree.bridge._mujoco_package import MjModel, mujoco
+from momentree.bridge._mujoco_state import WORLD
 
 EQ_BODY = int(mujoco.mjtObj.mjOBJ_BODY)
 CONNECT = int(mujoco.mjtEq.mjEQ_CONNECT)

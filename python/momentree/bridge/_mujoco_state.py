@@ -4,20 +4,14 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
-from typing import Any
 
-import mujoco  # type: ignore[import-untyped,import-not-found,unused-ignore]
 import numpy as np
 from numpy.typing import NDArray
 
 import momentree as mt
+from momentree.bridge._mujoco_package import MjData, MjModel, mujoco
 from momentree.bridge.certificate import FloatArray, Totals
 from momentree.bridge.projection import Rows
-
-# mujoco has no type information: its models, states and specifications are Any here.
-MjModel = Any
-MjData = Any
-MjSpec = Any
 
 WORLD = 0
 
@@ -114,7 +108,7 @@ class State:
         return Totals(0.5 * float(v @ moved), linear, angular)
 
     def momenta(self, v: FloatArray) -> float:
-        """The sum of the magnitudes of the momenta of all bodies and of their angular momenta at ``v``, to measure drift against."""
+        """The sum of the magnitudes of the momenta of all bodies at ``v``, to measure drift against."""
         self.data.qvel[:] = v
         mujoco.mj_comVel(self.model, self.data)
         total = 0.0

@@ -73,7 +73,7 @@ class Certificate:
     energy: float
     """before + work - lost - released - after, relative to the larger of the energies."""
     drift: float
-    """Change of the total momenta, relative to the sum of those of the bodies. Only where nothing holds the mechanisms; else 0."""
+    """Change of the total momenta, relative to the sum of those of the bodies. 0 where something holds the mechanisms."""
     agreement: float | None
     """Largest difference of a velocity between the two methods, relative to the largest velocity; None if only one was used."""
     tolerance: float = 1e-12

@@ -6,10 +6,10 @@
 
 A Drake plant cannot be edited after ``Finalize``. So there are two ways to go on after a change:
 
-- What Drake can hold by itself: locked joints (``lock``), and constraints that were declared in advance for the pose in which they
-  will be used (``reserve``, ``weld`` with ``constraint``).
-- A new plant that has the new topology. ``weld``, ``attach`` and ``break_`` give the velocities, and ``transfer`` carries the state
-  over to the new plant and checks that every body moves as before.
+- What Drake can hold by itself: locked joints (``lock``), and constraints that were declared in advance for the pose in which
+  they will be used (``reserve``, ``weld`` with ``constraint``).
+- A new plant that has the new topology. ``weld`` and ``attach`` give the velocities, and ``transfer`` carries the state over to
+  the new plant and checks that every body moves as before.
 
 Functions either do all of this or raise ``mt.Error`` and change nothing.
 """
@@ -19,16 +19,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-try:
-    import pydrake.multibody.plant  # type: ignore[import-not-found,unused-ignore]  # noqa: F401
-except ImportError as error:
-    raise ImportError("momentree.bridge.drake needs Drake: pip install drake") from error
 import numpy as np
-from pydrake.multibody.tree import BodyIndex  # type: ignore[import-not-found,unused-ignore]
 
 import momentree as mt
 from momentree.bridge._change import Request, solve, unchanged
-from momentree.bridge._drake_state import WORLD, Context, DrakeState, MultibodyPlant, Reserved
+from momentree.bridge._drake_package import Context, MultibodyPlant, tree
+from momentree.bridge._drake_state import WORLD, DrakeState, Reserved
 from momentree.bridge._drake_transfer import transfer
 from momentree.bridge.certificate import Certificate, FloatArray, Method, Totals, Wrench
 from momentree.bridge.projection import Rows
@@ -49,9 +45,7 @@ __all__ = [
 ]
 
 
-def reserve(
-    plant: MultibodyPlant, body: Any, to: Any, pose: Any, other: Any, *, ball: bool = False
-) -> Reserved:
+def reserve(plant: MultibodyPlant, body: Any, to: Any, pose: Any, other: Any, *, ball: bool = False) -> Reserved:
     """Adds a constraint to a plant before ``Finalize``, for a later ``weld`` or ``attach`` in the pose that it holds.
 
     The plant must be discrete, with the SAP solver. The constraint is active in new contexts: ``break_`` deactivates it.
@@ -189,7 +183,7 @@ def lock(
     ``Joint.Lock`` alone only sets the velocities of this joint to zero: the others keep theirs, and momentum is lost.
 
     Args:
-        plant: a finalised, discrete plant.
+        plant: a finalised plant.
         context: its context.
         joint: a joint (or its name).
         reserved: all constraints from ``reserve`` that are active in the context.
@@ -201,19 +195,18 @@ def lock(
     """
     element = _joint(plant, joint)
     label = f"lock {element.name()}"
-    if not plant.time_step() > 0:
-        raise mt.Error("Drake locks the joints of discrete plants only", label, "construct the plant with a time step")
     if element.num_velocities() == 0 or element.is_locked(context):
         raise mt.Error("the joint cannot move already", label)
     state = DrakeState(plant, context, reserved)
-    child, start = int(element.child_body().index()), element.velocity_start()
-    rows = np.eye(len(state.v))[start : start + element.num_velocities()]
+    child, parent = int(element.child_body().index()), int(element.parent_body().index())
+    moving = slice(element.velocity_start(), element.velocity_start() + element.num_velocities())
+    rows = np.eye(len(state.v))[moving]
     point = np.array(element.frame_on_child().CalcPoseInWorld(context).translation())
     # The impulse along the DoFs as a wrench: the one that does the same work on every relative velocity that the joint allows.
-    relative = state.relative(child, int(element.parent_body().index()), point).matrix[:, start : start + element.num_velocities()]
+    relative = state.relative(child, parent, point).matrix[:, moving]
     request = Request(
         label,
-        (child, int(element.parent_body().index())),
+        (child, parent),
         Rows(rows, np.abs(rows)),
         point,
         np.asarray(np.linalg.pinv(relative).T, dtype=np.float64),
@@ -221,7 +214,7 @@ def lock(
         joins=False,
     )
     after, certificate = solve(state, request, method, tolerance)
-    after[start : start + element.num_velocities()] = 0.0
+    after[moving] = 0.0
     plant.SetVelocities(context, after)
     element.Lock(context)
     return certificate
@@ -234,7 +227,7 @@ def unlock(plant: MultibodyPlant, context: Context, joint: Any, *, tolerance: fl
         mt.Error: if the joint is not locked.
     """
     element = _joint(plant, joint)
-    if not plant.time_step() > 0 or not element.is_locked(context):
+    if not element.is_locked(context):
         raise mt.Error("the joint is not locked", element.name())
     certificate = unchanged(_blind(plant, context), f"unlock {element.name()}", tolerance)
     element.Unlock(context)
@@ -324,7 +317,7 @@ def _check_pose(state: DrakeState, request: Request, constraint: Reserved) -> No
     angle = 0.0 if constraint.ball else float(np.linalg.norm(turn - np.eye(3)))
     if not np.linalg.norm(gap) < 1e-9 or not angle < 1e-9:
         raise mt.Error(
-            f"the frames of the constraint are {np.linalg.norm(gap):.3g} m and {angle:.3g} rad apart: Drake would pull them together",
+            f"the frames are {np.linalg.norm(gap):.3g} m and {angle:.3g} rad apart: Drake would pull them together",
             request.action,
             "build a plant with the new joint in the present pose, and use transfer()",
         )
@@ -368,7 +361,7 @@ def _joint(plant: MultibodyPlant, joint: Any) -> Any:
 
 
 def _name(plant: MultibodyPlant, body: int) -> str:
-    return str(plant.get_body(BodyIndex(body)).name())
+    return str(plant.get_body(tree.BodyIndex(body)).name())
 
 
 def _three(values: Sequence[float], name: str) -> FloatArray:

@@ -17,23 +17,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import cast
 
-try:
-    import mujoco  # type: ignore[import-untyped,import-not-found,unused-ignore]
-except ImportError as error:
-    raise ImportError("momentree.bridge.mujoco needs MuJoCo: pip install mujoco") from error
 import numpy as np
 
 import momentree as mt
 from momentree.bridge import _mujoco_hold as hold_
-from momentree.bridge._mujoco_apply import Change, join, release
 from momentree.bridge._change import Request, solve
+from momentree.bridge._mujoco_apply import Change, join, release
 from momentree.bridge._mujoco_cut import cut
 from momentree.bridge._mujoco_hold import Hold, Stiffness
 from momentree.bridge._mujoco_load import Crossing, load, reaction, step_until
 from momentree.bridge._mujoco_model import BALL, FREE, HINGE, JOINT_DOFS, SLIDE, ConvertibleState, body_name, joint_name
 from momentree.bridge._mujoco_model import simulation as _simulation
 from momentree.bridge._mujoco_names import CONNECT, JOINT, WELD, between, body_of, holding, name_of, number_of
-from momentree.bridge._mujoco_state import MjData, MjModel, MjSpec
+from momentree.bridge._mujoco_package import MjData, MjModel, MjSpec, mujoco
 from momentree.bridge.certificate import Certificate, FloatArray, Method, Totals, Wrench
 from momentree.bridge.projection import Rows
 
@@ -82,7 +78,7 @@ def weld(
         to: another one; None is the world.
         equality: the inactive ``weld`` constraint that holds the bodies from now on. By default one of these bodies is searched.
             Its relative pose in ``model.eq_data`` becomes the present one.
-        spec: adds the constraint to a copy of this specification instead, and compiles it. ``model`` and ``data`` stay as they are.
+        spec: adds the constraint to a copy of this specification instead, and compiles it; ``model`` and ``data`` stay.
         solref: 2 solver parameters that the constraint receives, instead of those of the model.
         solimp: 5 more.
         method: how to compute the velocities.
@@ -95,7 +91,12 @@ def weld(
     label = f"weld {name_of(model, 'body', one)} to {name_of(model, 'body', two)}"
     point = state.position(one)
     request = Request(
-        label, (one, two), state.relative(one, two, point), point, np.eye(6), lambda sim: sim.apply(mt.weld(*_names(model, one, two)))
+        label,
+        (one, two),
+        state.relative(one, two, point),
+        point,
+        np.eye(6),
+        lambda sim: sim.apply(mt.weld(*_names(model, one, two))),
     )
     return join(state, data, request, [Hold(WELD, one, two)], equality, spec, Stiffness(solref, solimp), method, tolerance)
 
@@ -161,7 +162,12 @@ def attach(
     rows = Rows(selection @ relative.matrix, np.abs(selection) @ relative.scale)
     label = f"attach {name_of(model, 'body', first)} to {name_of(model, 'body', second)}"
     request = Request(
-        label, (one, two), rows, point, selection.T, lambda sim: sim.apply(mt.attach(*_names(model, one, two), joint, at=tuple(local)))
+        label,
+        (one, two),
+        rows,
+        point,
+        selection.T,
+        lambda sim: sim.apply(mt.attach(*_names(model, one, two), joint, at=tuple(local))),
     )
     holds = [Hold(CONNECT, one, two, each) for each in points]
     return join(state, data, request, holds, equality, spec, Stiffness(solref, solimp), method, tolerance)
@@ -350,9 +356,10 @@ def reserve(
 
 
 def simulation(model: MjModel, data: MjData, bodies: Sequence[Element] | None = None) -> mt.Simulation:
-    """The same mechanisms in momentree, in their present state: bodies ``tree0/body3``, joints ``tree0/joint2``, with MuJoCo's numbers.
+    """The same mechanisms in momentree, in their present state.
 
-    Masses, inertias, joints and armatures are converted; gravity, forces, limits, contacts and constraints are not.
+    Bodies and joints have MuJoCo's numbers: ``tree0/body3``, ``tree0/joint2``. Masses, inertias, joints and armatures are
+    converted; gravity, forces, limits, contacts and constraints are not.
 
     Args:
         model: the MuJoCo model.

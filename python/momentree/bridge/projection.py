@@ -1,7 +1,7 @@
 """The velocities after an impact, from a mass matrix M and the Jacobian J of the constraint.
 
-In the coordinates y = L^T v with M = L L^T, the kinetic energy is |y|^2 / 2, and a plastic impact is the orthogonal projection of y
-on the velocities that the constraint allows:
+In the coordinates y = L^T v with M = L L^T, the kinetic energy is |y|^2 / 2, and a plastic impact is the orthogonal projection
+of y on the velocities that the constraint allows:
 
     v+ = v - M^-1 J^T (J M^-1 J^T)^+ J v
 
@@ -110,9 +110,9 @@ class Impact:
 
     def pushed(self, push: FloatArray) -> FloatArray:
         """(n,) change of the velocities by a generalised impulse (n,)."""
-        step = np.linalg.solve(self._factor, push)
+        step = np.asarray(np.linalg.solve(self._factor, push), dtype=np.float64)
         step += self._transmitted(step)
-        return np.asarray(np.linalg.solve(self._factor.T, step))
+        return np.asarray(np.linalg.solve(self._factor.T, step), dtype=np.float64)
 
     def explain(self, v: FloatArray, change: FloatArray, push: FloatArray | None = None) -> Jump:
         """The impulses that cause ``change``; ``push`` is a generalised impulse that is known."""
