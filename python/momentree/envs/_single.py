@@ -75,7 +75,7 @@ class TaskEnv(gymnasium.Env[Array, Any]):
     def _info(self, events: list[Any]) -> dict[str, Any]:
         return {**{key: values[0].item() for key, values in self._task.info().items()}, "events": events}
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """The world from above, shape (picture_size, picture_size, 3), or None without a render mode."""
         if self.render_mode is None:
             gymnasium.logger.warn("render() without a render mode: make the environment with render_mode='rgb_array'")

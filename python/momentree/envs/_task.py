@@ -71,7 +71,7 @@ class Task(ABC):
 
     # What a task defines
 
-    observation_space: spaces.Box
+    observation_space: spaces.Space[Any]
     action_space: spaces.Space[Any]
 
     @abstractmethod

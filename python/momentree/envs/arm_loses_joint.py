@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from momentree._errors import Error
 from momentree._records import Array
+from momentree.batch import Batch
 from momentree.envs._arm import PlanarArm
 from momentree.envs._canvas import Canvas
 from momentree.envs._one import Indices
@@ -61,6 +62,9 @@ class ArmLosesJoint(Task):
         self._faulty = np.zeros(n, dtype=np.bool_)
         self._drives = np.ones((n, joints))  # 0 for motors that are lost
         self._random: list[np.random.Generator | None] = [None] * n
+        if isinstance(self.worlds, Batch):  # parameters that were set and set back are not the declared ones: set them everywhere
+            for joint in range(joints):
+                self.worlds.apply(None, set_parameters(arm.name(joint), damping=arm.dampings[joint]))
 
     def begin(self, worlds: Indices, random: Sequence[np.random.Generator], options: Mapping[str, Any]) -> None:
         unknown_options(options, ("target", "q", "fault"))
@@ -109,7 +113,7 @@ class ArmLosesJoint(Task):
         self._move(torque, active)
         self.read()
         distance = np.linalg.norm(self.tip - self._target, axis=1)
-        reward = 4 * (self._distance - distance) - 0.005 * (action**2).sum(axis=1)
+        reward: Array = 4 * (self._distance - distance) - 0.005 * (action**2).sum(axis=1)
         reached = active & (distance < _REACHED)
         reward += reached
         self._reached += reached

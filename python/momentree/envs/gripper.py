@@ -47,17 +47,16 @@ class Gripper(Task):
         model.add(_PART, mass=0.25, inertia=2e-4, joint=Free())
         super().__init__(model, ARM, worlds, threads, max_steps)
         n, joints = len(self.worlds), ARM.joints
-        self.observation_space = spaces.Box(-np.inf, np.inf, (3 * joints + 6,), np.float64)
+        self.observation_space: spaces.Space[Any] = spaces.Box(-np.inf, np.inf, (3 * joints + 6,), np.float64)
         if actions == "continuous":
             self.action_space: spaces.Space[Any] = spaces.Box(-1.0, 1.0, (joints + 1,), np.float32)
         elif actions == "discrete":
             self.action_space = spaces.MultiDiscrete([3] * joints + [2])
         else:
             raise Error(f"actions: unknown kind '{actions}'", hint="'continuous' or 'discrete'")
-        # A joint that a break has made free is not the declared one; from here on it is the same in all worlds.
-        everywhere = np.arange(n)
-        for action in (weld(_PART, "ground"), break_joint("begin")):
-            self.worlds.apply(everywhere, action, name="begin")
+        if isinstance(self.worlds, Batch):  # a joint that a break has made free is not the declared one: make it so everywhere
+            for action in (weld(_PART, "ground"), break_joint("begin")):
+                self.worlds.apply(None, action, name="begin")
         self._phase = np.full(n, _FLYING)
         self._part = np.zeros((n, 2))
         self._target = np.zeros((n, 2))
@@ -96,7 +95,8 @@ class Gripper(Task):
     def _to_go(self) -> Array:
         """The distance that is to become small: of hand and part, then of part and target, m."""
         resting = self._phase == _RESTING
-        return np.linalg.norm(np.where(resting[:, None], self._part - self.tip, self._target - self._part), axis=1)
+        away: Array = np.linalg.norm(np.where(resting[:, None], self._part - self.tip, self._target - self._part), axis=1)
+        return away
 
     def act(self, action: Array, active: Mask) -> Array:
         if isinstance(self.action_space, spaces.MultiDiscrete):
@@ -114,14 +114,15 @@ class Gripper(Task):
         self.read()
         self._follow(active)
         self._distance = np.where(active, self._to_go(), self._distance)
-        reward = 2 * (before - self._distance) - 0.003 * (drive**2).sum(axis=1) + grasped
+        reward: Array = 2 * (before - self._distance) - 0.003 * (drive**2).sum(axis=1) + grasped
         landed = active & (self._phase == _LANDED)
-        return reward + np.where(landed, 5 * np.exp(-((self._distance / 0.2) ** 2)), 0.0)
+        reward += np.where(landed, 5 * np.exp(-((self._distance / 0.2) ** 2)), 0.0)
+        return reward
 
     def _grasp(self, closing: Mask) -> Mask:
         speed = np.linalg.norm(ARM.tip_velocity(self.points, self.v), axis=1)
         away = np.linalg.norm(self._part - self.tip, axis=1)
-        grasped = closing & (self._phase == _RESTING) & (away < _NEAR) & (speed < _SLOW)
+        grasped: Mask = closing & (self._phase == _RESTING) & (away < _NEAR) & (speed < _SLOW)
         if not grasped.any():
             return grasped
         worlds = np.flatnonzero(grasped)
