@@ -48,7 +48,7 @@ class PlanarArm:
 
     def add_to(self, model: Model) -> None:
         """Add the arm to a model, its shoulder at (0, 0, height)."""
-        for k, (length, mass) in enumerate(zip(self.lengths, self.masses)):
+        for k, (length, mass) in enumerate(zip(self.lengths, self.masses, strict=True)):
             across = mass * length**2 / 12
             model.add(
                 self.name(k),

@@ -47,9 +47,9 @@ class Canvas:
 
     def arm(self, points: NDArray[Any], joints: list[Colour]) -> None:
         """An arm: its joints and tip, m, shape (joints + 1, 2), and the joints' colours."""
-        for k, (start, end) in enumerate(zip(points[:-1], points[1:])):
+        for k, (start, end) in enumerate(zip(points[:-1], points[1:], strict=True)):
             self.line(start, end, 0.075 - 0.01 * k, (70, 84, 104))
-        for point, colour in zip(points, joints):
+        for point, colour in zip(points, joints, strict=False):
             self.disc(point, 0.045, (40, 48, 60))
             self.disc(point, 0.028, colour)
 

@@ -133,9 +133,9 @@ class Task(ABC):
         if isinstance(self.worlds, OneWorld):
             array = array[None, ...]
         if array.shape != shape:
-            single = isinstance(self.worlds, OneWorld)
+            first = 1 if isinstance(self.worlds, OneWorld) else 0
             raise Error(
-                f"action: expected an array of shape {shape[1:] if single else shape}, found {array.shape[1:] if single else array.shape}",
+                f"action: expected an array of shape {shape[first:]}, found {array.shape[first:]}",
                 hint="env.action_space.sample() is one that fits",
             )
         if not np.issubdtype(array.dtype, np.number):
@@ -185,7 +185,7 @@ class Task(ABC):
 
     def change(self, worlds: Indices, *actions: Action, name: str) -> None:
         """Apply actions in some worlds, as one event in each."""
-        for world, event in zip(worlds, self.worlds.apply(worlds, *actions, name=name)):
+        for world, event in zip(worlds, self.worlds.apply(worlds, *actions, name=name), strict=True):
             self._events.setdefault(int(world), []).append(event)
         self._groups = []  # they have changed: read() again
 

@@ -61,8 +61,8 @@ class TaskVectorEnv(VectorEnv[Array, Any, NDArray[Any]]):
             seeds = list(seed)
             if len(seeds) != n:
                 raise Error(f"seed: expected one number or {n}, found {len(seeds)}")
-        made = [seeding.np_random(each)[0] if each is not None or not self._random else self._random[i] for i, each in enumerate(seeds)]
-        self._random = made
+        old = self._random
+        self._random = [old[i] if each is None and old else seeding.np_random(each)[0] for i, each in enumerate(seeds)]
 
     def _begin(self, worlds: Indices, options: dict[str, Any] | None) -> None:
         self._task.reset(worlds, [self._random[i] for i in worlds], options)

@@ -70,7 +70,7 @@ class ArmLosesJoint(Task):
         unknown_options(options, ("target", "q", "fault"))
         joints, end = self.arm.joints, self.max_steps * self.period
         target, fault = point_given(options, "target", len(worlds)), options.get("fault")
-        for row, (world, generator) in enumerate(zip(worlds, random)):
+        for row, (world, generator) in enumerate(zip(worlds, random, strict=True)):
             self._random[world] = generator
             self.q[world] = generator.uniform(-0.6, 0.6, joints)
             self._target[world] = self._new_target(generator) if target is None else target[row]

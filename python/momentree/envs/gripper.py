@@ -68,7 +68,7 @@ class Gripper(Task):
         unknown_options(options, ("part", "target", "q"))
         inner, outer = 0.45 * ARM.reach, 0.9 * ARM.reach
         part, target = (point_given(options, key, len(worlds)) for key in ("part", "target"))
-        for row, (world, generator) in enumerate(zip(worlds, random)):
+        for row, (world, generator) in enumerate(zip(worlds, random, strict=True)):
             self.q[world] = generator.uniform(-0.8, 0.8, ARM.joints)
             drawn_part, drawn_target = annulus(generator, inner, outer, 1.8), annulus(generator, inner, outer, 1.8)
             while np.linalg.norm(drawn_part - drawn_target) < 0.4:
@@ -186,7 +186,9 @@ class Gripper(Task):
 
     def observe(self) -> Array:
         phase = np.stack([self._phase == _HELD, self._phase >= _FLYING], axis=1).astype(np.float64)
-        return np.concatenate([np.cos(self.q), np.sin(self.q), self.v, self._part - self.tip, self._target - self._part, phase], axis=1)
+        return np.concatenate(
+            [np.cos(self.q), np.sin(self.q), self.v, self._part - self.tip, self._target - self._part, phase], axis=1
+        )
 
     def info(self) -> dict[str, NDArray[Any]]:
         away = np.linalg.norm(self._target - self._part, axis=1)
