@@ -56,7 +56,8 @@ figure, (above, below) = plt.subplots(2, 1, figsize=(9, 5.2), height_ratios=[1, 
 box = np.array([-0.5, 0.5, 0.5, -0.5]), np.array([-0.5, -0.5, 0.5, 0.5])
 instants = [0.0, grasp.time, grasp.time + 3.0, release.time, 20.0]
 for k, instant in enumerate(instants):
-    row, across = int(np.argmin(np.abs(run.time - instant))), np.array([5.6 * k, 0.0])
+    row, across = int(np.argmin(np.abs(run.time - instant))), np.array([6 * k + 1.6, 0.0])
+    across = across - (run.bodies["tug/hull"].position[row, :2] + run.bodies["satellite/hull"].position[row, :2]) / 2
     above.add_patch(Polygon(outline(row, "tug/hull", *box) + across, facecolor="#5b7fa6", edgecolor="#2e4660"))
     above.add_patch(Polygon(outline(row, "satellite/hull", *box) + across, facecolor="#e0a050", edgecolor="#80551d"))
     panels = (np.array([-1.4, -0.5]), np.array([0.5, 1.4]))
@@ -65,17 +66,17 @@ for k, instant in enumerate(instants):
     joints = [outline(row, name, np.zeros(1), np.zeros(1))[0] for name in ("tug/upper", "tug/forearm")]
     hand = outline(row, "tug/forearm", np.array([0.8]), np.zeros(1))[0]
     above.plot(*(np.array([*joints, hand]) + across).T, "o-", color="#333", linewidth=3, markersize=4)
-    above.text(across[0] + 1.4, -2.3, f"{run.time[row]:.2f} s", ha="center")
-above.set(aspect="equal", title="Grasp, hold and release of a tumbling satellite", xlim=(-1, 28), ylim=(-2.7, 2.2))
+    above.text(6 * k + 1.6, -2.4, f"{run.time[row]:.2f} s", ha="center")
+above.set(aspect="equal", title="Grasp, hold and release of a tumbling satellite", xlim=(-1, 28.2), ylim=(-2.8, 2.2))
 above.axis("off")
 below.plot(run.time, run.energy["kinetic"], color="#2e4660", label="kinetic energy")
 below.plot(run.time, run.energy["lost"], color="#c0392b", label="lost in impacts")
 below.plot(run.time, run.energy["dissipated"], color="#e0a050", label="dissipated in the arm's joints")
 for event in run.events:
     below.axvline(event.time, color="0.7", linewidth=0.8, linestyle="--")
-    below.text(event.time + 0.08, below.get_ylim()[1] * 0.93, event.name, color="0.4", fontsize=9)
+    below.text(event.time + 0.1, 13.5, event.name, color="0.4", fontsize=9, rotation=90)
 below.set(xlabel="time (s)", ylabel="energy (J)", xlim=(0, run.time[-1]))
-below.legend(frameon=False, loc="center right")
+below.legend(frameon=False, loc="upper right")
 below.spines[["top", "right"]].set_visible(False)
 Path(options.out).mkdir(parents=True, exist_ok=True)
 figure.savefig(Path(options.out) / "capture_and_release.png", dpi=110)

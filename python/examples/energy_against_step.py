@@ -43,10 +43,9 @@ for method in ("dopri5", "dop853"):
     curves[method] = np.array([energy_error(method=method, step=0.01, rtol=each, atol=each) for each in tolerances])
 
 # %% The slope of a curve is the order of its error.
-for method in ("damped", "rk4"):
+for method in ("damped", "rk4", "midpoint"):
     errors, sizes = curves[method].T
     print(f"{method}: order {np.polyfit(np.log(sizes[-4:]), np.log(errors[-4:]), 1)[0]:.2f}")
-print(f"midpoint: energy error at most {curves['midpoint'][:, 0].max():.1e} J, whatever the step")
 
 # %% The picture.
 figure, axes = plt.subplots(figsize=(7.5, 5), layout="constrained")
@@ -54,9 +53,11 @@ colours = {"damped": "#8c6d31", "rk4": "#1f6fb2", "midpoint": "#2a9d5c", "dopri5
 for method, curve in curves.items():
     dots = "s--" if method.startswith("dop") else "o-"
     axes.loglog(curve[:, 1], np.maximum(curve[:, 0], 1e-17), dots, color=colours[method], markersize=4.5, label=method)
-axes.set(xlabel="step, or mean step of an adaptive method (s)", ylabel="largest error of the energy (J)")
+axes.set(xlabel="step, or mean step of an adaptive method", ylabel="largest error of the energy (J)")
 axes.set_title("Energy error of a double pendulum, 2 s")
-axes.grid(which="major", color="0.9")
+axes.set_xticks([0.001, 0.002, 0.005, 0.01, 0.02, 0.05], ["1 ms", "2 ms", "5 ms", "10 ms", "20 ms", "50 ms"])
+axes.xaxis.minorticks_off()
+axes.grid(color="0.9")
 axes.legend(frameon=False)
 axes.spines[["top", "right"]].set_visible(False)
 Path(options.out).mkdir(parents=True, exist_ok=True)

@@ -1,7 +1,7 @@
 """A controller that survives the loss of a joint: computed torque with the matrices of the mechanism that there is at present.
 
 An arm of four joints draws a circle. At 2.5 s its elbow jams. The controller asks the simulation for mass matrix, bias and Jacobian
-of the arm as it is: they have one degree of freedom less from then on, and the law goes on as before.
+of the arm as it is: from then on the column of the jammed joint is zero in the Jacobian, and the law goes on as before.
 """
 
 # %%
@@ -34,7 +34,6 @@ for k, (length, mass) in enumerate(zip(lengths, masses, strict=True)):
     )
 hand, tip = "arm/4", (lengths[3], 0, 0)
 sim = mt.Simulation(model, step=1e-3)
-start = sim.jacobian(hand, tip)  # noqa: F841 (a first look: shape (6, 4))
 
 
 # %% The circle, and the law: the tip's acceleration is to be that of the circle plus a correction. What is left of the joints'
@@ -72,19 +71,19 @@ def law(sim, turning):
 
 
 # %% The run: a new torque every few milliseconds.
+joints = list(sim.world.joints.values())
 period = 5e-3 if options.quick else 2e-3
 sim.at(2.5).then(mt.lock("arm/2")).named("jam")
-rows, J_before = [], None
+rows, J_before = [], reach(sim)[1]
 while sim.time < 7.5 - 1e-9:
     _, J = reach(sim)
-    same = J_before is not None and J_before.shape == J.shape
-    turning = (J - J_before) / period @ np.array(sim.v) if same else np.zeros(2)  # the part of the acceleration from J's change
+    turning = (J - J_before) / period @ np.array(sim.v)  # the part of the tip's acceleration that comes from J's change
     sim.effort = law(sim, turning)
     J_before = J
     sim.step(period)
     place, J = reach(sim)
     points = [sim.world.bodies[f"arm/{k + 1}"].position[[0, 2]] for k in range(4)] + [place]
-    rows.append((sim.time, np.linalg.norm(place - circle(sim.time)[0]), np.array(points), len(sim.v)))
+    rows.append((sim.time, np.linalg.norm(place - circle(sim.time)[0]), np.array(points), sum(not len(joint.locked) for joint in joints)))
 time, error, arms, freedom = (np.array(column) for column in zip(*rows, strict=True))
 
 before, after = (time > 0.5) & (time < 2.5), time > 3.5
@@ -99,7 +98,7 @@ for instants, colour in (((0.6, 1.2, 1.8), "#1f6fb2"), ((4.0, 4.8, 5.6), "#d1603
         label = ("intact" if colour == "#1f6fb2" else "elbow jammed") if k == 0 else None
         left.plot(*arms[row].T, "o-", color=colour, linewidth=3, markersize=5, alpha=0.35 + 0.3 * k, label=label)
 left.plot(*arms[:, -1].T, color="k", linewidth=1, label="path of the tip")
-left.set(aspect="equal", xlabel="x (m)", ylabel="z (m)", title="The arm before and after the jam")
+left.set(aspect="equal", xlabel="x (m)", ylabel="z (m)", ylim=(-0.5, 0.5), title="The arm before and after the jam")
 left.legend(frameon=False, loc="lower left", fontsize=9)
 right.semilogy(time, 1e3 * error, color="#333")
 right.axvline(2.5, color="#d1603d", linestyle="--")

@@ -63,8 +63,6 @@ class Task(ABC):
         """Joint angles (rad)."""
         self.v: Array = np.zeros((n, arm.joints))
         """Joint velocities (rad/s)."""
-        self.moves = np.ones((n, arm.joints), dtype=np.bool_)
-        """False for joints that are locked."""
         self.points = arm.points(self.q)
         self._groups: list[Group] = self.worlds.groups
         self._events: dict[int, list[Event]] = {}
@@ -112,7 +110,6 @@ class Task(ABC):
             self.worlds.renew()
         else:
             self.undo(worlds)
-        self.moves[worlds] = True
         self.steps[worlds] = 0
         self.begin(worlds, random, options or {})
         self.read()
@@ -151,13 +148,11 @@ class Task(ABC):
     # The arm
 
     def read(self) -> None:
-        """Read the arm's state. A locked joint keeps the angle that it had in ``q``."""
+        """Read the arm's state."""
         self._groups = self.worlds.groups
         for group in self._groups:
-            columns = np.flatnonzero(self.moves[group.worlds[0]])
-            self.v[group.worlds] = 0
-            self.q[np.ix_(group.worlds, columns)] = group.q[:, : len(columns)]
-            self.v[np.ix_(group.worlds, columns)] = group.v[:, : len(columns)]
+            self.q[group.worlds] = group.q[:, : self.arm.joints]
+            self.v[group.worlds] = group.v[:, : self.arm.joints]
         self.points = self.arm.points(self.q)
 
     @property
@@ -170,9 +165,8 @@ class Task(ABC):
         for group in self._groups:
             chosen = group.worlds if only is None else group.worlds[only[group.worlds]]
             if len(chosen):
-                columns = np.flatnonzero(self.moves[chosen[0]])
                 effort = np.zeros((len(chosen), group.v.shape[1]))
-                effort[:, : len(columns)] = torque[np.ix_(chosen, columns)]
+                effort[:, : self.arm.joints] = torque[chosen]
                 self.worlds.set_effort(effort, chosen)
 
     def state_of(self, worlds: Indices) -> tuple[Array, Array, Array]:

@@ -142,13 +142,11 @@ class ArmLosesJoint(Task):
                 self._fail(now, torque)
 
     def _fail(self, now: Mask, torque: Array) -> None:
-        self.read()  # a joint keeps the angle at which it jams
         for joint, name in enumerate(map(self.arm.name, range(self.arm.joints))):
             broken = now & (self._joint == joint)
             jammed, limp = np.flatnonzero(broken & (self._kind == _JAM)), np.flatnonzero(broken & (self._kind == _LIMP))
             if len(jammed):
                 self.change(jammed, lock(name), name="jam")
-                self.moves[jammed, joint] = False
             if len(limp):
                 self.change(limp, set_parameters(name, damping=_LIMP_DAMPING), name="limp")
             self._drives[broken, joint] = 0.0
