@@ -160,7 +160,13 @@ nb::object motions(BatchObject& self, const std::string& body) {
   const UseBatch use(self);
   Worlds worlds(static_cast<std::size_t>(self.batch.worlds()));
   std::iota(worlds.begin(), worlds.end(), 0);
-  const BodyId id = self.start.model().body(body);
+  const Model& model = self.start.model();
+  if (!model.has_body(body)) {
+    std::vector<std::string> names;
+    for (const BodySpec& each : model.bodies()) names.push_back(each.name);
+    refuse("there is no body '" + body + "'", did_you_mean(body, names));
+  }
+  const BodyId id = model.body(body);
   NewArray array = new_array(worlds.size(), 13);
   self.batch.motions(worlds, id, array.data);
   return std::move(array.object);

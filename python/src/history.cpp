@@ -1,4 +1,5 @@
 // Snapshots, history, branches, state documents, and runs that are recorded.
+#include <cmath>
 #include <tuple>
 #include <utility>
 
@@ -102,7 +103,8 @@ nb::object run(const SimulationPtr& self, double until, double every, bool react
     record =
         std::make_shared<io::RunRecord>(sim, origin_of(*self, sim.time(), until),
                                         io::model_json(sim.world(), self->scenario().title, self->scenario().shapes), reactions);
-    self->progress = std::move(progress);
+    if (until == HUGE_VAL && observer.is_none())
+      refuse("nothing ends a run with infinite end time", "give it an observer that eventually returns False");
     sim.observe(every, [&](const World&) {
       record->observe(sim);
       if (observer.is_none()) return true;
@@ -111,6 +113,7 @@ nb::object run(const SimulationPtr& self, double until, double every, bool react
       const nb::object answer = observer(std::make_shared<WorldObject>(WorldObject{self}));
       return !answer.is(nb::bool_(false));
     });
+    self->progress = std::move(progress);
     try {
       result = self->run_until(until);
     } catch (...) {

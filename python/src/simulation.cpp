@@ -159,7 +159,12 @@ void register_simulation(nb::module_& m) {
       .def("__init__", &from_file)
       .def("__init__", &from_branch)
       .def_prop_ro(
-          "time", [](const SimulationPtr& self) { return self->simulation().time(); }, "Time (s).")
+          "time",
+          [](const SimulationPtr& self) {
+            const Use use(*self, Access::read);
+            return self->simulation().time();
+          },
+          "Time (s).")
       .def_prop_ro(
           "world", [](const SimulationPtr& self) { return std::make_shared<WorldObject>(WorldObject{self}); },
           "The world: bodies, joints and mechanisms at the present instant. It follows the simulation.")
