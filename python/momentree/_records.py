@@ -110,7 +110,7 @@ class ActionRecord:
         return f"{self.kind} {self.target}" + (f" skipped: {self.skipped}" if self.skipped else "")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Event:
     """An event that happened, with its certificate: what it conserved and what it lost.
 
@@ -159,6 +159,9 @@ class Event:
     def __str__(self) -> str:
         what = "; ".join(str(action) for action in self.actions)
         return f"{self.time:.9g} s  {self.name}  {what}"
+
+    def __repr__(self) -> str:
+        return f"<momentree.Event: {self}>"
 
 
 @dataclass(frozen=True)
