@@ -65,7 +65,8 @@ def test_annotations_can_be_evaluated(name: str) -> None:
     thing = getattr(momentree, name)
     if isinstance(thing, type) and thing.__module__ == "momentree._core" or isinstance(thing, str):
         return  # an extension has stubs instead
-    optional: dict[str, typing.Any] = {"pd": SimpleNamespace(DataFrame=object), "Axes": typing.Any, "Run": momentree.Run, "_StateArrays": typing.Any}
+    optional: dict[str, typing.Any] = {"pd": SimpleNamespace(DataFrame=object), "Axes": typing.Any, "Run": momentree.Run}
+    optional |= {"_StateArrays": typing.Any, "StateView": momentree.StateView}
     for part in [thing, *(vars(thing).values() if isinstance(thing, type) else [])]:
         function = part.fget if isinstance(part, property) else part
         if callable(function) and re.match("momentree", getattr(function, "__module__", None) or ""):
