@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <momentree/io/read_action.hpp>
+#include <momentree/simulate/topology_record.hpp>
 
 namespace momentree::io {
 
@@ -17,10 +18,9 @@ struct PartReading {
     for (int b = 0; b < model.size(); ++b) reading.bodies.emplace(model[BodyId{b}].name, Place{});
   }
   PartReading(const std::string& what, const World& world) : PartReading(what, world.model()) {
-    for (int b = 0; b < world.model().size(); ++b) {
-      if (!world.alive({b})) continue;
-      const std::string joint(world.joint_name({b}));
-      kinds.emplace(joint, &info(world.joint({b}).kind));
+    for (const JointId number : present_joints(world)) {
+      const std::string joint(world.joint_name(number));
+      kinds.emplace(joint, &info(world.joint(number).kind));
       reading.joints.emplace(joint, Place{});
     }
     for (const Mechanism& mechanism : world.mechanisms()) reading.mechanisms.emplace(mechanism.name, Place{});

@@ -144,6 +144,7 @@ class Fuzzer:
     def travel(self) -> None:
         sim, rng = self.one("sim"), self.rng
         choice = rng.randrange(6)
+        self.note(id(sim), choice)
         if choice == 0:
             self.keep("snapshot", sim.snapshot())
         elif choice == 1 and self.pools["snapshot"]:
@@ -162,7 +163,9 @@ class Fuzzer:
     def bodies(self) -> None:
         sim, rng = self.one("sim"), self.rng
         if rng.random() < 0.3:
-            sim.remove(rng.choice(list(sim.world.bodies)))
+            body = rng.choice(list(sim.world.bodies))
+            self.note(id(sim), "remove", body)
+            sim.remove(body)
         else:
             kind = rng.choice(["Revolute", "Ball", "Free", "Weld"])
             parent = rng.choice([None, *sim.world.bodies])

@@ -194,6 +194,16 @@ def point_given(options: Mapping[str, Any], key: str, worlds: int) -> Array | No
     return np.broadcast_to(point, (worlds, 2))
 
 
+def angles_given(options: Mapping[str, Any], worlds: int, joints: int) -> Array | None:
+    """The option ``q`` as angles (rad) for each world, shape (worlds, joints), or None."""
+    if options.get("q") is None:
+        return None
+    q = np.asarray(options["q"], dtype=np.float64)
+    if q.shape not in ((joints,), (worlds, joints)) or not np.isfinite(q).all():
+        raise Error(f"options: q: expected {joints} finite numbers (rad)")
+    return np.broadcast_to(q, (worlds, joints))
+
+
 def unknown_options(options: Mapping[str, Any], known: Sequence[str]) -> None:
     """Raises Error for options that the task does not know."""
     for key in options:

@@ -17,7 +17,7 @@ from momentree.envs._arm import PlanarArm
 from momentree.envs._canvas import Canvas
 from momentree.envs._one import Indices
 from momentree.envs._single import TaskEnv
-from momentree.envs._task import Mask, Task, annulus, point_given, unknown_options
+from momentree.envs._task import Mask, Task, angles_given, annulus, point_given, unknown_options
 from momentree.envs._vector import TaskVectorEnv
 from momentree.events import lock, set_parameters, unlock
 from momentree.model import Model
@@ -77,8 +77,8 @@ class ArmLosesJoint(Task):
             self._kind[world] = self._faults[generator.integers(len(self._faults))]
             self._joint[world] = generator.integers(joints)
             self._time[world] = generator.uniform(0.15, 0.5) * end
-        if "q" in options:
-            self.q[worlds] = np.asarray(options["q"], dtype=np.float64)
+        if (q0 := angles_given(options, len(worlds), joints)) is not None:
+            self.q[worlds] = q0
         if "fault" in options:
             self._set_fault(worlds, fault)
         self._reached[worlds] = 0
@@ -137,7 +137,7 @@ class ArmLosesJoint(Task):
             durations = np.where(due & (k == last), to - last * h, durations)
             durations = np.where(due & (k == last + 1), (last + 1) * h - to, durations)
             durations = np.where(due & (k > last + 1), h, durations)
-            self.worlds.step(durations)
+            self.worlds.step(np.where(durations < 1e-12, 0.0, durations))  # shorter than the clock can tell
             if (now := due & (k == last)).any():
                 self._fail(now, torque)
 

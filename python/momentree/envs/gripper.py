@@ -17,7 +17,7 @@ from momentree.envs._arm import PlanarArm
 from momentree.envs._canvas import Canvas
 from momentree.envs._one import Indices
 from momentree.envs._single import TaskEnv
-from momentree.envs._task import Mask, Task, annulus, point_given, unknown_options
+from momentree.envs._task import Mask, Task, angles_given, annulus, point_given, unknown_options
 from momentree.envs._vector import TaskVectorEnv
 from momentree.events import break_joint, lock, unlock, weld
 from momentree.joints import Free
@@ -75,8 +75,8 @@ class Gripper(Task):
                 drawn_target = annulus(generator, inner, outer, 1.8)
             self._part[world] = drawn_part if part is None else part[row]
             self._target[world] = drawn_target if target is None else target[row]
-        if "q" in options:
-            self.q[worlds] = np.asarray(options["q"], dtype=np.float64)
+        if (q0 := angles_given(options, len(worlds), ARM.joints)) is not None:
+            self.q[worlds] = q0
         q = np.zeros((len(worlds), ARM.joints + 7))
         q[:, : ARM.joints] = self.q[worlds]
         q[:, ARM.joints : ARM.joints + 2], q[:, ARM.joints + 2], q[:, ARM.joints + 3] = self._part[worlds], ARM.height, 1.0
