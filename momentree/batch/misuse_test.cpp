@@ -132,6 +132,7 @@ TEST_CASE("misuse: invalid worlds, steps and efforts") {
   CHECK(error_of([] { Batch(chain(), 0); }).find("at least one world") != std::string::npos);
   CHECK(error_of([] { Batch(Model(), 3); }).find("at least one body") != std::string::npos);
   CHECK(error_of([] { Batch(chain(), -5); }).find("at least one world") != std::string::npos);
+  CHECK(error_of([] { Batch(Model(), 2); }).find("at least one body") != std::string::npos);
   for (const int threads : {-1, 1025, 1 << 30})
     CHECK(error_of([threads] { Batch(chain(), 1, {.threads = threads}); }).find("threads") != std::string::npos);
 }

@@ -74,6 +74,7 @@ std::string model_json(const World& world, const std::string& title, const std::
   const auto extents = drawn_extents(model, shapes);
   json.key("bodies").begin_object();
   for (int b = 0; b < model.size(); ++b) {
+    if (!world.alive({b})) continue;  // removed
     const auto n = static_cast<std::size_t>(b);
     const BodySpec& body = model[BodyId{b}];
     const Sym3& I = body.inertia;

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, SupportsIndex, cast, overload
 
 import numpy as np
@@ -52,7 +53,7 @@ class StateView(np.ndarray[tuple[int], np.dtype[np.float64]]):
         return self._owner is not None and not self._owner.alive
 
     @overload  # type: ignore[override]
-    def __getitem__(self, key: SupportsIndex) -> np.float64: ...
+    def __getitem__(self, key: SupportsIndex) -> np.float64: ...  # pyright: ignore[reportIncompatibleMethodOverride]
     @overload
     def __getitem__(self, key: slice) -> StateView: ...
     @overload
@@ -70,7 +71,7 @@ class StateView(np.ndarray[tuple[int], np.dtype[np.float64]]):
         return super().__iter__()
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
-        plain = []
+        plain: list[Any] = []
         for each in inputs:
             if isinstance(each, StateView):
                 each._check()
@@ -78,7 +79,7 @@ class StateView(np.ndarray[tuple[int], np.dtype[np.float64]]):
             plain.append(each)
         out = kwargs.get("out")
         if out is not None:
-            targets = []
+            targets: list[Any] = []
             for each in out:
                 if isinstance(each, StateView):
                     each._check()
@@ -128,3 +129,23 @@ class StateView(np.ndarray[tuple[int], np.dtype[np.float64]]):
     def __reduce__(self) -> Any:
         self._check()
         return self.view(np.ndarray).copy().__reduce__()
+
+
+# Methods that NumPy implements without asking __array_ufunc__ or __array_function__.
+_METHODS = """all any argmax argmin argpartition argsort astype byteswap choose clip compress conj conjugate cumprod cumsum diagonal
+dot dump dumps fill flatten getfield item max mean min nonzero partition prod put ravel repeat reshape round searchsorted setfield
+sort squeeze std sum swapaxes take tobytes tofile trace transpose var __bool__ __complex__ __contains__ __copy__ __deepcopy__
+__format__ __index__ __int__ __len__"""
+
+
+def _checked(method: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(method)
+    def call(self: StateView, /, *args: Any, **kwargs: Any) -> Any:
+        self._check()
+        return method(self, *args, **kwargs)
+
+    return call
+
+
+for _method in _METHODS.split():
+    setattr(StateView, _method, _checked(getattr(np.ndarray, _method)))

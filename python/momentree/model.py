@@ -8,6 +8,7 @@ from typing import Any, Literal, Union
 from numpy.typing import ArrayLike, NDArray
 
 from momentree import _core
+from momentree._errors import Error
 from momentree._vocabulary import JointSpec, Number, Numbers, Pose, Signal, Vector, given, pose
 
 Parent = Union[str, _core.ModelBody, None]
@@ -31,6 +32,8 @@ def body_fields(
     shape: Shape | None,
 ) -> dict[str, Any]:
     """The arguments of ``add`` as a body's table of a scenario file."""
+    if joint is not None and not isinstance(joint, JointSpec):
+        raise Error(f"joint: expected a joint, found {type(joint).__name__}", hint="for example momentree.Revolute(axis=(0, 1, 0))")
     spec = joint.scenario_value() if joint is not None else {"kind": "weld"}
     bare = joint_name.rsplit("/", 1)[-1] if joint_name is not None else None
     table = {**spec, **given(at=pose(at), child_at=pose(child_at), q=q, v=v, name=bare)}

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Union, cast
+from typing import Any, Union
 
 from numpy.typing import ArrayLike
 
 from momentree import _core
-from momentree._core import Body, Context, Joint, Snapshot, World
+from momentree._arguments import called, number, overrides
+from momentree._core import Body, Context, Snapshot, World
 from momentree._errors import Error, RunError
 from momentree._records import Event
 from momentree._vocabulary import (
@@ -94,8 +96,8 @@ class Simulation(_core.SimulationBase):
         *,
         method: str = "rk4",
         step: Number = 1e-3,
-        rtol: Number | None = None,
-        atol: Number | None = None,
+        rtol: float | None = None,
+        atol: float | None = None,
         max_step: Number | None = None,
         event_tolerance: Number | None = None,
     ) -> None:
@@ -120,10 +122,11 @@ class Simulation(_core.SimulationBase):
         _core.ModelBase.__init__(copy, self._model())
         return copy
 
-    def __getitem__(self, name: str) -> Joint | Body:
+    def __getitem__(self, name: str) -> Any:
         """The joint of that name, or else the body. Raises Error if there is neither.
 
-        Bodies and joints often share a name: ``sim.world.bodies[name]`` is always the body.
+        Bodies and joints often share a name: ``sim.world.bodies[name]`` is always the body. Type checkers do not know which it is:
+        for them, ``sim.world.joints[name]`` is a :class:`Joint`.
         """
         world = self.world
         if world._has_joint(name) or not world._has_body(name):
@@ -182,11 +185,11 @@ class Simulation(_core.SimulationBase):
         self._functions.append(condition.quantity.value)
         scheduled = self._when_measured(
             condition.quantity.value,
-            float(condition.threshold),
+            number(condition.threshold, "the threshold of a function"),
             condition.exceeds,
             bool(options.get("repeat", False)),
-            -1.0 if hysteresis is None else float(hysteresis),
-            float(options.get("for", 0.0)),
+            -1.0 if hysteresis is None else number(hysteresis, "hysteresis"),
+            number(options.get("for", 0.0), "lasting"),
             options.get("locate") != "per step",
         )
         return Scheduled(self, scheduled, ("when", (condition,)))
@@ -240,7 +243,7 @@ class Simulation(_core.SimulationBase):
             Error: The name is unknown, or the handle is of another simulation.
         """
         if function is not None:
-            self._functions.append(function)
+            self._functions.append(called(function, "drive"))
         self._drive(joint, function)
 
     def force(self, body: BodyName, function: ForceFunction | None) -> None:
@@ -255,7 +258,7 @@ class Simulation(_core.SimulationBase):
             Error: The name is unknown, or the handle is of another simulation.
         """
         if function is not None:
-            self._functions.append(function)
+            self._functions.append(called(function, "force"))
         self._force(body, function)
 
     # History
@@ -274,8 +277,37 @@ class Simulation(_core.SimulationBase):
         Raises:
             Error: The snapshot is of a simulation of another model.
         """
-        self._functions += [each for each in snapshot._functions if each not in self._functions]
+        if not isinstance(snapshot, _core.Snapshot):
+            raise Error(f"expected a snapshot, found {type(snapshot).__name__}", hint="snapshot = sim.snapshot()")
+        self._functions += [each for each in snapshot._functions if not any(each is own for own in self._functions)]
         self._restore(snapshot)
+        self._event_cache = []
+
+    def undo(self, number: int = -1, again: bool = False) -> None:
+        """Undo an event that happened, exactly: the world is as it was just before. Needs :meth:`keep_history`.
+
+        Args:
+            number: Its place in :attr:`events`; negative numbers count from the last.
+            again: Let it happen again when its condition is met; otherwise it stays in the past.
+
+        Raises:
+            Error: There is no such event, or no history.
+        """
+        super().undo(number, again)
+        self._event_cache = []
+
+    def restore_state(self, text: str, name: str = "state.json") -> None:
+        """Begin from a state document of a simulation of the same model, such as the ``final.json`` of a run.
+
+        Args:
+            text: The document (JSON), as :meth:`state_json` returns it.
+            name: Of the document, for messages.
+
+        Raises:
+            Error: The document has errors, or is of another model; nothing has changed.
+        """
+        super().restore_state(text, name)
+        self._event_cache = []
 
     # Bodies
 
@@ -325,7 +357,8 @@ class Simulation(_core.SimulationBase):
 
         Args:
             until: s; default: the end of the scenario.
-            record_every: Time between recorded rows (s); 0: after every step; default: as the scenario says.
+            record_every: Time between recorded rows (s); 0: after every step; ``inf``: only start and end; default:
+                as the scenario says.
             reactions: Also record the accelerations and reactions of joints.
             observe: Called with the world at each row; may schedule events, and end the run by returning ``False``.
             progress: Show a progress bar (with tqdm, if it is installed).
@@ -338,8 +371,12 @@ class Simulation(_core.SimulationBase):
             RunError: The run diverged, stalled, or an action was refused. Its ``run`` holds the rows so far.
             KeyboardInterrupt: Ctrl-C; like any exception of a callback it leaves the rows so far in ``last_run``.
         """
-        end = self.until if until is None else float(until)
-        every = self._output_every if record_every is None else float(record_every)
+        end = self.until if until is None else number(until, "until")
+        every = self._output_every if record_every is None else number(record_every, "record_every")
+        if every == math.inf:
+            every = max(end - self.time, 1e-9)
+        if observe is not None:
+            called(observe, "observe")
         found: list[Run] = []
         ended: list[tuple[str, str]] = []
 
@@ -418,30 +455,6 @@ def _schedule_past(simulation: Simulation, how: str, arguments: tuple[Any, ...])
     return scheduled
 
 
-def _overrides(set: Mapping[str, Any] | None) -> list[str]:
-    texts: list[str] = []
-    for key, value in (set or {}).items():
-        if isinstance(value, str):
-            texts.append(f"{key}={value}")
-        else:
-            texts.append(f"{key}={_toml(value)}")
-    return texts
-
-
-def _toml(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key} = {_toml(each)}" for key, each in cast("Mapping[str, Any]", value).items()) + "}"
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(_toml(each) for each in cast("Sequence[Any]", value)) + "]"
-    return repr(value)
-
-
 def load(
     path: str | os.PathLike[str],
     *,
@@ -463,7 +476,7 @@ def load(
         Error: The file has errors: ``diagnostics`` lists all of them, with line and column.
     """
     simulation = Simulation.__new__(Simulation)
-    arguments = (os.fspath(path), _overrides(set), os.fspath(state) if state is not None else "", None)
+    arguments = (os.fspath(path), overrides(set), os.fspath(state) if state is not None else "", None)
     _core.SimulationBase.__init__(simulation, *arguments)
     simulation._begin(("file", *arguments))
     return simulation
@@ -482,7 +495,7 @@ def loads(text: str, name: str = "scenario.toml", *, set: Mapping[str, Any] | No
         Error: The text has errors: ``diagnostics`` lists all of them, with line and column.
     """
     simulation = Simulation.__new__(Simulation)
-    arguments = (name, _overrides(set), "", text)
+    arguments = (name, overrides(set), "", text)
     _core.SimulationBase.__init__(simulation, *arguments)
     simulation._begin(("file", *arguments))
     return simulation

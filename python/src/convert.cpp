@@ -81,7 +81,7 @@ nb::object as_array(nb::handle object, const char* what) {
     const auto kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
     if (kind != "f" && kind != "i" && kind != "u" && kind != "b")
       refuse(std::string(what) + ": expected real numbers, found an array of dtype " +
-             nb::cast<std::string>(nb::str(array.attr("dtype"))));
+             nb::cast<std::string>(array.attr("dtype").attr("name")));
     return numpy("ascontiguousarray")(array, "dtype"_a = "float64");
   } catch (nb::python_error& error) {
     if (!error.matches(PyExc_ValueError) && !error.matches(PyExc_TypeError)) throw;

@@ -40,9 +40,12 @@ std::vector<Action> actions_of(const SimulationPtr& self, const std::string& key
 void then(ScheduledObject& scheduled, const std::vector<std::pair<std::string, nb::object>>& actions) {
   const SimulationPtr& self = scheduled.simulation;
   const Use use(*self, Access::schedule);
+  std::vector<std::vector<Action>> all(scheduled.events.size());  // first everything that can fail
   for (std::size_t i = 0; i < scheduled.events.size(); ++i)
     for (const auto& [key, value] : actions)
-      for (Action& action : actions_of(self, key, value, scheduled.parts[i])) scheduled.events[i].then(std::move(action));
+      for (Action& action : actions_of(self, key, value, scheduled.parts[i])) all[i].push_back(std::move(action));
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (Action& action : all[i]) scheduled.events[i].then(std::move(action));
 }
 
 void named(ScheduledObject& scheduled, const std::string& name) {
@@ -148,8 +151,12 @@ void register_events(nb::module_& m, SimulationClass& simulation) {
       .def("_when_measured", &when_measured)
       .def("_apply", &apply_now)
       .def("_events", &events)
-      .def_prop_ro("_event_count", [](const SimulationPtr& self) { return self->simulation().events().size(); })
-      .def_prop_ro("missed", &missed, "Scheduled events that have not happened so far, and why.")
+      .def_prop_ro("_event_count",
+                   [](const SimulationPtr& self) {
+                     const Use use(*self, Access::read);
+                     return self->simulation().events().size();
+                   })
+      .def_prop_ro("missed", &missed, "Scheduled events that have not happened so far, and why: a list of `MissedEvent`.")
       .def("_dry_run", &dry_run)
       .def("_check_handle", [](const SimulationPtr& self, nb::handle handle) {
         const Use use(*self, Access::read);

@@ -77,6 +77,7 @@ RunResult SimulationObject::run_until(double time) {
 }
 
 void SimulationObject::step(double dt) {
+  if (dt == std::numeric_limits<double>::infinity()) refuse("a step can't be infinite");
   RunResult result;
   {
     const nb::gil_scoped_release free;
@@ -293,7 +294,11 @@ Use::Use(SimulationObject& object, Access access) : object_(object), access_(acc
     refuse("the simulation is being used by another thread",
            "give each thread its own: sim.branch(), or a simulation of the same model");
   switch (object.inside) {
-    case Inside::nothing: break;
+    case Inside::nothing:  // Python code that an operation runs to convert its arguments
+      if (access != Access::read)
+        refuse("the simulation was used while it was reading the arguments of another call",
+               "convert them beforehand, for example with numpy.array");
+      break;
     case Inside::drive:
       refuse("a function that drives a joint or acts on a body used its simulation",
              "it may read only the context that is passed to it");
