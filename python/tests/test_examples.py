@@ -152,3 +152,18 @@ def test_an_example_is_a_notebook(name: str, tmp_path: Path) -> None:
     text = "".join(o.text for cell in notebook.cells for o in cell.get("outputs", []) if o.get("name") == "stdout")
     CLAIMS[name](text)
     assert (tmp_path / f"{name}.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("guide", ["python-gallery", "python-learning"])
+def test_the_guides_are_right(guide: str, tmp_path: Path) -> None:
+    """Their Python blocks run, and their pictures and links to examples exist."""
+    pytest.importorskip("gymnasium")
+    docs = FOLDER.parent.parent / "docs"
+    text = (docs / f"{guide}.md").read_text(encoding="utf-8")
+    for link in re.findall(r"\]\((?!https?:)([^)#]+)", text):
+        assert (docs / link).exists(), link
+    for block in re.findall(r"(?ms)^```python\n(.*?)^```", text):
+        done = subprocess.run([sys.executable, "-c", block], capture_output=True, text=True, env=environment(tmp_path), timeout=300)
+        assert done.returncode == 0, done.stderr
+    if guide == "python-gallery":
+        assert {name for name in CLAIMS if f"examples/{name}.py" in text} == set(CLAIMS)
