@@ -1,5 +1,6 @@
 #include <momentree/io/part_reader.hpp>
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -94,6 +95,9 @@ std::vector<TriggerPart> PartReader::triggers(const Value& event, const World& w
 
 std::vector<Action> PartReader::actions(const std::string& key, const Value& value, const TriggerPart& trigger,
                                         const World& world) const {
+  const std::vector<std::string> known = action_keys();
+  if (std::find(known.begin(), known.end(), key) == known.end())
+    throw_error({"unknown action '" + key + "'", "", did_you_mean(key, known)});
   PartReading part(what_, world);
   ScenarioEvent event;
   event.time = std::numeric_limits<double>::infinity();
