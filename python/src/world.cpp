@@ -1,6 +1,7 @@
 // World, Body, Joint and Context.
 #include <algorithm>
 
+#include "model_object.hpp"
 #include "world_object.hpp"
 
 #include <momentree/topology/change.hpp>
@@ -61,6 +62,10 @@ void check_joint_exists(const World& world, const JointObject& joint) {
 }
 
 std::string text_of(nb::handle name, const char* what) {
+  if (nb::isinstance<ModelBody>(name)) {
+    const auto& body = nb::cast<const ModelBody&>(name);
+    return body.model->model[body.id].name;
+  }
   std::string text;
   if (!nb::try_cast(name, text)) refuse(std::string("expected the name of a ") + what);
   return text;
