@@ -1,9 +1,11 @@
 #include <momentree/io/part_reader.hpp>
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
 #include <momentree/io/read_action.hpp>
+#include <momentree/simulate/topology_record.hpp>
 
 namespace momentree::io {
 
@@ -17,10 +19,9 @@ struct PartReading {
     for (int b = 0; b < model.size(); ++b) reading.bodies.emplace(model[BodyId{b}].name, Place{});
   }
   PartReading(const std::string& what, const World& world) : PartReading(what, world.model()) {
-    for (int b = 0; b < world.model().size(); ++b) {
-      if (!world.alive({b})) continue;
-      const std::string joint(world.joint_name({b}));
-      kinds.emplace(joint, &info(world.joint({b}).kind));
+    for (const JointId number : present_joints(world)) {
+      const std::string joint(world.joint_name(number));
+      kinds.emplace(joint, &info(world.joint(number).kind));
       reading.joints.emplace(joint, Place{});
     }
     for (const Mechanism& mechanism : world.mechanisms()) reading.mechanisms.emplace(mechanism.name, Place{});
@@ -94,6 +95,9 @@ std::vector<TriggerPart> PartReader::triggers(const Value& event, const World& w
 
 std::vector<Action> PartReader::actions(const std::string& key, const Value& value, const TriggerPart& trigger,
                                         const World& world) const {
+  const std::vector<std::string> known = action_keys();
+  if (std::find(known.begin(), known.end(), key) == known.end())
+    throw_error({"unknown action '" + key + "'", "", did_you_mean(key, known)});
   PartReading part(what_, world);
   ScenarioEvent event;
   event.time = std::numeric_limits<double>::infinity();

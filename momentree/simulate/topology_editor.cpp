@@ -65,6 +65,11 @@ template <class Change>
 void TopologyEditor::carry_out(const Change& change, Nature nature) {
   evaluate();
   const Totals before = world_.totals();
+  if constexpr (std::is_same_v<Change, ChangeJoint>) {
+    if (!std::isfinite(before.kinetic))
+      throw_error({"joint '" + joint_name(change.joint.index) + "' can't change: the kinetic energy is not finite", "",
+                   "are the velocities and momenta in SI units?"});
+  }
   if (nature != Nature::workless) remember_momenta();
   const auto start = std::chrono::steady_clock::now();
   Released released;

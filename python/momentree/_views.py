@@ -53,12 +53,12 @@ class StateView(np.ndarray[tuple[int], np.dtype[np.float64]]):
         return self._owner is not None and not self._owner.alive
 
     @overload  # type: ignore[override]
-    def __getitem__(self, key: SupportsIndex) -> np.float64: ...  # pyright: ignore[reportIncompatibleMethodOverride]
+    def __getitem__(self, key: SupportsIndex) -> np.float64: ...
     @overload
     def __getitem__(self, key: slice) -> StateView: ...
     @overload
     def __getitem__(self, key: Any) -> Any: ...
-    def __getitem__(self, key: Any) -> Any:
+    def __getitem__(self, key: Any) -> Any:  # pyright: ignore[reportIncompatibleMethodOverride]
         self._check()
         return super().__getitem__(key)
 

@@ -45,6 +45,21 @@ void check_owner(const WorldPtr& world, const SimulationObject& object) {
     refuse("the handle belongs to another simulation", "use the name, or the handle of this simulation");
 }
 
+bool is_body(const World& world, int number, const std::string& name) {
+  return number < world.model().size() && world.model()[BodyId{number}].name == name;
+}
+
+void check_body_exists(const World& world, const BodyObject& body) {
+  if (!is_body(world, body.id.index, body.name))
+    refuse("there is no body '" + body.name + "' in the state that was restored", "it was added afterwards");
+}
+
+void check_joint_exists(const World& world, const JointObject& joint) {
+  if (!is_body(world, joint.id.index, joint.body))
+    refuse("there is no joint of '" + joint.body + "' in the state that was restored", "it was added afterwards");
+  if (world.tree().carrier(joint.id.index) < 0) refuse("the joint of this handle was removed with its body");
+}
+
 std::string text_of(nb::handle name, const char* what) {
   std::string text;
   if (!nb::try_cast(name, text)) refuse(std::string("expected the name of a ") + what);
@@ -72,7 +87,8 @@ BodyId body_of(const World& world, const SimulationObject& object, nb::handle na
   if (nb::isinstance<BodyObject>(name)) {
     const auto& handle = nb::cast<const BodyObject&>(name);
     check_owner(handle.world, object);
-    return find_body(world, world.model()[handle.id].name);
+    check_body_exists(world, handle);
+    return find_body(world, handle.name);
   }
   return find_body(world, text_of(name, "body"));
 }
@@ -81,7 +97,7 @@ JointId joint_of(const World& world, const SimulationObject& object, nb::handle 
   if (nb::isinstance<JointObject>(name)) {
     const auto& handle = nb::cast<const JointObject&>(name);
     check_owner(handle.world, object);
-    if (world.tree().carrier(handle.id.index) < 0) refuse("the joint of this handle was removed with its body");
+    check_joint_exists(world, handle);
     return handle.id;
   }
   return find_joint(world, text_of(name, "joint"));
@@ -99,10 +115,6 @@ const BodyAcceleration& acceleration_of(const World& world, BodyId body) {
   return world.accelerations()[static_cast<std::size_t>(body.index)];
 }
 
-void check_joint_exists(const World& world, JointId joint) {
-  if (world.tree().carrier(joint.index) < 0) refuse("the joint of this handle was removed with its body");
-}
-
 nb::object wrench(const Wrench& w) { return python_class("_records", "Wrench")(from_vec3(w.force), from_vec3(w.torque)); }
 
 nb::object energy(const Totals& totals) { return python_class("_records", "Energy")(totals.kinetic, totals.potential); }
@@ -116,6 +128,7 @@ template <class Get>
 auto of_body(Get get) {
   return [get](const BodyObject& body) {
     const Reading world(body.world);
+    check_body_exists(*world, body);
     return get(*world, body.id);
   };
 }
@@ -124,7 +137,7 @@ template <class Get>
 auto of_joint(Get get) {
   return [get](const JointObject& joint) {
     const Reading world(joint.world);
-    check_joint_exists(*world, joint.id);
+    check_joint_exists(*world, joint);
     return get(*world, joint.id);
   };
 }
@@ -145,16 +158,19 @@ void register_body(nb::module_& m) {
       m, "Body",
       "A body of a world. Handles stay valid through every change of topology; arrays are copies. `==` compares bodies.")
       .def_prop_ro(
-          "name", [](const BodyObject& b) { return Reading(b.world)->model()[b.id].name; }, "Name: \"mechanism/body\".")
+          "name", [](const BodyObject& b) { return b.name; }, "Name: \"mechanism/body\".")
       .def_prop_ro(
           "index", [](const BodyObject& b) { return b.id.index; }, "Number of the body, in the order of adding, from 0.")
       .def_prop_ro(
-          "alive", [](const BodyObject& b) { return Reading(b.world)->alive(b.id); }, "False for a removed body.")
-      .def_prop_ro(
-          "mass", [](const BodyObject& b) { return Reading(b.world)->model()[b.id].mass; }, "Mass (kg).")
-      .def_prop_ro(
-          "com", [](const BodyObject& b) { return from_vec3(Reading(b.world)->model()[b.id].com); },
-          "Centre of mass in the body's frame (m), shape (3,).")
+          "alive",
+          [](const BodyObject& b) {
+            const Reading world(b.world);
+            return is_body(*world, b.id.index, b.name) && world->alive(b.id);
+          },
+          "False for a removed body.")
+      .def_prop_ro("mass", of_body([](const World& w, BodyId b) { return w.model()[b].mass; }), "Mass (kg).")
+      .def_prop_ro("com", of_body([](const World& w, BodyId b) { return from_vec3(w.model()[b].com); }),
+                   "Centre of mass in the body's frame (m), shape (3,).")
       .def_prop_ro("position", of_body([](const World& w, BodyId b) { return from_vec3(motion_of(w, b).pose.position); }),
                    "Origin of the body's frame in the world (m), shape (3,).")
       .def_prop_ro("quaternion", of_body([](const World& w, BodyId b) { return from_quat(motion_of(w, b).pose.rotation); }),
@@ -170,12 +186,12 @@ void register_body(nb::module_& m) {
                    of_body([](const World& w, BodyId b) { return from_vec3(acceleration_of(w, b).angular); }),
                    "Time derivative of `angular` (rad/s²), world axes, shape (3,).")
       .def_prop_ro("mechanism", of_body(mechanism_of), "Name of the mechanism that the body belongs to at present.")
-      .def("__repr__", [](const BodyObject& b) { return "<momentree.Body '" + Reading(b.world)->model()[b.id].name + "'>"; })
+      .def("__repr__", [](const BodyObject& b) { return "<momentree.Body '" + b.name + "'>"; })
       .def("__eq__",
            [](const BodyObject& a, nb::handle other) {
              if (!nb::isinstance<BodyObject>(other)) return false;
              const auto& b = nb::cast<const BodyObject&>(other);
-             return a.world->simulation == b.world->simulation && a.id == b.id;
+             return a.world->simulation == b.world->simulation && a.id == b.id && a.name == b.name;
            })
       .def("__hash__", [](const BodyObject& b) {
         return std::hash<const void*>{}(b.world->simulation.get()) ^ static_cast<std::size_t>(b.id.index);
@@ -233,7 +249,7 @@ void register_joint(nb::module_& m) {
            [](const JointObject& a, nb::handle other) {
              if (!nb::isinstance<JointObject>(other)) return false;
              const auto& b = nb::cast<const JointObject&>(other);
-             return a.world->simulation == b.world->simulation && a.id == b.id;
+             return a.world->simulation == b.world->simulation && a.id == b.id && a.body == b.body;
            })
       .def("__hash__", [](const JointObject& j) {
         return std::hash<const void*>{}(j.world->simulation.get()) ^ (static_cast<std::size_t>(j.id.index) << 1U);
@@ -325,12 +341,14 @@ void register_world(nb::module_& m) {
       .def("_body",
            [](const WorldPtr& w, nb::handle name) {
              const Reading world(w);
-             return BodyObject{w, body_of(*world, *w->simulation, name)};
+             const BodyId body = body_of(*world, *w->simulation, name);
+             return BodyObject{w, body, world->model()[body].name};
            })
       .def("_joint",
            [](const WorldPtr& w, nb::handle name) {
              const Reading world(w);
-             return JointObject{w, joint_of(*world, *w->simulation, name)};
+             const JointId joint = joint_of(*world, *w->simulation, name);
+             return JointObject{w, joint, world->model()[BodyId{joint.index}].name};
            })
       .def("_body_names", [](const WorldPtr& w) { return body_names(*Reading(w)); })
       .def("_joint_names", [](const WorldPtr& w) { return joint_names(*Reading(w)); })

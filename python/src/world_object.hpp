@@ -24,14 +24,17 @@ class Reading {
   const World* world_;
 };
 
-/// Handles: bodies and joints keep their numbers.
+/// Handles: bodies and joints keep their numbers; a number belongs to another body only after a body was added, an earlier state
+/// was restored, and another one was added. The name tells them apart.
 struct BodyObject {
   WorldPtr world;
   BodyId id;
+  std::string name;
 };
 struct JointObject {
   WorldPtr world;
   JointId id;
+  std::string body;  ///< that was added with it
 };
 
 /// The context of a function that drives a joint or acts on a body; valid during the call.
