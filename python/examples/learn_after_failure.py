@@ -16,7 +16,7 @@ import gymnasium
 import matplotlib.pyplot as plt
 import numpy as np
 
-import momentree.envs
+import momentree.envs  # noqa: F401 (registers the environments)
 from momentree.envs.arm_loses_joint import ARM
 
 arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -85,7 +85,7 @@ left.plot(range(1, generations + 1), mean, color="#1f6fb2", label="mean of a gen
 left.axhline(after[0], color="#2a9d5c", linestyle="--", label="learned policy, on other episodes")
 left.axhline(before[0], color="0.5", linestyle=":", label="before")
 left.set(xlabel="generation", ylabel="return of an episode", title="Learning to reach with a joint that fails")
-left.legend(frameon=False, fontsize=9, loc="lower right")
+left.legend(edgecolor="white", framealpha=1, fontsize=9, loc="lower right")
 left.spines[["top", "right"]].set_visible(False)
 single = gymnasium.make("momentree/ArmLosesJoint-v0", render_mode="rgb_array", max_steps=steps).unwrapped
 single.picture_size = 480

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -81,18 +82,19 @@ def test_worlds_of_a_batch_do_what_single_environments_do(name: str, mode: str) 
     observation, _ = many.reset(seed=11)
     begins = [env.reset(seed=11 + i)[0] for i, env in enumerate(singles)]
     assert np.array_equal(observation, begins)
-    over, ends, names = np.zeros(worlds, dtype=bool), 0, set()
+    over, ends = np.zeros(worlds, dtype=bool), 0
+    names: set[str] = set()
     for _ in range(3 * length):
         if mode == "Disabled" and over.any():
             observation, _ = many.reset(options={"reset_mask": over})
-            for i in np.flatnonzero(over):
-                assert np.array_equal(observation[i], singles[i].reset()[0])
+            for world in np.flatnonzero(over):
+                assert np.array_equal(observation[world], singles[world].reset()[0])
             over[:] = False
         begin = over.copy() if mode == "NextStep" else np.zeros(worlds, dtype=bool)
         action = skilled(name, observation)
         observation, reward, terminated, truncated, info = many.step(action)
         over = terminated | truncated
-        ends += over.sum()
+        ends += int(over.sum())
         for i, env in enumerate(singles):
             if begin[i]:
                 assert np.array_equal(observation[i], env.reset()[0])
@@ -199,13 +201,18 @@ def test_a_joint_fails_at_its_instant(kind: str) -> None:
             assert step == 3
             assert event.time == pytest.approx(0.1234, abs=1e-12)
             assert (event.lost > 0) == (kind == "jam")
-        speeds.append(observation[9]), angles.append(np.arctan2(observation[5], observation[1]))
+        speeds.append(observation[9])
+        angles.append(np.arctan2(observation[5], observation[1]))
     if kind == "jam":
         assert np.ptp(angles[3:]) == 0.0
         assert not np.any(speeds[3:])
     else:
         assert np.ptp(angles[3:]) > 0.1
         assert env.simulation.effort[1] == 0.0
+
+
+def constant(torque: float) -> Callable[[mt.Context], float]:
+    return lambda _: torque
 
 
 def test_a_jam_within_a_period_is_that_of_a_scheduled_event() -> None:
@@ -224,7 +231,7 @@ def test_a_jam_within_a_period_is_that_of_a_scheduled_event() -> None:
         env.step(action)
         for joint in range(4):
             torque = float(action[joint] * ARM.torques[joint])
-            other.drive(f"arm/{joint + 1}", lambda _, torque=torque: torque)
+            other.drive(f"arm/{joint + 1}", constant(torque))
         other.run(until=(step + 1) * env._task.period)
         assert env.simulation.time == pytest.approx(other.time, abs=1e-12)
         assert np.array(env.simulation.q) == pytest.approx(np.array(other.q), abs=1e-8)
@@ -256,7 +263,9 @@ def test_pictures_show_the_world() -> None:
     assert 50 < (before != after).any(axis=2).sum() < 0.2 * 320 * 320
     many = GripperVectorEnv(num_envs=2, render_mode="rgb_array")
     many.reset(seed=[1, 2])
-    first, second = many.render()
+    pictures = many.render()
+    assert pictures is not None
+    first, second = pictures
     assert np.array_equal(first, before)
     assert not np.array_equal(first, second)
 
@@ -264,6 +273,8 @@ def test_pictures_show_the_world() -> None:
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("worlds", [None, 3])
 def test_bad_actions_are_refused(name: str, worlds: int | None) -> None:
+    env: Any
+    shape: tuple[int, ...]
     if worlds is None:
         env, shape = gymnasium.make(name).unwrapped, (4,)
     else:
@@ -313,7 +324,8 @@ def test_bad_options_are_refused() -> None:
 def test_discrete_actions_drive_the_motors() -> None:
     env = GripperEnv(actions="discrete")
     other = GripperEnv()
-    env.reset(seed=4), other.reset(seed=4)
+    env.reset(seed=4)
+    other.reset(seed=4)
     discrete = env.step(np.array([2, 0, 1, 0]))
     continuous = other.step(np.array([1.0, -1.0, 0.0, -1.0]))
     assert np.array_equal(discrete[0], continuous[0])

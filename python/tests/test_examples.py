@@ -147,7 +147,9 @@ def test_an_example_is_a_notebook(name: str, tmp_path: Path) -> None:
     code = [begin, *(cell if k == 0 else "#" + cell for k, cell in enumerate(cells(FOLDER / f"{name}.py")))]
     notebook = new.new_notebook(cells=[new.new_code_cell(each) for each in code])
     assert len(notebook.cells) > 5
-    client = nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}})
+    client = nbclient.NotebookClient(
+        notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
+    )
     client.execute(env=environment(tmp_path))
     text = "".join(o.text for cell in notebook.cells for o in cell.get("outputs", []) if o.get("name") == "stdout")
     CLAIMS[name](text)
@@ -159,11 +161,15 @@ def test_the_guides_are_right(guide: str, tmp_path: Path) -> None:
     """Their Python blocks run, and their pictures and links to examples exist."""
     pytest.importorskip("gymnasium")
     docs = FOLDER.parent.parent / "docs"
+    if not docs.exists():
+        pytest.skip("the documentation is not here")
     text = (docs / f"{guide}.md").read_text(encoding="utf-8")
     for link in re.findall(r"\]\((?!https?:)([^)#]+)", text):
         assert (docs / link).exists(), link
     for block in re.findall(r"(?ms)^```python\n(.*?)^```", text):
-        done = subprocess.run([sys.executable, "-c", block], capture_output=True, text=True, env=environment(tmp_path), timeout=300)
+        done = subprocess.run(
+            [sys.executable, "-c", block], capture_output=True, text=True, env=environment(tmp_path), timeout=300
+        )
         assert done.returncode == 0, done.stderr
     if guide == "python-gallery":
         assert {name for name in CLAIMS if f"examples/{name}.py" in text} == set(CLAIMS)

@@ -30,7 +30,7 @@ class Outcome:
     reward: Array
     terminated: Mask
     truncated: Mask
-    events: dict[int, list[Event]] = field(default_factory=dict)
+    events: dict[int, list[Event]] = field(default_factory=dict[int, list[Event]])
     """The changes of topology in this step, by world."""
 
 

@@ -65,7 +65,8 @@ class TaskVectorEnv(VectorEnv[Array, Any, NDArray[Any]]):
         self._random = [old[i] if each is None and old else seeding.np_random(each)[0] for i, each in enumerate(seeds)]
 
     def _begin(self, worlds: Indices, options: dict[str, Any] | None) -> None:
-        self._task.reset(worlds, [self._random[i] for i in worlds], options)
+        numbers: list[int] = worlds.tolist()
+        self._task.reset(worlds, [self._random[i] for i in numbers], options)
         self._over[worlds] = False
 
     def reset(
