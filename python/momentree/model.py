@@ -133,13 +133,15 @@ class Model(_core.ModelBase):
         return self.copy()
 
     def __reduce__(self) -> Any:
-        return _model_from_toml, (self.to_toml(),)
+        return _model_from_toml, (self.to_toml(), self.body_names)
 
     def __repr__(self) -> str:
         return f"<momentree.Model: {len(self)} bodies>"
 
 
-def _model_from_toml(text: str) -> Model:
+def _model_from_toml(text: str, order: list[str]) -> Model:
     from momentree.simulation import loads
 
-    return loads(text, name="pickle.toml").model
+    model = Model.__new__(Model)
+    _core.ModelBase.__init__(model, loads(text, name="pickle.toml").model._in_order(order))
+    return model

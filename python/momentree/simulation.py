@@ -422,7 +422,9 @@ class Simulation(_core.SimulationBase):
             schedule.append({**entry, "how": (how, tuple(_portable(each) for each in arguments))})
         if self._has_functions:
             raise TypeError("a simulation with Python functions as drives or forces can't be pickled")
-        return {"source": self._source, "state": self.state_json(), "schedule": schedule, "armed": self._armed()}
+        if self._has_other_bodies:
+            raise TypeError("a simulation in which bodies were added or removed can't be pickled: state documents don't describe that")
+        return {"source": self._source, "state": self.state_json(), "schedule": schedule, "armed": self._armed(), "q": self.q}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         kind, *arguments = state["source"]
@@ -433,11 +435,11 @@ class Simulation(_core.SimulationBase):
         self._begin(state["source"])
         for entry in state["schedule"]:
             how, given = entry["how"]
-            scheduled = _schedule_past(self, how, given)
+            scheduled: Scheduled = getattr(self, how)(*given)
             if entry["name"] is not None:
                 scheduled.named(entry["name"])
             scheduled.then(*entry["actions"])
-        self._resume(state["state"], state["armed"])
+        self._resume(state["state"], state["armed"], state["q"])
 
     def __repr__(self) -> str:
         return f"<momentree.Simulation: {len(self.world.bodies)} bodies, t = {self.time:.9g} s>"
@@ -448,11 +450,6 @@ def _portable(value: Any) -> Any:
         quantity = Quantity(value.quantity.key, _plain(value.quantity.value))
         return Condition(quantity, value.threshold, value.exceeds)._with(**value._options)
     return value
-
-
-def _schedule_past(simulation: Simulation, how: str, arguments: tuple[Any, ...]) -> Scheduled:
-    scheduled: Scheduled = getattr(simulation, how)(*arguments)
-    return scheduled
 
 
 def load(

@@ -1,4 +1,5 @@
 // Snapshots, history, branches, state documents, and runs that are recorded.
+#include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -75,14 +76,22 @@ std::vector<Status_> armed(const SimulationPtr& self) {
 }
 
 // Continues as the simulation did that was written to this document.
-void resume(const SimulationPtr& self, const std::string& text, const std::vector<Status_>& armed) {
+void resume(const SimulationPtr& self, const std::string& text, const std::vector<Status_>& armed, nb::handle q) {
+  const std::vector<double> coordinates = numbers_of(q, "q");
   const Use use(*self, Access::change);
   const io::RestoredState state = io::read_state(text, "pickle", self->simulation().world().first_model());
   io::restore(self->simulation(), {state});
   std::vector<EventStatus> all;
   for (const auto& [time, fired, done, since, resting, excess, excess_before, looked, looked_before] : armed)
     all.push_back({time, fired, done, since, resting, excess, excess_before, looked, looked_before});
-  self->simulation().resume(all, state.memory);
+  Simulation& sim = self->simulation();
+  const State& now = sim.world().state();
+  if (all.size() > sim.snapshot().armed.size() || coordinates.size() != now.q().size())
+    refuse("the pickled state is not one of this simulation");
+  // The document has quaternions with w >= 0, and the simulation may have their negatives.
+  const std::vector<double> momenta(now.p().begin(), now.p().end());
+  if (!std::equal(coordinates.begin(), coordinates.end(), now.q().begin())) sim.adjust(coordinates, momenta);
+  sim.resume(all, state.memory);
 }
 
 io::RunOrigin origin_of(const SimulationObject& self, double start, double until) {

@@ -62,6 +62,29 @@ std::vector<std::string> names(const ModelObject& self, Name name) {
   return all;
 }
 
+// The same model with its bodies in another order, parents before children: of scenarios, which list mechanism by mechanism.
+std::shared_ptr<ModelObject> in_order(const ModelObject& self, const std::vector<std::string>& order) {
+  auto sorted = std::make_shared<ModelObject>(ModelObject{Model({.gravity = self.model.gravity()}), {}, {}, self.title});
+  std::vector<BodyId> place(static_cast<std::size_t>(self.model.size()), ground);
+  const auto now = [&](int number) { return number < 0 ? ground : place[static_cast<std::size_t>(number)]; };
+  for (const std::string& name : order) {
+    const BodyId body = self.model.body(name);
+    BodySpec spec = self.model[body];
+    spec.parent = now(spec.parent.index);
+    place[static_cast<std::size_t>(body.index)] = sorted->model.add_unjudged(std::move(spec));
+    sorted->shapes.push_back(self.shapes[static_cast<std::size_t>(body.index)]);
+  }
+  for (BodyForce force : self.model.forces()) {
+    force.body = now(force.body.index);
+    sorted->model.add_force(std::move(force));
+  }
+  for (io::JointCoupling coupling : self.couplings) {
+    coupling.joint = {now(coupling.joint.index).index}, coupling.leader = {now(coupling.leader.index).index};
+    sorted->couplings.push_back(coupling);
+  }
+  return sorted;
+}
+
 std::string to_urdf(const ModelObject& self, const std::string& mechanism) {
   return io::to_urdf(*scenario_of(self, {}), mechanism, "").text;
 }
@@ -100,6 +123,7 @@ void register_model(nb::module_& m) {
           "gravity", [](const ModelObject& self) { return from_vec3(self.model.gravity()); },
           [](ModelObject& self, nb::handle gravity) { self.model.set_gravity(to_vec3(gravity, "gravity")); }, nb::arg().none(),
           "Gravity (m/s²), world axes, shape (3,), a copy; assign three numbers to change it.")
+      .def("_in_order", &in_order)
       .def(
           "to_toml", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes); },
           "The model as the text of a scenario file (TOML), without events. `momentree.loads` reads it.")

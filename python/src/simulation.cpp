@@ -205,6 +205,14 @@ void register_simulation(nb::module_& m) {
                      const Tree& tree = self->simulation().world().tree();
                      return tree.has_functions() || !tree.body_functions().empty();
                    })
+      .def_prop_ro("_has_other_bodies",
+                   [](const SimulationPtr& self) {
+                     const Use use(*self, Access::read);
+                     const World& world = self->simulation().world();
+                     int there = 0;
+                     for (int b = 0; b < world.model().size(); ++b) there += world.alive({b}) ? 1 : 0;
+                     return there != world.model().size() || there != world.first_model().size();
+                   })
       .def("set_state", &set_state, nb::kw_only(), "q"_a = nb::none(), "v"_a = nb::none(), "p"_a = nb::none(),
            "time"_a = nb::none(),
            "Set coordinates, velocities or momenta, and time. What is not given stays; without `v` and `p` the velocities "

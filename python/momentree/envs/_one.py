@@ -52,9 +52,7 @@ class OneWorld:
     def set_effort(self, effort: ArrayLike, worlds: Indices) -> None:
         """Set extra efforts, as :meth:`momentree.Batch.set_effort` does; shape (1, nv)."""
         if len(worlds):
-            sim = self.simulation
-            sim.effort = np.asarray(effort)[0]
-            sim.set_state(p=np.array(sim.p))  # so that the next step begins with them
+            self.simulation.effort = np.asarray(effort)[0]
 
     def step(self, h: Array) -> None:
         """Step by h[0] seconds. A world that diverged stays where it is."""

@@ -1,0 +1,174 @@
+"""Pickles go on bit for bit, and other round trips keep everything."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import random
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from random_models import fingerprint, random_model, random_state, some_action
+
+import momentree as mt
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def again(value: Any) -> Any:
+    return pickle.loads(pickle.dumps(value))
+
+
+def start(seed: int, bodies: int = 4, **options: Any) -> mt.Simulation:
+    sim = mt.Simulation(random_model(seed, bodies), **options)
+    random_state(sim, seed)
+    return sim
+
+
+@given(seeds, st.integers(0, 8))
+def test_models_keep_everything(seed: int, bodies: int) -> None:
+    model = random_model(seed, bodies)
+    for other in (again(model), model.copy(), copy.deepcopy(model)):
+        assert other.to_toml() == model.to_toml()
+        assert other.body_names == model.body_names and other.joint_names == model.joint_names
+        assert np.array_equal(other.gravity, model.gravity)
+
+
+@given(seeds, st.integers(1, 6))
+def test_scenarios_of_models_move_alike(seed: int, bodies: int) -> None:
+    model = random_model(seed, bodies)
+    other_model = mt.loads(model.to_toml()).model
+    assert other_model.to_toml() == model.to_toml()
+    one, two = mt.Simulation(model), mt.Simulation(other_model)  # the text lists mechanism by mechanism: another order
+    for sim in (one, two):
+        sim.run(0.02)
+    for name, joint in one.world.joints.items():
+        for key in ("q", "v", "p"):
+            assert np.array_equal(getattr(joint, key), getattr(two.world.joints[name], key)), name
+
+
+@given(seeds, st.sampled_from(["rk4", "midpoint", "damped", "dopri5", "dop853"]))
+def test_simulations_go_on_bit_for_bit(seed: int, method: str) -> None:
+    sim = start(seed, method=method)
+    names = list(sim.world.joints)
+    sim.at(0.013).then(mt.break_joint(names[0])).named("cut")
+    sim.after("cut", 0.004).then(mt.lock(names[-1]))
+    sim.every(0.006).then(mt.impulse(next(iter(sim.world.bodies)), force=(0.1, 0, 0)))
+    sim.run(0.01)
+    copied = again(sim)
+    assert fingerprint(copied) == fingerprint(sim)
+    for each in (sim, copied):
+        each.run(0.03)
+    assert fingerprint(copied) == fingerprint(sim)
+    mine = [(event.time, event.name, str(event)) for event in sim.events if event.time > 0.01]
+    assert [(event.time, event.name, str(event)) for event in copied.events] == mine and len(mine) >= 3
+
+
+@given(seeds)
+def test_conditions_and_repetitions_are_armed_as_they_were(seed: int) -> None:
+    sim = start(seed)
+    single = [joint.name for joint in sim.world.joints.values() if len(joint.v) == 1]
+    for name in single:
+        sim.when((mt.speed(name) > 0.3).repeated()).then(mt.set_parameters(name, damping=0.5)).named("fast")
+    sim.when((mt.kinetic_energy(sim.world.mechanisms[0].name) > 0.1).lasting(0.004)).then(mt.lock(next(iter(sim.world.joints))))
+    sim.run(0.015)
+    copied = again(sim)
+    for each in (sim, copied):
+        each.run(0.04)
+    assert fingerprint(copied) == fingerprint(sim)
+
+
+@given(seeds)
+def test_changes_before_the_pickle_are_kept(seed: int) -> None:
+    sim = start(seed, 6)
+    rng = random.Random(seed)
+    for _ in range(5):
+        try:
+            sim.apply(some_action(sim, rng))
+            sim.step()
+        except mt.Error:
+            pass
+    copied = again(sim)
+    assert fingerprint(copied) == fingerprint(sim)
+    end = sim.time + 0.01
+    assert [m for m in copied.world.mechanisms] == [m for m in sim.world.mechanisms]
+    for each in (sim, copied):
+        each.run(end)
+    assert fingerprint(copied) == fingerprint(sim)
+
+
+def test_loaded_and_branched_simulations_can_be_pickled() -> None:
+    sim = mt.load("scenarios/breaking_chain.toml")
+    sim.run(0.2)
+    branch = sim.branch()
+    for each in (again(sim), again(branch), branch):
+        each.run(0.3)
+        sim_there = mt.load("scenarios/breaking_chain.toml")
+        sim_there.run(0.2)
+        sim_there.run(0.3)
+        assert fingerprint(each) == fingerprint(sim_there)
+
+
+def test_simulations_with_other_bodies_than_the_model_are_refused() -> None:
+    sim, other = start(1), start(1)
+    sim.remove(list(sim.world.bodies)[-1])
+    other.add("new/one", mass=1, inertia=0.1, joint=mt.Revolute())
+    for each in (sim, other):
+        with pytest.raises(TypeError, match="added or removed"):
+            pickle.dumps(each)
+
+
+def test_runs_keep_their_columns_and_events() -> None:
+    sim = start(3)
+    sim.at(0.01).then(mt.break_joint(next(iter(sim.world.joints)))).named("cut")
+    run = sim.run(0.02, reactions=True)
+    copied = again(run)
+    assert copied.status == run.status == "done"
+    assert np.array_equal(copied.time, run.time)
+    assert np.array_equal(copied.energy, run.energy)
+    for name in run.joints:
+        for key in ("q", "v", "p", "a"):
+            assert np.array_equal(getattr(copied.joints[name], key), getattr(run.joints[name], key), equal_nan=True)
+    assert copied.summary == run.summary and copied.final_state == run.final_state
+    assert [str(event) for event in copied.events] == [str(event) for event in run.events]
+    assert copied.event_table["lost"].tolist() == run.event_table["lost"].tolist()
+    with pytest.raises(mt.Error, match="pickled"):
+        copied.save("nowhere")
+
+
+def test_events_and_errors_keep_everything() -> None:
+    sim = start(4)
+    event = sim.apply(mt.break_joint(next(iter(sim.world.joints))), name="cut")
+    copied = again(event)
+    assert str(copied) == str(event) and copied.lost == event.lost
+    assert all(np.array_equal(copied.impulse[name].force, event.impulse[name].force) for name in event.impulse)
+    with pytest.raises(mt.Error) as caught:
+        mt.loads("format = 1\n[[mechanism]]\nname = 3\n")
+    error = again(caught.value)
+    assert type(error) is mt.Error
+    assert str(error) == str(caught.value)
+    for key in ("problem", "where", "hint", "file", "line", "column", "diagnostics"):
+        assert getattr(error, key) == getattr(caught.value, key)
+
+
+def test_what_python_functions_drive_cannot_be_pickled_and_says_so() -> None:
+    sim = start(5)
+    sim.drive(next(iter(sim.world.joints)), lambda context: 0.0)
+    with pytest.raises(TypeError, match="functions"):
+        pickle.dumps(sim)
+    other = start(5)
+    other.when(lambda world: world.time - 1).then(mt.break_joint(next(iter(other.world.joints))))
+    with pytest.raises(TypeError, match="functions"):
+        pickle.dumps(other)
+
+
+def test_views_and_records_are_plain_when_pickled() -> None:
+    sim = start(6)
+    view = again(sim.q)
+    assert type(view) is np.ndarray and np.array_equal(view, sim.q)
+    sim.step()
+    assert not np.array_equal(view, sim.q)
+    assert again(sim.energy) == sim.energy
