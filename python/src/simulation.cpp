@@ -59,7 +59,12 @@ void assign(const SimulationPtr& self, ArrayPart part, nb::handle values, const 
   Numbers_& numbers = (*self->arrays()).*part.numbers;
   const std::vector<double> given = numbers_of(values, numbers.now.size(), 0, name);
   std::copy(given.begin(), given.end(), numbers.now.begin());
-  const Use use(*self, Access::change);  // takes it over, or says what is wrong
+  try {
+    const Use use(*self, Access::change);  // takes it over, or says what is wrong
+  } catch (...) {
+    numbers.now = numbers.last;
+    throw;
+  }
 }
 
 void def_array(SimulationClass& simulation, const char* name, ArrayPart which, const char* about) {
