@@ -58,6 +58,7 @@ void assign(const SimulationPtr& self, ArrayPart part, nb::handle values, const 
   const nb::object view = view_of(self, part, name);
   Numbers_& numbers = (*self->arrays()).*part.numbers;
   const std::vector<double> given = numbers_of(values, numbers.now.size(), 0, name);
+  if (&((*self->arrays()).*part.numbers) != &numbers) refuse(std::string(name) + ": the topology changed while it was assigned");
   std::copy(given.begin(), given.end(), numbers.now.begin());
   try {
     const Use use(*self, Access::change);  // takes it over, or says what is wrong

@@ -69,7 +69,7 @@ class Fuzzer:
     # Operations
 
     def new_model(self) -> None:
-        self.keep("model", random_model(self.rng.randrange(1000), self.rng.randint(0, 7)))
+        self.keep("model", random_model(self.rng.randrange(1000), self.rng.choice([0, 1, 2, 3, 4, 5, 6, 7])))
 
     def new_sim(self) -> None:
         method = self.rng.choice(["rk4", "rk4", "midpoint", "damped", "dopri5", "dop853"])
@@ -235,7 +235,7 @@ class Fuzzer:
             self.keep("run", owner.run(owner.time + 0.01, record_every=self.values.any()))
             return
         self.note(type(owner).__name__, name)
-        if rng.random() < 0.05:
+        if name in ("q", "v", "p", "effort", "gravity") and rng.random() < 0.3:
             setattr(owner, name, self.values.any())
         value = getattr(owner, name)
         if callable(value):
