@@ -13,11 +13,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import momentree as mt
+from momentree.typing import Array
 
-arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+arguments = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
 arguments.add_argument("--out", default=".", help="folder of the picture")
 arguments.add_argument("--quick", action="store_true", help="fewer worlds")
-options, _ = arguments.parse_known_args()
+options = arguments.parse_known_args()[0]
 
 # %% Two equal uniform rods, and a world for each pair of start angles.
 model = mt.Model(gravity=(0, 0, -9.81))
@@ -31,11 +32,12 @@ batch = mt.Batch(model, side**2)
 batch.set_state(q=np.stack([upper, lower - upper], axis=1), v=np.zeros((side**2, 2)))
 
 
-def energy(q, v):
+def energy(q: Array, v: Array) -> Array:
     """Of all worlds (J): kinetic and potential, from the equations of the double pendulum."""
     a, b, va, vb = q[:, 0], q.sum(axis=1), v[:, 0], v.sum(axis=1)
-    kinetic = va**2 * (1 / 6 + 1 / 2) + vb**2 / 6 + va * vb * np.cos(a - b) / 2
-    return kinetic - 9.81 * (1.5 * np.cos(a) + 0.5 * np.cos(b))
+    kinetic: Array = va**2 * (1 / 6 + 1 / 2) + vb**2 / 6 + va * vb * np.cos(a - b) / 2
+    potential: Array = -9.81 * (1.5 * np.cos(a) + 0.5 * np.cos(b))
+    return kinetic + potential
 
 
 # %% Ten seconds; the lower rod has flipped when its angle passes ±180° from the vertical.

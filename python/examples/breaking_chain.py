@@ -14,10 +14,10 @@ from matplotlib.collections import LineCollection
 
 import momentree as mt
 
-arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+arguments = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
 arguments.add_argument("--out", default=".", help="folder of the picture")
 arguments.add_argument("--quick", action="store_true", help="a shorter chain")
-options, _ = arguments.parse_known_args()
+options = arguments.parse_known_args()[0]
 
 # %% The chain: each link hangs on the one before, with a little friction in its pin.
 links = 40 if options.quick else 100

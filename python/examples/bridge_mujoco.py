@@ -9,6 +9,8 @@
 Writes ``bridge_mujoco.png`` into the folder, and prints the numbers of the picture.
 """
 
+# pyright: reportAttributeAccessIssue=false
+# (the module mujoco has no types)
 from __future__ import annotations
 
 import sys

@@ -13,11 +13,12 @@ import numpy as np
 from matplotlib.patches import Polygon
 
 import momentree as mt
+from momentree.typing import Array
 
-arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+arguments = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
 arguments.add_argument("--out", default=".", help="folder of the picture")
 arguments.add_argument("--quick", action="store_true", help="a larger step")
-options, _ = arguments.parse_known_args()
+options = arguments.parse_known_args()[0]
 
 # %% The tug with an arm of two links, and the satellite, which drifts and tumbles. Gravity is off.
 model = mt.Model(gravity=(0, 0, 0))
@@ -46,10 +47,11 @@ print(f"momenta changed by at most {drift:.1e} of their size")
 print(f"the grasp at {grasp.time:.3f} s took {grasp.lost:.3f} J of {grasp.before.kinetic:.3f} J; stiffening took {stiffen.lost:.3f} J")
 
 # %% The picture: seen from above at five instants, and the energies.
-def outline(row, name, x, y):
+def outline(row: int, name: str, x: Array, y: Array) -> Array:
     w, qx, qy, qz = run.bodies[name].quaternion[row]
     turn = np.array([[1 - 2 * (qy**2 + qz**2), 2 * (qx * qy - w * qz)], [2 * (qx * qy + w * qz), 1 - 2 * (qx**2 + qz**2)]])
-    return run.bodies[name].position[row, :2] + np.stack([x, y], axis=1) @ turn.T
+    corners: Array = run.bodies[name].position[row, :2] + np.stack([x, y], axis=1) @ turn.T
+    return corners
 
 
 figure, (above, below) = plt.subplots(2, 1, figsize=(9, 5.2), height_ratios=[1, 1.15], layout="constrained")

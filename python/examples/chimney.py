@@ -13,10 +13,10 @@ import numpy as np
 
 import momentree as mt
 
-arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+arguments = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
 arguments.add_argument("--out", default=".", help="folder of the picture")
 arguments.add_argument("--quick", action="store_true", help="fewer pieces")
-options, _ = arguments.parse_known_args()
+options = arguments.parse_known_args()[0]
 
 # %% A chimney of 30 m, of pieces that stand on one another. Its foot is a pin, all other joints are rigid.
 height, mass, pieces = 30.0, 60e3, 15 if options.quick else 60

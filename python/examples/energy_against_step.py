@@ -12,10 +12,10 @@ import numpy as np
 
 import momentree as mt
 
-arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+arguments = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
 arguments.add_argument("--out", default=".", help="folder of the picture")
 arguments.add_argument("--quick", action="store_true", help="fewer steps")
-options, _ = arguments.parse_known_args()
+options = arguments.parse_known_args()[0]
 
 # %% Two uniform rods.
 model = mt.Model(gravity=(0, 0, -9.81))
@@ -25,12 +25,12 @@ for name, parent in (("pendulum/upper", None), ("pendulum/lower", "pendulum/uppe
 end = 2.0
 
 
-def energy_error(**integration):
+def energy_error(method: str, step: float, tolerance: float | None = None) -> tuple[float, float]:
     """Largest error of the energy in a run (J), and the mean step (s)."""
-    sim = mt.Simulation(model, **integration)
+    sim = mt.Simulation(model, method=method, step=step, rtol=tolerance, atol=tolerance)
     run = sim.run(until=end, record_every=0)  # a row for each step
     total = run.energy["kinetic"] + run.energy["gravity"]
-    return np.abs(total - total[0]).max(), end / (len(run) - 1)
+    return float(np.abs(total - total[0]).max()), end / (len(run) - 1)
 
 
 # %% Methods of fixed steps with smaller and smaller steps, adaptive ones with smaller and smaller tolerances.
@@ -40,7 +40,7 @@ curves = {}
 for method in ("damped", "rk4", "midpoint"):
     curves[method] = np.array([energy_error(method=method, step=end / round(end / step)) for step in steps])
 for method in ("dopri5", "dop853"):
-    curves[method] = np.array([energy_error(method=method, step=0.01, rtol=each, atol=each) for each in tolerances])
+    curves[method] = np.array([energy_error(method=method, step=0.01, tolerance=each) for each in tolerances])
 
 # %% The slope of a curve is the order of its error.
 for method in ("damped", "rk4", "midpoint"):

@@ -13,10 +13,10 @@ import numpy as np
 
 import momentree as mt
 
-arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+arguments = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
 arguments.add_argument("--out", default=".", help="folder of the picture")
 arguments.add_argument("--quick", action="store_true", help="fewer worlds")
-options, _ = arguments.parse_known_args()
+options = arguments.parse_known_args()[0]
 
 # %% Thigh and shank with foot, released with the thigh forwards.
 model = mt.Model(gravity=(0, 0, -9.81))
@@ -40,11 +40,11 @@ for k in range(round(end / h)):
 
 # %% The first hundred once more, one by one on simulations with a scheduled event.
 difference = 0.0
-for world in range(20 if options.quick else 100):
+for instant, loss in list(zip(instants, lost, strict=True))[: 20 if options.quick else 100]:
     sim = mt.Simulation(model, step=h)
-    sim.at(instants[world]).then(mt.lock("leg/shank"))
-    sim.run(until=instants[world] + h)
-    difference = max(difference, abs(sim.events[0].lost - lost[world]))
+    sim.at(instant).then(mt.lock("leg/shank"))
+    sim.run(until=instant + h)
+    difference = max(difference, abs(sim.events[0].lost - loss))
 share = lost / before
 print(f"mean loss {lost.mean():.4f} J, 95 % of the jams take less than {np.quantile(lost, 0.95):.4f} J")
 print(f"a jam takes {share.min():.2%} to {share.max():.1%} of the kinetic energy")

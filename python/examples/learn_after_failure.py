@@ -16,19 +16,20 @@ import gymnasium
 import matplotlib.pyplot as plt
 import numpy as np
 
-import momentree.envs  # noqa: F401 (registers the environments)
+from momentree.envs import TaskEnv, TaskVectorEnv  # registers the environments, too
 from momentree.envs.arm_loses_joint import ARM
+from momentree.typing import Array
 
-arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+arguments = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
 arguments.add_argument("--out", default=".", help="folder of the picture")
 arguments.add_argument("--quick", action="store_true", help="fewer generations and episodes")
-options, _ = arguments.parse_known_args()
+options = arguments.parse_known_args()[0]
 generations, population, episodes = (12, 16, 12) if options.quick else (40, 24, 24)
 joints, steps = 4, 200
 
 
 # %% The policy, for all worlds at once. The observation has cosines, sines, velocities, target, the way to it, and working motors.
-def policy(gains, observation):
+def policy(gains: Array, observation: Array) -> Array:
     """Actions, shape (worlds, 4), of gains (worlds, 5, 2, 4)."""
     cosines, sines, v, _, way, works = np.split(observation, [4, 8, 12, 14, 16], axis=1)
     points = ARM.points(np.arctan2(sines, cosines))
@@ -36,10 +37,11 @@ def policy(gains, observation):
     pull = lever[:, :, 0] * way[:, 1:] - lever[:, :, 1] * way[:, :1]
     state = np.where(works.all(axis=1), 0, 1 + works.argmin(axis=1))
     stiff, damp = np.moveaxis(gains[np.arange(len(gains)), state], 1, 0)
-    return np.tanh(20 * stiff * pull - damp * v)
+    actions: Array = np.tanh(20 * stiff * pull - damp * v)
+    return actions
 
 
-def returns(env, candidates, seed):
+def returns(env: TaskVectorEnv, candidates: list[Array], seed: int) -> tuple[Array, Array]:
     """Mean return and targets reached of each candidate, shape (candidates,), on the same episodes for all of them."""
     each = env.num_envs // len(candidates)
     gains = np.repeat(np.reshape(candidates, (-1, 1 + joints, 2, joints)), each, axis=0)
@@ -51,14 +53,16 @@ def returns(env, candidates, seed):
     return total.reshape(-1, each).mean(axis=1), info["targets_reached"].reshape(-1, each).mean(axis=1)
 
 
-def make(worlds):
-    return gymnasium.make_vec(
+def make(worlds: int) -> TaskVectorEnv:
+    env = gymnasium.make_vec(
         "momentree/ArmLosesJoint-v0",
         num_envs=worlds,
         vectorization_mode="vector_entry_point",
         autoreset_mode="Disabled",
         max_steps=steps,
     )
+    assert isinstance(env, TaskVectorEnv)
+    return env
 
 
 # %% Learn. Every generation meets new targets and failures.
@@ -88,14 +92,17 @@ left.set(xlabel="generation", ylabel="return of an episode", title="Learning to 
 left.legend(edgecolor="white", framealpha=1, fontsize=9, loc="lower right")
 left.spines[["top", "right"]].set_visible(False)
 single = gymnasium.make("momentree/ArmLosesJoint-v0", render_mode="rgb_array", max_steps=steps).unwrapped
+assert isinstance(single, TaskEnv)
 single.picture_size = 480
 observation, info = single.reset(seed=3, options={"fault": {"kind": "jam", "joint": 1, "time": 0.5}})
-trail = []
+trail: list[Array] = []
 while info["targets_reached"] < 3 and len(trail) < steps:
     observation, _, _, _, info = single.step(policy(strategy.mean.reshape(1, 5, 2, 4), observation[None])[0])
     trail.append(observation[12:14] - observation[14:16])
 extent = 1.12 * ARM.reach
-right.imshow(single.render(), extent=(-extent, extent, -extent, extent))
+picture = single.render()
+assert picture is not None
+right.imshow(picture, extent=(-extent, extent, -extent, extent))
 right.plot(*np.transpose(trail), color="#d1603d", linewidth=1)
 right.axis("off")
 right.set_title(f"Elbow jammed; {info['targets_reached']} targets in {0.04 * len(trail):.1f} s")

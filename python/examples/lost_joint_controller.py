@@ -12,11 +12,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import momentree as mt
+from momentree.typing import Array
 
-arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+arguments = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
 arguments.add_argument("--out", default=".", help="folder of the picture")
 arguments.add_argument("--quick", action="store_true", help="a longer control period")
-options, _ = arguments.parse_known_args()
+options = arguments.parse_known_args()[0]
 
 # %% A planar arm in a vertical plane.
 lengths, masses = (0.45, 0.4, 0.3, 0.2), (3.0, 2.0, 1.2, 0.5)
@@ -38,7 +39,7 @@ sim = mt.Simulation(model, step=1e-3)
 
 # %% The circle, and the law: the tip's acceleration is to be that of the circle plus a correction. What is left of the joints'
 # freedom is damped.
-def reach(sim):
+def reach(sim: mt.Simulation) -> tuple[Array, Array]:
     """Where the tip is, and its Jacobian in the plane."""
     heading = sim.world.bodies[hand]
     w, _, y, _ = heading.quaternion
@@ -50,14 +51,15 @@ first, _ = reach(sim)
 centre, radius, rate = first - [0.18, 0], 0.18, 2 * np.pi / 2.5
 
 
-def circle(time):
+def circle(time: float) -> tuple[Array, Array, Array]:
     """Position, velocity and acceleration."""
     phase = np.array([np.cos(rate * time), np.sin(rate * time)])
     across = np.array([-phase[1], phase[0]])
     return centre + radius * phase, radius * rate * across, -radius * rate**2 * phase
 
 
-def law(sim, turning):
+def law(sim: mt.Simulation, turning: Array) -> Array:
+    """The torques."""
     place, J = reach(sim)
     wanted, velocity, acceleration = circle(sim.time)
     v = np.array(sim.v)
