@@ -74,7 +74,8 @@ void RunRecord::observe(const Simulation& simulation) {
   const Epoch& epoch = epochs_.back();
   const std::size_t offset = numbers_.size();
   try {
-    numbers_.reserve(std::max(numbers_.capacity(), offset + row_size(epoch)));
+    const std::size_t needed = offset + row_size(epoch);
+    if (needed > numbers_.capacity()) numbers_.reserve(std::max(needed, 2 * numbers_.capacity()));
     const auto add = [&](std::span<const double> some) { numbers_.insert(numbers_.end(), some.begin(), some.end()); };
     add(world.state().q());
     add(world.v());

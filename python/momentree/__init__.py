@@ -22,7 +22,7 @@ from momentree.model import Model
 from momentree.run import BodyRows, JointRows, Run
 from momentree.simulation import Scheduled, Simulation, load, loads
 
-__all__ = [
+__all__: list[str] = [
     "Action",
     "ActionRecord",
     "Batch",

@@ -110,7 +110,7 @@ class ActionRecord:
         return f"{self.kind} {self.target}" + (f" skipped: {self.skipped}" if self.skipped else "")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Event:
     """An event that happened, with its certificate: what it conserved and what it lost.
 
@@ -160,6 +160,9 @@ class Event:
         what = "; ".join(str(action) for action in self.actions)
         return f"{self.time:.9g} s  {self.name}  {what}"
 
+    def __repr__(self) -> str:
+        return f"<momentree.Event: {self}>"
+
 
 @dataclass(frozen=True)
 class MissedEvent:
@@ -180,6 +183,6 @@ class MissedEvent:
     exceeds: bool
     """True if the quantity has to rise above the threshold, False if it has to fall below it."""
     nearest: float
-    """The value that came nearest to the threshold, NaN if there was none."""
+    """The value that came nearest to the threshold, in the same unit, NaN if there was none."""
     nearest_time: float
     """When the quantity had that value (s)."""

@@ -58,7 +58,7 @@ class StateView(np.ndarray[tuple[int], np.dtype[np.float64]]):
     def __getitem__(self, key: slice) -> StateView: ...
     @overload
     def __getitem__(self, key: Any) -> Any: ...
-    def __getitem__(self, key: Any) -> Any:
+    def __getitem__(self, key: Any) -> Any:  # pyright: ignore[reportIncompatibleMethodOverride]
         self._check()
         return super().__getitem__(key)
 
@@ -71,7 +71,7 @@ class StateView(np.ndarray[tuple[int], np.dtype[np.float64]]):
         return super().__iter__()
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
-        plain = []
+        plain: list[Any] = []
         for each in inputs:
             if isinstance(each, StateView):
                 each._check()
@@ -79,7 +79,7 @@ class StateView(np.ndarray[tuple[int], np.dtype[np.float64]]):
             plain.append(each)
         out = kwargs.get("out")
         if out is not None:
-            targets = []
+            targets: list[Any] = []
             for each in out:
                 if isinstance(each, StateView):
                     each._check()

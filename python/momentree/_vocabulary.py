@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from momentree._core import Body, Joint, ModelBody, World
 from momentree._errors import Error
 
-Number = Union[float, int, str, "np.floating[Any]"]
+Number = Union[float, int, str, np.floating[Any]]
 """A number in SI units, or a string with a unit: ``"5 cm"``."""
 Vector = Union[Sequence[Number], NDArray[Any]]
 """Three numbers."""

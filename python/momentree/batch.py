@@ -33,11 +33,11 @@ class Group(NamedTuple):
     worlds: NDArray[np.intp]
     """Their numbers, ascending, shape (len(worlds),)."""
     q: Array
-    """Coordinates, shape (len(worlds), nq)."""
+    """Coordinates (rad, m, quaternions), shape (len(worlds), nq)."""
     v: Array
-    """Velocities, shape (len(worlds), nv)."""
+    """Velocities (rad/s, m/s), shape (len(worlds), nv)."""
     p: Array
-    """Canonical momenta, shape (len(worlds), nv)."""
+    """Canonical momenta (N m s, N s), shape (len(worlds), nv)."""
 
 
 class JointColumns(NamedTuple):

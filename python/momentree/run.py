@@ -144,8 +144,11 @@ class Run:
     def __len__(self) -> int:
         return len(self.time)
 
-    def __getitem__(self, name: str) -> JointRows | BodyRows:
-        """The columns of the joint of that name, or else of the body. Raises Error if there is neither."""
+    def __getitem__(self, name: str) -> Any:
+        """The columns of the joint of that name, or else of the body. Raises Error if there is neither.
+
+        Type checkers do not know which: for them, ``joints[name]`` is a :class:`JointRows` and ``bodies[name]`` a :class:`BodyRows`.
+        """
         if name not in self.joints and name in self.bodies:
             return self.bodies[name]
         return self.joints[name]

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Union, cast
+from typing import Any, Union
 
 from numpy.typing import ArrayLike
 
 from momentree import _core
-from momentree._core import Body, Context, Joint, Snapshot, World
 from momentree._arguments import called, number, overrides
+from momentree._core import Body, Context, Snapshot, World
 from momentree._errors import Error, RunError
 from momentree._records import Event
 from momentree._vocabulary import (
@@ -95,8 +96,8 @@ class Simulation(_core.SimulationBase):
         *,
         method: str = "rk4",
         step: Number = 1e-3,
-        rtol: Number | None = None,
-        atol: Number | None = None,
+        rtol: float | None = None,
+        atol: float | None = None,
         max_step: Number | None = None,
         event_tolerance: Number | None = None,
     ) -> None:
@@ -121,10 +122,11 @@ class Simulation(_core.SimulationBase):
         _core.ModelBase.__init__(copy, self._model())
         return copy
 
-    def __getitem__(self, name: str) -> Joint | Body:
+    def __getitem__(self, name: str) -> Any:
         """The joint of that name, or else the body. Raises Error if there is neither.
 
-        Bodies and joints often share a name: ``sim.world.bodies[name]`` is always the body.
+        Bodies and joints often share a name: ``sim.world.bodies[name]`` is always the body. Type checkers do not know which it is:
+        for them, ``sim.world.joints[name]`` is a :class:`Joint`.
         """
         world = self.world
         if world._has_joint(name) or not world._has_body(name):
@@ -295,7 +297,15 @@ class Simulation(_core.SimulationBase):
         self._event_cache = []
 
     def restore_state(self, text: str, name: str = "state.json") -> None:
-        """Begin from a state document, such as the ``final.json`` of a run; ``name`` is for messages."""
+        """Begin from a state document of a simulation of the same model, such as the ``final.json`` of a run.
+
+        Args:
+            text: The document (JSON), as :meth:`state_json` returns it.
+            name: Of the document, for messages.
+
+        Raises:
+            Error: The document has errors, or is of another model; nothing has changed.
+        """
         super().restore_state(text, name)
         self._event_cache = []
 
@@ -347,7 +357,8 @@ class Simulation(_core.SimulationBase):
 
         Args:
             until: s; default: the end of the scenario.
-            record_every: Time between recorded rows (s); 0: after every step; default: as the scenario says.
+            record_every: Time between recorded rows (s); 0: after every step; ``inf``: only start and end; default:
+                as the scenario says.
             reactions: Also record the accelerations and reactions of joints.
             observe: Called with the world at each row; may schedule events, and end the run by returning ``False``.
             progress: Show a progress bar (with tqdm, if it is installed).
@@ -362,6 +373,8 @@ class Simulation(_core.SimulationBase):
         """
         end = self.until if until is None else number(until, "until")
         every = self._output_every if record_every is None else number(record_every, "record_every")
+        if every == math.inf:
+            every = max(end - self.time, 1e-9)
         if observe is not None:
             called(observe, "observe")
         found: list[Run] = []

@@ -229,11 +229,15 @@ void register_batch(nb::module_& m) {
       .def_prop_ro(
           "lanes", [](const BatchObject& self) { return self.batch.lanes(); }, "Worlds that one vector of the CPU holds.")
       .def_prop_ro(
-          "threads", [](const BatchObject& self) { return self.batch.threads(); }, "Number of threads.")
+          "threads", [](const BatchObject& self) { return self.batch.threads(); }, "Number of threads that step the worlds.")
       .def("step", &step_worlds, "h"_a,
-           "Step every world by h seconds, or each world by its own h (shape (worlds,)). Releases the GIL.")
+           "Step the worlds. A world that diverges stays where it was: see `diverged`. Releases the GIL.\n\n"
+           "Args:\n    h: s, not negative: one number for every world, or shape (worlds,).\n\n"
+           "Raises:\n    Error: A step is negative or not finite, or another thread is using the batch.")
       .def("run", &run_steps, "h"_a, "steps"_a,
-           "Make `steps` steps of h seconds in every world. Releases the GIL; Ctrl-C ends it.")
+           "Make many steps in every world. Releases the GIL; Ctrl-C ends it between steps.\n\n"
+           "Args:\n    h: Length of a step (s), positive.\n    steps: How many.\n\n"
+           "Raises:\n    Error: A step is not positive or not finite, or another thread is using the batch.")
       .def_prop_ro("time", &times, "Times of the worlds (s), shape (worlds,), a copy.")
       .def("_read", &read_rows)
       .def("_write", &write_rows, "worlds"_a, "q"_a.none(), "v"_a.none(), "p"_a.none(), "time"_a.none())

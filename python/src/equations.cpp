@@ -75,18 +75,41 @@ nb::object totals_as(const SimulationPtr& self, bool energy) {
 }  // namespace
 
 void register_equations(SimulationClass& simulation) {
-  simulation.def("evaluate", &evaluate)
-      .def("accelerations", &accelerations)
-      .def("mass_matrix", &mass_matrix)
-      .def("bias", vector_of([](const World& world, double* out) { world.bias(out); }))
-      .def("efforts", vector_of([](const World& world, double* out) { world.efforts(out); }))
-      .def("inverse_dynamics", &inverse_dynamics, "a"_a)
-      .def("jacobian", &jacobian, "body"_a, "point"_a = nb::none())
+  simulation
+      .def("evaluate", &evaluate,
+           "Time derivatives of the state at this instant, by the O(n) recursions (20) to (27) of the paper.\n\n"
+           "Returns:\n    `Rates(qdot, pdot)`: qdot (rad/s, m/s; of quaternions 1/s), shape (nq,), and pdot (N m, N), shape "
+           "(nv,). "
+           "The same two arrays are\n    filled by each evaluation, and are stale after a change of topology, like `q`.")
+      .def("accelerations", &accelerations,
+           "Time derivatives of v (rad/s², m/s²), shape (nv,), packed by joint number, a copy. Equations (30) to (51) of the "
+           "paper.")
+      .def("mass_matrix", &mass_matrix,
+           "Joint-space mass matrix M(q), symmetric, armatures included, shape (nv, nv), a copy. The canonical momenta (19) are "
+           "p = M v.\n\nIn kg m² for angles, kg for displacements and kg m between them. It costs O(n²); `evaluate` and "
+           "`accelerations` do\nwithout it.")
+      .def("bias", vector_of([](const World& world, double* out) { world.bias(out); }),
+           "Bias c(q, v) of the equations of motion M dv/dt + c = efforts (N m, N), shape (nv,), a copy.\n\n"
+           "It contains gravity, Coriolis and centrifugal terms and forces on bodies, but no efforts of joints.")
+      .def("efforts", vector_of([](const World& world, double* out) { world.efforts(out); }),
+           "All efforts along the degrees of freedom (N m, N), shape (nv,), a copy: drives, springs, dampers, friction, Python "
+           "functions, `effort`.")
+      .def("inverse_dynamics", &inverse_dynamics, "a"_a,
+           "Efforts that give the joints these accelerations: M a + c (N m, N), shape (nv,), a copy.\n\n"
+           "Args:\n    a: Time derivatives of v (rad/s², m/s²), shape (nv,).\n\n"
+           "Raises:\n    Error: The shape is wrong, or a number is not finite.")
+      .def("jacobian", &jacobian, "body"_a, "point"_a = nb::none(),
+           "Jacobian J of a point of a body, world axes, shape (6, nv), a copy: J v is the point's velocity (m/s), then the "
+           "body's "
+           "angular\nvelocity (rad/s).\n\n"
+           "Args:\n    body: Name or handle.\n    point: In the body's frame (m), shape (3,); default: its origin.\n\n"
+           "Raises:\n    Error: The name is unknown, or the handle is of another simulation.")
       .def_prop_ro(
-          "energy", [](const SimulationPtr& self) { return totals_as(self, true); }, "Energies of the world (J).")
+          "energy", [](const SimulationPtr& self) { return totals_as(self, true); },
+          "Energies of the world (J): `kinetic`, `potential` and `total`.")
       .def_prop_ro(
           "momentum", [](const SimulationPtr& self) { return totals_as(self, false); },
-          "Linear (N s) and angular (N m s) momentum of the world, world axes, about its origin.");
+          "Linear (N s) and angular momentum (N m s, about the world's origin), world axes, each of shape (3,), copies.");
 }
 
 }  // namespace momentree::python

@@ -151,11 +151,12 @@ void register_events(nb::module_& m, SimulationClass& simulation) {
       .def("_when_measured", &when_measured)
       .def("_apply", &apply_now)
       .def("_events", &events)
-      .def_prop_ro("_event_count", [](const SimulationPtr& self) {
+      .def_prop_ro("_event_count",
+                   [](const SimulationPtr& self) {
                      const Use use(*self, Access::read);
                      return self->simulation().events().size();
                    })
-      .def_prop_ro("missed", &missed, "Scheduled events that have not happened so far, and why.")
+      .def_prop_ro("missed", &missed, "Scheduled events that have not happened so far, and why: a list of `MissedEvent`.")
       .def("_dry_run", &dry_run)
       .def("_check_handle", [](const SimulationPtr& self, nb::handle handle) {
         const Use use(*self, Access::read);

@@ -170,10 +170,11 @@ nb::dict joint_rows(const RecordObject& self, const std::string& name) {
 }  // namespace
 
 void register_history(nb::module_& m, SimulationClass& simulation) {
-  nb::class_<SnapshotObject>(m, "Snapshot", nb::dynamic_attr(),
-                             "The complete state of a simulation at an instant; restoring it is exact to the last bit.")
+  nb::class_<SnapshotObject>(
+      m, "Snapshot", nb::dynamic_attr(),
+      "The complete state of a simulation at an instant; `Simulation.restore` returns to it, exact to the last bit.")
       .def_prop_ro(
-          "time", [](const SnapshotObject& s) { return s.snapshot.world.engine.time; }, "Time (s).");
+          "time", [](const SnapshotObject& s) { return s.snapshot.world.engine.time; }, "Time of the snapshot (s).");
   nb::class_<RecordObject>(m, "_Record")
       .def_prop_ro("rows", [](const RecordObject& r) { return r.record->rows(); })
       .def_prop_ro("time", [](const RecordObject& r) { return copy_of(r.record->times()); })
@@ -216,14 +217,26 @@ void register_history(nb::module_& m, SimulationClass& simulation) {
       .def("_restore", &restore, "snapshot"_a)
       .def("_armed", &armed)
       .def("_resume", &resume)
-      .def("keep_history",
-           [](const SimulationPtr& self) {
-             const Use use(*self, Access::change);
-             self->simulation().keep_history();
-           })
-      .def("undo", &undo, "number"_a = -1, "again"_a = false)
-      .def("state_json", &state_json)
-      .def("restore_state", &restore_state, "text"_a, "name"_a = "state.json")
+      .def(
+          "keep_history",
+          [](const SimulationPtr& self) {
+            const Use use(*self, Access::change);
+            self->simulation().keep_history();
+          },
+          "From now on, keep a snapshot from before every event, so that `undo` can return to it.")
+      .def("undo", &undo, "number"_a = -1, "again"_a = false,
+           "Return to just before an event happened. Needs `keep_history` before that event.\n\n"
+           "Args:\n    number: Of the event in `events`; negative numbers count from the end.\n"
+           "    again: Let the actions scheduled for that instant happen again; otherwise the run takes another branch.\n\n"
+           "Raises:\n    Error: There is no such event, or the history does not reach back that far.")
+      .def("state_json", &state_json,
+           "The state document (JSON) of this instant: topology, coordinates, momenta, and conditions that are armed.\n\n"
+           "`restore_state` and `momentree.load(…, state=…)` continue from it with the same bits.")
+      .def("restore_state", &restore_state, "text"_a, "name"_a = "state.json",
+           "Return to the state of a document.\n\n"
+           "Args:\n    text: A state document (JSON) of a simulation of the same model.\n"
+           "    name: Of the document, for messages.\n\n"
+           "Raises:\n    Error: The document has errors, or is of another model; nothing has changed.")
       .def("_run", &run, "until"_a, "every"_a, "reactions"_a, "observer"_a.none(), "progress"_a.none(), "finished"_a);
 }
 

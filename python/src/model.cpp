@@ -92,9 +92,14 @@ std::string to_urdf(const ModelObject& self, const std::string& mechanism) {
 }  // namespace
 
 void register_model(nb::module_& m) {
-  nb::class_<ModelBody>(m, "ModelBody", "A body of a model, to be the parent of others.")
-      .def_prop_ro("name", [](const ModelBody& b) { return b.model->model[b.id].name; })
-      .def_prop_ro("index", [](const ModelBody& b) { return b.id.index; })
+  nb::class_<ModelBody>(m, "ModelBody",
+                        "A body of a model, to be the parent of others; `Model.add` returns it. It may be given wherever a "
+                        "body's name is expected.")
+      .def_prop_ro(
+          "name", [](const ModelBody& b) { return b.model->model[b.id].name; }, "Name: \"mechanism/body\".")
+      .def_prop_ro(
+          "index", [](const ModelBody& b) { return b.id.index; },
+          "Number of the body and of its joint, in the order of adding, from 0.")
       .def("__repr__", [](const ModelBody& b) { return "<momentree.ModelBody '" + b.model->model[b.id].name + "'>"; });
   nb::class_<ModelObject>(m, "ModelBase")
       .def("__init__", [](ModelObject* self, const ModelObject& other) { new (self) ModelObject(other); })
@@ -110,20 +115,22 @@ void register_model(nb::module_& m) {
       .def("__len__", [](const ModelObject& self) { return self.model.size(); })
       .def_prop_ro(
           "body_names", [](const ModelObject& self) { return names(self, [](const BodySpec& b) { return b.name; }); },
-          "Names of the bodies, in the order of adding.")
+          "Names of the bodies, in the order of adding, a copy.")
       .def_prop_ro(
           "joint_names", [](const ModelObject& self) { return names(self, [](const BodySpec& b) { return b.joint_name; }); },
-          "Names of the joints, in the order of adding.")
+          "Names of the joints, in the order of adding, a copy.")
       .def_prop_rw(
           "gravity", [](const ModelObject& self) { return from_vec3(self.model.gravity()); },
           [](ModelObject& self, nb::handle gravity) { self.model.set_gravity(to_vec3(gravity, "gravity")); }, nb::arg().none(),
-          "Gravity (m/s²), world axes, shape (3,).")
+          "Gravity (m/s²), world axes, shape (3,), a copy; assign three numbers to change it.")
       .def("_in_order", &in_order)
       .def(
           "to_toml", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes); },
-          "The model as the text of a scenario file, without events.")
+          "The model as the text of a scenario file (TOML), without events. `momentree.loads` reads it.")
       .def("to_urdf", &to_urdf, "mechanism"_a = "",
-           "One mechanism as URDF; `mechanism` may be left out if there is only one. Error if URDF cannot express it.");
+           "One mechanism as the text of a URDF file.\n\n"
+           "Args:\n    mechanism: Its name; may be left out if there is only one.\n\n"
+           "Raises:\n    Error: URDF cannot express it, or there is no such mechanism.");
 }
 
 }  // namespace momentree::python

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include <momentree/io/part_reader.hpp>
 #include <momentree/io/scenario.hpp>
 
 #include "binding.hpp"

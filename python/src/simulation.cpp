@@ -173,16 +173,24 @@ void register_simulation(nb::module_& m) {
           "Time (s).")
       .def_prop_ro(
           "world", [](const SimulationPtr& self) { return std::make_shared<WorldObject>(WorldObject{self}); },
-          "The world at its present instant.")
-      .def_prop_ro("integration", &integration_of, "Method, step and tolerances.")
-      .def_prop_ro("statistics", &statistics_of, "Counts and times of the runs so far.")
+          "The world: bodies, joints and mechanisms at the present instant. It follows the simulation.")
+      .def_prop_ro("integration", &integration_of,
+                   "Method, step (s) and tolerances, under the names of the constructor's arguments; a copy.")
+      .def_prop_ro(
+          "statistics", &statistics_of,
+          "Counts of steps, evaluations and changes, and the processor times (s) that they took, of all runs so far; a copy.")
       .def_prop_ro(
           "energy_balance", &balance_of,
-          "The energy ledger since the start (J): error = final + dissipated + lost_in_impacts + released - initial - work.")
-      .def_prop_ro("title", [](const SimulationObject& self) { return self.scenario().title; })
-      .def_prop_ro("name", [](const SimulationObject& self) { return self.scenario().name; })
+          "The energy ledger since the start (J), a copy: initial, final, dissipated, work, lost_in_impacts, released, error.\n\n"
+          "error = final + dissipated + lost_in_impacts + released - initial - work; it is zero for exact integration.")
       .def_prop_ro(
-          "until", [](const SimulationObject& self) { return self.scenario().until; }, "End of the scenario's run (s).")
+          "title", [](const SimulationObject& self) { return self.scenario().title; }, "Title of the scenario; may be empty.")
+      .def_prop_ro(
+          "name", [](const SimulationObject& self) { return self.scenario().name; },
+          "Name of the scenario: that of its file without the ending.")
+      .def_prop_ro(
+          "until", [](const SimulationObject& self) { return self.scenario().until; },
+          "End of the scenario's run (s): what `run` uses by default.")
       .def_prop_ro("_output_every", [](const SimulationObject& self) { return self.scenario().output_every; })
       .def_prop_ro(
           "warnings",
@@ -191,7 +199,7 @@ void register_simulation(nb::module_& m) {
             for (const io::Diagnostic& each : self.warnings()) all.push_back(each.message());
             return all;
           },
-          "What the reader warned of.")
+          "What the reader of the file warned of, as text with file and line.")
       .def("_model",
            [](const SimulationPtr& self) {
              const io::Scenario& s = self->scenario();
@@ -212,8 +220,19 @@ void register_simulation(nb::module_& m) {
                      return there != world.model().size() || there != world.first_model().size();
                    })
       .def("set_state", &set_state, nb::kw_only(), "q"_a = nb::none(), "v"_a = nb::none(), "p"_a = nb::none(),
-           "time"_a = nb::none())
-      .def("step", &make_step, "dt"_a = nb::none())
+           "time"_a = nb::none(),
+           "Set coordinates, velocities or momenta, and time. What is not given stays; without `v` and `p` the velocities "
+           "stay.\n\n"
+           "Args:\n    q: Coordinates (rad, m, quaternions), shape (nq,); quaternions are normalised.\n"
+           "    v: Velocities (rad/s, m/s), shape (nv,).\n"
+           "    p: Canonical momenta (N m s, N s), shape (nv,), equation (19) of the paper; instead of `v`.\n"
+           "    time: s, not negative. With it a new run begins: events, energy ledger and history start here; without it the\n"
+           "        run goes on, and the energy that this adds counts as work.\n\n"
+           "Raises:\n    Error: A shape is wrong, a number is not finite, or `v` and `p` are both given; nothing has changed.")
+      .def("step", &make_step, "dt"_a = nb::none(),
+           "Step the world, with the events that are due. It records nothing. Releases the GIL.\n\n"
+           "Args:\n    dt: Length (s), positive; default: the step of the integration.\n\n"
+           "Raises:\n    RunError: The step diverged, stalled, or an action was refused.")
       .def("_drive", &drive_joint, "joint"_a, "function"_a.none())
       .def("_force", &act_on, "body"_a, "function"_a.none())
       .def("_add", &add_body, "name"_a, "parent"_a.none(), "fields"_a)
@@ -223,22 +242,34 @@ void register_simulation(nb::module_& m) {
             const Use use(*self, Access::change);
             self->simulation().remove(body_of(self->simulation().world(), *self, body));
           },
-          "body"_a)
+          "body"_a,
+          "Remove a body and all bodies outboard of it from the world; the joint that carries it breaks first.\n\n"
+          "Args:\n    body: Name or handle. Names and numbers of removed bodies are not used again.\n\n"
+          "Raises:\n    Error: The name is unknown, or the handle is of another simulation.")
       .def(
           "set_gravity",
           [](const SimulationPtr& self, nb::handle gravity) {
             const Use use(*self, Access::change);
             self->simulation().set_gravity(to_vec3(gravity, "gravity"));
           },
-          "gravity"_a);
+          "gravity"_a,
+          "Change gravity from now on. The resulting change of potential energy counts as work; the history of `keep_history` "
+          "ends.\n\n"
+          "Args:\n    gravity: m/s², world axes, shape (3,).\n\n"
+          "Raises:\n    Error: It is not three finite numbers.");
   def_array(
       simulation, "q", {&StateArrays::q, &StateViews::q},
-      "Coordinates (rad, m, quaternions w, x, y, z), shape (nq,), packed by joint number. Writing them keeps the velocities.");
-  def_array(simulation, "v", {&StateArrays::v, &StateViews::v}, "Velocities (rad/s, m/s), shape (nv,), packed by joint number.");
+      "Coordinates (rad, m, quaternions w, x, y, z), shape (nq,), packed by joint number: a `StateView`, which follows the "
+      "state.\n\n"
+      "Numbers that are written, or an array that is assigned, are taken over by the next operation, with velocities kept.");
+  def_array(simulation, "v", {&StateArrays::v, &StateViews::v},
+            "Velocities (rad/s, m/s), shape (nv,), packed by joint number: a `StateView`, which can be written like `q`.");
   def_array(simulation, "p", {&StateArrays::p, &StateViews::p},
-            "Canonical momenta (N m s, N s), shape (nv,), packed by joint number.");
+            "Canonical momenta (N m s, N s), shape (nv,), packed by joint number, equation (19) of the paper: p = M v.\n\n"
+            "A `StateView`; momenta that are written are taken over as they are.");
   def_array(simulation, "effort", {&StateArrays::effort, &StateViews::effort},
-            "Extra efforts along the degrees of freedom (N m, N), shape (nv,): they act until they are changed.");
+            "Extra efforts along the degrees of freedom (N m, N), shape (nv,), packed by joint number: a `StateView`.\n\n"
+            "Numbers that are written act, in addition to drives and springs, until they are changed or their joint breaks.");
   register_equations(simulation);
   register_events(m, simulation);
   register_history(m, simulation);

@@ -242,9 +242,11 @@ void SimulationObject::set_efforts(const std::vector<double>& packed) {
     const bool any = std::any_of(numbers, numbers + nv, [](double x) { return x != 0; });
     if (!any && (!input || input->extra.empty())) continue;
     const bool had = input && input->extra.size() == nv && tree.function(body) != nullptr;
+    const bool changed = had && !std::equal(numbers, numbers + nv, input->extra.begin());
     if (!input) input = std::make_shared<JointInput>();
     input->extra.assign(numbers, numbers + nv);
-    if (!had) fresh.push_back({std::string(sim.world().joint_name({j})), drive_of(input)});
+    // The engine must evaluate the state anew: one driver does that where only numbers have changed.
+    if (!had || (changed && fresh.empty())) fresh.push_back({std::string(sim.world().joint_name({j})), drive_of(input)});
   }
   if (!fresh.empty()) sim.drive_all(std::move(fresh));
 }

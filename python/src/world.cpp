@@ -1,6 +1,7 @@
 // World, Body, Joint and Context.
 #include <algorithm>
 
+#include "model_object.hpp"
 #include "world_object.hpp"
 
 #include <momentree/topology/change.hpp>
@@ -61,6 +62,10 @@ void check_joint_exists(const World& world, const JointObject& joint) {
 }
 
 std::string text_of(nb::handle name, const char* what) {
+  if (nb::isinstance<ModelBody>(name)) {
+    const auto& body = nb::cast<const ModelBody&>(name);
+    return body.model->model[body.id].name;
+  }
   std::string text;
   if (!nb::try_cast(name, text)) refuse(std::string("expected the name of a ") + what);
   return text;
@@ -154,20 +159,23 @@ nb::object parent_of(const World& world, JointId joint) {
 }
 
 void register_body(nb::module_& m) {
-  nb::class_<BodyObject>(m, "Body", "A body of a world. Handles stay valid through every topology change.")
-      .def_prop_ro("name", [](const BodyObject& b) { return b.name; })
+  nb::class_<BodyObject>(
+      m, "Body",
+      "A body of a world. Handles stay valid through every change of topology; arrays are copies. `==` compares bodies.")
       .def_prop_ro(
-          "index", [](const BodyObject& b) { return b.id.index; }, "Number of the body, in the order of adding.")
+          "name", [](const BodyObject& b) { return b.name; }, "Name: \"mechanism/body\".")
       .def_prop_ro(
-          "alive", [](const BodyObject& b) {
+          "index", [](const BodyObject& b) { return b.id.index; }, "Number of the body, in the order of adding, from 0.")
+      .def_prop_ro(
+          "alive",
+          [](const BodyObject& b) {
             const Reading world(b.world);
             return is_body(*world, b.id.index, b.name) && world->alive(b.id);
-          }, "False for a removed body.")
-      .def_prop_ro(
-          "mass", of_body([](const World& w, BodyId b) { return w.model()[b].mass; }), "Mass (kg).")
-      .def_prop_ro(
-          "com", of_body([](const World& w, BodyId b) { return from_vec3(w.model()[b].com); }),
-          "Centre of mass in the body's frame (m), shape (3,).")
+          },
+          "False for a removed body.")
+      .def_prop_ro("mass", of_body([](const World& w, BodyId b) { return w.model()[b].mass; }), "Mass (kg).")
+      .def_prop_ro("com", of_body([](const World& w, BodyId b) { return from_vec3(w.model()[b].com); }),
+                   "Centre of mass in the body's frame (m), shape (3,).")
       .def_prop_ro("position", of_body([](const World& w, BodyId b) { return from_vec3(motion_of(w, b).pose.position); }),
                    "Origin of the body's frame in the world (m), shape (3,).")
       .def_prop_ro("quaternion", of_body([](const World& w, BodyId b) { return from_quat(motion_of(w, b).pose.rotation); }),
@@ -196,9 +204,13 @@ void register_body(nb::module_& m) {
 }
 
 void register_joint(nb::module_& m) {
-  nb::class_<JointObject>(m, "Joint", "A joint of a world: the same joint for as long as it exists, whichever body it carries.")
-      .def_prop_ro("name", of_joint([](const World& w, JointId j) { return std::string(w.joint_name(j)); }))
-      .def_prop_ro("index", [](const JointObject& j) { return j.id.index; })
+  nb::class_<JointObject>(
+      m, "Joint", "A joint of a world: the same joint for as long as it exists, whichever body it carries. Arrays are copies.")
+      .def_prop_ro("name", of_joint([](const World& w, JointId j) { return std::string(w.joint_name(j)); }),
+                   "Name at present: after the joint broke, that of the body that broke off.")
+      .def_prop_ro(
+          "index", [](const JointObject& j) { return j.id.index; },
+          "Number of the joint, that of the body it was added with, from 0.")
       .def_prop_ro("kind", of_joint([](const World& w, JointId j) { return std::string(info(w.joint(j).kind).name); }),
                    "Its kind at present: \"revolute\", \"free\" …")
       .def_prop_ro("parent", of_joint(parent_of), "Name of its declared parent, or \"ground\".")
@@ -209,22 +221,24 @@ void register_joint(nb::module_& m) {
       .def_prop_ro("v", of_joint([](const World& w, JointId j) { return copy_of(w.joint(j).v); }),
                    "Velocities (rad/s, m/s), shape (nv,), a copy.")
       .def_prop_ro("p", of_joint([](const World& w, JointId j) { return copy_of(w.joint(j).p); }),
-                   "Canonical momenta conjugate to v (N m s, N s), shape (nv,), a copy.")
+                   "Canonical momenta conjugate to v (N m s, N s), shape (nv,), a copy. Equation (19) of the paper.")
       .def_prop_ro("pdot", of_joint([](const World& w, JointId j) { return copy_of(w.joint(j).pdot); }),
                    "Time derivatives of p (N m, N), shape (nv,), a copy. Equation (20) of the paper.")
       .def_prop_ro("a", of_joint([](const World& w, JointId j) { return copy_of(w.joint_forces(j).a); }),
-                   "Time derivatives of v (rad/s², m/s²), shape (nv,), a copy.")
+                   "Time derivatives of v (rad/s², m/s²), shape (nv,), a copy. Equations (30) to (51) of the paper.")
       .def_prop_ro(
           "reaction", of_joint([](const World& w, JointId j) { return wrench(w.joint_forces(j).reaction); }),
           "Wrench of the parent on the child through the joint, drive and spring included: about the origin of the child's "
-          "frame, in the child's axes.")
+          "frame (N, N m), in the child's axes, each of shape (3,). Equation (32) of the paper.")
       .def_prop_ro("bearing", of_joint([](const World& w, JointId j) { return wrench(w.joint_forces(j).pure); }),
-                   "The reaction without the effort along the joint's degrees of freedom: what its bearings and locks carry.")
+                   "The reaction without the effort along the joint's degrees of freedom: what its bearings and locks carry (N, "
+                   "N m), each of "
+                   "shape (3,).")
       .def_prop_ro("effort", of_joint([](const World& w, JointId j) {
                      const Values effort = w.joint_forces(j).effort;
                      return copy_of({effort.begin(), effort.end()});
                    }),
-                   "Effort along each degree of freedom (N m, N), shape (nv,).")
+                   "Effort along each degree of freedom (N m, N), shape (nv,), a copy: drives, springs, dampers, friction.")
       .def_prop_ro("locked", of_joint([](const World& w, JointId j) {
                      const JointView view = w.joint(j);
                      nb::list dofs;
@@ -232,7 +246,7 @@ void register_joint(nb::module_& m) {
                        if ((view.locked >> i & 1u) != 0) dofs.append(i);
                      return nb::tuple(dofs);
                    }),
-                   "Indices of its locked degrees of freedom.")
+                   "Indices of its locked degrees of freedom, in the order of v.")
       .def("__repr__", of_joint([](const World& w, JointId j) {
              return "<momentree.Joint '" + std::string(w.joint_name(j)) + "', " + info(w.joint(j).kind).name + ">";
            }))
@@ -309,23 +323,26 @@ void register_world(nb::module_& m) {
   register_body(m);
   register_joint(m);
   register_context(m);
-  nb::class_<WorldObject>(m, "World", "The world of a simulation at its present instant.")
+  nb::class_<WorldObject>(
+      m, "World", "The world of a simulation at its present instant. One that was passed to a function is valid during the call.")
       .def_prop_ro(
           "time", [](const WorldPtr& w) { return Reading(w)->time(); }, "Time (s).")
       .def_prop_ro(
           "gravity", [](const WorldPtr& w) { return from_vec3(Reading(w)->model().gravity()); },
           "Gravity (m/s²), world axes, shape (3,).")
       .def_prop_ro(
-          "energy", [](const WorldPtr& w) { return energy(Reading(w)->totals()); }, "Energies of the world (J).")
+          "energy", [](const WorldPtr& w) { return energy(Reading(w)->totals()); },
+          "Energies of the world (J): `kinetic`, `potential` and `total`.")
       .def_prop_ro(
           "momentum", [](const WorldPtr& w) { return momentum(Reading(w)->totals()); },
-          "Momenta of the world, world axes, the angular one about the world's origin.")
+          "Linear (N s) and angular momentum (N m s, about the world's origin), world axes, each of shape (3,).")
       .def_prop_ro(
-          "mechanisms", [](const WorldPtr& w) { return mechanisms_of(*Reading(w)); }, "The mechanisms at present.")
+          "mechanisms", [](const WorldPtr& w) { return mechanisms_of(*Reading(w)); },
+          "The mechanisms at present: a list of `Mechanism`.")
       .def_prop_ro(
-          "bodies", [](const WorldPtr& w) { return python_class("_world", "Bodies")(w); }, "The bodies by name.")
+          "bodies", [](const WorldPtr& w) { return python_class("_world", "Bodies")(w); }, "The bodies by name: a mapping.")
       .def_prop_ro(
-          "joints", [](const WorldPtr& w) { return python_class("_world", "Joints")(w); }, "The joints by name.")
+          "joints", [](const WorldPtr& w) { return python_class("_world", "Joints")(w); }, "The joints by name: a mapping.")
       .def("_body",
            [](const WorldPtr& w, nb::handle name) {
              const Reading world(w);

@@ -20,18 +20,19 @@ def pose(R: Array, p: Array) -> dart.math.Isometry3:
 
 
 class World:
-    """Bodies and joints, each mechanism in a skeleton of its own."""
+    """Bodies and joints, each mechanism in a skeleton of its own, or `together` in one."""
 
-    def __init__(self, links: list[Link], gravity: float = 0.0, step: float = 1e-3) -> None:
+    def __init__(self, links: list[Link], gravity: float = 0.0, step: float = 1e-3, together: bool = False) -> None:
         self.world = dart.simulation.World()
         self.world.setGravity([0, 0, gravity])
         self.world.setTimeStep(step)
         self.nodes: list[dynamics.BodyNode] = []
         for link in links:
             parent = None if link.parent < 0 else self.nodes[link.parent]
-            skeleton = dynamics.Skeleton(link.name) if parent is None else parent.getSkeleton()
+            new = not self.nodes or (parent is None and not together)
+            skeleton = dynamics.Skeleton(link.name) if new else (parent or self.nodes[0]).getSkeleton()
             self.nodes.append(self.add(skeleton, parent, link))
-            if parent is None:
+            if new:
                 self.world.addSkeleton(skeleton)
         for link, node in zip(links, self.nodes, strict=True):
             if link.free:
@@ -142,7 +143,7 @@ def ways(change: str) -> list[Way]:
 class Forward:
     def __init__(self, model: EvaluationModel) -> None:
         self.model = model
-        self.on = World(model.links, model.gravity)
+        self.on = World(model.links, model.gravity, together=True)
         self.skeleton = skeleton = self.on.nodes[0].getSkeleton()
         self.rows = [node.getParentJoint().getIndexInSkeleton(0) for node in self.on.nodes]
         self.states = []

@@ -37,7 +37,8 @@ class Plant:
         self.joints: list[Joint | None] = []
         for i, link in enumerate(links):
             entries = link.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-            inertia = SpatialInertia.MakeFromCentralInertia(link.mass, link.com, RotationalInertia(*entries))
+            central = RotationalInertia(*entries)
+            inertia = SpatialInertia.MakeFromCentralInertia(link.mass, link.com, central) if link.mass > 0 else SpatialInertia.Zero()
             self.bodies.append(body := plant.AddRigidBody(link.name, inertia))
             joint = None
             if not link.free:
