@@ -5,6 +5,7 @@
 #include <momentree/joint/kinds/free.hpp>
 #include <momentree/joint/kinds/helical.hpp>
 #include <momentree/joint/kinds/revolute.hpp>
+#include <momentree/simulate/simulation.hpp>
 
 namespace momentree::io {
 namespace {
@@ -45,6 +46,14 @@ TEST_CASE("a body is drawn to its children, a leaf through its centre of mass") 
   Shape ball;
   ball.kind = Shape::Kind::sphere;
   CHECK(mentions(model_json(World(rod), "", {ball}), R"("extent": [[[0.25, 0, 0], [0.5, 0, 0]]])"));
+}
+
+TEST_CASE("bodies that were removed are not in the document") {
+  Simulation simulation(arm());
+  simulation.remove(simulation.world().model().body("arm/nut"));
+  const std::string text = model_json(simulation.world(), "");
+  CHECK(!mentions(text, "arm/nut"));
+  CHECK(mentions(text, R"("arm/<link>": {)"));
 }
 
 TEST_CASE("the document lists joints and bodies in the order of the model") {

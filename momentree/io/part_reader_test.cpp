@@ -110,3 +110,22 @@ TEST_CASE("forces act on the bodies of the model, and integration settings are c
           (void)io::PartReader("Simulation").integration(table({{"step", number(-1)}}));
         }).find("step") != std::string::npos);
 }
+
+TEST_CASE("joints are found by their numbers in worlds whose bodies and joints have different ones") {
+  Model model;
+  const BodyId first = model.add({.name = "m/one", .mass = 1, .inertia = diagonal(1), .joint = Free{}});
+  model.add({.name = "m/two", .mass = 1, .inertia = diagonal(1), .parent = first, .at = {1, 0, 0}, .joint = Revolute{}});
+  Simulation sim(model);
+  sim.apply(reroot("m/two"));
+  sim.remove(first);  // the free joint, number 0, now has body 1
+  const std::vector<Action> actions = io::PartReader("lock").actions("lock", text("m/one"), {}, sim.world());
+  REQUIRE(actions.size() == 1);
+  sim.apply(actions[0]);
+  CHECK(sim.world().joint({0}).locked == 0b111111);
+}
+
+TEST_CASE("an action of an unknown kind is an error") {
+  const Simulation sim = two_rods();
+  CHECK(error_of([&] { (void)io::PartReader("brek").actions("brek", text("m/one"), {}, sim.world()); })
+            .find("unknown action 'brek'; did you mean 'break'?") != std::string::npos);
+}

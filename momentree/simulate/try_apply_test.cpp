@@ -108,4 +108,20 @@ TEST_CASE("a world whose gravity changed keeps its topology, functions and undo"
     CHECK(simulation.world().state().q()[i] == straight.world().state().q()[i]);
 }
 
+TEST_CASE("a joint can't change while momenta overflow; nothing has happened then") {
+  Simulation simulation(two_links({0, -9.81, 0}));
+  const std::vector<double> q(simulation.world().state().q().begin(), simulation.world().state().q().end());
+  const std::vector<double> p(simulation.world().state().p().size(), 1e308);
+  simulation.set_state(0, q, p);
+  std::string reason;
+  try {
+    simulation.apply(free_joint("m/hand"));
+  } catch (const Error& error) {
+    reason = error.message();
+  }
+  CHECK(reason.find("kinetic energy is not finite") != std::string::npos);
+  CHECK(simulation.events().empty());
+  CHECK(simulation.world().state().p()[0] == 1e308);
+}
+
 }  // namespace momentree

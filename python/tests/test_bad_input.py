@@ -32,8 +32,10 @@ def refused(act: Callable[[], Any], *words: str) -> mt.Error:
 @pytest.mark.parametrize(
     ("value", "words"),
     [
-        ([1, 2], ("(3,)", "(2,)")), ([[1, 2, 3]], ("(3,)", "(1, 3)")), (1.0, ("(3,)", "(1,)")), ([1, 2, NAN], ("number 2", "not finite")),
-        ([INF, 0, 0], ("number 0",)), (["a", "b", "c"], ("real numbers", "str")), (np.ones(3, complex), ("real numbers", "complex128")),
+        ([1, 2], ("(3,)", "(2,)")), ([[1, 2, 3]], ("(3,)", "(1, 3)")), (1.0, ("(3,)", "(1,)")), ([1, 2, NAN], ("number 2",
+        "not finite")),
+        ([INF, 0, 0], ("number 0",)), (["a", "b", "c"], ("real numbers", "str")), (np.ones(3, complex), ("real numbers",
+        "complex128")),
         (np.array([1, 2, object()]), ("real numbers", "object")), (np.array([1, 2, 3], "M8[s]"), ("real numbers", "datetime64")),
         ([[1], [2, 3], []], ("array of numbers",)), (None, ("real numbers", "object")), ({}, ("object",)), (b"abc", ("bytes",)),
         (np.zeros(0), ("(3,)", "(0,)")), (np.zeros((3, 1)), ("(3, 1)",)), ([1, 2, 10**400], ("real numbers", "object")),
@@ -70,13 +72,17 @@ def test_numbers_that_are_written_into_a_view_are_checked_by_the_next_use() -> N
     ("act", "words"),
     [
         (lambda s: s["c/9"], ("c/9", "did you mean 'c/0'")), (lambda s: s.world.bodies["c/9"], ("no body", "did you mean")),
-        (lambda s: s.world.joints["x"], ("no joint 'x'",)), (lambda s: s.jacobian("c/9"), ("did you mean",)), (lambda s: s.remove("c/9"), ("did you mean",)),
+        (lambda s: s.world.joints["x"], ("no joint 'x'",)), (lambda s: s.jacobian("c/9"), ("did you mean",)),
+        (lambda s: s.remove("c/9"), ("did you mean",)),
         (lambda s: s.drive("c/9", None), ("did you mean",)), (lambda s: s.force("c/9", None), ("did you mean",)),
-        (lambda s: s.apply(mt.break_joint("c/9")), ("no joint 'c/9'", "did you mean")), (lambda s: s.at(1).then(mt.lock("c/9")), ("did you mean",)),
+        (lambda s: s.apply(mt.break_joint("c/9")), ("no joint 'c/9'", "did you mean")), (lambda s: s.at(1).then(mt.lock("c/9")),
+        ("did you mean",)),
         (lambda s: s.when(mt.speed("c/9") > 1), ("did you mean",)), (lambda s: s.run(0.01)["c/9"], ("did you mean",)),
         (lambda s: s.run(0.01).plot("c/9.q"), ("no column",)), (lambda s: mt.Batch(s.model, 2).bodies["c/9"], ("did you mean",)),
-        (lambda s: mt.Batch(s.model, 2).apply(0, mt.lock("c/9")), ("did you mean",)), (lambda s: s.model.add("d", mass=1, parent="c/9"), ("did you mean",)),
-        (lambda s: s.model.add_force("c/9", force=(0, 0, 1)), ("did you mean",)), (lambda s: mt.Simulation(s.model, method="rk5"), ("rk5",)),
+        (lambda s: mt.Batch(s.model, 2).apply(0, mt.lock("c/9")), ("did you mean",)), (lambda s: s.model.add("d", mass=1,
+        parent="c/9"), ("did you mean",)),
+        (lambda s: s.model.add_force("c/9", force=(0, 0, 1)), ("did you mean",)), (lambda s: mt.Simulation(s.model,
+        method="rk5"), ("rk5",)),
         (lambda s: s.after("cut"), ("cut",)), (lambda s: s.model.to_urdf("d"), ("'d'", "'c'")),
         (lambda s: s.apply(mt.Action("brek", "c/0")), ("unknown action 'brek'", "did you mean 'break'")),
     ],
@@ -88,12 +94,17 @@ def test_unknown_names_suggest_the_nearest(act: Callable[[mt.Simulation], Any], 
 @pytest.mark.parametrize(
     ("fields", "words"),
     [
-        ({"mass": -1}, ("mass",)), ({"mass": "heavy"}, ("mass", "heavy")), ({"mass": NAN}, ("mass",)), ({"mass": None}, ("mass",)), ({"mass": [1]}, ("mass",)),
-        ({"mass": 10**400}, ()), ({"mass": Raises()}, ()), ({"inertia": (1, 2)}, ("inertia",)), ({"inertia": (1, 1, 9)}, ("inertia",)), ({"com": (0, 0)}, ("com",)),
+        ({"mass": -1}, ("mass",)), ({"mass": "heavy"}, ("mass", "heavy")), ({"mass": NAN}, ("mass",)), ({"mass": None},
+        ("mass",)), ({"mass": [1]}, ("mass",)),
+        ({"mass": 10**400}, ()), ({"mass": Raises()}, ()), ({"inertia": (1, 2)}, ("inertia",)), ({"inertia": (1, 1, 9)},
+        ("inertia",)), ({"com": (0, 0)}, ("com",)),
         ({"com": "x"}, ("com",)), ({"joint": 5}, ("joint", "int")), ({"joint": mt.Revolute(axis=(0, 0, 0))}, ("axis",)),
-        ({"joint": mt.Revolute(damping=-1)}, ("damping",)), ({"joint": mt.JointSpec("hinge", {})}, ("hinge", "revolute")), ({"at": {"xyz": 1}}, ("xyz",)),
-        ({"at": {"quat": (0, 0, 0, 0)}}, ("quat",)), ({"at": {"xzy": (0, 0, 0)}}, ("xzy", "xyz")), ({"q": (1, 2, 3)}, ("q",)), ({"q": "x"}, ("q",)),
-        ({"parent": 5}, ("parent",)), ({"at": nested(60)}, ("deep",)), ({"com": cyclic()}, ("deep",)), ({"shape": {"bx": [1, 1, 1]}}, ("bx", "box")),
+        ({"joint": mt.Revolute(damping=-1)}, ("damping",)), ({"joint": mt.JointSpec("hinge", {})}, ("hinge", "revolute")),
+        ({"at": {"xyz": 1}}, ("xyz",)),
+        ({"at": {"quat": (0, 0, 0, 0)}}, ("quat",)), ({"at": {"xzy": (0, 0, 0)}}, ("xzy", "xyz")), ({"q": (1, 2, 3)}, ("q",)),
+        ({"q": "x"}, ("q",)),
+        ({"parent": 5}, ("parent",)), ({"at": nested(60)}, ("deep",)), ({"com": cyclic()}, ("deep",)), ({"shape": {"bx": [1, 1,
+        1]}}, ("bx", "box")),
         ({"joint_name": "a*"}, ("a*",)), ({"joint": mt.Revolute(limits={"lower": 1, "upper": 0})}, ("lower",)),
     ],
 )  # fmt: skip
@@ -108,7 +119,8 @@ def test_values_of_bodies(fields: dict[str, Any], words: tuple[str, ...]) -> Non
     model.add("a/b", **good)
 
 
-@pytest.mark.parametrize("name", ["", "a\0b", "\n", "*", "a/*", "a/b/c", "ground", "a,b", 'a"b', "/", "a/", "/b", "x" * 100000, "\u202e", "a/\u200b"])
+@pytest.mark.parametrize("name", ["", "a\0b", "\n", "*", "a/*", "a/b/c", "ground", "a,b", 'a"b', "/", "a/", "/b", "x" * 100000,
+"\u202e", "a/\u200b"])
 def test_names_that_are_no_names(name: str) -> None:
     model = mt.Model()
     error = refused(lambda: model.add(name, mass=1, inertia=1, joint=mt.Revolute()))
@@ -129,18 +141,30 @@ def test_names_in_any_script(name: str, tmp_path: pathlib.Path) -> None:
 @pytest.mark.parametrize(
     "act",
     [
-        lambda s: s.step(-1), lambda s: s.step(NAN), lambda s: s.step(INF), lambda s: s.run(NAN), lambda s: s.run(INF), lambda s: s.run(1, record_every=-1),
-        lambda s: s.run(1, record_every=NAN), lambda s: s.run("soon"), lambda s: s.run(1, observe=5), lambda s: s.at(-1), lambda s: s.at(NAN), lambda s: s.at(INF),
-        lambda s: s.every(0), lambda s: s.every(-1), lambda s: s.every(NAN), lambda s: s.after("x", -1), lambda s: s.set_state(time=-1), lambda s: s.set_state(time=NAN),
-        lambda s: s.set_state(v=[0, 0, 0], p=[0, 0, 0]), lambda s: s.when(5), lambda s: s.when(mt.speed("c/0")), lambda s: s.when(mt.speed("c/0") > "fast"),
-        lambda s: s.when(mt.measured(len) > "x"), lambda s: s.when(mt.kinetic_energy("c") > -1), lambda s: bool(mt.speed("c/0") > 1), lambda s: s.apply(5), lambda s: s.apply(None),
-        lambda s: s.at(1).then("break"), lambda s: s.apply(mt.lock("c/0", [3])), lambda s: s.apply(mt.impulse("c/0", force=(1, 2))), lambda s: s.drive("c/0", 5),
-        lambda s: s.apply(mt.set_parameters("c/0", damping=-1)), lambda s: s.force("c/0", "down"), lambda s: s.restore(5), lambda s: s.restore(chain().snapshot()),
-        lambda s: s.undo(), lambda s: s.restore_state("{"), lambda s: s.set_gravity((1, 2)), lambda s: s.set_gravity((0, 0, INF)), lambda s: s.inverse_dynamics([1]),
-        lambda s: s.jacobian("c/0", (1, 2)), lambda s: s.add("c/0", mass=1, inertia=1), lambda s: s.run(0.1).save(""), lambda s: s.run(0.1).joints["c/0"].reaction,
-        lambda s: mt.Model(gravity="down"), lambda s: mt.Model(gravity=(1, 2)), lambda s: mt.Simulation(s.model, step=0), lambda s: mt.Simulation(s.model, step=NAN),
-        lambda s: mt.Simulation(s.model, step="x"), lambda s: mt.Simulation(s.model, method="dopri5", rtol=-1), lambda s: mt.load("/no/such/file.toml"), lambda s: mt.load("/"),
-        lambda s: mt.load("/dev/zero"), lambda s: mt.load("a\0b"), lambda s: mt.loads(""), lambda s: mt.loads("format = 1", set=5),
+        lambda s: s.step(-1), lambda s: s.step(NAN), lambda s: s.step(INF), lambda s: s.run(NAN), lambda s: s.run(INF),
+        lambda s: s.run(1, record_every=-1),
+        lambda s: s.run(1, record_every=NAN), lambda s: s.run("soon"), lambda s: s.run(1, observe=5), lambda s: s.at(-1),
+        lambda s: s.at(NAN), lambda s: s.at(INF),
+        lambda s: s.every(0), lambda s: s.every(-1), lambda s: s.every(NAN), lambda s: s.after("x", -1),
+        lambda s: s.set_state(time=-1), lambda s: s.set_state(time=NAN),
+        lambda s: s.set_state(v=[0, 0, 0], p=[0, 0, 0]), lambda s: s.when(5), lambda s: s.when(mt.speed("c/0")),
+        lambda s: s.when(mt.speed("c/0") > "fast"),
+        lambda s: s.when(mt.measured(len) > "x"), lambda s: s.when(mt.kinetic_energy("c") > -1),
+        lambda s: bool(mt.speed("c/0") > 1), lambda s: s.apply(5), lambda s: s.apply(None),
+        lambda s: s.at(1).then("break"), lambda s: s.apply(mt.lock("c/0", [3])), lambda s: s.apply(mt.impulse("c/0", force=(1,
+        2))), lambda s: s.drive("c/0", 5),
+        lambda s: s.apply(mt.set_parameters("c/0", damping=-1)), lambda s: s.force("c/0", "down"), lambda s: s.restore(5),
+        lambda s: s.restore(chain().snapshot()),
+        lambda s: s.undo(), lambda s: s.restore_state("{"), lambda s: s.set_gravity((1, 2)), lambda s: s.set_gravity((0, 0,
+        INF)), lambda s: s.inverse_dynamics([1]),
+        lambda s: s.jacobian("c/0", (1, 2)), lambda s: s.add("c/0", mass=1, inertia=1), lambda s: s.run(0.1).save(""),
+        lambda s: s.run(0.1).joints["c/0"].reaction,
+        lambda s: mt.Model(gravity="down"), lambda s: mt.Model(gravity=(1, 2)), lambda s: mt.Simulation(s.model, step=0),
+        lambda s: mt.Simulation(s.model, step=NAN),
+        lambda s: mt.Simulation(s.model, step="x"), lambda s: mt.Simulation(s.model, method="dopri5", rtol=-1),
+        lambda s: mt.load("/no/such/file.toml"), lambda s: mt.load("/"),
+        lambda s: mt.load("/dev/zero"), lambda s: mt.load("a\0b"), lambda s: mt.loads(""), lambda s: mt.loads("format = 1",
+        set=5),
     ],
 )  # fmt: skip
 def test_impossible_calls(act: Callable[[mt.Simulation], Any]) -> None:
@@ -156,8 +180,10 @@ def test_impossible_calls(act: Callable[[mt.Simulation], Any]) -> None:
 @pytest.mark.parametrize(
     "act",
     [
-        lambda: mt.Simulation(5), lambda: mt.Batch(5, 2), lambda: mt.Batch(chain().model, 1.5), lambda: mt.load(5), lambda: mt.loads(5), lambda: chain().at("x"),  # type: ignore[arg-type]
-        lambda: chain().step("x"), lambda: chain().after(5), lambda: mt.World(), lambda: mt.Snapshot(), lambda: mt.Simulation.__new__(mt.Simulation).time,  # type: ignore[arg-type]
+        lambda: mt.Simulation(5), lambda: mt.Batch(5, 2), lambda: mt.Batch(chain().model, 1.5), lambda: mt.load(5),
+        lambda: mt.loads(5), lambda: chain().at("x"),  # type: ignore[arg-type]
+        lambda: chain().step("x"), lambda: chain().after(5), lambda: mt.World(), lambda: mt.Snapshot(),
+        lambda: mt.Simulation.__new__(mt.Simulation).time,  # type: ignore[arg-type]
     ],
 )  # fmt: skip
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
@@ -207,18 +233,23 @@ def test_models_without_bodies() -> None:
 
 
 BAD = {
-    "empty.toml": "", "syntax.toml": "format = \n", "format.toml": "format = 99\n", "unknown.toml": "format = 1\ngravty = [0, 0, 1]\n",
+    "empty.toml": "", "syntax.toml": "format = \n", "format.toml": "format = 99\n",
+    "unknown.toml": "format = 1\ngravty = [0, 0, 1]\n",
     "mass.toml": 'format = 1\n[[mechanism]]\nname = "a"\n[[mechanism.body]]\nname = "b"\nmass = -1\n', "binary.toml": "\0\1\2",
-    "event.toml": 'format = 1\n[[mechanism]]\nname = "a"\n[[mechanism.body]]\nname = "b"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = "revolute"\n'
+    "event.toml": 'format = 1\n[[mechanism]]\nname = "a"\n[[mechanism.body]]\nname = "b"\nmass = 1\ninertia = 1\n'
+                  '[mechanism.body.joint]\nkind = "revolute"\n'
                   '[[event]]\ntime = 1\nbreak = "a/c"\n[[event]]\ntime = -1\nlock = "a/b"\n',
-    "robot.urdf": "<robot><link name='a'/><joint name='j' type='revolute'/></robot>", "broken.urdf": "<robot", "robot.sdf": "<sdf/>", "robot.xml": "<mujoco><worldbody><body/></worldbody>",
+    "robot.urdf": "<robot><link name='a'/><joint name='j' type='revolute'/></robot>",
+    "broken.urdf": "<robot",
+    "robot.sdf": "<sdf/>", "robot.xml": "<mujoco><worldbody><body/></worldbody>",
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("name", BAD)
 def test_errors_of_files_are_the_text_of_the_command(name: str, tmp_path: pathlib.Path) -> None:
     (tmp_path / name).write_text(BAD[name])
-    command = subprocess.run([sys.executable, "-m", "momentree", "check", name], capture_output=True, text=True, cwd=tmp_path, timeout=60)
+    command = subprocess.run([sys.executable, "-m", "momentree", "check", name], capture_output=True, text=True, cwd=tmp_path,
+    timeout=60)
     assert command.returncode == 2
     script = "import sys, momentree\ntry: momentree.load(sys.argv[1])\nexcept momentree.Error as error: print(error)"
     package = subprocess.run([sys.executable, "-c", script, name], capture_output=True, text=True, cwd=tmp_path, timeout=60)

@@ -57,18 +57,29 @@ def stale_view() -> tuple[mt.Simulation, Any]:
 
 USES = {
     "item": lambda v: v[0], "slice": lambda v: v[1:], "write": lambda v: v.__setitem__(0, 1.0), "iterate": lambda v: list(v),
-    "add": lambda v: v + 1, "radd": lambda v: 1 + v, "negate": lambda v: -v, "inplace": lambda v: v.__iadd__(1), "compare": lambda v: v == v,
-    "sin": lambda v: np.sin(v), "out": lambda v: np.add([1, 2, 3], 1, out=v), "matmul": lambda v: np.eye(3) @ v, "reduce": lambda v: np.add.reduce(v),
+    "add": lambda v: v + 1, "radd": lambda v: 1 + v, "negate": lambda v: -v, "inplace": lambda v: v.__iadd__(1),
+    "compare": lambda v: v == v,
+    "sin": lambda v: np.sin(v), "out": lambda v: np.add([1, 2, 3], 1, out=v), "matmul": lambda v: np.eye(3) @ v,
+    "reduce": lambda v: np.add.reduce(v),
     "accumulate": lambda v: np.add.accumulate(v), "outer": lambda v: np.multiply.outer(v, v), "at": lambda v: np.add.at(v, 0, 1),
-    "where": lambda v: np.where(v > 0, v, 0), "concatenate": lambda v: np.concatenate([v, v]), "sum": lambda v: np.sum(v), "dot": lambda v: np.dot(v, v),
-    "norm": lambda v: np.linalg.norm(v), "copyto": lambda v: np.copyto(v, 0), "stack": lambda v: np.stack((v, v)), "clip": lambda v: np.clip(v, 0, 1),
-    "einsum": lambda v: np.einsum("i,i", v, v), "allclose": lambda v: np.allclose(v, v), "method sum": lambda v: v.sum(), "method max": lambda v: v.max(),
-    "method mean": lambda v: v.mean(), "method dot": lambda v: v.dot(v), "method copy": lambda v: v.copy(), "tolist": lambda v: v.tolist(),
-    "tobytes": lambda v: v.tobytes(), "fill": lambda v: v.fill(0), "sort": lambda v: v.sort(), "argmax": lambda v: v.argmax(), "item()": lambda v: v.item(0),
-    "astype": lambda v: v.astype(int), "reshape": lambda v: v.reshape(3, 1), "ravel": lambda v: v.ravel(), "take": lambda v: v.take([0]),
-    "put": lambda v: v.put(0, 1), "all": lambda v: v.all(), "cumsum": lambda v: v.cumsum(), "round": lambda v: v.round(), "nonzero": lambda v: v.nonzero(),
-    "str": lambda v: str(v), "format": lambda v: f"{v}", "float": lambda v: float(v[:1]), "in": lambda v: 0.1 in v, "pickle": lambda v: pickle.dumps(v),
-    "copy": lambda v: copy.copy(v), "deepcopy": lambda v: copy.deepcopy(v), "len": lambda v: len(v), "transposed": lambda v: v.T[0],
+    "where": lambda v: np.where(v > 0, v, 0), "concatenate": lambda v: np.concatenate([v, v]), "sum": lambda v: np.sum(v),
+    "dot": lambda v: np.dot(v, v),
+    "norm": lambda v: np.linalg.norm(v), "copyto": lambda v: np.copyto(v, 0), "stack": lambda v: np.stack((v, v)),
+    "clip": lambda v: np.clip(v, 0, 1),
+    "einsum": lambda v: np.einsum("i,i", v, v), "allclose": lambda v: np.allclose(v, v), "method sum": lambda v: v.sum(),
+    "method max": lambda v: v.max(),
+    "method mean": lambda v: v.mean(), "method dot": lambda v: v.dot(v), "method copy": lambda v: v.copy(),
+    "tolist": lambda v: v.tolist(),
+    "tobytes": lambda v: v.tobytes(), "fill": lambda v: v.fill(0), "sort": lambda v: v.sort(), "argmax": lambda v: v.argmax(),
+    "item()": lambda v: v.item(0),
+    "astype": lambda v: v.astype(int), "reshape": lambda v: v.reshape(3, 1), "ravel": lambda v: v.ravel(),
+    "take": lambda v: v.take([0]),
+    "put": lambda v: v.put(0, 1), "all": lambda v: v.all(), "cumsum": lambda v: v.cumsum(), "round": lambda v: v.round(),
+    "nonzero": lambda v: v.nonzero(),
+    "str": lambda v: str(v), "format": lambda v: f"{v}", "float": lambda v: float(v[:1]), "in": lambda v: 0.1 in v,
+    "pickle": lambda v: pickle.dumps(v),
+    "copy": lambda v: copy.copy(v), "deepcopy": lambda v: copy.deepcopy(v), "len": lambda v: len(v),
+    "transposed": lambda v: v.T[0],
 }  # fmt: skip
 
 
@@ -141,13 +152,15 @@ def test_handles_of_others_and_of_removed_bodies() -> None:
     sim, other = chain(), chain()
     for use in (lambda: sim.jacobian(other.world.bodies["c/1"]), lambda: sim.apply(mt.break_joint(other.world.joints["c/1"])),
                 lambda: sim.drive(other.world.joints["c/1"], None), lambda: sim.remove(other.world.bodies["c/1"]),
-                lambda: sim.when(mt.speed(other.world.joints["c/1"]) > 1), lambda: sim.add("d/1", mass=1, parent=other.world.bodies["c/1"])):  # fmt: skip
+                lambda: sim.when(mt.speed(other.world.joints["c/1"]) > 1), lambda: sim.add("d/1", mass=1,
+                parent=other.world.bodies["c/1"])):  # fmt: skip
         with pytest.raises(mt.Error, match="another simulation"):
             use()
     body, joint = sim.world.bodies["c/2"], sim.world.joints["c/2"]
     sim.remove("c/2")
     assert not body.alive and body.name == "c/2"
-    for read in (lambda: body.position, lambda: body.linear_acceleration, lambda: joint.q, lambda: joint.kind, lambda: sim.jacobian(body)):
+    for read in (lambda: body.position, lambda: body.linear_acceleration, lambda: joint.q, lambda: joint.kind,
+    lambda: sim.jacobian(body)):
         with pytest.raises(mt.Error, match="removed"):
             read()
     assert "c/2" not in sim.world.bodies and list(sim.world.bodies) == ["c/0", "c/1"]
@@ -160,7 +173,8 @@ def test_handles_of_bodies_that_a_restored_state_does_not_have() -> None:
     joint = sim.world.joints["d/1"]
     sim.restore(start)
     for number in range(2):
-        for use in (lambda: body.position, lambda: body.mass, lambda: joint.q, lambda: sim.apply(mt.break_joint(joint)), lambda: sim.jacobian(body)):
+        for use in (lambda: body.position, lambda: body.mass, lambda: joint.q, lambda: sim.apply(mt.break_joint(joint)),
+        lambda: sim.jacobian(body)):
             with pytest.raises(mt.Error, match="d/1"):
                 use()
         assert not body.alive

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import pathlib
 import pickle
 import random
 from typing import Any
@@ -15,6 +16,7 @@ from random_models import fingerprint, random_model, random_state, some_action
 
 import momentree as mt
 
+SCENARIO = pathlib.Path(__file__).resolve().parents[2] / "scenarios/breaking_chain.toml"
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -101,12 +103,12 @@ def test_changes_before_the_pickle_are_kept(seed: int) -> None:
 
 
 def test_loaded_and_branched_simulations_can_be_pickled() -> None:
-    sim = mt.load("scenarios/breaking_chain.toml")
+    sim = mt.load(SCENARIO)
     sim.run(0.2)
     branch = sim.branch()
     for each in (again(sim), again(branch), branch):
         each.run(0.3)
-        sim_there = mt.load("scenarios/breaking_chain.toml")
+        sim_there = mt.load(SCENARIO)
         sim_there.run(0.2)
         sim_there.run(0.3)
         assert fingerprint(each) == fingerprint(sim_there)

@@ -36,11 +36,15 @@ def test_one_simulation_is_used_by_one_thread_at_a_time() -> None:
     sim = chain()
     world, handle, view, event = sim.world, sim.world.joints["c/1"], sim.q, sim.at(5)
     uses: dict[str, Callable[[], Any]] = {
-        "step": sim.step, "run": lambda: sim.run(1), "q": lambda: sim.q, "set": lambda: setattr(sim, "v", [0, 0, 0]), "time": lambda: sim.time,
-        "energy": lambda: sim.energy, "snapshot": sim.snapshot, "branch": sim.branch, "apply": lambda: sim.apply(mt.break_joint("c/1")),
-        "at": lambda: sim.at(3), "then": lambda: event.then(mt.lock("c/1")), "events": lambda: sim.events, "world": lambda: world.energy,
+        "step": sim.step, "run": lambda: sim.run(1), "q": lambda: sim.q, "set": lambda: setattr(sim, "v", [0, 0, 0]),
+        "time": lambda: sim.time,
+        "energy": lambda: sim.energy, "snapshot": sim.snapshot, "branch": sim.branch,
+        "apply": lambda: sim.apply(mt.break_joint("c/1")),
+        "at": lambda: sim.at(3), "then": lambda: event.then(mt.lock("c/1")), "events": lambda: sim.events,
+        "world": lambda: world.energy,
         "handle": lambda: handle.q, "matrix": sim.mass_matrix, "repr": lambda: repr(sim), "drive": lambda: sim.drive("c/1", None),
-        "undo": sim.undo, "pickle": sim.state_json, "remove": lambda: sim.remove("c/2"), "gravity": lambda: sim.set_gravity((0, 0, 0)),
+        "undo": sim.undo, "pickle": sim.state_json, "remove": lambda: sim.remove("c/2"), "gravity": lambda: sim.set_gravity((0,
+        0, 0)),
     }  # fmt: skip
     found: dict[str, Any] = {}
 
@@ -194,7 +198,8 @@ def test_exceptions_in_single_steps_and_evaluations(kind: str) -> None:
 @pytest.mark.parametrize(
     ("kind", "value"),
     [("condition", "x"), ("condition", None), ("drive", "x"), ("drive", [1, 2]), ("drive", None), ("drive", 1j), ("force", 1.0),
-     ("force", ((1, 2), (1, 2, 3))), ("force", ((1, 2, "x"), (1, 2, 3))), ("force", None), ("force", ((np.nan, 0, 0), (0, 0, 0)))],
+     ("force", ((1, 2), (1, 2, 3))), ("force", ((1, 2, "x"), (1, 2, 3))), ("force", None), ("force", ((np.nan, 0, 0), (0, 0,
+     0)))],
 )  # fmt: skip
 def test_wrong_results_of_callbacks_are_explained(kind: str, value: Any) -> None:
     sim = chain()
@@ -210,11 +215,15 @@ def test_changes_from_inside_a_callback_are_refused(kind: str) -> None:
     view, snapshot = sim.q, sim.snapshot()
     handle = sim.world.joints["c/1"]
     changes: list[Callable[[], Any]] = [
-        sim.step, lambda: sim.run(1), lambda: sim.apply(mt.break_joint("c/1")), lambda: sim.set_state(q=[0, 0, 0]), lambda: sim.restore(snapshot),
-        lambda: setattr(sim, "q", [0, 0, 0]), lambda: sim.add("x/y", mass=1, inertia=1), lambda: sim.remove("c/2"), lambda: sim.drive("c/1", None),
-        lambda: sim.force("c/1", None), lambda: sim.set_gravity((0, 0, 0)), sim.keep_history, sim.undo, lambda: sim.restore_state("{}"),
+        sim.step, lambda: sim.run(1), lambda: sim.apply(mt.break_joint("c/1")), lambda: sim.set_state(q=[0, 0, 0]),
+        lambda: sim.restore(snapshot),
+        lambda: setattr(sim, "q", [0, 0, 0]), lambda: sim.add("x/y", mass=1, inertia=1), lambda: sim.remove("c/2"),
+        lambda: sim.drive("c/1", None),
+        lambda: sim.force("c/1", None), lambda: sim.set_gravity((0, 0, 0)), sim.keep_history, sim.undo,
+        lambda: sim.restore_state("{}"),
     ]  # fmt: skip
-    reads: list[Callable[[], Any]] = [lambda: sim.time, lambda: sim.q, lambda: sim.energy, sim.snapshot, lambda: handle.q, sim.mass_matrix, sim.branch]
+    reads: list[Callable[[], Any]] = [lambda: sim.time, lambda: sim.q, lambda: sim.energy, sim.snapshot, lambda: handle.q,
+    sim.mass_matrix, sim.branch]
     errors: list[Exception] = []
 
     def function(passed: Any) -> Any:
