@@ -126,6 +126,7 @@ TEST_CASE("joints are found by their numbers in worlds whose bodies and joints h
 
 TEST_CASE("an action of an unknown kind is an error") {
   const Simulation sim = two_rods();
-  CHECK(error_of([&] { (void)io::PartReader("brek").actions("brek", text("m/one"), {}, sim.world()); })
-            .find("unknown action 'brek'; did you mean 'break'?") != std::string::npos);
+  CHECK(error_of([&] {
+          (void)io::PartReader("brek").actions("brek", text("m/one"), {}, sim.world());
+        }).find("unknown action 'brek'; did you mean 'break'?") != std::string::npos);
 }
