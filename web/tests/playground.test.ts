@@ -160,7 +160,7 @@ test("undo returns to before a cut; the other branch can be continued; a past in
   await still(page);
   expect(await page.evaluate(() => window.playground.app.run!.last.time)).toBe(end);
   await page.getByLabel("Time", { exact: true }).fill("200");
-  expect(await page.locator(".clock").innerText()).toMatch(/^0\.[01]/);
+  expect(Number.parseFloat(await page.locator(".clock").innerText())).toBeLessThan(end / 2);
   expect(complaints).toEqual([]);
 });
 
