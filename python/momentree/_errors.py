@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 if TYPE_CHECKING:
     from momentree.run import Run
@@ -91,3 +91,6 @@ class RunError(Error):
 
     run: Run | None = None
     """What the run recorded before it ended; None if it was a single step."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (*super().__reduce__(), {"run": self.run})

@@ -423,7 +423,7 @@ class Simulation(_core.SimulationBase):
         if self._has_functions:
             raise TypeError("a simulation with Python functions as drives or forces can't be pickled")
         if self._has_other_bodies:
-            raise TypeError("a simulation in which bodies were added or removed can't be pickled: state documents don't describe that")
+            raise TypeError("a simulation in which bodies were added or removed can't be pickled: no state document describes it")
         return {"source": self._source, "state": self.state_json(), "schedule": schedule, "armed": self._armed(), "q": self.q}
 
     def __setstate__(self, state: dict[str, Any]) -> None:

@@ -105,7 +105,6 @@ class Fuzzer(Operations):
 def main() -> int:
     faulthandler.enable()
     warnings.simplefilter("ignore")
-    os.chdir(tempfile.mkdtemp(prefix="momentree_fuzz_"))
 
     def too_long(*_: Any) -> None:
         raise TimeoutError
@@ -113,7 +112,10 @@ def main() -> int:
     signal.signal(signal.SIGALRM, too_long)
     seed, operations = int(sys.argv[1]), int(sys.argv[2])
     fuzzer = Fuzzer(seed)
-    fuzzer.run(operations)
+    with tempfile.TemporaryDirectory(prefix="momentree_fuzz_", ignore_cleanup_errors=True) as folder:
+        os.chdir(folder)
+        fuzzer.run(operations)
+        os.chdir("/")
     for problem in fuzzer.problems[:5]:
         print(f"seed {seed}: unexpected\n{problem}", file=sys.stderr)
     return 1 if fuzzer.problems else 0

@@ -156,6 +156,16 @@ def test_events_and_errors_keep_everything() -> None:
         assert getattr(error, key) == getattr(caught.value, key)
 
 
+def test_an_error_of_a_run_keeps_its_rows() -> None:
+    sim = start(4)
+    sim.at(0.005).then(mt.weld(next(iter(sim.world.bodies)), "ground")).named("impossible")
+    with pytest.raises(mt.RunError, match="impossible") as caught:
+        sim.run(0.01)
+    error = again(caught.value)
+    assert type(error) is mt.RunError and str(error) == str(caught.value)
+    assert error.run is not None and np.array_equal(error.run.time, caught.value.run.time)
+
+
 def test_what_python_functions_drive_cannot_be_pickled_and_says_so() -> None:
     sim = start(5)
     sim.drive(next(iter(sim.world.joints)), lambda context: 0.0)

@@ -108,7 +108,7 @@ def test_a_run_releases_the_interpreter() -> None:
     thread.start()
     threading.Timer(0.05, stop.set).start()
     with pytest.raises(KeyboardInterrupt):  # without time for the other thread this would run for ever
-        sim.run(1e9, record_every=1e8)
+        sim.run(1e5, record_every=1e4)
     thread.join()
     assert counted[0] > 0
 
@@ -116,9 +116,10 @@ def test_a_run_releases_the_interpreter() -> None:
 @pytest.mark.parametrize("send", [lambda: signal.raise_signal(signal.SIGINT), lambda: os.kill(os.getpid(), signal.SIGINT)])
 def test_ctrl_c_keeps_rows_and_state(send: Callable[[], None]) -> None:
     sim = chain()
-    threading.Timer(0.1, send).start()
+    running = threading.Event()
+    threading.Thread(target=lambda: running.wait(60) and send()).start()
     with pytest.raises(KeyboardInterrupt):
-        sim.run(1e9, record_every=0.5)
+        sim.run(1e5, record_every=0.5, observe=lambda world: running.set() if world.time > 1 else None)
     assert sim.last_run is not None and len(sim.last_run) > 1
     assert sim.last_run.time[-1] == sim.time > 0
     assert "interrupted" in sim.last_run.status
