@@ -27,7 +27,8 @@ class WorkSource {
   virtual void give_again(Chunk chunk) = 0;
 };
 
-/// Computes the worlds of a chunk and returns their encoded results. Called by several threads at once.
+/// Computes the worlds of a chunk and returns their encoded results; empty if it was told to stop. Called by several threads at
+/// once.
 using RunChunk = std::function<std::string(Chunk)>;
 
 }  // namespace momentree::sweep
