@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <momentree/base/characters.hpp>
+#include <momentree/io/hash.hpp>
 #include <momentree/io/known_scenario.hpp>
 #include <momentree/io/override.hpp>
 #include <momentree/io/scenario_parts.hpp>
@@ -31,25 +32,6 @@ constexpr Key keys_entries[] = {
 
 constexpr std::uintmax_t largest_file = 256u << 20;
 constexpr std::size_t largest_unknown = 1u << 20;  // limit for files not recognised as scenarios: larger ones are not read
-
-// FNV-1a, 64 bits: the same on every machine; identifies an input, protects nothing.
-class Hash {
- public:
-  void add(std::string_view part) {
-    for (const char c : part) hash_ = (hash_ ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  }
-  std::string digits() const;
-
- private:
-  std::uint64_t hash_ = 0xcbf29ce484222325u;
-};
-
-std::string Hash::digits() const {
-  std::uint64_t hash = hash_;
-  std::string digits(16, '0');
-  for (std::size_t i = 16; i-- > 0; hash >>= 4) digits[i] = "0123456789abcdef"[hash & 15];
-  return digits;
-}
 
 void read_format(Fields& fields, Diagnostics& out) {
   const Value* format = fields.find("format");

@@ -84,6 +84,8 @@ void bound(Range range, Json& number) {
   if (range == Range::fraction) number["maximum"] = 1;
 }
 
+std::string document(const char* title, const KeyTable& keys) { return text_of(Schema().whole(title, keys), 0, false) + '\n'; }
+
 Json Schema::table(const KeyTable& keys) {
   const std::string name = keys.definition;
   if (name.empty()) return in_place(keys);
@@ -174,4 +176,4 @@ void Schema::add(const Key& key, Json& properties) {
 
 }  // namespace momentree::io::schema
 
-std::string momentree::io::scenario_schema() { return schema::text_of(schema::Schema().whole(), 0, false) + '\n'; }
+std::string momentree::io::scenario_schema() { return schema::document("momentree scenario", scenario_table); }

@@ -25,11 +25,15 @@ void bound(Range range, Json& number);
 /// "m/s^2"; empty for a number without a unit.
 std::string unit_of(const Dimension& dimension);
 
+/// The schema of a file with these keys, as text.
+std::string document(const char* title, const KeyTable& keys);
+
 class Schema {
  public:
-  Json whole() {
-    Json all{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "momentree scenario"}};
-    all.update(in_place(scenario_table));
+  /// The schema of a file with these keys.
+  Json whole(const char* title, const KeyTable& keys) {
+    Json all{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", title}};
+    all.update(in_place(keys));
     all["definitions"] = definitions_;
     return all;
   }

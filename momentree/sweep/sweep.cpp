@@ -28,25 +28,23 @@ std::string without_quotes(const std::string& toml) {
 
 }  // namespace
 
+std::string override_text(const Parameter& parameter, std::span<const double> components) {
+  std::string text = parameter.key + '=';
+  if (!parameter.choices.empty()) return text + parameter.choices[index_of(components[0])];
+  if (!parameter.vector) return text + toml_number(components[0], parameter.unit);
+  text += '[';
+  for (std::size_t c = 0; c < components.size(); ++c) text += (c > 0 ? ", " : "") + toml_number(components[c], parameter.unit);
+  return text + ']';
+}
+
 std::vector<std::string> Sweep::overrides(std::uint64_t world) const {
   std::vector<double> values(plan->size());
   plan->values(world, values);
   std::vector<std::string> all;
-  std::size_t at = 0;
+  std::span<const double> rest = values;
   for (const Parameter& parameter : parameters) {
-    std::string text = parameter.key + '=';
-    if (!parameter.choices.empty()) {
-      text += parameter.choices[index_of(values[at])];
-    } else if (parameter.vector) {
-      text += '[';
-      for (std::size_t c = 0; c < parameter.components; ++c)
-        text += (c > 0 ? ", " : "") + toml_number(values[at + c], parameter.unit);
-      text += ']';
-    } else {
-      text += toml_number(values[at], parameter.unit);
-    }
-    at += parameter.components;
-    all.push_back(std::move(text));
+    all.push_back(override_text(parameter, rest.first(parameter.components)));
+    rest = rest.subspan(parameter.components);
   }
   return all;
 }

@@ -23,6 +23,9 @@ struct Parameter {
   Place place{};                       ///< of the key in the sweep's file
 };
 
+/// A parameter with these components (for a list: the index) as an override: KEY=VALUE.
+std::string override_text(const Parameter& parameter, std::span<const double> components);
+
 /// When a world ends before its scenario does.
 struct StopRule {
   std::vector<std::string> events{};  ///< after one of these happened

@@ -127,6 +127,8 @@ void write_table(std::string& text, const Value::Table& table, const std::string
 
 }  // namespace
 
+std::string toml_value_text(const Value& value) { return value_text(value, ""); }
+
 std::string toml_text(const Value& document) {
   std::string text;
   if (const Value::Table* table = document.table()) write_table(text, *table, "");

@@ -14,4 +14,7 @@ inline constexpr const char* comment_key = "#";
 /// out.
 std::string toml_text(const Value& document);
 
+/// One value as it is written after `key = `.
+std::string toml_value_text(const Value& value);
+
 }  // namespace momentree::io
