@@ -1,0 +1,19 @@
+#include <momentree/sweep/distribute.hpp>
+
+#include <momentree/base/check.hpp>
+#include <momentree/sweep/coordinator.hpp>
+#include <momentree/sweep/worker.hpp>
+
+namespace momentree::sweep {
+
+int distribute(Communicator* communicator, WorkSource* source, const RunChunk& run, const Distribution& distribution) {
+  const bool first = communicator == nullptr || communicator->rank() == 0;
+  MT_REQUIRE(run && distribution.threads >= 1, "work, and threads that do it");
+  MT_REQUIRE(first == (source != nullptr), "rank 0 alone has the source");
+  MT_REQUIRE(!first || distribution.conclude, "rank 0 concludes");
+  if (first) return Coordinator(communicator, *source, run, distribution).coordinate();
+  Worker(*communicator, run, distribution).work();
+  return 0;
+}
+
+}  // namespace momentree::sweep
