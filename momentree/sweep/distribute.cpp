@@ -1,7 +1,7 @@
 #include <momentree/sweep/distribute.hpp>
 
 #include <momentree/base/check.hpp>
-#include <momentree/sweep/coordinator.hpp>
+#include <momentree/sweep/distributor.hpp>
 #include <momentree/sweep/worker.hpp>
 
 namespace momentree::sweep {
@@ -11,7 +11,7 @@ int distribute(Communicator* communicator, WorkSource* source, const RunChunk& r
   MT_REQUIRE(run && distribution.threads >= 1, "work, and threads that do it");
   MT_REQUIRE(first == (source != nullptr), "rank 0 alone has the source");
   MT_REQUIRE(!first || distribution.conclude, "rank 0 concludes");
-  if (first) return Coordinator(communicator, *source, run, distribution).coordinate();
+  if (first) return Distributor(communicator, *source, run, distribution).distribute();
   Worker(*communicator, run, distribution).work();
   return 0;
 }

@@ -97,7 +97,7 @@ void Worker::compute() {
       std::string encoded = run_(chunk);
       const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
       lock.lock();
-      if (over_ || interrupted()) return;
+      if (over_ || interrupted() || encoded.empty()) return;
       lock.unlock();
       communicator_.send(0, encode({MessageKind::result, chunk, took.count(), {std::move(encoded)}}));
     } catch (...) {

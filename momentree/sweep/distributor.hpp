@@ -14,14 +14,14 @@
 
 namespace momentree::sweep {
 
-class Coordinator {
+class Distributor {
  public:
-  Coordinator(Communicator* communicator, WorkSource& source, const RunChunk& run, const Distribution& distribution);
-  ~Coordinator();
-  Coordinator(const Coordinator&) = delete;
-  Coordinator& operator=(const Coordinator&) = delete;
+  Distributor(Communicator* communicator, WorkSource& source, const RunChunk& run, const Distribution& distribution);
+  ~Distributor();
+  Distributor(const Distributor&) = delete;
+  Distributor& operator=(const Distributor&) = delete;
   /// All of it; returns the exit code.
-  int coordinate();
+  int distribute();
 
  private:
   using Clock = std::chrono::steady_clock;

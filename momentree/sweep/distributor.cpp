@@ -1,4 +1,4 @@
-#include <momentree/sweep/coordinator.hpp>
+#include <momentree/sweep/distributor.hpp>
 
 #include <algorithm>
 #include <system_error>
@@ -14,7 +14,7 @@ namespace {
 constexpr auto turn = 50ms;  // of the serving loop without messages, and of an idle thread
 }
 
-Coordinator::Coordinator(Communicator* communicator, WorkSource& source, const RunChunk& run, const Distribution& distribution)
+Distributor::Distributor(Communicator* communicator, WorkSource& source, const RunChunk& run, const Distribution& distribution)
     : communicator_(communicator),
       source_(source),
       run_(run),
@@ -23,9 +23,9 @@ Coordinator::Coordinator(Communicator* communicator, WorkSource& source, const R
       ledger_(ranks_),
       hosts_(static_cast<std::size_t>(ranks_)) {}
 
-Coordinator::~Coordinator() { join_threads(); }
+Distributor::~Distributor() { join_threads(); }
 
-int Coordinator::coordinate() {
+int Distributor::distribute() {
   try {
     start_threads();
     serve();
@@ -41,7 +41,7 @@ int Coordinator::coordinate() {
   return take_leave(code, told);
 }
 
-void Coordinator::start_threads() {
+void Distributor::start_threads() {
   ledger_.join(0, distribution_.threads);
   threads_.reserve(static_cast<std::size_t>(distribution_.threads));
   try {
@@ -52,7 +52,7 @@ void Coordinator::start_threads() {
   }
 }
 
-void Coordinator::join_threads() {
+void Distributor::join_threads() {
   {
     const std::lock_guard lock(mutex_);
     over_ = true;
@@ -63,7 +63,7 @@ void Coordinator::join_threads() {
 }
 
 // A thread of this rank.
-void Coordinator::compute() {
+void Distributor::compute() {
   std::unique_lock lock(mutex_);
   while (!over_) {
     std::optional<Chunk> chunk;
@@ -77,7 +77,7 @@ void Coordinator::compute() {
       const Clock::time_point start = Clock::now();
       std::string encoded = run_(*chunk);
       const std::chrono::duration<double> took = Clock::now() - start;
-      take_result(0, {MessageKind::result, *chunk, took.count(), {std::move(encoded)}});
+      if (!encoded.empty()) take_result(0, {MessageKind::result, *chunk, took.count(), {std::move(encoded)}});
     } catch (...) {
       if (lock.owns_lock()) lock.unlock();
       if (!interrupted()) fail(std::current_exception());
@@ -87,14 +87,14 @@ void Coordinator::compute() {
   }
 }
 
-void Coordinator::fail(std::exception_ptr failure) {
+void Distributor::fail(std::exception_ptr failure) {
   const std::lock_guard lock(mutex_);
   if (!over_ && !failure_) failure_ = std::move(failure);
   changed_.notify_all();
 }
 
 // Requires the mutex. A rank that has `wanted` chunks gets none.
-std::optional<Chunk> Coordinator::chunk_for(int rank, int wanted, Clock::time_point now) {
+std::optional<Chunk> Distributor::chunk_for(int rank, int wanted, Clock::time_point now) {
   if (ledger_.held(rank) >= wanted) return std::nullopt;
   std::optional<Chunk> chunk = source_.next();
   if (!chunk && ledger_.held(rank) < ledger_.threads(rank)) {
@@ -108,7 +108,7 @@ std::optional<Chunk> Coordinator::chunk_for(int rank, int wanted, Clock::time_po
   return chunk;
 }
 
-void Coordinator::take_result(int rank, Note note) {
+void Distributor::take_result(int rank, Note note) {
   std::vector<int> others;
   {
     const std::lock_guard lock(mutex_);
@@ -132,7 +132,7 @@ void Coordinator::take_result(int rank, Note note) {
 }
 
 // Gives each rank chunks for its threads and as many again.
-void Coordinator::fill() {
+void Distributor::fill() {
   const std::lock_guard lock(mutex_);
   const Clock::time_point now = Clock::now();
   for (bool any = true; any && !failure_;) {
@@ -145,7 +145,7 @@ void Coordinator::fill() {
   }
 }
 
-void Coordinator::check_hello(int rank, const Note& note) {
+void Distributor::check_hello(int rank, const Note& note) {
   const std::string name = "rank " + std::to_string(rank) + " (" + note.texts[2] + ")";
   if (note.texts[0] != distribution_.version)
     throw_error({name + " runs version " + note.texts[0] + " of momentree, and rank 0 version " + distribution_.version, "",
@@ -158,7 +158,7 @@ void Coordinator::check_hello(int rank, const Note& note) {
   ledger_.join(rank, std::max(1, static_cast<int>(note.number)));
 }
 
-void Coordinator::hear(const Communicator::Message& message) {
+void Distributor::hear(const Communicator::Message& message) {
   Note note = decode(message.bytes);
   switch (note.kind) {
     case MessageKind::hello: return check_hello(message.from, note);
@@ -169,7 +169,7 @@ void Coordinator::hear(const Communicator::Message& message) {
   }
 }
 
-void Coordinator::serve() {
+void Distributor::serve() {
   const auto going_on = [this] {
     const std::lock_guard lock(mutex_);
     return !complete_ && !failure_ && !rank_interrupted_ && !interrupted();
@@ -200,7 +200,7 @@ void Coordinator::serve() {
 }
 
 // After this no result reaches the source.
-Ending Coordinator::end() {
+Ending Distributor::end() {
   std::unique_lock lock(mutex_);
   over_ = true;
   if (distribution_.cancel != nullptr) distribution_.cancel->store(true);
@@ -210,7 +210,7 @@ Ending Coordinator::end() {
 }
 
 // Messages that were sent before the end are read and ignored.
-int Coordinator::take_leave(int code, Clock::time_point told) {
+int Distributor::take_leave(int code, Clock::time_point told) {
   if (communicator_ == nullptr) return code;
   while (std::ssize(ended_) < ranks_ - 1) {
     const std::optional<Communicator::Message> message = communicator_->receive(turn);
