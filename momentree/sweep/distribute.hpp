@@ -39,12 +39,12 @@ struct Distribution {
   std::chrono::milliseconds grace{10000};
 };
 
-/// Does the work with all ranks; all call it. An exception of a chunk ends the work of all ranks; those of other ranks arrive as an
-/// Error, or as a std::runtime_error if they were neither an Error nor std::bad_alloc. A rank has a chunk ready for each of its threads while they compute. Near the end,
-/// chunks that wait on a busy rank or that take long are given to idle ranks, too, and the first result counts: neither slow nor
-/// unresponsive ranks hold up the run. Returns, on rank 0, the exit code of `conclude`, elsewhere 0, after
-/// Communicator::finish(); does not return if ranks do not answer. `communicator`: null if this process is alone. `source`: on
-/// rank 0 only.
+/// Does the work with all ranks; all call it. An exception of a chunk ends the work of all ranks; those of other ranks arrive as
+/// an Error, or as a std::runtime_error if they were neither an Error nor std::bad_alloc. A rank has a chunk ready for each of
+/// its threads while they compute. Near the end, chunks that wait on a busy rank or that take long are given to idle ranks, too,
+/// and the first result counts: neither slow nor unresponsive ranks hold up the run. Returns, on rank 0, the exit code of
+/// `conclude`, elsewhere 0, after Communicator::finish(); does not return if ranks do not answer. `communicator`: null if this
+/// process is alone. `source`: on rank 0 only.
 [[nodiscard]] int distribute(Communicator* communicator, WorkSource* source, const RunChunk& run,
                              const Distribution& distribution);
 
