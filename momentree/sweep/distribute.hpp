@@ -18,7 +18,7 @@ enum class Ending {
   failed        ///< a rank has failed, or a result could not be stored
 };
 
-struct Distribution {
+struct DistributeOptions {
   int threads = 1;  ///< of this rank, for computing; at least 1
   /// All ranks must have the same; otherwise the work fails with an Error that says which rank differs.
   std::string version;  ///< of the program
@@ -46,6 +46,6 @@ struct Distribution {
 /// `conclude`, elsewhere 0, after Communicator::finish(); does not return if ranks do not answer. `communicator`: null if this
 /// process is alone. `source`: on rank 0 only.
 [[nodiscard]] int distribute(Communicator* communicator, WorkSource* source, const RunChunk& run,
-                             const Distribution& distribution);
+                             const DistributeOptions& options);
 
 }  // namespace momentree::sweep

@@ -21,8 +21,8 @@ struct Conclusion {
   Ending ending = Ending::failed;
   std::exception_ptr failure;
 
-  Distribution distribution(int threads = 1) {
-    Distribution result;
+  DistributeOptions options(int threads = 1) {
+    DistributeOptions result;
     result.threads = threads;
     result.version = "1";
     result.work = "w";
@@ -54,10 +54,10 @@ std::jthread play(std::function<void()> part) {
   });
 }
 
-std::jthread worker(Network& network, int rank, const Distribution& distribution, RunChunk run = squares) {
-  return play([&network, rank, distribution, run = std::move(run)] {
+std::jthread worker(Network& network, int rank, const DistributeOptions& options, RunChunk run = squares) {
+  return play([&network, rank, options, run = std::move(run)] {
     Network::Rank own(network, rank);
-    CHECK(distribute(&own, nullptr, run, distribution) == 0);
+    CHECK(distribute(&own, nullptr, run, options) == 0);
   });
 }
 
@@ -78,9 +78,9 @@ TEST_CASE("one process alone does all the work with its threads") {
     Squares source(100, 7);
     Conclusion conclusion;
     int shown = 0;
-    Distribution distribution = conclusion.distribution(threads);
-    distribution.progress = [&] { ++shown; };
-    CHECK(distribute(nullptr, &source, squares, distribution) == 0);
+    DistributeOptions options = conclusion.options(threads);
+    options.progress = [&] { ++shown; };
+    CHECK(distribute(nullptr, &source, squares, options) == 0);
     CHECK(conclusion.calls == 1);
     CHECK(conclusion.ending == Ending::complete);
     CHECK(source.items_done == 100);
@@ -93,7 +93,7 @@ TEST_CASE("work that was complete before needs no chunk") {
   Squares source(0, 1);
   Conclusion conclusion;
   CHECK(distribute(
-            nullptr, &source, [](Chunk) -> std::string { throw std::bad_alloc(); }, conclusion.distribution()) == 0);
+            nullptr, &source, [](Chunk) -> std::string { throw std::bad_alloc(); }, conclusion.options()) == 0);
   CHECK(conclusion.ending == Ending::complete);
 }
 
@@ -101,12 +101,12 @@ TEST_CASE("several ranks with several threads each do every chunk, and all of th
   Network network(4);
   Squares source(1000, 3);
   Conclusion conclusion;
-  const Distribution distribution = conclusion.distribution(2);
+  const DistributeOptions options = conclusion.options(2);
   std::atomic<int> elsewhere = 0;
   {
     std::vector<std::jthread> others;
     for (int rank = 1; rank < 4; ++rank)
-      others.push_back(worker(network, rank, distribution, [&](Chunk chunk) {
+      others.push_back(worker(network, rank, options, [&](Chunk chunk) {
         ++elsewhere;
         return squares(chunk);
       }));
@@ -118,7 +118,7 @@ TEST_CASE("several ranks with several threads each do every chunk, and all of th
                 while (elsewhere == 0) std::this_thread::sleep_for(1ms);
                 return squares(chunk);
               },
-              distribution) == 0);
+              options) == 0);
   }
   CHECK(source.items_done == 1000);
   CHECK(source.wrong == 0);
@@ -132,11 +132,11 @@ TEST_CASE("the chunks of an unresponsive rank are computed by others; results ar
   Network network(2);
   Squares source(20, 1);
   Conclusion conclusion;
-  Distribution distribution = conclusion.distribution();
-  distribution.grace = 50ms;
+  DistributeOptions options = conclusion.options();
+  options.grace = 50ms;
   std::string warning;
   int concluded_at_warning = 0;
-  distribution.warn = [&](const std::string& text) {
+  options.warn = [&](const std::string& text) {
     warning = text;
     concluded_at_warning = conclusion.calls;
   };
@@ -151,7 +151,7 @@ TEST_CASE("the chunks of an unresponsive rank are computed by others; results ar
           while (!has_work) std::this_thread::sleep_for(1ms);
           return squares(chunk);
         },
-        distribution);
+        options);
   } catch (const Aborted& aborted) {
     code = aborted.code;
   }
@@ -167,10 +167,10 @@ TEST_CASE("a rank that never says hello does not hold up the others") {
   Network network(2);
   Squares source(5, 1);
   Conclusion conclusion;
-  Distribution distribution = conclusion.distribution();
-  distribution.grace = 10ms;
+  DistributeOptions options = conclusion.options();
+  options.grace = 10ms;
   Network::Rank own(network, 0);
-  CHECK_THROWS_AS((void)distribute(&own, &source, squares, distribution), Aborted);
+  CHECK_THROWS_AS((void)distribute(&own, &source, squares, options), Aborted);
   CHECK(conclusion.ending == Ending::complete);
   CHECK(source.items_done == 5);
 }
@@ -179,12 +179,12 @@ TEST_CASE("a chunk that takes long on one rank is given to another, and the run 
   Network network(3);
   Squares source(12, 1);
   Conclusion conclusion;
-  const Distribution distribution = conclusion.distribution();
+  const DistributeOptions options = conclusion.options();
   std::atomic<bool> cancelled = false, slow_started = false;
-  Distribution slow = distribution;
+  DistributeOptions slow = options;
   slow.cancel = &cancelled;
   {
-    const std::jthread fast = worker(network, 1, distribution);
+    const std::jthread fast = worker(network, 1, options);
     const std::jthread slower = worker(network, 2, slow, [&](Chunk chunk) {  // ends only when it is no longer needed
       slow_started = true;
       while (!cancelled) std::this_thread::sleep_for(1ms);
@@ -197,7 +197,7 @@ TEST_CASE("a chunk that takes long on one rank is given to another, and the run 
                 while (!slow_started) std::this_thread::sleep_for(1ms);
                 return squares(chunk);
               },
-              distribution) == 0);
+              options) == 0);
   }
   CHECK(source.items_done == 12);
   CHECK(source.given_again >= 1);
@@ -229,7 +229,7 @@ TEST_CASE("a result that comes twice is handed on twice and harms nothing") {
                 while (source.calls < 2) std::this_thread::sleep_for(1ms);
                 return squares(chunk);
               },
-              conclusion.distribution()) == 0);
+              conclusion.options()) == 0);
   }
   CHECK(source.items_done == 6);
   CHECK(source.wrong == 0);
@@ -241,7 +241,7 @@ TEST_CASE("ranks with another version or other input are refused") {
     Network network(2);
     Squares source(1000000, 1);
     Conclusion conclusion;
-    Distribution other = conclusion.distribution();
+    DistributeOptions other = conclusion.options();
     (version ? other.version : other.work) = "2";
     {
       const std::jthread wrong = worker(network, 1, other);
@@ -252,7 +252,7 @@ TEST_CASE("ranks with another version or other input are refused") {
                   std::this_thread::sleep_for(1ms);
                   return squares(chunk);
                 },
-                conclusion.distribution()) == 1);
+                conclusion.options()) == 1);
     }
     CHECK(conclusion.ending == Ending::failed);
     CHECK(conclusion.problem().find("rank 1 (") != std::string::npos);
@@ -277,9 +277,9 @@ TEST_CASE("an error or a lack of memory on any rank ends all of them with that m
         };
       };
       {
-        const std::jthread other = worker(network, 1, conclusion.distribution(), run(1));
+        const std::jthread other = worker(network, 1, conclusion.options(), run(1));
         Network::Rank own(network, 0);
-        CHECK(distribute(&own, &source, run(0), conclusion.distribution()) == 1);
+        CHECK(distribute(&own, &source, run(0), conclusion.options()) == 1);
       }
       const std::string where = rank == 1 ? " (on rank 1)" : "";
       if (memory && rank == 0)
@@ -299,9 +299,9 @@ TEST_CASE("a result that cannot be stored ends the work") {
   source.on_finished = [] { throw Error{"no space left", "journal", ""}; };
   Conclusion conclusion;
   {
-    const std::jthread other = worker(network, 1, conclusion.distribution());
+    const std::jthread other = worker(network, 1, conclusion.options());
     Network::Rank own(network, 0);
-    CHECK(distribute(&own, &source, squares, conclusion.distribution()) == 1);
+    CHECK(distribute(&own, &source, squares, conclusion.options()) == 1);
   }
   CHECK(conclusion.problem() == "journal: error: no space left");
 }
@@ -320,15 +320,15 @@ TEST_CASE("an interrupt on any rank ends all of them, and what chunks then throw
         return squares(chunk);
       };
     };
-    const auto distribution = [&](int own) {
-      Distribution result = conclusion.distribution();
+    const auto options = [&](int own) {
+      DistributeOptions result = conclusion.options();
       if (own == rank) result.stop = &stop;
       return result;
     };
     {
-      const std::jthread other = worker(network, 1, distribution(1), run(1));
+      const std::jthread other = worker(network, 1, options(1), run(1));
       Network::Rank own(network, 0);
-      CHECK(distribute(&own, &source, run(0), distribution(0)) == 3);
+      CHECK(distribute(&own, &source, run(0), options(0)) == 3);
     }
     CHECK(conclusion.ending == Ending::interrupted);
     CHECK(source.wrong == 0);

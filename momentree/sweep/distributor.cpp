@@ -14,11 +14,11 @@ namespace {
 constexpr auto turn = 50ms;  // of the serving loop without messages, and of an idle thread
 }
 
-Distributor::Distributor(Communicator* communicator, WorkSource& source, const RunChunk& run, const Distribution& distribution)
+Distributor::Distributor(Communicator* communicator, WorkSource& source, const RunChunk& run, const DistributeOptions& options)
     : communicator_(communicator),
       source_(source),
       run_(run),
-      distribution_(distribution),
+      options_(options),
       ranks_(communicator == nullptr ? 1 : communicator->size()),
       ledger_(ranks_),
       hosts_(static_cast<std::size_t>(ranks_)) {}
@@ -36,19 +36,18 @@ int Distributor::distribute() {
   const Clock::time_point told = Clock::now();
   if (communicator_ != nullptr)
     for (int rank = 1; rank < ranks_; ++rank) communicator_->send(rank, encode({MessageKind::stop}));
-  const int code = distribution_.conclude(ending, ending == Ending::failed ? failure_ : nullptr);
+  const int code = options_.conclude(ending, ending == Ending::failed ? failure_ : nullptr);
   join_threads();
   return take_leave(code, told);
 }
 
 void Distributor::start_threads() {
-  ledger_.join(0, distribution_.threads);
-  threads_.reserve(static_cast<std::size_t>(distribution_.threads));
+  ledger_.join(0, options_.threads);
+  threads_.reserve(static_cast<std::size_t>(options_.threads));
   try {
-    while (std::ssize(threads_) < distribution_.threads) threads_.emplace_back([this] { compute(); });
+    while (std::ssize(threads_) < options_.threads) threads_.emplace_back([this] { compute(); });
   } catch (const std::system_error& error) {
-    throw_error(
-        {"cannot start " + std::to_string(distribution_.threads) + " threads: " + error.code().message(), "", "use fewer"});
+    throw_error({"cannot start " + std::to_string(options_.threads) + " threads: " + error.code().message(), "", "use fewer"});
   }
 }
 
@@ -68,7 +67,7 @@ void Distributor::compute() {
   while (!over_) {
     std::optional<Chunk> chunk;
     try {
-      chunk = chunk_for(0, distribution_.threads, Clock::now());
+      chunk = chunk_for(0, options_.threads, Clock::now());
       if (!chunk) {
         changed_.wait_for(lock, turn);
         continue;
@@ -147,10 +146,10 @@ void Distributor::fill() {
 
 void Distributor::check_hello(int rank, const Note& note) {
   const std::string name = "rank " + std::to_string(rank) + " (" + note.texts[2] + ")";
-  if (note.texts[0] != distribution_.version)
-    throw_error({name + " runs version " + note.texts[0] + " of momentree, and rank 0 version " + distribution_.version, "",
+  if (note.texts[0] != options_.version)
+    throw_error({name + " runs version " + note.texts[0] + " of momentree, and rank 0 version " + options_.version, "",
                  "install the same version on all machines"});
-  if (note.texts[1] != distribution_.work)
+  if (note.texts[1] != options_.work)
     throw_error({name + " has read other files than rank 0", "",
                  "all ranks must see the same scenario and model files, and have the same arguments"});
   hosts_[static_cast<std::size_t>(rank)] = note.texts[2];
@@ -194,16 +193,16 @@ void Distributor::serve() {
     }
     if (Clock::now() - shown < turn) continue;
     shown = Clock::now();
-    if (distribution_.progress) distribution_.progress();
+    if (options_.progress) options_.progress();
   }
-  if (distribution_.progress) distribution_.progress();
+  if (options_.progress) options_.progress();
 }
 
 // After this no result reaches the source.
 Ending Distributor::end() {
   std::unique_lock lock(mutex_);
   over_ = true;
-  if (distribution_.cancel != nullptr) distribution_.cancel->store(true);
+  if (options_.cancel != nullptr) options_.cancel->store(true);
   changed_.notify_all();
   changed_.wait(lock, [this] { return storing_ == 0; });
   return failure_ ? Ending::failed : complete_ ? Ending::complete : Ending::interrupted;
@@ -221,14 +220,14 @@ int Distributor::take_leave(int code, Clock::time_point told) {
       }
       continue;
     }
-    if (Clock::now() - told < distribution_.grace) continue;
+    if (Clock::now() - told < options_.grace) continue;
     std::string silent;
     for (int rank = 1; rank < ranks_; ++rank) {
       if (ended_.contains(rank)) continue;
       const std::string& host = hosts_[static_cast<std::size_t>(rank)];
       silent += (silent.empty() ? "rank " : ", rank ") + std::to_string(rank) + (host.empty() ? "" : " (" + host + ")");
     }
-    if (distribution_.warn) distribution_.warn(silent + " did not answer and was ended");
+    if (options_.warn) options_.warn(silent + " did not answer and was ended");
     communicator_->abort(code);
   }
   for (int rank = 1; rank < ranks_; ++rank) communicator_->send(rank, encode({MessageKind::leave}));

@@ -16,7 +16,7 @@ namespace momentree::sweep {
 
 class Distributor {
  public:
-  Distributor(Communicator* communicator, WorkSource& source, const RunChunk& run, const Distribution& distribution);
+  Distributor(Communicator* communicator, WorkSource& source, const RunChunk& run, const DistributeOptions& options);
   ~Distributor();
   Distributor(const Distributor&) = delete;
   Distributor& operator=(const Distributor&) = delete;
@@ -38,12 +38,12 @@ class Distributor {
   void fail(std::exception_ptr failure);
   Ending end();
   int take_leave(int code, Clock::time_point told);
-  bool interrupted() const { return distribution_.stop != nullptr && distribution_.stop->load(); }
+  bool interrupted() const { return options_.stop != nullptr && options_.stop->load(); }
 
   Communicator* const communicator_;
   WorkSource& source_;
   const RunChunk& run_;
-  const Distribution& distribution_;
+  const DistributeOptions& options_;
   const int ranks_;
 
   std::mutex mutex_;  // of what follows; held while the source hands out a chunk, not while it stores a result

@@ -22,26 +22,24 @@ std::string host_name() {
 
 }  // namespace
 
-Worker::Worker(Communicator& communicator, const RunChunk& run, const Distribution& distribution)
+Worker::Worker(Communicator& communicator, const RunChunk& run, const DistributeOptions& options)
     : communicator_(communicator),
       run_(run),
-      distribution_(distribution),
+      options_(options),
       no_memory_(encode(failure_note(std::make_exception_ptr(std::bad_alloc())))) {}
 
 Worker::~Worker() { join_threads(); }
 
 void Worker::work() {
-  communicator_.send(0, encode({MessageKind::hello,
-                                {},
-                                static_cast<double>(distribution_.threads),
-                                {distribution_.version, distribution_.work, host_name()}}));
+  communicator_.send(
+      0, encode({MessageKind::hello, {}, static_cast<double>(options_.threads), {options_.version, options_.work, host_name()}}));
   try {
     start_threads();
   } catch (...) {
     fail(std::current_exception());
   }
   serve();
-  if (distribution_.cancel != nullptr) distribution_.cancel->store(true);
+  if (options_.cancel != nullptr) options_.cancel->store(true);
   join_threads();
   communicator_.send(0, encode({MessageKind::ended}));
   for (;;) {
@@ -52,12 +50,11 @@ void Worker::work() {
 }
 
 void Worker::start_threads() {
-  threads_.reserve(static_cast<std::size_t>(distribution_.threads));
+  threads_.reserve(static_cast<std::size_t>(options_.threads));
   try {
-    while (std::ssize(threads_) < distribution_.threads) threads_.emplace_back([this] { compute(); });
+    while (std::ssize(threads_) < options_.threads) threads_.emplace_back([this] { compute(); });
   } catch (const std::system_error& error) {
-    throw_error(
-        {"cannot start " + std::to_string(distribution_.threads) + " threads: " + error.code().message(), "", "use fewer"});
+    throw_error({"cannot start " + std::to_string(options_.threads) + " threads: " + error.code().message(), "", "use fewer"});
   }
 }
 

@@ -13,7 +13,7 @@ namespace momentree::sweep {
 
 class Worker {
  public:
-  Worker(Communicator& communicator, const RunChunk& run, const Distribution& distribution);
+  Worker(Communicator& communicator, const RunChunk& run, const DistributeOptions& options);
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
@@ -26,11 +26,11 @@ class Worker {
   void compute();
   void serve();
   void fail(const std::exception_ptr& failure) noexcept;
-  bool interrupted() const { return distribution_.stop != nullptr && distribution_.stop->load(); }
+  bool interrupted() const { return options_.stop != nullptr && options_.stop->load(); }
 
   Communicator& communicator_;
   const RunChunk& run_;
-  const Distribution& distribution_;
+  const DistributeOptions& options_;
   const std::string no_memory_;  ///< an encoded message, made while there is memory
   std::mutex mutex_;             // of what follows
   std::condition_variable changed_;
