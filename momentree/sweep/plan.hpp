@@ -40,8 +40,8 @@ struct Variable {
 };
 
 /// Of two components drawn by Sampling::random or Sampling::sobol, numbered over all variables (lists and ranges have one).
-/// `coefficient` is the correlation of the normal variables of a Gaussian copula: of the values themselves, if their distributions
-/// are normal. Their rank correlation is 6/π asin(coefficient/2) for all continuous distributions.
+/// `coefficient` is the correlation of the normal variables of a Gaussian copula: of the values themselves, if their
+/// distributions are normal. Their rank correlation is 6/π asin(coefficient/2) for all continuous distributions.
 struct Correlation {
   std::size_t a, b;
   double coefficient;
@@ -72,13 +72,14 @@ class Plan {
     std::uint64_t stream;       ///< of random numbers
     std::uint64_t divisor = 1;  ///< for combinations: worlds with the same entry in a row
     int dimension = 0;          ///< of the Sobol sequence
+    bool correlated = false;
   };
   void add_components();
   void count_worlds(std::optional<std::uint64_t> worlds);
   void add_correlations(const std::vector<Correlation>& correlations);
   std::string name(std::size_t component) const;
   double fraction(const Component& component, std::uint64_t world) const;
-  std::uint64_t entry(const Component& component, std::uint64_t count, std::uint64_t world) const;
+  std::uint64_t entry(const Component& component, std::uint64_t world) const;
 
   std::vector<Variable> variables_;
   std::vector<Component> components_;

@@ -35,7 +35,7 @@ double Random::uniform(std::uint64_t index) const { return static_cast<double>((
 std::uint64_t permute(std::uint64_t index, std::uint64_t size, std::uint64_t key) {
   MT_REQUIRE(index < size && size <= std::uint64_t{1} << 62, "an index below the size of the permutation");
   if (size == 1) return 0;
-  const int half = (std::bit_width(size - 1) + 1) / 2;
+  const int half = (static_cast<int>(std::bit_width(size - 1)) + 1) / 2;
   const std::uint64_t mask = (std::uint64_t{1} << half) - 1;
   // With few bits a round has few functions to choose from: more rounds make up for it.
   const int rounds = half < 4 ? 16 : 8;

@@ -25,8 +25,8 @@ class Random {
   std::uint64_t seed_, stream_;
 };
 
-/// The image of `index` under a pseudo-random permutation of 0 … size - 1, which `key` chooses. Needs no memory: a Feistel network
-/// on the next power of 4, applied until the result is below `size`. `index` < `size` <= 2^62.
+/// The image of `index` under a pseudo-random permutation of 0 … size - 1, which `key` chooses. Needs no memory: a Feistel
+/// network on the next power of 4, applied until the result is below `size`. `index` < `size` <= 2^62.
 std::uint64_t permute(std::uint64_t index, std::uint64_t size, std::uint64_t key);
 
 }  // namespace momentree::sweep

@@ -39,7 +39,8 @@ constexpr Directions sobol_directions = make_directions();
 }  // namespace
 
 std::uint64_t sobol_bits(std::uint64_t index, int dimension) {
-  MT_REQUIRE(dimension >= 0 && dimension < sobol_dimensions && index >> sobol_width == 0, "a point and a dimension of the sequence");
+  MT_REQUIRE(dimension >= 0 && dimension < sobol_dimensions && index >> sobol_width == 0,
+             "a point and a dimension of the sequence");
   const auto& v = sobol_directions[static_cast<std::size_t>(dimension)];
   std::uint64_t x = 0;
   for (std::uint64_t gray = index ^ index >> 1; gray; gray &= gray - 1) x ^= v[static_cast<std::size_t>(std::countr_zero(gray))];

@@ -3,7 +3,6 @@
 // they are split between objects that are merged later.
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,9 +26,9 @@ struct Extreme {
 /// deviation of one.
 struct Summary {
   std::uint64_t count = 0, missing = 0;
-  std::uint64_t nonzero = 0;  ///< of `count`
-  double mean, deviation;     ///< correctly rounded sums of all values; the sample deviation (n - 1)
-  std::vector<Extreme> smallest, largest;  ///< from the most extreme one on; of equal values the first worlds
+  std::uint64_t nonzero = 0;                   ///< of `count`
+  double mean = 0, deviation = 0;              ///< from exact sums; the sample deviation (n - 1)
+  std::vector<Extreme> smallest{}, largest{};  ///< from the most extreme one on; of equal values the first worlds
 };
 
 class Statistics {
@@ -50,7 +49,7 @@ class Statistics {
 
  private:
   struct Column {
-    std::uint64_t count = 0, nonzero = 0;
+    std::uint64_t nonzero = 0;
     ExactMoments moments;
     std::vector<Extreme> smallest, largest;  // heaps, the least extreme one first
   };
