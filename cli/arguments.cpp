@@ -1,5 +1,6 @@
 #include <cli/arguments.hpp>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -50,6 +51,14 @@ int number_argument(const char* option, const std::string& text, int least, int 
   if (!read(text, number) || number < least || number > most)
     throw_error({format("expected a whole number from %d to %d", least, most), place(option, text), ""});
   return number;
+}
+
+std::string choice_argument(const char* option, const std::string& text, const std::vector<std::string>& choices) {
+  if (std::ranges::count(choices, text) == 1) return text;
+  std::string known;
+  for (const std::string& choice : choices) known += (known.empty() ? "one of: " : ", ") + choice;
+  const std::string guess = did_you_mean(text, choices);
+  throw_error({"there is no '" + text + "'", place(option, text), guess.empty() ? known : guess});
 }
 
 }  // namespace momentree::cli

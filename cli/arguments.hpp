@@ -1,6 +1,7 @@
 #pragma once
-// Parsers of numeric option values. All throw Error, with an example, for text that is not such a number.
+// Parsers of option values. All throw Error, with an example, for other text.
 #include <string>
+#include <vector>
 
 namespace momentree::cli {
 
@@ -10,5 +11,7 @@ double seconds_argument(const char* option, const std::string& text);
 std::string time_argument(const char* option, const std::string& text);
 /// A whole number in [least, most].
 int number_argument(const char* option, const std::string& text, int least, int most);
+/// One of these words.
+std::string choice_argument(const char* option, const std::string& text, const std::vector<std::string>& choices);
 
 }  // namespace momentree::cli

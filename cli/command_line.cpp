@@ -121,6 +121,13 @@ void CommandLine::add_run() {
          "--until", [this](const std::string& text) { run_.until = time_argument("--until", text); },
          "End the run at this time instead: seconds, or with a unit as in \"2 min\"")
       ->type_name("T");
+  sub->add_option_function<std::string>(
+         "--format",
+         [this](const std::string& text) {
+           run_.format = choice_argument("--format", text, {"csv", "hdf5"});
+         },
+         "Write the tables as CSV files, or all of them as results.h5 (HDF5); default csv")
+      ->type_name("csv|hdf5");
   sub->add_flag("--report", run_.report, "Also write report.html: the motion, events and plots in one page");
   sub->add_flag("--reactions", run_.reactions, "Add the reactions of the joints to joints.csv: fx, fy, fz, mx, my, mz");
   sub->add_flag("--generate", run_.generate, "Compile and run code for each topology that occurs (short chains and arms)");

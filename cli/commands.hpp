@@ -13,6 +13,7 @@ struct RunOptions {
   std::string out;                     ///< empty: results/<scenario's name>
   std::vector<std::string> overrides;  ///< KEY=VALUE
   std::string until;
+  std::string format = "csv";  ///< or "hdf5"
   bool report = false, reactions = false, quiet = false, json = false, generate = false, verbose = false;
 };
 int run(const RunOptions& options);

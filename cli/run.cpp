@@ -16,6 +16,7 @@
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
+#include <momentree/io/table_file.hpp>
 
 namespace momentree::cli {
 
@@ -40,6 +41,7 @@ void report_location(const io::Recorder& recorder) {
 }  // namespace
 
 int run(const RunOptions& options) {
+  if (options.format == "hdf5") io::require_hdf5();
   std::vector<std::string> overrides = options.overrides;
   if (!options.until.empty()) overrides.push_back("integrate.until=" + options.until);
   const std::shared_ptr<const io::Scenario> scenario =
@@ -60,7 +62,8 @@ int run(const RunOptions& options) {
        .joints = session.joints(),
        .every = scenario->output_every,
        .reactions = options.reactions,
-       .report = options.report});
+       .report = options.report,
+       .hdf5 = options.format == "hdf5"});
 
   Progress progress(start, scenario->until, !options.quiet && errors_on_terminal());
   watch_run(simulation, recorder, scenario->output_every, progress);

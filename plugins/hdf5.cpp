@@ -124,6 +124,7 @@ void* create(const char* path, MomentreeHdf5Problem* problem) {
     require(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG));
     require(H5Pset_file_locking(access, false, true));  // the program has locked it
     require(H5Pset_obj_track_times(creation, false));
+    require(H5Pset_istore_k(creation, 4));  // small index nodes: there are many datasets with few chunks
     Handle text = text_type(), flag = flag_type();
     return new File{
         Handle(require(H5Fcreate(path, H5F_ACC_TRUNC, creation, access)), H5Fclose), std::move(text), std::move(flag), {}};

@@ -21,7 +21,7 @@ namespace momentree::io {
 
 namespace {
 
-constexpr PluginInfo hdf5_plugin = {"hdf5", hdf5_interface, "HDF5 files", "libhdf5-dev", "CSV files need neither"};
+constexpr PluginInfo hdf5_plugin = {"hdf5", hdf5_interface, "HDF5 files", "libhdf5-dev", "CSV files do not need it"};
 
 /// The partial file, locked: made, or taken over from a process that was killed.
 Descriptor lock_partial(const std::string& path) {
@@ -208,6 +208,8 @@ class Hdf5File final : public TableFile {
 };
 
 }  // namespace
+
+void require_hdf5() { load_plugin(hdf5_plugin); }
 
 std::unique_ptr<TableFile> make_hdf5_file(const std::string& path) { return std::make_unique<Hdf5File>(path); }
 

@@ -6,6 +6,7 @@
 
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/io/energy_columns.hpp>
+#include <momentree/io/hdf5_results.hpp>
 
 namespace momentree::io {
 
@@ -15,6 +16,7 @@ std::vector<std::string> files_of(const RecordOptions& options) {
   std::vector<std::string> files = {"summary.json", "model.json", "events.jsonl", "bodies.csv", "joints.csv", "final.json"};
   if (options.energy) files.emplace_back("energy.csv");
   if (options.report) files.emplace_back("report.html");
+  if (options.hdf5) files.insert(files.end(), {"results.h5", "results.h5.partial"});
   return files;
 }
 
@@ -172,8 +174,15 @@ void Recorder::finish(const std::string& status, const Armed& armed, const Repor
     const bool adaptive = is_adaptive(origin_.integration.method);
     directory_.write("final.json", state_json(simulation_.world(), armed, adaptive ? simulation_.step_memory() : StepMemory{}));
   });
+  if (options_.hdf5 && !failed_ && status == "done")
+    attempt([&] {
+      for (const char* name : {"results.h5", "results.h5.partial"}) directory_.file(name);
+      write_hdf5_results(directory_.working(), origin_, simulation_.world(), options_.joints, options_.lasting);
+    });
   seal(outcome, report);
   if (failed_ || status != "done") return;
+  if (options_.hdf5)
+    for (const char* name : {"bodies.csv", "joints.csv", "energy.csv"}) directory_.remove(name);  // the report has been made
   published_ = attempt([&] { warnings_ = directory_.publish(); });
   if (!published_) seal(outcome, report);
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Writes the files of a run: bodies.csv, joints.csv, energy.csv, events.jsonl, final.json, summary.json, model.json,
-// report.html.
+// Writes the files of a run: bodies.csv, joints.csv, energy.csv (or these as results.h5), events.jsonl, final.json, summary.json,
+// model.json, report.html.
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -27,6 +27,7 @@ struct RecordOptions {
   bool energy = true;                   ///< write energy.csv
   bool report = false;                  ///< finish() will be given a report page
   bool lasting = true;                  ///< see ResultDirectory
+  bool hdf5 = false;                    ///< a complete run gets results.h5 in place of the three tables
 };
 
 /// Builds report.html from the folder in its current state and the text of summary.json, which is written afterwards.

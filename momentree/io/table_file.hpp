@@ -57,6 +57,9 @@ class TableFile {
 /// cannot be made, or if another process is writing it.
 [[nodiscard]] std::unique_ptr<TableFile> make_hdf5_file(const std::string& path);
 
+/// Throws Error if momentree-hdf5.so is missing or unusable.
+void require_hdf5();
+
 /// The paths of columns within their group: see make_hdf5_file().
 std::vector<std::string> hdf5_paths(std::span<const TableColumn> columns);
 

@@ -32,7 +32,7 @@ class MpiCommunicator final : public Communicator {
   // MPI would wait with a busy loop.
   std::optional<Message> receive(std::chrono::milliseconds timeout) override {
     const auto end = std::chrono::steady_clock::now() + timeout;
-    for (std::chrono::microseconds pause = 20us;; pause = std::min<std::chrono::microseconds>(2 * pause, 2ms)) {
+    for (std::chrono::microseconds pause = 20us;; pause = std::min<std::chrono::microseconds>(2 * pause, 8ms)) {
       Message message{};
       if (const long long size = mpi_.probe(&message.from); size >= 0) {
         message.bytes.resize(static_cast<std::size_t>(size));
