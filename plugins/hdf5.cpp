@@ -120,11 +120,10 @@ void* create(const char* path, MomentreeHdf5Problem* problem) {
   return guarded(problem, static_cast<void*>(nullptr), [&]() -> void* {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // prints nothing
     const Handle access = properties(H5P_FILE_ACCESS), creation = properties(H5P_FILE_CREATE);
-    require(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18));
+    require(H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110));
     require(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG));
     require(H5Pset_file_locking(access, false, true));  // the program has locked it
     require(H5Pset_obj_track_times(creation, false));
-    require(H5Pset_istore_k(creation, 4));  // small index nodes: there are many datasets with few chunks
     Handle text = text_type(), flag = flag_type();
     return new File{
         Handle(require(H5Fcreate(path, H5F_ACC_TRUNC, creation, access)), H5Fclose), std::move(text), std::move(flag), {}};
@@ -159,11 +158,11 @@ int dataset(void* file, const char* path, int type, std::size_t rows_per_chunk, 
     const Handle link = properties(H5P_LINK_CREATE);
     require(H5Pset_obj_track_times(creation, false));
     require(H5Pset_chunk(creation, 1, &chunk));
-    if (type != momentree_text) {  // texts are elsewhere: their references do not compress
+    if (type != momentree_text) {  // HDF5 has no filters for texts of any length
       require(H5Pset_shuffle(creation));
       if (H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0) require(H5Pset_deflate(creation, 1));
+      require(H5Pset_fletcher32(creation));
     }
-    require(H5Pset_fletcher32(creation));
     require(H5Pset_char_encoding(link, H5T_CSET_UTF8));
     require(H5Pset_chunk_cache(access, 1, 0, 1));  // whole chunks are written
     const hid_t stored = type_of(own, type);

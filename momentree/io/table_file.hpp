@@ -50,11 +50,11 @@ class TableFile {
   virtual void finish(bool to_disk = true) = 0;
 };
 
-/// An HDF5 file, readable by HDF5 1.8 and later: a group for each table, with one compressed dataset for each column, named like
-/// it. The dataset's attributes `unit` and `about` are those of the column, and the group's attribute `columns` lists the names
-/// in order. Flags have the type that h5py reads as bool. A '/' in a name makes groups within the group, so that the name is the
-/// path of the dataset; it becomes %2F if that is impossible ("a//b"). Throws Error if momentree-hdf5.so is missing, if the file
-/// cannot be made, or if another process is writing it.
+/// An HDF5 file, readable by HDF5 1.10 and later: a group for each table, with one dataset for each column, named like it,
+/// compressed and with checksums except for texts. The dataset's attributes `unit` and `about` are those of the column, and the
+/// group's attribute `columns` lists the names in order. Flags have the type that h5py reads as bool. A '/' in a name makes
+/// groups within the group, so that the name is the path of the dataset; it becomes %2F if that is impossible ("a//b"). Throws
+/// Error if momentree-hdf5.so is missing, if the file cannot be made, or if another process is writing it.
 [[nodiscard]] std::unique_ptr<TableFile> make_hdf5_file(const std::string& path);
 
 /// Throws Error if momentree-hdf5.so is missing or unusable.
