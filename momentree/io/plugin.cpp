@@ -36,12 +36,6 @@ std::vector<std::string> plugin_places(const char* name) {
   return places;
 }
 
-bool has_plugin(const char* name) {
-  for (const std::string& place : plugin_places(name))
-    if (is_plugin_file(place)) return true;
-  return false;
-}
-
 const void* load_plugin(const PluginInfo& plugin) {
   std::string path, searched;
   for (const std::string& place : plugin_places(plugin.name)) {

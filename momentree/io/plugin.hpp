@@ -24,7 +24,4 @@ const void* load_plugin(const PluginInfo& plugin);
 /// installed, and that of the installation prefix.
 std::vector<std::string> plugin_places(const char* name);
 
-/// Whether the file of a plugin is in one of these places; it need not be loadable.
-bool has_plugin(const char* name);
-
 }  // namespace momentree::io
