@@ -211,6 +211,8 @@ Ending Distributor::end() {
 // Messages that were sent before the end are read and ignored.
 int Distributor::take_leave(int code, Clock::time_point told) {
   if (communicator_ == nullptr) return code;
+  // Answers that came while the results were published are still to be received.
+  const Clock::time_point end = std::max(told + options_.grace, Clock::now() + std::min<Clock::duration>(options_.grace, 1s));
   while (std::ssize(ended_) < ranks_ - 1) {
     const std::optional<Communicator::Message> message = communicator_->receive(turn);
     if (message) {
@@ -220,7 +222,7 @@ int Distributor::take_leave(int code, Clock::time_point told) {
       }
       continue;
     }
-    if (Clock::now() - told < options_.grace) continue;
+    if (Clock::now() < end) continue;
     std::string silent;
     for (int rank = 1; rank < ranks_; ++rank) {
       if (ended_.contains(rank)) continue;
