@@ -1,6 +1,10 @@
 # Whether the libraries of the plugins (plugins/CMakeLists.txt) are there: MOMENTREE_HAS_HDF5, MOMENTREE_HAS_MPI.
-set(MOMENTREE_HDF5 AUTO CACHE STRING "Build momentree-hdf5.so, for results in HDF5 files: ON; AUTO: where HDF5 is found; OFF")
-set(MOMENTREE_MPI AUTO CACHE STRING "Build momentree-mpi.so, for sweeps on several machines: ON; AUTO: where MPI is found; OFF")
+set(plugins_default OFF)
+if(PROJECT_IS_TOP_LEVEL)
+  set(plugins_default AUTO)
+endif()
+set(MOMENTREE_HDF5 ${plugins_default} CACHE STRING "Build momentree-hdf5.so, for results in HDF5 files: ON; AUTO: where HDF5 is found; OFF")
+set(MOMENTREE_MPI ${plugins_default} CACHE STRING "Build momentree-mpi.so, for sweeps on several machines: ON; AUTO: where MPI is found; OFF")
 set(MOMENTREE_HAS_HDF5 FALSE)
 set(MOMENTREE_HAS_MPI FALSE)
 if(NOT UNIX OR SKBUILD OR (NOT MOMENTREE_HDF5 AND NOT MOMENTREE_MPI))
