@@ -18,6 +18,7 @@
 #include <momentree/simulate/event_queue.hpp>
 #include <momentree/simulate/failure.hpp>
 #include <momentree/simulate/instant.hpp>
+#include <momentree/simulate/run_state.hpp>
 #include <momentree/simulate/stops.hpp>
 #include <momentree/simulate/topology_record.hpp>
 
@@ -48,7 +49,7 @@ struct Simulation::Impl {
   }
 
   /// The present activity, which determines what a callback may do: see Simulation.
-  enum class Doing { nothing, observing, working };
+  enum class Doing { nothing, observing, watching, working };
   Doing doing = Doing::nothing;
   using During = detail::Restored<Doing>;
   bool idle() const { return doing == Doing::nothing && !world.workspace_.in_function; }
@@ -88,7 +89,7 @@ struct Simulation::Impl {
   }
   // A run that diverged may continue from another state or in another world.
   void recover() {
-    diverged = false;
+    diverged = continues = false;
     message.clear();
   }
 
@@ -187,6 +188,7 @@ struct Simulation::Impl {
   }
 
   std::size_t schedule(EventQueue::Entry entry) {
+    continues = false;
     entry.event.name = "#" + std::to_string(queue.entries.size() + 1);
     return queue.add(std::move(entry));
   }
@@ -255,6 +257,7 @@ struct Simulation::Impl {
   /// refused.
   bool act(std::span<const Action> actions, const std::string& name) {
     settle();
+    continues = false;
     const During working(doing, Doing::working);
     DueEvent due{name.empty() ? "#" + std::to_string(queue.entries.size() + events.size() + 1) : name, !name.empty(), {}};
     due.actions.assign(actions.begin(), actions.end());
@@ -309,6 +312,7 @@ struct Simulation::Impl {
   template <class Act>
   void populate(const char* what, const std::string& body, Act act) {
     settle();
+    continues = false;
     const During working(doing, Doing::working);
     Event event;
     event.time = world.time();
@@ -372,6 +376,45 @@ struct Simulation::Impl {
     evaluate_state();
   }
 
+  // Evaluates nothing: that would change the counts of the run.
+  RunState run_state() {
+    settle();
+    RunState all;
+    all.world = world.snapshot();
+    all.queue = queue.state(world);
+    all.balance = balance;
+    all.dissipated = ledger.dissipated, all.work = ledger.work;
+    all.proposal = method->proposal();
+    all.evaluated = world.workspace_.evaluated == world.state_.stamp();
+    all.evaluations = evaluate.count, all.evaluation_seconds = evaluate.seconds;
+    all.statistics = statistics;
+    all.within_run = doing == Doing::watching;
+    if (all.within_run) all.statistics.total_seconds[statistics.changes > 0 ? 1 : 0] += detail::seconds_since(lap);
+    all.progress = progress.mark();
+    all.observed = observed, all.observed_at = observed_at, all.next_observation = next_look;
+    all.events = events;
+    return all;
+  }
+
+  void continue_from(const RunState& from) {
+    unadjusted.reset();
+    history.clear();
+    recover();
+    world.restore(from.world);
+    method = new_method();
+    method->set_proposal(from.proposal);
+    queue.continue_from(from.queue, world);
+    balance = from.balance;
+    ledger = {from.dissipated, from.work};
+    if (from.evaluated) evaluate_state();
+    evaluate.count = from.evaluations, evaluate.seconds = from.evaluation_seconds;
+    statistics = from.statistics;
+    progress.continue_from(from.progress);
+    continues = from.within_run;
+    observed = from.observed, observed_at = from.observed_at, next_look = from.next_observation;
+    events = from.events;
+  }
+
   std::optional<Error> unknown_name(const std::vector<std::string>& joints, const std::vector<std::string>& bodies) const {
     return momentree::unknown_name(world, queue, joints, bodies);
   }
@@ -393,23 +436,32 @@ struct Simulation::Impl {
     return observer(world);
   }
   bool watched() {
-    const During observing(doing, Doing::observing);
+    const During watching(doing, Doing::watching);
     return !watcher || watcher(world.time());
+  }
+
+  // What happens at the present instant before the first step.
+  Status begin_run() {
+    progress.begin(world.time(), events.size());
+    resolve_limits();
+    if (!happen()) return Status::refused;
+    return look(!observed) ? Status::ok : Status::interrupted;
+  }
+  // After each step.
+  Status note_progress(double until) {
+    const auto why = progress.step(world, *method, integration, events, until);
+    if (!why) return Status::ok;
+    message = *why;
+    return Status::stalled;
   }
 
   Status run(double until) {
     settle();
     if (diverged) return Status::diverged;
-    progress.begin(world.time(), events.size());
     stalled = false;
     const During working(doing, Doing::working);
     lap = Clock::now();
-    Status status = Status::ok;
-    resolve_limits();
-    if (!happen())
-      status = Status::refused;
-    else if (!look(!observed))
-      status = Status::interrupted;
+    Status status = std::exchange(continues, false) ? note_progress(until) : begin_run();
     while (status == Status::ok && world.time() < until) {
       double end = std::min(until, queue.next_time());
       if (observer && every > 0) end = std::min(end, next_look);
@@ -421,10 +473,7 @@ struct Simulation::Impl {
         status = Status::refused;
         break;
       }
-      if (!look(false) || !watched())
-        status = Status::interrupted;
-      else if (const auto why = progress.step(world, *method, integration, events, until))
-        status = Status::stalled, message = *why;
+      status = look(false) && watched() ? note_progress(until) : Status::interrupted;
     }
     if (status != Status::interrupted && !look(true)) status = Status::interrupted;
     evaluate_state();
@@ -461,6 +510,7 @@ struct Simulation::Impl {
   std::string message;  // the reason, as soon as it is known
   RunResult result;     // of the last call that returned one
   bool diverged = false, stalled = false;
+  bool continues = false;  // the next run continues one that was between two steps
   ProgressMonitor progress;
   double every = 0, next_look = 0, observed_at = 0;
   bool observed = false;
