@@ -23,6 +23,14 @@ bool read(const std::string& text, Number& number) {
   return failed == std::errc() && end == text.data() + text.size();
 }
 
+// "60s" as "60 s": without quotes, a value on a command line has no space.
+std::string apart(const std::string& text) {
+  double number = 0;
+  const char* const end = std::from_chars(text.data(), text.data() + text.size(), number).ptr;
+  const auto at = static_cast<std::size_t>(end - text.data());
+  return at > 0 && at < text.size() && text[at] != ' ' ? text.substr(0, at) + ' ' + text.substr(at) : text;
+}
+
 }  // namespace
 
 double seconds_argument(const char* option, const std::string& text) {
@@ -30,7 +38,7 @@ double seconds_argument(const char* option, const std::string& text) {
   double seconds = 0;
   if (!read(text, seconds)) {
     QuantityProblem problem;
-    const auto time = parse_quantity(text, dimension::time, problem);
+    const auto time = parse_quantity(apart(text), dimension::time, problem);
     if (!time) {
       const bool number = text.find_first_of("0123456789") != std::string::npos;  // then only the unit is wrong
       throw_error(
@@ -40,6 +48,12 @@ double seconds_argument(const char* option, const std::string& text) {
   }
   if (!std::isfinite(seconds)) throw_error({"expected a time", place(option, text), example});
   if (seconds < 0) throw_error({"a time must not be negative", place(option, text), example});
+  return seconds;
+}
+
+double interval_argument(const char* option, const std::string& text) {
+  const double seconds = seconds_argument(option, text);
+  if (seconds == 0) throw_error({"a time between checkpoints must be more than 0", place(option, text), std::string("for example ") + option + " 60s"});
   return seconds;
 }
 

@@ -121,6 +121,11 @@ void CommandLine::add_run() {
          "--until", [this](const std::string& text) { run_.until = time_argument("--until", text); },
          "End the run at this time instead: seconds, or with a unit as in \"2 min\"")
       ->type_name("T");
+  sub->add_option_function<std::string>(
+         "--checkpoint", [this](const std::string& text) { run_.checkpoint = interval_argument("--checkpoint", text); },
+         "Save the run each time that this wall-clock time has passed: seconds, or with a unit as in 60s or \"5 min\"")
+      ->type_name("T");
+  sub->add_flag("--resume", run_.resume, "Go on from the last checkpoint of a run into the same folder, if there is one");
   sub->add_flag("--report", run_.report, "Also write report.html: the motion, events and plots in one page");
   sub->add_flag("--reactions", run_.reactions, "Add the reactions of the joints to joints.csv: fx, fy, fz, mx, my, mz");
   sub->add_flag("--generate", run_.generate, "Compile and run code for each topology that occurs (short chains and arms)");

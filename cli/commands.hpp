@@ -13,6 +13,8 @@ struct RunOptions {
   std::string out;                     ///< empty: results/<scenario's name>
   std::vector<std::string> overrides;  ///< KEY=VALUE
   std::string until;
+  double checkpoint = 0;  ///< wall-clock time between checkpoints (s); 0: none, or for a resumed run as before
+  bool resume = false;
   bool report = false, reactions = false, quiet = false, json = false, generate = false, verbose = false;
 };
 int run(const RunOptions& options);

@@ -91,14 +91,55 @@ void ResultDirectory::begin() {
   check_destination();
   check_names();
   cleared_ = true;
-  if (const fs::path former = destination_ / helper::former; is_there(former)) {  // a run was killed while it removed this
-    if (const std::optional<ResultMarker> marker = ResultMarker::lock(former))
-      retire(former, *marker, destination_);
-    else
-      remove_if_empty(former);
-  }
+  remove_former();
   remove_own(working_, *marker_);
   marker_->clear();
+}
+
+// Of a run that was killed while it removed this.
+void ResultDirectory::remove_former() {
+  const fs::path former = destination_ / helper::former;
+  if (!is_there(former)) return;
+  if (const std::optional<ResultMarker> marker = ResultMarker::lock(former))
+    retire(former, *marker, destination_);
+  else
+    remove_if_empty(former);
+}
+
+std::unique_ptr<ResultDirectory> ResultDirectory::reopen(const std::string& destination, std::vector<std::string> files,
+                                                         const char* needed) {
+  std::unique_ptr<ResultDirectory> self(new ResultDirectory(std::move(files), true));
+  self->kept_ = true;
+  self->name_folders(destination);
+  if (!is_there(self->working_ / needed)) return nullptr;
+  require_real_folder(self->working_);
+  self->marker_ = ResultMarker::lock(self->working_);
+  if (!self->marker_ || !self->marker_->owns(self->working_, needed)) return nullptr;
+  if (is_there(self->destination_)) require_real_folder(self->destination_);
+  self->bring_back_former();
+  self->check_destination();
+  self->check_names();
+  return self;
+}
+
+void ResultDirectory::take_up() {
+  remove_former();
+  for (const char* const name : {"summary.json", "final.json", "report.html"}) remove(name);
+  for (const char* const name : {helper::fresh, helper::reserve}) ::unlink((working_ / name).c_str());
+}
+
+void ResultDirectory::to_disk() {
+  if (!lasting_) return;
+  marker_->to_disk();
+  if (const std::error_code error = sync_folder(working_)) fail_with_reason("cannot finish writing", working_.string(), error);
+}
+
+bool ResultDirectory::remove_published(const char* name) noexcept {
+  try {
+    return ::unlink((destination_ / name).c_str()) == 0 || errno == ENOENT;
+  } catch (const std::exception&) {  // no memory for its path
+    return false;
+  }
 }
 
 void ResultDirectory::lock_working() {
@@ -208,10 +249,7 @@ void ResultDirectory::discard() noexcept {
 std::vector<std::string> ResultDirectory::publish() {
   std::vector<std::string> warnings;
   const fs::path above = destination_.parent_path();  // once the result is in its destination nothing may throw
-  if (lasting_) {
-    marker_->to_disk();
-    if (const std::error_code error = sync_folder(working_)) fail_with_reason("cannot finish writing", working_.string(), error);
-  }
+  to_disk();
   for (int tries = 0;; ++tries) {  // the destination may change meanwhile
     if (tries == 100) throw_error({"cannot move the result to its destination", destination_.string(), ""});
     std::error_code error = move_to_new(working_, destination_);

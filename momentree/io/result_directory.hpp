@@ -2,9 +2,11 @@
 // The folder that a run writes into: a sibling of its destination while the run is in progress, the destination itself once it
 // is complete.
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <momentree/io/result_marker.hpp>
@@ -23,12 +25,19 @@ class ResultDirectory {
   /// something that momentree did not write.
   explicit ResultDirectory(const std::string& destination, std::vector<std::string> files = {}, bool lasting = true);
   /// Removes what this object made, unless `keep` was called.
+  /// Takes up `DESTINATION.partial` of a run that ended before its result was complete, if the folder has the file `needed`;
+  /// otherwise null. Nothing in it is changed before `take_up`. Throws Error as the constructor does.
+  static std::unique_ptr<ResultDirectory> reopen(const std::string& destination, std::vector<std::string> files,
+                                                 const char* needed);
   ~ResultDirectory();
   ResultDirectory(const ResultDirectory&) = delete;
   ResultDirectory& operator=(const ResultDirectory&) = delete;
 
   const std::filesystem::path& destination() const { return destination_; }
   const std::filesystem::path& working() const { return working_; }
+
+  /// After reopen(): removes the documents with which the former run ended.
+  void take_up();
 
   /// The path of a file that is about to be written in the folder.
   std::string file(const char* name);
@@ -37,6 +46,10 @@ class ResultDirectory {
   void write(const char* name, std::string_view text, bool from_reserve = false);
   /// Removes a file that was written; a missing file is not an error.
   void remove(const char* name) noexcept;
+  /// Waits until the names of all files are on the disk, as well as what write() wrote. Throws Error.
+  void to_disk();
+  /// After publish(): removes a file from the destination. False if that fails.
+  bool remove_published(const char* name) noexcept;
   /// Allocates disk space, so that a file of up to `size` bytes can be written even if the disk is full by then.
   void reserve(std::size_t size);
 
@@ -48,6 +61,8 @@ class ResultDirectory {
   std::vector<std::string> publish();
 
  private:
+  ResultDirectory(std::vector<std::string> files, bool lasting) : files_(std::move(files)), lasting_(lasting) {}
+  void remove_former();
   void name_folders(const std::string& destination);
   void begin();
   void lock_working();
