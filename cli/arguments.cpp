@@ -59,6 +59,13 @@ double interval_argument(const char* option, const std::string& text) {
 
 std::string time_argument(const char* option, const std::string& text) { return io::number_text(seconds_argument(option, text)); }
 
+double tolerance_argument(const char* option, const std::string& text) {
+  double number = 0;
+  if (!read(text, number) || !std::isfinite(number) || number < 0)
+    throw_error({"expected a number of at least 0", place(option, text), std::string("for example ") + option + " 1e-9"});
+  return number;
+}
+
 int number_argument(const char* option, const std::string& text, int least, int most) {
   int number = 0;
   if (!read(text, number) || number < least || number > most)

@@ -10,6 +10,8 @@ double seconds_argument(const char* option, const std::string& text);
 double interval_argument(const char* option, const std::string& text);
 /// The same time as the text of a scenario value.
 std::string time_argument(const char* option, const std::string& text);
+/// A number of at least 0.
+double tolerance_argument(const char* option, const std::string& text);
 /// A whole number in [least, most].
 int number_argument(const char* option, const std::string& text, int least, int most);
 

@@ -19,6 +19,14 @@ struct RunOptions {
 };
 int run(const RunOptions& options);
 
+struct ReplayOptions {
+  std::string one, other;  ///< result folders
+  double tolerance = 0;
+  bool json = false;
+};
+/// Returns `done` if the results are equal, `failed` if they differ.
+int replay(const ReplayOptions& options);
+
 struct CheckOptions {
   std::vector<std::string> files;
   bool json = false, verbose = false;
