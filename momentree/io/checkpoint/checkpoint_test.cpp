@@ -119,7 +119,7 @@ TEST_CASE("a checkpoint of another model or of other events is refused") {
   CHECK(refusal(same, saved).empty());
   CHECK(refusal(eventless, saved).find("of a run with other events") != std::string::npos);
   Model model = io::test::two_mechanisms();
-  model.add({.name = "more", .mass = 1, .com = {0, 0, -1}, .joint = Revolute{}});
+  model.add({.name = "more", .mass = 1, .com = {0, 0, -1}, .joint = Revolute{.axis = {1, 0, 0}}});
   CHECK(refusal(Simulation(model), saved).find("of another model") != std::string::npos);
   const auto damaged = [&](auto change) {
     io::Checkpoint changed = saved;
