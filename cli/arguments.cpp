@@ -53,7 +53,9 @@ double seconds_argument(const char* option, const std::string& text) {
 
 double interval_argument(const char* option, const std::string& text) {
   const double seconds = seconds_argument(option, text);
-  if (seconds == 0) throw_error({"a time between checkpoints must be more than 0", place(option, text), std::string("for example ") + option + " 60s"});
+  if (seconds == 0)
+    throw_error(
+        {"a time between checkpoints must be more than 0", place(option, text), std::string("for example ") + option + " 60s"});
   return seconds;
 }
 

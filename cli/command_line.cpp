@@ -164,7 +164,8 @@ void CommandLine::add_readers() {
 }
 
 void CommandLine::add_replay() {
-  CLI::App* sub = command("replay", "Compare two results: the first row and body in which they differ", [this] { return replay(replay_); });
+  CLI::App* sub =
+      command("replay", "Compare two results: the first row and body in which they differ", [this] { return replay(replay_); });
   sub->add_option("first", replay_.one, "A result directory of `momentree run`, also one that ends in .partial")
       ->required()
       ->type_name("DIR");

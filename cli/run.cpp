@@ -60,7 +60,8 @@ int run(const RunOptions& options) {
   const std::string out = options.out.empty() ? "results/" + scenario->name : options.out;
   const bool saves = options.checkpoint > 0 || options.resume;
   if (saves && options.generate)
-    throw_error({"--generate cannot be combined with --checkpoint and --resume: generated code is not part of a checkpoint", "", "leave out --generate"});
+    throw_error({"--generate cannot be combined with --checkpoint and --resume: generated code is not part of a checkpoint", "",
+                 "leave out --generate"});
   std::optional<io::RunInput> input;
   if (saves) input = io::run_input(*scenario, options.reactions);
   std::optional<io::Interrupted> former;

@@ -18,7 +18,8 @@ constexpr CrcTables make_crc_tables() {
     crc_tables[0][b] = crc;
   }
   for (std::size_t k = 1; k < 8; ++k)
-    for (std::size_t b = 0; b < 256; ++b) crc_tables[k][b] = (crc_tables[k - 1][b] >> 8) ^ crc_tables[0][crc_tables[k - 1][b] & 255];
+    for (std::size_t b = 0; b < 256; ++b)
+      crc_tables[k][b] = (crc_tables[k - 1][b] >> 8) ^ crc_tables[0][crc_tables[k - 1][b] & 255];
   return crc_tables;
 }
 

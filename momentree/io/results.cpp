@@ -56,7 +56,8 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, RecordOptions
       joints_(open_table(*directory_, "joints.csv", options_, from != nullptr ? &from->joints : nullptr)),
       body_columns_(simulation.world().model()),
       joint_columns_(options_.joints, options_.reactions) {
-  if (options_.energy) energy_.emplace(open_table(*directory_, "energy.csv", options_, from != nullptr ? &*from->energy : nullptr));
+  if (options_.energy)
+    energy_.emplace(open_table(*directory_, "energy.csv", options_, from != nullptr ? &*from->energy : nullptr));
 }
 
 Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_view model_json, RecordOptions options)
@@ -125,7 +126,8 @@ bool Recorder::save(double every) noexcept {
       directory_->write(checkpoint_file, checkpoint_bytes(checkpoint));
       directory_->to_disk();
     } catch (const Error& error) {
-      if (warnings_.empty()) warnings_.push_back((error.where.empty() ? "" : error.where + ": ") + "warning: no checkpoint: " + error.problem);
+      if (warnings_.empty())
+        warnings_.push_back((error.where.empty() ? "" : error.where + ": ") + "warning: no checkpoint: " + error.problem);
     }
   });
 }
@@ -266,7 +268,8 @@ void Recorder::finish(const std::string& status, const Armed& armed, const Repor
   });
   if (!published_) return seal(outcome, report);
   // Only now, so that a run that is killed here need not be repeated.
-  if (options_.input && !directory_->remove_published(checkpoint_file)) warnings_.push_back(directory() + ": warning: the checkpoint is still there");
+  if (options_.input && !directory_->remove_published(checkpoint_file))
+    warnings_.push_back(directory() + ": warning: the checkpoint is still there");
 }
 
 void Recorder::abandon(const char* status) noexcept {

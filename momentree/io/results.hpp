@@ -55,9 +55,9 @@ class Recorder {
   /// events. Returns false if the row could not be written (a full disk); `error` then gives the reason.
   bool observe(const World& world) noexcept;
 
-  /// Writes a checkpoint of the run, with everything before it flushed to disk; call it where Simulation::run_state may be called.
-  /// `every`: the wall-clock time between checkpoints (s), for a continuation. If only the checkpoint cannot be written, the
-  /// former one stays and a warning says so. Returns false if a table could not be written: `error` then gives the reason.
+  /// Writes a checkpoint of the run, with everything before it flushed to disk; call it where Simulation::run_state may be
+  /// called. `every`: the wall-clock time between checkpoints (s), for a continuation. If only the checkpoint cannot be written,
+  /// the former one stays and a warning says so. Returns false if a table could not be written: `error` then gives the reason.
   bool save(double every) noexcept;
 
   /// Ends the tables with the final state and writes the other files, summary.json last; a run with status `done` is then moved

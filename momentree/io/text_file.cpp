@@ -126,7 +126,8 @@ void require_unchanged(const std::string& path, const TextFile::Mark& mark) {
   std::string piece(1u << 18, '\0');
   Checksum checksum;
   for (std::uint64_t left = mark.size; left > 0;) {
-    const std::size_t count = read_some(file, piece.data(), static_cast<std::size_t>(std::min<std::uint64_t>(left, piece.size())), path);
+    const std::size_t count =
+        read_some(file, piece.data(), static_cast<std::size_t>(std::min<std::uint64_t>(left, piece.size())), path);
     if (count == 0)
       throw_error({"this file is shorter than it was at the checkpoint", path, "run without --resume to start again"});
     checksum.add(std::string_view(piece).substr(0, count));

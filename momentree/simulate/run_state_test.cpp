@@ -81,7 +81,8 @@ class Run {
     for (const Event& event : simulation_->events()) {
       end_.events += event.name;
       for (const std::string& action : event.action_texts()) end_.events += " " + action;
-      for (const double x : {event.time, event.after.kinetic, event.lost, event.work, event.hardest_linear}) append(end_.events, x);
+      for (const double x : {event.time, event.after.kinetic, event.lost, event.work, event.hardest_linear})
+        append(end_.events, x);
     }
     const RunStatistics& s = simulation_->statistics();
     for (const long count : {s.steps, s.changes, s.evaluations[0], s.evaluations[1], static_cast<long>(result.status)})
@@ -161,7 +162,8 @@ TEST_CASE("a continued run equals the uninterrupted one: every integration metho
 }
 
 TEST_CASE("a continued run equals the uninterrupted one: changes of the topology") {
-  check({chain(), [](Simulation& sim) {
+  check({chain(),
+         [](Simulation& sim) {
            sim.expect_joints({"grip", "hold"});
            sim.at(0.03).then(lock("chain/2"));
            sim.at(0.06).then(break_joint("chain/3")).then(unlock("chain/2"));
@@ -178,7 +180,8 @@ TEST_CASE("a continued run equals the uninterrupted one: changes of the topology
 }
 
 TEST_CASE("a continued run equals the uninterrupted one: events that follow, repeat, wait and last") {
-  check({chain(), [](Simulation& sim) {
+  check({chain(),
+         [](Simulation& sim) {
            sim.at(0.05).then(lock("chain/4")).named("first");
            sim.after("first", 0.0333).then(unlock("chain/4")).named("second");
            sim.after("second").then(impulse("ball", {0, 0.01, 0}));
@@ -207,7 +210,8 @@ TEST_CASE("a continued run equals the uninterrupted one: drives, motions and for
   drives.drive = effort_drive({Signal::table({{0, 0}, {0.07, 0.01}, {0.19, -0.02}})});
   JointParameters from_here;
   from_here.drive = motion_drive(Signal::ramp_from_here(0.7));
-  check({chain(moves, drives), [from_here](Simulation& sim) {
+  check({chain(moves, drives),
+         [from_here](Simulation& sim) {
            sim.drive("chain/4", [](const EvaluationContext& c) { return 1e-3 * std::sin(20 * c.time()); });
            sim.force("ball", [](const EvaluationContext&) { return Wrench{{0, 1, 0}, {0, 0, 1e-4}}; });
            sim.at(0.08).then(lock("chain/1"));

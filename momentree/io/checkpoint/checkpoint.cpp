@@ -70,7 +70,8 @@ Checkpoint read_checkpoint(std::string_view bytes, const std::string& path) {
   checksum.add(bytes.substr(0, bytes.size() - tail));
   if (checksum.value() != number_in(bytes, bytes.size() - tail)) throw_error({damaged_checkpoint, path, start_again});
   if (const std::uint64_t found = number_in(bytes, checkpoint_magic.size()); found != checkpoint_format)
-    throw_error({"this checkpoint has format " + std::to_string(found) + ", and this version reads format " + std::to_string(checkpoint_format),
+    throw_error({"this checkpoint has format " + std::to_string(found) + ", and this version reads format " +
+                     std::to_string(checkpoint_format),
                  path, "resume with the version that wrote it, or run without --resume"});
   Checkpoint checkpoint;
   try {

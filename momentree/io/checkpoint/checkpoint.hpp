@@ -72,7 +72,8 @@ struct Interrupted {
 /// checkpoint that is damaged or of another input, and for tables that were changed since.
 std::optional<Interrupted> find_checkpoint(const std::string& destination, const RunInput& input);
 
-/// True if `destination` has the complete result of that input by this program.
+/// True if `destination` has the complete result of that input by this program. A checkpoint is removed from it: that of a run
+/// that was killed after it published its result. Throws Error.
 bool is_complete(const std::string& destination, const RunInput& input);
 
 }  // namespace momentree::io

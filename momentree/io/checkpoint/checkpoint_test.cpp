@@ -57,7 +57,8 @@ TEST_CASE("the checksum is CRC-64/XZ") {
 }
 
 TEST_CASE("parameters of joints read back to the same bits") {
-  JointParameters p{.damping = {0.1, 1e-300, -0.0}, .stiffness = 2, .rest = {0.5, 0.25}, .armature = 1e-9, .effort = {1, 2, 3, 4, 5, 6}};
+  JointParameters p{
+      .damping = {0.1, 1e-300, -0.0}, .stiffness = 2, .rest = {0.5, 0.25}, .armature = 1e-9, .effort = {1, 2, 3, 4, 5, 6}};
   p.limits = {.lower = -1, .upper = {1, HUGE_VAL}, .restitution = 0.5, .rest_speed = 2e-3, .stiffness = 100, .damping = 3};
   p.friction = {.coulomb = {1, 2}, .speed = 0.01};
   p.strength = {.force = 12};

@@ -13,7 +13,8 @@ constexpr const char* again = "or run without --resume to start again from the b
 void require_same_input(const RunInput& then, const RunInput& now, const std::string& path) {
   const auto refuse = [&](const std::string& what, const std::string& hint) { throw_error({what, path, hint + ", " + again}); };
   if (then.version != now.version)
-    refuse("this checkpoint was written by momentree " + then.version + ", and this is " + now.version, "resume with that version");
+    refuse("this checkpoint was written by momentree " + then.version + ", and this is " + now.version,
+           "resume with that version");
   if (then.scenario != now.scenario)
     refuse("this checkpoint is of another scenario, or of other values of --set and --until, or a model file has changed",
            "resume with the same files and options");
@@ -35,7 +36,8 @@ RunInput run_input(const Scenario& scenario, bool reactions) {
 std::optional<Interrupted> find_checkpoint(const std::string& destination, const RunInput& input) {
   Interrupted found;
   found.directory = ResultDirectory::reopen(
-      destination, {"summary.json", "model.json", "events.jsonl", "bodies.csv", "joints.csv", "energy.csv", "final.json", checkpoint_file},
+      destination,
+      {"summary.json", "model.json", "events.jsonl", "bodies.csv", "joints.csv", "energy.csv", "final.json", checkpoint_file},
       checkpoint_file);
   if (!found.directory) return std::nullopt;
   const std::filesystem::path& folder = found.directory->working();
@@ -63,8 +65,13 @@ bool is_complete(const std::string& destination, const RunInput& input) {
     return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
   };
   const auto scenario = summary.find("scenario");
-  return text(summary, "status") == "done" && text(summary, "version") == input.version && scenario != summary.end() &&
-         scenario->is_object() && text(*scenario, "hash") == input.scenario;
+  if (text(summary, "status") != "done" || text(summary, "version") != input.version || scenario == summary.end() ||
+      !scenario->is_object() || text(*scenario, "hash") != input.scenario)
+    return false;
+  if (is_there(std::filesystem::path(destination) / checkpoint_file))
+    if (const auto marker = ResultMarker::lock(destination); marker && marker->owns(destination, checkpoint_file))
+      std::filesystem::remove(std::filesystem::path(destination) / checkpoint_file);
+  return true;
 }
 
 }  // namespace momentree::io

@@ -50,8 +50,14 @@ void fields(Archive& archive, Part<Archive, SignalParts>& s) {
   archive(s.offset, s.amplitude, s.frequency, s.phase, s.ramp, s.free_ends, s.from_here, s.knots);
 }
 inline void fields(ArchiveWriter& archive, const Signal& s) {
-  archive(SignalParts{s.offset(), s.amplitude(), s.frequency(), s.phase(), s.ramp_rate(), s.ends() == Signal::Ends::free,
-                      s.from_here(), {s.knots().begin(), s.knots().end()}});
+  archive(SignalParts{s.offset(),
+                      s.amplitude(),
+                      s.frequency(),
+                      s.phase(),
+                      s.ramp_rate(),
+                      s.ends() == Signal::Ends::free,
+                      s.from_here(),
+                      {s.knots().begin(), s.knots().end()}});
 }
 inline void fields(ArchiveReader& archive, Signal& signal) {
   SignalParts s;

@@ -39,7 +39,9 @@ Comparison compare_results(const std::string& one, const std::string& other, dou
   all.events = compare_events(folders, ends, found);
   const bool same_length = std::ranges::none_of(found, [](const Difference& d) { return d.kind == Difference::Kind::longer; });
   if (same_length) compare_documents(folders, "final.json", "", found);
-  const auto place = [](const Difference& d) { return d.kind == Difference::Kind::model ? -HUGE_VAL : d.time.value_or(HUGE_VAL); };
+  const auto place = [](const Difference& d) {
+    return d.kind == Difference::Kind::model ? -HUGE_VAL : d.time.value_or(HUGE_VAL);
+  };
   std::ranges::stable_sort(found, [&](const Difference& a, const Difference& b) { return place(a) < place(b); });
   return all;
 }

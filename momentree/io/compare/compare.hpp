@@ -15,8 +15,8 @@ struct Difference {
   std::string what{};                ///< a sentence without file, row and time
   std::optional<std::size_t> row{};  ///< of a table, from 1, without the header; or the number of an event
   std::optional<double> time{};      ///< s
-  std::string name{}, column{};        ///< the body, joint or event, and its column or the path within it
-  std::string one{}, other{};          ///< both values, as in the files; empty: absent
+  std::string name{}, column{};      ///< the body, joint or event, and its column or the path within it
+  std::string one{}, other{};        ///< both values, as in the files; empty: absent
 };
 
 struct Comparison {

@@ -90,11 +90,13 @@ void compare_documents(const Compared& folders, const char* file, const char* wi
   if (!one && !other) return;
   Difference difference{.kind = Difference::Kind::document, .file = file};
   if (one != other) {
-    difference.what = "only the " + std::string(one ? "first" : "second") + " folder has this file: the other run did not come to its end";
+    difference.what =
+        "only the " + std::string(one ? "first" : "second") + " folder has this file: the other run did not come to its end";
     found.push_back(std::move(difference));
     return;
   }
-  const std::string text = read_text_file((folders.one / file).string()), text_2 = read_text_file((folders.other / file).string());
+  const std::string text = read_text_file((folders.one / file).string()),
+                    text_2 = read_text_file((folders.other / file).string());
   if (text == text_2) return;
   const Value a = parse_json(text, (folders.one / file).string()), b = parse_json(text_2, (folders.other / file).string());
   ValueComparison values(folders.tolerance);
@@ -125,13 +127,15 @@ std::size_t compare_events(const Compared& folders, const TableEnds& ends, std::
       events[i] = parse_json(lines[i], names[i] + ':' + std::to_string(readers[i].number()));
       const Value::Entry *time = events[i].find("time"), *name = events[i].find("event");
       if (time == nullptr || !time->value.number() || name == nullptr || name->value.string() == nullptr)
-        throw_error({"this is no event", names[i] + ':' + std::to_string(readers[i].number()), "give a folder that `momentree run` wrote"});
+        throw_error({"this is no event", names[i] + ':' + std::to_string(readers[i].number()),
+                     "give a folder that `momentree run` wrote"});
       if (!difference.time || *time->value.number() < *difference.time)
         difference.time = time->value.number(), difference.name = *name->value.string();
     }
     if (!there[0] || !there[1]) {
       if (*difference.time > (there[0] ? ends.other : ends.one)) return count;  // after the end of the shorter run
-      difference.what = "only the " + std::string(there[0] ? "first" : "second") + " run has the event " + in_quotes(difference.name);
+      difference.what =
+          "only the " + std::string(there[0] ? "first" : "second") + " run has the event " + in_quotes(difference.name);
       found.push_back(std::move(difference));
       return count;
     }
@@ -139,7 +143,8 @@ std::size_t compare_events(const Compared& folders, const TableEnds& ends, std::
     if (!values.tables_differ(events[0], events[1], "duration_ns")) continue;
     difference.column = path_text(values.path);
     difference.one = values.one, difference.other = values.other;
-    difference.what = "event " + in_quotes(difference.name) + ", " + difference.column + ": " + both_text(values.one, values.other);
+    difference.what =
+        "event " + in_quotes(difference.name) + ", " + difference.column + ": " + both_text(values.one, values.other);
     found.push_back(std::move(difference));
     return count;
   }

@@ -20,7 +20,7 @@ bool near_enough(double one, double other, double tolerance);
 
 /// How far two tables were compared.
 struct TableEnds {
-  std::size_t rows = 0;  ///< in both
+  std::size_t rows = 0;       ///< in both
   double one = 0, other = 0;  ///< the time of the last row of each (s)
 };
 /// Adds the first difference of the two tables.

@@ -77,8 +77,8 @@ std::optional<Difference> other_columns(const RowReader& one, const RowReader& o
   if (const std::string* const column = in_one != nullptr ? in_one : in_other) {
     const NamedColumn parts = parts_of(*column);
     found.name = parts.name, found.column = parts.column;
-    found.what = "only the " + std::string(in_one != nullptr ? "first" : "second") + " run has the column " + parts.column + " of " +
-                 thing + ' ' + in_quotes(parts.name);
+    found.what = "only the " + std::string(in_one != nullptr ? "first" : "second") + " run has the column " + parts.column +
+                 " of " + thing + ' ' + in_quotes(parts.name);
   } else {
     found.what = "the columns are in another order";
   }
@@ -108,7 +108,8 @@ std::optional<Difference> other_cell(const RowReader& one, const RowReader& othe
     Difference found{.file = file, .time = one.time(), .name = parts.name, .column = parts.column, .one = x, .other = y};
     found.what = std::string(thing) + ' ' + in_quotes(parts.name) + ", " + parts.column + ": ";
     if (x.empty() || y.empty())
-      found.what += x.empty() ? "absent in the first run, " + y + " in the second" : x + " in the first run, absent in the second";
+      found.what +=
+          x.empty() ? "absent in the first run, " + y + " in the second" : x + " in the first run, absent in the second";
     else
       found.what += x + " and " + y;
     if (p && q) found.what += ", " + rounded_text(std::fabs(*p - *q), 3) + " apart";
@@ -138,8 +139,8 @@ TableEnds compare_tables(const Compared& folders, const char* file, std::vector<
     rows += lasting.rest();
     Difference difference{.kind = Difference::Kind::longer, .file = file, .time = from};
     difference.what = "the " + std::string(second ? "first" : "second") + " run ends at t = " + number_text(shorter.time()) +
-                      " s; the " + (second ? "second" : "first") + " has " + std::to_string(rows) + " more rows, up to t = " +
-                      number_text(lasting.time()) + " s";
+                      " s; the " + (second ? "second" : "first") + " has " + std::to_string(rows) +
+                      " more rows, up to t = " + number_text(lasting.time()) + " s";
     note(std::move(difference));
   };
   while (!differs) {
