@@ -19,7 +19,7 @@ std::string value_text(const Value& value) {
   return value.type_name();
 }
 
-// The first place in which two values differ, as a path: "joints", "p/pin", "q", "0".
+// The first place in which two values differ, as a path: "joints", "arm/elbow", "q", "0".
 class ValueComparison {
  public:
   explicit ValueComparison(double tolerance) : tolerance_(tolerance) {}
