@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <new>
 #include <utility>
 
 #include <momentree/base/error.hpp>
@@ -134,11 +135,13 @@ void ResultDirectory::to_disk() {
   if (const std::error_code error = sync_folder(working_)) fail_with_reason("cannot finish writing", working_.string(), error);
 }
 
-bool ResultDirectory::remove_published(const char* name) noexcept {
+void ResultDirectory::remove_published(const char* name, std::vector<std::string>& warnings) noexcept {
+  if (name == nullptr) return;
   try {
-    return ::unlink((destination_ / name).c_str()) == 0 || errno == ENOENT;
-  } catch (const std::exception&) {  // no memory for its path
-    return false;
+    const fs::path path = destination_ / name;
+    if (::unlink(path.c_str()) != 0 && errno != ENOENT)
+      warnings.push_back(path.native() + ": warning: this file is still here: " + last_error().message());
+  } catch (const std::exception&) {  // no memory: the next run removes it
   }
 }
 
@@ -246,7 +249,7 @@ void ResultDirectory::discard() noexcept {
   }
 }
 
-std::vector<std::string> ResultDirectory::publish() {
+std::vector<std::string> ResultDirectory::publish(const char* temporary) {
   std::vector<std::string> warnings;
   const fs::path above = destination_.parent_path();  // once the result is in its destination nothing may throw
   to_disk();
@@ -260,21 +263,22 @@ std::vector<std::string> ResultDirectory::publish() {
     if (destination_marker_ && !destination_marker_->is_in(destination_)) destination_marker_.reset();
     if (!destination_marker_) destination_marker_ = ResultMarker::lock(destination_);
     if (destination_marker_) {
-      replace_destination(warnings);
-      break;
+      replace_destination(temporary, warnings);
+      return warnings;
     }
     take_mode(working_, destination_);
     if (::rename(working_.c_str(), destination_.c_str()) == 0) break;  // it was empty
     if (is_there(destination_) && !is_empty_folder(destination_)) refuse_foreign(destination_);
   }
-  if (lasting_) sync_folder(above);
   kept_ = true;
+  if (lasting_) sync_folder(above);
+  remove_published(temporary, warnings);
   return warnings;
 }
 
 // At every instant one of the two results is at the destination. The exception is a file system without exchange: there is then
 // an instant at which the earlier result is in the working folder, and the next run restores it.
-void ResultDirectory::replace_destination(std::vector<std::string>& warnings) {
+void ResultDirectory::replace_destination(const char* temporary, std::vector<std::string>& warnings) {
   const fs::path above = destination_.parent_path(), within = working_ / helper::former, after = destination_ / helper::former;
   check_names();
   take_mode(working_, destination_);
@@ -301,7 +305,13 @@ void ResultDirectory::replace_destination(std::vector<std::string>& warnings) {
   }
   kept_ = true;  // from here on the working folder's name refers to the earlier result
   if (lasting_) sync_folder(above);
-  warnings = retire(exchanged ? working_ : after, *destination_marker_, destination_);
+  remove_published(temporary, warnings);
+  std::vector<std::string> more = retire(exchanged ? working_ : after, *destination_marker_, destination_);
+  warnings.swap(more);
+  try {
+    for (std::string& warning : more) warnings.push_back(std::move(warning));
+  } catch (const std::bad_alloc&) {  // the next run finds the files that stay here
+  }
 }
 
 }  // namespace momentree::io

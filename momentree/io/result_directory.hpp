@@ -48,8 +48,6 @@ class ResultDirectory {
   void remove(const char* name) noexcept;
   /// Waits until the names of all files are on the disk, as well as what write() wrote. Throws Error.
   void to_disk();
-  /// After publish(): removes a file from the destination. False if that fails.
-  bool remove_published(const char* name) noexcept;
   /// Allocates disk space, so that a file of up to `size` bytes can be written even if the disk is full by then.
   void reserve(std::size_t size);
 
@@ -58,7 +56,8 @@ class ResultDirectory {
 
   /// Moves the folder to the destination. Files there that momentree wrote are removed; all others stay. Returns warnings:
   /// files of the earlier result that could not be moved or removed. Throws Error if the destination is unchanged.
-  std::vector<std::string> publish();
+  /// `temporary`: a file that is removed once the result is at the destination; null: none.
+  std::vector<std::string> publish(const char* temporary = nullptr);
 
  private:
   ResultDirectory(std::vector<std::string> files, bool lasting) : files_(std::move(files)), lasting_(lasting) {}
@@ -69,7 +68,8 @@ class ResultDirectory {
   void bring_back_former();
   void check_destination();
   void check_names() const;
-  void replace_destination(std::vector<std::string>& warnings);
+  void remove_published(const char* name, std::vector<std::string>& warnings) noexcept;
+  void replace_destination(const char* temporary, std::vector<std::string>& warnings);
   void discard() noexcept;
 
   std::filesystem::path destination_, working_;

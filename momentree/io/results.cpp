@@ -263,13 +263,15 @@ void Recorder::finish(const std::string& status, const Armed& armed, const Repor
   });
   seal(outcome, report);
   if (failed_ || status != "done") return;
-  published_ = attempt([&] {
-    for (std::string& warning : directory_->publish()) warnings_.push_back(std::move(warning));
-  });
+  // The checkpoint goes only when the result is in its place: a run that is killed before that can be resumed.
+  std::vector<std::string> warnings;
+  published_ = attempt([&] { warnings = directory_->publish(options_.input ? checkpoint_file : nullptr); });
   if (!published_) return seal(outcome, report);
-  // Only now, so that a run that is killed here need not be repeated.
-  if (options_.input && !directory_->remove_published(checkpoint_file))
-    warnings_.push_back(directory() + ": warning: the checkpoint is still there");
+  warnings_.swap(warnings);
+  try {
+    for (std::string& warning : warnings) warnings_.push_back(std::move(warning));  // of checkpoints
+  } catch (const std::bad_alloc&) {
+  }
 }
 
 void Recorder::abandon(const char* status) noexcept {
