@@ -19,16 +19,20 @@ namespace momentree::io {
 /// files that the folders' markers name, and that momentree therefore wrote, are ever removed.
 class ResultDirectory {
  public:
-  /// Makes `DESTINATION.partial` and its parent folders, and removes the files of an earlier run from it. `files`: names that
-  /// will be written. `lasting`: the published result is flushed to disk, so that it survives a power failure. Throws Error,
-  /// and leaves everything as it was, if the folder cannot be made, if another run is using it, or if it would have to replace
-  /// something that momentree did not write.
-  explicit ResultDirectory(const std::string& destination, std::vector<std::string> files = {}, bool lasting = true);
-  /// Removes what this object made, unless `keep` was called.
+  /// What happens to the files of an earlier run that did not end.
+  enum class Earlier { removed, kept };
+
+  /// Makes `DESTINATION.partial` and its parent folders, and removes the files of an earlier run from it, unless they are kept
+  /// so that the run can be continued. `files`: names that will be written. `lasting`: the published result is flushed to disk,
+  /// so that it survives a power failure. Throws Error, and leaves everything as it was, if the folder cannot be made, if another
+  /// run is using it, or if it would have to replace something that momentree did not write.
+  explicit ResultDirectory(const std::string& destination, std::vector<std::string> files = {}, bool lasting = true,
+                           Earlier earlier = Earlier::removed);
   /// Takes up `DESTINATION.partial` of a run that ended before its result was complete, if the folder has the file `needed`;
   /// otherwise null. Nothing in it is changed before `take_up`. Throws Error as the constructor does.
   static std::unique_ptr<ResultDirectory> reopen(const std::string& destination, std::vector<std::string> files,
                                                  const char* needed);
+  /// Removes what this object made, unless `keep` was called.
   ~ResultDirectory();
   ResultDirectory(const ResultDirectory&) = delete;
   ResultDirectory& operator=(const ResultDirectory&) = delete;
@@ -38,6 +42,10 @@ class ResultDirectory {
 
   /// After reopen(): removes the documents with which the former run ended.
   void take_up();
+  /// Whether momentree wrote a file of that name in the working folder: in an earlier run, or in this one.
+  bool has(const char* name) const;
+  /// Removes what an earlier run left and was kept.
+  void clear();
 
   /// The path of a file that is about to be written in the folder.
   std::string file(const char* name);
@@ -60,7 +68,7 @@ class ResultDirectory {
   std::vector<std::string> publish(const char* temporary = nullptr);
 
  private:
-  ResultDirectory(std::vector<std::string> files, bool lasting) : files_(std::move(files)), lasting_(lasting) {}
+  ResultDirectory(std::vector<std::string> files, bool lasting) : files_(std::move(files)), lasting_(lasting), earlier_(Earlier::kept) {}
   void remove_former();
   void name_folders(const std::string& destination);
   void begin();
@@ -75,6 +83,7 @@ class ResultDirectory {
   std::filesystem::path destination_, working_;
   std::vector<std::string> files_;
   bool lasting_;
+  Earlier earlier_;
   std::optional<ResultMarker> marker_;              ///< of the working folder, and moves with it
   std::optional<ResultMarker> destination_marker_;  ///< of the earlier result
   std::filesystem::path topmost_made_;              ///< the topmost parent folder that did not exist

@@ -400,6 +400,20 @@ struct Simulation::Impl {
     const During observing(doing, Doing::observing);
     return observer(world);
   }
+  bool sampled() {
+    if (!sampler) return true;
+    evaluate_state();
+    const During observing(doing, Doing::observing);
+    return sampler(world);
+  }
+  // Events of the instant, with samples of the states before and after them.
+  bool happen_between_samples(Status& status) {
+    if (!sampled()) status = Status::interrupted;
+    const std::size_t before = events.size();
+    if (status == Status::ok && !happen()) status = Status::refused;
+    if (status == Status::ok && events.size() != before && !sampled()) status = Status::interrupted;
+    return status == Status::ok;
+  }
   bool watched() {
     const During watching(doing, Doing::watching);
     return !watcher || watcher(world.time());
@@ -409,15 +423,14 @@ struct Simulation::Impl {
   Status begin_run() {
     progress.begin(world.time(), events.size());
     resolve_limits();
-    if (!happen()) return Status::refused;
-    return look(!observed) ? Status::ok : Status::interrupted;
+    Status status = Status::ok;
+    return happen_between_samples(status) && !look(!observed) ? Status::interrupted : status;
   }
   // After each step.
   Status note_progress(double until) {
     const auto why = progress.step(world, *method, integration, events, until);
-    if (!why) return Status::ok;
-    message = *why;
-    return Status::stalled;
+    if (why) message = *why;
+    return why ? Status::stalled : Status::ok;
   }
 
   Status run(double until) {
@@ -434,10 +447,7 @@ struct Simulation::Impl {
         status = stalled ? Status::stalled : Status::diverged;
         break;
       }
-      if (!happen()) {
-        status = Status::refused;
-        break;
-      }
+      if (!happen_between_samples(status)) break;
       status = look(false) && watched() ? note_progress(until) : Status::interrupted;
     }
     if (status != Status::interrupted && !look(true)) status = Status::interrupted;
@@ -480,6 +490,7 @@ struct Simulation::Impl {
   double every = 0, next_look = 0, observed_at = 0;
   bool observed = false;
   std::function<bool(const World&)> observer;
+  std::function<bool(const World&)> sampler;
   std::function<bool(double)> watcher;
   RatesProvider generated;
   std::optional<std::uint64_t> asked_for;  // the revision of the tree for which the provider was last called
