@@ -68,7 +68,8 @@ class ResultDirectory {
   std::vector<std::string> publish(const char* temporary = nullptr);
 
  private:
-  ResultDirectory(std::vector<std::string> files, bool lasting) : files_(std::move(files)), lasting_(lasting), earlier_(Earlier::kept) {}
+  ResultDirectory(std::vector<std::string> files, bool lasting)
+      : files_(std::move(files)), lasting_(lasting), earlier_(Earlier::kept) {}
   void remove_former();
   void name_folders(const std::string& destination);
   void begin();
