@@ -81,6 +81,8 @@ struct SimulationSnapshot {
   double proposal = 0;  ///< the next step of an adaptive method (s)
 };
 
+struct RunState;
+
 /// The effect of all scheduled events on the topology, tried immediately in the present state of the world.
 struct DryRun {
   struct Issue {
@@ -268,6 +270,14 @@ class Simulation {
   [[nodiscard]] bool can_undo(std::size_t number) const;
   /// An independent run from here: world, event queue and energy ledger, without observers and history.
   [[nodiscard]] Simulation branch() const;
+
+  /// The run between two steps, to be continued later or in another process (simulate/run_state.hpp): outside of a run, or in the
+  /// callback of watch().
+  [[nodiscard]] RunState run_state() const;
+  /// Continues a run: the next run_until() goes on as the run itself would have, to the last bit. Call it on a simulation of the
+  /// same model at the start of its run, after everything has been scheduled and set that the run had: events, drives, forces,
+  /// and the observer with its period. History is not part of a RunState.
+  void continue_from(const RunState& state);
 
   StepMemory step_memory() const;
   /// Continues as another run would have: with the state of its adaptive method (a next step of 0: keep the present one) and the
