@@ -35,6 +35,7 @@ class CommandLine {
  private:
   CLI::App* command(const char* name, const char* does, std::function<int()> action);
   void add_run();
+  void add_replay();
   void add_readers();
   void add_writers();
   void add_pages();
@@ -56,6 +57,7 @@ class CommandLine {
 
   CLI::App app_{"momentree: dynamics of mechanisms whose topology changes while they move", "momentree"};
   RunOptions run_;
+  ReplayOptions replay_;
   CheckOptions check_;
   EvaluateOptions evaluate_;
   ExplainOptions explain_;
@@ -106,6 +108,7 @@ CommandLine::CommandLine(Bench bench) : measure_(bench) {
   app_.require_subcommand(0, 1);
   app_.allow_extras();
   add_run();
+  add_replay();
   add_readers();
   add_writers();
   add_pages();
@@ -121,6 +124,18 @@ void CommandLine::add_run() {
          "--until", [this](const std::string& text) { run_.until = time_argument("--until", text); },
          "End the run at this time instead: seconds, or with a unit as in \"2 min\"")
       ->type_name("T");
+  sub->add_option_function<std::string>(
+         "--format",
+         [this](const std::string& text) {
+           run_.format = choice_argument("--format", text, {"csv", "hdf5"});
+         },
+         "Write the tables as CSV files, or all of them as results.h5 (HDF5); default csv")
+      ->type_name("csv|hdf5");
+  sub->add_option_function<std::string>(
+         "--checkpoint", [this](const std::string& text) { run_.checkpoint = interval_argument("--checkpoint", text); },
+         "Save the run each time that this wall-clock time has passed: seconds, or with a unit as in 60s or \"5 min\"")
+      ->type_name("T");
+  sub->add_flag("--resume", run_.resume, "Go on from the last checkpoint of a run into the same folder, if there is one");
   sub->add_flag("--report", run_.report, "Also write report.html: the motion, events and plots in one page");
   sub->add_flag("--reactions", run_.reactions, "Add the reactions of the joints to joints.csv: fx, fy, fz, mx, my, mz");
   sub->add_flag("--generate", run_.generate, "Compile and run code for each topology that occurs (short chains and arms)");
@@ -153,6 +168,20 @@ void CommandLine::add_readers() {
   source(explain_command, "scenario", explain_.scenario, "SCENARIO|MODEL", a_source)->required();
   overrides(explain_command, explain_.overrides);
   verbose(explain_command, explain_.verbose);
+}
+
+void CommandLine::add_replay() {
+  CLI::App* sub =
+      command("replay", "Compare two results: the first row and body in which they differ", [this] { return replay(replay_); });
+  sub->add_option("first", replay_.one, "A result directory of `momentree run`, also one that ends in .partial")
+      ->required()
+      ->type_name("DIR");
+  sub->add_option("second", replay_.other, "The other one")->required()->type_name("DIR");
+  sub->add_option_function<std::string>(
+         "--tolerance", [this](const std::string& text) { replay_.tolerance = tolerance_argument("--tolerance", text); },
+         "Numbers may differ by this much, or by this part of the larger one; default 0")
+      ->type_name("X");
+  sub->add_flag("--json", replay_.json, "Print one JSON document and nothing else");
 }
 
 void CommandLine::add_writers() {

@@ -13,9 +13,20 @@ struct RunOptions {
   std::string out;                     ///< empty: results/<scenario's name>
   std::vector<std::string> overrides;  ///< KEY=VALUE
   std::string until;
+  std::string format = "csv";  ///< or "hdf5"
+  double checkpoint = 0;       ///< wall-clock time between checkpoints (s); 0: none, or for a resumed run as before
+  bool resume = false;
   bool report = false, reactions = false, quiet = false, json = false, generate = false, verbose = false;
 };
 int run(const RunOptions& options);
+
+struct ReplayOptions {
+  std::string one, other;  ///< result folders
+  double tolerance = 0;
+  bool json = false;
+};
+/// Returns `done` if the results are equal, `failed` if they differ.
+int replay(const ReplayOptions& options);
 
 struct CheckOptions {
   std::vector<std::string> files;

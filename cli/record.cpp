@@ -1,6 +1,7 @@
 #include <cli/record.hpp>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -28,11 +29,17 @@ TemporaryFolder::TemporaryFolder() {
 
 TemporaryFolder::~TemporaryFolder() { io::remove_tree(path_); }
 
-void watch_run(Simulation& simulation, io::Recorder& recorder, double every, Progress& progress) {
+void watch_run(Simulation& simulation, io::Recorder& recorder, double every, Progress& progress, double checkpoints) {
+  using Clock = std::chrono::steady_clock;
   simulation.observe(every, [&recorder](const World& world) { return recorder.observe(world); });
-  simulation.watch([&progress](double time) {
+  simulation.watch([&recorder, &progress, checkpoints, saved = Clock::now()](double time) mutable {
     progress.at(time);
-    return !InterruptGuard::interrupted();
+    const bool ends = InterruptGuard::interrupted();
+    if (checkpoints == 0) return !ends;
+    if (!ends && std::chrono::duration<double>(Clock::now() - saved).count() < checkpoints) return true;
+    const bool fine = recorder.save(checkpoints);
+    saved = Clock::now();
+    return fine && !ends;
   });
 }
 

@@ -31,7 +31,8 @@ struct Recorded {
 enum class Purpose { picture, report };
 
 /// Writes a row of the recorder every `every` seconds of the run and shows its progress; the run ends if the user interrupts it.
-void watch_run(Simulation& simulation, io::Recorder& recorder, double every, Progress& progress);
+/// `checkpoints`: the wall-clock time between checkpoints (s), of which the last is written at an interrupt; 0: none.
+void watch_run(Simulation& simulation, io::Recorder& recorder, double every, Progress& progress, double checkpoints = 0);
 /// How a run ended, as in summary.json.
 std::string status_text(Status status, const Simulation& simulation);
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <new>
 #include <optional>
 
@@ -13,9 +14,12 @@
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/generate/kernel_cache.hpp>
+#include <momentree/io/checkpoint/checkpoint.hpp>
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
+#include <momentree/io/table_file.hpp>
+#include <momentree/io/text_file.hpp>
 
 namespace momentree::cli {
 
@@ -37,14 +41,34 @@ void report_location(const io::Recorder& recorder) {
   show(stderr, "the results so far are kept in " + printable(recorder.directory()) + '\n');
 }
 
+int say_complete(const std::string& out, const RunOptions& options) {
+  if (options.json)
+    std::fputs(io::read_text_file((std::filesystem::path(out) / "summary.json").string()).c_str(), stdout);
+  else if (!options.quiet)
+    show(stdout, "The run is complete already. Results: " + printable(out) + '\n');
+  return done;
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
+  if (options.format == "hdf5") io::require_hdf5();
   std::vector<std::string> overrides = options.overrides;
   if (!options.until.empty()) overrides.push_back("integrate.until=" + options.until);
   const std::shared_ptr<const io::Scenario> scenario =
       load(options.scenario, overrides, notes_of(options.verbose), options.quiet ? io::Severity::warning : io::Severity::note);
   if (!scenario) return bad_input;
+
+  const std::string out = options.out.empty() ? "results/" + scenario->name : options.out;
+  const bool saves = options.checkpoint > 0 || options.resume;
+  if (saves && options.generate)
+    throw_error({"--generate cannot be combined with --checkpoint and --resume: generated code is not part of a checkpoint", "",
+                 "leave out --generate"});
+  std::optional<io::RunInput> input;
+  if (saves) input = io::run_input(*scenario, options.reactions);
+  std::optional<io::Interrupted> former;
+  if (options.resume) former = io::find_checkpoint(out, *input);
+  if (options.resume && !former && io::is_complete(out, *input)) return say_complete(out, options);
 
   io::Session session(scenario);
   show(stderr, io::rendered(session.schedule()));
@@ -52,18 +76,31 @@ int run(const RunOptions& options) {
   const double start = simulation.time();
   const int dofs = simulation.world().tree().nv();
   const InterruptGuard guard;  // before there is a folder that would be left behind
-  io::Recorder recorder(
-      simulation,
-      {scenario->name, scenario->title, scenario->path, scenario->hash, overrides, start, scenario->until, scenario->integration},
-      io::model_json(simulation.world(), scenario->title, scenario->shapes),
-      {.directory = options.out.empty() ? "results/" + scenario->name : options.out,
-       .joints = session.joints(),
-       .every = scenario->output_every,
-       .reactions = options.reactions,
-       .report = options.report});
+  const io::RunOrigin origin{scenario->name, scenario->title, scenario->path,  scenario->hash,
+                             overrides,      start,           scenario->until, scenario->integration};
+  const io::RecordOptions record{.directory = out,
+                                 .joints = session.joints(),
+                                 .every = scenario->output_every,
+                                 .reactions = options.reactions,
+                                 .report = options.report,
+                                 .hdf5 = options.format == "hdf5",
+                                 .input = input};
+  std::unique_ptr<io::Recorder> begun;
+  const double every = former && options.checkpoint == 0 ? former->checkpoint.every : options.checkpoint;
+  if (former) {
+    begun = std::make_unique<io::Recorder>(simulation, origin, record, *former);
+  } else {
+    begun = std::make_unique<io::Recorder>(simulation, origin,
+                                           io::model_json(simulation.world(), scenario->title, scenario->shapes), record);
+  }
+  io::Recorder& recorder = *begun;
 
   Progress progress(start, scenario->until, !options.quiet && errors_on_terminal());
-  watch_run(simulation, recorder, scenario->output_every, progress);
+  watch_run(simulation, recorder, scenario->output_every, progress, every);
+  if (former) {
+    io::continue_run(simulation, former->checkpoint);
+    if (!options.quiet) show(stderr, printable(scenario->path) + format(": resumes at t = %.9g s\n", simulation.time()));
+  }
   std::optional<KernelCache> kernels;
   if (options.generate) simulation.use_generated(kernels.emplace().provider());
   Status ended = Status::refused;

@@ -43,7 +43,9 @@ TEST_CASE("usage") {
   refused("run", "required");
   refused("run none.toml", "none.toml");
   refused("run robot.urdf", "robot.urdf: error: there is no such file");
-  refused("run s.toml --format hdf5", "unknown option '--format'; see `momentree help run`");
+  refused("run s.toml --colour red", "unknown option '--colour'; see `momentree help run`");
+  refused("run s.toml --format xml", "--format xml: error: there is no 'xml'; one of: csv, hdf5");
+  refused("run s.toml --format hdf", "did you mean 'hdf5'?");
   refused("gradient s.toml --of x --by y", "unknown command 'gradient'; see `momentree help`");
   refused("swep s.toml", "unknown command 'swep'; see `momentree help`");
   refused("run s.toml s.toml", "one argument too many: 's.toml'; a call runs one scenario: call it once for each");

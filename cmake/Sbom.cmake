@@ -1,5 +1,6 @@
 # The program's software bill of materials (SPDX 2.3, JSON): momentree.spdx.json, written whenever the program is linked, from
 # what that build used; nothing is downloaded. cmake/components.json has the information that cannot be determined.
+# Each plugin has one, too: momentree-hdf5.spdx.json, momentree-mpi.spdx.json.
 #   momentree_sbom(TARGET OUTPUT NAME=VERSION=FILE…)   NAME: a component whose header or static library FILE is in the target
 # As a script: cmake -DOUTPUT=… -DPROGRAM=… -DVERSION=… -DREADELF=… -DHEADERS=… -DROOT=… -P Sbom.cmake
 if(NOT CMAKE_SCRIPT_MODE_FILE)
@@ -7,8 +8,12 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
     if(NOT CMAKE_READELF)  # needed to find its libraries
       return()
     endif()
+    set(plugin "")
+    if(target MATCHES "^momentree-(hdf5|mpi)$")
+      set(plugin "${target}")
+    endif()
     add_custom_command(TARGET ${target} POST_BUILD COMMAND "${CMAKE_COMMAND}" "-DOUTPUT=${output}" "-DPROGRAM=$<TARGET_FILE:${target}>"
-      "-DVERSION=${PROJECT_VERSION}" "-DREADELF=${CMAKE_READELF}" "-DHEADERS=${ARGN}" "-DROOT=${PROJECT_SOURCE_DIR}"
+      "-DVERSION=${PROJECT_VERSION}" "-DREADELF=${CMAKE_READELF}" "-DHEADERS=${ARGN}" "-DPLUGIN=${plugin}" "-DROOT=${PROJECT_SOURCE_DIR}"
       -P "${PROJECT_SOURCE_DIR}/cmake/Sbom.cmake" BYPRODUCTS "${output}" COMMENT "Listing what the program is made of" VERBATIM)
     set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS "${PROJECT_SOURCE_DIR}/cmake/Sbom.cmake"
       "${PROJECT_SOURCE_DIR}/cmake/components.json" "${PROJECT_SOURCE_DIR}/web/package-lock.json")
@@ -73,11 +78,16 @@ set(version "${VERSION}")
 set(purl "")
 set(supplier "Organization: the momentree authors")
 set(name "momentree")
+if(PLUGIN)
+  set(name "${PLUGIN}")
+endif()
 add_package(momentree DOCUMENT DESCRIBES)
-set(name "momentree pages")
-add_package(pages momentree CONTAINS)
-set(name "momentree engine")
-add_package(engine pages CONTAINS)
+if(NOT PLUGIN)
+  set(name "momentree pages")
+  add_package(pages momentree CONTAINS)
+  set(name "momentree engine")
+  add_package(engine pages CONTAINS)
+endif()
 
 # Third-party components.
 set(needed "")
@@ -119,7 +129,7 @@ foreach(i RANGE ${last})
       endif()
     endforeach()
   endif()
-  if(contained OR in STREQUAL "header")
+  if(contained OR in STREQUAL "header" OR (PLUGIN AND NOT in STREQUAL "shared"))
     continue()
   elseif(in STREQUAL "shared")
     set(libraries ${needed})

@@ -107,7 +107,8 @@ std::optional<ResultColumn> ResultColumn::find(std::string_view name, const Worl
   for (const BodySpec& body : model.bodies()) owners.push_back(body.name);
   for (const JointKinds& each : joints) owners.push_back(each.name);
   problem.hint = did_you_mean(owner.empty() ? std::string(name) : owner, owners);
-  if (problem.hint.empty()) problem.hint = "a column is named as in the tables of a run: \"tug/gripper.x\", \"arm/elbow.q0\", \"kinetic\"";
+  if (problem.hint.empty())
+    problem.hint = "a column is named as in the tables of a run: \"tug/gripper.x\", \"arm/elbow.q0\", \"kinetic\"";
   return std::nullopt;
 }
 

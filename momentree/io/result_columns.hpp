@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <momentree/io/scenario.hpp>
@@ -17,6 +18,12 @@ class ContinuousQuaternions {
   /// `q`, or −q if that is nearer to the last quaternion of this `index`; the first one has w >= 0.
   Quat next(std::size_t index, const Quat& q);
   std::size_t size() const { return last_.size(); }
+  /// The last quaternion of each index, to continue with.
+  const std::vector<Quat>& last() const { return last_; }
+  void continue_from(std::vector<Quat> last) {
+    MT_REQUIRE(last.size() == last_.size(), "as many quaternions as there are");
+    last_ = std::move(last);
+  }
 
  private:
   std::vector<Quat> last_;
@@ -29,6 +36,7 @@ class BodyColumns {
   explicit BodyColumns(const Model& model);
   static void header(std::string& text, const Model& model);
   void row(std::string& text, const World& world);
+  ContinuousQuaternions& quaternions() { return quaternions_; }
 
  private:
   ContinuousQuaternions quaternions_;
@@ -52,6 +60,7 @@ class JointColumns {
   explicit JointColumns(std::vector<JointKinds> joints, bool reactions = false);
   void header(std::string& text) const;
   void row(std::string& text, const World& world);
+  ContinuousQuaternions& quaternions() { return quaternions_; }
 
  private:
   std::size_t group_of(std::size_t joint, std::string_view name);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <new>
 #include <utility>
 
 #include <momentree/base/error.hpp>
@@ -97,14 +98,56 @@ bool ResultDirectory::has(const char* name) const { return marker_->owns(working
 
 void ResultDirectory::clear() {
   cleared_ = true;
-  if (const fs::path former = destination_ / helper::former; is_there(former)) {  // a run was killed while it removed this
-    if (const std::optional<ResultMarker> marker = ResultMarker::lock(former))
-      retire(former, *marker, destination_);
-    else
-      remove_if_empty(former);
-  }
+  remove_former();
   remove_own(working_, *marker_);
   marker_->clear();
+}
+
+// Of a run that was killed while it removed this.
+void ResultDirectory::remove_former() {
+  const fs::path former = destination_ / helper::former;
+  if (!is_there(former)) return;
+  if (const std::optional<ResultMarker> marker = ResultMarker::lock(former))
+    retire(former, *marker, destination_);
+  else
+    remove_if_empty(former);
+}
+
+std::unique_ptr<ResultDirectory> ResultDirectory::reopen(const std::string& destination, std::vector<std::string> files,
+                                                         const char* needed) {
+  std::unique_ptr<ResultDirectory> self(new ResultDirectory(std::move(files), true));
+  self->kept_ = true;
+  self->name_folders(destination);
+  if (!is_there(self->working_ / needed)) return nullptr;
+  require_real_folder(self->working_);
+  self->marker_ = ResultMarker::lock(self->working_);
+  if (!self->marker_ || !self->marker_->owns(self->working_, needed)) return nullptr;
+  if (is_there(self->destination_)) require_real_folder(self->destination_);
+  self->bring_back_former();
+  self->check_destination();
+  self->check_names();
+  return self;
+}
+
+void ResultDirectory::take_up() {
+  remove_former();
+  for (const char* const name : {"summary.json", "final.json", "report.html"}) remove(name);
+  for (const char* const name : {helper::fresh, helper::reserve}) ::unlink((working_ / name).c_str());
+}
+
+void ResultDirectory::to_disk() {
+  if (!lasting_) return;
+  marker_->to_disk();
+  if (const std::error_code error = sync_folder(working_)) fail_with_reason("cannot finish writing", working_.string(), error);
+}
+
+void ResultDirectory::remove_published(const std::vector<const char*>& names, std::vector<std::string>& warnings) noexcept {
+  for (const char* const name : names) try {
+      const fs::path path = destination_ / name;
+      if (::unlink(path.c_str()) != 0 && errno != ENOENT)
+        warnings.push_back(path.native() + ": warning: this file is still here: " + last_error().message());
+    } catch (const std::exception&) {  // no memory: the next run removes it
+    }
 }
 
 void ResultDirectory::lock_working() {
@@ -211,13 +254,10 @@ void ResultDirectory::discard() noexcept {
   }
 }
 
-std::vector<std::string> ResultDirectory::publish() {
+std::vector<std::string> ResultDirectory::publish(const std::vector<const char*>& temporary) {
   std::vector<std::string> warnings;
   const fs::path above = destination_.parent_path();  // once the result is in its destination nothing may throw
-  if (lasting_) {
-    marker_->to_disk();
-    if (const std::error_code error = sync_folder(working_)) fail_with_reason("cannot finish writing", working_.string(), error);
-  }
+  to_disk();
   for (int tries = 0;; ++tries) {  // the destination may change meanwhile
     if (tries == 100) throw_error({"cannot move the result to its destination", destination_.string(), ""});
     std::error_code error = move_to_new(working_, destination_);
@@ -228,21 +268,22 @@ std::vector<std::string> ResultDirectory::publish() {
     if (destination_marker_ && !destination_marker_->is_in(destination_)) destination_marker_.reset();
     if (!destination_marker_) destination_marker_ = ResultMarker::lock(destination_);
     if (destination_marker_) {
-      replace_destination(warnings);
-      break;
+      replace_destination(temporary, warnings);
+      return warnings;
     }
     take_mode(working_, destination_);
     if (::rename(working_.c_str(), destination_.c_str()) == 0) break;  // it was empty
     if (is_there(destination_) && !is_empty_folder(destination_)) refuse_foreign(destination_);
   }
-  if (lasting_) sync_folder(above);
   kept_ = true;
+  if (lasting_) sync_folder(above);
+  remove_published(temporary, warnings);
   return warnings;
 }
 
 // At every instant one of the two results is at the destination. The exception is a file system without exchange: there is then
 // an instant at which the earlier result is in the working folder, and the next run restores it.
-void ResultDirectory::replace_destination(std::vector<std::string>& warnings) {
+void ResultDirectory::replace_destination(const std::vector<const char*>& temporary, std::vector<std::string>& warnings) {
   const fs::path above = destination_.parent_path(), within = working_ / helper::former, after = destination_ / helper::former;
   check_names();
   take_mode(working_, destination_);
@@ -269,7 +310,13 @@ void ResultDirectory::replace_destination(std::vector<std::string>& warnings) {
   }
   kept_ = true;  // from here on the working folder's name refers to the earlier result
   if (lasting_) sync_folder(above);
-  warnings = retire(exchanged ? working_ : after, *destination_marker_, destination_);
+  remove_published(temporary, warnings);
+  std::vector<std::string> more = retire(exchanged ? working_ : after, *destination_marker_, destination_);
+  warnings.swap(more);
+  try {
+    for (std::string& warning : more) warnings.push_back(std::move(warning));
+  } catch (const std::bad_alloc&) {  // the next run finds the files that stay here
+  }
 }
 
 }  // namespace momentree::io

@@ -2,9 +2,11 @@
 // The folder that a run writes into: a sibling of its destination while the run is in progress, the destination itself once it
 // is complete.
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <momentree/io/result_marker.hpp>
@@ -26,6 +28,10 @@ class ResultDirectory {
   /// run is using it, or if it would have to replace something that momentree did not write.
   explicit ResultDirectory(const std::string& destination, std::vector<std::string> files = {}, bool lasting = true,
                            Earlier earlier = Earlier::removed);
+  /// Takes up `DESTINATION.partial` of a run that ended before its result was complete, if the folder has the file `needed`;
+  /// otherwise null. Nothing in it is changed before `take_up`. Throws Error as the constructor does.
+  static std::unique_ptr<ResultDirectory> reopen(const std::string& destination, std::vector<std::string> files,
+                                                 const char* needed);
   /// Removes what this object made, unless `keep` was called.
   ~ResultDirectory();
   ResultDirectory(const ResultDirectory&) = delete;
@@ -34,6 +40,8 @@ class ResultDirectory {
   const std::filesystem::path& destination() const { return destination_; }
   const std::filesystem::path& working() const { return working_; }
 
+  /// After reopen(): removes the documents with which the former run ended.
+  void take_up();
   /// Whether momentree wrote a file of that name in the working folder: in an earlier run, or in this one.
   bool has(const char* name) const;
   /// Removes what an earlier run left and was kept.
@@ -46,6 +54,8 @@ class ResultDirectory {
   void write(const char* name, std::string_view text, bool from_reserve = false);
   /// Removes a file that was written; a missing file is not an error.
   void remove(const char* name) noexcept;
+  /// Waits until the names of all files are on the disk, as well as what write() wrote. Throws Error.
+  void to_disk();
   /// Allocates disk space, so that a file of up to `size` bytes can be written even if the disk is full by then.
   void reserve(std::size_t size);
 
@@ -54,16 +64,21 @@ class ResultDirectory {
 
   /// Moves the folder to the destination. Files there that momentree wrote are removed; all others stay. Returns warnings:
   /// files of the earlier result that could not be moved or removed. Throws Error if the destination is unchanged.
-  std::vector<std::string> publish();
+  /// `temporary`: files that are removed once the result is at the destination.
+  std::vector<std::string> publish(const std::vector<const char*>& temporary = {});
 
  private:
+  ResultDirectory(std::vector<std::string> files, bool lasting)
+      : files_(std::move(files)), lasting_(lasting), earlier_(Earlier::kept) {}
+  void remove_former();
   void name_folders(const std::string& destination);
   void begin();
   void lock_working();
   void bring_back_former();
   void check_destination();
   void check_names() const;
-  void replace_destination(std::vector<std::string>& warnings);
+  void remove_published(const std::vector<const char*>& names, std::vector<std::string>& warnings) noexcept;
+  void replace_destination(const std::vector<const char*>& temporary, std::vector<std::string>& warnings);
   void discard() noexcept;
 
   std::filesystem::path destination_, working_;

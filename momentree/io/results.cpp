@@ -4,8 +4,10 @@
 #include <new>
 #include <utility>
 
+#include <momentree/base/check.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/io/energy_columns.hpp>
+#include <momentree/io/hdf5_results.hpp>
 
 namespace momentree::io {
 
@@ -15,32 +17,121 @@ std::vector<std::string> files_of(const RecordOptions& options) {
   std::vector<std::string> files = {"summary.json", "model.json", "events.jsonl", "bodies.csv", "joints.csv", "final.json"};
   if (options.energy) files.emplace_back("energy.csv");
   if (options.report) files.emplace_back("report.html");
+  if (options.hdf5) files.insert(files.end(), {"results.h5", "results.h5.partial"});
+  if (options.input) files.emplace_back(checkpoint_file);
   return files;
+}
+
+TextFile open_table(ResultDirectory& folder, const char* name, const RecordOptions& options, const RecorderState::Table* from) {
+  const std::string path = folder.file(name);
+  if (from == nullptr) {
+    TextFile made(path);
+    if (options.input) made.keep_checksum();
+    return made;
+  }
+  TextFile continued(path, from->mark);
+  continued.text() = from->last;
+  return continued;
+}
+
+std::unique_ptr<ResultDirectory> take_up(Interrupted& from, const Simulation& simulation, const RecordOptions& options) {
+  const RecorderState& record = from.checkpoint.record;
+  if (record.energy.has_value() != options.energy ||
+      record.body_quaternions.size() != static_cast<std::size_t>(simulation.world().model().size()) ||
+      record.joint_quaternions.size() != options.joints.size() + 1 || record.events_taken > from.checkpoint.run.events.size())
+    throw_error({"this checkpoint is of other tables", from.path, "run without --resume to start again from the beginning"});
+  require_fit(simulation, from.checkpoint, from.path);
+  from.directory->take_up();
+  return std::move(from.directory);
 }
 
 }  // namespace
 
-Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_view model_json, RecordOptions options)
+Recorder::Recorder(const Simulation& simulation, RunOrigin origin, RecordOptions options,
+                   std::unique_ptr<ResultDirectory> directory, const RecorderState* from)
     : simulation_(simulation),
       origin_(std::move(origin)),
       options_(std::move(options)),
-      directory_(options_.directory, files_of(options_), options_.lasting),
-      events_(directory_.file("events.jsonl")),
-      bodies_(directory_.file("bodies.csv")),
-      joints_(directory_.file("joints.csv")),
+      directory_(std::move(directory)),
+      events_(open_table(*directory_, "events.jsonl", options_, from != nullptr ? &from->events : nullptr)),
+      bodies_(open_table(*directory_, "bodies.csv", options_, from != nullptr ? &from->bodies : nullptr)),
+      joints_(open_table(*directory_, "joints.csv", options_, from != nullptr ? &from->joints : nullptr)),
       body_columns_(simulation.world().model()),
       joint_columns_(options_.joints, options_.reactions) {
+  if (options_.energy)
+    energy_.emplace(open_table(*directory_, "energy.csv", options_, from != nullptr ? &*from->energy : nullptr));
+}
+
+Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_view model_json, RecordOptions options)
+    : Recorder(simulation, std::move(origin), options,
+               std::make_unique<ResultDirectory>(options.directory, files_of(options), options.lasting), nullptr) {
+  try {
+    write_running_summary();
+    directory_->write("model.json", model_json);
+    if (options_.input) {
+      static_cast<void>(directory_->file(checkpoint_file));
+      directory_->to_disk();
+    }
+    BodyColumns::header(bodies_.text(), simulation.world().model());
+    joint_columns_.header(joints_.text());
+    if (energy_) energy_header(energy_->text());
+    for (TextFile* table : {&bodies_, &joints_}) table->flush();
+    if (energy_) energy_->flush();
+    directory_->keep();
+  } catch (...) {
+    status_ = "not begun";
+    throw;
+  }
+}
+
+Recorder::Recorder(const Simulation& simulation, RunOrigin origin, RecordOptions options, Interrupted& from)
+    : Recorder(simulation, std::move(origin), options, take_up(from, simulation, options), &from.checkpoint.record) {
+  const RecorderState& record = from.checkpoint.record;
+  next_ = record.next, row_time_ = record.row_time, events_taken_ = record.events_taken;
+  body_columns_.quaternions().continue_from(record.body_quaternions);
+  joint_columns_.quaternions().continue_from(record.joint_quaternions);
+  write_running_summary();
+}
+
+void Recorder::write_running_summary() {
   const std::string running = summary_json(origin_, "running, or killed");
-  directory_.write("summary.json", running);
+  directory_->write("summary.json", running);
   constexpr std::size_t results = 2048, message = 8192;  // space for the rest of the summary
-  directory_.reserve(running.size() + results + message);
-  directory_.write("model.json", model_json);
-  BodyColumns::header(bodies_.text(), simulation.world().model());
-  joint_columns_.header(joints_.text());
-  if (options_.energy) energy_header(energy_.emplace(directory_.file("energy.csv")).text());
-  for (TextFile* table : {&bodies_, &joints_}) table->flush();
-  if (energy_) energy_->flush();
-  directory_.keep();
+  directory_->reserve(running.size() + results + message);
+}
+
+// The last row is kept back: a row of the same instant may replace it.
+RecorderState Recorder::state() {
+  const auto table = [](TextFile& file, std::size_t& row) {
+    file.flush(row);
+    row = 0;
+    return RecorderState::Table{file.mark(), file.text()};
+  };
+  std::size_t all = events_.text().size();
+  RecorderState state;
+  state.events = table(events_, all);  // events first: see close_tables
+  state.bodies = table(bodies_, body_row_);
+  state.joints = table(joints_, joint_row_);
+  if (energy_) state.energy = table(*energy_, energy_row_);
+  state.next = next_, state.row_time = row_time_, state.events_taken = events_taken_;
+  state.body_quaternions = body_columns_.quaternions().last();
+  state.joint_quaternions = joint_columns_.quaternions().last();
+  return state;
+}
+
+bool Recorder::save(double every) noexcept {
+  if (failed_) return false;
+  return attempt([&] {
+    MT_REQUIRE(options_.input.has_value(), "the recorder was told what checkpoints belong to");
+    const Checkpoint checkpoint{*options_.input, every, simulation_.run_state(), state()};
+    try {
+      directory_->write(checkpoint_file, checkpoint_bytes(checkpoint));
+      directory_->to_disk();
+    } catch (const Error& error) {
+      if (warnings_.empty())
+        warnings_.push_back((error.where.empty() ? "" : error.where + ": ") + "warning: no checkpoint: " + error.problem);
+    }
+  });
 }
 
 bool Recorder::due(double time) {
@@ -145,16 +236,16 @@ void Recorder::seal(const std::string& status, const ReportPage& report) {
   };
   bool said = false;
   for (int tries = 0; !said && tries < 2; ++tries) {  // a second time with the error of the first attempt
-    if (sealed_) directory_.remove("summary.json");
-    directory_.remove("report.html");
+    if (sealed_) directory_->remove("summary.json");
+    directory_->remove("report.html");
     has_report_ = false;
     if (!attempt(say)) continue;
-    has_report_ = report && attempt([&] { directory_.write("report.html", report(directory_.working(), summary_)); });
-    said = attempt(say) && attempt([&] { directory_.write("summary.json", summary_, true); });
+    has_report_ = report && attempt([&] { directory_->write("report.html", report(directory_->working(), summary_)); });
+    said = attempt(say) && attempt([&] { directory_->write("summary.json", summary_, true); });
     sealed_ = sealed_ || said;
   }
   if (said) return;
-  directory_.remove("report.html");
+  directory_->remove("report.html");
   has_report_ = false;
 }
 
@@ -170,12 +261,29 @@ void Recorder::finish(const std::string& status, const Armed& armed, const Repor
   close_tables();
   attempt([&] {
     const bool adaptive = is_adaptive(origin_.integration.method);
-    directory_.write("final.json", state_json(simulation_.world(), armed, adaptive ? simulation_.step_memory() : StepMemory{}));
+    directory_->write("final.json", state_json(simulation_.world(), armed, adaptive ? simulation_.step_memory() : StepMemory{}));
   });
+  if (options_.hdf5 && !failed_ && status == "done")
+    attempt([&] {
+      for (const char* name : {"results.h5", "results.h5.partial"}) directory_->file(name);
+      write_hdf5_results(directory_->working(), origin_, simulation_.world(), options_.joints, options_.lasting);
+    });
   seal(outcome, report);
   if (failed_ || status != "done") return;
-  published_ = attempt([&] { warnings_ = directory_.publish(); });
-  if (!published_) seal(outcome, report);
+  // Checkpoints and tables in CSV go only when the result is in its place: a run that is killed before that can be resumed.
+  std::vector<std::string> warnings;
+  published_ = attempt([&] {
+    std::vector<const char*> temporary;
+    if (options_.input) temporary.push_back(checkpoint_file);
+    if (options_.hdf5) temporary.insert(temporary.end(), {"bodies.csv", "joints.csv", "energy.csv"});
+    warnings = directory_->publish(temporary);
+  });
+  if (!published_) return seal(outcome, report);
+  warnings_.swap(warnings);
+  try {
+    for (std::string& warning : warnings) warnings_.push_back(std::move(warning));  // of checkpoints
+  } catch (const std::bad_alloc&) {
+  }
 }
 
 void Recorder::abandon(const char* status) noexcept {
@@ -184,10 +292,10 @@ void Recorder::abandon(const char* status) noexcept {
   attempt([&] {
     status_ = status;
     summary_ = summary_json(origin_, status_);
-    directory_.write("summary.json", summary_, true);
+    directory_->write("summary.json", summary_, true);
   });
 }
 
-std::string Recorder::directory() const { return (published_ ? directory_.destination() : directory_.working()).string(); }
+std::string Recorder::directory() const { return (published_ ? directory_->destination() : directory_->working()).string(); }
 
 }  // namespace momentree::io

@@ -1,15 +1,17 @@
 #pragma once
-// Writes the files of a run: bodies.csv, joints.csv, energy.csv, events.jsonl, final.json, summary.json, model.json,
-// report.html.
+// Writes the files of a run: bodies.csv, joints.csv, energy.csv (or these as results.h5), events.jsonl, final.json, summary.json,
+// model.json, report.html.
 #include <chrono>
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <momentree/io/checkpoint/checkpoint.hpp>
 #include <momentree/io/result_columns.hpp>
 #include <momentree/io/result_directory.hpp>
 #include <momentree/io/state_document.hpp>
@@ -27,19 +29,24 @@ struct RecordOptions {
   bool energy = true;                   ///< write energy.csv
   bool report = false;                  ///< finish() will be given a report page
   bool lasting = true;                  ///< see ResultDirectory
+  bool hdf5 = false;                    ///< a complete run gets results.h5 in place of the three tables
+  std::optional<RunInput> input = {};   ///< given: checkpoints of this input can be written
 };
 
 /// Builds report.html from the folder in its current state and the text of summary.json, which is written afterwards.
 using ReportPage = std::function<std::string(const std::filesystem::path& folder, const std::string& summary)>;
 
 /// Writes the rows and events during a run. Pass `observe` to Simulation::observe. The events up to the instant of a row are
-/// always in events.jsonl: events are written before the tables are flushed, at least every second.
+/// always in events.jsonl: events are written before the tables are flushed, at least every second, and before checkpoints.
 class Recorder {
  public:
   /// Makes the folder, model.json and the headers of the tables; summary.json reports that the run is in progress. Throws
   /// Error, and leaves nothing behind, if that fails. The simulation must outlive this object and own the world that is
   /// observed.
   Recorder(const Simulation& simulation, RunOrigin origin, std::string_view model_json, RecordOptions options);
+  /// Continues the tables of a run that ended early, whose folder it takes over. The simulation is at its start, set up as that
+  /// run was; call continue_run() once it is observed. Throws Error if the checkpoint does not fit, with nothing changed.
+  Recorder(const Simulation& simulation, RunOrigin origin, RecordOptions options, Interrupted& from);
   /// Abandons a run that was not finished.
   ~Recorder();
   Recorder(const Recorder&) = delete;
@@ -48,6 +55,11 @@ class Recorder {
   /// Writes a row of each table if one is due. Of several observations at one instant the last counts: the state after the
   /// events. Returns false if the row could not be written (a full disk); `error` then gives the reason.
   bool observe(const World& world) noexcept;
+
+  /// Writes a checkpoint of the run, with everything before it flushed to disk; call it where Simulation::run_state may be
+  /// called. `every`: the wall-clock time between checkpoints (s), for a continuation. If only the checkpoint cannot be written,
+  /// the former one stays and a warning says so. Returns false if a table could not be written: `error` then gives the reason.
+  bool save(double every) noexcept;
 
   /// Ends the tables with the final state and writes the other files, summary.json last; a run with status `done` is then moved
   /// to its destination. If anything cannot be written, `error` gives the reason and the status becomes "failed: …"; everything
@@ -74,7 +86,11 @@ class Recorder {
   using Clock = std::chrono::steady_clock;
 
   bool due(double time);
+  Recorder(const Simulation& simulation, RunOrigin origin, RecordOptions options, std::unique_ptr<ResultDirectory> directory,
+           const RecorderState* from);
+  void write_running_summary();
   void write_row(const World& world);
+  RecorderState state();
   void write_out_where_due();
   void take_events();
   void close_tables();
@@ -87,7 +103,7 @@ class Recorder {
   const Simulation& simulation_;
   const RunOrigin origin_;
   const RecordOptions options_;
-  ResultDirectory directory_;
+  const std::unique_ptr<ResultDirectory> directory_;
   TextFile events_, bodies_, joints_;  // declared after the folder that contains them
   std::optional<TextFile> energy_;
   BodyColumns body_columns_;

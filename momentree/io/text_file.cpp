@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <utility>
 
+#include <momentree/base/check.hpp>
 #include <momentree/base/error.hpp>
 
 namespace momentree::io {
@@ -87,20 +88,53 @@ TextFile::TextFile(std::string path) : path_(std::move(path)), file_(make_new(pa
   if (!file_) fail_with_reason("cannot make this file", path_, last_error());
 }
 
-void TextFile::flush() {
-  std::size_t written = 0;
-  const std::error_code error = write_all(file_, text_, written);
-  if (!error) {
-    size_ += text_.size();
-    text_.clear();
-    return;
-  }
-  const std::size_t newline = std::string_view(text_).substr(0, written).rfind('\n');
+TextFile::TextFile(std::string path, const Mark& end)
+    : path_(std::move(path)),
+      file_(::open(path_.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)),
+      size_(static_cast<std::size_t>(end.size)),
+      keeps_checksum_(true),
+      checksum_(end.checksum) {
+  if (!file_ || !cut(file_, size_)) fail_with_reason("cannot continue this file", path_, last_error());
+}
+
+void TextFile::written(std::size_t count) {
+  size_ += count;
+  if (keeps_checksum_) checksum_.add(std::string_view(text_).substr(0, count));
+  text_.erase(0, count);
+}
+
+void TextFile::flush(std::size_t count) {
+  const std::string_view lines = std::string_view(text_).substr(0, count);
+  std::size_t done = 0;
+  const std::error_code error = write_all(file_, lines, done);
+  if (!error) return written(lines.size());
+  const std::size_t newline = lines.substr(0, done).rfind('\n');
   const std::size_t whole = newline == std::string::npos ? 0 : newline + 1;
-  size_ += whole;
-  text_.erase(0, whole);
-  if (written > whole) cut(file_, size_);  // if that fails, too, readers ignore a line without an end
+  written(whole);
+  if (done > whole) cut(file_, size_);  // if that fails, too, readers ignore a line without an end
   fail_with_reason("cannot write this file", path_, error);
+}
+
+TextFile::Mark TextFile::mark() {
+  MT_REQUIRE(keeps_checksum_, "keep_checksum() was called");
+  if (const std::error_code error = sync(file_)) fail_with_reason("cannot write this file", path_, error);
+  return {size_, checksum_.value()};
+}
+
+void require_unchanged(const std::string& path, const TextFile::Mark& mark) {
+  const Descriptor file = open_regular(path, Links::refuse);
+  std::string piece(1u << 18, '\0');
+  Checksum checksum;
+  for (std::uint64_t left = mark.size; left > 0;) {
+    const std::size_t count =
+        read_some(file, piece.data(), static_cast<std::size_t>(std::min<std::uint64_t>(left, piece.size())), path);
+    if (count == 0)
+      throw_error({"this file is shorter than it was at the checkpoint", path, "run without --resume to start again"});
+    checksum.add(std::string_view(piece).substr(0, count));
+    left -= count;
+  }
+  if (checksum.value() != mark.checksum)
+    throw_error({"this file was changed after the checkpoint", path, "run without --resume to start again"});
 }
 
 void TextFile::close(bool to_disk) {

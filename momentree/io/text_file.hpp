@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include <momentree/io/checksum.hpp>
 #include <momentree/io/system_file.hpp>
 
 namespace momentree::io {
@@ -14,6 +15,14 @@ class TextFile {
   /// Makes the file; throws Error if one of that name exists.
   explicit TextFile(std::string path);
 
+  /// How far a file had been written.
+  struct Mark {
+    std::uint64_t size = 0, checksum = 0;  ///< bytes, and the Checksum of them
+  };
+  /// Opens a file that had been written up to there and cuts off what follows; the bytes before are taken as they are (see
+  /// require_unchanged). Throws Error.
+  TextFile(std::string path, const Mark& end);
+
   std::string& text() { return text_; }
   const std::string& path() const { return path_; }
   /// Whether the buffer has grown so large that it should be written.
@@ -22,7 +31,13 @@ class TextFile {
     if (is_full()) flush();
   }
   /// Writes the buffer out. After an error the buffer holds what did not fit, so that flush() can be called again.
-  void flush();
+  void flush() { flush(text_.size()); }
+  /// The same for the first `count` bytes of the buffer alone: whole lines.
+  void flush(std::size_t count);
+  /// Keeps a checksum of what is written; to be called before anything is.
+  void keep_checksum() { keeps_checksum_ = true; }
+  /// What has been written so far, once it is on the disk; needs keep_checksum(). Throws Error.
+  Mark mark();
   /// Flushes, waits until the data are on the disk if `to_disk`, and closes.
   void close(bool to_disk = false);
 
@@ -30,8 +45,14 @@ class TextFile {
   static constexpr std::size_t large = 1u << 18;
   std::string path_, text_;
   Descriptor file_;
+  void written(std::size_t count);
   std::size_t size_ = 0;  ///< of the file's whole lines (bytes)
+  bool keeps_checksum_ = false;
+  Checksum checksum_;  ///< of them
 };
+
+/// Throws Error unless the file still begins with the bytes of that mark.
+void require_unchanged(const std::string& path, const TextFile::Mark& mark);
 
 /// Writes a whole file, or leaves the old one unchanged: the text is written to `PATH.partial-NUMBER`, which replaces the file
 /// once it is on the disk. Links are followed; devices and pipes are written to directly. Throws Error.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <momentree/simulate/run_state.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
@@ -51,12 +52,16 @@ void EventQueue::renew_strengths(const World& world) {
       strengths_.push_back(std::move(*known));
       continue;
     }
-    Entry entry;
-    entry.event.name = event_name(world, s);
-    entry.event.actions = {break_joint(std::string(world.joint_name({s.joint})))};
-    entry.condition = condition_of(s);
-    strengths_.push_back({s, std::move(entry)});
+    strengths_.push_back(borne(s, event_name(world, s), std::string(world.joint_name({s.joint}))));
   }
+}
+
+EventQueue::Borne EventQueue::borne(const Strength& strength, const std::string& event, const std::string& joint) {
+  Entry entry;
+  entry.event.name = event;
+  entry.event.actions = {break_joint(joint)};
+  entry.condition = condition_of(strength);
+  return {strength, std::move(entry), joint};
 }
 
 namespace {
@@ -157,11 +162,47 @@ void EventQueue::forget_looks() {
   for (std::size_t k = 0; k < count(); ++k) at(k).looked = at(k).looked_before = -1;
 }
 
+namespace {
+
+EventStatus status_of(const EventQueue::Entry& e) {
+  return {e.time, e.fired, e.done, e.since, e.resting, e.excess, e.excess_before, e.looked, e.looked_before};
+}
+
+void take_status(EventQueue::Entry& e, const EventStatus& s) {
+  e.time = s.time, e.fired = s.fired, e.done = s.done, e.since = s.since, e.resting = s.resting;
+  e.excess = s.excess, e.excess_before = s.excess_before, e.looked = s.looked, e.looked_before = s.looked_before;
+}
+
+}  // namespace
+
 std::vector<EventStatus> EventQueue::armed() const {
   std::vector<EventStatus> all;
-  for (const Entry& e : entries)
-    all.push_back({e.time, e.fired, e.done, e.since, e.resting, e.excess, e.excess_before, e.looked, e.looked_before});
+  for (const Entry& e : entries) all.push_back(status_of(e));
   return all;
+}
+
+QueueState EventQueue::state(const World& world) const {
+  QueueState state;
+  for (const Entry& e : entries) state.entries.push_back({status_of(e), e.nearest});
+  for (const Borne& b : strengths_)
+    state.strengths.push_back({b.strength, b.entry.event.name, b.joint, {status_of(b.entry), b.entry.nearest}});
+  state.strengths_known = strengths_of_ == world.tree().revision();
+  state.next = next_;
+  return state;
+}
+
+void EventQueue::continue_from(const QueueState& state, const World& world) {
+  MT_REQUIRE(state.entries.size() == entries.size(), "the events are scheduled that the run had");
+  for (std::size_t k = 0; k < entries.size(); ++k)
+    take_status(entries[k], state.entries[k].status), entries[k].nearest = state.entries[k].nearest;
+  strengths_.clear();
+  strengths_of_.reset();
+  for (const QueueState::Borne& b : state.strengths) {
+    Borne& now = strengths_.emplace_back(borne(b.strength, b.event, b.joint));
+    take_status(now.entry, b.entry.status), now.entry.nearest = b.entry.nearest;
+  }
+  if (state.strengths_known) strengths_of_ = world.tree().revision();
+  next_ = state.next;
 }
 
 void EventQueue::restore(std::span<const EventStatus> armed, double now) {
@@ -172,9 +213,7 @@ void EventQueue::restore(std::span<const EventStatus> armed, double now) {
     e.looked = e.looked_before = -1;
     e.nearest = {};
     if (k < armed.size()) {
-      const EventStatus& a = armed[k];
-      e.time = a.time, e.fired = a.fired, e.done = a.done, e.since = a.since, e.resting = a.resting;
-      e.excess = a.excess, e.excess_before = a.excess_before, e.looked = a.looked, e.looked_before = a.looked_before;
+      take_status(e, armed[k]);
     } else {
       e.fired = 0, e.since = -1, e.resting = false;
       if (!e.after.empty()) e.time = HUGE_VAL;

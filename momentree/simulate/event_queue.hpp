@@ -25,6 +25,8 @@ struct Approach {
   }
 };
 
+struct QueueState;
+
 class EventQueue {
  public:
   struct Entry {
@@ -83,6 +85,10 @@ class EventQueue {
   std::vector<EventStatus> armed() const;
   /// Entries that are not in the list stay scheduled unless their time is before `now`.
   void restore(std::span<const EventStatus> armed, double now);
+  /// The complete state of the queue in this world.
+  QueueState state(const World& world) const;
+  /// Continues from it; the same entries must be scheduled, and the world restored.
+  void continue_from(const QueueState& state, const World& world);
   /// The clock is set from `before` to `now` (s), and the state may have jumped. Entries whose time is past are done; if the
   /// clock is set back, all others can happen again.
   void restart(double before, double now);
@@ -91,7 +97,9 @@ class EventQueue {
   struct Borne {
     Strength strength;
     Entry entry;
+    std::string joint;  // its name
   };
+  static Borne borne(const Strength& strength, const std::string& event, const std::string& joint);
   void renew_strengths(const World& world);
   std::size_t count() const { return entries.size() + strengths_.size(); }
 

@@ -65,8 +65,8 @@ std::string last_events(std::span<const Event> events) {
 
 std::optional<std::string> ProgressMonitor::look(const World& world, const Integrator& method, const Integration& integration,
                                                  std::span<const Event> events, double until) {
-  const double gone = world.time() - time_, steps = steps_between_looks, left = (until - world.time()) / gone * steps;
-  const std::size_t happened = events.size() - std::min(events.size(), events_);
+  const double gone = world.time() - mark_.time, steps = steps_between_looks, left = (until - world.time()) / gone * steps;
+  const std::size_t happened = events.size() - std::min(events.size(), mark_.events);
   begin(world.time(), events.size());
   // A fixed step is the user's choice, unless the run could not finish on any machine. Adaptive methods make tiny steps without
   // progress if their tolerances are below rounding errors.

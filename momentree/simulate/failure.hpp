@@ -24,12 +24,21 @@ std::string last_events(std::span<const Event> events);
 /// Detects runs that make no progress, by their advance over many steps.
 class ProgressMonitor {
  public:
-  void begin(double time, std::size_t events) { steps_ = 0, time_ = time, events_ = events; }
+  /// The last check, and the steps since then.
+  struct Mark {
+    int steps = 0;
+    double time = 0;  ///< s
+    std::size_t events = 0;
+  };
+
+  void begin(double time, std::size_t events) { mark_ = {0, time, events}; }
+  const Mark& mark() const { return mark_; }
+  void continue_from(const Mark& mark) { mark_ = mark; }
 
   /// Call after each step. Returns a message if the run to `until` would not end in a reasonable time.
   std::optional<std::string> step(const World& world, const Integrator& method, const Integration& integration,
                                   std::span<const Event> events, double until) {
-    if (++steps_ < steps_between_looks) return std::nullopt;
+    if (++mark_.steps < steps_between_looks) return std::nullopt;
     return look(world, method, integration, events, until);
   }
 
@@ -38,9 +47,7 @@ class ProgressMonitor {
   std::optional<std::string> look(const World& world, const Integrator& method, const Integration& integration,
                                   std::span<const Event> events, double until);
 
-  int steps_ = 0;  // since the last check
-  double time_ = 0;
-  std::size_t events_ = 0;
+  Mark mark_;
 };
 
 }  // namespace momentree

@@ -288,6 +288,12 @@ void Simulation::adjust(std::span<const double> q, std::span<const double> p) {
   impl.look_anew();
 }
 
+RunState Simulation::run_state() const {
+  MT_REQUIRE(impl().idle() || impl_->doing == Impl::Doing::watching, "a run is saved outside of a run, or in watch()");
+  return impl_->run_state();
+}
+void Simulation::continue_from(const RunState& state) { changing().continue_from(state); }
+
 StepMemory Simulation::step_memory() const { return {impl().method->proposal(), impl_->ledger.work}; }
 void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& memory) {
   MT_REQUIRE(armed.size() <= changing().queue.entries.size(), "at most as many events as are scheduled");

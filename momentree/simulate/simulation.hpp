@@ -81,6 +81,8 @@ struct SimulationSnapshot {
   double proposal = 0;  ///< the next step of an adaptive method (s)
 };
 
+struct RunState;
+
 /// The effect of all scheduled events on the topology, tried immediately in the present state of the world.
 struct DryRun {
   struct Issue {
@@ -101,7 +103,8 @@ struct DryRun {
 ///
 /// Callbacks, and what they may do with the simulation that calls them:
 ///
-/// - observe(), sample(), watch(): may read everything, take a snapshot(), make a branch(), and schedule events with at(), when(), after()
+/// - observe(), sample(), watch(): may read everything, take a snapshot(), make a branch(), and schedule events with at(),
+/// when(), after()
 ///   and every(). Any other change to the simulation terminates the program: return false instead, and make the change after
 ///   run_until().
 /// - measured(), use_generated(): may read the world or the tree that is passed to them.
@@ -195,9 +198,10 @@ class Simulation {
   /// shorter than the clock can resolve.
   void observe(double every, std::function<bool(const World&)> observer);
 
-  /// Sets the sampler, for extremes and other measures of a run. It is called with the state at the end of every step, both before
-  /// and after the events of that instant; unlike an observer it does not affect the steps. If it returns false, run_until returns
-  /// Status::interrupted: before the events if it was called before them, and these are then still due. There is only one.
+  /// Sets the sampler, for extremes and other measures of a run. It is called with the state at the end of every step, both
+  /// before and after the events of that instant; unlike an observer it does not affect the steps. If it returns false, run_until
+  /// returns Status::interrupted: before the events if it was called before them, and these are then still due. There is only
+  /// one.
   void sample(std::function<bool(const World&)> sampler);
 
   /// Sets the watcher. It is called with the time (s) after each step, independently of the observer's period: for a progress
@@ -266,6 +270,14 @@ class Simulation {
   [[nodiscard]] bool can_undo(std::size_t number) const;
   /// An independent run from here: world, event queue and energy ledger, without observers and history.
   [[nodiscard]] Simulation branch() const;
+
+  /// The run between two steps, to be continued later or in another process (simulate/run_state.hpp): outside of a run, or in the
+  /// callback of watch().
+  [[nodiscard]] RunState run_state() const;
+  /// Continues a run: the next run_until() goes on as the run itself would have, to the last bit. Call it on a simulation of the
+  /// same model at the start of its run, after everything has been scheduled and set that the run had: events, drives, forces,
+  /// and the observer with its period. History is not part of a RunState.
+  void continue_from(const RunState& state);
 
   StepMemory step_memory() const;
   /// Continues as another run would have: with the state of its adaptive method (a next step of 0: keep the present one) and the

@@ -1,5 +1,5 @@
 #pragma once
-// Implementation of Simulation: steps from event to event. Included only by simulation.cpp.
+// Implementation of Simulation: steps from event to event. Included only by the files that implement it.
 #include <momentree/simulate/simulation.hpp>
 
 #include <algorithm>
@@ -18,6 +18,7 @@
 #include <momentree/simulate/event_queue.hpp>
 #include <momentree/simulate/failure.hpp>
 #include <momentree/simulate/instant.hpp>
+#include <momentree/simulate/run_state.hpp>
 #include <momentree/simulate/stops.hpp>
 #include <momentree/simulate/topology_record.hpp>
 
@@ -48,7 +49,7 @@ struct Simulation::Impl {
   }
 
   /// The present activity, which determines what a callback may do: see Simulation.
-  enum class Doing { nothing, observing, working };
+  enum class Doing { nothing, observing, watching, working };
   Doing doing = Doing::nothing;
   using During = detail::Restored<Doing>;
   bool idle() const { return doing == Doing::nothing && !world.workspace_.in_function; }
@@ -88,7 +89,7 @@ struct Simulation::Impl {
   }
   // A run that diverged may continue from another state or in another world.
   void recover() {
-    diverged = false;
+    diverged = continues = false;
     message.clear();
   }
 
@@ -187,6 +188,7 @@ struct Simulation::Impl {
   }
 
   std::size_t schedule(EventQueue::Entry entry) {
+    continues = false;
     entry.event.name = "#" + std::to_string(queue.entries.size() + 1);
     return queue.add(std::move(entry));
   }
@@ -255,6 +257,7 @@ struct Simulation::Impl {
   /// refused.
   bool act(std::span<const Action> actions, const std::string& name) {
     settle();
+    continues = false;
     const During working(doing, Doing::working);
     DueEvent due{name.empty() ? "#" + std::to_string(queue.entries.size() + events.size() + 1) : name, !name.empty(), {}};
     due.actions.assign(actions.begin(), actions.end());
@@ -309,6 +312,7 @@ struct Simulation::Impl {
   template <class Act>
   void populate(const char* what, const std::string& body, Act act) {
     settle();
+    continues = false;
     const During working(doing, Doing::working);
     Event event;
     event.time = world.time();
@@ -372,6 +376,10 @@ struct Simulation::Impl {
     evaluate_state();
   }
 
+  // run_state.cpp
+  RunState run_state();
+  void continue_from(const RunState& from);
+
   std::optional<Error> unknown_name(const std::vector<std::string>& joints, const std::vector<std::string>& bodies) const {
     return momentree::unknown_name(world, queue, joints, bodies);
   }
@@ -407,20 +415,31 @@ struct Simulation::Impl {
     return status == Status::ok;
   }
   bool watched() {
-    const During observing(doing, Doing::observing);
+    const During watching(doing, Doing::watching);
     return !watcher || watcher(world.time());
+  }
+
+  // What happens at the present instant before the first step.
+  Status begin_run() {
+    progress.begin(world.time(), events.size());
+    resolve_limits();
+    Status status = Status::ok;
+    return happen_between_samples(status) && !look(!observed) ? Status::interrupted : status;
+  }
+  // After each step.
+  Status note_progress(double until) {
+    const auto why = progress.step(world, *method, integration, events, until);
+    if (why) message = *why;
+    return why ? Status::stalled : Status::ok;
   }
 
   Status run(double until) {
     settle();
     if (diverged) return Status::diverged;
-    progress.begin(world.time(), events.size());
     stalled = false;
     const During working(doing, Doing::working);
     lap = Clock::now();
-    Status status = Status::ok;
-    resolve_limits();
-    if (happen_between_samples(status) && !look(!observed)) status = Status::interrupted;
+    Status status = std::exchange(continues, false) ? note_progress(until) : begin_run();
     while (status == Status::ok && world.time() < until) {
       double end = std::min(until, queue.next_time());
       if (observer && every > 0) end = std::min(end, next_look);
@@ -429,10 +448,7 @@ struct Simulation::Impl {
         break;
       }
       if (!happen_between_samples(status)) break;
-      if (!look(false) || !watched())
-        status = Status::interrupted;
-      else if (const auto why = progress.step(world, *method, integration, events, until))
-        status = Status::stalled, message = *why;
+      status = look(false) && watched() ? note_progress(until) : Status::interrupted;
     }
     if (status != Status::interrupted && !look(true)) status = Status::interrupted;
     evaluate_state();
@@ -469,6 +485,7 @@ struct Simulation::Impl {
   std::string message;  // the reason, as soon as it is known
   RunResult result;     // of the last call that returned one
   bool diverged = false, stalled = false;
+  bool continues = false;  // the next run continues one that was between two steps
   ProgressMonitor progress;
   double every = 0, next_look = 0, observed_at = 0;
   bool observed = false;

@@ -45,9 +45,9 @@ class Coordinator final : public WorkSource {
   mutable std::mutex mutex_;
   Journal& journal_;
   CoordinatorOptions options_;
-  std::deque<Chunk> gaps_;                         ///< worlds that nobody has been given, in order
-  std::deque<Chunk> again_;                        ///< chunks to give another time
-  std::unordered_set<std::uint64_t> finished_;     ///< first worlds of chunks finished in this run
+  std::deque<Chunk> gaps_;                      ///< worlds that nobody has been given, in order
+  std::deque<Chunk> again_;                     ///< chunks to give another time
+  std::unordered_set<std::uint64_t> finished_;  ///< first worlds of chunks finished in this run
   std::uint64_t ungiven_ = 0, done_ = 0, before_ = 0, failed_ = 0;
   Clock::time_point start_ = Clock::now();
 };

@@ -13,9 +13,9 @@ namespace momentree::sweep {
 
 /// What a journal belongs to. It is continued only by a sweep with the same identity.
 struct JournalIdentity {
-  std::string version;        ///< of the program
-  std::string hash;           ///< of the sweep, the scenario and the files that they name
-  std::uint64_t worlds = 0;   ///< in all
+  std::string version;         ///< of the program
+  std::string hash;            ///< of the sweep, the scenario and the files that they name
+  std::uint64_t worlds = 0;    ///< in all
   std::uint64_t measures = 0;  ///< per world
   friend bool operator==(const JournalIdentity&, const JournalIdentity&) = default;
 };

@@ -27,8 +27,8 @@ struct EventMeasure {
   int number = 1;
 };
 
-/// The extreme of a source over the run, its mean over time, or the time of an extreme (s). Taken at the ends of all steps, before
-/// and after the events of each instant.
+/// The extreme of a source over the run, its mean over time, or the time of an extreme (s). Taken at the ends of all steps,
+/// before and after the events of each instant.
 struct FoldMeasure {
   enum class What { max, min, mean };
   What what = What::max;
@@ -79,7 +79,7 @@ class Observation {
 
  private:
   struct Fold {
-    double value = 0, time = 0;      ///< the extreme and when it occurred, or the last value and its time
+    double value = 0, time = 0;     ///< the extreme and when it occurred, or the last value and its time
     double integral = 0, span = 0;  ///< of a mean
     bool any = false;
   };

@@ -45,7 +45,7 @@ struct Sweep {
   std::shared_ptr<const Plan> plan;
   std::vector<Measure> measures;
   StopRule stop;
-  std::string output;        ///< a folder, or a file that ends in .h5; empty: not given
+  std::string output;       ///< a folder, or a file that ends in .h5; empty: not given
   bool json_lines = false;  ///< also worlds.jsonl
 
   std::uint64_t worlds() const { return plan->worlds(); }
@@ -55,10 +55,10 @@ struct Sweep {
 
 /// A column of the varied values: a parameter, or one component of it.
 struct ParameterColumn {
-  std::string name;            ///< the key, and ".0" … for the components of a vector
-  std::size_t parameter = 0;   ///< its place in Sweep::parameters
-  std::size_t component = 0;   ///< its place in the values of the plan
-  bool is_text = false;        ///< a list with entries that are not numbers
+  std::string name;           ///< the key, and ".0" … for the components of a vector
+  std::size_t parameter = 0;  ///< its place in Sweep::parameters
+  std::size_t component = 0;  ///< its place in the values of the plan
+  bool is_text = false;       ///< a list with entries that are not numbers
 };
 std::vector<ParameterColumn> parameter_columns(const Sweep& sweep);
 /// The value of a parameter that is a list of numbers; NaN for other entries.

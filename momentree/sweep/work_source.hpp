@@ -1,5 +1,6 @@
 #pragma once
 // Chunks of worlds: how a sweep's work is given out and its results are collected.
+#include <compare>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -10,7 +11,7 @@ namespace momentree::sweep {
 /// Consecutive worlds: from `first` on, `count` of them.
 struct Chunk {
   std::uint64_t first = 0, count = 0;
-  friend bool operator==(const Chunk&, const Chunk&) = default;
+  friend auto operator<=>(const Chunk&, const Chunk&) = default;
 };
 
 /// The work of a sweep, on the process that keeps its journal. Its functions may be called by several threads at once.

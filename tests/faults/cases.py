@@ -90,6 +90,8 @@ def cases(program, shim, folder):
         Case("run", run, laws.run_law, scenario | neighbours),
         Case("run --report over a result", run + ["--report", "--reactions"], laws.run_law,
              scenario | result | notes | neighbours),
+        Case("run --checkpoint", run + ["--quiet", "--checkpoint", "1us", "--set", "integrate.step=0.03"], laws.run_law,
+             scenario | result | neighbours),
         Case("run over a failed one", run + ["--quiet"], laws.run_law, scenario | result | notes | failed | more),
         Case("run without exchange", run + ["--json"], laws.run_law, scenario | result | notes | failed | more,
              {"FAULTS_NO_EXCHANGE": "1"}),

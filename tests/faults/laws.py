@@ -4,7 +4,7 @@ import os
 import re
 
 OWN = {".momentree", "bodies.csv", "joints.csv", "energy.csv", "events.jsonl", "final.json", "summary.json", "model.json",
-       "report.html"}
+       "report.html", "checkpoint"}
 HELPERS = {".momentree", ".momentree.new", ".momentree.reserve", ".momentree.former"}
 TABLES = {"bodies.csv", "joints.csv", "energy.csv", "events.jsonl"}
 
@@ -138,7 +138,8 @@ def run_law(before, after, good, code, said, killed=False, lasts=False, out="r")
     partial, left = below(after, working), below(before, working)
     former = {name[len(".momentree.former/"):]: text for name, text in (partial | new).items()
               if name.startswith(".momentree.former/")}
-    in_place = {n: t for n, t in own_new.items() if not n.startswith(".momentree.former/")}
+    left_there = {"checkpoint"} if killed or lasts or "checkpoint: warning" in said else set()  # the next run removes it
+    in_place = {n: t for n, t in own_new.items() if not n.startswith(".momentree.former/") and n not in left_there}
     replaced = same(in_place, own_wanted)
     in_working = (killed or lasts) and not new and same(split(former)[0], own_old)  # the next run restores it
     require(replaced or same(in_place, own_old) or in_working,

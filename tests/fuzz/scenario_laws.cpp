@@ -99,6 +99,7 @@ class Checker {
     check_certificates();
     check_topology();
     check_restarts();
+    check_checkpoints();
     check_documents();
     check_conversion();
     check_energy();
@@ -148,6 +149,26 @@ class Checker {
 
   void check_again() {
     require_same_run(traced_run(scenario_, {.until = scenario_.until, .most_steps = 2 * most_steps}), "the same run again");
+  }
+
+  // A run that is saved and continued, even several times, equals the uninterrupted run to the last bit.
+  void check_checkpoints() {
+    if (whole_.steps < 2) return;
+    RunPlan plan{.until = scenario_.until, .most_steps = 2 * most_steps};
+    for (int left = choose_.integer(1, 4); left > 0; --left)
+      plan.saved_after.push_back(choose_.integer(1, static_cast<int>(whole_.steps) - 1));
+    std::sort(plan.saved_after.begin(), plan.saved_after.end());
+    plan.saved_after.erase(std::unique(plan.saved_after.begin(), plan.saved_after.end()), plan.saved_after.end());
+    const Trace continued = traced_run(scenario_, plan);
+    found_.counts["checkpoints"] += static_cast<long>(plan.saved_after.size());
+    std::string at = "continued from checkpoints after steps";
+    for (const long step : plan.saved_after) at += ' ' + std::to_string(step);
+    found_.require(whole_.events == continued.events, at + ": events",
+                   "\n" + difference(rendered(whole_.events), rendered(continued.events)));
+    found_.require(whole_.state == continued.state, at + ": state", "\n" + difference(whole_.state, continued.state));
+    found_.require(whole_.times == continued.times && whole_.rows == continued.rows, at + ": rows");
+    found_.require(whole_.counts == continued.counts, at + ": counts", whole_.counts + "\n--- but\n" + continued.counts);
+    found_.require(whole_.message == continued.message && whole_.status == continued.status, at + ": status");
   }
 
   std::vector<Vec3> applied_impulses(const Event& happened) const;

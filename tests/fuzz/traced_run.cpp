@@ -6,6 +6,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/io/checkpoint/checkpoint.hpp>
 #include <momentree/io/joint_json.hpp>
 #include <momentree/io/results.hpp>
 #include <momentree/simulate/topology_record.hpp>
@@ -75,27 +76,69 @@ std::string difference(const std::string& one, const std::string& other) {
   return around(one, apart.first) + "\n--- but\n" + around(other, apart.second);
 }
 
+namespace {
+
+std::string counts_of(const Simulation& simulation) {
+  const RunStatistics& run = simulation.statistics();
+  std::string text;
+  for (const long count : {run.steps, run.changes, run.evaluations[0], run.evaluations[1]}) text += std::to_string(count) + ' ';
+  const EnergyBalance e = simulation.energy();
+  for (const double x : {e.initial, e.final, e.dissipated, e.work, e.lost_in_impacts, e.released, e.error, e.largest_kinetic})
+    append(text, std::isnan(x) ? -1 : x);
+  for (const MissedEvent& missed : simulation.missed()) {
+    text += missed.name;
+    for (const double x : {missed.time, missed.nearest, missed.nearest_time, missed.held}) append(text, std::isnan(x) ? -1 : x);
+  }
+  return text;
+}
+
+std::unique_ptr<io::Session> new_session(const io::Scenario& scenario, const RunPlan& plan) {
+  auto session = std::make_unique<io::Session>(scenario, cli::documents_of(plan.state, scenario.model));
+  static_cast<void>(session->schedule());
+  return session;
+}
+
+}  // namespace
+
 Trace traced_run(const io::Scenario& scenario, const RunPlan& plan) {
   Trace trace;
   std::unique_ptr<io::Session> session;
   try {
-    session = std::make_unique<io::Session>(scenario, cli::documents_of(plan.state, scenario.model));
-    static_cast<void>(session->schedule());
+    session = new_session(scenario, plan);
   } catch (const Error& error) {
     trace.refused = error.message();
     return trace;
   }
-  Simulation& simulation = session->simulation();
-  simulation.observe(scenario.output_every, [&](const World& world) {
-    // Of two rows at one instant the later one counts: it follows the events.
-    if (!trace.times.empty() && trace.times.back() == world.time()) trace.times.pop_back(), trace.rows.pop_back();
-    trace.times.push_back(world.time());
-    trace.rows.push_back(row_text(simulation));
-    return true;
-  });
-  describe(simulation.world(), trace.joints_before, trace.mechanisms_before);
-  simulation.watch([&](double) { return ++trace.steps < plan.most_steps; });
-  trace.status = simulation.run_until(plan.until);
+  describe(session->simulation().world(), trace.joints_before, trace.mechanisms_before);
+  std::string saved;
+  std::size_t next = 0;
+  do {
+    if (!saved.empty()) session = new_session(scenario, plan);
+    Simulation& simulation = session->simulation();
+    simulation.observe(scenario.output_every, [&](const World& world) {
+      // Of two rows at one instant the later one counts: it follows the events.
+      if (!trace.times.empty() && trace.times.back() == world.time()) trace.times.pop_back(), trace.rows.pop_back();
+      trace.times.push_back(world.time());
+      trace.rows.push_back(row_text(simulation));
+      return true;
+    });
+    simulation.watch([&](double) {
+      ++trace.steps;
+      if (next < plan.saved_after.size() && trace.steps == plan.saved_after[next]) {
+        saved = io::checkpoint_bytes({{}, 0, simulation.run_state(), {}});
+        return false;
+      }
+      return trace.steps < plan.most_steps;
+    });
+    if (!saved.empty()) {
+      const io::Checkpoint checkpoint = io::read_checkpoint(saved, "saved");
+      io::require_fit(simulation, checkpoint, "saved");
+      io::continue_run(simulation, checkpoint);
+      saved.clear(), ++next;
+    }
+    trace.status = simulation.run_until(plan.until);
+  } while (!saved.empty());
+  const Simulation& simulation = session->simulation();
   trace.cut = trace.status == Status::interrupted;
   if (trace.status != Status::ok) trace.message = simulation.result().reason;
   describe(simulation.world(), trace.joints_after, trace.mechanisms_after);
@@ -103,6 +146,7 @@ Trace traced_run(const io::Scenario& scenario, const RunPlan& plan) {
   for (const Event& event : trace.certificates) trace.events.push_back(event_text(event));
   const StepMemory memory = is_adaptive(scenario.integration.method) ? simulation.step_memory() : StepMemory{};
   trace.state = io::state_json(simulation.world(), session->armed(), memory);
+  trace.counts = counts_of(simulation);
   trace.energy = simulation.energy();
   trace.time = simulation.time();
   return trace;

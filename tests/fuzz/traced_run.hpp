@@ -15,6 +15,8 @@ struct RunPlan {
   std::string state{};         ///< the document to start from; empty: the scenario's start
   double until = 0;            ///< s
   long most_steps = 1L << 40;  ///< it is interrupted after this many steps
+  /// After each of these numbers of steps, in ascending order, the run is saved as a checkpoint and continued in a new session.
+  std::vector<long> saved_after{};
 };
 
 struct Trace {
@@ -29,6 +31,7 @@ struct Trace {
   std::map<std::string, std::string> joints_before, joints_after;  ///< its joints at the start and at the end, by name
   std::vector<std::string> mechanisms_before, mechanisms_after;    ///< by body, its mechanism
   EnergyBalance energy;
+  std::string counts;  ///< its steps, evaluations and energies, and the events that it missed, by how much
   double time = 0, step_work = 0;
   long steps = 0;
   bool cut = false;  ///< by most_steps

@@ -43,6 +43,9 @@ std::vector<std::string> split_csv(const std::string& line) {
 }
 
 NumberTable::NumberTable(std::filesystem::path file) : file_(std::move(file)) {
+  if (!is_there(file_) && is_there(file_.parent_path() / "results.h5"))
+    throw_error({"the tables of this result are in results.h5, and only CSV tables can be shown", file_.parent_path().string(),
+                 "run again with --format csv, or with --report"});
   if (!is_there(file_)) throw_error({"there is no such file", file_.string(), "give the directory that `momentree run` wrote"});
   LineReader in(file_);
   std::string line;
@@ -60,6 +63,19 @@ NumberTable::NumberTable(std::filesystem::path file) : file_(std::move(file)) {
   }
 }
 
+void NumberTable::append_cells(const std::string& line, const std::string& where, std::vector<double>& numbers) const {
+  std::size_t cells = 0;
+  for (std::size_t at = line.find(','); at != std::string::npos; ++cells) {
+    const std::size_t end = line.find(',', at + 1);
+    const std::string_view cell = std::string_view(line).substr(at + 1, end == std::string::npos ? end : end - at - 1);
+    if (cells < columns_.size()) numbers.push_back(number(cell, columns_[cells], where));
+    at = end;
+  }
+  if (cells != columns_.size())
+    throw_error(
+        {"the row has " + std::to_string(cells + 1) + " of " + std::to_string(columns_.size() + 1) + " columns", where, damaged});
+}
+
 std::vector<double> NumberTable::read(const std::vector<std::size_t>& rows) const {
   std::vector<double> numbers;
   numbers.reserve(rows.size() * columns_.size());
@@ -68,19 +84,22 @@ std::vector<double> NumberTable::read(const std::vector<std::size_t>& rows) cons
   for (const std::size_t row : rows) {
     while (in.number() < lines_[row] && in.next(line)) {
     }
-    const std::string where = place(row);
-    std::size_t cells = 0;
-    for (std::size_t at = line.find(','); at != std::string::npos; ++cells) {
-      const std::size_t end = line.find(',', at + 1);
-      const std::string_view cell = std::string_view(line).substr(at + 1, end == std::string::npos ? end : end - at - 1);
-      if (cells < columns_.size()) numbers.push_back(number(cell, columns_[cells], where));
-      at = end;
-    }
-    if (cells != columns_.size())
-      throw_error({"the row has " + std::to_string(cells + 1) + " of " + std::to_string(columns_.size() + 1) + " columns", where,
-                   damaged});
+    append_cells(line, place(row), numbers);
   }
   return numbers;
+}
+
+void NumberTable::each_row(const std::function<void(std::span<const double> row)>& visit) const {
+  LineReader in(file_);
+  std::string line;
+  std::vector<double> row;
+  for (std::size_t i = 0; i < times_.size(); ++i) {
+    while (in.number() < lines_[i] && in.next(line)) {
+    }
+    row.assign(1, times_[i]);
+    append_cells(line, place(i), row);
+    visit(row);
+  }
 }
 
 }  // namespace momentree::io

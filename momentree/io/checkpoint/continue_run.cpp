@@ -1,0 +1,125 @@
+// A checkpoint is applied to a simulation only if it fits: numbers that are out of range would otherwise stop the program.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/checkpoint/checkpoint.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+class Fit {
+ public:
+  Fit(const Simulation& simulation, const RunState& run, const std::string& path)
+      : now_(simulation.run_state()),
+        world_(simulation.world()),
+        run_(run),
+        topology_(run.world.engine.topology),
+        bodies_(world_.tree().bodies()),
+        path_(path) {}
+
+  void check() {
+    const Topology& own = now_.world.engine.topology;
+    require(topology_.model == own.model && topology_.places.size() == own.places.size(), "another model");
+    require(run_.queue.entries.size() == now_.queue.entries.size(), "a run with other events");
+    check_places();
+    check_joints();
+    check_state();
+    for (const QueueState::Borne& b : run_.queue.strengths) require(joint(b.strength.joint), whole);
+    for (const auto* names : {&run_.world.joint_names, &run_.world.mechanism_names})
+      for (const auto& [number, name] : *names) require(body(number), whole);
+  }
+
+ private:
+  static constexpr const char* whole = "";
+  void require(bool holds, const char* what) const {
+    if (holds) return;
+    const std::string problem = what == whole ? "this checkpoint is damaged" : std::string("this checkpoint is of ") + what;
+    throw_error({problem, path_, "run without --resume to start again from the beginning"});
+  }
+  bool body(int number) const { return number >= 0 && number < bodies_; }
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  bool joint(int number) const { return body(number) && carried_[at(number)] != 0; }
+
+  void check_places() {
+    carried_.assign(at(bodies_), 0);
+    kinds_.assign(at(bodies_), Kind::weld);
+    for (const Topology::Place& place : topology_.places) {
+      if (place.joint < 0) continue;
+      require(body(place.joint) && carried_[at(place.joint)] == 0, whole);
+      carried_[at(place.joint)] = 1;
+      require(place.parent == -1 || (body(place.parent) && topology_.places[at(place.parent)].joint >= 0), whole);
+      require(!place.reversed || place.parent >= 0, whole);
+    }
+    // No body is outboard of itself: every path inboard ends at the ground.
+    std::vector<char> known(at(bodies_), 0);
+    std::vector<int> path;
+    for (int b = 0; b < bodies_; ++b) {
+      path.clear();
+      int inner = b;
+      for (; inner >= 0 && known[at(inner)] == 0; inner = topology_.places[at(inner)].parent) {
+        known[at(inner)] = 1;
+        path.push_back(inner);
+      }
+      require(inner < 0 || known[at(inner)] == 2, whole);
+      for (const int each : path) known[at(each)] = 2;
+    }
+  }
+
+  void check_joints() {
+    for (int j = 0; j < bodies_; ++j) kinds_[at(j)] = world_.model()[JointId{j}].joint.kind;
+    const int shared = world_.tree().shared_parameters(), own = static_cast<int>(topology_.own.size());
+    const int functions = static_cast<int>(now_.world.engine.topology.functions.size());
+    for (const Topology::Changed& c : topology_.changed) {
+      require(body(c.joint), whole);
+      require(c.as.parameters >= -1 && c.as.parameters < shared + own, whole);
+      require(c.as.function >= -1 && c.as.function < functions, "a run with other functions");
+      require(c.as.locked >> info(c.as.kind).nv == 0, whole);
+      kinds_[at(c.joint)] = c.as.kind;
+    }
+    for (const Topology::Own& o : topology_.own) require(body(o.joint), whole);
+  }
+
+  void check_state() const {
+    const Snapshot& engine = run_.world.engine;
+    std::size_t nq = 0, nv = 0;
+    for (int j = 0; j < bodies_; ++j) {
+      if (!joint(j)) continue;
+      const KindInfo& kind = info(kinds_[at(j)]);
+      nq += at(kind.nq), nv += at(kind.nv);
+    }
+    require(engine.q.size() == nq && engine.p.size() == nv && std::isfinite(engine.time), whole);
+    for (const auto* numbers : {&engine.q, &engine.p})
+      require(std::all_of(numbers->begin(), numbers->end(), [](double x) { return std::isfinite(x); }), whole);
+    require(std::isfinite(run_.proposal) && run_.proposal > 0, whole);
+    for (const ActiveLimit& limit : run_.world.active_limits)
+      require(joint(limit.joint) && limit.dof >= 0 && limit.dof < info(kinds_[at(limit.joint)]).nv, whole);
+  }
+
+  const RunState now_;
+  const World& world_;
+  const RunState& run_;
+  const Topology& topology_;
+  const int bodies_;
+  const std::string& path_;
+  std::vector<char> carried_;  // by joint
+  std::vector<Kind> kinds_;    // by joint
+};
+
+}  // namespace
+
+void require_fit(const Simulation& simulation, const Checkpoint& checkpoint, const std::string& path) {
+  Fit(simulation, checkpoint.run, path).check();
+}
+
+void continue_run(Simulation& simulation, const Checkpoint& checkpoint) {
+  const Topology own = simulation.world().tree().topology();
+  RunState run = checkpoint.run;
+  run.world.engine.topology.functions = own.functions;
+  run.world.engine.topology.loads = own.loads;
+  simulation.continue_from(run);
+}
+
+}  // namespace momentree::io

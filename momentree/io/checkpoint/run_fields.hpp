@@ -1,0 +1,81 @@
+#pragma once
+// What the state of a run consists of, for archives.
+#include <momentree/io/checkpoint/model_fields.hpp>
+#include <momentree/simulate/run_state.hpp>
+
+namespace momentree::io {
+
+template <class Archive>
+void fields(Archive& archive, Part<Archive, EventStatus>& s) {
+  archive(s.time, s.fired, s.done, s.since, s.resting, s.excess, s.excess_before, s.looked, s.looked_before);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, Approach>& a) {
+  archive(a.excess, a.time, a.held);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, QueueState::Entry>& e) {
+  archive(e.status, e.nearest);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, Strength>& s) {
+  archive(s.joint, s.torque, s.most);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, QueueState::Borne>& b) {
+  archive(b.strength, b.event, b.joint, b.entry);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, QueueState>& q) {
+  archive(q.entries, q.strengths, q.strengths_known, q.next);
+}
+
+template <class Archive>
+void fields(Archive& archive, Part<Archive, EnergyBalance>& e) {
+  archive(e.initial, e.final, e.dissipated, e.work, e.lost_in_impacts, e.released, e.error, e.largest_kinetic);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, RunStatistics>& s) {
+  for (const int after : {0, 1}) archive(s.evaluation_seconds[after], s.total_seconds[after], s.evaluations[after]);
+  archive(s.topology_seconds, s.steps, s.changes, s.worst_step_seconds);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, ProgressMonitor::Mark>& m) {
+  archive(m.steps, m.time, m.events);
+}
+
+template <class Archive>
+void fields(Archive& archive, Part<Archive, Totals>& t) {
+  archive(t.kinetic, t.potential, t.linear, t.angular);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, ActionRecord>& a) {
+  archive(a.kind, a.target, a.joint, a.body, a.to, a.skipped);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, JointRecord>& j) {
+  archive(j.name);
+  kind(archive, j.kind);
+  archive(j.parent, j.child, j.at, j.child_at, j.axis, j.axis2, j.pitch, j.locked);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, TopologyRecord::Moved>& m) {
+  archive(m.mechanism, m.bodies);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, TopologyRecord>& t) {
+  archive(t.gone, t.joints, t.moved);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, Event>& e) {
+  archive(e.time, e.name, e.actions, e.topology, e.mechanisms_before, e.mechanisms_after, e.before, e.after, e.released, e.lost,
+          e.work, e.impulse, e.ground_impulse, e.hardest_joint, e.hardest_linear, e.hardest_angular, e.duration_ns);
+}
+
+template <class Archive>
+void fields(Archive& archive, Part<Archive, RunState>& r) {
+  archive(r.world, r.queue, r.balance, r.dissipated, r.work, r.proposal, r.evaluated, r.evaluations, r.evaluation_seconds,
+          r.statistics, r.progress, r.within_run, r.observed, r.observed_at, r.next_observation, r.events);
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,46 @@
+#include <momentree/simulate/run_state.hpp>
+
+#include <momentree/simulate/simulation_impl.hpp>
+
+namespace momentree {
+
+// Evaluates nothing: that would change the counts of the run.
+RunState Simulation::Impl::run_state() {
+  settle();
+  RunState all;
+  all.world = world.snapshot();
+  all.queue = queue.state(world);
+  all.balance = balance;
+  all.dissipated = ledger.dissipated, all.work = ledger.work;
+  all.proposal = method->proposal();
+  all.evaluated = world.workspace_.evaluated == world.state_.stamp();
+  all.evaluations = evaluate.count, all.evaluation_seconds = evaluate.seconds;
+  all.statistics = statistics;
+  all.within_run = doing == Doing::watching;
+  if (all.within_run) all.statistics.total_seconds[statistics.changes > 0 ? 1 : 0] += detail::seconds_since(lap);
+  all.progress = progress.mark();
+  all.observed = observed, all.observed_at = observed_at, all.next_observation = next_look;
+  all.events = events;
+  return all;
+}
+
+void Simulation::Impl::continue_from(const RunState& from) {
+  unadjusted.reset();
+  history.clear();
+  recover();
+  world.restore(from.world);
+  method = new_method();
+  method->set_proposal(from.proposal);
+  queue.continue_from(from.queue, world);
+  balance = from.balance;
+  ledger = {from.dissipated, from.work};
+  if (from.evaluated) evaluate_state();
+  evaluate.count = from.evaluations, evaluate.seconds = from.evaluation_seconds;
+  statistics = from.statistics;
+  progress.continue_from(from.progress);
+  continues = from.within_run;
+  observed = from.observed, observed_at = from.observed_at, next_look = from.next_observation;
+  events = from.events;
+}
+
+}  // namespace momentree
