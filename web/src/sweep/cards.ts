@@ -6,7 +6,7 @@ import type { Column } from "./document";
 import type { Explorer } from "./explorer";
 import { HistogramPlot } from "./histogram";
 import { sensitivities } from "./sensitivities";
-import { worldsText } from "./words";
+import { breakable, worldsText } from "./words";
 
 /** The least or the greatest value; a press picks its world. */
 function extreme(explorer: Explorer, label: string, value: number, world: number | null): HTMLElement {
@@ -48,7 +48,7 @@ export function card(explorer: Explorer, column: Column): HTMLElement {
   return h(
     "article",
     { class: "box card", "aria-label": column.name },
-    h("h3", {}, column.name, column.unit !== "" && h("span", { class: "unit" }, ` ${column.unit}`)),
+    h("h3", {}, breakable(column.name), column.unit !== "" && h("span", { class: "unit" }, ` ${column.unit}`)),
     column.about !== "" && h("p", { class: "about" }, column.about),
     ...parts,
     column.role === "measure" && sensitivities(explorer, column),

@@ -3,6 +3,7 @@ import { h } from "../panels/dom";
 import { digits } from "../panels/numbers";
 import type { Column, Histogram } from "./document";
 import type { Explorer } from "./explorer";
+import { soon } from "./soon";
 import { binOf } from "./statistics";
 import { svg } from "./svg";
 import { ticksOf } from "./ticks";
@@ -55,7 +56,8 @@ export class HistogramPlot {
     );
     this.listen();
     this.read(false);
-    explorer.listen((change) => change === "marked" && this.showMarked());
+    const showMarked = soon(() => this.showMarked());
+    explorer.listen((change) => change === "marked" && showMarked());
   }
 
   private bars(counts: readonly number[]): SVGRectElement[] {

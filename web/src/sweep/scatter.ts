@@ -8,6 +8,7 @@ import { canBeAxis, pointAxis, type PointAxis } from "./point_axis";
 import { pointColours, scaleColour } from "./point_colours";
 import { areaOf, draw, positions, type Points } from "./scatter_picture";
 import { columnChoice } from "./column_choice";
+import { soon } from "./soon";
 import { titleOf, valueText, worldsText } from "./words";
 
 export class Scatter {
@@ -27,7 +28,7 @@ export class Scatter {
   private at: Points = { x: new Float32Array(), y: new Float32Array() };
   private colour: Column | null;
   private anchor: { x: number; y: number } | null = null;
-  private waiting = false;
+  private readonly paintSoon = soon(() => this.paint());
 
   /** `colour`: the column that is chosen first for the colours. */
   constructor(
@@ -68,7 +69,7 @@ export class Scatter {
     );
     explorer.listen((change) => {
       if (change === "axes") this.show();
-      else if (change === "marked") this.soon();
+      else if (change === "marked") this.paintSoon();
       else this.showPicked();
     });
     this.listen();
@@ -91,16 +92,6 @@ export class Scatter {
       `Scatter plot of ${y.name} over ${x.name}: arrow keys go from world to world, Escape clears the marks`,
     );
     this.paint();
-  }
-
-  /** Once before the next frame, however often it is asked for. */
-  private soon() {
-    if (this.waiting) return;
-    this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
-      this.paint();
-    });
   }
 
   private paint() {

@@ -114,13 +114,7 @@ function drawPoints(
 export const radiusFor = (points: number) => (points > 8000 ? 1.3 : points > 2000 ? 2 : 3.2);
 
 /** `width`, `height`: of the canvas (px). Points that are not marked, if any are, fade. */
-export function draw(
-  context: CanvasRenderingContext2D,
-  picture: Picture,
-  at: Points,
-  width: number,
-  height: number,
-) {
+export function draw(context: CanvasRenderingContext2D, picture: Picture, at: Points, width: number, height: number) {
   const { marked } = picture;
   const radius = radiusFor(at.x.length);
   context.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);

@@ -3,6 +3,7 @@ import { h } from "../panels/dom";
 import { digits } from "../panels/numbers";
 import type { Column, Sensitivity } from "./document";
 import type { Explorer } from "./explorer";
+import { breakable } from "./words";
 
 const most = 5;
 
@@ -15,9 +16,9 @@ function rowOf(explorer: Explorer, measure: Column, { vary, correlation, first_o
     ? h(
         "button",
         { type: "button", class: "link", title: "Plot the measure over this", onclick: () => explorer.plot(x, measure) },
-        vary,
+        breakable(vary),
       )
-    : vary;
+    : breakable(vary);
   const bar = h("span", { class: "signed", "aria-hidden": "true" });
   if (correlation !== null) {
     const part = h("span", { class: correlation < 0 ? "filled negative" : "filled" });
@@ -30,7 +31,7 @@ function rowOf(explorer: Explorer, measure: Column, { vary, correlation, first_o
     "tr",
     {},
     h("th", { scope: "row" }, name),
-    h("td", { class: "picture" }, bar),
+    h("td", { "aria-hidden": "true" }, bar),
     h("td", {}, correlation === null ? "–" : digits(correlation, 2)),
     h("td", {}, first_order === null ? "–" : digits(first_order, 2)),
   );
@@ -61,7 +62,6 @@ export function sensitivities(explorer: Explorer, measure: Column): HTMLElement 
           "tr",
           {},
           h("th", { scope: "col" }, "depends on"),
-          h("th", { scope: "col", class: "picture" }, h("span", { class: "hidden-text" }, "Correlation as a bar")),
           h("th", { scope: "col", title: "Spearman's rank correlation, from −1 to 1" }, "rank corr."),
           h("th", { scope: "col", title: "Share of the variance that this parameter alone explains" }, "1st order"),
         ),

@@ -1,4 +1,5 @@
 // Round numbers along an axis.
+import { digits } from "../panels/numbers";
 
 export interface Ticks {
   readonly at: readonly number[];
@@ -7,7 +8,7 @@ export interface Ticks {
 
 /** At most about `most` ticks within these limits, a multiple of 1, 2 or 5 apart. */
 export function ticksOf(low: number, high: number, most: number): Ticks {
-  if (!(high > low)) return { at: [low], labels: [labelOf(low, 0)] };
+  if (!(high > low)) return { at: [low], labels: [digits(low)] };
   const rough = (high - low) / Math.max(most, 1);
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((factor) => factor * power).find((each) => each >= rough * (1 - 1e-9))!;
@@ -18,13 +19,11 @@ export function ticksOf(low: number, high: number, most: number): Ticks {
 
 /** With the decimals that a step needs. */
 function labelOf(value: number, step: number): string {
+  if (Math.abs(value) < 1e-9 * step) return "0";
   const size = Math.max(Math.abs(value), step);
-  if (value === 0 || Math.abs(value) < 1e-9 * step) return "0";
-  const needed = step > 0 ? Math.max(Math.ceil(-Math.log10(step) - 1e-9), 0) : 3;
-  const significant = step > 0 ? Math.max(Math.round(Math.log10(size / step)), 0) : 3;
   const text =
     size >= 1e6 || step < 1e-5
-      ? value.toExponential(Math.min(significant, 20))
-      : value.toFixed(Math.min(needed, 20)).replace(step > 0 ? /$^/ : /\.?0+$/, "");
+      ? value.toExponential(Math.min(Math.max(Math.round(Math.log10(size / step)), 0), 20))
+      : value.toFixed(Math.max(Math.ceil(-Math.log10(step) - 1e-9), 0));
   return text.replace("e+", "e").replaceAll("-", "−");
 }

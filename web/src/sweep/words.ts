@@ -1,4 +1,5 @@
 // Values, shares and names as the page shows them.
+import { h } from "../panels/dom";
 import { digits } from "../panels/numbers";
 import type { Column } from "./document";
 
@@ -10,7 +11,12 @@ export function valueText(column: Column, value: number, precision = 6): string 
 }
 
 /** "86.1 %". */
-export const percent = (share: number): string => (Number.isFinite(share) ? `${digits(100 * share, 3)} %` : "–");
+export function percent(share: number): string {
+  if (!Number.isFinite(share)) return "–";
+  const [value, rest] = [100 * share, 100 - 100 * share];
+  if (value === 0 || rest === 0) return `${value} %`;
+  return `${Math.min(value, rest) < 0.05 ? digits(value, value < 1 ? 2 : 6) : value.toFixed(1)} %`;
+}
 
 /** "1 world", "20 000 worlds". */
 export const worldsText = (count: number): string => `${grouped(count)} ${count === 1 ? "world" : "worlds"}`;
@@ -28,3 +34,7 @@ export const quoted = (word: string): string => (/^[\w@%+=:,./-]+$/.test(word) ?
 /** The command that runs one world again; empty if the document does not name the sweep. */
 export const replayOf = (file: string, world: number): string =>
   file === "" ? "" : `momentree sweep ${quoted(file)} --world ${world}`;
+
+/** A name that may break after its dots. */
+export const breakable = (name: string): HTMLElement =>
+  h("span", { class: "name" }, ...name.split(/(?<=[./])/).flatMap((part, i) => (i === 0 ? [part] : [h("wbr"), part])));

@@ -3,7 +3,7 @@ import { h } from "../panels/dom";
 import { command } from "./copy";
 import type { Column, Role } from "./document";
 import type { Explorer } from "./explorer";
-import { replayOf, valueText } from "./words";
+import { breakable, replayOf, valueText } from "./words";
 
 interface About {
   readonly tags: readonly string[];
@@ -29,7 +29,8 @@ function aboutWorld({ sweep }: Explorer, world: number): About {
 function valuesOf(columns: readonly Column[], row: number, role: Role, title: string): HTMLElement | null {
   const some = columns.filter((column) => column.role === role);
   if (some.length === 0) return null;
-  const line = (column: Column) => h("div", {}, h("dt", {}, column.name), h("dd", {}, valueText(column, column.values[row])));
+  const line = (column: Column) =>
+    h("div", {}, h("dt", {}, breakable(column.name)), h("dd", {}, valueText(column, column.values[row])));
   return h("div", {}, h("h3", {}, title), h("dl", { class: "world-values" }, ...some.map(line)));
 }
 

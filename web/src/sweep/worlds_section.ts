@@ -3,6 +3,7 @@ import { h } from "../panels/dom";
 import { Conditions } from "./conditions";
 import { csvOf, save } from "./csv";
 import type { Explorer } from "./explorer";
+import { soon } from "./soon";
 import { worldsText } from "./words";
 import { WorldsTable } from "./worlds_table";
 
@@ -16,7 +17,6 @@ export function worldsSection(explorer: Explorer): HTMLElement {
   const total = explorer.sweep.world.length;
   const show = () => {
     const { marked } = explorer;
-    markedLabel.hidden = !marked;
     if (!marked) onlyMarked.checked = false;
     table.filter((row) => conditions.all.every(({ holds }) => holds(row)) && (!onlyMarked.checked || marked?.[row] === 1));
     const shown = table.rows.length;
@@ -26,7 +26,11 @@ export function worldsSection(explorer: Explorer): HTMLElement {
   };
   const conditions = new Conditions(explorer, show);
   onlyMarked.addEventListener("change", show);
-  explorer.listen((change) => change === "marked" && show());
+  const followMarks = soon(() => {
+    markedLabel.hidden = !explorer.marked;
+    if (onlyMarked.checked) show();
+  });
+  explorer.listen((change) => change === "marked" && followMarks());
   mark.addEventListener("click", () => {
     const rows = new Set(table.rows);
     explorer.mark(conditions.all.map(({ text }) => text).join(", "), (row) => rows.has(row));

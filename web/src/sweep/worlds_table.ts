@@ -2,7 +2,8 @@
 import { h } from "../panels/dom";
 import type { Column } from "./document";
 import type { Explorer } from "./explorer";
-import { valueText } from "./words";
+import { soon } from "./soon";
+import { breakable, valueText } from "./words";
 
 const rowHeight = 26;
 /** Rows beyond the view, above and below. */
@@ -28,13 +29,12 @@ export class WorldsTable {
   private sortedBy = -1;
   private descending = false;
   private filtered: Int32Array;
-  private waiting = false;
 
   constructor(private readonly explorer: Explorer) {
     const { columns, world } = explorer.sweep;
     this.filtered = this.rows = Int32Array.from(world.keys());
     const heading = (name: string, index: number, column?: Column) => {
-      const button = h("button", { type: "button", title: column ? `${name}: ${column.about}` : name }, name);
+      const button = h("button", { type: "button", title: column?.about ? `${name}: ${column.about}` : name }, breakable(name));
       button.addEventListener("click", () => this.sort(index, this.sortedBy === index && !this.descending));
       const cell = h("th", { scope: "col" }, button, column?.unit ? h("span", { class: "unit" }, column.unit) : false);
       this.headings.push(cell);
@@ -54,9 +54,10 @@ export class WorldsTable {
       { class: "box scrolls worlds-box", tabindex: 0, role: "group", "aria-label": "Table of worlds" },
       this.table,
     );
-    this.element.addEventListener("scroll", () => this.soon());
+    const fill = soon(() => this.fill());
+    this.element.addEventListener("scroll", fill);
     this.element.addEventListener("keydown", (event) => this.onKey(event));
-    new ResizeObserver(() => this.soon()).observe(this.element);
+    new ResizeObserver(fill).observe(this.element);
     explorer.listen((change) => change === "picked" && this.fill());
     this.sort(-1, false);
   }
@@ -79,15 +80,6 @@ export class WorldsTable {
     this.table.setAttribute("aria-rowcount", String(this.rows.length + 1));
     this.element.scrollTop = 0;
     this.fill();
-  }
-
-  private soon() {
-    if (this.waiting) return;
-    this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
-      this.fill();
-    });
   }
 
   private fill() {
