@@ -58,6 +58,14 @@ export function pendulum(strength: number, angle: number, length: number): Outco
 
 type Cell = number | boolean | string | null;
 
+/** The shares x with (share − x)² = z² x (1 − x) / count. */
+function scoreInterval(share: number, count: number): [number, number] {
+  const square = 1.959964 ** 2 / count;
+  const half = Math.sqrt((2 * share + square) ** 2 - 4 * (1 + square) * share ** 2);
+  const root = (sign: number) => (2 * share + square + sign * half) / (2 * (1 + square));
+  return [Math.max(root(-1), 0), Math.min(root(1), 1)];
+}
+
 function statistics(cells: readonly Cell[], kind: string, bins: number): Partial<ColumnDocument> {
   const present = cells.flatMap((cell, world) => (cell === null ? [] : [{ world, value: Number(cell) }]));
   const count = present.length;
@@ -65,8 +73,7 @@ function statistics(cells: readonly Cell[], kind: string, bins: number): Partial
   if (kind === "text" || count === 0) return all;
   const mean = present.reduce((sum, { value }) => sum + value / count, 0);
   if (kind === "flag") {
-    const half = 1.96 * Math.sqrt((mean * (1 - mean)) / count);
-    return { ...all, share: mean, interval: [Math.max(mean - half, 0), Math.min(mean + half, 1)] };
+    return { ...all, share: mean, interval: scoreInterval(mean, count) };
   }
   const deviation = Math.sqrt(present.reduce((sum, { value }) => sum + (value - mean) ** 2, 0) / Math.max(count - 1, 1));
   const sorted = [...present].sort((a, b) => a.value - b.value);

@@ -38,7 +38,7 @@ export const strangeSweeps: Record<string, { readonly data: SweepDocument; reado
     data: { ...pendulumSweep({ worlds: 0, failing: [] }), worst: [] },
     says: ["This sweep has no worlds.", "There are no worlds."],
   },
-  one_world: { data: pendulumSweep({ worlds: 1, failing: [] }), says: ["The same value in all worlds."] },
+  one_world: { data: pendulumSweep({ worlds: 1, failing: [] }), says: ["22.2991 N in all worlds"] },
   all_failed: { data: allFailed(), says: ["All worlds failed.", "50 more are not listed here.", "No world has a value."] },
   constants: {
     data: {
@@ -57,7 +57,7 @@ export const strangeSweeps: Record<string, { readonly data: SweepDocument; reado
         absent: worlds(30).map(() => null),
       },
     },
-    says: ["The same value in all worlds.", "100 %", "No world has a value."],
+    says: ["1.25e9 in all worlds", "0 N in all worlds", "100 %", "No world has a value."],
   },
   many_columns: { data: manyColumns(), says: ["20 parameters"] },
   incomplete: {

@@ -40,7 +40,7 @@ async function pointOf(page: Page, world: number, x: string, y: string) {
     const [low, high] = [Math.min(...all), Math.max(...all)];
     return ((sample.values[name][world] as number) - low + 0.03 * (high - low)) / (1.06 * (high - low));
   };
-  return { x: box.x + 62 + share(x) * (box.width - 76), y: box.y + box.height - 42 - share(y) * (box.height - 66) };
+  return { x: box.x + 62 + share(x) * (box.width - 76), y: box.y + box.height - 42 - share(y) * (box.height - 72) };
 }
 
 describe("the report of a sweep", () => {
@@ -133,7 +133,7 @@ describe("the report of a sweep", () => {
       .getByRole("heading", { name: `World ${next}`, exact: true })
       .waitFor();
     const box = (await page.locator(".scatter canvas").boundingBox())!;
-    await page.mouse.move(box.x + 63, box.y + 25);
+    await page.mouse.move(box.x + 63, box.y + 31);
     await page.mouse.down();
     await page.mouse.move(box.x + box.width - 15, box.y + box.height - 43, { steps: 4 });
     await page.mouse.up();

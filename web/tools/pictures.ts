@@ -1,8 +1,11 @@
-// Draws the pictures of docs/pictures from actual runs: `./dev web pictures`, after the program was built.
-import { writeFileSync } from "node:fs";
+// Draws the pictures of docs/pictures from actual runs: `./dev web pictures`, after the program was built. That of a sweep is
+// of the pendulum in closed form that the tests of its page use.
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
+import { pathToFileURL } from "node:url";
 import type { Page } from "playwright-core";
-import { launch, open, openReport, report, scenario, settled } from "../tests/browser";
+import { launch, open, openReport, report, scenario, settled, temporary } from "../tests/browser";
+import { builtPage, pendulumSweep, sweepPage } from "../tests/pendulum_sweep";
 
 const folder = new URL("../../docs/pictures/", import.meta.url).pathname;
 
@@ -66,6 +69,17 @@ for (const { name, scenario: file, time, dark, width, height } of pictures) {
   console.log(`docs/pictures/${name}.webp: ${Math.round(image.length / 1000)} kB`);
   await page.context().close();
 }
+const worlds = Array.from({ length: 600 }, (_none, world) => world);
+const data = pendulumSweep({ failing: [], animated: worlds });
+const swept = await open(
+  browser,
+  pathToFileURL(sweepPage(temporary(), readFileSync(builtPage, "utf8"), data)).href,
+  { width: 1400, height: 1300 },
+  "h1",
+);
+await settled(swept.page);
+writeFileSync(join(folder, "report_sweep.webp"), await webp(encoder, await swept.page.screenshot()));
+console.log("docs/pictures/report_sweep.webp");
 const { page } = await open(browser, new URL("../dist/playground.html", import.meta.url).href, { width: 1280, height: 800 });
 await cutByHand(page);
 await settled(page);

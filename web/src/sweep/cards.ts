@@ -6,7 +6,7 @@ import type { Column } from "./document";
 import type { Explorer } from "./explorer";
 import { HistogramPlot } from "./histogram";
 import { sensitivities } from "./sensitivities";
-import { breakable, worldsText } from "./words";
+import { breakable, valueText, worldsText } from "./words";
 
 /** The least or the greatest value; a press picks its world. */
 function extreme(explorer: Explorer, label: string, value: number, world: number | null): HTMLElement {
@@ -40,9 +40,9 @@ export function card(explorer: Explorer, column: Column): HTMLElement {
     column.count === 0
       ? [h("p", { class: "note" }, column.missing > 0 ? "No world has a value." : "There are no worlds.")]
       : [
-          histogram && new HistogramPlot(explorer, column, histogram).element,
-          column.kind === "number" ? statistics(explorer, column) : categories(explorer, column),
-          constant && h("p", { class: "note" }, "The same value in all worlds."),
+          constant && h("p", { class: "constant" }, `${valueText(column, column.least)} in all worlds`),
+          !constant && histogram && new HistogramPlot(explorer, column, histogram).element,
+          !constant && (column.kind === "number" ? statistics(explorer, column) : categories(explorer, column)),
           column.missing > 0 && h("p", { class: "note" }, `${worldsText(column.missing)} without a value.`),
         ];
   return h(

@@ -9,12 +9,16 @@ export function firstAxes({ columns, sensitivities }: Sweep): { x: Column | null
   const axes = columns.filter(canBeAxis);
   const named = (name: string) => axes.find((column) => column.name === name);
   const strongest = sensitivities
-    .filter(({ measure, vary }) => named(measure)?.kind === "number" && named(vary))
+    .filter(({ measure, vary, correlation }) => correlation !== null && named(measure)?.kind === "number" && named(vary))
     .sort((a, b) => Math.abs(b.correlation ?? 0) - Math.abs(a.correlation ?? 0))[0];
   const first = (role: Column["role"]) =>
     axes.find((column) => column.role === role && column.kind === "number" && varies(column)) ??
-    axes.find((column) => column.role === role);
-  const y = (strongest && named(strongest.measure)) ?? first("measure") ?? axes[0] ?? null;
-  const x = (strongest && named(strongest.vary)) ?? first("vary") ?? axes.find((column) => column !== y) ?? y;
+    axes.find((column) => column.role === role && column.count > 0);
+  const y = (strongest && named(strongest.measure)) ?? first("measure") ?? first("vary") ?? axes[0] ?? null;
+  const x =
+    (strongest && named(strongest.vary)) ??
+    axes.find((column) => column !== y && column.role === "vary" && varies(column)) ??
+    axes.find((column) => column !== y) ??
+    y;
   return { x, y, colour: axes.find((column) => column.kind === "flag" && varies(column)) ?? null };
 }

@@ -21,6 +21,11 @@ export class HistogramPlot {
   private readonly highest: number;
   private bin: number;
   private anchor: number | null = null;
+  /** Marks are drawn only in view. */
+  private inView = false;
+  private outdated = false;
+  /** By row; -1 if there is no value. Computed when worlds are marked for the first time. */
+  private bins: Int32Array | null = null;
 
   constructor(
     private readonly explorer: Explorer,
@@ -57,7 +62,15 @@ export class HistogramPlot {
     this.listen();
     this.read(false);
     const showMarked = soon(() => this.showMarked());
-    explorer.listen((change) => change === "marked" && showMarked());
+    explorer.listen((change) => {
+      if (change !== "marked") return;
+      this.outdated = true;
+      showMarked();
+    });
+    new IntersectionObserver(([{ isIntersecting }]) => {
+      this.inView = isIntersecting;
+      showMarked();
+    }).observe(this.element);
   }
 
   private bars(counts: readonly number[]): SVGRectElement[] {
@@ -169,16 +182,19 @@ export class HistogramPlot {
 
   /** The marked worlds of the sample, scaled to all worlds. */
   private showMarked() {
+    if (!this.inView || !this.outdated) return;
+    this.outdated = false;
     const { marked } = this.explorer;
-    const counts = new Array<number>(this.histogram.counts.length).fill(0);
+    const { histogram, column } = this;
+    this.bins ??= Int32Array.from(column.values, (value) => binOf(histogram, value));
+    const counts = new Array<number>(histogram.counts.length).fill(0);
     let shown = 0;
-    this.column.values.forEach((value, row) => {
-      const bin = binOf(this.histogram, value);
+    this.bins.forEach((bin, row) => {
       if (bin < 0) return;
       shown++;
       if (marked?.[row]) counts[bin]++;
     });
-    const scale = this.column.count / Math.max(shown, 1);
+    const scale = column.count / Math.max(shown, 1);
     this.markedBars.replaceChildren(...(marked ? this.bars(counts.map((count) => count * scale)) : []));
     this.element.classList.toggle("has-marks", marked !== null);
   }

@@ -22,9 +22,9 @@ export interface Picture {
 /** Of the points, within a canvas of this size. */
 export const areaOf = (width: number, height: number): Area => ({
   left: 62,
-  top: 24,
+  top: 30,
   width: Math.max(width - 62 - 14, 20),
-  height: Math.max(height - 24 - 42, 20),
+  height: Math.max(height - 30 - 42, 20),
 });
 
 /** Positions of points (px), by row; NaN if there is none. */
@@ -85,7 +85,7 @@ function drawAxes(context: CanvasRenderingContext2D, { x, y, titles, theme }: Pi
   context.textBaseline = "bottom";
   context.fillText(fitted(context, titles.x, width), left + width, top + height + 40);
   context.textAlign = "left";
-  context.fillText(fitted(context, titles.y, width + left - 8), 6, top - 6);
+  context.fillText(fitted(context, titles.y, width + left - 8), 6, top - 12);
 }
 
 /** The points for which `holds`, in one path for each colour. */

@@ -39,7 +39,9 @@ function rowOf(explorer: Explorer, measure: Column, { vary, correlation, first_o
 
 /** Null if nothing is known about the measure. The greatest come first; the others are folded. */
 export function sensitivities(explorer: Explorer, measure: Column): HTMLElement | null {
-  const all = explorer.sweep.sensitivities.filter((each) => each.measure === measure.name);
+  const all = explorer.sweep.sensitivities.filter(
+    ({ measure: name, correlation, first_order }) => name === measure.name && (correlation !== null || first_order !== null),
+  );
   if (all.length === 0) return null;
   const sorted = [...all].sort((a, b) => size(b) - size(a));
   const body = h("tbody", {}, ...sorted.slice(0, most).map((each) => rowOf(explorer, measure, each)));

@@ -80,7 +80,9 @@ describe("the document of a sweep", () => {
         expect(other.deviation).toBeCloseTo(column.deviation, 9);
         expect(Math.abs(other.quantiles.get(0.25)! - column.quantiles.get(0.25)!)).toBeLessThan(0.05 * column.deviation);
       }
-      if (column.kind === "flag") expect(other.share).toBeCloseTo(column.share, 12);
+      if (column.kind !== "flag") return;
+      expect(other.share).toBeCloseTo(column.share, 12);
+      [0, 1].forEach((end) => expect(other.interval![end]).toBeCloseTo(column.interval![end], 6));
     });
   });
 
@@ -135,6 +137,7 @@ describe("axes and colours", () => {
     expect(ticksOf(-1.2, 2.1, 4).labels).toEqual(["−1", "0", "1", "2"]);
     expect(ticksOf(1000.001, 1000.004, 3).labels).toEqual(["1000.001", "1000.002", "1000.003", "1000.004"]);
     expect(ticksOf(0, 3e9, 3).labels).toEqual(["0", "1e9", "2e9", "3e9"]);
+    expect(ticksOf(0, 2.5e9, 5).labels).toEqual(["0", "5e8", "1.0e9", "1.5e9", "2.0e9", "2.5e9"]);
     expect(ticksOf(2.5, 2.5, 4).labels).toEqual(["2.5"]);
     expect(ticksOf(0, 2e-7, 2).labels).toEqual(["0", "1e−7", "2e−7"]);
   });

@@ -23,7 +23,9 @@ function labelOf(value: number, step: number): string {
   const size = Math.max(Math.abs(value), step);
   const text =
     size >= 1e6 || step < 1e-5
-      ? value.toExponential(Math.min(Math.max(Math.round(Math.log10(size / step)), 0), 20))
+      ? value.toExponential(
+          Math.min(Math.max(Math.floor(Math.log10(size) + 1e-9) - Math.floor(Math.log10(step) + 1e-9), 0), 20),
+        )
       : value.toFixed(Math.max(Math.ceil(-Math.log10(step) - 1e-9), 0));
   return text.replace("e+", "e").replaceAll("-", "−");
 }

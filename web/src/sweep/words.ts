@@ -10,6 +10,10 @@ export function valueText(column: Column, value: number, precision = 6): string 
   return `${digits(value, precision)}${column.unit ? ` ${column.unit}` : ""}`;
 }
 
+/** The same without the unit. */
+export const cellText = (column: Column, value: number): string =>
+  column.kind === "number" && Number.isFinite(value) ? digits(value, 6) : valueText(column, value);
+
 /** "86.1 %". */
 export function percent(share: number): string {
   if (!Number.isFinite(share)) return "–";
@@ -35,6 +39,6 @@ export const quoted = (word: string): string => (/^[\w@%+=:,./-]+$/.test(word) ?
 export const replayOf = (file: string, world: number): string =>
   file === "" ? "" : `momentree sweep ${quoted(file)} --world ${world}`;
 
-/** A name that may break after its dots. */
+/** A name that may break after its dots and underscores. */
 export const breakable = (name: string): HTMLElement =>
-  h("span", { class: "name" }, ...name.split(/(?<=[./])/).flatMap((part, i) => (i === 0 ? [part] : [h("wbr"), part])));
+  h("span", { class: "name" }, ...name.split(/(?<=[./_])/).flatMap((part, i) => (i === 0 ? [part] : [h("wbr"), part])));

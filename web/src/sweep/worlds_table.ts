@@ -3,11 +3,11 @@ import { h } from "../panels/dom";
 import type { Column } from "./document";
 import type { Explorer } from "./explorer";
 import { soon } from "./soon";
-import { breakable, valueText } from "./words";
+import { breakable, cellText } from "./words";
 
 const rowHeight = 26;
 /** Rows beyond the view, above and below. */
-const spare = 8;
+const spare = 6;
 
 /** In the order of a column (null: of the worlds' numbers); missing values are last in both directions. */
 export function sortedRows(rows: Int32Array, values: Float64Array, descending: boolean): Int32Array {
@@ -29,6 +29,8 @@ export class WorldsTable {
   private sortedBy = -1;
   private descending = false;
   private filtered: Int32Array;
+  /** The lines in the page, by place in `rows`. */
+  private lines = new Map<number, HTMLElement>();
 
   constructor(private readonly explorer: Explorer) {
     const { columns, world } = explorer.sweep;
@@ -58,7 +60,7 @@ export class WorldsTable {
     this.element.addEventListener("scroll", fill);
     this.element.addEventListener("keydown", (event) => this.onKey(event));
     new ResizeObserver(fill).observe(this.element);
-    explorer.listen((change) => change === "picked" && this.fill());
+    explorer.listen((change) => change === "picked" && this.refill());
     this.sort(-1, false);
   }
 
@@ -79,11 +81,16 @@ export class WorldsTable {
     });
     this.table.setAttribute("aria-rowcount", String(this.rows.length + 1));
     this.element.scrollTop = 0;
+    this.refill();
+  }
+
+  private refill() {
+    this.lines.clear();
     this.fill();
   }
 
   private fill() {
-    const { columns, world } = this.explorer.sweep;
+    const { columns } = this.explorer.sweep;
     const visible = Math.ceil((this.element.clientHeight || 400) / rowHeight);
     const top = Math.floor(this.element.scrollTop / rowHeight);
     const first = Math.max(Math.min(top, this.rows.length - visible) - spare, 0);
@@ -93,20 +100,25 @@ export class WorldsTable {
       cell.style.height = `${rows * rowHeight}px`;
       return rows > 0 ? [h("tr", { class: "gap", "aria-hidden": "true" }, cell)] : [];
     };
-    const shown: HTMLElement[] = [];
-    for (let i = first; i < last; i++) {
-      const row = this.rows[i];
-      const picked = world[row] === this.explorer.picked;
-      const line = h(
-        "tr",
-        { "aria-rowindex": i + 2, "aria-selected": String(picked), class: picked ? "picked" : "" },
-        h("th", { scope: "row" }, String(world[row])),
-        ...columns.map((column) => h("td", {}, valueText({ ...column, unit: "" }, column.values[row]))),
-      );
-      line.addEventListener("click", () => this.explorer.pick(world[row]));
-      shown.push(line);
-    }
-    this.body.replaceChildren(...gap(first), ...shown, ...gap(this.rows.length - last));
+    const lines = new Map<number, HTMLElement>();
+    for (let i = first; i < last; i++) lines.set(i, this.lines.get(i) ?? this.line(i));
+    this.lines = lines;
+    this.body.replaceChildren(...gap(first), ...lines.values(), ...gap(this.rows.length - last));
+  }
+
+  private line(index: number): HTMLElement {
+    const { columns, world } = this.explorer.sweep;
+    const row = this.rows[index];
+    const picked = world[row] === this.explorer.picked;
+    const cells = columns.map((column) => h("td", {}, cellText(column, column.values[row])));
+    const line = h(
+      "tr",
+      { "aria-rowindex": index + 2, "aria-selected": String(picked), class: picked ? "picked" : "" },
+      h("th", { scope: "row" }, String(world[row])),
+      ...cells,
+    );
+    line.addEventListener("click", () => this.explorer.pick(world[row]));
+    return line;
   }
 
   private onKey(event: KeyboardEvent) {
