@@ -65,14 +65,15 @@ function cardsSection(explorer: Explorer, role: Role, title: string): HTMLElemen
 }
 
 const measuresHint =
-  "Below a histogram: box 25 % to 75 %, line 5 % to 95 %, bar at the median, point at the mean. Click a bin, or drag over bins, to mark worlds in all plots.";
+  "Below a histogram: box 25 % to 75 %, line 5 % to 95 %, bar at the median, point at the mean. " +
+  "Click a bin, or drag over bins, to mark worlds in all plots.";
 
 function scatterSection(explorer: Explorer, colour: Column | null): HTMLElement {
   return h(
     "section",
     { "aria-labelledby": "relations" },
     h("h2", { id: "relations" }, "Relations"),
-    h("p", { class: "note" }, "Click a point to pick its world; drag to mark worlds."),
+    h("p", { class: "note" }, "Click a point to pick its world. Drag with a mouse or pen to mark worlds."),
     new Scatter(explorer, colour).element,
   );
 }

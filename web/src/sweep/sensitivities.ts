@@ -7,8 +7,7 @@ import { breakable } from "./words";
 
 const most = 5;
 
-const size = ({ correlation, first_order }: Sensitivity) =>
-  Math.max(Math.abs(correlation ?? 0), Math.sqrt(Math.max(first_order ?? 0, 0)));
+const size = ({ correlation, first_order }: Sensitivity) => Math.max(Math.abs(correlation ?? 0), first_order ?? 0);
 
 function rowOf(explorer: Explorer, measure: Column, { vary, correlation, first_order }: Sensitivity): HTMLElement {
   const x = explorer.column(vary);
