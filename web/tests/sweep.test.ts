@@ -138,8 +138,12 @@ describe("the report of a sweep", () => {
     await page.mouse.move(box.x + box.width - 15, box.y + box.height - 43, { steps: 4 });
     await page.mouse.up();
     expect(await bar(page)).toMatch(/^598 worlds marked/);
+    const zoom = page.getByRole("button", { name: "Zoom to marked" });
+    await zoom.click();
+    expect(await zoom.getAttribute("aria-pressed")).toBe("true");
     await page.locator(".scatter canvas").focus();
     await page.keyboard.press("Escape");
+    expect(await zoom.isVisible()).toBe(false);
     expect(await page.locator(".marked-bar").isVisible()).toBe(false);
     expect(complaints).toEqual([]);
   });

@@ -1,11 +1,12 @@
 // The scatter plot of two columns, with colours by a third. A click picks a world, a drag marks those in a rectangle.
 import { h } from "../panels/dom";
-import { digits } from "../panels/numbers";
 import { onThemeChange, themeOf, type Theme } from "../viewer/colours";
 import type { Column } from "./document";
 import type { Explorer } from "./explorer";
-import { canBeAxis, pointAxis, type PointAxis } from "./point_axis";
-import { pointColours, scaleColour } from "./point_colours";
+import { canBeAxis, canBeLog, pointAxis, type PointAxis } from "./point_axis";
+import { pointColours } from "./point_colours";
+import { pointLegend } from "./point_legend";
+import { nearestPoint, nextPoint } from "./point_search";
 import { areaOf, draw, positions, type Points } from "./scatter_picture";
 import { columnChoice } from "./column_choice";
 import { soon } from "./soon";
@@ -23,6 +24,9 @@ export class Scatter {
   private readonly chooseX: HTMLSelectElement;
   private readonly chooseY: HTMLSelectElement;
   private readonly chooseColour: HTMLSelectElement;
+  private readonly logX = h("input", { type: "checkbox", "aria-label": "Logarithmic horizontal axis" });
+  private readonly logY = h("input", { type: "checkbox", "aria-label": "Logarithmic vertical axis" });
+  private readonly zoom = h("button", { type: "button", "aria-pressed": "false", hidden: true }, "Zoom to marked");
   private theme: Theme = themeOf(false);
   private axes: { x: PointAxis; y: PointAxis } | null = null;
   private at: Points = { x: new Float32Array(), y: new Float32Array() };
@@ -59,17 +63,22 @@ export class Scatter {
         "div",
         { class: "choices" },
         h("label", {}, "x ", this.chooseX),
+        h("label", {}, this.logX, "log"),
         swap,
         h("label", {}, "y ", this.chooseY),
+        h("label", {}, this.logY, "log"),
         h("label", {}, "colour ", this.chooseColour),
+        this.zoom,
       ),
       this.legend,
       this.host,
       this.note,
     );
+    for (const box of [this.logX, this.logY]) box.addEventListener("change", () => this.show());
+    this.zoom.addEventListener("click", () => this.setZoom(!this.zoomed));
     explorer.listen((change) => {
       if (change === "axes") this.show();
-      else if (change === "marked") this.paintSoon();
+      else if (change === "marked") this.showMarked();
       else this.showPicked();
     });
     this.listen();
@@ -86,12 +95,34 @@ export class Scatter {
     if (!x || !y) return;
     this.chooseX.value = x.name;
     this.chooseY.value = y.name;
-    this.axes = { x: pointAxis(x), y: pointAxis(y) };
+    const shown = this.zoomed ? this.explorer.marked : null;
+    const axis = (column: Column, box: HTMLInputElement) => {
+      box.parentElement!.hidden = !canBeLog(column);
+      return pointAxis(column, { log: box.checked && canBeLog(column), shown });
+    };
+    this.axes = { x: axis(x, this.logX), y: axis(y, this.logY) };
     this.canvas.setAttribute(
       "aria-label",
       `Scatter plot of ${y.name} over ${x.name}: arrow keys go from world to world, Escape clears the marks`,
     );
     this.paint();
+  }
+
+  private get zoomed() {
+    return this.zoom.getAttribute("aria-pressed") === "true";
+  }
+
+  private setZoom(zoomed: boolean) {
+    this.zoom.setAttribute("aria-pressed", String(zoomed));
+    this.show();
+  }
+
+  /** Marks that change leave the limits of the axes as they are, until there are none. */
+  private showMarked() {
+    const { marked, markedCount } = this.explorer;
+    this.zoom.hidden = markedCount === 0;
+    if (!marked && this.zoomed) this.setZoom(false);
+    else this.paintSoon();
   }
 
   private paint() {
@@ -110,34 +141,10 @@ export class Scatter {
       theme: this.theme,
     };
     draw(this.canvas.getContext("2d")!, picture, this.at, width, height);
-    const drawn = this.at.x.reduce((sum, at, row) => sum + Number(Number.isFinite(at + this.at.y[row])), 0);
-    const absent = this.at.x.length - drawn;
+    const absent = x.values.reduce((sum, at, row) => sum + Number(!Number.isFinite(at + y.values[row])), 0);
     this.note.textContent = absent > 0 ? `${worldsText(absent)} ${absent === 1 ? "has" : "have"} no value here.` : "";
-    this.showLegend();
+    this.legend.replaceChildren(...pointLegend(this.theme, this.colour));
     this.showPicked();
-  }
-
-  private showLegend() {
-    const { colour, theme } = this;
-    const swatch = (fill: string) => {
-      const one = h("span", { class: "swatch" });
-      one.style.background = fill;
-      return one;
-    };
-    if (!colour) this.legend.replaceChildren();
-    else if (colour.kind === "number") {
-      const bar = h("span", { class: "gradient" });
-      const stops = Array.from({ length: 9 }, (_none, i) => scaleColour(theme, i / 8));
-      bar.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
-      const { least, greatest } = colour;
-      this.legend.replaceChildren(h("li", {}, `${titleOf(colour)}: ${digits(least)} `, bar, ` ${digits(greatest)}`));
-    } else {
-      const { palette } = pointColours(theme, colour, 0);
-      const kinds = palette.length - 1;
-      const items = colour.labels.slice(0, kinds).map((label, i) => h("li", {}, swatch(palette[i]), label));
-      if (colour.missing > 0) items.push(h("li", {}, swatch(palette[kinds]), "no value"));
-      this.legend.replaceChildren(h("li", {}, `${colour.name}:`), ...items);
-    }
   }
 
   private place(element: HTMLElement, row: number): boolean {
@@ -150,16 +157,6 @@ export class Scatter {
   private showPicked() {
     const { picked } = this.explorer;
     this.place(this.ring, picked === null ? -1 : this.explorer.rowOf(picked));
-  }
-
-  /** The row of the nearest point within that distance (px); -1 if there is none. */
-  private nearest(x: number, y: number, within: number): number {
-    let [best, least] = [-1, within * within];
-    for (let row = 0; row < this.at.x.length; row++) {
-      const distance = (this.at.x[row] - x) ** 2 + (this.at.y[row] - y) ** 2;
-      if (distance < least) [best, least] = [row, distance];
-    }
-    return best;
   }
 
   private showTip(row: number) {
@@ -185,7 +182,7 @@ export class Scatter {
     });
     canvas.addEventListener("pointermove", (event) => {
       const to = placeOf(event);
-      if (!this.anchor) return void this.showTip(event.pointerType === "touch" ? -1 : this.nearest(to.x, to.y, 12));
+      if (!this.anchor) return void this.showTip(event.pointerType === "touch" ? -1 : nearestPoint(this.at, to.x, to.y, 12));
       if (event.pointerType === "touch") return; // scrolls the page
       if (!this.rectangle.hidden || Math.hypot(to.x - this.anchor.x, to.y - this.anchor.y) > 4) this.drag(this.anchor, to);
     });
@@ -196,7 +193,7 @@ export class Scatter {
       const began = this.anchor;
       this.anchor = null;
       if (dragged || !began) return;
-      const row = this.nearest(to.x, to.y, event.pointerType === "touch" ? 24 : 12);
+      const row = nearestPoint(this.at, to.x, to.y, event.pointerType === "touch" ? 24 : 12);
       if (row >= 0) explorer.pick(explorer.sweep.world[row]);
       else explorer.clearMarks();
     });
@@ -231,21 +228,11 @@ export class Scatter {
     const { explorer } = this;
     const step = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -1, ArrowUp: 1 }[event.key];
     if (step !== undefined) {
-      const along = event.key === "ArrowLeft" || event.key === "ArrowRight" ? this.at.x : this.at.y.map((y) => -y);
-      const row = this.next(along, step);
+      const from = explorer.picked === null ? -1 : explorer.rowOf(explorer.picked);
+      const row = nextPoint(this.at, from, step, event.key === "ArrowUp" || event.key === "ArrowDown");
       if (row >= 0) explorer.pick(explorer.sweep.world[row]);
     } else if (event.key === "Escape") explorer.clearMarks();
     else return;
     event.preventDefault();
-  }
-
-  /** The row that follows the picked one in the order of a coordinate; the first or the last row if none is picked. */
-  private next(along: Float32Array, step: number): number {
-    const drawn = Array.from(along.keys()).filter((row) => Number.isFinite(this.at.x[row] + this.at.y[row]));
-    const rows = drawn.sort((a, b) => along[a] - along[b] || a - b);
-    const { picked } = this.explorer;
-    const at = picked === null ? -1 : rows.indexOf(this.explorer.rowOf(picked));
-    if (at < 0) return rows.length === 0 ? -1 : rows[step > 0 ? 0 : rows.length - 1];
-    return rows[Math.min(Math.max(at + step, 0), rows.length - 1)];
   }
 }

@@ -27,16 +27,20 @@ export const areaOf = (width: number, height: number): Area => ({
   height: Math.max(height - 30 - 42, 20),
 });
 
-/** Positions of points (px), by row; NaN if there is none. */
+/** Positions of points (px), by row; NaN if there is none within the limits of the axis. */
 export interface Points {
   readonly x: Float32Array;
   readonly y: Float32Array;
 }
 
-export function positions(x: PointAxis, y: PointAxis, area: Area): Points {
+export function positions(x: PointAxis, y: PointAxis, { left, top, width, height }: Area): Points {
+  const share = (axis: PointAxis, value: number) => {
+    const at = (value - axis.low) / (axis.high - axis.low);
+    return at >= 0 && at <= 1 ? at : NaN;
+  };
   return {
-    x: Float32Array.from(x.at, (value) => area.left + ((value - x.low) / (x.high - x.low)) * area.width),
-    y: Float32Array.from(y.at, (value) => area.top + area.height - ((value - y.low) / (y.high - y.low)) * area.height),
+    x: Float32Array.from(x.at, (value) => left + share(x, value) * width),
+    y: Float32Array.from(y.at, (value) => top + (1 - share(y, value)) * height),
   };
 }
 

@@ -8,6 +8,8 @@ import { Explorer } from "./explorer";
 import { firstAxes } from "./first_axes";
 import { pointAxis } from "./point_axis";
 import { pointColours, scaleColour, steps } from "./point_colours";
+import { nearestPoint, nextPoint } from "./point_search";
+import { positions } from "./scatter_picture";
 import { relativePath, sweepOf } from "./read";
 import { binOf, deviationOf, histogramOf, presentValues, quantile, shareInterval } from "./statistics";
 import { ticksOf } from "./ticks";
@@ -150,6 +152,35 @@ describe("axes and colours", () => {
     expect(axis.at[2]).toBeNaN();
     const constant = pointAxis({ ...hit, kind: "number", values: new Float64Array([5, 5]) });
     expect([constant.low, constant.high]).toEqual([0, 10]);
+  });
+
+  it("logarithmic axes have powers of ten, or round numbers if there are few", () => {
+    const [x] = sweepOf(small).columns;
+    const axis = pointAxis({ ...x, values: new Float64Array([1e-3, 10, -1]) }, { log: true });
+    expect(Array.from(axis.at)).toEqual([-3, 1, NaN]);
+    expect(axis.ticks(8)).toEqual({ at: [-3, -2, -1, 0, 1], labels: ["0.001", "0.01", "0.1", "1", "10"] });
+    expect(axis.ticks(3).labels).toEqual(["0.001", "0.1", "10"]);
+    const few = pointAxis({ ...x, values: new Float64Array([2, 9]) }, { log: true }).ticks(4);
+    expect(few.labels).toEqual(["2", "4", "6", "8"]);
+    expect(few.at[1]).toBeCloseTo(Math.log10(4), 12);
+  });
+
+  it("limits are those of the shown rows, and points beyond them are not drawn", () => {
+    const [x] = sweepOf(small).columns;
+    const values = new Float64Array([0, 10, 1e9]);
+    const axis = pointAxis({ ...x, values }, { shown: Uint8Array.from([1, 1, 0]) });
+    expect([axis.low, axis.high]).toEqual([-0.3, 10.3]);
+    const at = positions(axis, axis, { left: 0, top: 0, width: 106, height: 106 });
+    expect(Array.from(at.x, Math.round)).toEqual([3, 103, NaN]);
+    expect(Array.from(at.y, Math.round)).toEqual([103, 3, NaN]);
+  });
+
+  it("points are found by their positions", () => {
+    const at = { x: Float32Array.from([0, 10, NaN, 20]), y: Float32Array.from([0, 5, 5, 1]) };
+    expect([nearestPoint(at, 11, 5, 3), nearestPoint(at, 15, 5, 3)]).toEqual([1, -1]);
+    expect([nextPoint(at, 1, 1, false), nextPoint(at, 1, -1, false), nextPoint(at, 3, 1, false)]).toEqual([3, 0, 3]);
+    expect([nextPoint(at, 1, 1, true), nextPoint(at, 2, 1, false), nextPoint(at, -1, -1, false)]).toEqual([3, 0, 3]);
+    expect(nextPoint({ x: new Float32Array([NaN]), y: new Float32Array([1]) }, 0, 1, false)).toBe(-1);
   });
 
   it("points stand out from the ground (WCAG: 3 to 1), the more the greater the number", () => {
