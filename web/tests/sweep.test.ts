@@ -138,6 +138,15 @@ describe("the report of a sweep", () => {
     await page.mouse.move(box.x + box.width - 15, box.y + box.height - 43, { steps: 4 });
     await page.mouse.up();
     expect(await bar(page)).toMatch(/^598 worlds marked/);
+    const strengthAt = (await pointOf(page, next, x, y)).x;
+    const ringAt = async () => {
+      const ring = (await page.locator(".ring").boundingBox())!;
+      return ring.x + ring.width / 2;
+    };
+    expect(Math.abs((await ringAt()) - strengthAt)).toBeLessThan(1.5);
+    await page.getByLabel("Logarithmic x").check();
+    expect(await ringAt()).toBeGreaterThan(strengthAt + 5); // a logarithm is concave
+    await page.getByLabel("Logarithmic x").uncheck();
     const zoom = page.getByRole("button", { name: "Zoom to marked" });
     await zoom.click();
     expect(await zoom.getAttribute("aria-pressed")).toBe("true");
@@ -282,6 +291,11 @@ describe("damaged data", () => {
   ])("%s", async (text, message) => {
     const { page } = await opened(text, wide, "", ".nothing");
     expect(await page.locator(".nothing").innerText()).toContain(message);
+  });
+
+  it("without JavaScript the page says what it is", async () => {
+    const { page } = await opened(sample, { ...wide, noScript: true }, "", "noscript p");
+    expect(await page.locator("noscript").innerText()).toContain("This is the report of a momentree sweep");
   });
 
   it("names are text, whatever they contain", async () => {

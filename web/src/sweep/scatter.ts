@@ -24,8 +24,8 @@ export class Scatter {
   private readonly chooseX: HTMLSelectElement;
   private readonly chooseY: HTMLSelectElement;
   private readonly chooseColour: HTMLSelectElement;
-  private readonly logX = h("input", { type: "checkbox", "aria-label": "Logarithmic horizontal axis" });
-  private readonly logY = h("input", { type: "checkbox", "aria-label": "Logarithmic vertical axis" });
+  private readonly logX = h("input", { type: "checkbox", "aria-label": "Logarithmic x" });
+  private readonly logY = h("input", { type: "checkbox", "aria-label": "Logarithmic y" });
   private readonly zoom = h("button", { type: "button", "aria-pressed": "false", hidden: true }, "Zoom to marked");
   private theme: Theme = themeOf(false);
   private axes: { x: PointAxis; y: PointAxis } | null = null;
