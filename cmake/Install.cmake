@@ -8,7 +8,7 @@ if(TARGET momentree_generate)
   list(APPEND library_targets momentree_generate)
 endif()
 if(TARGET momentree_io)
-  list(APPEND library_targets momentree_io)
+  list(APPEND library_targets momentree_io momentree_sweep)
 endif()
 install(TARGETS ${library_targets} EXPORT momentreeTargets
   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")

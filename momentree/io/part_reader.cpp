@@ -116,6 +116,19 @@ std::vector<Action> PartReader::actions(const std::string& key, const Value& val
   return std::move(event.actions);
 }
 
+std::shared_ptr<Quantity> PartReader::quantity(const Value& table, const World& world,
+                                               const std::vector<std::string>& joints) const {
+  PartReading part(what_, world);
+  for (const std::string& joint : joints) part.reading.joints.emplace(joint, Place{});
+  std::shared_ptr<Quantity> found = read_quantity(table, "a measure", part.reading);
+  for (const Reading::JointUse& use : part.reading.joint_uses)
+    if (!part.reading.joints.contains(use.name))
+      part.out.error(use.place, use.key + ": there is no joint " + in_quotes(use.name),
+                     part.reading.suggest(use.name, part.reading.joints));
+  part.check();
+  return found;
+}
+
 Integration PartReader::integration(const Value& table) const {
   PartReading part(what_);
   read_integrate(table, part.reading);

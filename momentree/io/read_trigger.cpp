@@ -153,21 +153,18 @@ bool is_time(const Value& value) {
   return value.integer() || value.real() || (value.string() && parse_quantity(*value.string(), dimension::time, ignored));
 }
 
-std::optional<Condition> read_condition(const Value& when, const TriggerMatch* match, Reading& reading) {
+// The quantity that the fields name, called `what` in messages; null: none, or one that is wrong and was reported.
+std::shared_ptr<momentree::Quantity> quantity_in(Fields& fields, const std::string& what, const std::vector<std::string>& keys,
+                                                 const TriggerMatch* match, Reading& reading) {
   Diagnostics& out = reading.out;
   const std::size_t errors = out.errors();
-  const std::vector<std::string> keys = quantity_keys();  // they outlive the fields, which store views of them
-  Fields fields(when, condition_table, out);
-  fields.not_mistakes(keys);
   std::shared_ptr<momentree::Quantity> quantity;
-  std::string all = "one of:";
   for (const std::string& key : keys) {
-    all += " " + key;
     const Value* value = fields.find(key);
     if (!value) continue;
     if (quantity) {
-      out.error(value->place, "when: two quantities, '" + std::string(quantity->key()) + "' and '" + key + "'",
-                "write two events");
+      out.error(value->place, what + ": two quantities, '" + std::string(quantity->key()) + "' and '" + key + "'",
+                "write two of them");
       continue;
     }
     quantity = make_quantity(key);
@@ -179,11 +176,27 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
   fields.later({"touch", "gap", "contact_force", "contact_impulse", "slip"},
                "there is no contact: bodies pass through each other");
   fields.later({"undetermined"}, "closed loops are not supported: a mechanism is a tree");
+  return quantity;
+}
+
+std::string one_of(const std::vector<std::string>& keys) {
+  std::string all = "one of:";
+  for (const std::string& key : keys) all += " " + key;
+  return all;
+}
+
+std::optional<Condition> read_condition(const Value& when, const TriggerMatch* match, Reading& reading) {
+  Diagnostics& out = reading.out;
+  const std::size_t errors = out.errors();
+  const std::vector<std::string> keys = quantity_keys();  // they outlive the fields, which store views of them
+  Fields fields(when, condition_table, out);
+  fields.not_mistakes(keys);
+  const std::shared_ptr<momentree::Quantity> quantity = quantity_in(fields, "when", keys, match, reading);
   const bool above = fields.has("exceeds"), below = fields.has("below");
   const Value *over = fields.find("exceeds"), *under = fields.find("below");
   const Value* threshold = below ? under : over;
   fields.finish();
-  if (!quantity && out.errors() == errors) out.error(fields.place(), "when: names no quantity", all);
+  if (!quantity && out.errors() == errors) out.error(fields.place(), "when: names no quantity", one_of(keys));
   if (above == below && out.errors() == errors)
     out.error(fields.place(), above ? "when: both 'exceeds' and 'below'" : "when: has no threshold", "exceeds = … or below = …");
   if (out.errors() != errors || !quantity) return std::nullopt;
@@ -193,7 +206,7 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
     out.error(threshold->place, "when: " + std::string(quantity->key()) + " is never negative: the threshold must be positive");
     return std::nullopt;
   }
-  return Condition(std::move(quantity), *number, above);
+  return Condition(quantity, *number, above);
 }
 
 // What a quantity belongs to.
@@ -226,6 +239,17 @@ constinit const KeyTable event_table{"[[event]]",
                                      event_entries,
                                      {{KeyRule::How::one, "at when after every"}}};
 constinit const KeyTable point_table{"point", "point", "A point of a body", point_entries};
+
+std::shared_ptr<momentree::Quantity> read_quantity(const Value& table, const std::string& what, Reading& reading) {
+  Diagnostics& out = reading.out;
+  const std::size_t errors = out.errors();
+  const std::vector<std::string> keys = quantity_keys();
+  Fields fields(table, what, out);
+  std::shared_ptr<momentree::Quantity> quantity = quantity_in(fields, what, keys, nullptr, reading);
+  fields.finish();
+  if (!quantity && out.errors() == errors) out.error(fields.place(), what + ": names no quantity", one_of(keys));
+  return out.errors() == errors ? quantity : nullptr;
+}
 
 std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, Reading& reading) {
   const Value::Entry* when = event.find("when");

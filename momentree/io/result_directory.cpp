@@ -54,8 +54,8 @@ void take_mode(const fs::path& folder, const fs::path& from) {
 
 }  // namespace
 
-ResultDirectory::ResultDirectory(const std::string& destination, std::vector<std::string> files, bool lasting)
-    : files_(std::move(files)), lasting_(lasting) {
+ResultDirectory::ResultDirectory(const std::string& destination, std::vector<std::string> files, bool lasting, Earlier earlier)
+    : files_(std::move(files)), lasting_(lasting), earlier_(earlier) {
   name_folders(destination);
   try {
     begin();
@@ -90,6 +90,12 @@ void ResultDirectory::begin() {
   bring_back_former();
   check_destination();
   check_names();
+  if (earlier_ == Earlier::removed) clear();
+}
+
+bool ResultDirectory::has(const char* name) const { return marker_->owns(working_, name); }
+
+void ResultDirectory::clear() {
   cleared_ = true;
   if (const fs::path former = destination_ / helper::former; is_there(former)) {  // a run was killed while it removed this
     if (const std::optional<ResultMarker> marker = ResultMarker::lock(former))

@@ -17,11 +17,15 @@ namespace momentree::io {
 /// files that the folders' markers name, and that momentree therefore wrote, are ever removed.
 class ResultDirectory {
  public:
-  /// Makes `DESTINATION.partial` and its parent folders, and removes the files of an earlier run from it. `files`: names that
-  /// will be written. `lasting`: the published result is flushed to disk, so that it survives a power failure. Throws Error,
-  /// and leaves everything as it was, if the folder cannot be made, if another run is using it, or if it would have to replace
-  /// something that momentree did not write.
-  explicit ResultDirectory(const std::string& destination, std::vector<std::string> files = {}, bool lasting = true);
+  /// What happens to the files of an earlier run that did not end.
+  enum class Earlier { removed, kept };
+
+  /// Makes `DESTINATION.partial` and its parent folders, and removes the files of an earlier run from it, unless they are kept
+  /// so that the run can be continued. `files`: names that will be written. `lasting`: the published result is flushed to disk,
+  /// so that it survives a power failure. Throws Error, and leaves everything as it was, if the folder cannot be made, if another
+  /// run is using it, or if it would have to replace something that momentree did not write.
+  explicit ResultDirectory(const std::string& destination, std::vector<std::string> files = {}, bool lasting = true,
+                           Earlier earlier = Earlier::removed);
   /// Removes what this object made, unless `keep` was called.
   ~ResultDirectory();
   ResultDirectory(const ResultDirectory&) = delete;
@@ -29,6 +33,11 @@ class ResultDirectory {
 
   const std::filesystem::path& destination() const { return destination_; }
   const std::filesystem::path& working() const { return working_; }
+
+  /// Whether momentree wrote a file of that name in the working folder: in an earlier run, or in this one.
+  bool has(const char* name) const;
+  /// Removes what an earlier run left and was kept.
+  void clear();
 
   /// The path of a file that is about to be written in the folder.
   std::string file(const char* name);
@@ -60,6 +69,7 @@ class ResultDirectory {
   std::filesystem::path destination_, working_;
   std::vector<std::string> files_;
   bool lasting_;
+  Earlier earlier_;
   std::optional<ResultMarker> marker_;              ///< of the working folder, and moves with it
   std::optional<ResultMarker> destination_marker_;  ///< of the earlier result
   std::filesystem::path topmost_made_;              ///< the topmost parent folder that did not exist

@@ -178,7 +178,9 @@ struct Origin {
         folder(std::filesystem::path(file).parent_path().string()) {}
 };
 
-ReadResult read_text(std::string text, const Origin& origin, const std::vector<std::string>& overrides) {
+// `parsed`: the document of the text, if it is known.
+ReadResult read_text(std::string text, const Origin& origin, const std::vector<std::string>& overrides,
+                     const Value* parsed = nullptr) {
   namespace fs = std::filesystem;
   const std::string& path = origin.path;
   ReadResult result;
@@ -198,11 +200,14 @@ ReadResult read_text(std::string text, const Origin& origin, const std::vector<s
   SyntaxError error;
   std::optional<Value> document;
   reading.direct = is_model(path, scenario.text);
+  const bool is_parsed = parsed != nullptr && !reading.direct;
   if (reading.direct) {
     const std::string file = fs::path(path).filename().string(), folder = reading.folder.empty() ? "." : reading.folder;
     reading.models.emplace_back(file, read_model_text(path, scenario.text, origin.looks_at_files ? folder : ""));
     const Import& import = *reading.models.back().second;
     if (import.errors() == 0) document = document_of(mechanism_name(scenario.name), file, import.model);
+  } else if (is_parsed) {
+    document = *parsed;
   } else if (!quotes && scenario.text.size() > largest_unknown) {
     out.error({}, "this is not a scenario: no line states the format, and none begins a mechanism",
               "a scenario begins with format = 1");
@@ -250,6 +255,12 @@ ReadResult read_scenario(const std::string& path, const std::vector<std::string>
   if (text.size() > largest_model && is_model(path, text))
     return refused(path, "is larger than " + std::to_string(largest_model >> 20) + " MiB, the limit for a model", "");
   return read_text(std::move(text), Origin(path), overrides);
+}
+
+ReadResult read_scenario_again(const Scenario& scenario, const std::vector<std::string>& overrides) {
+  Origin origin(scenario.path);
+  origin.name = scenario.name;
+  return read_text(scenario.text, origin, overrides, scenario.document.get());
 }
 
 ReadResult read_scenario_from(std::string text, const std::string& path, const std::string& name, const std::string& folder,

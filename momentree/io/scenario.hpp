@@ -69,6 +69,10 @@ struct ReadResult {
 /// `overrides` are KEY=VALUE: a dotted path and a TOML value, else a string. Every problem is a diagnostic; nothing is thrown.
 ReadResult read_scenario(const std::string& path, const std::vector<std::string>& overrides = {});
 
+/// Reads a scenario again with other overrides, without reading and parsing its text: for many variations. `scenario` was read
+/// without overrides; model files are read again.
+ReadResult read_scenario_again(const Scenario& scenario, const std::vector<std::string>& overrides);
+
 /// Like read_scenario, from a text that is not in a file, such as standard input. `path`: how messages name it; `name`: the
 /// name of the scenario, or of the mechanism of a model; `folder`: where the files that it names are located, empty: the
 /// working folder.

@@ -174,6 +174,8 @@ struct TriggerMatch {
 /// The matches of a wildcard in an event's `when`; nothing if there is no wildcard, and empty, with a report, if nothing
 /// matches.
 std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, Reading& reading);
+/// Reads a table that names one quantity and nothing else, called `what` in messages; null, with a report, if it is wrong.
+std::shared_ptr<momentree::Quantity> read_quantity(const Value& table, const std::string& what, Reading& reading);
 /// Reads at, when, after or every, and the keys that go with them. `match`: the match of the condition's wildcard; null: it has
 /// none.
 void read_trigger(Fields& fields, ScenarioEvent& event, const TriggerMatch* match, Reading& reading);

@@ -226,6 +226,7 @@ void Simulation::observe(double every, std::function<bool(const World&)> observe
   impl.observed = false;
 }
 
+void Simulation::sample(std::function<bool(const World&)> sampler) { changing().sampler = std::move(sampler); }
 void Simulation::watch(std::function<bool(double)> watcher) { changing().watcher = std::move(watcher); }
 
 void Simulation::use_generated(RatesProvider provider) {

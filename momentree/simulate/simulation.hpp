@@ -101,7 +101,7 @@ struct DryRun {
 ///
 /// Callbacks, and what they may do with the simulation that calls them:
 ///
-/// - observe(), watch(): may read everything, take a snapshot(), make a branch(), and schedule events with at(), when(), after()
+/// - observe(), sample(), watch(): may read everything, take a snapshot(), make a branch(), and schedule events with at(), when(), after()
 ///   and every(). Any other change to the simulation terminates the program: return false instead, and make the change after
 ///   run_until().
 /// - measured(), use_generated(): may read the world or the tree that is passed to them.
@@ -194,6 +194,11 @@ class Simulation {
   /// is one observer: a new one replaces it, an empty one removes it. Throws Error for a period that is negative, not finite or
   /// shorter than the clock can resolve.
   void observe(double every, std::function<bool(const World&)> observer);
+
+  /// Sets the sampler, for extremes and other measures of a run. It is called with the state at the end of every step, both before
+  /// and after the events of that instant; unlike an observer it does not affect the steps. If it returns false, run_until returns
+  /// Status::interrupted: before the events if it was called before them, and these are then still due. There is only one.
+  void sample(std::function<bool(const World&)> sampler);
 
   /// Sets the watcher. It is called with the time (s) after each step, independently of the observer's period: for a progress
   /// bar, or to interrupt the run by returning false. Like the observer, there is only one.

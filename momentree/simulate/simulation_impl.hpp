@@ -392,6 +392,20 @@ struct Simulation::Impl {
     const During observing(doing, Doing::observing);
     return observer(world);
   }
+  bool sampled() {
+    if (!sampler) return true;
+    evaluate_state();
+    const During observing(doing, Doing::observing);
+    return sampler(world);
+  }
+  // Events of the instant, with samples of the states before and after them.
+  bool happen_between_samples(Status& status) {
+    if (!sampled()) status = Status::interrupted;
+    const std::size_t before = events.size();
+    if (status == Status::ok && !happen()) status = Status::refused;
+    if (status == Status::ok && events.size() != before && !sampled()) status = Status::interrupted;
+    return status == Status::ok;
+  }
   bool watched() {
     const During observing(doing, Doing::observing);
     return !watcher || watcher(world.time());
@@ -406,10 +420,7 @@ struct Simulation::Impl {
     lap = Clock::now();
     Status status = Status::ok;
     resolve_limits();
-    if (!happen())
-      status = Status::refused;
-    else if (!look(!observed))
-      status = Status::interrupted;
+    if (happen_between_samples(status) && !look(!observed)) status = Status::interrupted;
     while (status == Status::ok && world.time() < until) {
       double end = std::min(until, queue.next_time());
       if (observer && every > 0) end = std::min(end, next_look);
@@ -417,10 +428,7 @@ struct Simulation::Impl {
         status = stalled ? Status::stalled : Status::diverged;
         break;
       }
-      if (!happen()) {
-        status = Status::refused;
-        break;
-      }
+      if (!happen_between_samples(status)) break;
       if (!look(false) || !watched())
         status = Status::interrupted;
       else if (const auto why = progress.step(world, *method, integration, events, until))
@@ -465,6 +473,7 @@ struct Simulation::Impl {
   double every = 0, next_look = 0, observed_at = 0;
   bool observed = false;
   std::function<bool(const World&)> observer;
+  std::function<bool(const World&)> sampler;
   std::function<bool(double)> watcher;
   RatesProvider generated;
   std::optional<std::uint64_t> asked_for;  // the revision of the tree for which the provider was last called

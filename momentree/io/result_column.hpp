@@ -1,0 +1,38 @@
+#pragma once
+// One column of bodies.csv, joints.csv or energy.csv, read from a running simulation.
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <momentree/io/result_columns.hpp>
+
+namespace momentree::io {
+
+class ResultColumn {
+ public:
+  /// Finds a column by its name in a table: "time", "tug/gripper.x", "arm/elbow.q0", "kinetic". Joints have the columns of
+  /// reactions, too. `joints`: those that exist or that events will make. If there is none, `problem` gets the reason and a hint.
+  static std::optional<ResultColumn> find(std::string_view name, const World& world, const std::vector<JointKinds>& joints,
+                                          Diagnostic& problem);
+
+  const std::string& name() const { return name_; }
+  /// Its SI unit: "m", "rad/s"; empty for numbers without one.
+  const std::string& unit() const { return unit_; }
+  /// The number in the present state; NaN if the body or the joint, or its coordinate, does not exist. Quaternions have the sign
+  /// with w >= 0.
+  double value(const Simulation& simulation) const;
+
+ private:
+  enum class Of { time, body, joint, energy };
+  ResultColumn() = default;
+
+  std::string name_, unit_;
+  Of of_ = Of::time;
+  BodyId body_{-1};
+  std::string joint_;
+  char group_ = 0;  ///< of a joint: q, v, p, f or m
+  std::size_t place_ = 0;
+};
+
+}  // namespace momentree::io

@@ -1,0 +1,65 @@
+#pragma once
+// The journal of a sweep: an append-only file of finished chunks. What has been appended survives the end of the process at any
+// moment; a record that was cut off is recognised by its checksum and dropped.
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <momentree/io/system_file.hpp>
+#include <momentree/sweep/work_source.hpp>
+
+namespace momentree::sweep {
+
+/// What a journal belongs to. It is continued only by a sweep with the same identity.
+struct JournalIdentity {
+  std::string version;        ///< of the program
+  std::string hash;           ///< of the sweep, the scenario and the files that they name
+  std::uint64_t worlds = 0;   ///< in all
+  std::uint64_t measures = 0;  ///< per world
+  friend bool operator==(const JournalIdentity&, const JournalIdentity&) = default;
+};
+
+class Journal {
+ public:
+  /// A finished chunk in the file.
+  struct Entry {
+    Chunk chunk;
+    std::uint64_t offset = 0;  ///< of its bytes
+    std::uint32_t size = 0, crc = 0;
+  };
+
+  /// Makes a new journal. Throws Error.
+  static Journal create(const std::string& path, const JournalIdentity& identity);
+  /// Opens a journal for continuing it and drops a last record that is incomplete. Throws Error if it cannot be read, or if it is
+  /// not a journal.
+  static Journal open(const std::string& path);
+
+  const JournalIdentity& identity() const { return identity_; }
+  /// The chunks, in the order of the file. None overlap.
+  const std::vector<Entry>& entries() const { return entries_; }
+  /// Whether the file ended with an incomplete record, which was dropped.
+  bool was_cut() const { return cut_; }
+
+  /// Appends a chunk with one call of the system. Throws Error, for example on a full disk: the file then ends with the last
+  /// complete record. Data are flushed to the disk by flush(), and by append() at least every second.
+  void append(Chunk chunk, std::string_view bytes);
+  void flush();
+  /// The bytes of a chunk, checked. Throws Error.
+  std::string read(const Entry& entry) const;
+  std::uint64_t size() const { return size_; }
+
+ private:
+  Journal(std::string path, io::Descriptor file) : path_(std::move(path)), file_(std::move(file)) {}
+  void scan();
+
+  std::string path_;
+  io::Descriptor file_;
+  JournalIdentity identity_;
+  std::vector<Entry> entries_;
+  std::uint64_t size_ = 0;  ///< of the complete records
+  std::int64_t flushed_at_ = 0;
+  bool cut_ = false, unflushed_ = false;
+};
+
+}  // namespace momentree::sweep
