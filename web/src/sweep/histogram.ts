@@ -19,6 +19,7 @@ export class HistogramPlot {
   private readonly highlight: SVGRectElement;
   private readonly reading = h("p", { class: "reading", "aria-hidden": "true" });
   private readonly highest: number;
+  private readonly total: number;
   private bin: number;
   private anchor: number | null = null;
   /** Marks are drawn only in view. */
@@ -34,6 +35,7 @@ export class HistogramPlot {
   ) {
     const { counts } = histogram;
     this.highest = Math.max(1, ...counts);
+    this.total = counts.reduce((sum, count) => sum + count, 0);
     this.bin = counts.indexOf(Math.max(...counts));
     this.markedBars = svg("g", { class: "bars marked" });
     this.highlight = svg("rect", { class: "highlight", y: 0, width: 1, height: 100 });
@@ -119,11 +121,12 @@ export class HistogramPlot {
 
   private read(highlighted: boolean) {
     const { histogram, bin, column } = this;
-    const total = histogram.counts.reduce((sum, count) => sum + count, 0);
     const unit = column.unit ? ` ${column.unit}` : "";
     const [low, high] = [digits(edge(histogram, bin)), digits(edge(histogram, bin + 1))];
     const range = histogram.to > histogram.from ? `${low} to ${high}${unit}` : `${low}${unit}`;
-    const text = `${range}: ${worldsText(histogram.counts[bin])}, ${percent(histogram.counts[bin] / Math.max(total, 1))}`;
+    const share = percent(histogram.counts[bin] / Math.max(this.total, 1));
+    // A histogram of a sample of the worlds gives shares, but not numbers of worlds.
+    const text = `${range}: ${this.total === column.count ? `${worldsText(histogram.counts[bin])}, ` : ""}${share}`;
     this.picture.setAttribute("aria-valuenow", String(bin));
     this.picture.setAttribute("aria-valuetext", text);
     this.highlight.setAttribute("x", String(bin));
@@ -180,7 +183,7 @@ export class HistogramPlot {
     event.preventDefault();
   }
 
-  /** The marked worlds of the sample, scaled to all worlds. */
+  /** The marked worlds in the page, scaled to the worlds of the histogram. */
   private showMarked() {
     if (!this.inView || !this.outdated) return;
     this.outdated = false;
@@ -194,7 +197,7 @@ export class HistogramPlot {
       shown++;
       if (marked?.[row]) counts[bin]++;
     });
-    const scale = column.count / Math.max(shown, 1);
+    const scale = this.total / Math.max(shown, 1);
     this.markedBars.replaceChildren(...(marked ? this.bars(counts.map((count) => count * scale)) : []));
     this.element.classList.toggle("has-marks", marked !== null);
   }

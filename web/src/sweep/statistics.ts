@@ -21,12 +21,12 @@ export function meanOf(values: Float64Array): number {
   return sum / values.length;
 }
 
-/** The sample's standard deviation; 0 for a single value. */
+/** The sample's standard deviation; NaN for a single value. */
 export function deviationOf(values: Float64Array): number {
   const mean = meanOf(values);
   let sum = 0;
   for (const value of values) sum += (value - mean) ** 2;
-  return Math.sqrt(sum / Math.max(values.length - 1, 1));
+  return Math.sqrt(sum / (values.length - 1));
 }
 
 /** Null without values. */

@@ -101,6 +101,7 @@ describe("statistics", () => {
     const sorted = presentValues(new Float64Array([3, NaN, 1, 5, 2, 4]));
     expect([0, 0.25, 0.5, 0.9, 1].map((p) => quantile(sorted, p))).toEqual([1, 2, 3, 4.6, 5]);
     expect(deviationOf(sorted)).toBeCloseTo(Math.sqrt(2.5), 12);
+    expect(deviationOf(new Float64Array([4]))).toBeNaN();
     expect(histogramOf(sorted)).toEqual({ from: 1, to: 5, counts: [1, 1, 1, 1, 1] });
     expect(histogramOf(new Float64Array([7, 7]))).toEqual({ from: 7, to: 7, counts: [2] });
   });
