@@ -12,6 +12,8 @@ namespace momentree::cli {
 
 /// web/dist/report.html; io::report_page inserts data into it.
 std::string_view report_html();
+/// web/dist/sweep.html; io::sweep_page inserts a document into it.
+std::string_view sweep_html();
 /// web/dist/playground.html; io::playground_page and io::model_page insert a scenario into it.
 std::string_view playground_html();
 

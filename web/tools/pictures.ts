@@ -1,8 +1,11 @@
-// Draws the pictures of docs/pictures from actual runs: `./dev web pictures`, after the program was built.
-import { writeFileSync } from "node:fs";
+// Draws the pictures of docs/pictures from actual runs: `./dev web pictures`, after the program was built. That of a sweep is
+// of the pendulum in closed form that the tests of its page use.
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
+import { pathToFileURL } from "node:url";
 import type { Page } from "playwright-core";
-import { launch, open, openReport, report, scenario, settled } from "../tests/browser";
+import { launch, open, openReport, report, scenario, settled, temporary } from "../tests/browser";
+import { builtPage, pendulumSweep, sweepPage } from "../tests/pendulum_sweep";
 
 const folder = new URL("../../docs/pictures/", import.meta.url).pathname;
 
@@ -66,6 +69,23 @@ for (const { name, scenario: file, time, dark, width, height } of pictures) {
   console.log(`docs/pictures/${name}.webp: ${Math.round(image.length / 1000)} kB`);
   await page.context().close();
 }
+/** The sweep's page with three of its measures, which leaves room for the scatter plot. */
+async function drawSweep() {
+  const data = pendulumSweep({ failing: [], animated: Array.from({ length: 600 }, (_none, world) => world) });
+  const columns = data.columns.filter(({ name }) => !["speed", "lands", "end"].includes(name));
+  const worst = data.worst!.slice(0, 1);
+  const html = readFileSync(builtPage, "utf8");
+  const address = pathToFileURL(sweepPage(temporary(), html, { ...data, columns, worst })).href;
+  const { page, complaints } = await open(browser, address, { width: 1400, height: 1270 }, "h1");
+  await page.getByLabel("Colour").selectOption("mechanism.pendulum.body.bob.joint.q");
+  await settled(page);
+  if (complaints.length > 0) throw new Error(complaints.join("\n"));
+  writeFileSync(join(folder, "report_sweep.webp"), await webp(encoder, await page.screenshot()));
+  console.log("docs/pictures/report_sweep.webp");
+  await page.context().close();
+}
+await drawSweep();
+
 const { page } = await open(browser, new URL("../dist/playground.html", import.meta.url).href, { width: 1280, height: 800 });
 await cutByHand(page);
 await settled(page);

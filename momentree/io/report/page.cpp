@@ -36,6 +36,10 @@ std::string json_for_page(std::string_view json) {
 
 std::string report_page(std::string_view page, std::string_view data) { return with_data(page, "recording", data); }
 
+std::string sweep_page(std::string_view page, std::string_view document) {
+  return with_data(page, "sweep", json_for_page(document));
+}
+
 std::string playground_page(std::string_view page, std::string_view scenario) {
   std::string text;
   JsonWriter(text).value(scenario);

@@ -11,6 +11,9 @@ std::string json_for_page(std::string_view json);
 /// The report's page with the data of a run (report_data).
 std::string report_page(std::string_view page, std::string_view data);
 
+/// The page of a sweep with its document, which is JSON (web/src/sweep/document.ts).
+std::string sweep_page(std::string_view page, std::string_view document);
+
 /// The playground's page, which begins with the text of a scenario.
 std::string playground_page(std::string_view page, std::string_view scenario);
 

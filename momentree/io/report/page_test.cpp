@@ -15,6 +15,12 @@ TEST_CASE("data are inserted into the page's placeholder") {
   CHECK(report_page(page, "{\"a\": 1}") == head + "<script type=\"application/json\" id=\"recording\">{\"a\": 1}</script>");
 }
 
+TEST_CASE("the document of a sweep is inserted into its page, and can't end its element") {
+  const std::string page = head + "<script type=\"application/json\" id=\"sweep\"></script></body>";
+  CHECK(sweep_page(page, "{\"title\": \"</script>\"}") ==
+        head + "<script type=\"application/json\" id=\"sweep\">{\"title\": \"\\u003c/script>\"}</script></body>");
+}
+
 TEST_CASE("a scenario replaces what the playground would begin with, and can't end its element") {
   const std::string page = head + "<script type=\"application/json\" id=\"scenario\">\n null\n</script></body>";
   CHECK(playground_page(page, "title = \"</script>\"\n") ==
