@@ -36,6 +36,7 @@ class CommandLine {
   CLI::App* command(const char* name, const char* does, std::function<int()> action);
   void add_run();
   void add_replay();
+  void add_sweep();
   void add_readers();
   void add_writers();
   void add_pages();
@@ -57,6 +58,7 @@ class CommandLine {
 
   CLI::App app_{"momentree: dynamics of mechanisms whose topology changes while they move", "momentree"};
   RunOptions run_;
+  SweepOptions sweep_;
   ReplayOptions replay_;
   CheckOptions check_;
   EvaluateOptions evaluate_;
@@ -108,6 +110,7 @@ CommandLine::CommandLine(Bench bench) : measure_(bench) {
   app_.require_subcommand(0, 1);
   app_.allow_extras();
   add_run();
+  add_sweep();
   add_replay();
   add_readers();
   add_writers();
@@ -168,6 +171,29 @@ void CommandLine::add_readers() {
   source(explain_command, "scenario", explain_.scenario, "SCENARIO|MODEL", a_source)->required();
   overrides(explain_command, explain_.overrides);
   verbose(explain_command, explain_.verbose);
+}
+
+void CommandLine::add_sweep() {
+  CLI::App* sub = command("sweep", "Run many worlds of a scenario with varied values; under mpirun on many machines",
+                          [this] { return sweep(sweep_); });
+  sub->add_option("sweep", sweep_.file, "A sweep (.toml)")->required()->type_name("SWEEP");
+  sub->add_option("--out", sweep_.out, "Folder for the results, or an HDF5 file (.h5); default: as the sweep says, or results/ and its name")
+      ->type_name("DIR|FILE.h5");
+  sub->add_option_function<std::string>(
+         "--jobs", [this](const std::string& text) { sweep_.jobs = number_argument("--jobs", text, 1, 1024); },
+         "Number of threads; default: as many as the machine has, under mpirun 1 per rank")
+      ->type_name("N");
+  sub->add_option_function<std::string>(
+         "--world",
+         [this](const std::string& text) { sweep_.world = static_cast<std::uint64_t>(number_argument("--world", text, 0, 2147483647)); },
+         "Run this world alone and write what `run` writes")
+      ->type_name("K");
+  sub->add_flag("--resume", sweep_.resume, "Go on from an interrupted sweep; nothing happens if it is complete");
+  sub->add_flag("--restart", sweep_.restart, "Discard the results of an interrupted sweep");
+  sub->add_flag("--accept-changes", sweep_.accept_changes, "Go on although the sweep, its files or the version have changed");
+  sub->add_flag("--report", sweep_.report, "Also write report.html: distributions, sensitivities and the worst cases");
+  sub->add_flag("--quiet", sweep_.quiet, "Print nothing but warnings and errors");
+  sub->add_flag("--json", sweep_.json, "Print sweep.json and nothing else");
 }
 
 void CommandLine::add_replay() {

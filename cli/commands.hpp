@@ -1,10 +1,14 @@
 #pragma once
 // The commands, one function each; command_line.cpp turns the command line into their options. All return an exit code, print
 // messages to standard error and results to standard output, and throw Error for bad input.
+#include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <cli/exit_codes.hpp>
+#include <momentree/simulate/simulation.hpp>
 
 namespace momentree::cli {
 
@@ -16,9 +20,21 @@ struct RunOptions {
   std::string format = "csv";  ///< or "hdf5"
   double checkpoint = 0;       ///< wall-clock time between checkpoints (s); 0: none, or for a resumed run as before
   bool resume = false;
+  /// How the simulation is run to its end (s); empty: run_until.
+  std::function<RunResult(Simulation& simulation, double until)> run_to_end{};
   bool report = false, reactions = false, quiet = false, json = false, generate = false, verbose = false;
 };
 int run(const RunOptions& options);
+
+struct SweepOptions {
+  std::string file;
+  std::string out;                     ///< empty: as the sweep says, or results/<sweep's name>
+  int jobs = 0;                        ///< threads; 0: as many as the machine has, or 1 per rank under MPI
+  std::optional<std::uint64_t> world;  ///< run this world alone, with all results
+  bool resume = false, restart = false, accept_changes = false;
+  bool report = false, quiet = false, json = false;
+};
+int sweep(const SweepOptions& options);
 
 struct ReplayOptions {
   std::string one, other;  ///< result folders

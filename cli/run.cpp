@@ -105,7 +105,7 @@ int run(const RunOptions& options) {
   if (options.generate) simulation.use_generated(kernels.emplace().provider());
   Status ended = Status::refused;
   try {
-    ended = simulation.run_until(scenario->until);
+    ended = options.run_to_end ? options.run_to_end(simulation, scenario->until) : simulation.run_until(scenario->until);
   } catch (const std::bad_alloc&) {  // during a step or an event
     progress.clear();
     recorder.abandon("failed: out of memory");

@@ -94,6 +94,13 @@ void ResultDirectory::begin() {
   if (earlier_ == Earlier::removed) clear();
 }
 
+void ResultDirectory::remove_all() noexcept {
+  cleared_ = true;
+  topmost_made_.clear();
+  discard();
+  kept_ = true;
+}
+
 bool ResultDirectory::has(const char* name) const { return marker_->owns(working_, name); }
 
 void ResultDirectory::clear() {

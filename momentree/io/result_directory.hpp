@@ -46,6 +46,8 @@ class ResultDirectory {
   bool has(const char* name) const;
   /// Removes what an earlier run left and was kept.
   void clear();
+  /// Removes the working folder and what momentree wrote in it; nothing else may be called afterwards.
+  void remove_all() noexcept;
 
   /// The path of a file that is about to be written in the folder.
   std::string file(const char* name);

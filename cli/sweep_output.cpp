@@ -1,0 +1,235 @@
+#include <cli/sweep_output.hpp>
+
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include <cli/page.hpp>
+#include <cli/record.hpp>
+#include <momentree/base/error.hpp>
+#include <momentree/io/json.hpp>
+#include <momentree/io/report/page.hpp>
+#include <momentree/io/report/report.hpp>
+#include <momentree/io/table_file.hpp>
+#include <momentree/io/text_file.hpp>
+
+namespace momentree::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+using sweep::Journal;
+
+constexpr const char* journal_name = "sweep.journal";
+constexpr std::size_t rows_at_once = 4096;
+constexpr std::size_t animated_ends = 3;  // worlds with a page of their own, at each end of each measure
+
+sweep::JournalIdentity identity_of(const sweep::Sweep& sweep) {
+  return {MOMENTREE_VERSION, sweep.hash, sweep.worlds(), sweep.measures.size()};
+}
+
+// Why a journal does not belong to the sweep; empty if it does.
+std::string difference(const sweep::JournalIdentity& found, const sweep::JournalIdentity& wanted) {
+  if (found == wanted) return "";
+  if (found.worlds != wanted.worlds || found.measures != wanted.measures)
+    return "this folder has the unfinished results of another sweep, with " + std::to_string(found.worlds) + " worlds and " +
+           std::to_string(found.measures) + " measures";
+  if (found.hash != wanted.hash) return "this folder has the unfinished results of another sweep, or of one that has been changed";
+  return "this folder has unfinished results of version " + found.version + ", and this is " + wanted.version;
+}
+
+std::vector<std::string> files_of(const sweep::Sweep& sweep, const SweepOptions& options) {
+  std::vector<std::string> files = {"worlds.csv", "failures.jsonl", "sweep.json"};
+  if (sweep.json_lines) files.emplace_back("worlds.jsonl");
+  if (options.report) files.emplace_back("report.html");
+  return files;
+}
+
+}  // namespace
+
+std::string sweep_destination(const sweep::Sweep& sweep, const SweepOptions& options) {
+  if (!options.out.empty()) return options.out;
+  return sweep.output.empty() ? "results/" + sweep.name : sweep.output;
+}
+
+bool is_complete_sweep(const sweep::Sweep& sweep, const std::string& out) {
+  const fs::path file = fs::path(out) / "sweep.json";
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) return false;
+  io::SyntaxError error;
+  const std::optional<Value> document = io::parse_json(io::read_text_file(file.string()), error);
+  if (!document) return false;
+  const Value::Entry* const hash = document->find("hash");
+  const Value::Entry* const program = document->find("program");
+  const Value::Entry* const version = program != nullptr ? program->value.find("version") : nullptr;
+  if (hash == nullptr || version == nullptr || !hash->value.string() || !version->value.string()) return false;
+  return *hash->value.string() == sweep.hash && *version->value.string() == MOMENTREE_VERSION;
+}
+
+SweepOutput::SweepOutput(const sweep::Sweep& sweep, const SweepOptions& options)
+    : sweep_(sweep), out_(sweep_destination(sweep, options)) {
+  std::error_code ignored;
+  if (in_one_file()) {
+    io::require_hdf5();
+    if (fs::is_directory(out_, ignored)) throw_error({"there is a folder of that name already", out_, "name a file with --out"});
+    if (options.report) throw_error({"--report needs a folder for the results, not a file", out_, "name a folder with --out"});
+  }
+  folder_.emplace(in_one_file() ? out_ + ".sweep" : out_, in_one_file() ? std::vector<std::string>() : files_of(sweep, options), true,
+                  io::ResultDirectory::Earlier::kept);
+  const sweep::JournalIdentity wanted = identity_of(sweep);
+  if (folder_->has(journal_name) && !options.restart) {
+    journal_.emplace(Journal::open((folder_->working() / journal_name).string()));
+    const std::string why = difference(journal_->identity(), wanted);
+    const bool same_form = journal_->identity().worlds == wanted.worlds && journal_->identity().measures == wanted.measures;
+    if (!why.empty() && !(options.accept_changes && same_form))
+      throw_error({why, folder_->working().string(),
+                   std::string("--restart discards them") + (same_form ? ", and --accept-changes goes on from them" : "")});
+    for (const Journal::Entry& entry : journal_->entries()) found_ += entry.chunk.count;
+    folder_->keep();
+    return;
+  }
+  if (options.resume && !options.restart) {
+    if (in_one_file() && fs::exists(out_, ignored))
+      throw_error({"this file is there already, and there is no unfinished sweep beside it", out_,
+                   "the sweep is complete, or leave out --resume to replace the file"});
+    if (fs::exists(fs::path(out_) / "sweep.json", ignored))
+      throw_error({"this folder has the complete results of another sweep, or of one that has been changed", out_,
+                   "leave out --resume to replace them, or name another folder with --out"});
+  }
+  folder_->clear();
+  journal_.emplace(Journal::create(folder_->file(journal_name), wanted));
+  folder_->keep();
+}
+
+void SweepOutput::write_tables(std::vector<std::string>& files) {
+  for (const char* name : {"worlds.csv", "failures.jsonl", "worlds.jsonl"}) folder_->remove(name);  // of a run that was killed
+  const sweep::RowWriter writer(sweep_);
+  io::TextFile worlds(folder_->file("worlds.csv")), failures(folder_->file("failures.jsonl"));
+  std::optional<io::TextFile> lines;
+  if (sweep_.json_lines) lines.emplace(folder_->file("worlds.jsonl"));
+  writer.csv_header(worlds.text());
+  for_each_row(sweep_, *journal_, [&](const sweep::Row& row) {
+    summary_->add(row);
+    writer.csv(row, worlds.text());
+    worlds.settle();
+    if (lines) {
+      writer.json(row, lines->text());
+      lines->settle();
+    }
+    if (!row.result.done()) {
+      writer.failure(row, failures.text());
+      failures.settle();
+    }
+    return true;
+  });
+  worlds.close(true);
+  failures.close(true);
+  if (lines) lines->close(true);
+  folder_->write("sweep.json", summary_->json());
+  files = {"worlds.csv", "failures.jsonl", "sweep.json"};
+}
+
+void SweepOutput::write_hdf5() {
+  using Type = io::TableColumn::Type;
+  const std::vector<sweep::ParameterColumn> varied = parameter_columns(sweep_);
+  std::vector<io::TableColumn> columns = {{"world", Type::count, "", "number of the world"}};
+  for (const sweep::ParameterColumn& column : varied) {
+    const sweep::Parameter& parameter = sweep_.parameters[column.parameter];
+    columns.push_back({column.name, column.is_text ? Type::text : Type::number, parameter.unit, parameter.about});
+  }
+  for (const sweep::Measure& measure : sweep_.measures)
+    columns.push_back({measure.name, measure.is_flag() ? Type::flag : Type::number, measure.unit, measure.about});
+  columns.push_back({"status", Type::text, "", "done, or failed and why"});
+  const std::string path = folder_->file("results.h5");
+  folder_->remove("results.h5");
+  const std::unique_ptr<io::TableFile> file = io::make_hdf5_file(path);
+  const std::size_t table = file->add_table("worlds", columns);
+  std::vector<io::ColumnValues> values;
+  const auto empty = [&] {
+    values.clear();
+    for (const io::TableColumn& column : columns) {
+      if (column.type == Type::number) values.emplace_back(std::vector<double>());
+      if (column.type == Type::flag) values.emplace_back(std::vector<std::uint8_t>());
+      if (column.type == Type::text) values.emplace_back(std::vector<std::string>());
+      if (column.type == Type::count) values.emplace_back(std::vector<std::uint64_t>());
+    }
+  };
+  empty();
+  std::size_t rows = 0;
+  for_each_row(sweep_, *journal_, [&](const sweep::Row& row) {
+    summary_->add(row);
+    std::size_t c = 0;
+    std::get<std::vector<std::uint64_t>>(values[c++]).push_back(row.world);
+    for (const sweep::ParameterColumn& column : varied) {
+      io::ColumnValues& cells = values[c++];
+      if (column.is_text)
+        std::get<std::vector<std::string>>(cells).push_back(parameter_text(sweep_, column, row.values));
+      else
+        std::get<std::vector<double>>(cells).push_back(parameter_number(sweep_, column, row.values));
+    }
+    for (std::size_t m = 0; m < sweep_.measures.size(); ++m) {
+      const double x = row.result.done() ? row.result.measures[m] : NAN;
+      io::ColumnValues& cells = values[c++];
+      if (sweep_.measures[m].is_flag())
+        std::get<std::vector<std::uint8_t>>(cells).push_back(x == 1 ? 1 : 0);  // of a failed world: false; see status
+      else
+        std::get<std::vector<double>>(cells).push_back(x);
+    }
+    std::get<std::vector<std::string>>(values[c]).push_back(status_of(row.result));
+    if (++rows == rows_at_once) {
+      file->append(table, values);
+      empty();
+      rows = 0;
+    }
+    return true;
+  });
+  if (rows > 0) file->append(table, values);
+  file->file_attribute("summary", summary_->json());
+  file->finish();
+}
+
+// The worst worlds are run again, each with a page that shows its motion.
+void SweepOutput::write_report() {
+  std::set<std::uint64_t> wanted;
+  for (const sweep::Worst& worst : summary_->worst(animated_ends))
+    for (const sweep::Extreme& each : worst.worlds) wanted.insert(each.world);
+  std::vector<std::uint64_t> animated;
+  for (const std::uint64_t world : wanted) {
+    io::ReadResult read = io::read_scenario_again(*sweep_.scenario, sweep_.overrides(world));
+    if (!read.scenario) continue;
+    const TemporaryFolder scratch;
+    const Recorded recorded = record(*read.scenario, scratch.result(), Purpose::report);
+    if (recorded.code != done) continue;
+    const fs::path page = folder_->working() / "worlds" / std::to_string(world) / "report.html";
+    fs::create_directories(page.parent_path());
+    io::write_text_file(page.string(), io::report_page(report_html(), io::report_data(recorded.folder)));
+    animated.push_back(world);
+  }
+  folder_->write("report.html", io::sweep_page(sweep_html(), summary_->report(animated)));
+}
+
+std::vector<std::string> SweepOutput::publish(bool report) {
+  journal_->flush();
+  summary_.emplace(sweep_);
+  if (in_one_file()) {
+    write_hdf5();
+    const std::string file = (folder_->working() / "results.h5").string();
+    std::error_code error;
+    fs::rename(file, out_, error);
+    if (error) io::fail_with_reason("cannot move the result to its destination", out_, error);
+    const fs::path above = fs::path(out_).parent_path();
+    io::sync_folder(above.empty() ? "." : above);
+    folder_->remove_all();
+    return {};
+  }
+  std::vector<std::string> files;
+  write_tables(files);
+  if (report) write_report();
+  std::vector<std::string> warnings = folder_->publish();
+  ::unlink((fs::path(out_) / journal_name).c_str());  // last: until here the results could be made again from it
+  return warnings;
+}
+
+}  // namespace momentree::cli

@@ -1,0 +1,53 @@
+#pragma once
+// Where a sweep's results go: the journal while it runs, and the tables when it is complete.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <cli/commands.hpp>
+#include <momentree/io/result_directory.hpp>
+#include <momentree/sweep/journal.hpp>
+#include <momentree/sweep/summary.hpp>
+
+namespace momentree::cli {
+
+/// The folder `OUT.partial` with the journal. Without publish() it is kept, so that the sweep can be continued.
+class SweepOutput {
+ public:
+  /// Opens the journal of an interrupted sweep, or begins a new one. Throws Error if the folder holds the journal of another sweep
+  /// and `options` do not say what to do with it, or if it cannot be written; nothing has then changed.
+  SweepOutput(const sweep::Sweep& sweep, const SweepOptions& options);
+
+  /// Where the results will be: a folder, or a file that ends in .h5.
+  const std::string& destination() const { return out_; }
+  std::string working() const { return folder_->working().string(); }
+  sweep::Journal& journal() { return *journal_; }
+  /// Worlds of an earlier run that were found.
+  std::uint64_t found() const { return found_; }
+
+  /// Writes the tables from the complete journal and moves them to their destination. Returns warnings. Throws Error: the journal
+  /// is then still there.
+  std::vector<std::string> publish(bool report);
+  /// The statistics, after publish().
+  const sweep::SweepSummary& summary() const { return *summary_; }
+
+ private:
+  bool in_one_file() const { return out_.ends_with(".h5"); }
+  void write_tables(std::vector<std::string>& files);
+  void write_hdf5();
+  void write_report();
+
+  const sweep::Sweep& sweep_;
+  std::string out_;
+  std::optional<io::ResultDirectory> folder_;
+  std::optional<sweep::Journal> journal_;
+  std::optional<sweep::SweepSummary> summary_;
+  std::uint64_t found_ = 0;
+};
+
+/// The destination of a sweep: --out, the sweep's own, or results/ and its name.
+std::string sweep_destination(const sweep::Sweep& sweep, const SweepOptions& options);
+/// Whether the folder holds the complete result of this sweep, computed by this version.
+bool is_complete_sweep(const sweep::Sweep& sweep, const std::string& out);
+
+}  // namespace momentree::cli
