@@ -177,7 +177,8 @@ void CommandLine::add_sweep() {
   CLI::App* sub = command("sweep", "Run many worlds of a scenario with varied values; under mpirun on many machines",
                           [this] { return sweep(sweep_); });
   sub->add_option("sweep", sweep_.file, "A sweep (.toml)")->required()->type_name("SWEEP");
-  sub->add_option("--out", sweep_.out, "Folder for the results, or an HDF5 file (.h5); default: as the sweep says, or results/ and its name")
+  sub->add_option("--out", sweep_.out,
+                  "Folder for the results, or an HDF5 file (.h5); default: as the sweep says, or results/ and its name")
       ->type_name("DIR|FILE.h5");
   sub->add_option_function<std::string>(
          "--jobs", [this](const std::string& text) { sweep_.jobs = number_argument("--jobs", text, 1, 1024); },
@@ -185,7 +186,9 @@ void CommandLine::add_sweep() {
       ->type_name("N");
   sub->add_option_function<std::string>(
          "--world",
-         [this](const std::string& text) { sweep_.world = static_cast<std::uint64_t>(number_argument("--world", text, 0, 2147483647)); },
+         [this](const std::string& text) {
+           sweep_.world = static_cast<std::uint64_t>(number_argument("--world", text, 0, 2147483647));
+         },
          "Run this world alone and write what `run` writes")
       ->type_name("K");
   sub->add_flag("--resume", sweep_.resume, "Go on from an interrupted sweep; nothing happens if it is complete");

@@ -38,8 +38,8 @@ class SweepLine {
     const auto now = std::chrono::steady_clock::now();
     if (!shown_ || now < next_) return;
     next_ = now + 200ms;
-    std::string text = format("\r%llu of %llu worlds", static_cast<unsigned long long>(progress.done),
-                              static_cast<unsigned long long>(worlds_));
+    std::string text =
+        format("\r%llu of %llu worlds", static_cast<unsigned long long>(progress.done), static_cast<unsigned long long>(worlds_));
     if (progress.failed > 0) text += format(" · %llu failed", static_cast<unsigned long long>(progress.failed));
     if (progress.rate > 0) {
       const double left = std::min(static_cast<double>(worlds_ - progress.done) / progress.rate, 3.6e8);
@@ -117,7 +117,8 @@ int work_for_others(const sweep::Sweep& sweep, sweep::Communicator& ranks, const
   how.threads = threads_of(options, &ranks);
   how.version = MOMENTREE_VERSION, how.work = sweep.hash;
   how.cancel = &cancel;
-  return distribute(&ranks, nullptr, [&worlds](sweep::Chunk chunk) { return worlds.run(chunk); }, how);
+  return distribute(
+      &ranks, nullptr, [&worlds](sweep::Chunk chunk) { return worlds.run(chunk); }, how);
 }
 
 void report_failure(const std::exception_ptr& failure) {
@@ -136,8 +137,8 @@ int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const Sweep
   const InterruptGuard guard;  // before there is a folder that would be left behind
   SweepOutput output(sweep, options);
   if (output.found() > 0 && !options.quiet)
-    show(stderr, printable(output.working()) + format(": goes on after %llu worlds\n",
-                                                      static_cast<unsigned long long>(output.found())));
+    show(stderr,
+         printable(output.working()) + format(": goes on after %llu worlds\n", static_cast<unsigned long long>(output.found())));
   std::atomic<bool> cancel = false, stop = false;
   const sweep::ScenarioWorlds worlds(sweep, &cancel);
   const int threads = threads_of(options, ranks);
@@ -181,8 +182,7 @@ int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const Sweep
         show(stdout, summary_text(sweep, summary, seconds, sweep.worlds() - output.found()) +
                          "\nResults: " + printable(output.destination()) + (options.report ? "/report.html\n" : "\n"));
       if (summary.failed() > 0)
-        show(stderr, printable(sweep.path) + ": warning: " +
-                         count_text(static_cast<long>(summary.failed()), "world", "worlds") +
+        show(stderr, printable(sweep.path) + ": warning: " + count_text(static_cast<long>(summary.failed()), "world", "worlds") +
                          " failed; see the status of each, and failures.jsonl\n");
       return static_cast<int>(summary.done() > 0 ? done : failed);
     } catch (...) {
@@ -191,7 +191,8 @@ int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const Sweep
       return static_cast<int>(failed);
     }
   };
-  return distribute(ranks, &work, [&worlds](sweep::Chunk chunk) { return worlds.run(chunk); }, how);
+  return distribute(
+      ranks, &work, [&worlds](sweep::Chunk chunk) { return worlds.run(chunk); }, how);
 }
 
 }  // namespace
@@ -205,7 +206,8 @@ int sweep(const SweepOptions& options) {
   const sweep::Sweep& all = *read.sweep;
   if (options.world) return run_one_world(all, options);
   if (!first) return work_for_others(all, *ranks, options);
-  if (const std::string out = sweep_destination(all, options); options.resume && !options.restart && is_complete_sweep(all, out)) {
+  if (const std::string out = sweep_destination(all, options);
+      options.resume && !options.restart && is_complete_sweep(all, out)) {
     const int code = say_complete(out, options);
     if (ranks) ranks->abort(code);
     return code;

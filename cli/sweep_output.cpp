@@ -36,7 +36,8 @@ std::string difference(const sweep::JournalIdentity& found, const sweep::Journal
   if (found.worlds != wanted.worlds || found.measures != wanted.measures)
     return "this folder has the unfinished results of another sweep, with " + std::to_string(found.worlds) + " worlds and " +
            std::to_string(found.measures) + " measures";
-  if (found.hash != wanted.hash) return "this folder has the unfinished results of another sweep, or of one that has been changed";
+  if (found.hash != wanted.hash)
+    return "this folder has the unfinished results of another sweep, or of one that has been changed";
   return "this folder has unfinished results of version " + found.version + ", and this is " + wanted.version;
 }
 
@@ -58,14 +59,16 @@ bool is_complete_sweep(const sweep::Sweep& sweep, const std::string& out) {
   const fs::path file = fs::path(out) / "sweep.json";
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) return false;
-  io::SyntaxError error;
-  const std::optional<Value> document = io::parse_json(io::read_text_file(file.string()), error);
-  if (!document) return false;
-  const Value::Entry* const hash = document->find("hash");
-  const Value::Entry* const program = document->find("program");
-  const Value::Entry* const version = program != nullptr ? program->value.find("version") : nullptr;
-  if (hash == nullptr || version == nullptr || !hash->value.string() || !version->value.string()) return false;
-  return *hash->value.string() == sweep.hash && *version->value.string() == MOMENTREE_VERSION;
+  try {
+    const Value document = io::parse_json(io::read_text_file(file.string()), file.string());
+    const Value::Entry* const hash = document.find("hash");
+    const Value::Entry* const program = document.find("program");
+    const Value::Entry* const version = program != nullptr ? program->value.find("version") : nullptr;
+    if (hash == nullptr || version == nullptr || !hash->value.string() || !version->value.string()) return false;
+    return *hash->value.string() == sweep.hash && *version->value.string() == MOMENTREE_VERSION;
+  } catch (const Error&) {  // not a document of momentree
+    return false;
+  }
 }
 
 SweepOutput::SweepOutput(const sweep::Sweep& sweep, const SweepOptions& options)
@@ -76,8 +79,8 @@ SweepOutput::SweepOutput(const sweep::Sweep& sweep, const SweepOptions& options)
     if (fs::is_directory(out_, ignored)) throw_error({"there is a folder of that name already", out_, "name a file with --out"});
     if (options.report) throw_error({"--report needs a folder for the results, not a file", out_, "name a folder with --out"});
   }
-  folder_.emplace(in_one_file() ? out_ + ".sweep" : out_, in_one_file() ? std::vector<std::string>() : files_of(sweep, options), true,
-                  io::ResultDirectory::Earlier::kept);
+  folder_.emplace(in_one_file() ? out_ + ".sweep" : out_, in_one_file() ? std::vector<std::string>() : files_of(sweep, options),
+                  true, io::ResultDirectory::Earlier::kept);
   const sweep::JournalIdentity wanted = identity_of(sweep);
   if (folder_->has(journal_name) && !options.restart) {
     journal_.emplace(Journal::open((folder_->working() / journal_name).string()));

@@ -14,8 +14,8 @@ namespace momentree::cli {
 /// The folder `OUT.partial` with the journal. Without publish() it is kept, so that the sweep can be continued.
 class SweepOutput {
  public:
-  /// Opens the journal of an interrupted sweep, or begins a new one. Throws Error if the folder holds the journal of another sweep
-  /// and `options` do not say what to do with it, or if it cannot be written; nothing has then changed.
+  /// Opens the journal of an interrupted sweep, or begins a new one. Throws Error if the folder holds the journal of another
+  /// sweep and `options` do not say what to do with it, or if it cannot be written; nothing has then changed.
   SweepOutput(const sweep::Sweep& sweep, const SweepOptions& options);
 
   /// Where the results will be: a folder, or a file that ends in .h5.

@@ -53,8 +53,8 @@ class MeasureReader {
     };
     using What = EventMeasure::What;
     const Value* value_word = nullptr;
-    for (const auto& [key, what] : {std::pair{"happened", What::happened}, {"time_of", What::time}, {"count", What::count},
-                                    {"event", What::value}})
+    for (const auto& [key, what] :
+         {std::pair{"happened", What::happened}, {"time_of", What::time}, {"count", What::count}, {"event", What::value}})
       if (const Value* value = once(key)) {
         EventMeasure event;
         event.what = what;
@@ -76,16 +76,21 @@ class MeasureReader {
         if (what != Fold::mean && (value_word = fields.find("value")) != nullptr) {
           const auto word = io::read_string(*value_word, "value", out_);
           time = word == "time";
-          if (word && !time) out_.error(value_word->place, "value: expected \"time\"", "the time of the extreme; without it, its value");
+          if (word && !time)
+            out_.error(value_word->place, "value: expected \"time\"", "the time of the extreme; without it, its value");
         }
         if (time) measure.unit = "s";
         measure.about = (time ? std::string("time of the ") : std::string()) +
-                        (what == Fold::max ? "largest " : what == Fold::min ? "smallest " : "mean ") + about;
+                        (what == Fold::max   ? "largest "
+                         : what == Fold::min ? "smallest "
+                                             : "mean ") +
+                        about;
         if (source) measure.what = FoldMeasure{what, std::move(*source), time};
       }
     if (const Value* value = once("final")) {
       std::string about;
-      if (std::optional<Source> source = read_source(*value, measure.unit, about)) measure.what = InstantMeasure{std::move(*source), {}};
+      if (std::optional<Source> source = read_source(*value, measure.unit, about))
+        measure.what = InstantMeasure{std::move(*source), {}};
       measure.about = "final " + about;
     }
     if (const Value* value = once("column")) {
@@ -137,12 +142,15 @@ class MeasureReader {
 
   static void describe(const EventMeasure& event, Measure& measure) {
     using What = EventMeasure::What;
-    const std::string which = event.number == 1 ? "" : event.number == -1 ? "the last " : "no. " + std::to_string(event.number) + " of ";
+    const std::string which = event.number == 1    ? ""
+                              : event.number == -1 ? "the last "
+                                                   : "no. " + std::to_string(event.number) + " of ";
     switch (event.what) {
       case What::happened: measure.about = which + event.event + " happened"; break;
       case What::time: measure.about = "time of " + which + event.event, measure.unit = "s"; break;
       case What::count: measure.about = "number of " + event.event; break;
-      case What::value: measure.about = event.value + " of " + which + event.event, measure.unit = unit_of_event_value(event.value);
+      case What::value:
+        measure.about = event.value + " of " + which + event.event, measure.unit = unit_of_event_value(event.value);
     }
   }
 

@@ -38,7 +38,8 @@ void read_format(Fields& fields, io::Diagnostics& out) {
   if (format == nullptr) return out.warning({1, 1, 0}, "the sweep does not state its format", "begin it with format = 1");
   const std::int64_t* number = format->integer();
   if (number == nullptr || *number != 1)
-    out.error(format->place, number ? "format " + std::to_string(*number) + " is not supported by this version" : "format: expected 1",
+    out.error(format->place,
+              number ? "format " + std::to_string(*number) + " is not supported by this version" : "format: expected 1",
               "this version reads format 1");
 }
 
@@ -90,11 +91,12 @@ std::string hash_of(const Sweep& sweep) {
   return hash.digits();
 }
 
-void make_plan(const Value& vary, std::optional<std::int64_t> worlds, std::vector<Correlation> correlations, SweepReading& reading) {
+void make_plan(const Value& vary, std::optional<std::int64_t> worlds, std::vector<Correlation> correlations,
+               SweepReading& reading) {
   try {
-    reading.sweep.plan = std::make_shared<const Plan>(
-        reading.variables, worlds ? std::optional(static_cast<std::uint64_t>(*worlds)) : std::nullopt, reading.sweep.seed,
-        std::move(correlations));
+    reading.sweep.plan = std::make_shared<const Plan>(reading.variables,
+                                                      worlds ? std::optional(static_cast<std::uint64_t>(*worlds)) : std::nullopt,
+                                                      reading.sweep.seed, std::move(correlations));
   } catch (const Error& error) {
     Place place = vary.place;  // a message about one of the parameters begins with its key
     for (const Parameter& parameter : reading.sweep.parameters)
@@ -166,8 +168,8 @@ ReadSweep read_sweep_text(std::string text, const std::string& path) {
   io::SyntaxError error;
   const std::optional<Value> document = io::parse_toml(sweep.text, error);
   if (document && document->find("mechanism") != nullptr)
-    return refused(path, "this is a scenario of one world, not a sweep", "write a sweep file that names it: scenario = \"" +
-                                                                             fs::path(path).filename().string() + "\"");
+    return refused(path, "this is a scenario of one world, not a sweep",
+                   "write a sweep file that names it: scenario = \"" + fs::path(path).filename().string() + "\"");
   io::Diagnostics out(path, is_sweep(sweep.text) ? std::string_view(sweep.text) : std::string_view());
   std::vector<io::Diagnostic> of_scenario;
   if (!document) {

@@ -15,8 +15,8 @@ struct ReadSweep {
   std::vector<io::Diagnostic> diagnostics{};  ///< errors and warnings, in the order of the file
 };
 
-/// Reads and checks a sweep file and its scenario: every parameter is tried at the ends and in the middle of its values, and every
-/// measure must exist. Every problem is a diagnostic; nothing is thrown.
+/// Reads and checks a sweep file and its scenario: every parameter is tried at the ends and in the middle of its values, and
+/// every measure must exist. Every problem is a diagnostic; nothing is thrown.
 ReadSweep read_sweep(const std::string& path);
 /// The same from a text. `path` names it in messages and locates the scenario.
 ReadSweep read_sweep_text(std::string text, const std::string& path);

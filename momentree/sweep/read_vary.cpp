@@ -126,16 +126,39 @@ struct Family {
 };
 
 constexpr Family families[] = {
-    {"uniform", "uu", "uniform = [0.2, 0.4]", [](const auto& x) -> Distribution::Kind { return Uniform{x[0], x[1]}; }},
-    {"latin", "uu", "latin = [0.2, 0.4]", [](const auto& x) -> Distribution::Kind { return Uniform{x[0], x[1]}; }},
-    {"sobol", "uu", "sobol = [0.2, 0.4]", [](const auto& x) -> Distribution::Kind { return Uniform{x[0], x[1]}; }},
-    {"normal", "uu", "normal = [1.0, 0.1]", [](const auto& x) -> Distribution::Kind { return Normal{x[0], x[1]}; }},
-    {"lognormal", "nn", "lognormal = [0.0, 0.1]", [](const auto& x) -> Distribution::Kind { return Lognormal{x[0], x[1]}; }},
+    {"uniform", "uu", "uniform = [0.2, 0.4]",
+     [](const auto& x) -> Distribution::Kind {
+       return Uniform{x[0], x[1]};
+     }},
+    {"latin", "uu", "latin = [0.2, 0.4]",
+     [](const auto& x) -> Distribution::Kind {
+       return Uniform{x[0], x[1]};
+     }},
+    {"sobol", "uu", "sobol = [0.2, 0.4]",
+     [](const auto& x) -> Distribution::Kind {
+       return Uniform{x[0], x[1]};
+     }},
+    {"normal", "uu", "normal = [1.0, 0.1]",
+     [](const auto& x) -> Distribution::Kind {
+       return Normal{x[0], x[1]};
+     }},
+    {"lognormal", "nn", "lognormal = [0.0, 0.1]",
+     [](const auto& x) -> Distribution::Kind {
+       return Lognormal{x[0], x[1]};
+     }},
     {"exponential", "u", "exponential = 2.0", [](const auto& x) -> Distribution::Kind { return Exponential{x[0]}; }},
-    {"weibull", "un", "weibull = [\"20 N\", 5]", [](const auto& x) -> Distribution::Kind { return Weibull{x[0], x[1]}; }},
+    {"weibull", "un", "weibull = [\"20 N\", 5]",
+     [](const auto& x) -> Distribution::Kind {
+       return Weibull{x[0], x[1]};
+     }},
     {"triangular", "uuu", "triangular = [1, 2, 4]",
-     [](const auto& x) -> Distribution::Kind { return Triangular{x[0], x[1], x[2]}; }},
-    {"beta", "nn", "beta = [2, 3]", [](const auto& x) -> Distribution::Kind { return Beta{x[0], x[1]}; }},
+     [](const auto& x) -> Distribution::Kind {
+       return Triangular{x[0], x[1], x[2]};
+     }},
+    {"beta", "nn", "beta = [2, 3]",
+     [](const auto& x) -> Distribution::Kind {
+       return Beta{x[0], x[1]};
+     }},
 };
 
 // Reports the error of a distribution, a range or a plan at its place.
@@ -207,8 +230,8 @@ class Vary {
     else if (form == "range")
       range(*chosen);
     else
-      distribution(*std::find_if(std::begin(families), std::end(families), [&](const Family& f) { return form == f.key; }), *chosen,
-                   within, *how);
+      distribution(*std::find_if(std::begin(families), std::end(families), [&](const Family& f) { return form == f.key; }),
+                   *chosen, within, *how);
   }
 
  private:
@@ -263,7 +286,8 @@ class Vary {
     if (count == nullptr || *count < 1)
       return out_.error((*entries)[2].place, "range: the count of values must be a whole number of at least 1",
                         "range = [from, to, count]");
-    parameter_.about = "from " + io::number_text(x[0][0]) + " to " + io::number_text(x[1][0]) + ", " + std::to_string(*count) + " values";
+    parameter_.about =
+        "from " + io::number_text(x[0][0]) + " to " + io::number_text(x[1][0]) + ", " + std::to_string(*count) + " values";
     add(RangeValues{x[0][0], x[1][0], static_cast<std::size_t>(*count)});
   }
 

@@ -71,10 +71,12 @@ constexpr Key sweep_keys[] = {
     {"format", other(R"({"const": 1})"), "Version of the format"},
     {"title", string, "Title, shown with the results"},
     {"scenario", string, "The scenario or model file, relative to this file", nullptr, "scenario = \"capture.toml\""},
-    {"worlds", other(R"({"type": "integer", "minimum": 1})"), "How many worlds; default: every combination of the lists and ranges"},
+    {"worlds", other(R"({"type": "integer", "minimum": 1})"),
+     "How many worlds; default: every combination of the lists and ranges"},
     {"seed", other(R"({"type": "integer", "minimum": 0})"), "Seed of all random values", "0"},
-    {"vary", other(R"({"type": "object", "minProperties": 1, "additionalProperties": {"anyOf": [{"type": "array", "minItems": 1}, @]}})",
-                   vary_table),
+    {"vary",
+     other(R"({"type": "object", "minProperties": 1, "additionalProperties": {"anyOf": [{"type": "array", "minItems": 1}, @]}})",
+           vary_table),
      "What is varied, by dotted paths as in --set: a list, or how to draw values", nullptr,
      "add a [vary] table, as in \"event.grasp.when.below\" = { uniform = [0.2, 0.4] }"},
     {"correlated", tables(correlated_table), "Varied values that are not independent"},
@@ -86,14 +88,19 @@ constexpr Key sweep_keys[] = {
 
 }  // namespace
 
-constinit const io::KeyTable vary_table{"[vary]", "vary", "How a value is varied", vary_keys,
-                                        {{io::KeyRule::How::one,
-                                          "list range uniform normal lognormal exponential weibull triangular beta latin sobol"}}};
+constinit const io::KeyTable vary_table{
+    "[vary]",
+    "vary",
+    "How a value is varied",
+    vary_keys,
+    {{io::KeyRule::How::one, "list range uniform normal lognormal exponential weibull triangular beta latin sobol"}}};
 constinit const io::KeyTable correlated_table{"[[correlated]]", "correlated", "Two varied values that are not independent",
                                               correlated_keys};
-constinit const io::KeyTable measure_table{
-    "[measure]", "measure", "What is recorded of each world", measure_keys,
-    {{io::KeyRule::How::one, "happened time_of count event max min mean final column"}}};
+constinit const io::KeyTable measure_table{"[measure]",
+                                           "measure",
+                                           "What is recorded of each world",
+                                           measure_keys,
+                                           {{io::KeyRule::How::one, "happened time_of count event max min mean final column"}}};
 constinit const io::KeyTable stop_table{"[stop]", "", "When a world ends before its scenario does", stop_keys};
 constinit const io::KeyTable output_table{"[output]", "", "Output", output_keys};
 constinit const io::KeyTable sweep_table{"a sweep", "", "A sweep: many worlds of one scenario", sweep_keys};

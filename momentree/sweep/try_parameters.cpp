@@ -64,7 +64,8 @@ void try_parameters(SweepReading& reading) {
       reported[of] = true;
       const std::string value = overrides[of].substr(sweep.parameters[of].key.size() + 1);
       std::string where = each.line > 0 ? " (" + each.file + ", line " + std::to_string(each.line) + ")" : "";
-      reading.out.error(sweep.parameters[of].place, sweep.parameters[of].key + " = " + value + ": " + each.what + where, each.hint);
+      reading.out.error(sweep.parameters[of].place, sweep.parameters[of].key + " = " + value + ": " + each.what + where,
+                        each.hint);
     }
     return false;
   };
