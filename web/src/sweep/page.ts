@@ -43,7 +43,8 @@ function statusOf({ worlds, done, failed, world }: Sweep): HTMLElement[] {
       h(
         "p",
         { class: "status" },
-        `The plot, the table and marks have an even sample of ${worldsText(world.length)}; counts, means and extremes are of all.`,
+        `The plot, the table and marks have an even sample of ${worldsText(world.length)}; ` +
+          'counts, means and extremes are of all.',
       ),
     );
   return notes;
