@@ -17,6 +17,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
+// At least one of each kind, and its extreme shapes.
 std::vector<Distribution> continuous() {
   return {Uniform{8, 24},
           Uniform{-1e-9, 1e9},
@@ -42,10 +43,10 @@ std::vector<Distribution> continuous() {
           Beta{40, 0.7}};
 }
 
-// How far x is from being the quantile of u, in units of what is allowed: 2e-13 and the rounding of x, which is a double.
+// How far x is from being the quantile of u, in units of what is allowed: 5e-13 and the rounding of x, which is a double.
 double off_inverse(const Distribution& distribution, double u, double x) {
   const double below = distribution.cdf(std::nextafter(x, -infinite)), above = distribution.cdf(std::nextafter(x, infinite));
-  return std::abs(distribution.cdf(x) - u) / (2e-13 * u + 4 * (above - below));
+  return std::abs(distribution.cdf(x) - u) / (5e-13 * u + 4 * (above - below));
 }
 
 std::string refusal(const Distribution::Kind& kind) {
@@ -60,11 +61,12 @@ std::string refusal(const Distribution::Kind& kind) {
 }  // namespace
 
 TEST_CASE("draws have the distribution, its mean and its deviation") {
-  constexpr std::size_t n = 100'000;
   std::uint64_t stream = 0;
   for (const Distribution& distribution : continuous()) {
     CAPTURE(distribution.text());
     std::vector<double> draws;
+    const bool slow = std::holds_alternative<Beta>(distribution.kind());
+    const std::size_t n = slow ? 30'000 : 100'000;
     ++stream;
     for (std::size_t i = 0; i < n; ++i) draws.push_back(distribution.quantile(Random(11, stream).uniform(i)));
     CHECK(distance_from(draws, [&](double x) { return distribution.cdf(x); }) < 1.95);
@@ -154,13 +156,40 @@ TEST_CASE("texts of distributions") {
 
 TEST_CASE("impossible distributions are refused") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const Distribution::Kind& kind : std::vector<Distribution::Kind>{
-           Uniform{1, 1}, Uniform{2, 1}, Uniform{-1e308, 1.7e308}, Uniform{0, infinite}, Uniform{nan, 1}, Normal{0, 0}, Normal{0, -1},
-           Normal{nan, 1}, Normal{0, infinite}, Normal{0, 1, Interval{1, 1}}, Normal{0, 1, Interval{nan, 1}},
-           Normal{0, 1, Interval{40, 50}}, Normal{0, 1, Interval{-infinite, -40}}, Lognormal{0, 0}, Lognormal{800, 1}, Lognormal{0, 90},
-           Exponential{0}, Exponential{-1}, Exponential{nan}, Weibull{0, 1}, Weibull{1, 0}, Weibull{1, 0.01}, Triangular{0, -1, 1},
-           Triangular{0, 2, 1}, Triangular{0, 0, 0}, Beta{0, 1}, Beta{1, 1e7}, Beta{1, 1, {2, 2}}, Beta{nan, 1}, Choice{},
-           Choice{{0, 0}}, Choice{{1, -1}}, Choice{{nan}}, Choice{{infinite}}})
+  for (const Distribution::Kind& kind : std::vector<Distribution::Kind>{Uniform{1, 1},
+                                                                        Uniform{2, 1},
+                                                                        Uniform{-1e308, 1.7e308},
+                                                                        Uniform{0, infinite},
+                                                                        Uniform{nan, 1},
+                                                                        Normal{0, 0},
+                                                                        Normal{0, -1},
+                                                                        Normal{nan, 1},
+                                                                        Normal{0, infinite},
+                                                                        Normal{0, 1, Interval{1, 1}},
+                                                                        Normal{0, 1, Interval{nan, 1}},
+                                                                        Normal{0, 1, Interval{40, 50}},
+                                                                        Normal{0, 1, Interval{-infinite, -40}},
+                                                                        Lognormal{0, 0},
+                                                                        Lognormal{800, 1},
+                                                                        Lognormal{0, 90},
+                                                                        Exponential{0},
+                                                                        Exponential{-1},
+                                                                        Exponential{nan},
+                                                                        Weibull{0, 1},
+                                                                        Weibull{1, 0},
+                                                                        Weibull{1, 0.01},
+                                                                        Triangular{0, -1, 1},
+                                                                        Triangular{0, 2, 1},
+                                                                        Triangular{0, 0, 0},
+                                                                        Beta{0, 1},
+                                                                        Beta{1, 1e7},
+                                                                        Beta{1, 1, {2, 2}},
+                                                                        Beta{nan, 1},
+                                                                        Choice{},
+                                                                        Choice{{0, 0}},
+                                                                        Choice{{1, -1}},
+                                                                        Choice{{nan}},
+                                                                        Choice{{infinite}}})
     CHECK(refusal(kind).find("accepted") == std::string::npos);
   CHECK(refusal(Uniform{2, 1}) == "a uniform distribution does not end above its start");
   CHECK(refusal(Normal{0, infinite}) == "a normal distribution has a number that is not finite");

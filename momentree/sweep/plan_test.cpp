@@ -37,7 +37,8 @@ Variable sampled(std::string key, Sampling how, std::vector<Distribution> compon
   return {std::move(key), Sampled{how, std::move(components)}};
 }
 
-std::string refusal(std::vector<Variable> variables, std::optional<std::uint64_t> worlds = {}, std::vector<Correlation> correlations = {}) {
+std::string refusal(std::vector<Variable> variables, std::optional<std::uint64_t> worlds = {},
+                    std::vector<Correlation> correlations = {}) {
   try {
     const Plan plan(std::move(variables), worlds, 0, std::move(correlations));
     return "accepted";
@@ -49,7 +50,10 @@ std::string refusal(std::vector<Variable> variables, std::optional<std::uint64_t
 }  // namespace
 
 TEST_CASE("without a number of worlds, every combination occurs once, and the last variable varies fastest") {
-  const Plan plan({{"a", ListValues{2}}, sampled("u", Sampling::random, {Uniform{0, 1}}), {"b", RangeValues{0, 1, 11}}, {"c", RangeValues{5, -5, 3}}},
+  const Plan plan({{"a", ListValues{2}},
+                   sampled("u", Sampling::random, {Uniform{0, 1}}),
+                   {"b", RangeValues{0, 1, 11}},
+                   {"c", RangeValues{5, -5, 3}}},
                   {}, 1);
   CHECK(plan.worlds() == 66);
   CHECK(plan.size() == 4);
@@ -95,7 +99,8 @@ TEST_CASE("with a number of worlds, lists and ranges are drawn evenly") {
 
 TEST_CASE("a Latin hypercube has one world in each stratum of each component") {
   for (const std::uint64_t worlds : {1, 2, 3, 5, 10, 64, 65, 100, 1000, 4099}) {
-    const Plan plan({sampled("x", Sampling::latin, {Uniform{0, 1}, Normal{0, 1}, Exponential{2}}), sampled("y", Sampling::latin, {Uniform{0, 1}})},
+    const Plan plan({sampled("x", Sampling::latin, {Uniform{0, 1}, Normal{0, 1}, Exponential{2}}),
+                     sampled("y", Sampling::latin, {Uniform{0, 1}})},
                     worlds, 5);
     const Rows columns = columns_of(plan);
     const std::vector<Distribution> distributions{Uniform{0, 1}, Normal{0, 1}, Exponential{2}, Uniform{0, 1}};
@@ -138,8 +143,10 @@ TEST_CASE("a Latin hypercube estimates means better than random draws") {
 
 TEST_CASE("values of a world depend on the seed and its number alone") {
   const auto make = [](std::uint64_t seed) {
-    return Plan({sampled("x", Sampling::random, {Normal{0, 1}, Normal{0, 1}}), sampled("y", Sampling::latin, {Uniform{0, 1}}),
-                 sampled("z", Sampling::sobol, {Uniform{0, 1}, Uniform{0, 1}}), {"l", ListValues{7}}},
+    return Plan({sampled("x", Sampling::random, {Normal{0, 1}, Normal{0, 1}}),
+                 sampled("y", Sampling::latin, {Uniform{0, 1}}),
+                 sampled("z", Sampling::sobol, {Uniform{0, 1}, Uniform{0, 1}}),
+                 {"l", ListValues{7}}},
                 1000, seed, {{0, 4, 0.5}});
   };
   const Plan a = make(8), b = make(8), c = make(9);
@@ -155,7 +162,9 @@ TEST_CASE("values of a world depend on the seed and its number alone") {
 
 TEST_CASE("random draws of a variable do not change when others are added") {
   const Plan alone({sampled("x", Sampling::random, {Normal{0, 1}})}, 100, 8);
-  const Plan more({{"l", ListValues{7}}, sampled("y", Sampling::random, {Uniform{0, 1}}), sampled("x", Sampling::random, {Normal{0, 1}})}, 200, 8);
+  const Plan more(
+      {{"l", ListValues{7}}, sampled("y", Sampling::random, {Uniform{0, 1}}), sampled("x", Sampling::random, {Normal{0, 1}})},
+      200, 8);
   for (std::uint64_t world = 0; world < 100; ++world) CHECK(row_of(alone, world)[0] == row_of(more, world)[2]);
 }
 
@@ -182,7 +191,9 @@ TEST_CASE("correlations are attained, and every component keeps its distribution
 }
 
 TEST_CASE("impossible plans are refused") {
-  const auto normal = [](std::string key, Sampling how = Sampling::random) { return sampled(std::move(key), how, {Normal{0, 1}}); };
+  const auto normal = [](std::string key, Sampling how = Sampling::random) {
+    return sampled(std::move(key), how, {Normal{0, 1}});
+  };
   CHECK(refusal({{"a", ListValues{0}}}) == "'a' has no values; give at least one");
   CHECK(refusal({{"a", RangeValues{0, 1, 0}}}) == "'a' has no values; give at least one");
   CHECK(refusal({{"a", RangeValues{0, INFINITY, 3}}}) == "'a' has a range that is not finite; ");
@@ -191,23 +202,27 @@ TEST_CASE("impossible plans are refused") {
   CHECK(refusal({normal("a")}, 0) == "a sweep has from 1 to 2^48 worlds; ");
   CHECK(refusal({normal("a")}, (std::uint64_t{1} << 48) + 1) == "a sweep has from 1 to 2^48 worlds; ");
   CHECK(refusal({normal("a")}, std::uint64_t{1} << 48) == "accepted");
-  CHECK(refusal({{"a", ListValues{1u << 30}}, {"b", ListValues{1u << 30}}, {"c", ListValues{1u << 30}}}).find("more combinations") !=
-        std::string::npos);
+  CHECK(refusal({{"a", ListValues{1u << 30}}, {"b", ListValues{1u << 30}}, {"c", ListValues{1u << 30}}})
+            .find("more combinations") != std::string::npos);
   CHECK(refusal({{"a", ListValues{1u << 24}}, {"b", ListValues{1u << 24}}}) == "accepted");
   CHECK(refusal({sampled("a", Sampling::sobol, std::vector<Distribution>(64, Uniform{0, 1}))}, 10) == "accepted");
-  CHECK(refusal({sampled("a", Sampling::sobol, std::vector<Distribution>(65, Uniform{0, 1}))}, 10).find("64 dimensions, and 65") !=
-        std::string::npos);
-  const std::vector<Variable> three{normal("a"), sampled("v", Sampling::sobol, {Normal{0, 1}, Normal{0, 1}}), normal("h", Sampling::latin),
+  CHECK(
+      refusal({sampled("a", Sampling::sobol, std::vector<Distribution>(65, Uniform{0, 1}))}, 10).find("64 dimensions, and 65") !=
+      std::string::npos);
+  const std::vector<Variable> three{normal("a"),
+                                    sampled("v", Sampling::sobol, {Normal{0, 1}, Normal{0, 1}}),
+                                    normal("h", Sampling::latin),
                                     {"l", ListValues{2}}};
   CHECK(refusal(three, 9, {{0, 1, 0.5}, {1, 2, 0.5}}) == "accepted");
   CHECK(refusal(three, 9, {{1, 1, 0.5}}) == "a correlation of 'v.0' with itself; name two different values");
   CHECK(refusal(three, 9, {{0, 2, 1}}) == "the correlation of 'a' and 'v.1' is not between -1 and 1; both ends are excluded");
   CHECK(refusal(three, 9, {{0, 2, std::nan("")}}).find("not between") != std::string::npos);
-  CHECK(refusal(three, 9, {{0, 2, 0.1}, {2, 0, 0.1}}) == "the correlation of 'v.1' and 'a' is given twice; ");
-  CHECK(refusal(three, 9, {{0, 2, 0.1}, {0, 2, 0.1}}) == "the correlation of 'a' and 'v.1' is given twice; ");
+  CHECK(refusal(three, 9, {{0, 2, 0.1}, {2, 0, 0.1}}) == "the correlation of 'a' and 'v.1' is given twice; remove one");
+  CHECK(refusal(three, 9, {{0, 2, 0.1}, {0, 2, 0.1}}) == "the correlation of 'a' and 'v.1' is given twice; remove one");
   CHECK(refusal(three, 9, {{0, 3, 0.1}}).find("'h' is part of a Latin hypercube") != std::string::npos);
   CHECK(refusal(three, 9, {{4, 0, 0.1}}).find("'l' is a list or a range") != std::string::npos);
-  CHECK(refusal(three, 9, {{0, 1, 0.9}, {0, 2, 0.9}, {1, 2, -0.9}}).find("the correlations contradict each other") != std::string::npos);
+  CHECK(refusal(three, 9, {{0, 1, 0.9}, {0, 2, 0.9}, {1, 2, -0.9}}).find("the correlations contradict each other") !=
+        std::string::npos);
   CHECK(refusal(three, 9, {{0, 1, 0.9}, {0, 2, 0.9}}).find("the correlations contradict each other") != std::string::npos);
 }
 

@@ -60,7 +60,8 @@ TEST_CASE("small permutations are all equally likely") {
     constexpr int keys = 24'000;
     for (int key = 0; key < keys; ++key) {
       std::vector<std::uint64_t> images;
-      for (std::uint64_t i = 0; i < size; ++i) images.push_back(permute(i, size, Random(3, size).bits(static_cast<std::uint64_t>(key))));
+      for (std::uint64_t i = 0; i < size; ++i)
+        images.push_back(permute(i, size, Random(3, size).bits(static_cast<std::uint64_t>(key))));
       ++counts[images];
     }
     const double kinds = std::tgamma(static_cast<double>(size) + 1), expected = keys / kinds;

@@ -103,7 +103,8 @@ TEST_CASE("probabilities and quantiles of the beta distribution") {
     CHECK(relative(beta_cdf(row.b, row.a, y, row.x), 1 - row.p) < tolerance / (1 - row.p));
     // Rounding of p alone moves x by dp / density.
     const double step = 1e-6 * std::min(row.x, y);
-    const double slope = (beta_cdf(row.a, row.b, row.x + step, y - step) - beta_cdf(row.a, row.b, row.x - step, y + step)) / (2 * step);
+    const double slope =
+        (beta_cdf(row.a, row.b, row.x + step, y - step) - beta_cdf(row.a, row.b, row.x - step, y + step)) / (2 * step);
     CHECK(std::abs(beta_quantile(row.a, row.b, row.p).x - row.x) < 1e-13 * row.x + tolerance / slope);
   }
   // SciPy 1.17: scipy.special.betaincinv(a, b, p)
@@ -134,13 +135,13 @@ TEST_CASE("moments and quantiles of truncated normal distributions") {
     double u, quantile, mean, deviation;
   };
   // mpmath: the closed forms with 60 digits
-  for (const Truncated& row : std::vector<Truncated>{
-           {{1, 0.5, Interval{0.5, 2}}, 0.3, 0.8787980910553865, 1.1148185895456644, 0.3604727934295229},
-           {{0, 1, Interval{6, infinite}}, 0.25, 6.046541477816288, 6.158482604544599, 0.15487942661685822},
-           {{0, 1, Interval{6, infinite}}, 0.999, 7.036366493709703, 6.158482604544599, 0.15487942661685822},
-           {{10, 2, Interval{-infinite, 5}}, 0.9, 4.925793455037756, 4.354510404672186, 0.5965695313075097},
-           {{0, 1, Interval{1, 1.001}}, 0.5, 1.000499874937513, 1.0004999166250041, 0.00028867512255943256},
-           {{3, 1, Interval{-20, 3.5}}, 0.99, 3.4804543910516124, 2.4908395661629665, 0.6972628168032245}}) {
+  for (const Truncated& row :
+       std::vector<Truncated>{{{1, 0.5, Interval{0.5, 2}}, 0.3, 0.8787980910553865, 1.1148185895456644, 0.3604727934295229},
+                              {{0, 1, Interval{6, infinite}}, 0.25, 6.046541477816288, 6.158482604544599, 0.15487942661685822},
+                              {{0, 1, Interval{6, infinite}}, 0.999, 7.036366493709703, 6.158482604544599, 0.15487942661685822},
+                              {{10, 2, Interval{-infinite, 5}}, 0.9, 4.925793455037756, 4.354510404672186, 0.5965695313075097},
+                              {{0, 1, Interval{1, 1.001}}, 0.5, 1.000499874937513, 1.0004999166250041, 0.00028867512255943256},
+                              {{3, 1, Interval{-20, 3.5}}, 0.99, 3.4804543910516124, 2.4908395661629665, 0.6972628168032245}}) {
     const Distribution distribution(row.normal);
     CAPTURE(distribution.text());
     CHECK(relative(distribution.quantile(row.u), row.quantile) < 1e-14);

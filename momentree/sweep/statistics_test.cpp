@@ -73,7 +73,8 @@ TEST_CASE("counts, moments and extremes against direct computation") {
     const Summary summary = statistics.summary(i);
     CHECK(summary.count == all.size());
     CHECK(summary.missing == n - all.size());
-    CHECK(summary.nonzero == static_cast<std::uint64_t>(std::count_if(all.begin(), all.end(), [](const Extreme& e) { return e.value != 0; })));
+    CHECK(summary.nonzero ==
+          static_cast<std::uint64_t>(std::count_if(all.begin(), all.end(), [](const Extreme& e) { return e.value != 0; })));
     long double sum = 0, square = 0;
     for (const Extreme& one : all) sum += one.value;
     const long double mean = sum / static_cast<long double>(all.size());
@@ -87,8 +88,9 @@ TEST_CASE("counts, moments and extremes against direct computation") {
       CHECK(summary.smallest[k].value == all[k].value);
       CHECK(summary.smallest[k].world == all[k].world);
     }
-    std::stable_sort(all.begin(), all.end(),
-                     [](const Extreme& a, const Extreme& b) { return a.value > b.value || (a.value == b.value && a.world < b.world); });
+    std::stable_sort(all.begin(), all.end(), [](const Extreme& a, const Extreme& b) {
+      return a.value > b.value || (a.value == b.value && a.world < b.world);
+    });
     for (std::size_t k = 0; k < 4; ++k) {
       CHECK(summary.largest[k].value == all[k].value);
       CHECK(summary.largest[k].world == all[k].world);
@@ -150,6 +152,7 @@ TEST_CASE("sums are exact: cancellation, subnormal and huge numbers") {
   CHECK(moments({tiny, tiny}).mean() == tiny);
   CHECK(moments({-tiny, tiny}).deviation() == tiny);
   CHECK(moments({0.1, 0.1, 0.1}).mean() == 0.1);
+  CHECK(moments(std::vector<double>(999, 1e-310)).mean() == 1e-310);
   CHECK(moments({0.1, 0.1, 0.1}).deviation() == 0);
   CHECK(moments({1e15 + 1, 1e15 + 2, 1e15 + 3}).deviation() == 1);
   CHECK(moments({1e200, -1e200}).deviation() == doctest::Approx(std::sqrt(2) * 1e200).epsilon(1e-15));
