@@ -116,11 +116,11 @@ std::vector<Action> PartReader::actions(const std::string& key, const Value& val
   return std::move(event.actions);
 }
 
-std::shared_ptr<Quantity> PartReader::quantity(const Value& table, const World& world,
+std::shared_ptr<momentree::Quantity> PartReader::quantity(const Value& table, const World& world,
                                                const std::vector<std::string>& joints) const {
   PartReading part(what_, world);
   for (const std::string& joint : joints) part.reading.joints.emplace(joint, Place{});
-  std::shared_ptr<Quantity> found = read_quantity(table, "a measure", part.reading);
+  std::shared_ptr<momentree::Quantity> found = read_quantity(table, "a measure", part.reading);
   for (const Reading::JointUse& use : part.reading.joint_uses)
     if (!part.reading.joints.contains(use.name))
       part.out.error(use.place, use.key + ": there is no joint " + in_quotes(use.name),

@@ -49,7 +49,7 @@ class PartReader {
   [[nodiscard]] std::vector<Action> actions(const std::string& key, const Value& value, const TriggerPart& trigger,
                                             const World& world) const;
   /// A table that names one quantity, as `when` does, without a threshold. `joints`: further names of joints, which events make.
-  [[nodiscard]] std::shared_ptr<Quantity> quantity(const Value& table, const World& world,
+  [[nodiscard]] std::shared_ptr<momentree::Quantity> quantity(const Value& table, const World& world,
                                                    const std::vector<std::string>& joints = {}) const;
   /// A table with the keys of [integrate] except `until`.
   [[nodiscard]] Integration integration(const Value& table) const;
