@@ -109,7 +109,7 @@ double lower_quantile(const Shapes& shapes, double p, double q) {
     (excess < 0 ? low : high) = s;
     double next = s - excess * y * std::exp(smaller - value.kernel);
     if (!(next >= low && next <= high)) next = std::isinf(low) ? 2 * s - 1 : 0.5 * (low + high);
-    const bool done = std::abs(next - s) <= 2e-16 * std::max(1.0, std::abs(s));
+    const bool done = std::abs(next - s) <= 1e-9;  // the next step would be about the square of this
     s = next;
     if (done) break;
   }

@@ -29,7 +29,7 @@ struct Parts {
   }
 };
 
-// A non-negative integer as mantissa · 2^exponent, correctly rounded.
+// A non-negative integer as mantissa · 2^exponent, from its highest 64 bits.
 struct Rounded {
   double mantissa;
   int exponent;
@@ -42,9 +42,7 @@ Rounded rounded(const Digits& digits) {
   const int shift = std::countl_zero(digits[top - 1]);
   std::uint64_t bits = digit(1) << 32 | digit(2);
   if (shift > 0) bits = bits << shift | digit(3) >> (32 - shift);
-  bool rest = (digit(3) << shift & digit_mask) != 0;
-  for (std::size_t below = 4; below <= top; ++below) rest |= digit(below) != 0;
-  return {static_cast<double>(bits | (rest ? 1 : 0)), 32 * (static_cast<int>(top) - 2) - shift};
+  return {static_cast<double>(bits), 32 * (static_cast<int>(top) - 2) - shift};
 }
 
 Digits product(const Digits& a, const Digits& b) {

@@ -123,6 +123,7 @@ TEST_CASE("a Latin hypercube has one world in each stratum of each component") {
   for (std::uint64_t i = 0; i < 1000; ++i) {
     const double u = row_of(large, Random(0, 0).bits(i) >> 16)[0];
     REQUIRE((u > 0 && u < 1));
+    REQUIRE(std::fmod(std::ldexp(u, 52), 2) == 1);  // one of 8 places inside a stratum
   }
 }
 

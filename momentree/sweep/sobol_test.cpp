@@ -66,6 +66,29 @@ TEST_CASE("a scrambled point is uniform over seeds, and its dimensions are indep
   CHECK(std::abs(correlation_of(x, y)) < 3.3 / std::sqrt(50'000.0));
 }
 
+TEST_CASE("scrambling is nested: digits of two points are independent after the first that differs, and agree before") {
+  struct Two {
+    std::uint64_t first, second;
+    int common;
+  };
+  for (const Two& two : {Two{0, 1, 0}, Two{0, 3, 1}, Two{4, 3, 2}}) {
+    std::array<int, 30> equal{};
+    constexpr int seeds = 4000;
+    for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+      const auto a = static_cast<std::uint64_t>(std::ldexp(sobol(two.first, 0, seed), 30)),
+                 b = static_cast<std::uint64_t>(std::ldexp(sobol(two.second, 0, seed), 30));
+      for (std::size_t digit = 0; digit < 30; ++digit) equal[digit] += ((a ^ b) >> (29 - digit) & 1) == 0;
+    }
+    for (int digit = 0; digit < 30; ++digit) {
+      CAPTURE(digit);
+      const int count = equal[static_cast<std::size_t>(digit)];
+      if (digit < two.common) CHECK(count == seeds);
+      if (digit == two.common) CHECK(count == 0);
+      if (digit > two.common) CHECK(std::abs(count - seeds / 2) < 130);
+    }
+  }
+}
+
 namespace {
 
 // Squared L2-star discrepancy by Warnock's formula.
