@@ -35,12 +35,22 @@ double deviance(double a, double m, double difference) {
   return m * t * t * sum;
 }
 
-// log of x^a y^b Γ(a + b) / (Γ(a) Γ(b))
-double log_kernel(double a, double b, double x, double y) {
-  const double n = a + b, difference = a * y - b * x;  // a - n x = n y - b
-  return stirling_error(n) - stirling_error(a) - stirling_error(b) - deviance(a, n * x, difference) -
-         deviance(b, n * y, -difference) + 0.5 * (std::log(a) + std::log(b) - std::log(n) - log_two_pi);
-}
+// Shapes of a beta distribution.
+struct Shapes {
+  double a, b, constant;
+  Shapes(double the_a, double the_b) : a(the_a), b(the_b) {
+    const double n = a + b;
+    constant =
+        stirling_error(n) - stirling_error(a) - stirling_error(b) + 0.5 * (std::log(a) + std::log(b) - std::log(n) - log_two_pi);
+  }
+  Shapes(const Shapes& other, bool mirrored)
+      : a(mirrored ? other.b : other.a), b(mirrored ? other.a : other.b), constant(other.constant) {}
+  // log of x^a y^b Γ(a + b) / (Γ(a) Γ(b))
+  double log_kernel(double x, double y) const {
+    const double n = a + b, difference = a * y - b * x;  // a - n x = n y - b
+    return constant - deviance(a, n * x, difference) - deviance(b, n * y, -difference);
+  }
+};
 
 // The continued fraction of the incomplete beta function by Lentz's method; converges fast for x < (a + 1) / (a + b + 2).
 double fraction_of_beta(double a, double b, double x) {
@@ -65,8 +75,8 @@ double fraction_of_beta(double a, double b, double x) {
 struct LogBeta {
   double below, above, kernel;
 };
-LogBeta log_beta(double a, double b, double x, double y) {
-  const double kernel = log_kernel(a, b, x, y);
+LogBeta log_beta(const Shapes& shapes, double x, double y) {
+  const double a = shapes.a, b = shapes.b, kernel = shapes.log_kernel(x, y);
   const bool lower = x * (a + b + 2) < a + 1;
   const double one = kernel + std::log(lower ? fraction_of_beta(a, b, x) / a : fraction_of_beta(b, a, y) / b);
   const double other = std::log1p(-std::exp(std::min(one, -1e-17)));
@@ -74,7 +84,8 @@ LogBeta log_beta(double a, double b, double x, double y) {
 }
 
 // A first guess of the logarithm of the quantile.
-double log_guess(double a, double b, double p) {
+double log_guess(const Shapes& shapes, double p) {
+  const double a = shapes.a, b = shapes.b;
   if (a > 1 && b > 1) {  // Abramowitz and Stegun, 26.5.22
     const double z = -normal_quantile(p), h = 2 / (1 / (2 * a - 1) + 1 / (2 * b - 1)), l = (z * z - 3) / 6;
     if (h + l > 0) {
@@ -83,22 +94,22 @@ double log_guess(double a, double b, double p) {
     }
   }
   // p ≈ x^a / (a B(a, b)) for small x
-  return (std::log(p * a) - log_kernel(a, b, 0.5, 0.5)) / a - (1 + b / a) * std::numbers::ln2;
+  return (std::log(p * a) - shapes.log_kernel(0.5, 0.5)) / a - (1 + b / a) * std::numbers::ln2;
 }
 
 // A quantile below 1/2, by Newton's method for the logarithm of the smaller probability as a function of s = log x.
-double lower_quantile(double a, double b, double p, double q) {
+double lower_quantile(const Shapes& shapes, double p, double q) {
   double low = -std::numeric_limits<double>::infinity(), high = -std::numbers::ln2;
-  double s = std::min(log_guess(a, b, p), high);
+  double s = std::min(log_guess(shapes, p), high);
   for (int i = 0; i < 200 && s > -700; ++i) {
     const double x = std::exp(s), y = -std::expm1(s);
-    const LogBeta value = log_beta(a, b, x, y);
+    const LogBeta value = log_beta(shapes, x, y);
     const double smaller = p <= q ? value.below : value.above;
     const double excess = p <= q ? value.below - std::log(p) : std::log(q) - value.above;
     (excess < 0 ? low : high) = s;
     double next = s - excess * y * std::exp(smaller - value.kernel);
     if (!(next >= low && next <= high)) next = std::isinf(low) ? 2 * s - 1 : 0.5 * (low + high);
-    const bool done = std::abs(next - s) <= 2e-16 * std::max(1.0, std::abs(s));
+    const bool done = std::abs(next - s) <= 1e-9;  // the next step would be about the square of this
     s = next;
     if (done) break;
   }
@@ -110,12 +121,13 @@ double lower_quantile(double a, double b, double p, double q) {
 double beta_cdf(double a, double b, double x, double y) {
   if (x <= 0) return 0;
   if (y <= 0) return 1;
-  return std::exp(log_beta(a, b, x, y).below);
+  return std::exp(log_beta(Shapes(a, b), x, y).below);
 }
 
 BetaPoint beta_quantile(double a, double b, double p) {
-  const bool upper = p > beta_cdf(a, b, 0.5, 0.5);
-  const double small = upper ? lower_quantile(b, a, 1 - p, p) : lower_quantile(a, b, p, 1 - p);
+  const Shapes shapes(a, b);
+  const bool upper = p > std::exp(log_beta(shapes, 0.5, 0.5).below);
+  const double small = lower_quantile(Shapes(shapes, upper), upper ? 1 - p : p, upper ? p : 1 - p);
   return upper ? BetaPoint{1 - small, small} : BetaPoint{small, 1 - small};
 }
 

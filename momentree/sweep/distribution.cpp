@@ -27,7 +27,11 @@ double quantile_of(const Exponential& d, double u) { return -d.mean * std::log1p
 double quantile_of(const Weibull& d, double u) { return d.scale * std::pow(-std::log1p(-u), 1 / d.shape); }
 double quantile_of(const Triangular& d, double u) {
   const double width = d.greatest - d.least, rise = (d.mode - d.least) / width, fall = (d.greatest - d.mode) / width;
-  const double value = u < rise ? d.least + width * std::sqrt(u * rise) : d.greatest - width * std::sqrt((1 - u) * fall);
+  double value = d.least + width * std::sqrt(u * rise);
+  if (u >= rise) {  // from the nearer end of this side, so that no digits are lost
+    const double root = std::sqrt((1 - u) * fall);
+    value = u - rise < 1 - u ? d.mode + width * (fall * (u - rise) / (fall + root)) : d.greatest - width * root;
+  }
   return std::clamp(value, d.least, d.greatest);
 }
 double quantile_of(const Beta& d, double u) {
@@ -54,8 +58,9 @@ double cdf_of(const Triangular& d, double x) {
   const double width = d.greatest - d.least, rise = (d.mode - d.least) / width, fall = (d.greatest - d.mode) / width;
   if (x <= d.least) return 0;
   if (x >= d.greatest) return 1;
-  const double from_left = (x - d.least) / width, from_right = (d.greatest - x) / width;
-  return x < d.mode ? from_left * from_left / rise : 1 - from_right * from_right / fall;
+  if (x < d.mode) return (x - d.least) / width * ((x - d.least) / width) / rise;
+  const double past = (x - d.mode) / width;
+  return rise + past * (2 - past / fall);
 }
 double cdf_of(const Beta& d, double x) {
   const double width = d.within.highest - d.within.lowest;

@@ -2,6 +2,7 @@
 // Probability distributions by their quantiles, so that one uniform number gives one value, whatever method drew it.
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -50,6 +51,9 @@ class Distribution {
 
   /// Throws Error, without a place, for parameters that are impossible or not finite.
   Distribution(Kind kind);  // NOLINT(google-explicit-constructor)
+  template <class One>
+  requires std::is_constructible_v<Kind, One> Distribution(One one)
+      : Distribution(Kind(std::move(one))) {}  // NOLINT(google-explicit-constructor)
 
   const Kind& kind() const { return kind_; }
   /// The value below which a share u of the values lies, 0 < u < 1. Increases with u.

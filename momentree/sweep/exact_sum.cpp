@@ -13,7 +13,23 @@ constexpr std::int64_t digit_mask = 0xFFFFFFFF;
 constexpr int lowest_exponent = -1074;  // of the smallest positive double
 using Digits = std::vector<std::uint32_t>;
 
-// A non-negative integer as mantissa · 2^exponent, correctly rounded.
+// |x| = (high · 2^27 + low) · 2^(position - 1074)
+struct Parts {
+  std::uint64_t high, low;
+  int position;
+  bool negative;
+  explicit Parts(double x) {
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    const int biased = static_cast<int>(bits >> 52 & 0x7FF);
+    const std::uint64_t mantissa = (bits & ((std::uint64_t{1} << 52) - 1)) | std::uint64_t{biased > 0} << 52;
+    high = mantissa >> 27;
+    low = mantissa & ((1u << 27) - 1);
+    position = biased > 0 ? biased - 1 : 0;
+    negative = bits >> 63;
+  }
+};
+
+// A non-negative integer as mantissa · 2^exponent, from its highest 64 bits.
 struct Rounded {
   double mantissa;
   int exponent;
@@ -26,9 +42,7 @@ Rounded rounded(const Digits& digits) {
   const int shift = std::countl_zero(digits[top - 1]);
   std::uint64_t bits = digit(1) << 32 | digit(2);
   if (shift > 0) bits = bits << shift | digit(3) >> (32 - shift);
-  bool rest = (digit(3) << shift & digit_mask) != 0;
-  for (std::size_t below = 4; below <= top; ++below) rest |= digit(below) != 0;
-  return {static_cast<double>(bits | (rest ? 1 : 0)), 32 * (static_cast<int>(top) - 2) - shift};
+  return {static_cast<double>(bits), 32 * (static_cast<int>(top) - 2) - shift};
 }
 
 Digits product(const Digits& a, const Digits& b) {
@@ -102,16 +116,11 @@ std::vector<std::uint32_t> ExactSum<Size>::digits(bool& negative) const {
 void ExactMoments::add(double x) {
   MT_REQUIRE(std::isfinite(x), "a finite number");
   ++count_;
-  const auto bits = std::bit_cast<std::uint64_t>(x);
-  const int biased = static_cast<int>(bits >> 52 & 0x7FF);
-  const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
-  const std::uint64_t mantissa = biased == 0 ? fraction : fraction | std::uint64_t{1} << 52;
-  const int position = biased == 0 ? 0 : biased - 1;
-  sum_.add(mantissa, position, bits >> 63);
-  const std::uint64_t low = mantissa & ((1u << 27) - 1), high = mantissa >> 27;
-  squares_.add(low * low, 2 * position, false);
-  squares_.add(low * high, 2 * position + 28, false);
-  squares_.add(high * high, 2 * position + 54, false);
+  const Parts parts(x);
+  sum_.add(parts.high << 27 | parts.low, parts.position, parts.negative);
+  squares_.add(parts.low * parts.low, 2 * parts.position, false);
+  squares_.add(parts.low * parts.high, 2 * parts.position + 28, false);
+  squares_.add(parts.high * parts.high, 2 * parts.position + 54, false);
 }
 
 void ExactMoments::add(const ExactMoments& other) {
@@ -122,10 +131,22 @@ void ExactMoments::add(const ExactMoments& other) {
 
 double ExactMoments::mean() const {
   if (count_ == 0) return std::numeric_limits<double>::quiet_NaN();
-  bool negative = false;
-  const auto [mantissa, exponent] = rounded(sum_.digits(negative));
-  const double mean = std::ldexp(mantissa / static_cast<double>(count_), exponent + lowest_exponent);
-  return negative ? -mean : mean;
+  const auto share = [&](const ExactSum<68>& sum) {
+    bool negative = false;
+    const auto [mantissa, exponent] = rounded(sum.digits(negative));
+    const double size = std::ldexp(mantissa / static_cast<double>(count_), exponent + lowest_exponent);
+    return negative ? -size : size;
+  };
+  // The second step, with the exact remainder, takes the error of the first division away.
+  const double first = share(sum_);
+  const Parts parts(first);
+  ExactSum<68> remainder = sum_;
+  for (const int half : {0, 32}) {
+    const std::uint64_t times = count_ >> half & 0xFFFFFFFF;
+    remainder.add(parts.low * times, parts.position + half, !parts.negative);
+    remainder.add(parts.high * times, parts.position + half + 27, !parts.negative);
+  }
+  return first + share(remainder);
 }
 
 double ExactMoments::deviation() const {

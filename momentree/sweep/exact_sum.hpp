@@ -29,7 +29,7 @@ class ExactMoments {
   void add(double x);
   void add(const ExactMoments& other);
   std::uint64_t count() const { return count_; }
-  /// NaN without values.
+  /// Correctly rounded but for rare cases, where the error is less than a unit in the last place. NaN without values.
   double mean() const;
   /// Sample standard deviation (n - 1). NaN for fewer than two values.
   double deviation() const;

@@ -26,7 +26,7 @@ RoundWidth at_least(double width) {
 
 std::vector<double> edges_of(std::span<const double> sorted, std::size_t most) {
   const double low = sorted.front(), high = sorted.back(), range = high - low, size = std::max(std::abs(low), std::abs(high));
-  if (!std::isfinite(range)) return {low, high};
+  if (size > 1e300) return {low, high};
   if (range <= 1e-9 * size || size < 1e-290) {  // a constant, perhaps with rounding errors
     const double margin = size > 0 ? 0.05 * size : 0.5;
     return {low - margin, high + margin};
@@ -34,7 +34,7 @@ std::vector<double> edges_of(std::span<const double> sorted, std::size_t most) {
   const double n = static_cast<double>(sorted.size()), limit = static_cast<double>(std::max<std::size_t>(most, 2));
   const double middle = quantile(sorted, 0.75) - quantile(sorted, 0.25);
   const double wanted = middle > 0 ? 2 * middle / std::cbrt(n) : range / (std::log2(n) + 1);
-  RoundWidth width = at_least(std::max(wanted, range / limit));
+  RoundWidth width = at_least(std::max(0.7 * wanted, range / limit));
   const auto first = [&] { return std::floor(low / width.times(1) * (1 + 1e-15)); };
   const auto last = [&] { return std::ceil(high / width.times(1)); };
   while (last() - first() > limit) width = width.next();

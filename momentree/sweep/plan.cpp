@@ -128,9 +128,9 @@ void Plan::add_correlations(const std::vector<Correlation>& correlations) {
              "correlated values are distributions, drawn at random or by a Sobol sequence"});
       if (std::find(correlated_.begin(), correlated_.end(), one) == correlated_.end()) correlated_.push_back(one);
     }
-    for (const Correlation* other = correlations.data(); other->a != a || other->b != b || other->coefficient != coefficient;
-         ++other)
-      if ((other->a == a && other->b == b) || (other->a == b && other->b == a)) throw_error({pair + " is given twice", "", ""});
+    const auto same = [&](const Correlation& c) { return std::minmax(c.a, c.b) == std::minmax(a, b); };
+    if (std::count_if(correlations.begin(), correlations.end(), same) > 1)
+      throw_error({pair + " is given twice", "", "remove one"});
   }
   std::sort(correlated_.begin(), correlated_.end());
   const std::size_t n = correlated_.size();

@@ -5,6 +5,22 @@
 #include <momentree/base/check.hpp>
 
 namespace momentree::sweep {
+namespace {
+
+constexpr std::uint64_t most_shuffled = 64;
+
+// Fisher and Yates. Networks of few bits do not reach all permutations equally often.
+std::uint64_t shuffled(std::uint64_t index, std::uint64_t size, std::uint64_t key) {
+  std::array<std::uint8_t, most_shuffled> all{};
+  for (std::uint64_t i = 0; i < size; ++i) {
+    const std::uint64_t other = mix(mix(key) + i) % (i + 1);
+    all[i] = all[other];
+    all[other] = static_cast<std::uint8_t>(i);
+  }
+  return all[index];
+}
+
+}  // namespace
 
 std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key) {
   for (int round = 0; round < 10; ++round) {
@@ -34,11 +50,11 @@ double Random::uniform(std::uint64_t index) const { return static_cast<double>((
 
 std::uint64_t permute(std::uint64_t index, std::uint64_t size, std::uint64_t key) {
   MT_REQUIRE(index < size && size <= std::uint64_t{1} << 62, "an index below the size of the permutation");
-  if (size == 1) return 0;
+  if (size <= most_shuffled) return shuffled(index, size, key);
   const int half = (static_cast<int>(std::bit_width(size - 1)) + 1) / 2;
   const std::uint64_t mask = (std::uint64_t{1} << half) - 1;
   // With few bits a round has few functions to choose from: more rounds make up for it.
-  const int rounds = half < 4 ? 16 : 8;
+  const int rounds = half < 8 ? 16 : 8;
   do {
     std::uint64_t left = index >> half, right = index & mask;
     for (int round = 0; round < rounds; ++round) {
