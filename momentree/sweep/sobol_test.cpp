@@ -6,8 +6,8 @@
 #include <doctest/doctest.h>
 
 #include <momentree/sweep/random.hpp>
-#include <momentree/sweep/sobol.hpp>
 #include <momentree/sweep/sampling_test_support.hpp>
+#include <momentree/sweep/sobol.hpp>
 
 using namespace momentree::sweep;
 

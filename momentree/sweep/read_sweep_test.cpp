@@ -1,0 +1,178 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <momentree/io/text_file.hpp>
+#include <momentree/sweep/read_sweep.hpp>
+#include <momentree/sweep/scenario_worlds.hpp>
+
+using namespace momentree::sweep;
+
+namespace {
+
+// A ball thrown upwards, which breaks free of a weld to a light cart at 0.25 s.
+const std::string ball = R"(format = 1
+[world]
+gravity = [0, -10, 0]
+[[mechanism]]
+name = "m"
+root = "free"
+state = { velocity = { linear = [2, 4, 0] } }
+[[mechanism.body]]
+name = "ball"
+mass = 2
+inertia = 1
+[[event]]
+name = "kick"
+at = 0.25
+impulse = { body = "m/ball", force = [1, 0, 0] }
+[integrate]
+step = 0.01
+until = 1
+[output]
+every = 0.1
+)";
+
+struct Folder {
+  std::string path = (std::filesystem::temp_directory_path() / "momentree-sweep-XXXXXX").string();
+  Folder() {
+    REQUIRE(mkdtemp(path.data()) != nullptr);
+    momentree::io::write_text_file(path + "/ball.toml", ball);
+  }
+  ~Folder() { std::filesystem::remove_all(path); }
+};
+
+std::string sweep_text(const std::string& vary, const std::string& measure, const std::string& more = "worlds = 8\nseed = 3\n") {
+  return "format = 1\nscenario = \"ball.toml\"\n" + more + "[vary]\n" + vary + "\n[measure]\n" + measure + "\n";
+}
+
+std::string said(const ReadSweep& read) {
+  std::string text;
+  for (const auto& each : read.diagnostics) {
+    std::string line = each.message();
+    text += (text.empty() ? "" : "\n") + line.substr(line.find("s.toml"));
+  }
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("measures of a thrown ball have their closed forms") {
+  const Folder folder;
+  const ReadSweep read =
+      read_sweep_text(sweep_text("\"mechanism.m.state.velocity.linear\" = { uniform = [[1, 3, 0], [2, 6, 0]] }",
+                                 "x = { final = \"m/ball.x\" }\n"
+                                 "top = { max = \"m/ball.y\" }\n"
+                                 "top_at = { max = \"m/ball.y\", value = \"time\" }\n"
+                                 "low = { min = { height = \"m/ball\" } }\n"
+                                 "mean_vx = { mean = \"m/ball.v3\" }\n"
+                                 "y_half = { column = \"m/ball.y\", at = \"0.5 s\" }\n"
+                                 "kicked = { happened = \"kick\" }\n"
+                                 "when = { time_of = \"kick\" }\n"
+                                 "kicks = { count = \"kick\" }\n"
+                                 "second = { time_of = \"kick\", number = 2 }\n"
+                                 "work = { event = \"kick\", value = \"work\" }\n"),
+                      folder.path + "/s.toml");
+  CAPTURE(said(read));
+  REQUIRE(read.sweep);
+  const Sweep& sweep = *read.sweep;
+  REQUIRE(sweep.worlds() == 8);
+  REQUIRE(sweep.plan->size() == 3);
+  const ScenarioWorlds worlds(sweep);
+  std::vector<double> v(3);
+  for (std::uint64_t w = 0; w < 8; ++w) {
+    sweep.plan->values(w, v);
+    CHECK((v[0] >= 1 && v[0] <= 2 && v[1] >= 3 && v[1] <= 6 && v[2] == 0));
+    const WorldResult result = worlds.run(w);
+    CAPTURE(result.failure);
+    REQUIRE(result.done());
+    const std::vector<double>& m = result.measures;
+    const double after = v[0] + 0.5;  // 1 N s on 2 kg
+    CHECK(m[0] == doctest::Approx(v[0] * 0.25 + after * 0.75).epsilon(1e-12));
+    CHECK(m[1] == doctest::Approx(v[1] * v[1] / 20).epsilon(1e-3));  // at the ends of steps
+    CHECK(std::fabs(m[2] - v[1] / 10) <= 0.01);
+    CHECK(m[3] == doctest::Approx(std::min(0.0, v[1] - 5)).epsilon(1e-9));
+    CHECK(m[4] == doctest::Approx(v[0] * 0.25 + after * 0.75).epsilon(1e-9));
+    CHECK(m[5] == doctest::Approx(v[1] * 0.5 - 1.25).epsilon(1e-12));
+    CHECK((m[6] == 1 && m[7] == 0.25 && m[8] == 1 && std::isnan(m[9])));
+    CHECK(m[10] == doctest::Approx(after * after - v[0] * v[0]).epsilon(1e-12));
+    std::string encoded = worlds.run(Chunk{w, 1}), expected;
+    encode(result, expected);
+    CHECK(encoded == expected);
+  }
+}
+
+TEST_CASE("a world ends after the event of [stop], and one with too many steps fails") {
+  const Folder folder;
+  const std::string text = sweep_text("\"mechanism.m.body.ball.mass\" = [1, 2]", "t = { final = \"time\" }", "");
+  const ReadSweep ends = read_sweep_text(text + "[stop]\nafter = \"kick\"\n", folder.path + "/s.toml");
+  CAPTURE(said(ends));
+  REQUIRE(ends.sweep);
+  CHECK(ends.sweep->worlds() == 2);
+  CHECK(ScenarioWorlds(*ends.sweep).run(1).measures == std::vector<double>{0.25});
+  const ReadSweep fails = read_sweep_text(text + "[stop]\nsteps = 50\n", folder.path + "/s.toml");
+  REQUIRE(fails.sweep);
+  CHECK(ScenarioWorlds(*fails.sweep).run(0).failure == "more than 50 steps, the limit of [stop]");
+}
+
+TEST_CASE("values are written into the scenario with their units") {
+  const Folder folder;
+  const ReadSweep read = read_sweep_text(
+      sweep_text(
+          "\"mechanism.m.state.velocity.linear.1\" = { normal = [\"400 cm/s\", \"10 cm/s\"], within = [\"3 m/s\", \"5 m/s\"] }",
+          "y = { final = \"m/ball.y\" }"),
+      folder.path + "/s.toml");
+  CHECK(!read.sweep);
+  CHECK(said(read) == "s.toml:6:103: error: within: two units, 'cm/s' and 'm/s'; give all numbers of a parameter the same unit");
+  const ReadSweep good = read_sweep_text(
+      sweep_text(
+          "\"mechanism.m.body.ball.mass\" = { latin = [\"500 g\", \"1500 g\"] }\n\"integrate.method\" = [\"rk4\", \"midpoint\"]",
+          "y = { final = \"m/ball.y\" }"),
+      folder.path + "/s.toml");
+  CAPTURE(said(good));
+  REQUIRE(good.sweep);
+  const std::vector<std::string> overrides = good.sweep->overrides(0);
+  REQUIRE(overrides.size() == 2);
+  CHECK(overrides[0].starts_with("mechanism.m.body.ball.mass=\""));
+  CHECK(overrides[0].ends_with(" g\""));
+  CHECK((overrides[1] == "integrate.method=\"rk4\"" || overrides[1] == "integrate.method=\"midpoint\""));
+}
+
+TEST_CASE("mistakes in a sweep name their line and how to mend them") {
+  const Folder folder;
+  const std::string vary = "\"event.kick.at\" = { uniform = [0.1, 0.4] }", measure = "x = { final = \"m/ball.x\" }";
+  const auto check = [&](const std::string& text, const std::string& expected) {
+    CAPTURE(text);
+    const ReadSweep read = read_sweep_text(text, folder.path + "/s.toml");
+    CHECK(!read.sweep);
+    CHECK(said(read) == expected);
+  };
+  check(sweep_text("\"event.kik.at\" = [0.1]", measure),
+        "s.toml:6:1: error: event.kik.at = 0.1: no entry of the list is named 'kik'; did you mean 'kick'?");
+  check(sweep_text("\"event.kick.at\" = 0.1", measure),
+        "s.toml:6:19: error: event.kick.at: this is one value, which does not vary; give a list or a distribution: { uniform = "
+        "[0.2, 0.4] }");
+  check(sweep_text("\"event.kick.at\" = []", measure),
+        "s.toml:6:19: error: event.kick.at: the list is empty; give at least one value");
+  check(sweep_text("\"event.kick.at\" = { range = [0, 1, 0] }", measure),
+        "s.toml:6:37: error: range: the count of values must be a whole number of at least 1; range = [from, to, count]");
+  check(sweep_text("\"event.kick.at\" = { uniform = [0.1, 0.2, 0.3] }", measure),
+        "s.toml:6:31: error: uniform: expected a list of 2 entries; for example uniform = [0.2, 0.4]");
+  check(sweep_text("\"mechanism.m.body.ball.mass\" = { uniform = [-1, 1] }", measure).substr(0),
+        "s.toml:6:1: error: mechanism.m.body.ball.mass = -0.999999998: mass: must be positive; for example 0.5, or \"500 g\"");
+  check(
+      sweep_text(vary, "x = { final = \"m/ball.w\" }"),
+      "s.toml:8:15: error: there is no column 'm/ball.w'; 'm/ball' has x y z qw qx qy qz, and its joint q0 q1 q2 q3 q4 q5 q6 v0 "
+      "v1 v2 v3 v4 v5 p0 p1 p2 p3 p4 p5 fx fy fz mx my mz");
+  check(sweep_text(vary, "x = { time_of = \"kik\" }"),
+        "s.toml:8:17: error: time_of: there is no event 'kik'; did you mean 'kick'?");
+  check(sweep_text(vary, "x = { max = { reaction_force = \"m/bal\" } }"),
+        "s.toml:8:32: error: reaction_force: there is no joint 'm/bal'; did you mean 'm/ball'?");
+  check(sweep_text(vary, "status = { count = \"kick\" }"),
+        "s.toml:8:1: error: [measure]: 'status' is the name of another column; choose another name");
+  check(sweep_text(vary, measure, ""),
+        "s.toml:4:1: error: event.kick.at: its distribution needs a number of worlds; worlds = 1000");
+}
