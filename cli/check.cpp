@@ -8,6 +8,8 @@
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/io/diagnostic_json.hpp>
+#include <momentree/io/input_file.hpp>
+#include <momentree/sweep/read_sweep.hpp>
 
 namespace momentree::cli {
 
@@ -20,7 +22,8 @@ struct Checked {
   struct Counts {
     long mechanisms = 0, bodies = 0, dofs = 0, events = 0;
   };
-  std::optional<Counts> counts;  ///< if there is no error
+  std::optional<Counts> counts;           ///< if there is no error
+  std::optional<std::uint64_t> worlds{};  ///< of a sweep
 };
 
 // The place of a thrown error is `file:line:column`, as far as it is known.
@@ -45,20 +48,39 @@ io::Diagnostic diagnostic_of(const Error& error, const std::string& file) {
   return found;
 }
 
+Checked::Counts counts_of(const World& world, const io::Scenario& scenario) {
+  return {static_cast<long>(world.mechanisms().size()), world.model().size(), world.tree().nv(),
+          static_cast<long>(scenario.events.size())};
+}
+
+bool is_sweep_file(const std::string& file) {
+  constexpr std::uintmax_t largest = 64u << 20;
+  std::string text;
+  io::Unreadable ignored;
+  return file.ends_with(".toml") && io::read_whole_file(file, "sweep", largest, text, ignored) && sweep::is_sweep(text);
+}
+
 // Some errors in a file that reads well appear only when it is compiled: state documents that do not fit, events that are too
 // early.
 Checked check_one(const std::string& file, Notes notes) {
   Checked checked{is_standard_input(file) ? standard_input : file, {}, {}};
   try {
+    if (is_sweep_file(file)) {
+      sweep::ReadSweep read = sweep::read_sweep(file);
+      checked.diagnostics = std::move(read.diagnostics);
+      if (!read.sweep) return checked;
+      checked.worlds = read.sweep->worlds();
+      const io::Scenario& scenario = *read.sweep->scenario;
+      checked.counts = counts_of(io::Session(read.sweep->scenario).simulation().world(), scenario);
+      return checked;
+    }
     io::ReadResult result = read_input(file);
     if (notes == Notes::counted) count_notes(result);
     checked.diagnostics = std::move(result.diagnostics);
     if (!result.scenario) return checked;
     io::Session session(*result.scenario);
     for (io::Diagnostic& warning : session.schedule()) checked.diagnostics.push_back(std::move(warning));
-    const World& world = session.simulation().world();
-    checked.counts = {static_cast<long>(world.mechanisms().size()), world.model().size(), world.tree().nv(),
-                      static_cast<long>(result.scenario->events.size())};
+    checked.counts = counts_of(session.simulation().world(), *result.scenario);
   } catch (const io::InputError& error) {  // a state document
     checked.diagnostics.insert(checked.diagnostics.end(), error.diagnostics.begin(), error.diagnostics.end());
   } catch (const Error& error) {
@@ -73,7 +95,8 @@ void print(const Checked& checked) {
   const Checked::Counts& n = *checked.counts;
   show(stdout, printable(checked.file) + ": ok: " + count_text(n.mechanisms, "mechanism", "mechanisms") + ", " +
                    count_text(n.bodies, "body", "bodies") + ", " + count_text(n.dofs, "degree of freedom", "degrees of freedom") +
-                   ", " + count_text(n.events, "event", "events") + '\n');
+                   ", " + count_text(n.events, "event", "events") +
+                   (checked.worlds ? ", in " + count_text(static_cast<long>(*checked.worlds), "world", "worlds") : "") + '\n');
 }
 
 void write(io::JsonWriter& json, const Checked& checked) {
@@ -81,6 +104,7 @@ void write(io::JsonWriter& json, const Checked& checked) {
   if (checked.counts) {
     const Checked::Counts& n = *checked.counts;
     json.member("mechanisms", n.mechanisms).member("bodies", n.bodies).member("freedoms", n.dofs).member("events", n.events);
+    if (checked.worlds) json.member("worlds", static_cast<long>(*checked.worlds));
   }
   json.key("diagnostics").begin_array();
   for (const io::Diagnostic& each : checked.diagnostics) io::write_diagnostic(json, each);

@@ -14,6 +14,7 @@
 #include <cli/man_page.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/io/schema.hpp>
+#include <momentree/sweep/sweep_keys.hpp>
 
 namespace momentree::cli {
 
@@ -70,6 +71,7 @@ class CommandLine {
   BenchOptions bench_;
   Bench measure_;
   std::string help_on_, shell_;
+  bool of_sweeps_ = false;
   std::vector<std::pair<CLI::App*, std::function<int()>>> actions_;
 };
 
@@ -149,8 +151,9 @@ void CommandLine::add_run() {
 
 void CommandLine::add_readers() {
   CLI::App* check_command =
-      command("check", "Report problems in scenarios and models, as file:line:col", [this] { return check(check_); });
-  check_command->add_option("files", check_.files, "Scenarios (.toml) or models (.urdf, .sdf, .xml); - is standard input")
+      command("check", "Report problems in scenarios, sweeps and models, as file:line:col", [this] { return check(check_); });
+  check_command
+      ->add_option("files", check_.files, "Scenarios and sweeps (.toml) or models (.urdf, .sdf, .xml); - is standard input")
       ->required()
       ->type_name("FILE");
   verbose(check_command, check_.verbose);
@@ -290,10 +293,11 @@ void CommandLine::add_helpers() {
   });
   completion_command->add_option("shell", shell_, "The shell")->required()->type_name("bash|zsh|fish");
 
-  command("schema", "Print the JSON Schema of scenario files, for editors", [] {
-    std::fputs(io::scenario_schema().c_str(), stdout);
+  CLI::App* schema_command = command("schema", "Print the JSON Schema of scenario files, for editors", [this] {
+    std::fputs((of_sweeps_ ? sweep::sweep_schema() : io::scenario_schema()).c_str(), stdout);
     return done;
   });
+  schema_command->add_flag("--sweep", of_sweeps_, "That of sweep files");
 
   CLI::App* page = command("man-page", "", [this] {  // for the build
     std::fputs(man_page(table()).c_str(), stdout);

@@ -42,7 +42,7 @@ foreach(header IN LISTS public_headers)
   get_filename_component(folder "${header}" DIRECTORY)
   install(FILES "${file}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/${folder}")
 endforeach()
-install(FILES docs/scenario.schema.json DESTINATION "${CMAKE_INSTALL_DATADIR}/momentree")
+install(FILES docs/scenario.schema.json docs/sweep.schema.json DESTINATION "${CMAKE_INSTALL_DATADIR}/momentree")
 install(FILES LICENSE NOTICE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 install(EXPORT momentreeTargets NAMESPACE momentree:: DESTINATION "${package_dir}")
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/momentreeConfig.cmake.in" "${PROJECT_BINARY_DIR}/momentreeConfig.cmake"

@@ -159,7 +159,8 @@ TEST_CASE("the coordinator gives each missing world once, in chunks with results
   CHECK(work.progress().done == 100);
   CHECK_THROWS_AS(work.finished({0, 2}, worlds({0, 3})), momentree::Error);
   std::vector<int> found(100);
-  for (const Journal::Entry& entry : Journal::open(folder.file()).entries())
+  const Journal again = Journal::open(folder.file());
+  for (const Journal::Entry& entry : again.entries())
     for (std::uint64_t w = entry.chunk.first; w < entry.chunk.first + entry.chunk.count; ++w) ++found.at(w);
   CHECK(found == std::vector<int>(100, 1));
 }
