@@ -23,10 +23,12 @@ TEST_CASE("docs/sweeps.md explains every key of sweep files") {
     return text.find("| `" + word) != std::string::npos || text.find("\n" + word + " = ") != std::string::npos ||
            text.find("{ " + word + " = ") != std::string::npos || text.find(", " + word + " = ") != std::string::npos;
   };
-  for (const momentree::io::KeyTable* table : {&sweep_table, &vary_table, &correlated_table, &measure_table, &stop_table, &output_table})
+  for (const momentree::io::KeyTable* table :
+       {&sweep_table, &vary_table, &correlated_table, &measure_table, &stop_table, &output_table})
     table->each([&](const momentree::io::Key& key) {
-      CAPTURE(key.name);
-      CHECK(explained(key.name));
+      const std::string name = key.name;
+      CAPTURE(name);
+      CHECK(explained(name));
     });
   for (const std::string& value : event_values()) {
     const std::string word = value.substr(0, value.find('.'));

@@ -93,6 +93,10 @@ std::string hash_of(const Sweep& sweep) {
 
 void make_plan(const Value& vary, std::optional<std::int64_t> worlds, std::vector<Correlation> correlations,
                SweepReading& reading) {
+  const auto is_drawn = [](const Variable& variable) { return std::holds_alternative<Sampled>(variable.values); };
+  if (!worlds && std::all_of(reading.variables.begin(), reading.variables.end(), is_drawn))
+    return reading.out.error(vary.place, "[vary]: every value is drawn at random, but the number of worlds is not given",
+                             "worlds = 1000");
   try {
     reading.sweep.plan = std::make_shared<const Plan>(reading.variables,
                                                       worlds ? std::optional(static_cast<std::uint64_t>(*worlds)) : std::nullopt,
