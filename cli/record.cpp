@@ -49,7 +49,8 @@ std::string status_text(Status status, const Simulation& simulation) {
   return simulation.result().reason;
 }
 
-Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose purpose) {
+Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose purpose,
+                const std::function<RunResult(Simulation&, double)>& run_to_end) {
   io::Session session(scenario);
   show(stderr, io::rendered(session.schedule()));
   Simulation& simulation = session.simulation();
@@ -66,7 +67,7 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose
        .lasting = false});
   Progress progress(start, scenario.until, errors_on_terminal());
   watch_run(simulation, recorder, scenario.output_every, progress);
-  const Status status = simulation.run_until(scenario.until);
+  const Status status = run_to_end ? run_to_end(simulation, scenario.until) : simulation.run_until(scenario.until);
   progress.clear();
   const std::string says = status_text(status, simulation);
   recorder.finish(says, session.armed());

@@ -1,5 +1,6 @@
 #pragma once
 // What all commands that run a scenario share; runs for a picture only, with results in a temporary folder.
+#include <functional>
 #include <string>
 
 #include <cli/progress.hpp>
@@ -36,7 +37,8 @@ void watch_run(Simulation& simulation, io::Recorder& recorder, double every, Pro
 /// How a run ended, as in summary.json.
 std::string status_text(Status status, const Simulation& simulation);
 
-/// Runs a scenario into a folder.
-Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose purpose);
+/// Runs a scenario into a folder. `run_to_end`: how the simulation is run to its end (s); empty: run_until.
+Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose purpose,
+                const std::function<RunResult(Simulation&, double)>& run_to_end = {});
 
 }  // namespace momentree::cli

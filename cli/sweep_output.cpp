@@ -14,6 +14,7 @@
 #include <momentree/io/report/report.hpp>
 #include <momentree/io/table_file.hpp>
 #include <momentree/io/text_file.hpp>
+#include <momentree/sweep/scenario_worlds.hpp>
 
 namespace momentree::cli {
 
@@ -203,7 +204,10 @@ void SweepOutput::write_report() {
     io::ReadResult read = io::read_scenario_again(*sweep_.scenario, sweep_.overrides(world));
     if (!read.scenario) continue;
     const TemporaryFolder scratch;
-    const Recorded recorded = record(*read.scenario, scratch.result(), Purpose::report);
+    sweep::Observation observation(sweep_.measures);
+    const Recorded recorded =
+        record(*read.scenario, scratch.result(), Purpose::report,
+               [&](Simulation& simulation, double until) { return run_world(simulation, until, sweep_.stop, observation); });
     if (recorded.code != done) continue;
     const fs::path page = folder_->working() / "worlds" / std::to_string(world) / "report.html";
     fs::create_directories(page.parent_path());

@@ -44,7 +44,7 @@ function statusOf({ worlds, done, failed, world }: Sweep): HTMLElement[] {
         "p",
         { class: "status" },
         `The plot, the table and marks have an even sample of ${worldsText(world.length)}; ` +
-          'counts, means and extremes are of all.',
+          "counts, means and extremes are of all.",
       ),
     );
   return notes;
