@@ -209,9 +209,8 @@ void SweepOutput::write_report() {
         record(*read.scenario, scratch.result(), Purpose::report,
                [&](Simulation& simulation, double until) { return run_world(simulation, until, sweep_.stop, observation); });
     if (recorded.code != done) continue;
-    const fs::path page = folder_->working() / "worlds" / std::to_string(world) / "report.html";
-    fs::create_directories(page.parent_path());
-    io::write_text_file(page.string(), io::report_page(report_html(), io::report_data(recorded.folder)));
+    const std::string page = io::report_page(report_html(), io::report_data(recorded.folder));
+    folder_->write(sweep::page_of_world(world).c_str(), page);
     animated.push_back(world);
   }
   folder_->write("report.html", io::sweep_page(sweep_html(), summary_->report(animated)));

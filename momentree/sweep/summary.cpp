@@ -27,6 +27,8 @@ io::JsonWriter& member_count(io::JsonWriter& json, std::string_view name, std::u
 
 }  // namespace
 
+std::string page_of_world(std::uint64_t world) { return "world-" + std::to_string(world) + ".html"; }
+
 SweepSummary::SweepSummary(const Sweep& sweep)
     : sweep_(sweep),
       columns_(parameter_columns(sweep)),
@@ -155,7 +157,7 @@ void SweepSummary::write_worst(io::JsonWriter& json, const std::vector<std::uint
       member_count(json.begin_object(), "world", each.world).member("value", each.value);
       json.member("replay", replay_command(sweep_, each.world)).key("animation");
       if (std::find(animated.begin(), animated.end(), each.world) != animated.end())
-        json.value("worlds/" + std::to_string(each.world) + "/report.html");
+        json.value(page_of_world(each.world));
       else
         json.null();
       json.end_object();

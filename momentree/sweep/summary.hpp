@@ -17,6 +17,9 @@ struct Worst {
   std::vector<Extreme> worlds;
 };
 
+/// The file name of the page that shows the motion of one world, beside the report: "world-401.html".
+std::string page_of_world(std::uint64_t world);
+
 class SweepSummary {
  public:
   /// The sweep must outlive this object.
@@ -31,7 +34,7 @@ class SweepSummary {
   /// The text of sweep.json: the same for the same results, whatever computed them.
   std::string json() const;
   /// The document of the report page: the above with the values of at most 20,000 worlds. `animated`: the worlds that have a page
-  /// of their own, as worlds/<number>/report.html.
+  /// of their own: page_of_world().
   std::string report(const std::vector<std::uint64_t>& animated) const;
   /// A line for each measure, for the terminal: name and text.
   std::vector<std::vector<std::string>> table() const;
