@@ -21,6 +21,7 @@ from momentree.joints import *
 from momentree.model import Model
 from momentree.run import BodyRows, JointRows, Run
 from momentree.simulation import Scheduled, Simulation, load, loads
+from momentree.sweeps import Sweep, SweepResults
 
 __all__: list[str] = [
     "Action",
@@ -54,6 +55,8 @@ __all__: list[str] = [
     "Simulation",
     "Snapshot",
     "StateView",
+    "Sweep",
+    "SweepResults",
     "Totals",
     "World",
     "Wrench",
