@@ -17,6 +17,7 @@ from momentree._views import StateView
 from momentree._vocabulary import Action, Condition, JointSpec, Quantity, Reaction
 from momentree.batch import Batch, BodyColumns, Group, JointColumns
 from momentree.events import *
+from momentree.function_sweep import sweep
 from momentree.joints import *
 from momentree.model import Model
 from momentree.run import BodyRows, JointRows, Run
@@ -63,6 +64,7 @@ __all__: list[str] = [
     "__version__",
     "load",
     "loads",
+    "sweep",
 ]
 __all__ += events.__all__
 __all__ += joints.__all__

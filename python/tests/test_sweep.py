@@ -220,3 +220,86 @@ def test_ctrl_c_ends_it_and_other_threads_run(tmp_path: Path) -> None:
         sweep.run(jobs=2)
     thread.join()
     assert counted[0] > 0
+
+
+# Functions of the worlds; processes import them from this file.
+
+
+def range_of_throw(speed: float, angle: float) -> dict[str, float]:
+    v = (speed * math.cos(angle), 0, speed * math.sin(angle), 0, 0, 0)
+    model = mt.Model(gravity=(0, 0, -10))
+    model.add("ball", mass=1, inertia=1, joint=mt.Free(), v=v)
+    simulation = mt.Simulation(model, step=0.01)
+    simulation.run(2 * speed * math.sin(angle) / 10, progress=False)
+    return {"reach": float(simulation.world.bodies["ball"].position[0]), "height": float(simulation.world.bodies["ball"].position[2])}
+
+
+def fails_above_two(x: float) -> dict[str, Any]:
+    if x > 2:
+        raise ZeroDivisionError("too much")
+    return {"x2": x * x, "big": x > 1, "even": None if x % 2 else 1.0}
+
+
+def double_of(seed: int) -> float:
+    return 2.0 * seed
+
+
+def columns_of(results: mt.SweepResults) -> dict[str, bytes]:
+    return {name: results[name].tobytes() for name in (*results.parameters, *results.measures)}
+
+
+def test_functions_have_their_closed_forms() -> None:
+    results = mt.sweep(range_of_throw, {"speed": [3, 4], "angle": np.linspace(0.3, 1.2, 4)})
+    assert list(results["speed"]) == [3] * 4 + [4] * 4
+    assert list(results["angle"]) == list(np.linspace(0.3, 1.2, 4)) * 2
+    assert results["reach"] == pytest.approx(results["speed"] ** 2 * np.sin(2 * results["angle"]) / 10, rel=1e-11)
+    assert results["height"] == pytest.approx(0, abs=1e-12)
+
+
+def test_executors_give_the_same_results() -> None:
+    parameters = {"speed": [3.0, 4.0], "angle": [0.3, 0.6, 0.9]}
+    one = columns_of(mt.sweep(range_of_throw, parameters))
+    assert columns_of(mt.sweep(range_of_throw, parameters, jobs=3)) == one
+    assert columns_of(mt.sweep(range_of_throw, parameters, jobs=0)) == one
+    with ThreadPoolExecutor(2) as threads:
+        assert columns_of(mt.sweep(range_of_throw, parameters, executor=threads)) == one
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as processes:
+        assert columns_of(mt.sweep(range_of_throw, parameters, executor=processes)) == one
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_an_exception_is_the_status_of_its_world(jobs: int) -> None:
+    results = mt.sweep(fails_above_two, [{"x": k % 4} for k in range(2500)], jobs=jobs)
+    assert results.status[:4] == ["done", "done", "done", "failed: ZeroDivisionError: too much"]
+    assert list(results.failed) == [k % 4 == 3 for k in range(2500)]
+    assert results["big"].dtype == bool and list(results["big"][:4]) == [False, False, True, False]
+    assert list(results["x2"][:3]) == [0, 1, 4] and math.isnan(results["x2"][3])
+    assert results["even"][0] == 1 and math.isnan(results["even"][1])
+    with pytest.raises(mt.Error, match="summary"):
+        results.summary()
+
+
+def test_seeds_differ_between_worlds_and_depend_on_the_seed_alone() -> None:
+    results = mt.sweep(double_of, 1000, seed=7)
+    assert len(set(results["seed"])) == 1000
+    assert list(results["value"]) == list(2 * results["seed"])
+    assert list(mt.sweep(double_of, 10, seed=7, jobs=2)["seed"]) == list(results["seed"][:10])
+    assert not set(mt.sweep(double_of, 10, seed=8)["seed"]) & set(results["seed"])
+
+
+def test_wrong_parameters_and_results() -> None:
+    wrong: list[tuple[Any, str]] = [({"x": 1}, "sequence of values"), ("x", "expected parameters"), ([1], "world 0"), (-1, "negative")]
+    for parameters, problem in wrong:
+        with pytest.raises(mt.Error, match=problem):
+            mt.sweep(fails_above_two, parameters)
+    with pytest.raises(mt.Error, match="expected a function"):
+        mt.sweep(3, 1)  # type: ignore[arg-type]
+    with pytest.raises(mt.Error, match="jobs"):
+        mt.sweep(double_of, 1, jobs=-1)
+    with pytest.raises(mt.Error, match="which is a parameter"):
+        mt.sweep(lambda seed: {"seed": 1}, 2)
+    with pytest.raises(mt.Error, match="as a number in some worlds"):
+        mt.sweep(lambda x: x, {"x": [True, 1.0]})
+    results = mt.sweep(lambda x: x, {"x": ["a", "b"]})
+    assert results.status[1] == "failed: TypeError: the function returned 'b' as 'value', which is no number"
+    assert list(results["x"]) == ["a", "b"]
