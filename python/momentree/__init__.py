@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from momentree import events, joints
+from momentree import distributions, events, joints
 from momentree._core import Body, Context, Joint, ModelBody, Snapshot, World, __version__
 from momentree._errors import Diagnostic, Error, RunError
 from momentree._records import ActionRecord, Energy, Event, Mechanism, MissedEvent, Momentum, Rates, Totals, Wrench
 from momentree._views import StateView
 from momentree._vocabulary import Action, Condition, JointSpec, Quantity, Reaction
 from momentree.batch import Batch, BodyColumns, Group, JointColumns
+from momentree.distributions import *
 from momentree.events import *
 from momentree.function_sweep import sweep
 from momentree.joints import *
@@ -66,6 +67,7 @@ __all__: list[str] = [
     "loads",
     "sweep",
 ]
+__all__ += distributions.__all__
 __all__ += events.__all__
 __all__ += joints.__all__
 

@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from momentree._arguments import called
+from momentree._core import _draw
 from momentree._errors import Error
+from momentree.distributions import Distribution
 from momentree.sweeps import Column, SweepResults, _index
 
-Parameters = Union[Mapping[str, Union[Sequence[Any], NDArray[Any]]], Sequence[Mapping[str, Any]], int]
+Parameters = Union[Mapping[str, Union[Sequence[Any], NDArray[Any], Distribution]], Sequence[Mapping[str, Any]], int]
 """What a function is called with: values to combine, one dictionary for each world, or a number of worlds."""
 Outcome = tuple[str, dict[str, Any]]  # why it failed, or what it returned
 
@@ -26,6 +28,8 @@ def sweep(
     function: Callable[..., Any],
     parameters: Parameters,
     *,
+    worlds: int | None = None,
+    sampling: str = "random",
     seed: int = 0,
     jobs: int = 1,
     executor: Executor | None = None,
@@ -39,7 +43,10 @@ def sweep(
         function: What computes a world. With processes it must be importable: a function of a module.
         parameters: ``{"mass": [1, 2], "angle": angles}`` combines all values, and the last one varies fastest; a sequence of
             dictionaries has one for each world; a number N makes N calls ``function(seed=...)`` with different seeds.
-        seed: Determines the seeds of the worlds if `parameters` is a number.
+            Distributions, such as ``{"mass": mt.normal(1, 0.1)}``, need `worlds`.
+        worlds: Number of worlds. Values are then drawn, those of sequences with equal probabilities.
+        sampling: How distributions are drawn: ``"random"``, ``"latin"`` (hypercube) or ``"sobol"``.
+        seed: Determines the drawn values, and the seeds of the worlds if `parameters` is a number.
         jobs: Threads; 0: one for each processor. They run side by side only where the function releases the GIL, as runs do.
         executor: Computes the worlds instead: a ``ProcessPoolExecutor``, or ``mpi4py.futures.MPIPoolExecutor``.
 
@@ -53,31 +60,43 @@ def sweep(
     count = _index(jobs, "jobs")
     if count < 0:
         raise Error(f"jobs: expected the number of threads, found {count}", hint="0: one for each processor")
-    worlds = _worlds(parameters, _index(seed, "seed"))
+    rows = _worlds(parameters, _index(seed, "seed"), None if worlds is None else _index(worlds, "worlds"), sampling)
     with _pool(executor, count) as pool:
-        outcomes = _map(pool, function, worlds)
+        outcomes = _map(pool, function, rows)
     failures = {k: why for k, (why, _) in enumerate(outcomes) if why}
-    values = {name: _parameter([each.get(name) for each in worlds]) for name in _names(worlds)}
+    values = {name: _parameter([each.get(name) for each in rows]) for name in _names(rows)}
     found = [returned for _, returned in outcomes]
     measures = {name: _measure(name, [each.get(name) for each in found]) for name in _names(found)}
     for name in measures:
         if name in values:
             raise Error(f"the function returns {name!r}, which is a parameter", hint="rename one of them")
-    return SweepResults(np.arange(len(worlds), dtype=np.int64), values, measures, failures)
+    return SweepResults(np.arange(len(rows), dtype=np.int64), values, measures, failures)
 
 
-def _worlds(parameters: Parameters, seed: int) -> list[dict[str, Any]]:
+def _worlds(parameters: Parameters, seed: int, count: int | None, sampling: str) -> list[dict[str, Any]]:
+    if seed < 0 or (count is not None and count < 1):
+        raise Error("the seed can't be negative, and worlds are at least 1")
     if isinstance(parameters, Mapping):
         names = [_name(each) for each in parameters]
-        choices: list[list[Any]] = []
+        choices: list[list[Any] | Distribution] = []
         for name, given in cast("Mapping[str, Any]", parameters).items():
+            if isinstance(given, Distribution):
+                choices.append(given)
+                continue
             if isinstance(given, str) or not hasattr(given, "__iter__"):
                 raise Error(f"parameter {name!r}: expected a sequence of values, found {given!r:.40}", hint=f"[{given!r:.40}]")
             choices.append([_plain(each) for each in given])
-        return [dict(zip(names, each, strict=True)) for each in itertools.product(*choices)]
+        if count is not None:
+            return _drawn(names, choices, seed, count, sampling)
+        lists = [each for each in choices if not isinstance(each, Distribution)]
+        if len(lists) < len(choices):
+            raise Error("distributions need the number of worlds", hint="worlds=1000")
+        return [dict(zip(names, each, strict=True)) for each in itertools.product(*lists)]
+    if count is not None:
+        raise Error("worlds: only a dictionary of distributions or sequences can be drawn from")
     if isinstance(parameters, (int, np.integer)) and not isinstance(parameters, bool):
-        if parameters < 0 or seed < 0:
-            raise Error("the number of worlds and the seed can't be negative")
+        if parameters < 0:
+            raise Error("the number of worlds can't be negative")
         return [{"seed": _seed(seed, world)} for world in range(int(parameters))]
     if isinstance(parameters, str) or not hasattr(parameters, "__iter__"):
         raise Error(
@@ -88,7 +107,20 @@ def _worlds(parameters: Parameters, seed: int) -> list[dict[str, Any]]:
     for number, each in enumerate(cast("Sequence[Any]", parameters)):
         if not isinstance(each, Mapping):
             raise Error(f"parameters of world {number}: expected a dictionary, found {each!r:.40}")
-        worlds.append({_name(key): _plain(value) for key, value in each.items()})
+        worlds.append(_named(cast("Any", each)))
+    return worlds
+
+
+def _drawn(
+    names: list[str], choices: list[list[Any] | Distribution], seed: int, count: int, sampling: str
+) -> list[dict[str, Any]]:
+    variables: list[tuple[str, tuple[str, Sequence[float]]]] = []
+    for name, each in zip(names, choices, strict=True):
+        variables.append((name, (each.kind, each.numbers) if isinstance(each, Distribution) else ("list", [len(each)])))
+    worlds: list[dict[str, Any]] = [{} for _ in range(count)]
+    for name, each, column in zip(names, choices, _draw(variables, count, seed, sampling).T, strict=True):
+        for world, value in zip(worlds, column.tolist(), strict=True):
+            world[name] = value if isinstance(each, Distribution) else each[int(value)]
     return worlds
 
 
@@ -103,8 +135,12 @@ def _name(key: Any) -> str:
     raise Error(f"names are texts, found {key!r:.40}")
 
 
+def _named(values: Mapping[Any, Any]) -> dict[str, Any]:
+    return {_name(key): _plain(value) for key, value in values.items()}
+
+
 def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
+    return cast("Any", value).item() if isinstance(value, np.generic) else value
 
 
 def _names(rows: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -134,10 +170,14 @@ def _measure(name: str, column: list[Any]) -> Column:
 
 
 def _outcome(returned: Any) -> dict[str, Any]:
-    found: Mapping[Any, Any] = returned if isinstance(returned, Mapping) else {"value": returned}
+    found: Mapping[Any, Any] = {"value": returned}
+    if isinstance(returned, Mapping):
+        found = cast("Any", returned)
     measures: dict[str, Any] = {}
     for key, given in found.items():
-        value = given.item() if isinstance(given, (np.generic, np.ndarray)) and given.size == 1 else given
+        value: Any = given
+        if isinstance(given, (np.generic, np.ndarray)) and given.size == 1:
+            value = cast("Any", given).item()
         if value is not None and not isinstance(value, bool):
             if not _is_number(value):
                 raise TypeError(f"the function returned {given!r:.40} as {key!r}, which is no number")

@@ -237,9 +237,46 @@ nb::tuple names_of_measures(const SweepObject& self) {
   return nb::tuple(names);
 }
 
+using DrawnFrom = std::pair<std::string, std::vector<double>>;  ///< kind and numbers; "list": how many entries
+
+sweep::Distribution distribution_of(const DrawnFrom& from) {
+  const auto& [kind, n] = from;
+  if (kind == "uniform" && n.size() == 2) return sweep::Uniform{n[0], n[1]};
+  if (kind == "normal" && n.size() == 2) return sweep::Normal{n[0], n[1]};
+  if (kind == "normal" && n.size() == 4) return sweep::Normal{n[0], n[1], sweep::Interval{n[2], n[3]}};
+  if (kind == "lognormal" && n.size() == 2) return sweep::Lognormal{n[0], n[1]};
+  if (kind == "exponential" && n.size() == 1) return sweep::Exponential{n[0]};
+  if (kind == "weibull" && n.size() == 2) return sweep::Weibull{n[0], n[1]};
+  if (kind == "triangular" && n.size() == 3) return sweep::Triangular{n[0], n[1], n[2]};
+  refuse("no distribution '" + kind + "' has " + std::to_string(n.size()) + " parameters");
+}
+
+// The values of a plan, shape (worlds, variables): an index for a list.
+nb::object draw(const std::vector<std::pair<std::string, DrawnFrom>>& given, std::uint64_t worlds, std::uint64_t seed,
+                const std::string& sampling) {
+  sweep::Sampling how = sweep::Sampling::random;
+  if (sampling == "latin" || sampling == "sobol")
+    how = sampling == "latin" ? sweep::Sampling::latin : sweep::Sampling::sobol;
+  else if (sampling != "random")
+    refuse("unknown sampling '" + sampling + "'", "\"random\", \"latin\" or \"sobol\"");
+  std::vector<sweep::Variable> variables;
+  for (const auto& [key, from] : given) {
+    if (from.first == "list")
+      variables.push_back({key, sweep::ListValues{static_cast<std::size_t>(from.second.at(0))}});
+    else
+      variables.push_back({key, sweep::Sampled{how, {distribution_of(from)}}});
+  }
+  const sweep::Plan plan(std::move(variables), worlds, seed);
+  check_memory(worlds, plan.size());
+  NewArray array = new_array(worlds, plan.size());
+  for (std::uint64_t world = 0; world < worlds; ++world) plan.values(world, {array.data + world * plan.size(), plan.size()});
+  return std::move(array.object);
+}
+
 }  // namespace
 
 void register_sweep(nb::module_& m) {
+  m.def("_draw", &draw);
   nb::class_<SweepObject>(m, "SweepBase")
       .def(
           "__init__", [](SweepObject* self, const std::string& path) { new (self) SweepObject(read(path)); }, "path"_a)

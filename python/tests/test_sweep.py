@@ -287,6 +287,43 @@ def test_seeds_differ_between_worlds_and_depend_on_the_seed_alone() -> None:
     assert not set(mt.sweep(double_of, 10, seed=8)["seed"]) & set(results["seed"])
 
 
+DISTRIBUTIONS = [  # with mean and standard deviation
+    (mt.uniform(2, 5), 3.5, 3 / math.sqrt(12)),
+    (mt.normal(4, 0.5), 4, 0.5),
+    (mt.normal(0, 1, within=(0, 50)), math.sqrt(2 / math.pi), math.sqrt(1 - 2 / math.pi)),
+    (mt.lognormal(0.5, 0.2), math.exp(0.52), math.exp(0.52) * math.sqrt(math.expm1(0.04))),
+    (mt.exponential(3), 3, 3),
+    (mt.weibull(2, 2), math.sqrt(math.pi), math.sqrt(4 - math.pi)),
+    (mt.triangular(0, 1, 2), 1, math.sqrt(1 / 6)),
+]
+
+
+@pytest.mark.parametrize(("distribution", "mean", "deviation"), DISTRIBUTIONS)
+def test_distributions_have_their_moments(distribution: mt.Distribution, mean: float, deviation: float) -> None:
+    results = mt.sweep(lambda x: x, {"x": distribution}, worlds=20_000, sampling="latin", seed=5)
+    assert (results["x"] == results["value"]).all()
+    assert results["x"].mean() == pytest.approx(mean, rel=1e-3)
+    assert results["x"].std() == pytest.approx(deviation, rel=0.02)
+
+
+def test_draws_depend_on_the_seed_and_lists_are_drawn_evenly() -> None:
+    def draw(seed: int, sampling: str = "random") -> mt.SweepResults:
+        parameters: dict[str, Any] = {"x": mt.uniform(0, 1), "kind": ["a", "b"]}
+        return mt.sweep(lambda x, kind: x, parameters, worlds=4096, seed=seed, sampling=sampling)
+
+    assert columns_of(draw(1)) == columns_of(draw(1)) != columns_of(draw(2))
+    assert abs((draw(1)["kind"] == "a").sum() - 2048) < 5 * 32
+    assert (np.bincount((draw(1, "sobol")["x"] * 64).astype(int)) == 64).all()
+    wrong_draws: list[dict[str, Any]] = [{}, {"worlds": 0}, {"worlds": 5, "sampling": "best"}, {"worlds": 5, "seed": -1}]
+    for wrong in wrong_draws:
+        with pytest.raises(mt.Error, match="worlds|sampling|seed"):
+            mt.sweep(lambda x: x, {"x": mt.uniform(0, 1)}, **wrong)
+    with pytest.raises(mt.Error, match="uniform"):
+        mt.sweep(lambda x: x, {"x": mt.uniform(1, 0)}, worlds=5)
+    with pytest.raises(mt.Error, match="worlds"):
+        mt.sweep(double_of, 5, worlds=5)
+
+
 def test_wrong_parameters_and_results() -> None:
     wrong: list[tuple[Any, str]] = [({"x": 1}, "sequence of values"), ("x", "expected parameters"), ([1], "world 0"), (-1, "negative")]
     for parameters, problem in wrong:
