@@ -9,18 +9,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from momentree import events, joints
+from momentree import distributions, events, joints
 from momentree._core import Body, Context, Joint, ModelBody, Snapshot, World, __version__
 from momentree._errors import Diagnostic, Error, RunError
 from momentree._records import ActionRecord, Energy, Event, Mechanism, MissedEvent, Momentum, Rates, Totals, Wrench
 from momentree._views import StateView
 from momentree._vocabulary import Action, Condition, JointSpec, Quantity, Reaction
 from momentree.batch import Batch, BodyColumns, Group, JointColumns
+from momentree.distributions import *
 from momentree.events import *
+from momentree.function_sweep import sweep
 from momentree.joints import *
 from momentree.model import Model
 from momentree.run import BodyRows, JointRows, Run
 from momentree.simulation import Scheduled, Simulation, load, loads
+from momentree.sweeps import Sweep, SweepResults
 
 __all__: list[str] = [
     "Action",
@@ -54,13 +57,17 @@ __all__: list[str] = [
     "Simulation",
     "Snapshot",
     "StateView",
+    "Sweep",
+    "SweepResults",
     "Totals",
     "World",
     "Wrench",
     "__version__",
     "load",
     "loads",
+    "sweep",
 ]
+__all__ += distributions.__all__
 __all__ += events.__all__
 __all__ += joints.__all__
 

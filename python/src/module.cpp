@@ -16,4 +16,5 @@ NB_MODULE(_core, m) {
   py::register_simulation(m);
   py::register_vocabulary(m);
   py::register_batch(m);
+  py::register_sweep(m);
 }
