@@ -47,7 +47,7 @@ TEST_CASE("usage") {
   refused("run s.toml --format xml", "--format xml: error: there is no 'xml'; one of: csv, hdf5");
   refused("run s.toml --format hdf", "did you mean 'hdf5'?");
   refused("gradient s.toml --of x --by y", "unknown command 'gradient'; see `momentree help`");
-  refused("swep s.toml", "unknown command 'swep'; see `momentree help`");
+  refused("swep s.toml", "unknown command 'swep'; did you mean 'sweep'?");
   refused("run s.toml s.toml", "one argument too many: 's.toml'; a call runs one scenario: call it once for each");
   refused("run s.toml --until abc", "--until abc: error: expected a time, not 'abc'; for example --until 2, or --until \"2 s\"");
   refused("run s.toml --until '3 kg'",
