@@ -143,7 +143,8 @@ void check_same_shapes(const io::Scenario& a, const io::Scenario& b) {
 std::vector<std::string> files(const std::string& folder, const std::set<std::string>& endings) {
   std::vector<std::string> all;
   for (const auto& entry : fs::recursive_directory_iterator(MOMENTREE_SOURCE_DIR "/" + folder))
-    if (endings.contains(entry.path().extension().string())) all.push_back(entry.path().string());
+    if (endings.contains(entry.path().extension().string()) && entry.path().parent_path().filename() != "sweeps")
+      all.push_back(entry.path().string());
   std::sort(all.begin(), all.end());
   return all;
 }
