@@ -104,6 +104,26 @@ int say_complete(const std::string& out, const SweepOptions& options) {
   return done;
 }
 
+// A complete sweep has nothing to give to other ranks.
+class NoWork final : public sweep::WorkSource {
+ public:
+  std::optional<sweep::Chunk> next() override { return std::nullopt; }
+  void finished(sweep::Chunk, std::string) override {}
+  bool complete() const override { return true; }
+  void give_again(sweep::Chunk) override {}
+};
+
+int conclude_complete(const sweep::Sweep& sweep, sweep::Communicator* ranks, const SweepOptions& options) {
+  const std::string out = sweep_destination(sweep, options);
+  if (ranks == nullptr) return say_complete(out, options);
+  NoWork none;
+  sweep::DistributeOptions how;
+  how.version = MOMENTREE_VERSION, how.work = sweep.hash;
+  how.conclude = [&](sweep::Ending, const std::exception_ptr&) { return say_complete(out, options); };
+  return distribute(
+      ranks, &none, [](sweep::Chunk) { return std::string(); }, how);
+}
+
 int threads_of(const SweepOptions& options, const sweep::Communicator* ranks) {
   if (options.jobs > 0) return options.jobs;
   return ranks != nullptr ? 1 : static_cast<int>(std::max(std::thread::hardware_concurrency(), 1u));
@@ -137,8 +157,8 @@ int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const Sweep
   const InterruptGuard guard;  // before there is a folder that would be left behind
   SweepOutput output(sweep, options);
   if (output.found() > 0 && !options.quiet)
-    show(stderr,
-         printable(output.working()) + format(": goes on after %llu worlds\n", static_cast<unsigned long long>(output.found())));
+    show(stderr, printable(output.working()) +
+                     format(": continues after %llu worlds\n", static_cast<unsigned long long>(output.found())));
   std::atomic<bool> cancel = false, stop = false;
   const sweep::ScenarioWorlds worlds(sweep, &cancel);
   const int threads = threads_of(options, ranks);
@@ -146,7 +166,7 @@ int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const Sweep
   SweepLine line(sweep.worlds(), !options.quiet && errors_on_terminal());
   const auto start = std::chrono::steady_clock::now();
   const auto keep = [&] {
-    show(stderr, "the results so far are kept in " + printable(output.working()) + "; the same command goes on from them\n");
+    show(stderr, "the results so far are kept in " + printable(output.working()) + "; the same command continues from them\n");
   };
   sweep::DistributeOptions how;
   how.threads = threads;
@@ -206,12 +226,8 @@ int sweep(const SweepOptions& options) {
   const sweep::Sweep& all = *read.sweep;
   if (options.world) return run_one_world(all, options);
   if (!first) return work_for_others(all, *ranks, options);
-  if (const std::string out = sweep_destination(all, options);
-      options.resume && !options.restart && is_complete_sweep(all, out)) {
-    const int code = say_complete(out, options);
-    if (ranks) ranks->abort(code);
-    return code;
-  }
+  if (options.resume && !options.restart && is_complete_sweep(all, sweep_destination(all, options)))
+    return conclude_complete(all, ranks.get(), options);
   return run_sweep(all, ranks.get(), options);
 }
 

@@ -89,7 +89,7 @@ SweepOutput::SweepOutput(const sweep::Sweep& sweep, const SweepOptions& options)
     const bool same_form = journal_->identity().worlds == wanted.worlds && journal_->identity().measures == wanted.measures;
     if (!why.empty() && !(options.accept_changes && same_form))
       throw_error({why, folder_->working().string(),
-                   std::string("--restart discards them") + (same_form ? ", and --accept-changes goes on from them" : "")});
+                   std::string("--restart discards them") + (same_form ? ", and --accept-changes continues from them" : "")});
     for (const Journal::Entry& entry : journal_->entries()) found_ += entry.chunk.count;
     folder_->keep();
     return;
@@ -107,7 +107,7 @@ SweepOutput::SweepOutput(const sweep::Sweep& sweep, const SweepOptions& options)
   folder_->keep();
 }
 
-void SweepOutput::write_tables(std::vector<std::string>& files) {
+void SweepOutput::write_tables() {
   for (const char* name : {"worlds.csv", "failures.jsonl", "worlds.jsonl"}) folder_->remove(name);  // of a run that was killed
   const sweep::RowWriter writer(sweep_);
   io::TextFile worlds(folder_->file("worlds.csv")), failures(folder_->file("failures.jsonl"));
@@ -132,7 +132,6 @@ void SweepOutput::write_tables(std::vector<std::string>& files) {
   failures.close(true);
   if (lines) lines->close(true);
   folder_->write("sweep.json", summary_->json());
-  files = {"worlds.csv", "failures.jsonl", "sweep.json"};
 }
 
 void SweepOutput::write_hdf5() {
@@ -169,9 +168,9 @@ void SweepOutput::write_hdf5() {
     for (const sweep::ParameterColumn& column : varied) {
       io::ColumnValues& cells = values[c++];
       if (column.is_text)
-        std::get<std::vector<std::string>>(cells).push_back(parameter_text(sweep_, column, row.values));
+        std::get<std::vector<std::string>>(cells).push_back(parameter_text(column, row.values));
       else
-        std::get<std::vector<double>>(cells).push_back(parameter_number(sweep_, column, row.values));
+        std::get<std::vector<double>>(cells).push_back(parameter_number(column, row.values));
     }
     for (std::size_t m = 0; m < sweep_.measures.size(); ++m) {
       const double x = row.result.done() ? row.result.measures[m] : NAN;
@@ -230,8 +229,7 @@ std::vector<std::string> SweepOutput::publish(bool report) {
     folder_->remove_all();
     return {};
   }
-  std::vector<std::string> files;
-  write_tables(files);
+  write_tables();
   if (report) write_report();
   std::vector<std::string> warnings = folder_->publish();
   ::unlink((fs::path(out_) / journal_name).c_str());  // last: until here the results could be made again from it

@@ -33,7 +33,7 @@ class SweepOutput {
 
  private:
   bool in_one_file() const { return out_.ends_with(".h5"); }
-  void write_tables(std::vector<std::string>& files);
+  void write_tables();
   void write_hdf5();
   void write_report();
 

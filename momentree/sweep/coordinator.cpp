@@ -26,15 +26,14 @@ Coordinator::Coordinator(Journal& journal, CoordinatorOptions options) : journal
 
 std::uint64_t Coordinator::chunk_size() const {
   const auto workers = static_cast<std::uint64_t>(std::max(options_.workers, 1));
-  std::uint64_t size = options_.multiple;
+  std::uint64_t size = 1;
   if (const std::uint64_t now = done_ - before_; now > 0) {
     const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
     const double fitting = options_.seconds * static_cast<double>(now) / std::max(elapsed * static_cast<double>(workers), 1e-9);
     size = fitting < static_cast<double>(options_.largest) ? static_cast<std::uint64_t>(fitting) : options_.largest;
   }
   size = std::min(size, ungiven_ / (3 * workers) + 1);
-  size = std::clamp<std::uint64_t>(size, 1, options_.largest);
-  return (size + options_.multiple - 1) / options_.multiple * options_.multiple;
+  return std::clamp<std::uint64_t>(size, 1, options_.largest);
 }
 
 std::optional<Chunk> Coordinator::next() {

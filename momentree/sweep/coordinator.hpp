@@ -15,7 +15,6 @@ namespace momentree::sweep {
 
 struct CoordinatorOptions {
   int workers = 1;               ///< about how many work at once
-  std::uint64_t multiple = 1;    ///< chunks have a multiple of this many worlds where possible: the lanes of a batch
   double seconds = 0.25;         ///< about how long a chunk should take
   std::uint64_t largest = 4096;  ///< worlds in a chunk
 };

@@ -147,8 +147,7 @@ void Journal::append(Chunk chunk, std::string_view bytes) {
   record += bytes;
   std::size_t written = 0;
   if (const std::error_code error = io::write_all(file_, record, written)) {
-    if (!io::cut(file_, size_)) {  // the incomplete record is recognised by its checksum
-    }
+    io::cut(file_, size_);  // if this fails, the incomplete record is recognised by its checksum
     io::fail_with_reason("cannot write this file", path_, error);
   }
   entries_.push_back({chunk, size_ + record_size, static_cast<std::uint32_t>(bytes.size()), crc});

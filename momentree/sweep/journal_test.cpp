@@ -1,10 +1,10 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <string>
 
 #include <momentree/base/error.hpp>
+#include <momentree/io/test_support.hpp>
 #include <momentree/io/text_file.hpp>
 #include <momentree/sweep/checksum.hpp>
 #include <momentree/sweep/coordinator.hpp>
@@ -15,11 +15,8 @@ using namespace momentree::sweep;
 
 namespace {
 
-struct Folder {
-  std::string path = (std::filesystem::temp_directory_path() / "momentree-journal-XXXXXX").string();
-  Folder() { REQUIRE(mkdtemp(path.data()) != nullptr); }
-  ~Folder() { std::filesystem::remove_all(path); }
-  std::string file() const { return path + "/journal"; }
+struct Folder : momentree::io::test::TemporaryFolder {
+  std::string file() const { return *this / "journal"; }
 };
 
 const JournalIdentity identity{"1.2.3", "0123456789abcdef", 100, 2};
@@ -135,7 +132,7 @@ TEST_CASE("the coordinator gives each missing world once, in chunks with results
     journal.append({90, 10}, worlds({90, 10}));
   }
   Journal journal = Journal::open(folder.file());
-  Coordinator work(journal, {.workers = 2, .multiple = 4});
+  Coordinator work(journal, {.workers = 2});
   std::vector<int> given(100);
   std::optional<Chunk> lost;
   while (const std::optional<Chunk> chunk = work.next()) {

@@ -1,10 +1,9 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <string>
 
+#include <momentree/io/test_support.hpp>
 #include <momentree/io/text_file.hpp>
 #include <momentree/sweep/read_sweep.hpp>
 #include <momentree/sweep/scenario_worlds.hpp>
@@ -13,7 +12,7 @@ using namespace momentree::sweep;
 
 namespace {
 
-// A ball thrown upwards, which breaks free of a weld to a light cart at 0.25 s.
+// A ball thrown upwards, which is pushed at 0.25 s.
 const std::string ball = R"(format = 1
 [world]
 gravity = [0, -10, 0]
@@ -36,13 +35,9 @@ until = 1
 every = 0.1
 )";
 
-struct Folder {
-  std::string path = (std::filesystem::temp_directory_path() / "momentree-sweep-XXXXXX").string();
-  Folder() {
-    REQUIRE(mkdtemp(path.data()) != nullptr);
-    momentree::io::write_text_file(path + "/ball.toml", ball);
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
+struct Folder : momentree::io::test::TemporaryFolder {
+  Folder() { momentree::io::write_text_file(*this / "ball.toml", ball); }
+  std::string sweep() const { return *this / "s.toml"; }
 };
 
 std::string sweep_text(const std::string& vary, const std::string& measure, const std::string& more = "worlds = 8\nseed = 3\n") {
@@ -75,7 +70,7 @@ TEST_CASE("measures of a thrown ball have their closed forms") {
                                  "kicks = { count = \"kick\" }\n"
                                  "second = { time_of = \"kick\", number = 2 }\n"
                                  "work = { event = \"kick\", value = \"work\" }\n"),
-                      folder.path + "/s.toml");
+                      folder.sweep());
   CAPTURE(said(read));
   REQUIRE(read.sweep);
   const Sweep& sweep = *read.sweep;
@@ -108,12 +103,12 @@ TEST_CASE("measures of a thrown ball have their closed forms") {
 TEST_CASE("a world ends after the event of [stop], and one with too many steps fails") {
   const Folder folder;
   const std::string text = sweep_text("\"mechanism.m.body.ball.mass\" = [1, 2]", "t = { final = \"time\" }", "");
-  const ReadSweep ends = read_sweep_text(text + "[stop]\nafter = \"kick\"\n", folder.path + "/s.toml");
+  const ReadSweep ends = read_sweep_text(text + "[stop]\nafter = \"kick\"\n", folder.sweep());
   CAPTURE(said(ends));
   REQUIRE(ends.sweep);
   CHECK(ends.sweep->worlds() == 2);
   CHECK(ScenarioWorlds(*ends.sweep).run(1).measures == std::vector<double>{0.25});
-  const ReadSweep fails = read_sweep_text(text + "[stop]\nsteps = 50\n", folder.path + "/s.toml");
+  const ReadSweep fails = read_sweep_text(text + "[stop]\nsteps = 50\n", folder.sweep());
   REQUIRE(fails.sweep);
   CHECK(ScenarioWorlds(*fails.sweep).run(0).failure == "more than 50 steps, the limit of [stop]");
 }
@@ -124,7 +119,7 @@ TEST_CASE("values are written into the scenario with their units") {
       sweep_text(
           "\"mechanism.m.state.velocity.linear.1\" = { normal = [\"400 cm/s\", \"10 cm/s\"], within = [\"3 m/s\", \"5 m/s\"] }",
           "y = { final = \"m/ball.y\" }"),
-      folder.path + "/s.toml");
+      folder.sweep());
   CHECK(!read.sweep);
   CHECK(said(read) ==
         "s.toml:6:87: error: within: two units, 'cm/s' and 'm/s'; give all numbers of a parameter the same unit\n"
@@ -133,7 +128,7 @@ TEST_CASE("values are written into the scenario with their units") {
       sweep_text(
           "\"mechanism.m.body.ball.mass\" = { latin = [\"500 g\", \"1500 g\"] }\n\"integrate.method\" = [\"rk4\", \"midpoint\"]",
           "y = { final = \"m/ball.y\" }"),
-      folder.path + "/s.toml");
+      folder.sweep());
   CAPTURE(said(good));
   REQUIRE(good.sweep);
   const std::vector<std::string> overrides = good.sweep->overrides(0);
@@ -148,7 +143,7 @@ TEST_CASE("mistakes in a sweep name their line and how to mend them") {
   const std::string vary = "\"event.kick.at\" = { uniform = [0.1, 0.4] }", measure = "x = { final = \"m/ball.x\" }";
   const auto check = [&](const std::string& text, const std::string& expected) {
     CAPTURE(text);
-    const ReadSweep read = read_sweep_text(text, folder.path + "/s.toml");
+    const ReadSweep read = read_sweep_text(text, folder.sweep());
     CHECK(!read.sweep);
     CHECK(said(read) == expected);
   };

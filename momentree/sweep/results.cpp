@@ -70,7 +70,7 @@ void RowWriter::csv(const Row& row, std::string& text) const {
   text += std::to_string(row.world);
   for (const ParameterColumn& column : columns_) {
     text += ',';
-    append_field(text, parameter_text(sweep_, column, row.values));
+    append_field(text, parameter_text(column, row.values));
   }
   for (std::size_t m = 0; m < sweep_.measures.size(); ++m) {
     text += ',';
@@ -89,9 +89,9 @@ void RowWriter::csv(const Row& row, std::string& text) const {
 void RowWriter::varied_json(const Row& row, io::JsonWriter& json) const {
   for (const ParameterColumn& column : columns_) {
     if (column.is_text)
-      json.member(column.name, parameter_text(sweep_, column, row.values));
+      json.member(column.name, parameter_text(column, row.values));
     else
-      json.member(column.name, parameter_number(sweep_, column, row.values));
+      json.member(column.name, parameter_number(column, row.values));
   }
 }
 

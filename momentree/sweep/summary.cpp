@@ -37,7 +37,7 @@ SweepSummary::SweepSummary(const Sweep& sweep)
 void SweepSummary::add(const Row& row) {
   std::vector<double> numbers;
   numbers.reserve(statistics_.columns());
-  for (const ParameterColumn& column : columns_) numbers.push_back(parameter_number(sweep_, column, row.values));
+  for (const ParameterColumn& column : columns_) numbers.push_back(parameter_number(column, row.values));
   for (std::size_t m = 0; m < sweep_.measures.size(); ++m) numbers.push_back(row.result.done() ? row.result.measures[m] : NAN);
   statistics_.add(row.world, numbers);
   if (row.result.done()) {
@@ -136,7 +136,7 @@ void SweepSummary::write_values(io::JsonWriter& json, const std::vector<std::vec
     for (std::size_t i = 0; i < worlds.size(); i += stride) {
       if (text) {
         sweep_.plan->values(worlds[i], values);
-        json.value(parameter_text(sweep_, columns_[c], values));
+        json.value(parameter_text(columns_[c], values));
       } else if (flag && !std::isnan(sample[c][i])) {
         json.value(sample[c][i] != 0);
       } else {

@@ -20,12 +20,6 @@ std::string toml_number(double value, const std::string& unit) {
 
 std::size_t index_of(double choice) { return static_cast<std::size_t>(choice); }
 
-// The text of a string, without its quotes; other values as they are written.
-std::string without_quotes(const std::string& toml) {
-  const std::optional<Value> value = io::parse_toml_value(toml, {});
-  return value && value->string() ? *value->string() : toml;
-}
-
 }  // namespace
 
 std::string override_text(const Parameter& parameter, std::span<const double> components) {
@@ -49,21 +43,21 @@ std::vector<std::string> Sweep::overrides(std::uint64_t world) const {
   return all;
 }
 
-double number_of_choice(const std::string& choice) {
-  const std::optional<Value> value = io::parse_toml_value(choice, {});
-  const std::optional<double> number = value ? value->number() : std::nullopt;
-  return number.value_or(std::numeric_limits<double>::quiet_NaN());
-}
-
 std::vector<ParameterColumn> parameter_columns(const Sweep& sweep) {
   std::vector<ParameterColumn> all;
   std::size_t at = 0;
   for (std::size_t p = 0; p < sweep.parameters.size(); ++p) {
     const Parameter& parameter = sweep.parameters[p];
     for (std::size_t c = 0; c < parameter.components; ++c) {
-      ParameterColumn column{parameter.key, p, at + c, false};
+      ParameterColumn column{.name = parameter.key, .parameter = p, .component = at + c};
       if (parameter.vector) column.name += '.' + std::to_string(c);
-      for (const std::string& choice : parameter.choices) column.is_text = column.is_text || std::isnan(number_of_choice(choice));
+      for (const std::string& choice : parameter.choices) {
+        const std::optional<Value> value = io::parse_toml_value(choice, {});
+        const std::optional<double> number = value ? value->number() : std::nullopt;
+        column.is_text = column.is_text || !number;
+        column.numbers.push_back(number.value_or(std::numeric_limits<double>::quiet_NaN()));
+        column.texts.push_back(value && value->string() ? *value->string() : choice);
+      }
       all.push_back(std::move(column));
     }
     at += parameter.components;
@@ -71,19 +65,15 @@ std::vector<ParameterColumn> parameter_columns(const Sweep& sweep) {
   return all;
 }
 
-std::string parameter_text(const Sweep& sweep, const ParameterColumn& column, std::span<const double> values) {
-  const Parameter& parameter = sweep.parameters[column.parameter];
+std::string parameter_text(const ParameterColumn& column, std::span<const double> values) {
   const double value = values[column.component];
-  if (parameter.choices.empty()) return io::number_text(value);
-  const std::string& choice = parameter.choices[index_of(value)];
-  return column.is_text ? without_quotes(choice) : io::number_text(number_of_choice(choice));
+  return column.is_text ? column.texts[index_of(value)] : io::number_text(parameter_number(column, values));
 }
 
-double parameter_number(const Sweep& sweep, const ParameterColumn& column, std::span<const double> values) {
-  const Parameter& parameter = sweep.parameters[column.parameter];
+double parameter_number(const ParameterColumn& column, std::span<const double> values) {
   const double value = values[column.component];
-  if (parameter.choices.empty()) return value;
-  return column.is_text ? std::numeric_limits<double>::quiet_NaN() : number_of_choice(parameter.choices[index_of(value)]);
+  if (column.is_text) return std::numeric_limits<double>::quiet_NaN();
+  return column.numbers.empty() ? value : column.numbers[index_of(value)];
 }
 
 }  // namespace momentree::sweep

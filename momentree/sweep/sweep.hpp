@@ -55,17 +55,17 @@ struct Sweep {
 
 /// A column of the varied values: a parameter, or one component of it.
 struct ParameterColumn {
-  std::string name;           ///< the key, and ".0" … for the components of a vector
-  std::size_t parameter = 0;  ///< its place in Sweep::parameters
-  std::size_t component = 0;  ///< its place in the values of the plan
-  bool is_text = false;       ///< a list with entries that are not numbers
+  std::string name;                  ///< the key, and ".0" … for the components of a vector
+  std::size_t parameter = 0;         ///< its place in Sweep::parameters
+  std::size_t component = 0;         ///< its place in the values of the plan
+  bool is_text = false;              ///< a list with entries that are not numbers
+  std::vector<double> numbers{};     ///< of the entries of a list; NaN for entries that are not numbers
+  std::vector<std::string> texts{};  ///< of the entries of a list, strings without quotes
 };
 std::vector<ParameterColumn> parameter_columns(const Sweep& sweep);
-/// The value of a parameter that is a list of numbers; NaN for other entries.
-double number_of_choice(const std::string& choice);
 /// The cell of a table for that column: a number, or the entry of a list as text.
-std::string parameter_text(const Sweep& sweep, const ParameterColumn& column, std::span<const double> values);
+std::string parameter_text(const ParameterColumn& column, std::span<const double> values);
 /// The same as a number; NaN for text.
-double parameter_number(const Sweep& sweep, const ParameterColumn& column, std::span<const double> values);
+double parameter_number(const ParameterColumn& column, std::span<const double> values);
 
 }  // namespace momentree::sweep

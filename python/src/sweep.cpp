@@ -197,9 +197,9 @@ nb::dict columns(const SweepObject& self, nb::handle given) {
     sweep.plan->values(rows[row], values);
     for (std::size_t c = 0; c < all.size(); ++c) {
       if (numbers[c] != nullptr)
-        numbers[c][row] = parameter_number(sweep, all[c], values);
+        numbers[c][row] = parameter_number(all[c], values);
       else
-        texts[c].append(parameter_text(sweep, all[c], values));
+        texts[c].append(parameter_text(all[c], values));
     }
   }
   return found;
