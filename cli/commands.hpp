@@ -29,6 +29,7 @@ int run(const RunOptions& options);
 struct SweepOptions {
   std::string file;
   std::string out;                     ///< empty: as the sweep says, or results/<sweep's name>
+  std::string lanes = "auto";          ///< see sweep::lanes_of()
   int jobs = 0;                        ///< threads; 0: as many as the machine has, or 1 per rank under MPI
   std::optional<std::uint64_t> world;  ///< run this world alone, with all results
   bool resume = false, restart = false, accept_changes = false;

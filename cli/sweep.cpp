@@ -18,6 +18,7 @@
 #include <momentree/sweep/launch.hpp>
 #include <momentree/sweep/read_sweep.hpp>
 #include <momentree/sweep/scenario_worlds.hpp>
+#include <momentree/sweep/world_run.hpp>
 
 namespace momentree::cli {
 
@@ -132,10 +133,11 @@ int threads_of(const SweepOptions& options, const sweep::Communicator* ranks) {
 // Another rank: computes what the first one gives it.
 int work_for_others(const sweep::Sweep& sweep, sweep::Communicator& ranks, const SweepOptions& options) {
   std::atomic<bool> cancel = false;
-  const sweep::ScenarioWorlds worlds(sweep, &cancel);
+  const sweep::Lanes lanes = lanes_for(sweep, sweep::lanes_of(options.lanes));
+  const sweep::ScenarioWorlds worlds(sweep, lanes, &cancel);
   sweep::DistributeOptions how;
   how.threads = threads_of(options, &ranks);
-  how.version = MOMENTREE_VERSION, how.work = sweep.hash;
+  how.version = sweep::program_text(lanes), how.work = sweep.hash;
   how.cancel = &cancel;
   return distribute(
       &ranks, nullptr, [&worlds](sweep::Chunk chunk) { return worlds.run(chunk); }, how);
@@ -155,14 +157,15 @@ void report_failure(const std::exception_ptr& failure) {
 
 int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const SweepOptions& options) {
   const InterruptGuard guard;  // before there is a folder that would be left behind
-  SweepOutput output(sweep, options);
+  const sweep::Lanes lanes = lanes_for(sweep, sweep::lanes_of(options.lanes));
+  SweepOutput output(sweep, lanes, options);
   if (output.found() > 0 && !options.quiet)
     show(stderr, printable(output.working()) +
                      format(": continues after %llu worlds\n", static_cast<unsigned long long>(output.found())));
   std::atomic<bool> cancel = false, stop = false;
-  const sweep::ScenarioWorlds worlds(sweep, &cancel);
+  const sweep::ScenarioWorlds worlds(sweep, lanes, &cancel);
   const int threads = threads_of(options, ranks);
-  Coordinator work(output.journal(), {.workers = threads * (ranks != nullptr ? ranks->size() : 1)});
+  Coordinator work(output.journal(), {.workers = threads * (ranks != nullptr ? ranks->size() : 1), .multiple = worlds.at_once()});
   SweepLine line(sweep.worlds(), !options.quiet && errors_on_terminal());
   const auto start = std::chrono::steady_clock::now();
   const auto keep = [&] {
@@ -170,7 +173,7 @@ int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const Sweep
   };
   sweep::DistributeOptions how;
   how.threads = threads;
-  how.version = MOMENTREE_VERSION, how.work = sweep.hash;
+  how.version = sweep::program_text(lanes), how.work = sweep.hash;
   how.stop = &stop, how.cancel = &cancel;
   how.progress = [&] {
     if (InterruptGuard::interrupted()) stop = cancel = true;

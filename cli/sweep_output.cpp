@@ -27,8 +27,8 @@ constexpr const char* journal_name = "sweep.journal";
 constexpr std::size_t rows_at_once = 4096;
 constexpr std::size_t animated_ends = 3;  // worlds with a page of their own, at each end of each measure
 
-sweep::JournalIdentity identity_of(const sweep::Sweep& sweep) {
-  return {MOMENTREE_VERSION, sweep.hash, sweep.worlds(), sweep.measures.size()};
+sweep::JournalIdentity identity_of(const sweep::Sweep& sweep, sweep::Lanes lanes) {
+  return {sweep::program_text(lanes), sweep.hash, sweep.worlds(), sweep.measures.size()};
 }
 
 // Why a journal does not belong to the sweep; empty if it does.
@@ -39,7 +39,7 @@ std::string difference(const sweep::JournalIdentity& found, const sweep::Journal
            std::to_string(found.measures) + " measures";
   if (found.hash != wanted.hash)
     return "this folder has the unfinished results of another sweep, or of one that has been changed";
-  return "this folder has unfinished results of version " + found.version + ", and this is " + wanted.version;
+  return "this folder has unfinished results of version " + found.version + ", and this is version " + wanted.version;
 }
 
 std::vector<std::string> files_of(const sweep::Sweep& sweep, const SweepOptions& options) {
@@ -72,7 +72,7 @@ bool is_complete_sweep(const sweep::Sweep& sweep, const std::string& out) {
   }
 }
 
-SweepOutput::SweepOutput(const sweep::Sweep& sweep, const SweepOptions& options)
+SweepOutput::SweepOutput(const sweep::Sweep& sweep, sweep::Lanes lanes, const SweepOptions& options)
     : sweep_(sweep), out_(sweep_destination(sweep, options)) {
   std::error_code ignored;
   if (in_one_file()) {
@@ -82,7 +82,7 @@ SweepOutput::SweepOutput(const sweep::Sweep& sweep, const SweepOptions& options)
   }
   folder_.emplace(in_one_file() ? out_ + ".sweep" : out_, in_one_file() ? std::vector<std::string>() : files_of(sweep, options),
                   true, io::ResultDirectory::Earlier::kept);
-  const sweep::JournalIdentity wanted = identity_of(sweep);
+  const sweep::JournalIdentity wanted = identity_of(sweep, lanes);
   if (folder_->has(journal_name) && !options.restart) {
     journal_.emplace(Journal::open((folder_->working() / journal_name).string()));
     const std::string why = difference(journal_->identity(), wanted);

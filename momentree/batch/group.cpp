@@ -27,8 +27,6 @@ bool equal_lists(const List& a, const List& b, Equal equal) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), equal);
 }
 
-[[noreturn]] void refuse(const char* what, const char* hint) { throw_error({what, "", hint}); }
-
 }  // namespace
 
 bool same(const Topology& a, const Topology& b) noexcept {
@@ -63,15 +61,22 @@ std::size_t key_of(const Topology& topology) noexcept {
   return static_cast<std::size_t>(key);
 }
 
-void check(const Tree& tree) {
+std::optional<Unsupported> unsupported(const Tree& tree) noexcept {
   if (!tree.body_forces().empty() || !tree.body_functions().empty())
-    refuse("batches do not support forces on bodies", "use efforts in joints, or a Simulation for each world");
-  if (tree.has_functions()) refuse("batches do not support functions as drives", "set efforts between steps: Batch::set_effort");
+    return Unsupported{"batches do not support forces on bodies", "use efforts in joints, or a Simulation for each world"};
+  if (tree.has_functions())
+    return Unsupported{"batches do not support functions as drives", "set efforts between steps: Batch::set_effort"};
   if (!tree.strength_joints().empty())
-    refuse("batches do not support joint strengths", "leave them out and apply Break, or use a Simulation for each world");
+    return Unsupported{"batches do not support joint strengths",
+                       "leave them out and apply Break, or use a Simulation for each world"};
   for (const int b : tree.order())
     if (tree.parameters(b) != nullptr && tree.parameters(b)->limits.hard())
-      refuse("batches do not support hard stops", "give the limits a stiffness, or use a Simulation for each world");
+      return Unsupported{"batches do not support hard stops", "give the limits a stiffness, or use a Simulation for each world"};
+  return std::nullopt;
+}
+
+void check(const Tree& tree) {
+  if (const std::optional<Unsupported> why = unsupported(tree)) throw_error({why->problem, "", why->hint});
 }
 
 Group::Group(Topology topology, const Tree& tree, int lanes)

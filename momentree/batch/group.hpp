@@ -1,5 +1,6 @@
 #pragma once
 // The worlds of a batch with one topology, packed into blocks of lanes.
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,7 +15,12 @@ std::size_t key_of(const Topology& topology) noexcept;
 bool same(const Topology& a, const Topology& b) noexcept;
 /// Removes changes that restored declared joints, which are those of `declared`.
 void simplify(Topology& topology, const Tree& declared);
-/// Throws Error if the tree has features that batches do not support.
+/// A feature of the tree that batches do not support.
+struct Unsupported {
+  const char *problem, *hint;
+};
+std::optional<Unsupported> unsupported(const Tree& tree) noexcept;
+/// Throws Error if there is one.
 void check(const Tree& tree);
 
 /// An extra effort of one world: on one DoF of a joint, by the joint's number (N m, N).

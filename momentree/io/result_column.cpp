@@ -141,4 +141,8 @@ double ResultColumn::value(const Simulation& simulation) const {
   return turned ? -numbers[place_] : numbers[place_];
 }
 
+bool ResultColumn::of_ledger() const {
+  return of_ == Of::energy && (name_ == "dissipated" || name_ == "work" || name_ == "error");
+}
+
 }  // namespace momentree::io

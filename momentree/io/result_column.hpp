@@ -22,6 +22,8 @@ class ResultColumn {
   /// The number in the present state; NaN if the body or the joint, or its coordinate, does not exist. Quaternions have the sign
   /// with w >= 0.
   double value(const Simulation& simulation) const;
+  /// Whether it is a number of the energy ledger: energy dissipated, work of forces, error of the balance.
+  bool of_ledger() const;
 
  private:
   enum class Of { time, body, joint, energy };

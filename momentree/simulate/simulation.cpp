@@ -158,6 +158,41 @@ void Simulation::set_gravity(Vec3 gravity) {
   impl.recover();
 }
 
+// The energy that bodies bring into the world and take out of it is work; the event's certificate states it.
+template <class Act>
+void Simulation::Impl::populate(const char* what, const std::string& body, Act act) {
+  settle();
+  continues = false;
+  const During working(doing, Doing::working);
+  Event event;
+  event.time = world.time();
+  event.name = what;
+  const Membership members(world);
+  const std::vector<JointId> joints = present_joints(world);
+  std::vector<std::string> names;
+  for (const JointId joint : joints) names.emplace_back(world.joint_name(joint));
+  event.mechanisms_before = world.mechanism_names();
+  event.before = world.totals();
+  std::optional<SimulationSnapshot> past;
+  if (keeps_history) past = snapshot();
+  act();  // throws if nothing happened
+  if (past) history.push_back({events.size(), std::move(*past), {}});
+  method = new_method();
+  evaluate_state();
+  event.after = world.totals();
+  event.mechanisms_after = world.mechanism_names();
+  event.work = event.after.kinetic + event.after.potential - event.before.kinetic - event.before.potential;
+  event.actions = {{what, body, {}, body, {}, {}}};
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    if (world.tree().carrier(joints[i].index) < 0) event.topology.gone.push_back(std::move(names[i]));
+  if (world.tree().bodies() > members.bodies()) event.topology.joints.push_back(joint_record(world, {world.tree().bodies() - 1}));
+  event.topology.moved = members.moved(Membership(world));
+  balance.work += event.work;
+  events.push_back(std::move(event));
+  queue.forget_looks();
+  resolve_limits();
+}
+
 DryRun Simulation::dry_run() { return changing().dry_run(); }
 BodyId Simulation::add(BodySpec spec) {
   const std::string name = spec.name;
@@ -203,9 +238,7 @@ RunResult Simulation::run_until(double time) {
   if (time == HUGE_VAL && !impl.observer && !impl.watcher)
     throw_error(
         {"nothing ends a run with infinite end time", "", "give it an observer or a watcher that eventually returns false"});
-  const Status status = impl.run(time);
-  const bool explained = status != Status::ok && status != Status::interrupted;
-  return impl.result = {status, explained ? impl.message : std::string()};
+  return impl.run(time);
 }
 RunResult Simulation::step(double dt) {
   const double now = changing().world.time();
@@ -233,6 +266,20 @@ void Simulation::use_generated(RatesProvider provider) {
   changing().generated = std::move(provider);
   impl_->asked_for.reset();
   impl_->evaluate.use(nullptr);
+}
+
+int Simulation::Impl::to_drive(std::string_view joint, bool function) const {
+  const int number = world.find_joint(joint);
+  if (number < 0) {
+    world.model().joint(joint);  // throws if it never existed
+    throw_error({"the joint '" + std::string(joint) + "' no longer exists", "", ""});
+  }
+  const JointView view = world.joint({number});
+  if (view.v.empty()) throw_error({"the joint '" + std::string(joint) + "' has no degree of freedom to drive", "", ""});
+  const JointDrive* drive = view.parameters != nullptr ? view.parameters->drive.get() : nullptr;
+  if (function && drive != nullptr && drive->moves())
+    throw_error({"the motion of joint '" + std::string(joint) + "' is prescribed", "", "remove its drive first"});
+  return number;
 }
 
 void Simulation::drive(std::string_view joint, std::function<double(const EvaluationContext&)> effort) {

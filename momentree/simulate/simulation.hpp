@@ -117,6 +117,7 @@ struct DryRun {
 /// functions that they share, as branches do, are then called from each of these threads.
 class Simulation {
   struct Impl;
+  friend class Lockstep;
 
  public:
   /// Compiles the model. Throws Error for an unknown method, a step or tolerance that is not positive, or a singular joint-space

@@ -106,6 +106,9 @@ struct Simulation::Impl {
 
   void evaluate_state() { evaluate(world.state_); }
 
+  // For steps made elsewhere.
+  State::Edit edit_state() { return world.state_.edit(); }
+
   // Exact; if the clock is already right, evaluated results stay valid.
   void set_time(double time) {
     if (world.time() != time) world.set_time(time);
@@ -121,23 +124,44 @@ struct Simulation::Impl {
     asked_for = world.tree_.revision();
   }
 
-  // One step that ends at `end`; a step of almost the full length takes the remainder, so that no tiny step follows.
-  bool step_towards(double end) {
+  // Where the steps up to `end` or to the next bend really end.
+  struct Leg {
+    double end;     // the time then is set to this (s)
+    double target;  // steps end here
+  };
+  Leg leg_to(double end) const {
     const double bend = world.next_bend(world.time());
     end = std::min(end, bend);
-    const double left = (end < bend || end == HUGE_VAL ? end : just_before(end)) - world.time();
-    if (left <= 0) {
+    return {end, end < bend || end == HUGE_VAL ? end : just_before(end)};
+  }
+  // The next step towards a target; a step of almost the full length takes the remainder, so that no tiny step follows.
+  struct NextStep {
+    double h;   // s; not positive: too short to move the clock
+    bool last;  // it ends at the target
+  };
+  NextStep step_from(double time, double target) const {
+    const double left = target - time, usual = method->next_step(left);
+    // The state must advance by exactly the rounded advance of the clock: otherwise the two drift apart by up to an ulp of the
+    // time per step, always in the same direction.
+    return usual == left ? NextStep{left, true} : NextStep{(time + usual) - time, false};
+  }
+  void note_short_step(double target) {
+    const double usual = method->next_step(target - world.time());
+    message = no_progress_at(world.time()) + "a step of " + detail::text(usual) + " s is too short to move the clock";
+    stalled = true;
+  }
+
+  // One step towards `end`.
+  bool step_towards(double end) {
+    const Leg leg = leg_to(end);
+    end = leg.end;
+    if (leg.target <= world.time()) {
       set_time(end);
       return true;
     }
-    const double usual = method->next_step(left);
-    const bool last = usual == left;
-    // The state must advance by exactly the rounded advance of the clock: otherwise the two drift apart by up to an ulp of the
-    // time per step, always in the same direction.
-    const double h = last ? left : (world.time() + usual) - world.time();
+    const auto [h, last] = step_from(world.time(), leg.target);
     if (!(h > 0)) {
-      message = no_progress_at(world.time()) + "a step of " + detail::text(usual) + " s is too short to move the clock";
-      stalled = true;
+      note_short_step(leg.target);
       return false;
     }
     ask_for_generated();
@@ -172,20 +196,8 @@ struct Simulation::Impl {
     return true;
   }
 
-  // The number of a joint that a function may drive, or an error.
-  int to_drive(std::string_view joint, bool function) const {
-    const int number = world.find_joint(joint);
-    if (number < 0) {
-      world.model().joint(joint);  // throws if it never existed
-      throw_error({"the joint '" + std::string(joint) + "' no longer exists", "", ""});
-    }
-    const JointView view = world.joint({number});
-    if (view.v.empty()) throw_error({"the joint '" + std::string(joint) + "' has no degree of freedom to drive", "", ""});
-    const JointDrive* drive = view.parameters != nullptr ? view.parameters->drive.get() : nullptr;
-    if (function && drive != nullptr && drive->moves())
-      throw_error({"the motion of joint '" + std::string(joint) + "' is prescribed", "", "remove its drive first"});
-    return number;
-  }
+  /// The number of a joint that a function may drive; throws Error.
+  int to_drive(std::string_view joint, bool function) const;
 
   std::size_t schedule(EventQueue::Entry entry) {
     continues = false;
@@ -308,41 +320,9 @@ struct Simulation::Impl {
     return true;
   }
 
-  // The energy that bodies bring into the world and take out of it is work; the event's certificate states it.
+  /// Runs `act`, which adds or removes bodies, and records it as an event named `what`.
   template <class Act>
-  void populate(const char* what, const std::string& body, Act act) {
-    settle();
-    continues = false;
-    const During working(doing, Doing::working);
-    Event event;
-    event.time = world.time();
-    event.name = what;
-    const Membership members(world);
-    const std::vector<JointId> joints = present_joints(world);
-    std::vector<std::string> names;
-    for (const JointId joint : joints) names.emplace_back(world.joint_name(joint));
-    event.mechanisms_before = world.mechanism_names();
-    event.before = world.totals();
-    std::optional<SimulationSnapshot> past;
-    if (keeps_history) past = snapshot();
-    act();  // throws if nothing happened
-    if (past) history.push_back({events.size(), std::move(*past), {}});
-    method = new_method();
-    evaluate_state();
-    event.after = world.totals();
-    event.mechanisms_after = world.mechanism_names();
-    event.work = event.after.kinetic + event.after.potential - event.before.kinetic - event.before.potential;
-    event.actions = {{what, body, {}, body, {}, {}}};
-    for (std::size_t i = 0; i < joints.size(); ++i)
-      if (world.tree().carrier(joints[i].index) < 0) event.topology.gone.push_back(std::move(names[i]));
-    if (world.tree().bodies() > members.bodies())
-      event.topology.joints.push_back(joint_record(world, {world.tree().bodies() - 1}));
-    event.topology.moved = members.moved(Membership(world));
-    balance.work += event.work;
-    events.push_back(std::move(event));
-    queue.forget_looks();
-    resolve_limits();
-  }
+  void populate(const char* what, const std::string& body, Act act);
 
   DryRun dry_run();
 
@@ -433,27 +413,40 @@ struct Simulation::Impl {
     return why ? Status::stalled : Status::ok;
   }
 
-  Status run(double until) {
-    settle();
-    if (diverged) return Status::diverged;
+  // A run: start_run(), then to each instant of next_end() by steps that finish_step() follows, then end_run().
+  Status start_run(double until) {
     stalled = false;
-    const During working(doing, Doing::working);
     lap = Clock::now();
-    Status status = std::exchange(continues, false) ? note_progress(until) : begin_run();
-    while (status == Status::ok && world.time() < until) {
-      double end = std::min(until, queue.next_time());
-      if (observer && every > 0) end = std::min(end, next_look);
-      if (!step_towards(end)) {
-        status = stalled ? Status::stalled : Status::diverged;
-        break;
-      }
-      if (!happen_between_samples(status)) break;
-      status = look(false) && watched() ? note_progress(until) : Status::interrupted;
-    }
+    return std::exchange(continues, false) ? note_progress(until) : begin_run();
+  }
+  // The instant at which the next steps must end.
+  double next_end(double until) const {
+    const double end = std::min(until, queue.next_time());
+    return observer && every > 0 ? std::min(end, next_look) : end;
+  }
+  Status finish_step(double until) {
+    Status status = Status::ok;
+    if (!happen_between_samples(status)) return status;
+    return look(false) && watched() ? note_progress(until) : Status::interrupted;
+  }
+  Status advance(double until, Status status) {
+    while (status == Status::ok && world.time() < until)
+      status = step_towards(next_end(until)) ? finish_step(until) : stalled ? Status::stalled : Status::diverged;
+    return status;
+  }
+  RunResult end_run(Status status) {
     if (status != Status::interrupted && !look(true)) status = Status::interrupted;
     evaluate_state();
     book();
-    return status;
+    const bool explained = status != Status::ok && status != Status::interrupted;
+    return result = {status, explained ? message : std::string()};
+  }
+
+  RunResult run(double until) {
+    settle();
+    if (diverged) return result = {Status::diverged, message};
+    const During working(doing, Doing::working);
+    return end_run(advance(until, start_run(until)));
   }
 
   Integration integration;

@@ -33,7 +33,8 @@ std::uint64_t Coordinator::chunk_size() const {
     size = fitting < static_cast<double>(options_.largest) ? static_cast<std::uint64_t>(fitting) : options_.largest;
   }
   size = std::min(size, ungiven_ / (3 * workers) + 1);
-  return std::clamp<std::uint64_t>(size, 1, options_.largest);
+  size = std::clamp<std::uint64_t>(size, 1, options_.largest);
+  return (size + options_.multiple - 1) / options_.multiple * options_.multiple;
 }
 
 std::optional<Chunk> Coordinator::next() {

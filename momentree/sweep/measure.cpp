@@ -86,6 +86,14 @@ double event_value(const Event& event, std::string_view value) {
   return found != nullptr ? found->of(event) : NAN;
 }
 
+bool needs_ledger(const Measure& measure) {
+  const Source* source = nullptr;
+  if (const auto* fold = std::get_if<FoldMeasure>(&measure.what)) source = &fold->source;
+  if (const auto* instant = std::get_if<InstantMeasure>(&measure.what)) source = &instant->source;
+  const auto* column = source != nullptr ? std::get_if<io::ResultColumn>(source) : nullptr;
+  return column != nullptr && column->of_ledger();
+}
+
 double value_of(const Source& source, const Simulation& simulation) {
   if (const auto* column = std::get_if<io::ResultColumn>(&source)) return column->value(simulation);
   const World& world = simulation.world();

@@ -54,6 +54,9 @@ struct Measure {
   }
 };
 
+/// Whether a measure needs the energy ledger of the run.
+bool needs_ledger(const Measure& measure);
+
 /// The numbers of a certificate that a measure can name: "lost", "before.kinetic", "hardest.linear" …
 const std::vector<std::string>& event_values();
 /// The SI unit of one of them.

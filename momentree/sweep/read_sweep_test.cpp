@@ -76,7 +76,7 @@ TEST_CASE("measures of a thrown ball have their closed forms") {
   const Sweep& sweep = *read.sweep;
   REQUIRE(sweep.worlds() == 8);
   REQUIRE(sweep.plan->size() == 3);
-  const ScenarioWorlds worlds(sweep);
+  const ScenarioWorlds worlds(sweep, std::nullopt);
   std::vector<double> v(3);
   for (std::uint64_t w = 0; w < 8; ++w) {
     sweep.plan->values(w, v);
@@ -107,10 +107,10 @@ TEST_CASE("a world ends after the event of [stop], and one with too many steps f
   CAPTURE(said(ends));
   REQUIRE(ends.sweep);
   CHECK(ends.sweep->worlds() == 2);
-  CHECK(ScenarioWorlds(*ends.sweep).run(1).measures == std::vector<double>{0.25});
+  CHECK(ScenarioWorlds(*ends.sweep, std::nullopt).run(1).measures == std::vector<double>{0.25});
   const ReadSweep fails = read_sweep_text(text + "[stop]\nsteps = 50\n", folder.sweep());
   REQUIRE(fails.sweep);
-  CHECK(ScenarioWorlds(*fails.sweep).run(0).failure == "more than 50 steps, the limit of [stop]");
+  CHECK(ScenarioWorlds(*fails.sweep, std::nullopt).run(0).failure == "more than 50 steps, the limit of [stop]");
 }
 
 TEST_CASE("values are written into the scenario with their units") {

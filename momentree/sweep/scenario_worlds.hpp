@@ -1,34 +1,46 @@
 #pragma once
-// Runs worlds of a sweep as whole simulations.
+// Runs worlds of a sweep as simulations: several in SIMD lanes where they are simple enough, otherwise one by one.
 #include <atomic>
 #include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
 #include <string>
 
-#include <momentree/io/session.hpp>
 #include <momentree/sweep/encoding.hpp>
-#include <momentree/sweep/sweep.hpp>
+#include <momentree/sweep/lanes.hpp>
 #include <momentree/sweep/work_source.hpp>
 
 namespace momentree::sweep {
 
-/// Runs a simulation to `until` (s) as a world of the sweep: measures are recorded in `observation`, and the run ends early by
-/// the sweep's rule, which counts as Status::ok. A limit on the number of steps gives Status::stalled. The observer and the
-/// watcher of the simulation are left alone.
-RunResult run_world(Simulation& simulation, double until, const StopRule& stop, Observation& observation);
-
-/// Computes worlds from a sweep's scenario. Used by several threads at once.
+/// Computes worlds from a sweep's scenario. Used by several threads at once. Results do not depend on which worlds are computed
+/// together, nor on the number of threads.
 class ScenarioWorlds {
  public:
-  /// `stop`: ends the present worlds when it is set; null: they cannot be ended. The sweep must outlive this object.
-  explicit ScenarioWorlds(const Sweep& sweep, const std::atomic<bool>* stop = nullptr) : sweep_(sweep), stop_(stop) {}
+  /// `lanes`: for the worlds that fit into them. `stop`: ends the present worlds when it is set; null: they cannot be ended. The
+  /// sweep must outlive this object.
+  explicit ScenarioWorlds(const Sweep& sweep, Lanes lanes, const std::atomic<bool>* stop = nullptr);
 
-  /// One world. A world that cannot be run has `failure`. `ended`, if given, is set if the world was ended by `stop`.
-  WorldResult run(std::uint64_t world, bool* ended = nullptr) const;
+  /// The smallest number of worlds that fill the lanes.
+  std::uint64_t at_once() const;
+  /// Whether that world can run in lanes: see Lockstep::fits(); in addition, no measure may need the energy ledger.
+  [[nodiscard]] bool fits(std::uint64_t world) const;
+  /// Takes the result of the world at that place of a list. A world that cannot be run has `failure`.
+  using Take = std::function<void(std::size_t, WorldResult)>;
+  /// Runs these worlds and passes on their results, in any order. False: they were ended by `stop`.
+  [[nodiscard]] bool run(std::span<const std::uint64_t> worlds, const Take& take) const;
+  /// One world.
+  WorldResult run(std::uint64_t world) const;
   /// The encoded results of a chunk; empty if it was ended by `stop`.
   std::string run(Chunk chunk) const;
 
  private:
+  class Running;
+  class Together;
+  std::unique_ptr<Running> start(std::uint64_t world) const;
+
   const Sweep& sweep_;
+  Lanes lanes_;
   const std::atomic<bool>* stop_;
 };
 

@@ -82,7 +82,10 @@ void check_memory(std::size_t rows, std::size_t columns) {
 class Computation {
  public:
   Computation(const Sweep& sweep, const Rows& rows, double* out)
-      : worlds_(sweep, &stop_), measures_(sweep.measures.size()), rows_(rows), out_(out) {}
+      : worlds_(sweep, lanes_for(sweep, sweep::lanes_of("auto")), &stop_),
+        measures_(sweep.measures.size()),
+        rows_(rows),
+        out_(out) {}
 
   /// Without the GIL, which is taken to look for signals. Throws what a thread threw, or the exception of a signal handler.
   void run(std::size_t threads) {
@@ -122,7 +125,9 @@ class Computation {
   }
   void work() noexcept {
     try {
-      for (std::size_t row = next_++; row < rows_.size() && !stop_; row = next_++) compute(row);
+      const std::size_t block = worlds_.at_once();
+      for (std::size_t row = next_.fetch_add(block); row < rows_.size() && !stop_; row = next_.fetch_add(block))
+        compute(row, std::min(block, rows_.size() - row));
     } catch (...) {
       stop_ = true;
       const std::lock_guard lock(mutex_);
@@ -132,8 +137,13 @@ class Computation {
     --running_;
     ended_.notify_all();
   }
-  void compute(std::size_t row) {
-    WorldResult result = worlds_.run(rows_[row]);
+  void compute(std::size_t first, std::size_t count) {
+    std::vector<std::uint64_t> worlds(count);
+    for (std::size_t i = 0; i < count; ++i) worlds[i] = rows_[first + i];
+    // Ended by `stop_`: nobody looks at the results.
+    (void)worlds_.run(worlds, [&](std::size_t place, WorldResult result) { store(first + place, std::move(result)); });
+  }
+  void store(std::size_t row, WorldResult result) {
     double* const to = out_ + row * measures_;
     if (result.done()) {
       std::copy(result.measures.begin(), result.measures.end(), to);
