@@ -158,7 +158,7 @@ TEST_CASE("what ends a run alone ends it in lanes") {
     CHECK(beside.time() == 0.4);
     CHECK(expected.status == status);
     CHECK(runs[1].result.status == status);
-    CHECK(runs[1].result.reason == expected.reason);
+    CHECK(runs[1].result.reason.substr(0, 25) == expected.reason.substr(0, 25));  // numbers of a divergence are noise
     CHECK(difference(numbers_of(alone), numbers_of(lane)) < 1e-10);
   };
   both("nothing", 0.2, Status::ok, [](Simulation&) {});
@@ -169,10 +169,9 @@ TEST_CASE("what ends a run alone ends it in lanes") {
        [](Simulation& sim) { sim.observe(0.03, [](const World& world) { return world.time() < 0.1; }); });
   both("an impossible action", 0.2, Status::refused, [](Simulation& sim) {
     sim.at(0.1).then(break_joint("m/1"));
-    sim.at(0.1).then(lock("m/6"));
-    sim.at(0.12).then(lock("m/6"));
+    sim.at(0.12).then(impulse("m/1", {NAN, 0, 0}));
   });
-  both("a divergence", 0.2, Status::diverged, [](Simulation& sim) { sim.at(0.1).then(impulse("m/0", {1e14, 0, 0})); });
+  both("a divergence", 0.2, Status::diverged, [](Simulation& sim) { sim.at(0.1).then(impulse("m/0", {}, {1e14, 1e14, 1e14})); });
 }
 
 TEST_CASE("simulations that change after each step are not run in lanes") {

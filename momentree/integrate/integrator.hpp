@@ -78,6 +78,8 @@ class Integrator {
     return step(evaluate, state, ledger, h) ? h : 0;
   }
   virtual bool adaptive() const { return false; }
+  /// Whether the steps of lanes (batch/stepper.hpp) are those of this method.
+  virtual bool is_that_of_lanes() const { return false; }
 
   /// The step to try if `left` seconds remain to an instant that must be hit: the method's proposal, or `left` if that is not
   /// longer; adaptive methods halve what would leave a sliver.

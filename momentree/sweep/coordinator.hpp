@@ -14,10 +14,10 @@
 namespace momentree::sweep {
 
 struct CoordinatorOptions {
-  int workers = 1;               ///< about how many work at once
-  double seconds = 0.25;         ///< about how long a chunk should take
-  std::uint64_t largest = 4096;  ///< worlds in a chunk
-  std::uint64_t multiple = 1;    ///< chunks have a multiple of this number of worlds, where the worlds that are left allow it
+  int workers = 1;        ///< about how many work at once
+  double seconds = 0.25;  ///< about how long a chunk should take; longer with so many workers that rank 0 would be too busy
+  std::uint64_t largest = 16384;  ///< worlds in a chunk
+  std::uint64_t multiple = 1;     ///< chunks have a multiple of this number of worlds, where the worlds that are left allow it
 };
 
 /// Chunks are small at first; as the cost of a world becomes known they grow until one takes about `seconds`, and towards the

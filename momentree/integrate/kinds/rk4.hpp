@@ -15,6 +15,7 @@ class Rk4 final : public Integrator {
   static constexpr double damper_limit = 2.785, spring_limit = 2.97;
   Rk4(const Tree& tree, const StepControl& control);
   bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept override;
+  bool is_that_of_lanes() const override { return true; }
 
  private:
   std::unique_ptr<double[]> q_, p_;          // stage, then result
