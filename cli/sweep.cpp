@@ -12,7 +12,6 @@
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/io/text_file.hpp>
 #include <momentree/sweep/coordinator.hpp>
 #include <momentree/sweep/distribute.hpp>
 #include <momentree/sweep/launch.hpp>
@@ -99,7 +98,7 @@ int run_one_world(const sweep::Sweep& sweep, const SweepOptions& options) {
 
 int say_complete(const std::string& out, const SweepOptions& options) {
   if (options.json)
-    std::fputs(io::read_text_file(out + "/sweep.json").c_str(), stdout);
+    std::fputs(complete_summary(out).c_str(), stdout);
   else if (!options.quiet)
     show(stdout, "The sweep is complete already. Results: " + printable(out) + '\n');
   return done;

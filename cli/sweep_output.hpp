@@ -12,6 +12,11 @@
 
 namespace momentree::cli {
 
+/// Whether the results go into one HDF5 file.
+bool is_one_file(const std::string& destination);
+/// The text of sweep.json in complete results, of whatever sweep; empty if there are none. Throws Error.
+std::string complete_summary(const std::string& out);
+
 /// The folder `OUT.partial` with the journal. Without publish() it is kept, so that the sweep can be continued.
 class SweepOutput {
  public:
@@ -33,7 +38,8 @@ class SweepOutput {
   const sweep::SweepSummary& summary() const { return *summary_; }
 
  private:
-  bool in_one_file() const { return out_.ends_with(".h5"); }
+  bool in_one_file() const { return is_one_file(out_); }
+  void try_table();
   void write_tables();
   void write_hdf5();
   void write_report();
@@ -48,7 +54,7 @@ class SweepOutput {
 
 /// The destination of a sweep: --out, the sweep's own, or results/ and its name.
 std::string sweep_destination(const sweep::Sweep& sweep, const SweepOptions& options);
-/// Whether the folder holds the complete result of this sweep, computed by this version.
+/// Whether the folder or file holds the complete result of this sweep, computed by this version.
 bool is_complete_sweep(const sweep::Sweep& sweep, const std::string& out);
 
 }  // namespace momentree::cli
