@@ -19,8 +19,6 @@ constexpr std::size_t most_shown = 20'000;
 constexpr std::size_t most_worst = 10;
 constexpr double listed_shares[] = {0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99};
 
-std::size_t stride_of(std::size_t size) { return std::max<std::size_t>((size + most_shown - 1) / most_shown, 1); }
-
 io::JsonWriter& member_count(io::JsonWriter& json, std::string_view name, std::uint64_t count) {
   return json.key(name).value(static_cast<long>(count));
 }
@@ -124,16 +122,16 @@ void SweepSummary::write_sensitivities(io::JsonWriter& json, const std::vector<s
 
 void SweepSummary::write_values(io::JsonWriter& json, const std::vector<std::vector<double>>& sample) const {
   const std::vector<std::uint64_t> worlds = statistics_.sample().worlds();
-  const std::size_t stride = stride_of(worlds.size());
+  const std::vector<std::size_t> shown = statistics_.sample().smallest(most_shown);
   json.key("values").begin_object().key("world").begin_array();
-  for (std::size_t i = 0; i < worlds.size(); i += stride) json.value(static_cast<long>(worlds[i]));
+  for (const std::size_t i : shown) json.value(static_cast<long>(worlds[i]));
   json.end_array();
   std::vector<double> values(sweep_.plan->size());
   for (std::size_t c = 0; c < sample.size(); ++c) {
     const bool text = c < columns_.size() && columns_[c].is_text;
     const bool flag = c >= columns_.size() && sweep_.measures[c - columns_.size()].is_flag();
     json.key(name(c)).begin_array();
-    for (std::size_t i = 0; i < worlds.size(); i += stride) {
+    for (const std::size_t i : shown) {
       if (text) {
         sweep_.plan->values(worlds[i], values);
         json.value(parameter_text(columns_[c], values));
@@ -180,8 +178,7 @@ std::string SweepSummary::document(bool with_values, const std::vector<std::uint
   member_count(json, "failed", failed_);
   std::vector<std::vector<double>> sample;
   for (std::size_t c = 0; c < statistics_.columns(); ++c) sample.push_back(statistics_.sample().column(c));
-  const std::size_t kept = statistics_.sample().size(), stride = stride_of(kept);
-  if (with_values) member_count(json, "shown", (kept + stride - 1) / stride);
+  if (with_values) member_count(json, "shown", std::min(statistics_.sample().size(), most_shown));
   json.key("columns").begin_array();
   for (std::size_t c = 0; c < sample.size(); ++c) write_column(json, c, sample[c]);
   json.end_array();

@@ -9,7 +9,7 @@ export interface SweepDocument {
   readonly sweep?: string;
   readonly scenario?: string;
   readonly seed?: number;
-  /** Numbers of worlds: planned, finished, failed, and in `values`, which is an even sample of the worlds if these are many. */
+  /** Numbers of worlds: planned, finished, failed, and in `values`, which is a random sample of the worlds if these are many. */
   readonly worlds?: number;
   readonly done?: number;
   readonly failed?: number;
