@@ -79,7 +79,8 @@ std::shared_ptr<const io::Scenario> read_scenario_of(const Value& value, SweepRe
   return std::make_shared<const io::Scenario>(std::move(*read.scenario));
 }
 
-std::string hash_of(const Sweep& sweep) {
+// `tried`: of try_parameters().
+std::string hash_of(const Sweep& sweep, const std::string& tried) {
   io::Hash hash;
   hash.add(sweep.text);
   hash.add("\n--scenario ");
@@ -88,6 +89,8 @@ std::string hash_of(const Sweep& sweep) {
     hash.add("\n--state ");
     hash.add(io::read_text_file(file.file));
   }
+  hash.add("\n--tried ");
+  hash.add(tried);
   return hash.digits();
 }
 
@@ -138,7 +141,6 @@ void read_document(const Value& document, SweepReading& reading, std::vector<io:
   if (vary != nullptr && out.errors() == 0) make_plan(*vary, worlds, std::move(correlations), reading);
   if (!sweep.scenario) return;
   try {
-    sweep.hash = hash_of(sweep);
     io::Session session(sweep.scenario);
     const std::vector<io::Diagnostic> warnings = session.schedule();
     sweep.joints = session.joints();
@@ -148,7 +150,13 @@ void read_document(const Value& document, SweepReading& reading, std::vector<io:
     out.error(scenario->place, "scenario: " + error.problem, error.hint);
     return;
   }
-  if (reading.variables.size() == sweep.parameters.size() && !out.full()) try_parameters(reading);
+  if (vary == nullptr || out.full()) return;
+  reading.vary = vary->place;
+  try {
+    sweep.hash = hash_of(sweep, try_parameters(reading));
+  } catch (const Error& error) {
+    out.error(vary->place, "[vary]: " + error.problem, error.hint);
+  }
 }
 
 ReadSweep refused(const std::string& path, std::string what, std::string hint) {
