@@ -27,7 +27,7 @@ constexpr const char* journal_name = "sweep.journal";
 constexpr std::size_t animated_ends = 3;  // worlds with a page of their own, at each end of each measure
 
 sweep::JournalIdentity identity_of(const sweep::Sweep& sweep, sweep::Lanes lanes) {
-  return {sweep::program_text(lanes), sweep.hash, sweep.worlds(), sweep.measures.size()};
+  return {sweep::program_text(lanes), sweep.hash, sweep.plan_hash, sweep.worlds(), sweep.measures.size()};
 }
 
 // Why a journal does not belong to the sweep; empty if it does.
@@ -36,6 +36,8 @@ std::string difference(const sweep::JournalIdentity& found, const sweep::Journal
   if (found.worlds != wanted.worlds || found.measures != wanted.measures)
     return "this folder has the unfinished results of another sweep, with " + std::to_string(found.worlds) + " worlds and " +
            std::to_string(found.measures) + " measures";
+  if (found.plan != wanted.plan)
+    return "the values of worlds have changed since these unfinished results: [vary], [[correlated]], the seed or the number of worlds";
   if (found.hash != wanted.hash)
     return "this folder has the unfinished results of another sweep, or of one that has been changed";
   return "this folder has unfinished results of version " + found.version + ", and this is version " + wanted.version;
@@ -94,12 +96,14 @@ SweepOutput::SweepOutput(const sweep::Sweep& sweep, sweep::Lanes lanes, const Sw
   if (folder_->has(journal_name) && !options.restart) {
     journal_.emplace(Journal::open((folder_->working() / journal_name).string()));
     const std::string why = difference(journal_->identity(), wanted);
-    const bool same_form = journal_->identity().worlds == wanted.worlds && journal_->identity().measures == wanted.measures;
+    const sweep::JournalIdentity& found = journal_->identity();
+    const bool same_form = found.worlds == wanted.worlds && found.measures == wanted.measures && found.plan == wanted.plan;
     if (!why.empty() && !(options.accept_changes && same_form))
       throw_error({why, folder_->working().string(),
                    std::string("--restart discards them") + (same_form ? ", and --accept-changes continues from them" : "")});
     for (const Journal::Entry& entry : journal_->entries()) found_ += entry.chunk.count;
     try_table();
+    if (!why.empty()) journal_->accept(wanted);
     folder_->keep();
     return;
   }
@@ -186,6 +190,7 @@ void SweepOutput::write_report() {
 std::vector<std::string> SweepOutput::publish(bool report) {
   journal_->flush();
   summary_.emplace(sweep_);
+  summary_->set_former(journal_->former());
   if (in_one_file()) {
     write_hdf5();
     const std::string file = (folder_->working() / "results.h5").string();

@@ -6,6 +6,7 @@
 
 #include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
+#include <momentree/io/convert/toml_writer.hpp>
 #include <momentree/io/hash.hpp>
 #include <momentree/io/input_file.hpp>
 #include <momentree/io/text_file.hpp>
@@ -112,6 +113,16 @@ void make_plan(const Value& vary, std::optional<std::int64_t> worlds, std::vecto
   }
 }
 
+// The same for the same values of all worlds, however they are written.
+std::string plan_hash_of(const Value& vary, const Value* correlated, const Sweep& sweep) {
+  io::Hash hash;
+  hash.add(io::toml_value_text(vary));
+  hash.add("\n--correlated ");
+  if (correlated != nullptr) hash.add(io::toml_value_text(*correlated));
+  hash.add("\n--seed " + std::to_string(sweep.seed) + " --worlds " + std::to_string(sweep.worlds()));
+  return hash.digits();
+}
+
 void read_document(const Value& document, SweepReading& reading, std::vector<io::Diagnostic>& of_scenario) {
   io::Diagnostics& out = reading.out;
   Sweep& sweep = reading.sweep;
@@ -139,6 +150,7 @@ void read_document(const Value& document, SweepReading& reading, std::vector<io:
   if (correlated != nullptr) correlations = read_correlations(*correlated, reading);
   if (scenario != nullptr) sweep.scenario = read_scenario_of(*scenario, reading, of_scenario);
   if (vary != nullptr && out.errors() == 0) make_plan(*vary, worlds, std::move(correlations), reading);
+  if (sweep.plan) sweep.plan_hash = plan_hash_of(*vary, correlated, sweep);
   if (!sweep.scenario) return;
   try {
     io::Session session(sweep.scenario);

@@ -172,6 +172,11 @@ std::string SweepSummary::document(bool with_values, const std::vector<std::uint
   json.member("version", MOMENTREE_VERSION).end_object();
   json.member("title", sweep_.title.empty() ? sweep_.name : sweep_.title).member("sweep", sweep_.path);
   json.member("scenario", sweep_.scenario->path).member("hash", sweep_.hash);
+  if (!former_.empty()) {
+    json.key("accepted_changes").begin_array();
+    for (const FormerIdentity& each : former_) json.begin_object().member("version", each.version).member("hash", each.hash).end_object();
+    json.end_array();
+  }
   member_count(json, "seed", sweep_.seed);
   member_count(json, "worlds", sweep_.worlds());
   member_count(json, "done", done_);

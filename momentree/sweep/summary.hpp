@@ -25,6 +25,8 @@ class SweepSummary {
   /// The sweep must outlive this object.
   explicit SweepSummary(const Sweep& sweep);
 
+  /// What finished worlds were computed by before changes were accepted: listed in the documents.
+  void set_former(std::vector<FormerIdentity> former) { former_ = std::move(former); }
   /// Adds a world. Each is added once.
   void add(const Row& row);
   std::uint64_t done() const { return done_; }
@@ -54,6 +56,7 @@ class SweepSummary {
   const Sweep& sweep_;
   std::vector<ParameterColumn> columns_;
   Statistics statistics_;
+  std::vector<FormerIdentity> former_;
   std::uint64_t done_ = 0, failed_ = 0;
   std::vector<Failure> failures_;  ///< the first ones
 };

@@ -88,6 +88,7 @@ export function sweepOf(document: unknown): Sweep {
     file: textOr(sweep, "sweep", where, ""),
     scenario: textOr(sweep, "scenario", where, ""),
     seed: optionalNumber(sweep, "seed", where),
+    accepted: items(sweep.accepted_changes ?? [], "accepted_changes", (each, at) => textOr(each, "version", at, "")),
     worlds: numberOr(sweep, "worlds", where, world.length),
     done: numberOr(sweep, "done", where, Math.max(world.length - failed, 0)),
     failed,
