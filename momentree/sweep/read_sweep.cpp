@@ -101,6 +101,7 @@ void make_plan(const Value& vary, std::optional<std::int64_t> worlds, std::vecto
   if (!worlds && std::all_of(reading.variables.begin(), reading.variables.end(), is_drawn))
     return reading.out.error(vary.place, "[vary]: every value is drawn at random, but the number of worlds is not given",
                              "worlds = 1000");
+  reading.sweep.correlations = correlations;
   try {
     reading.sweep.plan = std::make_shared<const Plan>(reading.variables,
                                                       worlds ? std::optional(static_cast<std::uint64_t>(*worlds)) : std::nullopt,

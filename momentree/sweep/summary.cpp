@@ -109,14 +109,24 @@ void SweepSummary::write_sensitivities(io::JsonWriter& json, const std::vector<s
     else
       json.null();
   };
-  for (std::size_t m = columns_.size(); m < sample.size(); ++m)
+  for (std::size_t m = columns_.size(); m < sample.size(); ++m) {
+    const bool conditional = statistics_.summary(m).missing > 0;
     for (std::size_t v = 0; v < columns_.size(); ++v) {
       if (columns_[v].is_text) continue;
+      const auto of = [c = columns_[v].component](const Correlation& each) {
+        return each.coefficient != 0 && (each.a == c || each.b == c);
+      };
+      std::uint64_t pairs = 0;
+      for (std::size_t i = 0; i < sample[m].size(); ++i) pairs += std::isfinite(sample[v][i]) && std::isfinite(sample[m][i]);
       json.begin_object().member("measure", name(m)).member("vary", name(v));
       write("correlation", rank_correlation(sample[v], sample[m]));
       write("first_order", sobol_index(sample[v], sample[m]));
+      member_count(json, "pairs", pairs);
+      json.member("conditional", conditional);
+      json.member("correlated", std::any_of(sweep_.correlations.begin(), sweep_.correlations.end(), of));
       json.end_object();
     }
+  }
   json.end_array();
 }
 

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 
@@ -65,6 +66,34 @@ std::vector<double> shown(const SweepSummary& summary, const std::string& column
 }
 
 }  // namespace
+
+TEST_CASE("sensitivities say what limits their meaning") {
+  const Folder folder;
+  const std::string vary =
+      "\"mechanism.m.body.ball.mass\" = { normal = [9, 1] }\n\"mechanism.m.body.ball.inertia\" = { normal = [9, 1] }\n"
+      "\"integrate.step\" = { uniform = [0.01, 0.02] }\n";
+  const std::string correlated =
+      "[[correlated]]\nparameters = [\"mechanism.m.body.ball.mass\", \"mechanism.m.body.ball.inertia\"]\ncoefficient = 0.5\n";
+  const Sweep sweep = sweep_of(folder, "worlds = 100\n" + correlated, vary);
+  for (const bool some : {false, true}) {
+    SweepSummary summary(sweep);
+    Row row;
+    row.values.resize(sweep.plan->size());
+    for (row.world = 0; row.world < 100; ++row.world) {
+      sweep.plan->values(row.world, row.values);
+      row.result.measures = {some && row.world % 4 == 0 ? NAN : row.values[0]};
+      summary.add(row);
+    }
+    const momentree::Value document = momentree::io::parse_json(summary.json(), "sweep.json");
+    const momentree::Value::Array& all = *document.find("sensitivities")->value.array();
+    REQUIRE(all.size() == 3);
+    for (std::size_t v = 0; v < 3; ++v) {
+      CHECK(all[v].find("pairs")->value.number() == (some ? 75 : 100));
+      CHECK(*all[v].find("conditional")->value.boolean() == some);
+      CHECK(*all[v].find("correlated")->value.boolean() == (v < 2));
+    }
+  }
+}
 
 TEST_CASE("the points of a report are a uniform sample of many worlds") {
   const Folder folder;

@@ -44,6 +44,7 @@ struct Sweep {
   std::uint64_t seed = 0;
   std::vector<Parameter> parameters;
   std::shared_ptr<const Plan> plan;
+  std::vector<Correlation> correlations;  ///< in the plan
   std::vector<Measure> measures;
   StopRule stop;
   std::string output;       ///< a folder, or a file that ends in .h5; empty: not given

@@ -26,6 +26,9 @@ const sensitivityOf = (value: Json, where: string): Sensitivity => ({
   vary: textOr(value, "vary", where, ""),
   correlation: optionalNumber(value, "correlation", where),
   first_order: optionalNumber(value, "first_order", where),
+  pairs: optionalNumber(value, "pairs", where),
+  conditional: value.conditional === true,
+  correlated: value.correlated === true,
 });
 
 /** A file beside the page or below it; null for any other address. */
