@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <set>
 
+#include <cli/interrupt.hpp>
 #include <cli/page.hpp>
 #include <cli/record.hpp>
 #include <cli/sweep_hdf5.hpp>
@@ -165,29 +166,46 @@ void SweepOutput::write_hdf5() {
   table.finish(summary_->json());
 }
 
-// The worst worlds are run again, each with a page that shows its motion.
-void SweepOutput::write_report() {
+// The worst worlds are run again, each with a page that shows its motion. False: interrupted.
+bool SweepOutput::write_report(std::vector<std::string>& warnings) {
   std::set<std::uint64_t> wanted;
   for (const sweep::Worst& worst : summary_->worst(animated_ends))
     for (const sweep::Extreme& each : worst.worlds) wanted.insert(each.world);
   std::vector<std::uint64_t> animated;
   for (const std::uint64_t world : wanted) {
-    io::ReadResult read = io::read_scenario_again(*sweep_.scenario, sweep_.overrides(world));
-    if (!read.scenario) continue;
-    const TemporaryFolder scratch;
-    sweep::Observation observation(sweep_.measures);
-    const Recorded recorded =
-        record(*read.scenario, scratch.result(), Purpose::report,
-               [&](Simulation& simulation, double until) { return run_world(simulation, until, sweep_.stop, observation); });
-    if (recorded.code != done) continue;
-    const std::string page = io::report_page(report_html(), io::report_data(recorded.folder));
+    if (InterruptGuard::interrupted()) return false;
+    std::string page, why;
+    try {
+      page = page_of(world);
+    } catch (const Error& error) {
+      why = error.message();
+    }
+    if (InterruptGuard::interrupted()) return false;
+    if (page.empty()) {
+      warnings.push_back(sweep_.path + ": warning: the report has no animation of world " + std::to_string(world) +
+                         (why.empty() ? ": it could not be run again" : ": " + why));
+      continue;
+    }
     folder_->write(sweep::page_of_world(world).c_str(), page);
     animated.push_back(world);
   }
   folder_->write("report.html", io::sweep_page(sweep_html(), summary_->report(animated)));
+  return true;
 }
 
-std::vector<std::string> SweepOutput::publish(bool report) {
+// Empty, with a message, if the run failed.
+std::string SweepOutput::page_of(std::uint64_t world) const {
+  io::ReadResult read = io::read_scenario_again(*sweep_.scenario, sweep_.overrides(world));
+  if (!read.scenario) return "";
+  const TemporaryFolder scratch;
+  sweep::Observation observation(sweep_.measures);
+  const Recorded recorded =
+      record(*read.scenario, scratch.result(), Purpose::report,
+             [&](Simulation& simulation, double until) { return run_world(simulation, until, sweep_.stop, observation); });
+  return recorded.code == done ? io::report_page(report_html(), io::report_data(recorded.folder)) : "";
+}
+
+std::optional<std::vector<std::string>> SweepOutput::publish(bool report) {
   journal_->flush();
   summary_.emplace(sweep_);
   summary_->set_former(journal_->former());
@@ -201,11 +219,12 @@ std::vector<std::string> SweepOutput::publish(bool report) {
     const fs::path above = fs::path(out_).parent_path();
     io::sync_folder(above.empty() ? "." : above);
     folder_->remove_all();
-    return {};
+    return std::vector<std::string>();
   }
   write_tables();
-  if (report) write_report();
-  std::vector<std::string> warnings = folder_->publish();
+  std::vector<std::string> warnings;
+  if (report && !write_report(warnings)) return std::nullopt;
+  for (std::string& warning : folder_->publish()) warnings.push_back(std::move(warning));
   ::unlink((fs::path(out_) / journal_name).c_str());  // last: until here the results could be made again from it
   return warnings;
 }

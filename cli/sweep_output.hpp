@@ -31,9 +31,9 @@ class SweepOutput {
   /// Worlds of an earlier run that were found.
   std::uint64_t found() const { return found_; }
 
-  /// Writes the tables from the complete journal and moves them to their destination. Returns warnings. Throws Error: the journal
-  /// is then still there.
-  std::vector<std::string> publish(bool report);
+  /// Writes the tables from the complete journal and moves them to their destination. Returns warnings; nothing if it
+  /// was interrupted while the report was written. The journal is then still there, and so it is if this throws Error.
+  std::optional<std::vector<std::string>> publish(bool report);
   /// The statistics, after publish().
   const sweep::SweepSummary& summary() const { return *summary_; }
 
@@ -42,7 +42,8 @@ class SweepOutput {
   void try_table();
   void write_tables();
   void write_hdf5();
-  void write_report();
+  bool write_report(std::vector<std::string>& warnings);
+  std::string page_of(std::uint64_t world) const;
 
   const sweep::Sweep& sweep_;
   std::string out_;
